@@ -1,0 +1,3 @@
+//! TODO
+mod span;
+pub use span::Span;

@@ -1,0 +1,3 @@
+//! TODO
+mod diagnostic;
+pub use diagnostic::{Diagnostic, Label, Severity, Source, SourceId, Sources};
