@@ -1,0 +1,221 @@
+//! Expressions as a graph with sharing.
+
+use crate::{Binary, Symbol, Unary, simplify};
+use std::collections::HashMap;
+
+/// Handle of a node; only meaningful with the graph that made it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Id(pub(crate) u32);
+
+impl Id {
+    pub(crate) fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// One node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Node {
+    /// A number, as its bits, so that nodes can be compared and hashed.
+    Constant(u64),
+    /// A name.
+    Symbol(Symbol),
+    /// A function of one argument.
+    Unary(Unary, Id),
+    /// An operation with two operands.
+    Binary(Binary, Id, Id),
+}
+
+/// An arena in which equal expressions are one node. It only grows; operands precede operations, so every pass is one loop.
+///
+/// The constructors simplify as they build (see `simplify.rs`): by rules that hold wherever the original is finite, and no others.
+#[derive(Clone, Debug, Default)]
+pub struct Graph {
+    nodes: Vec<Node>,
+    index: HashMap<Node, Id>,
+}
+
+impl Graph {
+    /// The node behind a handle.
+    pub fn node(&self, id: Id) -> Node {
+        self.nodes[id.index()]
+    }
+
+    /// How many nodes there are.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Whether nothing was built yet.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    pub(crate) fn intern(&mut self, node: Node) -> Id {
+        *self.index.entry(node).or_insert_with(|| {
+            self.nodes.push(node);
+            Id((self.nodes.len() - 1) as u32)
+        })
+    }
+
+    /// A number; minus zero is zero.
+    pub fn constant(&mut self, value: f64) -> Id {
+        self.intern(Node::Constant((value + 0.0).to_bits()))
+    }
+
+    /// A name.
+    pub fn symbol(&mut self, symbol: Symbol) -> Id {
+        self.intern(Node::Symbol(symbol))
+    }
+
+    /// A function of one argument, simplified.
+    pub fn unary(&mut self, op: Unary, a: Id) -> Id {
+        simplify::unary(self, op, a).unwrap_or_else(|| self.intern(Node::Unary(op, a)))
+    }
+
+    /// An operation with two operands, simplified.
+    pub fn binary(&mut self, op: Binary, a: Id, b: Id) -> Id {
+        simplify::binary(self, op, a, b).unwrap_or_else(|| self.intern(Node::Binary(op, a, b)))
+    }
+
+    /// `a + b`
+    pub fn add(&mut self, a: Id, b: Id) -> Id {
+        self.binary(Binary::Add, a, b)
+    }
+
+    /// `a - b`
+    pub fn sub(&mut self, a: Id, b: Id) -> Id {
+        self.binary(Binary::Sub, a, b)
+    }
+
+    /// `a * b`
+    pub fn mul(&mut self, a: Id, b: Id) -> Id {
+        self.binary(Binary::Mul, a, b)
+    }
+
+    /// `a / b`
+    pub fn div(&mut self, a: Id, b: Id) -> Id {
+        self.binary(Binary::Div, a, b)
+    }
+
+    /// `-a`
+    pub fn neg(&mut self, a: Id) -> Id {
+        self.unary(Unary::Neg, a)
+    }
+
+    /// The number, if the node is one.
+    pub fn value(&self, id: Id) -> Option<f64> {
+        match self.node(id) {
+            Node::Constant(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        }
+    }
+
+    /// Operands of a node.
+    pub fn operands(&self, id: Id) -> impl Iterator<Item = Id> + use<> {
+        let (a, b) = match self.node(id) {
+            Node::Constant(_) | Node::Symbol(_) => (None, None),
+            Node::Unary(_, a) => (Some(a), None),
+            Node::Binary(_, a, b) => (Some(a), Some(b)),
+        };
+        a.into_iter().chain(b)
+    }
+
+    /// All nodes that the roots are made of, operands first, roots included.
+    pub fn reachable(&self, roots: &[Id]) -> Vec<Id> {
+        self.reachable_above(roots, &[])
+    }
+
+    /// As [`Graph::reachable`], but not looking into the nodes of `leaves` (which are listed where they are met).
+    pub fn reachable_above(&self, roots: &[Id], leaves: &[Id]) -> Vec<Id> {
+        let size = roots.iter().map(|id| id.index() + 1).max().unwrap_or(0);
+        let mut leaf = vec![false; size];
+        leaves.iter().filter(|id| id.index() < size).for_each(|id| leaf[id.index()] = true);
+        let mut marked = vec![false; size];
+        roots.iter().for_each(|id| marked[id.index()] = true);
+        for k in (0..size).rev() {
+            if marked[k] && !leaf[k] {
+                self.operands(Id(k as u32)).for_each(|a| marked[a.index()] = true);
+            }
+        }
+        (0..size).filter(|&k| marked[k]).map(|k| Id(k as u32)).collect()
+    }
+
+    /// For each node of `order` (operands first), whether it is or uses one of `of`.
+    fn dependence(&self, order: &[Id], of: &[Id]) -> Vec<bool> {
+        let size = order.last().map_or(0, |id| id.index() + 1);
+        let mut depends = vec![false; size];
+        of.iter().filter(|id| id.index() < size).for_each(|id| depends[id.index()] = true);
+        for &id in order {
+            depends[id.index()] |= self.operands(id).any(|a| depends[a.index()]);
+        }
+        depends
+    }
+
+    /// Whether any of the roots uses any of the nodes.
+    pub fn uses(&self, roots: &[Id], of: &[Id]) -> bool {
+        let depends = self.dependence(&self.reachable(roots), of);
+        roots.iter().any(|id| depends[id.index()])
+    }
+
+    /// All symbols that the roots use, in the order in which they were first made.
+    pub fn symbols(&self, roots: &[Id]) -> Vec<Symbol> {
+        let of = |id: Id| if let Node::Symbol(s) = self.node(id) { Some(s) } else { None };
+        self.reachable(roots).into_iter().filter_map(of).collect()
+    }
+
+    /// Replaces nodes: every use of a key becomes its value, and everything above is rebuilt (and simplified again).
+    ///
+    /// ```
+    /// # use phisindy_expr::*;
+    /// # use std::collections::HashMap;
+    /// # let (mut g, mut n) = (Graph::default(), Names::default());
+    /// # let mut e = |g: &mut Graph, t: &str| g.lower(&parse(t).unwrap(), |s| Some(n.intern(s))).unwrap();
+    /// let (f, sign, mode, one) = (e(&mut g, "a*sgn(v) + x"), e(&mut g, "sgn(v)"), e(&mut g, "s"), e(&mut g, "a*s + x"));
+    /// assert_eq!(g.replace(&[f], &HashMap::from([(sign, mode)])), [one]);
+    /// ```
+    pub fn replace(&mut self, roots: &[Id], with: &HashMap<Id, Id>) -> Vec<Id> {
+        let mut new: HashMap<Id, Id> = HashMap::new();
+        let keys: Vec<Id> = with.keys().copied().collect();
+        for id in self.reachable_above(roots, &keys) {
+            let node = match (with.get(&id), self.node(id)) {
+                (Some(&replacement), _) => replacement,
+                (None, Node::Unary(op, a)) => self.unary(op, new[&a]),
+                (None, Node::Binary(op, a, b)) => self.binary(op, new[&a], new[&b]),
+                (None, _) => id,
+            };
+            new.insert(id, node);
+        }
+        roots.iter().map(|id| new[id]).collect()
+    }
+
+    /// The border between what stays and what varies: every node that does not use `varying` but is used by a node of `roots` that
+    /// does (or is a root itself), numbers excepted. Evaluated once per data set, these are the inputs of what is left for each epoch.
+    ///
+    /// ```
+    /// # use phisindy_expr::*;
+    /// # let (mut g, mut n) = (Graph::default(), Names::default());
+    /// # let mut e = |g: &mut Graph, t: &str| g.lower(&parse(t).unwrap(), |s| Some(n.intern(s))).unwrap();
+    /// let (loss, feature, a) = (e(&mut g, "a*ln(abs(v)+1)"), e(&mut g, "ln(abs(v)+1)"), e(&mut g, "a"));
+    /// assert_eq!(g.border(&[loss], &[a]), [feature]);
+    /// ```
+    pub fn border(&self, roots: &[Id], varying: &[Id]) -> Vec<Id> {
+        let order = self.reachable(roots);
+        let depends = self.dependence(&order, varying);
+        let mut at = vec![false; depends.len()];
+        for &id in &order {
+            if depends[id.index()] {
+                self.operands(id).for_each(|a| at[a.index()] = true);
+            }
+        }
+        roots.iter().for_each(|id| at[id.index()] = true);
+        order
+            .into_iter()
+            .filter(|&id| at[id.index()] && !depends[id.index()] && self.value(id).is_none())
+            .collect()
+    }
+
+    pub(crate) fn depends_on(&self, order: &[Id], of: &[Id]) -> Vec<bool> {
+        self.dependence(order, of)
+    }
+}

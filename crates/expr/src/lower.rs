@@ -1,0 +1,47 @@
+//! Syntax tree to graph: names become symbols.
+
+use crate::{Ast, AstKind, Graph, Id, Span, Symbol};
+
+/// A name that stands for nothing here.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnknownName {
+    /// The name as written.
+    pub name: String,
+    /// Where it stands in the expression.
+    pub span: Span,
+}
+
+impl Graph {
+    /// Builds the graph of a syntax tree. `resolve` says which symbol a name stands for; `pi` is known.
+    ///
+    /// # Errors
+    /// All names that `resolve` does not know, in the order of the text.
+    pub fn lower(
+        &mut self,
+        ast: &Ast,
+        mut resolve: impl FnMut(&str) -> Option<Symbol>,
+    ) -> Result<Id, Vec<UnknownName>> {
+        let mut ids: Vec<Id> = Vec::with_capacity(ast.nodes.len());
+        let mut unknown = Vec::new();
+        for node in &ast.nodes {
+            let id = match &node.kind {
+                AstKind::Number(value) => self.constant(*value),
+                AstKind::Name(name) => match resolve(name) {
+                    Some(symbol) => self.symbol(symbol),
+                    None if name == "pi" => self.constant(std::f64::consts::PI),
+                    None => {
+                        unknown.push(UnknownName { name: name.clone(), span: node.span });
+                        self.constant(f64::NAN)
+                    }
+                },
+                AstKind::Unary(op, a) => self.unary(*op, ids[*a]),
+                AstKind::Binary(op, a, b) => self.binary(*op, ids[*a], ids[*b]),
+            };
+            ids.push(id);
+        }
+        match ids.last() {
+            Some(&root) if unknown.is_empty() => Ok(root),
+            _ => Err(unknown),
+        }
+    }
+}

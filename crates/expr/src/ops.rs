@@ -1,0 +1,235 @@
+//! The table of operations. Adding an operation is adding a row here: name, value, derivative, kinks, LaTeX. Values, gradients of any
+//! order, the printers, the parser and the operation tests all read these rows.
+//!
+//! Derivatives at a kink are a decision, written down once: `d|x| = sgn(x)`, `sgn(0) = 0`, `d sgn = d step = 0`, and so `1/2` for `pos` and
+//! `dead` at their corners.
+
+use crate::{Graph, Id};
+
+/// How an operation is written in LaTeX; `#1`, `#2` stand for the operands.
+pub type Latex = &'static str;
+
+/// A row of the table of functions of one argument.
+pub struct UnaryRow {
+    /// The operation.
+    pub op: Unary,
+    /// Its name in the language; empty for unary minus, which is written as an operator.
+    pub name: &'static str,
+    /// The value: the one definition that every evaluator follows.
+    pub value: fn(f64) -> f64,
+    /// dy/dx as a node, from the nodes of x and y.
+    pub slope: fn(&mut Graph, Id, Id) -> Id,
+    /// Where value or slope jumps.
+    pub kinks: &'static [f64],
+    /// How it prints.
+    pub latex: Latex,
+    /// One line for the language reference.
+    pub about: &'static str,
+}
+
+/// A row of the table of operations with two operands.
+pub struct BinaryRow {
+    /// The operation.
+    pub op: Binary,
+    /// Its name in the language, or the operator sign.
+    pub name: &'static str,
+    /// Precedence of an infix operator; 0 for a function.
+    pub precedence: u8,
+    /// The value: the one definition that every evaluator follows.
+    pub value: fn(f64, f64) -> f64,
+    /// dy/da as a node, from the nodes of a, b and y.
+    pub slope_a: fn(&mut Graph, Id, Id, Id) -> Id,
+    /// dy/db as a node, from the nodes of a, b and y.
+    pub slope_b: fn(&mut Graph, Id, Id, Id) -> Id,
+    /// Positive distance to the nearest jump of value or slope; infinite where there is none.
+    pub kink: fn(f64, f64) -> f64,
+    /// How it prints.
+    pub latex: Latex,
+    /// One line for the language reference.
+    pub about: &'static str,
+}
+
+macro_rules! unary_table {
+    ($($op:ident $name:literal |$x:ident| $value:expr; |$g:ident, $gx:ident, $gy:ident| $slope:expr; $kinks:expr; $latex:literal $about:literal)*) => {
+        /// A function of one argument.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        #[repr(u8)]
+        pub enum Unary { $(#[doc = $about] $op,)* }
+
+        /// Every function of one argument.
+        pub const UNARY: &[UnaryRow] = &[$(UnaryRow {
+            op: Unary::$op,
+            name: $name,
+            value: |$x| $value,
+            slope: |$g, $gx, $gy| { let _ = (&$g, $gx, $gy); $slope },
+            kinks: &$kinks,
+            latex: $latex,
+            about: $about,
+        },)*];
+
+        impl Unary {
+            /// The row of this operation.
+            pub fn row(self) -> &'static UnaryRow {
+                &UNARY[self as usize]
+            }
+
+            /// `out[i] = op(a[i])`: one dispatch for all lanes, so that the loop inside vectorises.
+            #[inline]
+            pub(crate) fn lanes<const N: usize>(self, a: &[f64; N], out: &mut [f64; N]) {
+                match self { $(Unary::$op => for i in 0..N { let $x = a[i]; out[i] = $value; },)* }
+            }
+        }
+    };
+}
+
+macro_rules! binary_table {
+    ($($op:ident $name:literal $precedence:literal |$a:ident, $b:ident| $value:expr;
+       |$g:ident, $ga:ident, $gb:ident, $gy:ident| $slope_a:expr, $slope_b:expr; $kink:expr; $latex:literal $about:literal)*) => {
+        /// An operation with two operands.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        #[repr(u8)]
+        pub enum Binary { $(#[doc = $about] $op,)* }
+
+        /// Every operation with two operands.
+        pub const BINARY: &[BinaryRow] = &[$(BinaryRow {
+            op: Binary::$op,
+            name: $name,
+            precedence: $precedence,
+            value: |$a, $b| $value,
+            slope_a: |$g, $ga, $gb, $gy| { let _ = (&$g, $ga, $gb, $gy); $slope_a },
+            slope_b: |$g, $ga, $gb, $gy| { let _ = (&$g, $ga, $gb, $gy); $slope_b },
+            kink: $kink,
+            latex: $latex,
+            about: $about,
+        },)*];
+
+        impl Binary {
+            /// The row of this operation.
+            pub fn row(self) -> &'static BinaryRow {
+                &BINARY[self as usize]
+            }
+
+            /// `out[i] = op(a[i], b[i])`: one dispatch for all lanes, so that the loop inside vectorises.
+            #[inline]
+            pub(crate) fn lanes<const N: usize>(self, a: &[f64; N], b: &[f64; N], out: &mut [f64; N]) {
+                match self { $(Binary::$op => for i in 0..N { let ($a, $b) = (a[i], b[i]); out[i] = $value; },)* }
+            }
+        }
+    };
+}
+
+unary_table! {
+    Neg  ""     |x| -x;            |g, x, y| g.constant(-1.0); []; "-#1" "minus x"
+    Abs  "abs"  |x| x.abs();       |g, x, y| g.unary(Unary::Sgn, x); [0.0]; "\\left|#1\\right|" "size of x, also written |x|"
+    Sgn  "sgn"  |x| sign(x);       |g, x, y| g.constant(0.0); [0.0]; "\\operatorname{sgn}(#1)" "-1, 0 or 1 with the sign of x"
+    Step "step" |x| 0.5 + 0.5 * sign(x); |g, x, y| g.constant(0.0); [0.0]; "\\operatorname{step}(#1)" "(1 + sgn x)/2: 0 before zero, 1 after"
+    Pos  "pos"  |x| if x <= 0.0 { 0.0 } else { x }; |g, x, y| g.unary(Unary::Step, x); [0.0]; "\\operatorname{pos}(#1)" "max(x, 0)"
+    Ln   "ln"   |x| x.ln();        |g, x, y| { let one = g.constant(1.0); g.binary(Binary::Div, one, x) }; []; "\\ln(#1)" "natural logarithm"
+    Exp  "exp"  |x| x.exp();       |g, x, y| y; []; "\\exp(#1)" "exponential"
+    Sqrt "sqrt" |x| x.sqrt();      |g, x, y| { let half = g.constant(0.5); g.binary(Binary::Div, half, y) }; []; "\\sqrt{#1}" "square root"
+    Sin  "sin"  |x| x.sin();       |g, x, y| g.unary(Unary::Cos, x); []; "\\sin(#1)" "sine (radians)"
+    Cos  "cos"  |x| x.cos();       |g, x, y| { let s = g.unary(Unary::Sin, x); g.unary(Unary::Neg, s) }; []; "\\cos(#1)" "cosine (radians)"
+    Tan  "tan"  |x| x.tan();       |g, x, y| one_plus_square(g, y, Binary::Add); []; "\\tan(#1)" "tangent (radians)"
+    Tanh "tanh" |x| x.tanh();      |g, x, y| one_plus_square(g, y, Binary::Sub); []; "\\tanh(#1)" "hyperbolic tangent"
+    Atan "atan" |x| x.atan();      |g, x, y| { let one = g.constant(1.0); let d = one_plus_square(g, x, Binary::Add); g.binary(Binary::Div, one, d) }; []; "\\arctan(#1)" "inverse tangent"
+}
+
+binary_table! {
+    Add  "+" 1 |a, b| a + b; |g, a, b, y| g.constant(1.0), g.constant(1.0);  |_, _| f64::INFINITY; "#1 + #2" "sum"
+    Sub  "-" 1 |a, b| a - b; |g, a, b, y| g.constant(1.0), g.constant(-1.0); |_, _| f64::INFINITY; "#1 - #2" "difference"
+    Mul  "*" 2 |a, b| a * b; |g, a, b, y| b, a;                              |_, _| f64::INFINITY; "#1\\,#2" "product"
+    Div  "/" 2 |a, b| a / b; |g, a, b, y| { let one = g.constant(1.0); g.binary(Binary::Div, one, b) },
+        { let q = g.binary(Binary::Div, y, b); g.unary(Unary::Neg, q) };     |_, _| f64::INFINITY; "\\frac{#1}{#2}" "quotient"
+    Pow  "^" 4 |a, b| power(a, b); |g, a, b, y| { let one = g.constant(1.0); let n = g.binary(Binary::Sub, b, one); let p = g.binary(Binary::Pow, a, n); g.binary(Binary::Mul, b, p) },
+        { let l = g.unary(Unary::Ln, a); g.binary(Binary::Mul, y, l) };      |_, _| f64::INFINITY; "#1^{#2}" "power; an integer exponent takes any base"
+    Min  "min" 0 |a, b| if a < b || a.is_nan() { a } else { b }; |g, a, b, y| step_between(g, a, b), step_between(g, b, a); |a, b| (a - b).abs(); "\\min(#1, #2)" "the smaller"
+    Max  "max" 0 |a, b| if a > b || a.is_nan() { a } else { b }; |g, a, b, y| step_between(g, b, a), step_between(g, a, b); |a, b| (a - b).abs(); "\\max(#1, #2)" "the larger"
+    Dead "dead" 0 |a, b| dead(a, b); |g, a, b, y| outside(g, a, b),
+        { let o = outside(g, a, b); let s = g.unary(Unary::Sgn, a); let p = g.binary(Binary::Mul, s, o); g.unary(Unary::Neg, p) };
+        |a, b| (a.abs() - b).abs(); "\\operatorname{dead}(#1, #2)" "x outside +-g, less g; 0 inside"
+    Gate "gate" 0 |a, b| if b > 0.0 { a } else { 0.0 }; |g, a, b, y| { let one = g.constant(1.0); g.binary(Binary::Gate, one, b) },
+        g.constant(0.0); |_, b| b.abs(); "\\operatorname{gate}(#1, #2)" "a where b > 0, else 0, whatever a is"
+}
+
+/// Sign with `sgn(0) = 0`; NaN stays NaN.
+#[inline(always)]
+pub fn sign(x: f64) -> f64 {
+    if x > 0.0 {
+        1.0
+    } else if x < 0.0 {
+        -1.0
+    } else {
+        x * 0.0
+    }
+}
+
+/// Integer powers by repeated multiplication (exact for any base), all others by the library.
+#[inline(always)]
+fn power(a: f64, b: f64) -> f64 {
+    if b.abs() <= 64.0 && b.fract() == 0.0 { a.powi(b as i32) } else { a.powf(b) }
+}
+
+#[inline(always)]
+fn dead(x: f64, g: f64) -> f64 {
+    if x > g {
+        x - g
+    } else if x < -g {
+        x + g
+    } else {
+        x * 0.0
+    }
+}
+
+/// `1 +- x^2`.
+fn one_plus_square(g: &mut Graph, x: Id, sign: Binary) -> Id {
+    let one = g.constant(1.0);
+    let square = g.binary(Binary::Mul, x, x);
+    g.binary(sign, one, square)
+}
+
+/// 1 where `a < b`.
+fn step_between(g: &mut Graph, a: Id, b: Id) -> Id {
+    let d = g.binary(Binary::Sub, b, a);
+    g.unary(Unary::Step, d)
+}
+
+/// 1 where `|x| > gap`.
+fn outside(g: &mut Graph, x: Id, gap: Id) -> Id {
+    let size = g.unary(Unary::Abs, x);
+    step_between(g, gap, size)
+}
+
+/// A function by its name in the language. `gate` is internal and not offered.
+pub fn function(name: &str) -> Option<Function> {
+    let unary =
+        UNARY.iter().filter(|r| !r.name.is_empty()).find(|r| r.name == name).map(|r| Function::One(r.op));
+    unary.or_else(|| named_binary().find(|r| r.name == name).map(|r| Function::Two(r.op)))
+}
+
+/// Names of all functions, for hints.
+pub fn function_names() -> impl Iterator<Item = &'static str> {
+    UNARY.iter().map(|r| r.name).filter(|n| !n.is_empty()).chain(named_binary().map(|r| r.name))
+}
+
+fn named_binary() -> impl Iterator<Item = &'static BinaryRow> {
+    BINARY.iter().filter(|r| r.precedence == 0 && r.op != Binary::Gate)
+}
+
+/// What a function name stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Function {
+    /// Takes one argument.
+    One(Unary),
+    /// Takes two arguments.
+    Two(Binary),
+}
+
+impl Function {
+    /// How many arguments it takes.
+    pub fn arity(self) -> usize {
+        match self {
+            Function::One(_) => 1,
+            Function::Two(_) => 2,
+        }
+    }
+}

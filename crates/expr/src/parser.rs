@@ -1,0 +1,293 @@
+//! Tokens to a syntax tree.
+//!
+//! ```text
+//! sum     = product { ("+" | "-") product }
+//! product = sign { ("*" | "/") sign }
+//! sign    = "-" product' | "+" product' | power          product' binds as a product does: -a*b is -(a*b)
+//! power   = primary [ "^" sign ]                          right-associative: a^b^c is a^(b^c), -x^2 is -(x^2)
+//! primary = number | name | name "(" sum { "," sum } ")" | "(" sum ")" | "|" sum "|"
+//! ```
+//! A bar where an operand is due opens `|...|`, a bar where an operator is due closes it; so no `||` token is needed and there is no
+//! implicit multiplication.
+
+use crate::ops::{Function, function, function_names};
+use crate::token::Token;
+use crate::{Ast, AstKind, AstNode, Binary, Span, Unary, nearest};
+use logos::Logos;
+use std::fmt;
+
+/// Parentheses, bars, signs and powers may nest this deep: the parser recurses once for each.
+const MAX_DEPTH: usize = 200;
+/// An expression may have this many tokens.
+const MAX_TOKENS: usize = 20_000;
+
+/// What is wrong with an expression; the text says what to do.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ParseErrorKind {
+    /// Nothing but white space.
+    Empty,
+    /// A character that the language does not have.
+    UnknownCharacter(char),
+    /// A value was due, this came.
+    ExpectedValue(String),
+    /// An operator was due, this came (`2x`).
+    ExpectedOperator(String),
+    /// A parenthesis without its partner.
+    UnclosedParenthesis,
+    /// A bar without its partner.
+    UnclosedBar,
+    /// `name(` where no such function exists.
+    UnknownFunction(String),
+    /// A function without its parentheses.
+    FunctionWithoutArguments(String),
+    /// A function with too few or too many arguments: name, due, given.
+    WrongArguments(String, usize, usize),
+    /// A literal too large for a double.
+    NumberTooLarge,
+    /// Nested deeper than allowed.
+    TooDeep,
+    /// Longer than allowed.
+    TooLong,
+}
+
+/// A mistake and its place in the text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ParseError {
+    /// What.
+    pub kind: ParseErrorKind,
+    /// Where.
+    pub span: Span,
+}
+
+impl ParseError {
+    /// What to do about it, where there is more to say than the message.
+    pub fn hint(&self) -> Option<String> {
+        use ParseErrorKind::*;
+        match &self.kind {
+            ExpectedOperator(_) => Some("multiplication is written with `*`".into()),
+            UnknownFunction(name) => Some(match nearest(name, function_names()) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("functions: {}", function_names().collect::<Vec<_>>().join(", ")),
+            }),
+            FunctionWithoutArguments(name) => Some(format!("write `{name}(...)`")),
+            TooDeep => Some("name an inner part as a constant, or expand it".into()),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for ParseError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        use ParseErrorKind::*;
+        match &self.kind {
+            Empty => write!(f, "the expression is empty"),
+            UnknownCharacter(c) => write!(f, "`{c}` has no meaning in an expression"),
+            ExpectedValue(found) => write!(f, "a value is missing before {found}"),
+            ExpectedOperator(found) => write!(f, "an operator is missing before {found}"),
+            UnclosedParenthesis => write!(f, "this parenthesis has no partner"),
+            UnclosedBar => write!(f, "this bar has no partner"),
+            UnknownFunction(name) => write!(f, "unknown function `{name}`"),
+            FunctionWithoutArguments(name) => write!(f, "`{name}` is a function and needs its arguments"),
+            WrongArguments(name, due, given) => {
+                write!(f, "`{name}` takes {due} argument{}, not {given}", if *due == 1 { "" } else { "s" })
+            }
+            NumberTooLarge => write!(f, "this number is too large"),
+            TooDeep => write!(f, "nested more than {MAX_DEPTH} levels deep"),
+            TooLong => write!(f, "the expression has more than {MAX_TOKENS} tokens"),
+        }
+    }
+}
+
+impl std::error::Error for ParseError {}
+
+/// Parses one expression.
+///
+/// # Errors
+/// The first mistake, with its place and what to do.
+///
+/// ```
+/// use phisindy_expr::parse;
+/// assert!(parse("-k*x + F0*cos(W*t)").is_ok());
+/// let e = parse("2x").unwrap_err();
+/// assert_eq!((e.to_string().as_str(), e.span.start), ("an operator is missing before `x`", 1));
+/// ```
+pub fn parse(text: &str) -> Result<Ast, ParseError> {
+    let mut tokens = Vec::new();
+    for (token, range) in Token::lexer(text).spanned() {
+        let span = Span::new(range.start, range.end);
+        match token {
+            Ok(token) => tokens.push((token, span)),
+            Err(()) => {
+                let c = text[span.start..].chars().next().unwrap_or(' ');
+                let span = Span::new(span.start, span.start + c.len_utf8());
+                return Err(ParseError { kind: ParseErrorKind::UnknownCharacter(c), span });
+            }
+        }
+        if tokens.len() > MAX_TOKENS {
+            return Err(ParseError { kind: ParseErrorKind::TooLong, span });
+        }
+    }
+    if tokens.is_empty() {
+        return Err(ParseError { kind: ParseErrorKind::Empty, span: Span::new(0, text.len()) });
+    }
+    let mut parser = Parser { text, tokens: &tokens, next: 0, depth: 0, bars: 0, nodes: Vec::new() };
+    parser.expression(0)?;
+    match parser.peek() {
+        None => Ok(Ast { nodes: parser.nodes }),
+        Some((Token::Close, span)) => Err(ParseError { kind: ParseErrorKind::UnclosedParenthesis, span }),
+        Some(_) => Err(parser.expected_operator()),
+    }
+}
+
+struct Parser<'a> {
+    text: &'a str,
+    tokens: &'a [(Token, Span)],
+    next: usize,
+    depth: usize,
+    /// Bars that are open at this point and not hidden behind a parenthesis.
+    bars: usize,
+    nodes: Vec<AstNode>,
+}
+
+impl Parser<'_> {
+    fn peek(&self) -> Option<(Token, Span)> {
+        self.tokens.get(self.next).copied()
+    }
+
+    fn push(&mut self, kind: AstKind, span: Span) -> usize {
+        self.nodes.push(AstNode { kind, span });
+        self.nodes.len() - 1
+    }
+
+    fn found(&self) -> (String, Span) {
+        match self.peek() {
+            Some((_, span)) => (format!("`{}`", &self.text[span.range()]), span),
+            None => ("the end".into(), Span::new(self.text.len(), self.text.len())),
+        }
+    }
+
+    fn expected_operator(&self) -> ParseError {
+        let (found, span) = self.found();
+        ParseError { kind: ParseErrorKind::ExpectedOperator(found), span }
+    }
+
+    /// Parses operators that bind tighter than `floor`; returns the root's index. Pratt's method.
+    fn expression(&mut self, floor: u8) -> Result<usize, ParseError> {
+        self.depth += 1;
+        if self.depth > MAX_DEPTH {
+            return Err(ParseError { kind: ParseErrorKind::TooDeep, span: self.found().1 });
+        }
+        let mut left = self.operand()?;
+        while let Some((token, _)) = self.peek() {
+            let op = match token {
+                Token::Plus => Binary::Add,
+                Token::Minus => Binary::Sub,
+                Token::Star => Binary::Mul,
+                Token::Slash => Binary::Div,
+                Token::Caret => Binary::Pow,
+                Token::Close | Token::Comma => break,
+                Token::Bar if self.bars > 0 => break,
+                _ => return Err(self.expected_operator()),
+            };
+            let precedence = op.row().precedence;
+            if precedence <= floor {
+                break;
+            }
+            self.next += 1;
+            // `^` is right-associative: its right side may hold another `^`.
+            let right = self.expression(if op == Binary::Pow { precedence - 1 } else { precedence })?;
+            let span = self.nodes[left].span.to(self.nodes[right].span);
+            left = self.push(AstKind::Binary(op, left, right), span);
+        }
+        self.depth -= 1;
+        Ok(left)
+    }
+
+    fn operand(&mut self) -> Result<usize, ParseError> {
+        let Some((token, span)) = self.peek() else {
+            let (found, span) = self.found();
+            return Err(ParseError { kind: ParseErrorKind::ExpectedValue(found), span });
+        };
+        self.next += 1;
+        let text = &self.text[span.range()];
+        match token {
+            Token::Number => match text.parse::<f64>() {
+                Ok(value) if value.is_finite() => Ok(self.push(AstKind::Number(value), span)),
+                _ => Err(ParseError { kind: ParseErrorKind::NumberTooLarge, span }),
+            },
+            Token::Name if matches!(self.peek(), Some((Token::Open, _))) => self.call(text.to_owned(), span),
+            Token::Name if function(text).is_some() => {
+                Err(ParseError { kind: ParseErrorKind::FunctionWithoutArguments(text.to_owned()), span })
+            }
+            Token::Name => Ok(self.push(AstKind::Name(text.to_owned()), span)),
+            Token::Open => {
+                let bars = std::mem::take(&mut self.bars);
+                let inner = self.expression(0)?;
+                self.bars = bars;
+                self.close(Token::Close, span, ParseErrorKind::UnclosedParenthesis)?;
+                Ok(inner)
+            }
+            Token::Bar => {
+                self.bars += 1;
+                let inner = self.expression(0)?;
+                self.bars -= 1;
+                let end = self.close(Token::Bar, span, ParseErrorKind::UnclosedBar)?;
+                Ok(self.push(AstKind::Unary(Unary::Abs, inner), span.to(end)))
+            }
+            // A sign binds as a product does, and looser than a power.
+            Token::Minus => {
+                let inner = self.expression(Binary::Mul.row().precedence - 1)?;
+                let end = self.nodes[inner].span;
+                Ok(self.push(AstKind::Unary(Unary::Neg, inner), span.to(end)))
+            }
+            Token::Plus => self.expression(Binary::Mul.row().precedence - 1),
+            _ => {
+                self.next -= 1;
+                let (found, span) = self.found();
+                Err(ParseError { kind: ParseErrorKind::ExpectedValue(found), span })
+            }
+        }
+    }
+
+    fn call(&mut self, name: String, span: Span) -> Result<usize, ParseError> {
+        let Some(function) = function(&name) else {
+            return Err(ParseError { kind: ParseErrorKind::UnknownFunction(name), span });
+        };
+        let open = self.tokens[self.next].1;
+        self.next += 1;
+        let bars = std::mem::take(&mut self.bars);
+        let mut arguments = Vec::new();
+        if !matches!(self.peek(), Some((Token::Close, _))) {
+            arguments.push(self.expression(0)?);
+            while matches!(self.peek(), Some((Token::Comma, _))) {
+                self.next += 1;
+                arguments.push(self.expression(0)?);
+            }
+        }
+        self.bars = bars;
+        let end = self.close(Token::Close, open, ParseErrorKind::UnclosedParenthesis)?;
+        let kind = match (function, arguments.as_slice()) {
+            (Function::One(op), &[a]) => AstKind::Unary(op, a),
+            (Function::Two(op), &[a, b]) => AstKind::Binary(op, a, b),
+            _ => {
+                let kind = ParseErrorKind::WrongArguments(name, function.arity(), arguments.len());
+                return Err(ParseError { kind, span: span.to(end) });
+            }
+        };
+        Ok(self.push(kind, span.to(end)))
+    }
+
+    /// The closing token, or an error that points at the opening one.
+    fn close(&mut self, token: Token, open: Span, missing: ParseErrorKind) -> Result<Span, ParseError> {
+        match self.peek() {
+            Some((found, span)) if found == token => {
+                self.next += 1;
+                Ok(span)
+            }
+            Some((Token::Comma, _)) | Some((Token::Close, _)) | Some((Token::Bar, _)) | None => {
+                Err(ParseError { kind: missing, span: open })
+            }
+            Some(_) => Err(self.expected_operator()),
+        }
+    }
+}

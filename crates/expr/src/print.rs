@@ -1,0 +1,258 @@
+//! Graphs to text: LaTeX for people, plain text that parses again.
+
+use crate::{Binary, Graph, Id, Names, Node, Unary};
+use std::fmt::Write;
+
+/// Precedence of a product, above which signs and sums need parentheses.
+const PRODUCT: u8 = 2;
+/// Precedence of things that never need parentheses.
+const ATOM: u8 = 5;
+
+/// What is still to be written: printing keeps its own stack, so that no expression is too deep.
+enum Piece {
+    /// A node, in parentheses if it binds looser than this.
+    Node(Id, u8),
+    Text(&'static str),
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Style {
+    Text,
+    Latex,
+}
+
+impl Graph {
+    /// Plain text in the language of the specs: parsing it gives the same node.
+    pub fn text(&self, root: Id, names: &Names) -> String {
+        self.print(root, names, Style::Text)
+    }
+
+    /// LaTeX (math mode), numbers with four digits.
+    ///
+    /// ```
+    /// # use phisindy_expr::*;
+    /// # let (mut g, mut n) = (Graph::default(), Names::default());
+    /// let f = g.lower(&parse("ln((|y1|+1e-6)/V)*sgn(y1)").unwrap(), |s| Some(n.intern(s))).unwrap();
+    /// assert_eq!(g.latex(f, &n), r"\ln\left(\frac{\left|y_{1}\right| + 10^{-6}}{V}\right)\,\operatorname{sgn}(y_{1})");
+    /// ```
+    pub fn latex(&self, root: Id, names: &Names) -> String {
+        self.print(root, names, Style::Latex)
+    }
+
+    fn print(&self, root: Id, names: &Names, style: Style) -> String {
+        let mut out = String::new();
+        let mut stack = vec![Piece::Node(root, 0)];
+        while let Some(piece) = stack.pop() {
+            let (id, floor) = match piece {
+                Piece::Text(text) => {
+                    out.push_str(text);
+                    continue;
+                }
+                Piece::Node(id, floor) => (id, floor),
+            };
+            let (open, close) = match (self.precedence(id, style) < floor, style) {
+                (false, _) => ("", ""),
+                (true, Style::Text) => ("(", ")"),
+                (true, Style::Latex) => ("\\left(", "\\right)"),
+            };
+            out.push_str(open);
+            match (self.node(id), style) {
+                (Node::Constant(bits), Style::Latex) => out.push_str(&latex_number(f64::from_bits(bits), 4)),
+                (Node::Constant(bits), Style::Text) => out.push_str(&number(f64::from_bits(bits))),
+                (Node::Symbol(s), Style::Latex) => out.push_str(&latex_name(names.name(s))),
+                (Node::Symbol(s), Style::Text) => out.push_str(names.name(s)),
+                _ => {}
+            }
+            stack.push(Piece::Text(close));
+            stack.extend(self.pieces(id, style).into_iter().rev());
+        }
+        out
+    }
+
+    fn precedence(&self, id: Id, style: Style) -> u8 {
+        match self.node(id) {
+            Node::Constant(bits) if f64::from_bits(bits).is_sign_negative() => 1,
+            // 1.5 x 10^-6 is a product.
+            Node::Constant(bits)
+                if style == Style::Latex && latex_number(f64::from_bits(bits), 4).contains("10^") =>
+            {
+                3
+            }
+            Node::Constant(_) | Node::Symbol(_) => ATOM,
+            Node::Unary(Unary::Neg, _) => 1,
+            Node::Binary(Binary::Mul, c, _) if self.value(c).is_some_and(|c| c < 0.0) => 1,
+            Node::Binary(Binary::Div, ..) if style == Style::Latex => ATOM - 1,
+            Node::Binary(op, ..) if op.row().precedence > 0 => op.row().precedence,
+            _ => ATOM,
+        }
+    }
+
+    /// The parts of an operation in the order of writing; nothing for numbers and names.
+    fn pieces(&self, id: Id, style: Style) -> Vec<Piece> {
+        match (self.node(id), style) {
+            (Node::Constant(_) | Node::Symbol(_), _) => vec![],
+            (Node::Unary(Unary::Neg, a), Style::Text) => vec![Piece::Text("-"), Piece::Node(a, PRODUCT)],
+            (Node::Unary(Unary::Neg, a), Style::Latex) => vec![Piece::Text("-"), Piece::Node(a, PRODUCT)],
+            (Node::Unary(op, a), Style::Text) => {
+                vec![Piece::Text(op.row().name), Piece::Text("("), Piece::Node(a, 0), Piece::Text(")")]
+            }
+            (Node::Unary(op, a), Style::Latex) => self.filled(op.row().latex, a, (a, 0), (a, 0)),
+            (Node::Binary(op, a, b), Style::Text) if op.row().precedence == 0 => {
+                let open = [Piece::Text(op.row().name), Piece::Text("("), Piece::Node(a, 0)];
+                open.into_iter().chain([Piece::Text(", "), Piece::Node(b, 0), Piece::Text(")")]).collect()
+            }
+            (Node::Binary(op, a, b), Style::Text) => {
+                let sign = match op {
+                    Binary::Add => " + ",
+                    Binary::Sub => " - ",
+                    _ => op.row().name,
+                };
+                let (left, right) = sides(op);
+                vec![Piece::Node(a, left), Piece::Text(sign), Piece::Node(b, right)]
+            }
+            (Node::Binary(Binary::Div, a, b), Style::Latex) => {
+                self.filled(Binary::Div.row().latex, a, (a, 0), (b, 0))
+            }
+            (Node::Binary(Binary::Pow, a, b), Style::Latex) => {
+                self.filled(Binary::Pow.row().latex, a, (a, ATOM), (b, 0))
+            }
+            (Node::Binary(Binary::Mul, a, b), Style::Latex) => {
+                // Two numbers side by side need a dot.
+                let sign = if self.starts_with_number(b) {
+                    " \\cdot "
+                } else {
+                    Binary::Mul.row().latex.trim_start_matches("#1").trim_end_matches("#2")
+                };
+                vec![Piece::Node(a, PRODUCT), Piece::Text(sign), Piece::Node(b, PRODUCT)]
+            }
+            (Node::Binary(op, a, b), Style::Latex) => {
+                let (left, right) = if op.row().precedence == 0 { (0, 0) } else { sides(op) };
+                self.filled(op.row().latex, a, (a, left), (b, right))
+            }
+        }
+    }
+
+    fn starts_with_number(&self, mut id: Id) -> bool {
+        loop {
+            match self.node(id) {
+                Node::Constant(_) => return true,
+                Node::Binary(Binary::Mul | Binary::Pow, a, _) => id = a,
+                _ => return false,
+            }
+        }
+    }
+
+    /// A row's template with the operands in it; tall operands get parentheses that grow.
+    fn filled(&self, template: &'static str, content: Id, first: (Id, u8), second: (Id, u8)) -> Vec<Piece> {
+        let tall = !matches!(self.node(content), Node::Constant(_) | Node::Symbol(_));
+        let mut pieces = Vec::new();
+        let mut rest = template;
+        while !rest.is_empty() {
+            if let Some(after) = rest.strip_prefix("#1") {
+                pieces.push(Piece::Node(first.0, first.1));
+                rest = after;
+            } else if let Some(after) = rest.strip_prefix("#2") {
+                pieces.push(Piece::Node(second.0, second.1));
+                rest = after;
+            } else if let (true, Some(after)) = (tall, rest.strip_prefix("(#1)")) {
+                pieces.extend([Piece::Text("\\left("), Piece::Node(first.0, 0), Piece::Text("\\right)")]);
+                rest = after;
+            } else {
+                let next = rest[1..].find(['#', '(']).map_or(rest.len(), |k| k + 1);
+                pieces.push(Piece::Text(&rest[..next]));
+                rest = &rest[next..];
+            }
+        }
+        pieces
+    }
+}
+
+/// The precedence below which the left and right operand need parentheses.
+fn sides(op: Binary) -> (u8, u8) {
+    let p = op.row().precedence;
+    match op {
+        Binary::Add => (p - 1, p + 1),
+        Binary::Pow => (p + 1, p - 1),
+        _ => (if p == 1 { 0 } else { p }, p + 1),
+    }
+}
+
+/// The shortest text that reads back as the same number.
+fn number(x: f64) -> String {
+    let size = x.abs();
+    if size != 0.0 && !(1e-4..1e15).contains(&size) { format!("{x:e}") } else { format!("{x}") }
+}
+
+/// A number in LaTeX with at most `digits` significant digits, trailing zeros dropped.
+///
+/// ```
+/// use phisindy_expr::latex_number;
+/// assert_eq!(latex_number(1e-6, 4), "10^{-6}");
+/// assert_eq!(latex_number(-0.30001, 3), "-0.3");
+/// assert_eq!(latex_number(123456.0, 4), "1.235\\times 10^{5}");
+/// ```
+pub fn latex_number(x: f64, digits: usize) -> String {
+    if !x.is_finite() {
+        return if x.is_nan() {
+            "\\mathrm{NaN}".into()
+        } else if x > 0.0 {
+            "\\infty".into()
+        } else {
+            "-\\infty".into()
+        };
+    }
+    let scientific = format!("{:.*e}", digits.max(1) - 1, x);
+    let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    if (-4..5).contains(&exponent) {
+        let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
+        return trimmed(&format!("{x:.decimals$}")).to_owned();
+    }
+    let mut out = String::new();
+    match trimmed(mantissa) {
+        "1" => {}
+        "-1" => out.push('-'),
+        m => {
+            let _ = write!(out, "{m}\\times ");
+        }
+    }
+    let _ = write!(out, "10^{{{exponent}}}");
+    out
+}
+
+fn trimmed(text: &str) -> &str {
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
+}
+
+/// A name in LaTeX: Greek letters by name, trailing digits as an index, longer names upright.
+///
+/// ```
+/// use phisindy_expr::latex_name;
+/// assert_eq!(latex_name("x1"), "x_{1}");
+/// assert_eq!(latex_name("mu"), "\\mu");
+/// assert_eq!(latex_name("omega_n"), "\\omega_{\\mathrm{n}}");
+/// assert_eq!(latex_name("load"), "\\mathrm{load}");
+/// ```
+pub fn latex_name(name: &str) -> String {
+    const GREEK: &[&str] = &[
+        "alpha", "beta", "gamma", "delta", "zeta", "eta", "theta", "kappa", "lambda", "mu", "nu", "xi",
+        "rho", "sigma", "tau", "phi", "psi", "omega", "Gamma", "Delta", "Theta", "Lambda", "Sigma", "Phi",
+        "Psi", "Omega",
+    ];
+    let (stem, index) = match name.split_once('_') {
+        Some((stem, index)) if !stem.is_empty() && !index.is_empty() => (stem, index),
+        _ => name.split_at(name.trim_end_matches(|c: char| c.is_ascii_digit()).len()),
+    };
+    let (stem, index) = if stem.is_empty() { (name, "") } else { (stem, index) };
+    let stem = match stem {
+        "eps" | "epsilon" => "\\varepsilon".to_owned(),
+        greek if GREEK.contains(&greek) => format!("\\{greek}"),
+        one if one.chars().count() == 1 => one.to_owned(),
+        word => format!("\\mathrm{{{}}}", word.replace('_', "\\_")),
+    };
+    match index {
+        "" => stem,
+        digits if digits.chars().all(|c| c.is_ascii_digit()) => format!("{stem}_{{{digits}}}"),
+        word => format!("{stem}_{{\\mathrm{{{}}}}}", word.replace('_', "\\_")),
+    }
+}

@@ -1,0 +1,131 @@
+//! Rules applied while a graph is built. Each holds wherever the original is finite; nothing is divided by what may be zero, no domain is
+//! widened on purpose, and a number is folded only if the result is finite (else the operation stays, to fail where it stands).
+//!
+//! They also bring sums and products to one form (the number first, a difference in place of a negative summand), so that printing and
+//! parsing again gives the same node.
+
+use crate::{Binary, Graph, Id, Node, Unary};
+
+/// The simpler node for `op(a)`, if a rule applies.
+pub(crate) fn unary(g: &mut Graph, op: Unary, a: Id) -> Option<Id> {
+    if let Some(x) = g.value(a) {
+        let y = (op.row().value)(x);
+        return y.is_finite().then(|| g.constant(y));
+    }
+    match (op, g.node(a)) {
+        (Unary::Neg, Node::Unary(Unary::Neg, b)) => Some(b),
+        (Unary::Neg, Node::Binary(Binary::Sub, b, c)) => Some(g.sub(c, b)),
+        (Unary::Neg, Node::Binary(Binary::Mul, c, b)) if g.value(c).is_some() => {
+            let minus = g.neg(c);
+            Some(g.mul(minus, b))
+        }
+        (Unary::Abs, Node::Unary(Unary::Abs | Unary::Exp | Unary::Sqrt | Unary::Pos | Unary::Step, _)) => {
+            Some(a)
+        }
+        (Unary::Abs | Unary::Cos, Node::Unary(Unary::Neg, b)) => Some(g.unary(op, b)),
+        (Unary::Sgn, Node::Unary(Unary::Sgn, _)) => Some(a),
+        (Unary::Sgn | Unary::Sin | Unary::Tan | Unary::Tanh | Unary::Atan, Node::Unary(Unary::Neg, b)) => {
+            let odd = g.unary(op, b);
+            Some(g.neg(odd))
+        }
+        _ => None,
+    }
+}
+
+/// The simpler node for `op(a, b)`, if a rule applies.
+pub(crate) fn binary(g: &mut Graph, op: Binary, a: Id, b: Id) -> Option<Id> {
+    let (x, y) = (g.value(a), g.value(b));
+    if let (Some(x), Some(y)) = (x, y) {
+        let z = (op.row().value)(x, y);
+        return z.is_finite().then(|| g.constant(z));
+    }
+    let (zero, one) = (Some(0.0), Some(1.0));
+    match op {
+        Binary::Add if x == zero => Some(b),
+        Binary::Add | Binary::Sub if y == zero => Some(a),
+        Binary::Add => match (negated(g, a), negated(g, b)) {
+            (_, Some(b)) => Some(g.sub(a, b)),
+            (Some(a), None) => Some(g.sub(b, a)),
+            (None, None) => None,
+        },
+        Binary::Sub if x == zero => Some(g.neg(b)),
+        Binary::Sub if a == b => Some(g.constant(0.0)),
+        Binary::Sub => negated(g, b).map(|b| g.add(a, b)),
+        Binary::Mul if x == zero || y == zero => Some(g.constant(0.0)),
+        Binary::Mul if x == one => Some(b),
+        Binary::Mul if y == one => Some(a),
+        Binary::Mul if y.is_some() => Some(g.mul(b, a)),
+        Binary::Mul if x == Some(-1.0) => Some(g.neg(b)),
+        Binary::Mul => product(g, a, b),
+        Binary::Div if y == one => Some(a),
+        Binary::Div if x == zero => Some(a),
+        Binary::Div => quotient(g, a, b),
+        Binary::Pow if y == zero => Some(g.constant(1.0)),
+        Binary::Pow if y == one => Some(a),
+        Binary::Min | Binary::Max if a == b => Some(a),
+        Binary::Gate if x == zero => Some(a),
+        Binary::Gate => y.map(|c| if c > 0.0 { a } else { g.constant(0.0) }),
+        _ => None,
+    }
+}
+
+/// `-e` for an `e` that is written with a minus sign.
+fn negated(g: &mut Graph, e: Id) -> Option<Id> {
+    match g.node(e) {
+        Node::Unary(Unary::Neg, inner) => Some(inner),
+        Node::Binary(Binary::Mul, c, b) if g.value(c).is_some_and(|c| c < 0.0) => {
+            let c = g.neg(c);
+            Some(g.mul(c, b))
+        }
+        _ => g.value(e).filter(|&c| c < 0.0).map(|c| g.constant(-c)),
+    }
+}
+
+/// Signs and numbers move to the front of a product.
+fn product(g: &mut Graph, a: Id, b: Id) -> Option<Id> {
+    match (g.node(a), g.node(b)) {
+        (Node::Unary(Unary::Neg, a), _) => {
+            let p = g.mul(a, b);
+            Some(g.neg(p))
+        }
+        (_, Node::Unary(Unary::Neg, b)) => {
+            let p = g.mul(a, b);
+            Some(g.neg(p))
+        }
+        (_, Node::Binary(Binary::Mul, c, d)) if g.value(c).is_some() => {
+            let front = if g.value(a).is_some() { folded(g, Binary::Mul, c, a)? } else { c };
+            let rest = if g.value(a).is_some() { d } else { g.mul(a, d) };
+            Some(g.mul(front, rest))
+        }
+        (Node::Binary(Binary::Mul, c, d), _) if g.value(c).is_some() => {
+            let rest = g.mul(d, b);
+            Some(g.mul(c, rest))
+        }
+        _ => None,
+    }
+}
+
+/// Signs and numbers move out of a quotient.
+fn quotient(g: &mut Graph, a: Id, b: Id) -> Option<Id> {
+    match (g.node(a), g.node(b)) {
+        (Node::Unary(Unary::Neg, a), _) => {
+            let q = g.div(a, b);
+            Some(g.neg(q))
+        }
+        (_, Node::Unary(Unary::Neg, b)) => {
+            let q = g.div(a, b);
+            Some(g.neg(q))
+        }
+        (Node::Binary(Binary::Mul, c, d), Node::Constant(_)) if g.value(c).is_some() => {
+            let c = folded(g, Binary::Div, c, b)?;
+            Some(g.mul(c, d))
+        }
+        _ => None,
+    }
+}
+
+/// The folded number, if it is an ordinary one: moving numbers together must not overflow or vanish on the way.
+fn folded(g: &mut Graph, op: Binary, a: Id, b: Id) -> Option<Id> {
+    let z = (op.row().value)(g.value(a)?, g.value(b)?);
+    z.is_normal().then(|| g.constant(z))
+}
