@@ -1,1 +1,22 @@
-//! TODO
+//! Event-located simulation of a model with friction: stick, slip, crossing.
+//!
+//! ```text
+//! Model --Automaton::new--> Automaton (tapes with modes) --simulate--> Trajectory (samples, regimes, events, sensitivities)
+//! ```
+//!
+//! Every sign in the rates is a *switch*: a surface `w = 0` with a mode `s` in {-1, 0, +1}. On the surface one rule decides (Filippov's, the
+//! same in fit and simulation): with `r+`, `r-` the rate of `w` on either side, the contact sticks while `r+ <= 0 <= r-`.
+
+mod automaton;
+mod contact;
+mod dopri;
+mod excitation;
+mod field;
+mod noise;
+mod run;
+mod sensitivity;
+
+pub use automaton::{Automaton, Switch};
+pub use run::{Drive, Event, Options, SimError, Trajectory, simulate};
+pub use excitation::{ExcitationError, Multisine};
+pub use noise::{Noise, Streams, add_noise};

@@ -1,0 +1,67 @@
+//! A model in the plain mathematical sense: rates as functions of time, states, inputs and parameters.
+
+use phisindy_expr::{Graph, Id, Names, Symbol};
+
+/// Rates of change of states, as expressions. What the simulator and the estimator work on; it knows nothing of files or units.
+///
+/// ```
+/// use phisindy_phys::Model;
+/// let model = Model::build(&["x", "v"], &[], &["mu"], &["v", "-x - mu*sgn(v)"]).unwrap();
+/// assert_eq!(model.states.len(), 2);
+/// ```
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// Where the expressions live.
+    pub graph: Graph,
+    /// Names of the symbols in the graph.
+    pub names: Names,
+    /// The node of time.
+    pub time: Id,
+    /// The nodes of the states.
+    pub states: Vec<Id>,
+    /// The nodes of the inputs (given functions of time).
+    pub inputs: Vec<Id>,
+    /// The nodes of the parameters (numbers that can differ between runs).
+    pub parameters: Vec<Id>,
+    /// dx/dt for each state.
+    pub rates: Vec<Id>,
+}
+
+impl Model {
+    /// A model from texts, for tests and examples: one rate for each state, `t` is time.
+    ///
+    /// # Errors
+    /// The first mistake, in words.
+    pub fn build(states: &[&str], inputs: &[&str], parameters: &[&str], rates: &[&str]) -> Result<Model, String> {
+        let (mut graph, mut names) = (Graph::default(), Names::default());
+        let time = names.intern("t");
+        let mut nodes = |list: &[&str]| -> Vec<Id> {
+            list.iter().map(|n| names.intern(n)).collect::<Vec<Symbol>>().into_iter().map(|s| graph.symbol(s)).collect()
+        };
+        let (states, inputs, parameters) = (nodes(states), nodes(inputs), nodes(parameters));
+        let time = graph.symbol(time);
+        let mut roots = Vec::new();
+        for text in rates {
+            let ast = phisindy_expr::parse(text).map_err(|e| format!("{e} in `{text}`"))?;
+            let root = graph.lower(&ast, |name| names.get(name));
+            roots.push(root.map_err(|e| format!("unknown name `{}` in `{text}`", e[0].name))?);
+        }
+        if roots.len() != states.len() {
+            return Err(format!("{} states but {} rates", states.len(), roots.len()));
+        }
+        Ok(Model { graph, names, time, states, inputs, parameters, rates: roots })
+    }
+
+    /// Name of the state with this index.
+    pub fn state_name(&self, index: usize) -> &str {
+        match self.graph.node(self.states[index]) {
+            phisindy_expr::Node::Symbol(s) => self.names.name(s),
+            _ => "",
+        }
+    }
+
+    /// A node as text in the language of the specs.
+    pub fn text(&self, node: Id) -> String {
+        self.graph.text(node, &self.names)
+    }
+}

@@ -1,0 +1,251 @@
+//! How noisy a column is, and how many independent samples a residual holds: both without a model of the motion.
+
+pub(crate) mod quantum;
+#[cfg(test)]
+mod tests;
+
+use realfft::RealFftPlanner;
+
+/// Below this many samples a spectrum has too few bins above the motion.
+const SHORT: usize = 192;
+/// Least share of the frequency axis, counted from the top, that must be flat to be called noise.
+const LEAST_FLAT: f64 = 0.2;
+
+/// Standard deviation of the white noise added to a smooth, uniformly sampled signal, in the signal's unit.
+///
+/// The spectrum (Hann window, straight line removed) is read from the highest frequency down for as long as it is flat;
+/// there the motion is below the noise. The level is a mean that leaves out spectral lines. For short records, and where the spectrum shows no flat part or only leakage (clean data), the smallest
+/// median of third and higher differences is used. The error is 1.5 % for 5000 samples; clean smooth data give less than 1e-6 of the
+/// signal. Quantisation counts as noise of step/sqrt(12), at rest
+/// too.
+///
+/// Fewer than 6 samples give 0, numbers that are not finite give NaN.
+///
+/// ```
+/// // A swing with a deterministic disturbance of +-0.01 that changes sign in a pattern without period.
+/// let pattern = |i: u32| if i.wrapping_mul(2_654_435_769).count_ones() % 2 == 0 { 0.01 } else { -0.01 };
+/// let column: Vec<f64> = (0..2000).map(|i| (0.02 * f64::from(i)).sin() + pattern(i)).collect();
+/// let level = phisindy_phys::noise_level(&column);
+/// assert!((level - 0.01).abs() < 0.003);
+/// ```
+pub fn noise_level(values: &[f64]) -> f64 {
+    let n = values.len();
+    if values.iter().any(|v| !v.is_finite()) {
+        return f64::NAN;
+    }
+    if n < 6 {
+        return 0.0;
+    }
+    let rounding = quantum::rounding_error(values);
+    let differences = level_of_differences(values);
+    if n < SHORT {
+        return differences.max(rounding);
+    }
+    // A median difference of zero means mostly resting, quantised data: it says nothing about the noise in motion.
+    let differences = if differences > 0.0 { differences } else { f64::INFINITY };
+    let level = match flat_level(&periodograms(values)) {
+        // Far more in the spectrum than in the differences: leakage of clean motion, or a few steps in it.
+        Floor::Flat(power) if differences > 0.1 * power.sqrt() => power.sqrt(),
+        Floor::Flat(power) | Floor::Falling(power) => power.sqrt().min(differences),
+    };
+    level.max(rounding)
+}
+
+/// What the top of a spectrum looks like, with its power.
+#[derive(Debug)]
+enum Floor {
+    Flat(f64),
+    Falling(f64),
+}
+
+/// The level of the flat top of `power`.
+fn flat_level(power: &[f64]) -> Floor {
+    let blocks = (power.len() / 48).clamp(8, 64);
+    let block = power.len() / blocks;
+    let top = |count: usize| &power[power.len() - count * block..];
+    let levels: Vec<f64> = power.rchunks(block).take(blocks).map(median_level).collect();
+    // A median over m exponential powers scatters by 1.44/sqrt(m); neighbouring bins are correlated: 1.4 times more.
+    let scatter = |bins: usize| 2.0 / (bins as f64).sqrt();
+    let mut flat = 1;
+    while flat < blocks {
+        // 3.5: dozens of blocks are tested, and motion rises steeply enough to be seen all the same.
+        let allowed = 3.5 * (scatter(block).powi(2) + scatter(flat * block).powi(2)).sqrt();
+        if (levels[flat] / median_level(top(flat))).ln().abs() > allowed {
+            break;
+        }
+        flat += 1;
+    }
+    // The last block taken may already hold some motion.
+    let used = if flat < blocks { (flat - 1).max(1) } else { flat };
+    let level = clipped_mean(top(used));
+    if flat as f64 >= LEAST_FLAT * blocks as f64 { Floor::Flat(level) } else { Floor::Falling(level) }
+}
+
+/// Mean of exponentially distributed powers, from their median.
+fn median_level(power: &[f64]) -> f64 {
+    median(&mut power.to_vec()) / std::f64::consts::LN_2
+}
+
+/// Mean of exponentially distributed powers with lines among them: powers above four times the level are left out and
+/// made up for. Half the variance of the median.
+fn clipped_mean(power: &[f64]) -> f64 {
+    let start = median_level(power);
+    let clip = 4.0 * start;
+    let (sum, count) = power.iter().filter(|p| **p < clip).fold((0.0, 0.0), |(s, c), p| (s + p, c + 1.0));
+    if count == 0.0 || start == 0.0 {
+        return start;
+    }
+    // The mean of an exponential of mean m, cut at c, is m - c/(exp(c/m) - 1).
+    (0..20).fold(start, |mean, _| sum / count + clip / (clip / mean).exp_m1())
+}
+
+/// Median by selection; 0 for nothing.
+pub(crate) fn median(values: &mut [f64]) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let (middle, odd) = (values.len() / 2, values.len() % 2 == 1);
+    let (low, &mut upper, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    if odd {
+        return upper;
+    }
+    let lower = low.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    0.5 * (lower + upper)
+}
+
+/// Power at the frequencies k/n, k = 3 .. n/2 - 1, from the lowest up, scaled so that white noise has its variance at
+/// each; two independent numbers for each frequency.
+///
+/// The second taper, sin(pi t) sin(2 pi t), is orthogonal to the Hann window sin(pi t)^2, leaks no more, and sees the
+/// parts of the record that the first one fades out: with both the level scatters as little as with no window.
+fn periodograms(values: &[f64]) -> Vec<f64> {
+    let n = values.len();
+    let level = without_line(values);
+    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(n);
+    let tapered = |order: f64| {
+        let mut energy = 0.0;
+        let mut windowed: Vec<f64> = level
+            .iter()
+            .enumerate()
+            .map(|(i, v)| {
+                let angle = std::f64::consts::PI * (i as f64 + 0.5) / n as f64;
+                let taper = angle.sin() * (order * angle).sin();
+                energy += taper * taper;
+                taper * v
+            })
+            .collect();
+        let mut spectrum = transform.make_output_vec();
+        // The buffers come from the plan, so their lengths fit and the transform cannot fail.
+        let _ = transform.process(&mut windowed, &mut spectrum);
+        (spectrum, energy)
+    };
+    let ((first, first_energy), (second, second_energy)) = (tapered(1.0), tapered(2.0));
+    let bins = 3..n / 2;
+    bins.flat_map(|k| [first[k].norm_sqr() / first_energy, second[k].norm_sqr() / second_energy]).collect()
+}
+
+/// The values less their straight line by least squares: it would leak more than anything else.
+fn without_line(values: &[f64]) -> Vec<f64> {
+    let centre = (values.len() - 1) as f64 / 2.0;
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let (moment, spread) = values.iter().enumerate().fold((0.0, 0.0), |(moment, spread), (i, v)| {
+        let u = i as f64 - centre;
+        (moment + u * (v - mean), spread + u * u)
+    });
+    values.iter().enumerate().map(|(i, v)| v - mean - moment / spread * (i as f64 - centre)).collect()
+}
+
+/// Level from the median absolute difference of order 3, or of a higher order while that is clearly smaller.
+fn level_of_differences(values: &[f64]) -> f64 {
+    // Median of |normal|.
+    const HALF_NORMAL: f64 = 0.674_489_750_196_081_7;
+    let mut differences = values.to_vec();
+    // Sum of squared binomials, C(2k, k): the variance of a k-th difference of unit noise.
+    let mut gain = 1.0;
+    let mut level = f64::INFINITY;
+    for order in 1..=10_usize {
+        if differences.len() < 4 {
+            break;
+        }
+        for i in 0..differences.len() - 1 {
+            differences[i] = differences[i + 1] - differences[i];
+        }
+        differences.pop();
+        gain *= 2.0 * (2 * order - 1) as f64 / order as f64;
+        if order < 3 {
+            continue;
+        }
+        let mut sizes: Vec<f64> = differences.iter().map(|d| d.abs()).collect();
+        let now = median(&mut sizes) / (HALF_NORMAL * f64::sqrt(gain));
+        if now > 0.7 * level {
+            break;
+        }
+        level = now;
+    }
+    if level.is_finite() { level } else { 0.0 }
+}
+
+/// How many independent samples a residual is worth: n / (1 + 2 * sum of its autocorrelations), within [1, n].
+///
+/// The sum runs over the initial positive sequence of pairs (C. J. Geyer, Practical Markov chain Monte Carlo, 1992).
+/// The mean is removed first. White residuals give about n; constant or empty ones give n unchanged, since there is
+/// nothing to correlate. Numbers that are not finite give NaN.
+///
+/// ```
+/// let alternating_slowly: Vec<f64> = (0..1000).map(|i| (0.01 * f64::from(i)).sin()).collect();
+/// assert!(phisindy_phys::effective_samples(&alternating_slowly) < 20.0);
+/// ```
+pub fn effective_samples(residual: &[f64]) -> f64 {
+    let n = residual.len();
+    if residual.iter().any(|r| !r.is_finite()) {
+        return f64::NAN;
+    }
+    let correlation = autocorrelation(residual);
+    if n < 4 || correlation.is_empty() {
+        return n as f64;
+    }
+    let mut pairs = 0.0;
+    for pair in correlation.chunks_exact(2) {
+        let sum = pair[0] + pair[1];
+        if sum <= 0.0 {
+            break;
+        }
+        pairs += sum;
+    }
+    // The pairs count lag 0 once; 1 + 2 * (lags > 0) counts it as one.
+    let inflation = 2.0 * pairs - 1.0;
+    if inflation <= 1.0 { n as f64 } else { (n as f64 / inflation).max(1.0) }
+}
+
+/// Autocorrelations at lags 0 .. n-1 (mean removed, divided by n, so that the sequence is positive definite); empty if
+/// the values do not vary.
+fn autocorrelation(values: &[f64]) -> Vec<f64> {
+    let n = values.len();
+    if n == 0 {
+        return Vec::new();
+    }
+    let mean = values.iter().sum::<f64>() / n as f64;
+    // Zeros beyond n keep the circular correlation from wrapping round.
+    let padded = (2 * n).next_power_of_two();
+    let mut buffer: Vec<f64> = values.iter().map(|v| v - mean).collect();
+    buffer.resize(padded, 0.0);
+    let mut planner = RealFftPlanner::<f64>::new();
+    let (forward, inverse) = (planner.plan_fft_forward(padded), planner.plan_fft_inverse(padded));
+    let mut spectrum = forward.make_output_vec();
+    if forward.process(&mut buffer, &mut spectrum).is_err() {
+        return Vec::new();
+    }
+    for z in &mut spectrum {
+        *z = (z.norm_sqr()).into();
+    }
+    if inverse.process(&mut spectrum, &mut buffer).is_err() {
+        return Vec::new();
+    }
+    let variance = buffer[0];
+    let scale = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    if variance / padded as f64 <= n as f64 * (1e-15 * scale).powi(2) {
+        return Vec::new();
+    }
+    buffer.truncate(n);
+    buffer.iter().map(|c| c / variance).collect()
+}

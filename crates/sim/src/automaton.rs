@@ -1,0 +1,167 @@
+//! A model compiled to a hybrid automaton: smooth rates for every combination of modes, and the surfaces between them.
+
+use phisindy_expr::{Binary, Graph, Id, Names, Node, Tape, Unary, Unbound};
+use phisindy_phys::Model;
+use std::collections::HashMap;
+
+/// A surface `w(t, x, u, p) = 0` at which a sign in the rates jumps.
+#[derive(Clone, Debug)]
+pub struct Switch {
+    /// The velocity (or other quantity) whose sign it is.
+    pub node: Id,
+    /// The same as text.
+    pub text: String,
+    /// Whether the sign acts on the rate of `w` itself: only then can it stick.
+    pub can_stick: bool,
+    /// Whether the size of the jump depends on `|w|`: friction with a shape near zero speed.
+    pub shaped: bool,
+}
+
+/// The compiled automaton: immutable, shared between threads.
+///
+/// The inputs of all its tapes are `[t, x.., u.., du/dt.., p.., s.., d..]`: modes `s` stand for `sgn(w)`; `|w|` became `pos(s w) + d`, where the
+/// floor `d` is zero but for looking at friction just off zero speed.
+#[derive(Clone, Debug)]
+pub struct Automaton {
+    /// Names of the states, for messages.
+    pub states: Vec<String>,
+    /// How many inputs.
+    pub inputs: usize,
+    /// How many parameters.
+    pub parameters: usize,
+    /// The surfaces.
+    pub switches: Vec<Switch>,
+    /// `dx/dt`: n outputs.
+    pub(crate) flow: Tape,
+    /// `w` (c), `dw/dt` (c), `d(dw/dt)/ds` (c x c), `dw/dx` (c x n).
+    pub(crate) surface: Tape,
+    /// Derivatives, for sensitivities: see [`crate::sensitivity`].
+    pub(crate) jacobian: Tape,
+}
+
+impl Automaton {
+    /// Finds the switches of a model and compiles it.
+    ///
+    /// # Errors
+    /// A symbol in the rates that is no state, input, parameter or time.
+    ///
+    /// ```
+    /// use phisindy_phys::Model;
+    /// use phisindy_sim::Automaton;
+    /// let model = Model::build(&["x", "v"], &[], &["mu"], &["v", "-x - mu*sgn(v)"]).unwrap();
+    /// let automaton = Automaton::new(&model).unwrap();
+    /// assert_eq!(automaton.switches.len(), 1);
+    /// assert!(automaton.switches[0].can_stick);
+    /// ```
+    pub fn new(model: &Model) -> Result<Automaton, Unbound> {
+        let (mut graph, mut names) = (model.graph.clone(), model.names.clone());
+        let surfaces = surfaces(&mut graph, model);
+        let fresh = |graph: &mut Graph, names: &mut Names, kind: &str, count: usize| -> Vec<Id> {
+            // A space keeps these names out of reach of any spec.
+            (0..count).map(|k| names.intern(&format!("{kind} {k}"))).collect::<Vec<_>>().into_iter().map(|s| graph.symbol(s)).collect()
+        };
+        let modes = fresh(&mut graph, &mut names, "mode", surfaces.len());
+        let floors = fresh(&mut graph, &mut names, "floor", surfaces.len());
+        let slopes = fresh(&mut graph, &mut names, "slope", model.inputs.len());
+        let with = replacements(&mut graph, &surfaces, &modes, &floors);
+        let rates = graph.replace(&model.rates, &with);
+
+        // dw/dt by the chain rule, through states, inputs and time.
+        let mut flow_of = model.states.clone();
+        flow_of.extend(&model.inputs);
+        flow_of.push(model.time);
+        let one = graph.constant(1.0);
+        let velocity: Vec<Id> = rates.iter().chain(&slopes).copied().chain([one]).collect();
+        let mut surface_rates = Vec::new();
+        for &w in &surfaces {
+            let gradient = graph.gradient(w, &flow_of);
+            let mut sum = graph.constant(0.0);
+            for (g, v) in gradient.into_iter().zip(&velocity) {
+                let share = graph.mul(g, *v);
+                sum = graph.add(sum, share);
+            }
+            surface_rates.push(sum);
+        }
+        let influence: Vec<Id> = surface_rates.iter().flat_map(|&r| graph.gradient(r, &modes)).collect();
+
+        let switches = (0..surfaces.len()).map(|k| {
+            let own = influence[k * surfaces.len() + k];
+            Switch {
+                node: surfaces[k],
+                text: graph.text(surfaces[k], &names),
+                can_stick: graph.value(own) != Some(0.0),
+                shaped: graph.uses(&[own], &[floors[k]]),
+            }
+        });
+        let switches: Vec<Switch> = switches.collect();
+
+        let mut inputs = vec![model.time];
+        for group in [&model.states, &model.inputs, &slopes, &model.parameters, &modes, &floors] {
+            inputs.extend(group);
+        }
+        let normals: Vec<Id> = surfaces.iter().flat_map(|&w| graph.gradient(w, &model.states)).collect();
+        let surface: Vec<Id> = [&surfaces, &surface_rates, &influence, &normals].into_iter().flatten().copied().collect();
+
+        let mut derivatives = Vec::new();
+        for (of, wrt) in [
+            (&rates, &model.states),
+            (&rates, &model.parameters),
+            (&rates, &modes),
+            (&surface_rates, &model.states),
+            (&surface_rates, &model.parameters),
+            (&surfaces, &model.parameters),
+        ] {
+            of.iter().for_each(|&f| derivatives.extend(graph.gradient(f, wrt)));
+        }
+        Ok(Automaton {
+            states: (0..model.states.len()).map(|k| model.state_name(k).to_owned()).collect(),
+            inputs: model.inputs.len(),
+            parameters: model.parameters.len(),
+            switches,
+            flow: Tape::compile(&graph, &inputs, &rates)?,
+            surface: Tape::compile(&graph, &inputs, &surface)?,
+            jacobian: Tape::compile(&graph, &inputs, &derivatives)?,
+        })
+    }
+}
+
+/// Arguments of all signs and steps in the rates that can change while the model runs; an argument and its negative are one surface.
+fn surfaces(graph: &mut Graph, model: &Model) -> Vec<Id> {
+    let mut moving = model.states.clone();
+    moving.extend(&model.inputs);
+    moving.push(model.time);
+    let mut found: Vec<Id> = Vec::new();
+    for id in graph.reachable(&model.rates) {
+        if let Node::Unary(Unary::Sgn | Unary::Step, w) = graph.node(id) {
+            let minus = graph.neg(w);
+            if !found.contains(&w) && !found.contains(&minus) && graph.uses(&[w], &moving) {
+                found.push(w);
+            }
+        }
+    }
+    found
+}
+
+/// `sgn w -> s`, `|w| -> pos(s w) + d`, `step w -> (1 + s)/2`, `pos w -> w (1 + s)/2`, and the same of `-w` with `-s`.
+fn replacements(graph: &mut Graph, surfaces: &[Id], modes: &[Id], floors: &[Id]) -> HashMap<Id, Id> {
+    let mut with = HashMap::new();
+    let half = graph.constant(0.5);
+    for ((&w, &s), &d) in surfaces.iter().zip(modes).zip(floors) {
+        let (minus_w, minus_s) = (graph.neg(w), graph.neg(s));
+        for (w, s) in [(w, s), (minus_w, minus_s)] {
+            let along = graph.mul(s, w);
+            let size = graph.unary(Unary::Pos, along);
+            let size = graph.add(size, d);
+            let part = graph.mul(half, s);
+            let step = graph.binary(Binary::Add, half, part);
+            let pos = graph.mul(step, w);
+            for (op, new) in [(Unary::Sgn, s), (Unary::Abs, size), (Unary::Step, step), (Unary::Pos, pos)] {
+                let old = graph.unary(op, w);
+                with.insert(old, new);
+            }
+        }
+    }
+    // A minus in front of a sign was pulled out when it was built: -sgn(w) is no key, or every minus would vanish.
+    with.retain(|&old, _| matches!(graph.node(old), Node::Unary(Unary::Sgn | Unary::Abs | Unary::Step | Unary::Pos, _)));
+    with
+}

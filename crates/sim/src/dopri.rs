@@ -1,0 +1,107 @@
+//! One step of Dormand and Prince's Runge-Kutta pair 5(4) with its dense output (J. Comput. Appl. Math. 6 (1980) 19-26; Hairer, Norsett,
+//! Wanner, Solving Ordinary Differential Equations I, II.5 and II.6).
+
+/// Number of stages; the last one is the first of the next step.
+pub(crate) const STAGES: usize = 7;
+
+pub(crate) const C: [f64; STAGES] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
+
+/// Row `i` gives stage `i + 1`; the last row is the fifth-order solution itself.
+pub(crate) const A: [[f64; 6]; 6] = [
+    [0.2, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0],
+    [44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0, 0.0, 0.0, 0.0],
+    [19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0, 0.0, 0.0],
+    [9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0, 0.0],
+    [35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
+];
+
+/// Fifth minus fourth order: the error estimate.
+const E: [f64; STAGES] =
+    [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0];
+
+const D: [f64; STAGES] = [
+    -12715105075.0 / 11282082432.0,
+    0.0,
+    87487479700.0 / 32700410799.0,
+    -10690763975.0 / 1880347072.0,
+    701980252875.0 / 199316789632.0,
+    -1453857185.0 / 822651844.0,
+    69997945.0 / 29380423.0,
+];
+
+/// The memory of one step.
+pub(crate) struct Step {
+    /// Start of the step.
+    pub(crate) t: f64,
+    /// Length of the step.
+    pub(crate) h: f64,
+    /// State at the stages; the first is the start, the last the end.
+    pub(crate) x: [Vec<f64>; STAGES],
+    /// Rates at the stages.
+    pub(crate) k: [Vec<f64>; STAGES],
+}
+
+impl Step {
+    pub(crate) fn new(n: usize) -> Self {
+        Step { t: 0.0, h: 0.0, x: std::array::from_fn(|_| vec![0.0; n]), k: std::array::from_fn(|_| vec![0.0; n]) }
+    }
+
+    /// Starts at a point whose rates are known.
+    pub(crate) fn start(&mut self, t: f64, x: &[f64], rates: &[f64]) {
+        self.t = t;
+        self.x[0].copy_from_slice(x);
+        self.k[0].copy_from_slice(rates);
+    }
+
+    /// Makes a step of length `h` from the start.
+    pub(crate) fn advance(&mut self, h: f64, mut rates: impl FnMut(f64, &[f64], &mut [f64])) {
+        self.h = h;
+        let n = self.x[0].len();
+        for stage in 1..STAGES {
+            for i in 0..n {
+                let sum: f64 = (0..stage).map(|j| A[stage - 1][j] * self.k[j][i]).sum();
+                self.x[stage][i] = self.x[0][i] + h * sum;
+            }
+            rates(self.t + C[stage] * h, &self.x[stage], &mut self.k[stage]);
+        }
+    }
+
+    /// The state at the end.
+    pub(crate) fn end(&self) -> &[f64] {
+        &self.x[STAGES - 1]
+    }
+
+    /// The largest scaled error: at most 1 is good. `scale` is the smallest size that matters of each state.
+    pub(crate) fn error(&self, relative: f64, scale: &[f64]) -> f64 {
+        let mut worst = 0.0_f64;
+        for i in 0..self.x[0].len() {
+            let e: f64 = (0..STAGES).map(|j| E[j] * self.k[j][i]).sum::<f64>() * self.h;
+            let size = scale[i].max(self.x[0][i].abs()).max(self.end()[i].abs());
+            let scaled = e.abs() / (relative * size);
+            worst = if scaled.is_nan() { f64::INFINITY } else { worst.max(scaled) };
+            if worst.is_infinite() {
+                break;
+            }
+        }
+        worst
+    }
+
+    /// The state at the fraction `theta` of the step, to fourth order.
+    pub(crate) fn dense(&self, theta: f64, out: &mut [f64]) {
+        let k: [&[f64]; STAGES] = std::array::from_fn(|j| self.k[j].as_slice());
+        dense(theta, self.h, &self.x[0], self.end(), &k, out);
+    }
+}
+
+/// Hairer's interpolant: from the values at both ends and the rates at the stages. Serves states and sensitivities alike.
+pub(crate) fn dense(theta: f64, h: f64, start: &[f64], end: &[f64], k: &[&[f64]; STAGES], out: &mut [f64]) {
+    let back = 1.0 - theta;
+    for i in 0..out.len() {
+        let difference = end[i] - start[i];
+        let bend = h * k[0][i] - difference;
+        let fourth = difference - h * k[6][i] - bend;
+        let fifth = h * (0..STAGES).map(|j| D[j] * k[j][i]).sum::<f64>();
+        out[i] = start[i] + theta * (difference + back * (bend + theta * (fourth + back * fifth)));
+    }
+}
