@@ -142,7 +142,7 @@ impl Graph {
     }
 
     /// For each node of `order` (operands first), whether it is or uses one of `of`.
-    fn dependence(&self, order: &[Id], of: &[Id]) -> Vec<bool> {
+    pub(crate) fn dependence(&self, order: &[Id], of: &[Id]) -> Vec<bool> {
         let size = order.last().map_or(0, |id| id.index() + 1);
         let mut depends = vec![false; size];
         of.iter().filter(|id| id.index() < size).for_each(|id| depends[id.index()] = true);
@@ -200,11 +200,11 @@ impl Graph {
     /// assert_eq!(g.border(&[loss], &[a]), [feature]);
     /// ```
     pub fn border(&self, roots: &[Id], varying: &[Id]) -> Vec<Id> {
-        let order = self.reachable(roots);
+        let order = self.reachable_above(roots, varying);
         let depends = self.dependence(&order, varying);
         let mut at = vec![false; depends.len()];
         for &id in &order {
-            if depends[id.index()] {
+            if depends[id.index()] && !varying.contains(&id) {
                 self.operands(id).for_each(|a| at[a.index()] = true);
             }
         }
@@ -213,9 +213,5 @@ impl Graph {
             .into_iter()
             .filter(|&id| at[id.index()] && !depends[id.index()] && self.value(id).is_none())
             .collect()
-    }
-
-    pub(crate) fn depends_on(&self, order: &[Id], of: &[Id]) -> Vec<bool> {
-        self.dependence(order, of)
     }
 }

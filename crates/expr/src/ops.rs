@@ -2,7 +2,8 @@
 //! order, the printers, the parser and the operation tests all read these rows.
 //!
 //! Derivatives at a kink are a decision, written down once: `d|x| = sgn(x)`, `sgn(0) = 0`, `d sgn = d step = 0`, and so `1/2` for `pos` and
-//! `dead` at their corners.
+//! `dead` at their corners. `gate` is the one operation that hides what it leaves out, NaN too, in its value and in every derivative; of a
+//! side with slope 0 all others demand that it be finite (0 times infinity is NaN).
 
 use crate::{Graph, Id};
 
@@ -146,7 +147,7 @@ binary_table! {
     Max  "max" 0 |a, b| if a > b || a.is_nan() { a } else { b }; |g, a, b, y| step_between(g, b, a), step_between(g, a, b); |a, b| (a - b).abs(); "\\max(#1, #2)" "the larger"
     Dead "dead" 0 |a, b| dead(a, b); |g, a, b, y| outside(g, a, b),
         { let o = outside(g, a, b); let s = g.unary(Unary::Sgn, a); let p = g.binary(Binary::Mul, s, o); g.unary(Unary::Neg, p) };
-        |a, b| (a.abs() - b).abs(); "\\operatorname{dead}(#1, #2)" "x outside +-g, less g; 0 inside"
+        |a, b| if b < 0.0 { (a.abs() - b).min(a.abs()) } else { (a.abs() - b).abs() }; "\\operatorname{dead}(#1, #2)" "x outside +-g, less g; 0 inside"
     Gate "gate" 0 |a, b| if b > 0.0 { a } else { 0.0 }; |g, a, b, y| { let one = g.constant(1.0); g.binary(Binary::Gate, one, b) },
         g.constant(0.0); |_, b| b.abs(); "\\operatorname{gate}(#1, #2)" "a where b > 0, else 0, whatever a is"
 }
@@ -171,12 +172,13 @@ fn power(a: f64, b: f64) -> f64 {
 
 #[inline(always)]
 fn dead(x: f64, g: f64) -> f64 {
-    if x > g {
-        x - g
-    } else if x < -g {
-        x + g
+    let beyond = x.abs() - g;
+    if beyond > 0.0 {
+        sign(x) * beyond
+    } else if beyond.is_nan() {
+        beyond
     } else {
-        x * 0.0
+        0.0
     }
 }
 

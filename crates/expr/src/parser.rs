@@ -3,7 +3,8 @@
 //! ```text
 //! sum     = product { ("+" | "-") product }
 //! product = sign { ("*" | "/") sign }
-//! sign    = "-" product' | "+" product' | power          product' binds as a product does: -a*b is -(a*b)
+//! sign    = "-" product' | "+" product' | power          leading, it takes the product: -a*b is -(a*b); after an operator, only
+//!                                                        what that operator takes: a/-b*c is (a/(-b))*c, 2^-x*y is (2^(-x))*y
 //! power   = primary [ "^" sign ]                          right-associative: a^b^c is a^(b^c), -x^2 is -(x^2)
 //! primary = number | name | name "(" sum { "," sum } ")" | "(" sum ")" | "|" sum "|"
 //! ```
@@ -14,8 +15,11 @@ use crate::ops::{Function, function, function_names};
 use crate::token::Token;
 use crate::{Ast, AstKind, AstNode, Binary, Span, Unary, nearest};
 use logos::Logos;
+use std::borrow::Cow;
 use std::fmt;
 
+/// What a leading sign takes: operators that bind tighter than this.
+const SIGN: u8 = 1;
 /// Parentheses, bars, signs and powers may nest this deep: the parser recurses once for each.
 const MAX_DEPTH: usize = 200;
 /// An expression may have this many tokens.
@@ -64,6 +68,9 @@ impl ParseError {
     pub fn hint(&self) -> Option<String> {
         use ParseErrorKind::*;
         match &self.kind {
+            ExpectedOperator(found) if found == "`,`" => {
+                Some("a comma only separates arguments; decimals are written with a point".into())
+            }
             ExpectedOperator(_) => Some("multiplication is written with `*`".into()),
             UnknownFunction(name) => Some(match nearest(name, function_names()) {
                 Some(near) => format!("did you mean `{near}`?"),
@@ -139,6 +146,14 @@ pub fn parse(text: &str) -> Result<Ast, ParseError> {
     }
 }
 
+/// The beginning of a piece of the text, short enough for a message.
+fn clipped(text: &str) -> Cow<'_, str> {
+    match text.char_indices().nth(40) {
+        Some((end, _)) => format!("{}...", &text[..end]).into(),
+        None => text.into(),
+    }
+}
+
 struct Parser<'a> {
     text: &'a str,
     tokens: &'a [(Token, Span)],
@@ -161,7 +176,7 @@ impl Parser<'_> {
 
     fn found(&self) -> (String, Span) {
         match self.peek() {
-            Some((_, span)) => (format!("`{}`", &self.text[span.range()]), span),
+            Some((_, span)) => (format!("`{}`", clipped(&self.text[span.range()])), span),
             None => ("the end".into(), Span::new(self.text.len(), self.text.len())),
         }
     }
@@ -177,7 +192,7 @@ impl Parser<'_> {
         if self.depth > MAX_DEPTH {
             return Err(ParseError { kind: ParseErrorKind::TooDeep, span: self.found().1 });
         }
-        let mut left = self.operand()?;
+        let mut left = self.operand(floor)?;
         while let Some((token, _)) = self.peek() {
             let op = match token {
                 Token::Plus => Binary::Add,
@@ -203,7 +218,8 @@ impl Parser<'_> {
         Ok(left)
     }
 
-    fn operand(&mut self) -> Result<usize, ParseError> {
+    /// A value with its signs; `floor` is that of the expression it begins.
+    fn operand(&mut self, floor: u8) -> Result<usize, ParseError> {
         let Some((token, span)) = self.peek() else {
             let (found, span) = self.found();
             return Err(ParseError { kind: ParseErrorKind::ExpectedValue(found), span });
@@ -234,13 +250,13 @@ impl Parser<'_> {
                 let end = self.close(Token::Bar, span, ParseErrorKind::UnclosedBar)?;
                 Ok(self.push(AstKind::Unary(Unary::Abs, inner), span.to(end)))
             }
-            // A sign binds as a product does, and looser than a power.
+            // A sign binds as a product does, but no looser than the operator before it.
             Token::Minus => {
-                let inner = self.expression(Binary::Mul.row().precedence - 1)?;
+                let inner = self.expression(floor.max(SIGN))?;
                 let end = self.nodes[inner].span;
                 Ok(self.push(AstKind::Unary(Unary::Neg, inner), span.to(end)))
             }
-            Token::Plus => self.expression(Binary::Mul.row().precedence - 1),
+            Token::Plus => self.expression(floor.max(SIGN)),
             _ => {
                 self.next -= 1;
                 let (found, span) = self.found();
@@ -251,6 +267,7 @@ impl Parser<'_> {
 
     fn call(&mut self, name: String, span: Span) -> Result<usize, ParseError> {
         let Some(function) = function(&name) else {
+            let name = clipped(&name).into_owned();
             return Err(ParseError { kind: ParseErrorKind::UnknownFunction(name), span });
         };
         let open = self.tokens[self.next].1;
@@ -284,7 +301,8 @@ impl Parser<'_> {
                 self.next += 1;
                 Ok(span)
             }
-            Some((Token::Comma, _)) | Some((Token::Close, _)) | Some((Token::Bar, _)) | None => {
+            Some((Token::Comma, _)) if token == Token::Close => Err(self.expected_operator()),
+            Some((Token::Comma | Token::Close | Token::Bar, _)) | None => {
                 Err(ParseError { kind: missing, span: open })
             }
             Some(_) => Err(self.expected_operator()),

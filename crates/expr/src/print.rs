@@ -91,12 +91,11 @@ impl Graph {
     fn pieces(&self, id: Id, style: Style) -> Vec<Piece> {
         match (self.node(id), style) {
             (Node::Constant(_) | Node::Symbol(_), _) => vec![],
-            (Node::Unary(Unary::Neg, a), Style::Text) => vec![Piece::Text("-"), Piece::Node(a, PRODUCT)],
-            (Node::Unary(Unary::Neg, a), Style::Latex) => vec![Piece::Text("-"), Piece::Node(a, PRODUCT)],
+            (Node::Unary(Unary::Neg, a), _) => vec![Piece::Text("-"), Piece::Node(a, PRODUCT)],
             (Node::Unary(op, a), Style::Text) => {
                 vec![Piece::Text(op.row().name), Piece::Text("("), Piece::Node(a, 0), Piece::Text(")")]
             }
-            (Node::Unary(op, a), Style::Latex) => self.filled(op.row().latex, a, (a, 0), (a, 0)),
+            (Node::Unary(op, a), Style::Latex) => self.filled(op.row().latex, &[(a, 0)]),
             (Node::Binary(op, a, b), Style::Text) if op.row().precedence == 0 => {
                 let open = [Piece::Text(op.row().name), Piece::Text("("), Piece::Node(a, 0)];
                 open.into_iter().chain([Piece::Text(", "), Piece::Node(b, 0), Piece::Text(")")]).collect()
@@ -107,14 +106,20 @@ impl Graph {
                     Binary::Sub => " - ",
                     _ => op.row().name,
                 };
-                let (left, right) = sides(op);
+                let (mut left, mut right) = sides(op);
+                if op == Binary::Mul && self.value(a).is_some() {
+                    left = 0; // the minus of -2*x is the product's
+                    if self.is_plain_product(b) {
+                        right = PRODUCT; // 2*x*y and 2*(x*y) are the same node
+                    }
+                }
                 vec![Piece::Node(a, left), Piece::Text(sign), Piece::Node(b, right)]
             }
             (Node::Binary(Binary::Div, a, b), Style::Latex) => {
-                self.filled(Binary::Div.row().latex, a, (a, 0), (b, 0))
+                self.filled(Binary::Div.row().latex, &[(a, 0), (b, 0)])
             }
             (Node::Binary(Binary::Pow, a, b), Style::Latex) => {
-                self.filled(Binary::Pow.row().latex, a, (a, ATOM), (b, 0))
+                self.filled(Binary::Pow.row().latex, &[(a, ATOM), (b, 0)])
             }
             (Node::Binary(Binary::Mul, a, b), Style::Latex) => {
                 // Two numbers side by side need a dot.
@@ -123,13 +128,35 @@ impl Graph {
                 } else {
                     Binary::Mul.row().latex.trim_start_matches("#1").trim_end_matches("#2")
                 };
-                vec![Piece::Node(a, PRODUCT), Piece::Text(sign), Piece::Node(b, PRODUCT)]
+                let left = if self.value(a).is_some() { 0 } else { PRODUCT };
+                vec![Piece::Node(a, left), Piece::Text(sign), Piece::Node(b, PRODUCT)]
             }
             (Node::Binary(op, a, b), Style::Latex) => {
-                let (left, right) = if op.row().precedence == 0 { (0, 0) } else { sides(op) };
-                self.filled(op.row().latex, a, (a, left), (b, right))
+                let (left, right) = match op {
+                    // People read a + (b - c) more easily without the parentheses.
+                    Binary::Add if !self.starts_with_minus(b) => (0, 1),
+                    _ if op.row().precedence == 0 => (0, 0),
+                    _ => sides(op),
+                };
+                self.filled(op.row().latex, &[(a, left), (b, right)])
             }
         }
+    }
+
+    /// A product that begins neither with a number nor with a quotient.
+    fn is_plain_product(&self, id: Id) -> bool {
+        let mut first = id;
+        while let Node::Binary(Binary::Mul, a, _) = self.node(first) {
+            first = a;
+        }
+        first != id && !matches!(self.node(first), Node::Constant(_) | Node::Binary(Binary::Div, ..))
+    }
+
+    fn starts_with_minus(&self, mut id: Id) -> bool {
+        while let Node::Binary(Binary::Add | Binary::Sub, a, _) = self.node(id) {
+            id = a;
+        }
+        self.precedence(id, Style::Latex) == 1
     }
 
     fn starts_with_number(&self, mut id: Id) -> bool {
@@ -142,27 +169,28 @@ impl Graph {
         }
     }
 
-    /// A row's template with the operands in it; tall operands get parentheses that grow.
-    fn filled(&self, template: &'static str, content: Id, first: (Id, u8), second: (Id, u8)) -> Vec<Piece> {
-        let tall = !matches!(self.node(content), Node::Constant(_) | Node::Symbol(_));
+    /// A row's template with the operands in it; around tall operands its parentheses grow.
+    fn filled(&self, template: &'static str, operands: &[(Id, u8)]) -> Vec<Piece> {
+        let leaf = |id: Id| matches!(self.node(id), Node::Constant(_) | Node::Symbol(_));
+        let tall = !operands.iter().all(|&(id, _)| leaf(id));
         let mut pieces = Vec::new();
         let mut rest = template;
-        while !rest.is_empty() {
-            if let Some(after) = rest.strip_prefix("#1") {
-                pieces.push(Piece::Node(first.0, first.1));
-                rest = after;
-            } else if let Some(after) = rest.strip_prefix("#2") {
-                pieces.push(Piece::Node(second.0, second.1));
-                rest = after;
-            } else if let (true, Some(after)) = (tall, rest.strip_prefix("(#1)")) {
-                pieces.extend([Piece::Text("\\left("), Piece::Node(first.0, 0), Piece::Text("\\right)")]);
-                rest = after;
-            } else {
-                let next = rest[1..].find(['#', '(']).map_or(rest.len(), |k| k + 1);
-                pieces.push(Piece::Text(&rest[..next]));
-                rest = &rest[next..];
-            }
+        while let Some(at) = rest.find(['#', '(', ')']) {
+            pieces.push(Piece::Text(&rest[..at]));
+            rest = &rest[at..];
+            let (piece, length) = match &rest[..1] {
+                "(" if tall => (Piece::Text("\\left("), 1),
+                ")" if tall => (Piece::Text("\\right)"), 1),
+                "#" => {
+                    let (id, floor) = operands[usize::from(&rest[1..2] == "2")];
+                    (Piece::Node(id, floor), 2)
+                }
+                _ => (Piece::Text(&rest[..1]), 1),
+            };
+            pieces.push(piece);
+            rest = &rest[length..];
         }
+        pieces.push(Piece::Text(rest));
         pieces
     }
 }
@@ -183,7 +211,7 @@ fn number(x: f64) -> String {
     if size != 0.0 && !(1e-4..1e15).contains(&size) { format!("{x:e}") } else { format!("{x}") }
 }
 
-/// A number in LaTeX with at most `digits` significant digits, trailing zeros dropped.
+/// A number in LaTeX with `digits` significant digits, trailing zeros dropped; below 10^5 every digit before the point is kept.
 ///
 /// ```
 /// use phisindy_expr::latex_number;
@@ -201,6 +229,7 @@ pub fn latex_number(x: f64, digits: usize) -> String {
             "-\\infty".into()
         };
     }
+    let x = x + 0.0; // no minus before a zero
     let scientific = format!("{:.*e}", digits.max(1) - 1, x);
     let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
     let exponent: i32 = exponent.parse().unwrap_or(0);
@@ -235,9 +264,9 @@ fn trimmed(text: &str) -> &str {
 /// ```
 pub fn latex_name(name: &str) -> String {
     const GREEK: &[&str] = &[
-        "alpha", "beta", "gamma", "delta", "zeta", "eta", "theta", "kappa", "lambda", "mu", "nu", "xi",
-        "rho", "sigma", "tau", "phi", "psi", "omega", "Gamma", "Delta", "Theta", "Lambda", "Sigma", "Phi",
-        "Psi", "Omega",
+        "alpha", "beta", "gamma", "delta", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu", "nu",
+        "xi", "pi", "rho", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega", "Gamma", "Delta",
+        "Theta", "Lambda", "Xi", "Pi", "Sigma", "Upsilon", "Phi", "Psi", "Omega",
     ];
     let (stem, index) = match name.split_once('_') {
         Some((stem, index)) if !stem.is_empty() && !index.is_empty() => (stem, index),
@@ -247,6 +276,7 @@ pub fn latex_name(name: &str) -> String {
     let stem = match stem {
         "eps" | "epsilon" => "\\varepsilon".to_owned(),
         greek if GREEK.contains(&greek) => format!("\\{greek}"),
+        "_" => "\\_".to_owned(),
         one if one.chars().count() == 1 => one.to_owned(),
         word => format!("\\mathrm{{{}}}", word.replace('_', "\\_")),
     };

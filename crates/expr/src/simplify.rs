@@ -1,5 +1,6 @@
-//! Rules applied while a graph is built. Each holds wherever the original is finite; nothing is divided by what may be zero, no domain is
-//! widened on purpose, and a number is folded only if the result is finite (else the operation stays, to fail where it stands).
+//! Rules applied while a graph is built. Each holds wherever the original is finite (but for rounding, and for products near the limits
+//! of a double, whose factors may be multiplied in another order); nothing is divided by what may be zero, no domain is widened on
+//! purpose, and a number is folded only if the result is finite (else the operation stays, to fail where it stands).
 //!
 //! They also bring sums and products to one form (the number first, a difference in place of a negative summand), so that printing and
 //! parsing again gives the same node.
@@ -107,15 +108,16 @@ fn product(g: &mut Graph, a: Id, b: Id) -> Option<Id> {
 
 /// Signs and numbers move out of a quotient.
 fn quotient(g: &mut Graph, a: Id, b: Id) -> Option<Id> {
+    let sides = match (negated(g, a), negated(g, b)) {
+        (Some(a), _) => Some((a, b)),
+        (None, Some(b)) => Some((a, b)),
+        (None, None) => None,
+    };
+    if let Some((a, b)) = sides {
+        let q = g.div(a, b);
+        return Some(g.neg(q));
+    }
     match (g.node(a), g.node(b)) {
-        (Node::Unary(Unary::Neg, a), _) => {
-            let q = g.div(a, b);
-            Some(g.neg(q))
-        }
-        (_, Node::Unary(Unary::Neg, b)) => {
-            let q = g.div(a, b);
-            Some(g.neg(q))
-        }
         (Node::Binary(Binary::Mul, c, d), Node::Constant(_)) if g.value(c).is_some() => {
             let c = folded(g, Binary::Div, c, b)?;
             Some(g.mul(c, d))
