@@ -1,1 +1,15 @@
-//! TODO
+//! System and records to an identified model.
+
+mod batch;
+mod descent;
+mod identified;
+mod least_squares;
+mod linear;
+mod noise;
+mod onestep;
+mod problem;
+mod rollout;
+mod train;
+
+pub use identified::{Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict};
+pub use train::{StepFit, StepOptions, train};

@@ -19,12 +19,14 @@ const LEAST_SAMPLES: usize = 5;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Differentiator {
     /// Fourier series of the record mirrored oddly about the line through its ends, cut where the motion meets the
-    /// noise. Best for smooth motion on a uniform grid; other grids are resampled first.
+    /// noise. Best for smooth motion on a uniform grid; other grids are resampled first. It takes the curvature at
+    /// both ends for zero, so a few samples there are worse.
     Spectral,
     /// Local cubics by least squares (Savitzky and Golay 1964), whose window is chosen at every sample: wide where the
     /// motion is smooth, narrow and one-sided at corners of the velocity (stops). Any grid.
     SavitzkyGolay,
-    /// Cubic smoothing spline (Reinsch 1967), smoothness by generalised cross-validation. Any grid.
+    /// Cubic smoothing spline (Reinsch 1967), smoothness by generalised cross-validation. Any grid. Straight at both
+    /// ends, as `Spectral`.
     Spline,
 }
 

@@ -1,11 +1,36 @@
-//! TODO
+//! Mechanical systems: states, inputs, constants, known rates, unknown terms, contacts; records of what they did.
+//!
+//! ```text
+//! text --spec::read--> Spec (as written) --check--> Case: System (every name resolved) + RecordPlans --> Record (sampled data)
+//!                                                      |
+//!                                                      +-- System::model --> Model (rates as functions of time, states, inputs, parameters)
+//! ```
+//!
+//! All mistakes of a text come back together, as [`Diagnostic`]s; drawing them is the program's job. This crate reads no files and knows
+//! no integration.
+
+mod check;
+mod constants;
 mod derivative;
 mod diagnostic;
 mod interpolate;
 mod model;
 mod noise_level;
+mod plan;
+mod raw;
+mod record;
+pub mod spec;
+pub mod splice;
+mod system;
+pub mod unit;
+
+pub use check::{Case, check};
+pub use constants::Value;
+pub use derivative::{Differentiated, Differentiator, automatic, differentiate};
 pub use diagnostic::{Diagnostic, Label, Severity, Source, SourceId, Sources};
 pub use interpolate::{Interpolation, Signal, SignalError};
 pub use model::Model;
-pub use derivative::{Differentiated, Differentiator, automatic, differentiate};
 pub use noise_level::{effective_samples, noise_level};
+pub use plan::{Origin, RecordPlan, Sensor, SensorParameter, Synthetic, SyntheticInput};
+pub use record::{Record, Table, link_continuations};
+pub use system::{Contact, Input, Parameter, State, System, Term};

@@ -10,13 +10,18 @@
 mod automaton;
 mod contact;
 mod dopri;
+mod events;
 mod excitation;
 mod field;
 mod noise;
 mod run;
 mod sensitivity;
+mod synthetic;
+mod trajectory;
 
 pub use automaton::{Automaton, Switch};
-pub use run::{Drive, Event, Options, SimError, Trajectory, simulate};
 pub use excitation::{ExcitationError, Multisine};
 pub use noise::{Noise, Streams, add_noise};
+pub use run::simulate;
+pub use synthetic::{SyntheticError, synthesize};
+pub use trajectory::{Drive, Event, Options, SimError, Trajectory};

@@ -1,0 +1,223 @@
+//! The one-step loss over all samples: data laid out once, evaluated many times, on all cores.
+//!
+//! What does not depend on the coefficients is evaluated once, when the batch is made: a loss tape then runs on the border between data and
+//! coefficients. Sums run over fixed blocks in a fixed order, so that the number of threads does not change a bit.
+
+use crate::onestep::OneStep;
+use phisindy_expr::{Id, Scratch, Tape};
+use phisindy_phys::{Record, System};
+use rayon::prelude::*;
+
+/// Samples per block.
+pub(crate) const LANES: usize = 64;
+/// Blocks that one thread takes at a time.
+const CHUNK: usize = 8;
+
+type Lane = [f64; LANES];
+
+/// The loss of the paper: mean squared error of the forward and of the backward prediction, each state in units of its standard deviation,
+/// over `horizon` steps.
+pub(crate) struct Batch {
+    kind: Kind,
+    /// Number of coefficients and movable constants.
+    pub(crate) parameters: usize,
+    /// Number of residuals: samples times states times directions times horizon.
+    pub(crate) residuals: usize,
+}
+
+enum Kind {
+    /// One step: what depends on data alone is in `border`, blocks of as many lanes as the tapes have inputs before the parameters.
+    Single { border: Vec<Lane>, inputs: usize, blocks: usize, loss: Tape, jacobian: Tape, states: usize },
+    /// Several steps, rolled out.
+    Rollout(Box<crate::rollout::Rollout>),
+}
+
+/// Standard deviation of each state over all records: the unit of its error.
+pub(crate) fn deviations(system: &System, records: &[&Record]) -> Vec<f64> {
+    (0..system.states.len())
+        .map(|k| {
+            let all: Vec<f64> = records.iter().filter_map(|r| r.columns[k].as_ref()).flatten().copied().collect();
+            let mean = all.iter().sum::<f64>() / all.len().max(1) as f64;
+            let variance = all.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / all.len().max(1) as f64;
+            if variance > 0.0 { variance.sqrt() } else { 1.0 }
+        })
+        .collect()
+}
+
+/// One row of data for a step: time, length, states, inputs at start, middle, end. `from` and `to` are neighbouring samples; going backward
+/// the length is negative. A measured input is averaged between its two samples.
+pub(crate) fn step_row(record: &Record, from: usize, to: usize) -> Vec<f64> {
+    let mut row = vec![record.time[from], record.time[to] - record.time[from]];
+    row.extend(record.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| c[from])));
+    row.extend(record.inputs.iter().map(|u| u.values()[from]));
+    row.extend(record.inputs.iter().map(|u| 0.5 * (u.values()[from] + u.values()[to])));
+    row.extend(record.inputs.iter().map(|u| u.values()[to]));
+    row
+}
+
+impl Batch {
+    /// Lays out the data of all records. Every record must have samples of every state; `constants[r]` are the record constants.
+    pub(crate) fn new(step: &OneStep, free: usize, records: &[&Record], deviations: &[f64], horizon: usize) -> Batch {
+        let n = step.states.len();
+        let steps: usize = records.iter().map(|r| r.len().saturating_sub(horizon)).sum();
+        let residuals = 2 * n * steps * horizon;
+        let weight = (1.0 / (n * horizon * steps.max(1)) as f64).sqrt();
+        let weights: Vec<f64> = deviations.iter().map(|d| weight / d).collect();
+        if horizon > 1 {
+            let rollout = crate::rollout::Rollout::new(step.clone(), free, records, &weights, horizon);
+            return Batch { kind: Kind::Rollout(Box::new(rollout)), parameters: free, residuals };
+        }
+        let mut step = step.clone();
+        let (errors, targets, mask) = step.residuals(&weights);
+        let graph = &mut step.graph;
+        let (free, given) = step.parameters.split_at(free);
+        let mut total = graph.constant(0.0);
+        for &e in &errors {
+            let square = graph.mul(e, e);
+            total = graph.add(total, square);
+        }
+        let mut outputs = vec![total];
+        outputs.extend(graph.gradient(total, free));
+        let mut matrix = errors.clone();
+        errors.iter().for_each(|&e| matrix.extend(graph.gradient(e, free)));
+
+        let mut all = outputs.clone();
+        all.extend(&matrix);
+        let border = graph.border(&all, free);
+        let mut inputs = step.data.clone();
+        inputs.extend(given);
+        inputs.extend(&targets);
+        inputs.push(mask);
+        let prologue = compile(&step, &inputs, &border);
+        let mut rest = border.clone();
+        rest.extend(free);
+        let loss = compile(&step, &rest, &outputs);
+        let jacobian = compile(&step, &rest, &matrix);
+
+        let mut rows: Vec<Vec<f64>> = Vec::with_capacity(2 * steps);
+        for record in records {
+            let pairs = (1..record.len()).map(|k| (k - 1, k));
+            for (from, to) in pairs.clone().chain(pairs.map(|(a, b)| (b, a))) {
+                let mut row = step_row(record, from, to);
+                row.extend(&record.constants);
+                row.extend(record.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| c[to])));
+                row.push(1.0);
+                rows.push(row);
+            }
+        }
+        let blocks = rows.len().div_ceil(LANES);
+        let mut lanes = Vec::with_capacity(blocks * border.len());
+        let mut scratch = Scratch::<LANES>::new(&prologue);
+        for block in rows.chunks(LANES) {
+            for lane in 0..LANES {
+                // The last block repeats its last row with mask zero.
+                let row = &block[lane.min(block.len() - 1)];
+                for (k, &value) in row.iter().enumerate() {
+                    scratch.input(k)[lane] = value;
+                }
+                if lane >= block.len() {
+                    scratch.input(row.len() - 1)[lane] = 0.0;
+                }
+            }
+            scratch.run();
+            lanes.extend((0..border.len()).map(|k| *scratch.output(k)));
+        }
+        let kind = Kind::Single { border: lanes, inputs: border.len(), blocks, loss, jacobian, states: n };
+        Batch { kind, parameters: free.len(), residuals }
+    }
+
+    /// Operations of the loss tape per sample and direction.
+    pub(crate) fn operations(&self) -> usize {
+        match &self.kind {
+            Kind::Single { loss, .. } => loss.operations(),
+            Kind::Rollout(rollout) => rollout.operations(),
+        }
+    }
+
+    /// The loss and its gradient.
+    pub(crate) fn loss(&self, parameters: &[f64], gradient: &mut [f64]) -> f64 {
+        let p = self.parameters;
+        let sums = match &self.kind {
+            Kind::Rollout(rollout) => rollout.loss(parameters),
+            Kind::Single { loss, .. } => self.sum(loss, parameters, 1 + p, |scratch, sums| {
+                for (k, sum) in sums.iter_mut().enumerate() {
+                    *sum += scratch.output(k).iter().sum::<f64>();
+                }
+            }),
+        };
+        gradient.copy_from_slice(&sums[1..]);
+        sums[0]
+    }
+
+    /// The loss and the normal equations of its Gauss-Newton step: upper triangle of `J^T J` row by row, then `J^T e`.
+    pub(crate) fn normal(&self, parameters: &[f64]) -> (f64, Vec<f64>, Vec<f64>) {
+        let p = self.parameters;
+        let size = 1 + p * (p + 1) / 2 + p;
+        let sums = match &self.kind {
+            Kind::Rollout(rollout) => rollout.normal(parameters),
+            Kind::Single { jacobian, states, .. } => self.sum(jacobian, parameters, size, |scratch, sums| {
+                for i in 0..*states {
+                    let column = |k: usize| scratch.output(states + i * p + k);
+                    accumulate(scratch.output(i), column, p, sums);
+                }
+            }),
+        };
+        let (triangle, right) = sums[1..].split_at(p * (p + 1) / 2);
+        (sums[0], triangle.to_vec(), right.to_vec())
+    }
+
+    /// Runs a tape over all blocks and sums what `add` takes from each: threads take fixed chunks, chunks are summed in order.
+    fn sum(&self, tape: &Tape, parameters: &[f64], size: usize, add: impl Fn(&Scratch<LANES>, &mut [f64]) + Sync) -> Vec<f64> {
+        let Kind::Single { border, inputs, blocks, .. } = &self.kind else { return vec![0.0; size] };
+        let chunks = blocks.div_ceil(CHUNK);
+        let partial: Vec<Vec<f64>> = (0..chunks)
+            .into_par_iter()
+            .map_init(
+                || {
+                    let mut scratch = Scratch::<LANES>::new(tape);
+                    for (k, &value) in parameters[..self.parameters].iter().enumerate() {
+                        *scratch.input(inputs + k) = [value; LANES];
+                    }
+                    scratch
+                },
+                |scratch, chunk| {
+                    let mut sums = vec![0.0; size];
+                    for block in chunk * CHUNK..((chunk + 1) * CHUNK).min(*blocks) {
+                        for k in 0..*inputs {
+                            *scratch.input(k) = border[block * inputs + k];
+                        }
+                        scratch.run();
+                        add(scratch, &mut sums);
+                    }
+                    sums
+                },
+            )
+            .collect();
+        let mut total = vec![0.0; size];
+        for sums in partial {
+            total.iter_mut().zip(sums).for_each(|(t, s)| *t += s);
+        }
+        total
+    }
+}
+
+/// Adds one residual lane to `[loss, triangle of J^T J, J^T e]`.
+pub(crate) fn accumulate<'a>(error: &Lane, column: impl Fn(usize) -> &'a Lane, p: usize, sums: &mut [f64]) {
+    let dot = |a: &Lane, b: &Lane| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+    sums[0] += dot(error, error);
+    let mut at = 1;
+    for i in 0..p {
+        for j in i..p {
+            sums[at] += dot(column(i), column(j));
+            at += 1;
+        }
+    }
+    for i in 0..p {
+        sums[at + i] += dot(column(i), error);
+    }
+}
+
+/// Compiles what was built from inputs alone.
+pub(crate) fn compile(step: &OneStep, inputs: &[Id], outputs: &[Id]) -> Tape {
+    Tape::compile(&step.graph, inputs, outputs).unwrap_or_else(|e| unreachable!("every symbol of a step is an input: {}", e.message(&step.names)))
+}

@@ -1,0 +1,143 @@
+//! What identification returns: terms with error bars, parameters, the fit of every record, a verdict.
+
+use phisindy_phys::spec::{Method, Role};
+use phisindy_sim::Trajectory;
+
+/// A number with its uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// Best value (SI).
+    pub value: f64,
+    /// Standard error; infinite where the data say nothing.
+    pub std_error: f64,
+    /// 95 % interval.
+    pub ci95: (f64, f64),
+}
+
+impl Estimate {
+    /// With the interval of a normal distribution.
+    pub fn normal(value: f64, std_error: f64) -> Estimate {
+        let reach = 1.959_963_984_540_054 * std_error;
+        Estimate { value, std_error, ci95: (value - reach, value + reach) }
+    }
+}
+
+/// A term of the dictionary that survived.
+#[derive(Clone, Debug)]
+pub struct FoundTerm {
+    /// Index into [`phisindy_phys::System::terms`].
+    pub term: usize,
+    /// Its coefficient.
+    pub coefficient: Estimate,
+}
+
+/// A parameter that was allowed to move.
+#[derive(Clone, Debug)]
+pub struct FoundParameter {
+    /// `k`, or `x.offset` for a sensor parameter; with ` [record]` behind it where each record has its own.
+    pub name: String,
+    /// As in the spec.
+    pub unit: String,
+    /// Factor from `unit` to SI.
+    pub factor: f64,
+    /// Value (SI).
+    pub estimate: Estimate,
+    /// Bounds (SI).
+    pub bounds: (f64, f64),
+    /// Whether it ended at one of them.
+    pub at_bound: bool,
+    /// Index into [`phisindy_phys::System::parameters`], and the record it belongs to; `None` for sensor parameters.
+    pub parameter: Option<usize>,
+    /// The record it belongs to, where each has its own.
+    pub record: Option<usize>,
+}
+
+/// How the identified model does on one record, running freely from its fitted start.
+#[derive(Clone, Debug)]
+pub struct RecordFit {
+    /// As in the spec.
+    pub name: String,
+    /// Fitted or only predicted.
+    pub role: Role,
+    /// Number of samples.
+    pub samples: usize,
+    /// For each measured state: its name and rms of the free-run residual over the standard deviation of the column.
+    pub nrmse: Vec<(String, f64)>,
+    /// For each measured state: its name and the estimated standard deviation of its noise (SI).
+    pub noise: Vec<(String, f64)>,
+    /// Fitted start state (SI).
+    pub start: Vec<f64>,
+    /// The free run at the sample times; `None` if it failed.
+    pub run: Option<Trajectory>,
+    /// Why the free run failed.
+    pub failure: Option<String>,
+}
+
+impl RecordFit {
+    /// The largest NRMSE of all columns; infinite if the run failed.
+    pub fn worst(&self) -> f64 {
+        if self.run.is_none() { f64::INFINITY } else { self.nrmse.iter().map(|&(_, e)| e).fold(0.0, f64::max) }
+    }
+}
+
+/// A point on the way to the structure: so many terms, so good.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathPoint {
+    /// Number of terms.
+    pub terms: usize,
+    /// Value of the criterion (or the loss, for method step): smaller is better.
+    pub criterion: f64,
+    /// NRMSE of the free run on the Fit records, where it was computed.
+    pub nrmse: Option<f64>,
+}
+
+/// Whether to believe it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Verdict {
+    /// The model predicts the records.
+    Identified,
+    /// It does not; why, in words.
+    Rejected(String),
+}
+
+/// What was identified.
+#[derive(Clone, Debug)]
+pub struct Identified {
+    /// How.
+    pub method: Method,
+    /// In the order of the dictionary.
+    pub terms: Vec<FoundTerm>,
+    /// In the order of the spec, sensor parameters last.
+    pub parameters: Vec<FoundParameter>,
+    /// In the order of the spec.
+    pub records: Vec<RecordFit>,
+    /// `relative`, `additive`, ...
+    pub noise_model: String,
+    /// The path of the selection.
+    pub selection: Vec<PathPoint>,
+    /// What a careful reader should know, in words.
+    pub warnings: Vec<String>,
+    /// Whether to believe it.
+    pub verdict: Verdict,
+    /// Whether it was stopped by the user before the end.
+    pub stopped: bool,
+}
+
+/// Why nothing could be identified at all.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LearnError {
+    /// The records do not suit the method: what to do, in words.
+    Data(String),
+    /// The numerics failed: time, state and cause in words.
+    Numerics(String),
+}
+
+impl std::fmt::Display for LearnError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            LearnError::Data(text) | LearnError::Numerics(text) => write!(f, "{text}"),
+        }
+    }
+}
+
+impl std::error::Error for LearnError {}

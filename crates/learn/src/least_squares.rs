@@ -1,0 +1,116 @@
+//! Levenberg-Marquardt within bounds, for whatever gives a cost and its normal equations.
+
+use crate::linear::solve_damped;
+use faer::Mat;
+
+/// Cost `sum r^2` at a point, `J^T J` and `J^T r`.
+#[derive(Clone, Debug)]
+pub(crate) struct Normal {
+    pub(crate) cost: f64,
+    pub(crate) matrix: Mat<f64>,
+    pub(crate) gradient: Vec<f64>,
+}
+
+/// How long to try.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limits {
+    /// Accepted steps at most.
+    pub(crate) iterations: usize,
+    /// Stops when a step lowers the cost by less than this part of it.
+    pub(crate) gain: f64,
+}
+
+/// Minimises from `values`, which end at the best point found. Returns the normal equations there, or `None` if the start itself cannot be
+/// evaluated. `evaluate` returns `None` where the model fails.
+pub(crate) fn minimise(
+    values: &mut [f64],
+    bounds: &[(f64, f64)],
+    limits: Limits,
+    mut evaluate: impl FnMut(&[f64]) -> Option<Normal>,
+) -> Option<Normal> {
+    let n = values.len();
+    let mut damping = 1e-6;
+    let mut now = evaluate(values)?;
+    for _ in 0..limits.iterations {
+        let mut better = None;
+        while damping < 1e10 {
+            let step = bounded_step(&now, values, bounds, damping);
+            let Some(step) = step else {
+                damping *= 10.0;
+                continue;
+            };
+            let trial: Vec<f64> = (0..n).map(|k| (values[k] + step[k]).clamp(bounds[k].0, bounds[k].1)).collect();
+            if trial.iter().zip(values.iter()).all(|(a, b)| a == b) {
+                break;
+            }
+            match evaluate(&trial) {
+                Some(next) if next.cost < now.cost => {
+                    better = Some((trial, next));
+                    damping = (damping * 0.1).max(1e-12);
+                    break;
+                }
+                // At the rounding of the cost there is nothing left to gain.
+                Some(next) if next.cost <= now.cost * (1.0 + 1e-14) => break,
+                _ => damping = (damping * 10.0).max(1e-5),
+            }
+        }
+        let Some((trial, next)) = better else { break };
+        let gain = (now.cost - next.cost) / now.cost.max(f64::MIN_POSITIVE);
+        values.copy_from_slice(&trial);
+        now = next;
+        if gain < limits.gain {
+            break;
+        }
+    }
+    Some(now)
+}
+
+/// The damped step; what sits at a bound and is pushed against it does not move.
+fn bounded_step(now: &Normal, values: &[f64], bounds: &[(f64, f64)], damping: f64) -> Option<Vec<f64>> {
+    let n = values.len();
+    let mut matrix = now.matrix.clone();
+    let mut right: Vec<f64> = now.gradient.iter().map(|g| -g).collect();
+    for k in 0..n {
+        if (values[k] <= bounds[k].0 && right[k] < 0.0) || (values[k] >= bounds[k].1 && right[k] > 0.0) {
+            right[k] = 0.0;
+            (0..n).for_each(|j| {
+                matrix[(k, j)] = 0.0;
+                matrix[(j, k)] = 0.0;
+            });
+        }
+    }
+    solve_damped(&matrix, &right, damping)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linear::symmetric;
+    use approx::assert_relative_eq;
+
+    /// Rosenbrock's function as a least-squares problem.
+    fn rosenbrock(x: &[f64]) -> Option<Normal> {
+        let r = [10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]];
+        let j = [[-20.0 * x[0], 10.0], [-1.0, 0.0]];
+        let dot = |a: usize, b: usize| j[0][a] * j[0][b] + j[1][a] * j[1][b];
+        Some(Normal {
+            cost: r[0] * r[0] + r[1] * r[1],
+            matrix: symmetric(&[dot(0, 0), dot(0, 1), dot(1, 1)], 2),
+            gradient: (0..2).map(|k| j[0][k] * r[0] + j[1][k] * r[1]).collect(),
+        })
+    }
+
+    #[test]
+    fn finds_the_valley_and_respects_bounds() {
+        let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
+        let limits = Limits { iterations: 200, gain: 0.0 };
+        let mut x = [-1.2, 1.0];
+        minimise(&mut x, &free, limits, rosenbrock).unwrap();
+        assert_relative_eq!(x[0], 1.0, max_relative = 1e-8);
+        assert_relative_eq!(x[1], 1.0, max_relative = 1e-8);
+        let mut x = [-1.2, 1.0];
+        minimise(&mut x, &[(-2.0, 0.5), (-2.0, 2.0)], limits, rosenbrock).unwrap();
+        assert_relative_eq!(x[0], 0.5, max_relative = 1e-8);
+        assert_relative_eq!(x[1], 0.25, max_relative = 1e-6);
+    }
+}

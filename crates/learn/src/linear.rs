@@ -1,0 +1,79 @@
+//! Small dense linear algebra on symmetric matrices, through faer.
+
+use faer::Mat;
+use faer::Side;
+use faer::linalg::solvers::Solve;
+
+/// A symmetric matrix from its upper triangle, row by row.
+pub(crate) fn symmetric(triangle: &[f64], n: usize) -> Mat<f64> {
+    let at = |i: usize, j: usize| {
+        let (i, j) = (i.min(j), i.max(j));
+        triangle[i * n - i * (i + 1) / 2 + j]
+    };
+    Mat::from_fn(n, n, at)
+}
+
+/// Solves `(A + damping diag A) x = b` for a positive semidefinite `A`, scaled to unit diagonal first; rows with a zero diagonal stay at zero.
+pub(crate) fn solve_damped(a: &Mat<f64>, b: &[f64], damping: f64) -> Option<Vec<f64>> {
+    let n = b.len();
+    let scale = scales(a);
+    let m = Mat::from_fn(n, n, |i, j| {
+        let x = a[(i, j)] * scale[i] * scale[j];
+        if i == j { if a[(i, i)] > 0.0 { x + damping } else { 1.0 } } else { x }
+    });
+    let right = Mat::from_fn(n, 1, |i, _| b[i] * scale[i]);
+    let x = m.llt(Side::Lower).ok()?.solve(&right);
+    let x: Vec<f64> = (0..n).map(|i| x[(i, 0)] * scale[i]).collect();
+    x.iter().all(|v| v.is_finite()).then_some(x)
+}
+
+/// The inverse of a positive semidefinite matrix; directions that it does not see (eigenvalue below 1e-13 of unit diagonal) get an infinite
+/// diagonal.
+pub(crate) fn covariance(a: &Mat<f64>) -> Mat<f64> {
+    let n = a.nrows();
+    let scale = scales(a);
+    let m = Mat::from_fn(n, n, |i, j| a[(i, j)] * scale[i] * scale[j]);
+    let Ok(eigen) = m.self_adjoint_eigen(Side::Lower) else { return Mat::from_fn(n, n, |_, _| f64::NAN) };
+    let (u, s) = (eigen.U(), eigen.S());
+    let blind = |k: usize| s[k] <= 1e-13;
+    Mat::from_fn(n, n, |i, j| {
+        let lost = |i: usize| a[(i, i)] <= 0.0 || (0..n).any(|k| blind(k) && u[(i, k)].abs() > 1e-6);
+        if i == j && lost(i) {
+            return f64::INFINITY;
+        }
+        let sum: f64 = (0..n).filter(|&k| !blind(k)).map(|k| u[(i, k)] * u[(j, k)] / s[k]).sum();
+        sum * scale[i] * scale[j]
+    })
+}
+
+fn scales(a: &Mat<f64>) -> Vec<f64> {
+    (0..a.nrows()).map(|i| if a[(i, i)] > 0.0 { 1.0 / a[(i, i)].sqrt() } else { 0.0 }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn solves_a_badly_scaled_system() {
+        // [[4e12, 2e3], [2e3, 3]] x = b with x = [1e-6, 2].
+        let a = symmetric(&[4e12, 2e3, 3.0], 2);
+        let b = [4e12 * 1e-6 + 2e3 * 2.0, 2e3 * 1e-6 + 3.0 * 2.0];
+        let x = solve_damped(&a, &b, 0.0).unwrap();
+        assert_relative_eq!(x[0], 1e-6, max_relative = 1e-9);
+        assert_relative_eq!(x[1], 2.0, max_relative = 1e-9);
+    }
+
+    #[test]
+    fn covariance_inverts_and_knows_what_it_does_not_see() {
+        let a = symmetric(&[2.0, 1.0, 2.0], 2);
+        let c = covariance(&a);
+        assert_relative_eq!(c[(0, 0)], 2.0 / 3.0, max_relative = 1e-12);
+        assert_relative_eq!(c[(0, 1)], -1.0 / 3.0, max_relative = 1e-12);
+        let singular = symmetric(&[1.0, 1.0, 0.0, 1.0, 0.0, 5.0], 3);
+        let c = covariance(&singular);
+        assert!(c[(0, 0)].is_infinite() && c[(1, 1)].is_infinite());
+        assert_relative_eq!(c[(2, 2)], 0.2, max_relative = 1e-12);
+    }
+}

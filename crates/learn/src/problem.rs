@@ -1,0 +1,423 @@
+//! The trajectory fit as a least-squares problem: what is unknown, how it enters each record, residuals and their exact derivatives.
+//!
+//! The unknowns are one vector: coefficients, shared parameters, then for each record its own parameters, its free sensor parameters, and a
+//! start state for each of its segments.
+
+use crate::least_squares::Normal;
+use crate::noise::ColumnNoise;
+use faer::Mat;
+use phisindy_phys::{Record, Sensor, System};
+use phisindy_sim::{Automaton, Drive, Options, SimError, Trajectory, simulate};
+use rayon::prelude::*;
+
+/// Local error of the simulations inside a fit.
+const TOLERANCE: f64 = 1e-8;
+
+/// The three sensor parameters, in the order of the unknowns.
+const OFFSET: usize = 0;
+const GAIN: usize = 1;
+const DELAY: usize = 2;
+
+/// A run of samples with a start state of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Segment {
+    pub(crate) record: usize,
+    /// First and one past the last sample.
+    pub(crate) samples: (usize, usize),
+    /// Where its start state stands among the unknowns.
+    pub(crate) start: usize,
+}
+
+/// Where a number of the model comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Source {
+    Unknown(usize),
+    Number(f64),
+}
+
+/// A least-squares problem for a choice of terms and records.
+pub(crate) struct Problem<'a> {
+    pub(crate) system: &'a System,
+    pub(crate) terms: Vec<usize>,
+    pub(crate) records: Vec<&'a Record>,
+    pub(crate) automaton: Automaton,
+    pub(crate) segments: Vec<Segment>,
+    /// Number of unknowns.
+    pub(crate) unknowns: usize,
+    pub(crate) bounds: Vec<(f64, f64)>,
+    /// Belief beforehand: unknown, centre, standard deviation.
+    priors: Vec<(usize, f64, f64)>,
+    /// For each record, the parameters of the model.
+    model: Vec<Vec<Source>>,
+    /// For each record and state: offset, gain, delay.
+    sensors: Vec<Vec<[Source; 3]>>,
+    /// The size of each state, for the accuracy of the simulation.
+    pub(crate) scale: Vec<f64>,
+    /// Standard deviation of each measured column, by record and state.
+    pub(crate) deviations: Vec<Vec<f64>>,
+}
+
+/// What an unknown is.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Meaning {
+    Coefficient(usize),
+    /// Index into the system's parameters; the record for those that each has.
+    Parameter(usize, Option<usize>),
+    /// Record, state, which of offset, gain, delay.
+    Sensor(usize, usize, usize),
+    Start,
+}
+
+/// Noise of each record and state.
+pub(crate) type Noise = Vec<Vec<ColumnNoise>>;
+
+/// Residuals and predictions of one column of one record.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ColumnResidual {
+    pub(crate) residual: Vec<f64>,
+    pub(crate) prediction: Vec<f64>,
+}
+
+impl<'a> Problem<'a> {
+    /// Sets up the problem; each record is cut into `pieces[r]` segments of equal length.
+    pub(crate) fn new(system: &'a System, terms: &[usize], records: &[&'a Record], pieces: &[usize]) -> Result<Problem<'a>, String> {
+        let model = system.model(terms);
+        let automaton = Automaton::new(&model).map_err(|e| e.message(&model.names))?;
+        let n = system.states.len();
+        let free = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut bounds = vec![free; terms.len()];
+        let mut priors = Vec::new();
+        let mut unknown = |within: (f64, f64), centre: f64, sigma: Option<f64>, bounds: &mut Vec<(f64, f64)>| {
+            bounds.push(within);
+            priors.extend(sigma.map(|s| (bounds.len() - 1, centre, s)));
+            Source::Unknown(bounds.len() - 1)
+        };
+        let shared: Vec<Option<Source>> = system
+            .parameters
+            .iter()
+            .map(|p| (!p.each).then(|| unknown(p.within, p.start, p.sigma, &mut bounds)))
+            .collect();
+        let (mut models, mut sensors, mut segments) = (Vec::new(), Vec::new(), Vec::new());
+        for (r, record) in records.iter().enumerate() {
+            let mut sources: Vec<Source> = (0..terms.len()).map(Source::Unknown).collect();
+            for (p, source) in system.parameters.iter().zip(&shared) {
+                sources.push(source.unwrap_or_else(|| unknown(p.within, p.start, p.sigma, &mut bounds)));
+            }
+            sources.extend(record.constants.iter().map(|&c| Source::Number(c)));
+            models.push(sources);
+            let mut of_states = Vec::new();
+            for k in 0..n {
+                let Sensor { offset, gain, delay } = &record.sensors[k];
+                of_states.push([offset, gain, delay].map(|s| match s.within {
+                    Some(within) if record.columns[k].is_some() => unknown(within, s.start, s.sigma, &mut bounds),
+                    _ => Source::Number(s.start),
+                }));
+            }
+            sensors.push(of_states);
+            let count = pieces[r].clamp(1, (record.len() / 4).max(1));
+            for piece in 0..count {
+                let samples = (piece * record.len() / count, (piece + 1) * record.len() / count);
+                segments.push(Segment { record: r, samples, start: bounds.len() });
+                bounds.extend(vec![free; n]);
+            }
+        }
+        let deviation = |values: &[f64]| {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
+        };
+        let deviations: Vec<Vec<f64>> =
+            records.iter().map(|r| r.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| deviation(c))).collect()).collect();
+        let mut problem = Problem {
+            system,
+            terms: terms.to_vec(),
+            records: records.to_vec(),
+            automaton,
+            segments,
+            unknowns: bounds.len(),
+            bounds,
+            priors,
+            model: models,
+            sensors,
+            scale: vec![],
+            deviations,
+        };
+        problem.scale = problem.scales();
+        Ok(problem)
+    }
+
+    /// The size of each state: from its columns, or from the slope of the displacement whose velocity it is.
+    fn scales(&self) -> Vec<f64> {
+        (0..self.system.states.len())
+            .map(|k| {
+                let own = (0..self.records.len()).map(|r| self.deviations[r][k]).fold(0.0, f64::max);
+                if own > 0.0 {
+                    return own;
+                }
+                let mut slope = 0.0_f64;
+                for (x, _) in self.system.states.iter().enumerate().filter(|(_, s)| s.velocity == Some(k)) {
+                    for record in &self.records {
+                        let Some(column) = &record.columns[x] else { continue };
+                        // Over a stretch of a hundredth of the record, so that noise does not make it large.
+                        let far = (record.len() / 100).max(1);
+                        let pairs = (far..record.len()).map(|i| (column[i] - column[i - far]) / (record.time[i] - record.time[i - far]));
+                        let count = (record.len() - far).max(1) as f64;
+                        slope = slope.max((pairs.map(|s| s * s).sum::<f64>() / count).sqrt());
+                    }
+                }
+                if slope > 0.0 { slope } else { 1.0 }
+            })
+            .collect()
+    }
+
+    /// What each unknown is.
+    pub(crate) fn meanings(&self) -> Vec<Meaning> {
+        let mut all = vec![Meaning::Start; self.unknowns];
+        (0..self.terms.len()).for_each(|k| all[k] = Meaning::Coefficient(k));
+        for r in 0..self.records.len() {
+            for (p, source) in self.model[r][self.terms.len()..].iter().take(self.system.parameters.len()).enumerate() {
+                if let Source::Unknown(k) = *source {
+                    all[k] = Meaning::Parameter(p, self.system.parameters[p].each.then_some(r));
+                }
+            }
+            for (state, sensor) in self.sensors[r].iter().enumerate() {
+                for (which, source) in sensor.iter().enumerate() {
+                    if let Source::Unknown(k) = *source {
+                        all[k] = Meaning::Sensor(r, state, which);
+                    }
+                }
+            }
+        }
+        all
+    }
+
+    /// A first guess: coefficients and parameters as given (or where the spec starts them), start states from the columns.
+    pub(crate) fn guess(&self, coefficients: &[f64], parameters: Option<&[f64]>, filled: &[Record]) -> Vec<f64> {
+        let mut x = vec![0.0; self.unknowns];
+        x[..coefficients.len()].copy_from_slice(coefficients);
+        for (k, meaning) in self.meanings().into_iter().enumerate() {
+            match meaning {
+                Meaning::Parameter(p, _) => x[k] = parameters.map_or(self.system.parameters[p].start, |v| v[p]),
+                Meaning::Sensor(r, state, which) => {
+                    let s = &self.records[r].sensors[state];
+                    x[k] = [&s.offset, &s.gain, &s.delay][which].start;
+                }
+                _ => {}
+            }
+        }
+        for segment in &self.segments {
+            let record = &filled[segment.record];
+            for state in 0..self.system.states.len() {
+                let value = record.columns[state].as_ref().map(|c| c[segment.samples.0]);
+                let stated = self.records[segment.record].start[state].filter(|_| segment.samples.0 == 0);
+                x[segment.start + state] = stated.or(value).unwrap_or(0.0);
+            }
+        }
+        x
+    }
+
+    fn value(source: Source, x: &[f64]) -> f64 {
+        match source {
+            Source::Unknown(k) => x[k],
+            Source::Number(v) => v,
+        }
+    }
+
+    /// The numbers of the model's parameters in a record.
+    pub(crate) fn model_parameters(&self, record: usize, x: &[f64]) -> Vec<f64> {
+        self.model[record].iter().map(|&s| Self::value(s, x)).collect()
+    }
+
+    /// Simulates one segment; with the derivatives by everything that is unknown in it.
+    fn run(&self, segment: &Segment, x: &[f64], derivatives: bool) -> Result<Trajectory, SimError> {
+        let record = self.records[segment.record];
+        let (first, last) = segment.samples;
+        let parameters = self.model_parameters(segment.record, x);
+        let drive = Drive { inputs: &record.inputs, parameters: &parameters };
+        let start = &x[segment.start..segment.start + self.system.states.len()];
+        let free = (0..parameters.len()).filter(|&k| matches!(self.model[segment.record][k], Source::Unknown(_))).collect();
+        let options = Options {
+            tolerance: TOLERANCE,
+            scale: self.scale.clone(),
+            sensitivities: derivatives.then_some(free),
+            max_steps: 200_000.max(40 * (last - first)),
+            diverged: 1e4,
+        };
+        let times = self.sample_times(segment, x);
+        simulate(&self.automaton, &drive, record.time[first], start, &times, &options)
+    }
+
+    /// Times at which the states are asked for: the samples, earlier by the common delay of all columns. (Columns with different delays are
+    /// read off along the rates, which is exact to first order in the difference.)
+    fn sample_times(&self, segment: &Segment, x: &[f64]) -> Vec<f64> {
+        let delay = self.common_delay(segment.record, x);
+        self.records[segment.record].time[segment.samples.0..segment.samples.1].iter().map(|t| t - delay).collect()
+    }
+
+    fn common_delay(&self, record: usize, x: &[f64]) -> f64 {
+        let measured = (0..self.system.states.len()).find(|&k| self.records[record].columns[k].is_some());
+        measured.map_or(0.0, |k| Self::value(self.sensors[record][k][DELAY], x))
+    }
+
+    /// The prediction of a column at a sample from the state and its rate.
+    fn reading(&self, record: usize, state: usize, x: &[f64], value: f64, rate: f64) -> (f64, f64, f64) {
+        let [offset, gain, delay] = self.sensors[record][state].map(|s| Self::value(s, x));
+        let late = delay - self.common_delay(record, x);
+        let seen = value - late * rate;
+        (offset + gain * seen, gain, seen)
+    }
+
+    /// Residuals of every column of every record in the unit of the column, from a simulation of all segments.
+    pub(crate) fn residuals(&self, x: &[f64]) -> Result<Vec<Vec<ColumnResidual>>, SimError> {
+        let runs: Vec<Trajectory> = self.segments.par_iter().map(|s| self.run(s, x, false)).collect::<Result<_, _>>()?;
+        let n = self.system.states.len();
+        let mut out = vec![vec![ColumnResidual::default(); n]; self.records.len()];
+        for (segment, run) in self.segments.iter().zip(&runs) {
+            for (i, sample) in (segment.samples.0..segment.samples.1).enumerate() {
+                for (k, column) in self.records[segment.record].columns.iter().enumerate() {
+                    let Some(column) = column else { continue };
+                    let (prediction, _, _) = self.reading(segment.record, k, x, run.states[i * n + k], run.rates[i * n + k]);
+                    out[segment.record][k].residual.push(column[sample] - prediction);
+                    out[segment.record][k].prediction.push(prediction);
+                }
+            }
+        }
+        Ok(out)
+    }
+
+    /// The free run of the first segment of a record.
+    pub(crate) fn trajectory(&self, segment: &Segment, x: &[f64]) -> Result<Trajectory, SimError> {
+        self.run(segment, x, false)
+    }
+
+    /// Readings of the sensors along a run of a record, by state.
+    pub(crate) fn readings(&self, record: usize, x: &[f64], run: &Trajectory) -> Vec<Vec<f64>> {
+        let n = self.system.states.len();
+        (0..n)
+            .map(|k| {
+                (0..run.states.len() / n)
+                    .map(|i| self.reading(record, k, x, run.states[i * n + k], run.rates[i * n + k]).0)
+                    .collect()
+            })
+            .collect()
+    }
+
+    /// Cost and normal equations, residuals weighted by the noise at `weights` (predictions of an earlier iterate, so that weights do not chase
+    /// the fit).
+    pub(crate) fn normal(&self, x: &[f64], weights: &[Vec<Vec<f64>>]) -> Result<Normal, SimError> {
+        let d = self.unknowns;
+        let parts: Vec<(f64, Vec<usize>, Mat<f64>, Vec<f64>)> =
+            self.segments.par_iter().map(|s| self.normal_of_segment(s, x, weights)).collect::<Result<_, _>>()?;
+        let mut total = Normal { cost: 0.0, matrix: Mat::zeros(d, d), gradient: vec![0.0; d] };
+        for (cost, at, matrix, gradient) in parts {
+            total.cost += cost;
+            for (i, &row) in at.iter().enumerate() {
+                total.gradient[row] += gradient[i];
+                for (j, &col) in at.iter().enumerate() {
+                    total.matrix[(row, col)] += matrix[(i.min(j), i.max(j))];
+                }
+            }
+        }
+        for &(k, centre, sigma) in &self.priors {
+            let r = (x[k] - centre) / sigma;
+            total.cost += r * r;
+            total.matrix[(k, k)] += 1.0 / (sigma * sigma);
+            total.gradient[k] += r / sigma;
+        }
+        Ok(total)
+    }
+
+    /// Which unknowns a segment depends on, its cost, and its normal equations in those (upper triangle).
+    fn normal_of_segment(
+        &self,
+        segment: &Segment,
+        x: &[f64],
+        weights: &[Vec<Vec<f64>>],
+    ) -> Result<(f64, Vec<usize>, Mat<f64>, Vec<f64>), SimError> {
+        let run = self.run(segment, x, true)?;
+        let (n, m, r) = (run.n, run.m, segment.record);
+        // Columns of the sensitivities: start states, then the unknown ones among the model's parameters.
+        let mut at: Vec<usize> = (segment.start..segment.start + n).collect();
+        at.extend(self.model[r].iter().filter_map(|s| if let Source::Unknown(k) = s { Some(*k) } else { None }));
+        let mut sensor_slots = vec![[usize::MAX; 3]; n];
+        for (k, sensor) in self.sensors[r].iter().enumerate() {
+            for (which, source) in sensor.iter().enumerate() {
+                if let Source::Unknown(unknown) = *source {
+                    sensor_slots[k][which] = at.len();
+                    at.push(unknown);
+                }
+            }
+        }
+        let width = at.len();
+        let mut matrix = vec![0.0; width * width];
+        let mut gradient = vec![0.0; width];
+        let mut cost = 0.0;
+        let mut row = vec![0.0; width];
+        for (i, sample) in (segment.samples.0..segment.samples.1).enumerate() {
+            for (k, column) in self.records[r].columns.iter().enumerate() {
+                let Some(column) = column else { continue };
+                let (value, rate) = (run.states[i * n + k], run.rates[i * n + k]);
+                let (prediction, gain, seen) = self.reading(r, k, x, value, rate);
+                let weight = weights[r][k][sample].sqrt();
+                let e = weight * (prediction - column[sample]);
+                cost += e * e;
+                row.fill(0.0);
+                let s = &run.sensitivities[(i * n + k) * m..(i * n + k + 1) * m];
+                row.iter_mut().zip(s).for_each(|(j, s)| *j = weight * gain * s);
+                let [offset_at, gain_at, delay_at] = sensor_slots[k];
+                if offset_at != usize::MAX {
+                    row[offset_at] = weight;
+                }
+                if gain_at != usize::MAX {
+                    row[gain_at] = weight * seen;
+                }
+                if delay_at != usize::MAX {
+                    row[delay_at] = -weight * gain * rate;
+                }
+                for a in 0..width {
+                    let ja = row[a];
+                    if ja == 0.0 {
+                        continue;
+                    }
+                    gradient[a] += ja * e;
+                    let line = &mut matrix[a * width + a..(a + 1) * width];
+                    line.iter_mut().zip(&row[a..]).for_each(|(m, j)| *m += ja * j);
+                }
+            }
+        }
+        let matrix = Mat::from_fn(width, width, |a, b| if a <= b { matrix[a * width + b] } else { 0.0 });
+        Ok((cost, at, matrix, gradient))
+    }
+
+    /// Weights `1 / variance` of every sample.
+    pub(crate) fn weights(&self, noise: &Noise, residuals: Option<&[Vec<ColumnResidual>]>) -> Vec<Vec<Vec<f64>>> {
+        (0..self.records.len())
+            .map(|r| {
+                (0..self.system.states.len())
+                    .map(|k| {
+                        let Some(column) = &self.records[r].columns[k] else { return vec![] };
+                        let predictions = residuals.map(|all| &all[r][k].prediction);
+                        (0..column.len()).map(|i| 1.0 / noise[r][k].variance(predictions.map_or(column[i], |p| p[i]))).collect()
+                    })
+                    .collect()
+            })
+            .collect()
+    }
+
+    /// The noise of every column, from residuals.
+    pub(crate) fn noise(&self, residuals: &[Vec<ColumnResidual>]) -> Noise {
+        let of = |r: usize, k: usize| {
+            let c = &residuals[r][k];
+            ColumnNoise::estimate(&c.residual, &c.prediction, self.deviations[r][k])
+        };
+        (0..self.records.len()).map(|r| (0..self.system.states.len()).map(|k| of(r, k)).collect()).collect()
+    }
+
+    /// A sensor parameter's name: `offset`, `gain` or `delay`.
+    pub(crate) fn sensor_name(which: usize) -> &'static str {
+        match which {
+            OFFSET => "offset",
+            GAIN => "gain",
+            _ => "delay",
+        }
+    }
+}

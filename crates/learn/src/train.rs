@@ -1,0 +1,174 @@
+//! Method `step`: Algorithm 2 of the paper. Stages of training, a cut after each; what was cut stays zero. Or the same loss solved by
+//! Gauss-Newton, which lands on the same minimum in a few iterations and can move constants.
+
+use crate::batch::{Batch, deviations};
+use crate::descent::Descent;
+use crate::least_squares::{Limits, Normal, minimise};
+use crate::linear::{covariance, symmetric};
+use crate::onestep::OneStep;
+use phisindy_phys::spec::Optimiser;
+use phisindy_phys::{Record, System};
+use std::ops::ControlFlow;
+
+/// How the step method learns; the defaults are the paper's (Table 4).
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepOptions {
+    /// Which optimiser.
+    pub optimiser: Optimiser,
+    /// Epochs of each stage.
+    pub epochs: Vec<u32>,
+    /// Learning rate of each stage.
+    pub rates: Vec<f64>,
+    /// Coefficients smaller than this are cut after each stage.
+    pub cutoff: f64,
+    /// Speed below which a contact counts as stuck (SI).
+    pub tolerance: f64,
+    /// Steps that are unrolled.
+    pub horizon: usize,
+}
+
+impl Default for StepOptions {
+    fn default() -> Self {
+        StepOptions {
+            optimiser: Optimiser::RAdam,
+            epochs: vec![1000, 1000, 1000],
+            rates: vec![0.1, 0.01, 0.001],
+            cutoff: 0.05,
+            tolerance: 1e-3,
+            horizon: 1,
+        }
+    }
+}
+
+/// What the step method found.
+#[derive(Clone, Debug)]
+pub struct StepFit {
+    /// Terms that survived (indices into [`System::terms`]).
+    pub terms: Vec<usize>,
+    /// Their coefficients.
+    pub coefficients: Vec<f64>,
+    /// Values of [`System::parameters`].
+    pub parameters: Vec<f64>,
+    /// Standard errors of coefficients, then parameters, from the curvature of the loss (they do not know its bias).
+    pub std_errors: Vec<f64>,
+    /// Loss at the end.
+    pub loss: f64,
+    /// Terms and loss after each stage.
+    pub stages: Vec<(usize, f64)>,
+    /// Operations of the loss per sample.
+    pub operations: usize,
+    /// Whether it was asked to stop early.
+    pub stopped: bool,
+}
+
+/// Fits the dictionary to records that have samples of every state. `observe` hears of the progress (a fraction) and may stop it.
+pub fn train(
+    system: &System,
+    records: &[&Record],
+    options: &StepOptions,
+    observe: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> StepFit {
+    let scale = deviations(system, records);
+    let gauss_newton = options.optimiser == Optimiser::GaussNewton;
+    let mut terms: Vec<usize> = (0..system.terms.len()).collect();
+    let mut coefficients = vec![0.0; terms.len()];
+    let mut moved: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();
+    let mut fit = StepFit {
+        terms: vec![],
+        coefficients: vec![],
+        parameters: vec![],
+        std_errors: vec![],
+        loss: f64::NAN,
+        stages: vec![],
+        operations: 0,
+        stopped: false,
+    };
+    let make = |terms: &[usize], parameters: &[f64]| {
+        let model = system.model(terms);
+        let mut step = OneStep::new(system, &model, options.tolerance);
+        // What is held becomes a number; what moves stays.
+        if !gauss_newton {
+            let held: std::collections::HashMap<_, _> =
+                system.parameters.iter().zip(parameters).map(|(p, &v)| (p.node, step.graph.constant(v))).collect();
+            step.next = step.graph.replace(&step.next, &held);
+            let nodes: Vec<_> = system.parameters.iter().map(|p| p.node).collect();
+            step.parameters.retain(|id| !nodes.contains(id));
+        }
+        let free = if gauss_newton { terms.len() + parameters.len() } else { terms.len() };
+        Batch::new(&step, free, records, &scale, options.horizon)
+    };
+    let total: u32 = options.epochs.iter().sum();
+    let mut done = 0;
+    let mut stage = 0;
+    loop {
+        let batch = make(&terms, &moved);
+        fit.operations = fit.operations.max(batch.operations());
+        let mut values = coefficients.clone();
+        let loss = if gauss_newton {
+            values.extend(&moved);
+            let bounds: Vec<(f64, f64)> = terms
+                .iter()
+                .map(|_| (f64::NEG_INFINITY, f64::INFINITY))
+                .chain(system.parameters.iter().map(|p| p.within))
+                .collect();
+            let loss = solve(&batch, &mut values, &bounds);
+            moved = values.split_off(terms.len());
+            fit.stopped = observe((stage as f64 + 1.0) / (stage as f64 + 2.0)).is_break();
+            loss
+        } else {
+            let mut descent = match options.optimiser {
+                Optimiser::Sgd => Descent::Sgd,
+                _ => Descent::radam(values.len()),
+            };
+            let mut gradient = vec![0.0; values.len()];
+            for _ in 0..options.epochs[stage] {
+                batch.loss(&values, &mut gradient);
+                descent.update(&mut values, &gradient, options.rates[stage]);
+                done += 1;
+                if done % 16 == 0 && observe(f64::from(done) / f64::from(total)).is_break() {
+                    fit.stopped = true;
+                    break;
+                }
+            }
+            batch.loss(&values, &mut gradient)
+        };
+        coefficients = values;
+        let kept: Vec<usize> = (0..terms.len()).filter(|&k| coefficients[k].abs() >= options.cutoff).collect();
+        let cut = kept.len() < terms.len();
+        fit.stages.push((terms.len(), loss));
+        terms = kept.iter().map(|&k| terms[k]).collect();
+        coefficients = kept.iter().map(|&k| coefficients[k]).collect();
+        stage += 1;
+        // Gauss-Newton repeats until nothing is cut; descent has its stages.
+        let finished = if gauss_newton { !cut } else { stage >= options.epochs.len() };
+        if finished || fit.stopped {
+            break;
+        }
+    }
+    let batch = make(&terms, &moved);
+    let mut values = coefficients.clone();
+    if gauss_newton {
+        values.extend(&moved);
+    }
+    let (loss, triangle, _) = batch.normal(&values);
+    let n = values.len();
+    let freedom = batch.residuals.saturating_sub(n).max(1) as f64;
+    let inverse = covariance(&symmetric(&triangle, n));
+    fit.std_errors = (0..n).map(|k| (inverse[(k, k)] * loss / freedom).sqrt()).collect();
+    fit.std_errors.resize(coefficients.len() + moved.len(), 0.0);
+    fit.loss = loss;
+    fit.terms = terms;
+    fit.coefficients = coefficients;
+    fit.parameters = moved;
+    fit
+}
+
+/// Solves the loss within bounds; returns the loss at the end.
+fn solve(batch: &Batch, values: &mut [f64], bounds: &[(f64, f64)]) -> f64 {
+    let n = values.len();
+    let evaluate = |x: &[f64]| {
+        let (cost, triangle, gradient) = batch.normal(x);
+        cost.is_finite().then(|| Normal { cost, matrix: symmetric(&triangle, n), gradient })
+    };
+    minimise(values, bounds, Limits { iterations: 60, gain: 1e-14 }, evaluate).map_or(f64::NAN, |end| end.cost)
+}

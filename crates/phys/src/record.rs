@@ -1,0 +1,173 @@
+//! A record: sampled data of one run, in SI, checked against the system.
+
+use crate::derivative::{Differentiated, automatic};
+use crate::plan::{Origin, RecordPlan, Sensor};
+use crate::spec::{CsvSpec, Role};
+use crate::system::System;
+use crate::unit::Unit;
+use crate::{Diagnostic, Signal, SignalError, SourceId};
+use std::sync::Arc;
+
+/// One run as it was sampled.
+#[derive(Clone, Debug)]
+pub struct Record {
+    /// Shown to the user.
+    pub name: String,
+    /// Fitted or only predicted.
+    pub role: Role,
+    /// Seconds, strictly increasing.
+    pub time: Arc<[f64]>,
+    /// For each state its samples (SI), or `None` if it has no column.
+    pub columns: Vec<Option<Vec<f64>>>,
+    /// For each input, as a function of time (SI).
+    pub inputs: Vec<Signal>,
+    /// One number for each of [`System::record_constants`].
+    pub constants: Vec<f64>,
+    /// One for each state, then one for each input.
+    pub sensors: Vec<Sensor>,
+    /// Start values that the spec states.
+    pub start: Vec<Option<f64>>,
+    /// Index of the record whose run this one continues.
+    pub continues: Option<usize>,
+    /// What was done to the data, in words.
+    pub notes: Vec<String>,
+}
+
+/// Numbers read from a file: the rows that were selected, the columns that are needed.
+#[derive(Clone, Debug, Default)]
+pub struct Table {
+    /// The time column, as it stands in the file.
+    pub time: Vec<f64>,
+    /// The columns of `CsvSpec::columns`, in that order, as they stand in the file.
+    pub columns: Vec<Vec<f64>>,
+    /// Line number of each row in the file.
+    pub lines: Vec<usize>,
+}
+
+/// Fewer samples than this are no record.
+const FEWEST: usize = 10;
+
+impl Record {
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.time.len()
+    }
+
+    /// Whether there are no samples.
+    pub fn is_empty(&self) -> bool {
+        self.time.is_empty()
+    }
+
+    /// Builds a record from the rows of a file: units, window, decimation, derived inputs.
+    ///
+    /// # Errors
+    /// Diagnostics that point into the spec (a window outside the data, too few samples).
+    pub fn from_table(plan: &RecordPlan, table: &Table, system: &System, spec: SourceId) -> Result<Record, Vec<Diagnostic>> {
+        let Origin::Csv(csv) = &plan.origin else {
+            return Err(vec![Diagnostic::error("a synthetic record has no file")]);
+        };
+        let rows = selected_rows(csv, table, spec).map_err(|d| vec![d])?;
+        let time_factor = csv.time.unit.as_ref().and_then(|u| Unit::parse(&u.value).ok()).map_or(1.0, |u| u.factor);
+        let time: Arc<[f64]> = rows.iter().map(|&r| table.time[r] * time_factor).collect();
+        let column = |name: &str| -> Option<Vec<f64>> {
+            let k = csv.columns.iter().position(|(n, _)| n.value == name)?;
+            let own = system.state(name).map(|s| system.states[s].factor).or(system.input(name).map(|u| system.inputs[u].factor));
+            let unit = csv.columns[k].1.unit.as_ref().and_then(|u| Unit::parse(&u.value).ok()).map(|u| u.factor);
+            let factor = unit.or(own).unwrap_or(1.0);
+            // Dividing by a power of ten rounds once; multiplying by its inverse rounds twice.
+            let inverse = (1.0 / factor).round();
+            let exact = factor < 1.0 && (1.0 / inverse - factor).abs() <= f64::EPSILON * factor;
+            let convert = |x: f64| if exact { x / inverse } else { x * factor };
+            Some(rows.iter().map(|&r| convert(table.columns[k][r])).collect())
+        };
+        let columns = system.states.iter().map(|s| column(&s.name)).collect();
+        let raw: Vec<Option<Vec<f64>>> = system.inputs.iter().map(|u| column(&u.name)).collect();
+        let mut notes = Vec::new();
+        let mut inputs = Vec::new();
+        for (k, input) in system.inputs.iter().enumerate() {
+            let values = match (&raw[k], plan.derived[k].and_then(|of| raw[of].as_ref().map(|v| (of, v)))) {
+                (Some(values), _) => values.clone(),
+                (None, Some((of, source))) => {
+                    let d = differentiated(&time, source).map_err(|d| vec![d])?;
+                    notes.push(format!("{} is the derivative of {}: {}", input.name, system.inputs[of].name, d.description));
+                    d.derivative
+                }
+                (None, None) => return Err(vec![Diagnostic::error(format!("input `{}` has no data", input.name))]),
+            };
+            let signal = Signal::new(time.clone(), values, plan.interpolation[k]);
+            inputs.push(signal.map_err(|e| vec![Diagnostic::error(format!("input `{}`: {e}", input.name))])?);
+        }
+        let constants = plan.constants.iter().filter_map(crate::check::number).collect();
+        Ok(Record {
+            name: plan.name.clone(),
+            role: plan.role,
+            time,
+            columns,
+            inputs,
+            constants,
+            sensors: plan.sensors.clone(),
+            start: plan.start.clone(),
+            continues: None,
+            notes,
+        })
+    }
+
+    /// Adds, to each state without a column that is the velocity of a measured one, the derivative of that one (method `step` needs a sample
+    /// of every state). Returns what was done, in words, or the names of the states that remain without samples.
+    ///
+    /// # Errors
+    /// Names of states that cannot be derived.
+    pub fn fill_velocities(&mut self, system: &System) -> Result<Vec<String>, Vec<String>> {
+        let mut done = Vec::new();
+        for (k, state) in system.states.iter().enumerate() {
+            let (Some(v), Some(values)) = (state.velocity, &self.columns[k]) else { continue };
+            if self.columns[v].is_none()
+                && let Ok(d) = differentiated(&self.time, values)
+            {
+                done.push(format!("{}: {} is the derivative of {} ({})", self.name, system.states[v].name, state.name, d.description));
+                self.columns[v] = Some(d.derivative);
+                self.columns[k] = Some(d.values);
+            }
+        }
+        let missing = |k: &usize| self.columns[*k].is_none();
+        let missing: Vec<String> = (0..system.states.len()).filter(missing).map(|k| system.states[k].name.clone()).collect();
+        if missing.is_empty() { Ok(done) } else { Err(missing) }
+    }
+}
+
+fn differentiated(time: &[f64], values: &[f64]) -> Result<Differentiated, Diagnostic> {
+    automatic(time, values).map_err(|e: SignalError| Diagnostic::error(format!("cannot differentiate: {e}")))
+}
+
+/// The rows inside the window, every `decimate`-th of them.
+fn selected_rows(csv: &CsvSpec, table: &Table, spec: SourceId) -> Result<Vec<usize>, Diagnostic> {
+    let every = csv.decimate.as_ref().map_or(1, |d| d.value.max(1)) as usize;
+    let inside = |&r: &usize| csv.window.as_ref().is_none_or(|(a, b)| (a.value..=b.value).contains(&table.time[r]));
+    let rows: Vec<usize> = (0..table.time.len()).filter(inside).step_by(every).collect();
+    if rows.len() >= FEWEST {
+        return Ok(rows);
+    }
+    let span = csv.window.as_ref().map_or(csv.path.span, |(a, b)| a.span.to(b.span));
+    let (first, last) = (table.time.first(), table.time.last());
+    let mut d = Diagnostic::error(format!("only {} samples are left of `{}`", rows.len(), csv.path.value)).at(spec, span, "");
+    if let (Some(first), Some(last)) = (first, last) {
+        d = d.help(format!("the file's time runs from {first} to {last}"));
+    }
+    Err(d)
+}
+
+/// Marks Validate windows that continue a Fit window of the same file: their start state is where that run ends.
+pub fn link_continuations(records: &mut [Record], plans: &[RecordPlan]) {
+    for k in 0..records.len() {
+        let before = (0..k).rev().find(|&j| {
+            let (Origin::Csv(a), Origin::Csv(b)) = (&plans[j].origin, &plans[k].origin) else { return false };
+            let same_rows = a.rows.iter().map(|(n, v)| (&n.value, v.value)).eq(b.rows.iter().map(|(n, v)| (&n.value, v.value)));
+            let gap = records[k].time[0] - records[j].time[records[j].len() - 1];
+            let step = (records[j].time[records[j].len() - 1] - records[j].time[0]) / (records[j].len() - 1) as f64;
+            a.path.value == b.path.value && same_rows && gap.abs() <= 2.5 * step
+        });
+        if records[k].role == Role::Validate {
+            records[k].continues = before.filter(|&j| records[j].role == Role::Fit);
+        }
+    }
+}

@@ -1,0 +1,366 @@
+//! A spec as it is written: every field with its place in the text, nothing checked for meaning yet.
+//!
+//! [`read`] reports all mistakes of form at once: brackets, unknown, repeated and missing fields, wrong types, numbers out of their
+//! range. Whether names exist, expressions parse and units fit is for the next stage to say, with the spans kept here.
+
+mod constant;
+mod input;
+mod leaf;
+mod learn;
+mod read;
+pub(crate) mod reader;
+mod record;
+
+pub use crate::interpolate::Interpolation;
+pub use read::read;
+
+use phisindy_expr::Span;
+
+/// A value and where it stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spanned<T> {
+    /// What is written there.
+    pub value: T,
+    /// The content of a text without its quotes; a whole number literal.
+    pub span: Span,
+}
+
+/// A name, an expression or a unit. Byte `i` of `value` is byte `span.start + i` of the spec.
+pub type Text = Spanned<String>;
+/// A finite number.
+pub type Number = Spanned<f64>;
+
+/// A whole spec.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spec {
+    /// What the case is called.
+    pub title: Option<Text>,
+    /// Names with known or movable values.
+    pub constants: Vec<(Text, ConstantSpec)>,
+    /// States and their units.
+    pub states: Vec<(Text, Text)>,
+    /// Inputs and their units.
+    pub inputs: Vec<(Text, Text)>,
+    /// The known rate of each state.
+    pub known: Vec<(Text, Text)>,
+    /// What turns a force into the rate of a state; 1 where nothing is given.
+    pub inertia: Vec<(Text, Text)>,
+    /// The unknown part of a state's rate.
+    pub unknown: Vec<(Text, UnknownSpec)>,
+    /// Velocities that can stick.
+    pub contacts: Vec<Text>,
+    /// The records, at least one.
+    pub data: Vec<DataSpec>,
+    /// How to identify.
+    pub learn: LearnSpec,
+}
+
+/// A constant in any of its forms.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ConstantSpec {
+    /// `0.022` or `(1.0, "kg")`.
+    Number {
+        /// The value in `unit`.
+        value: Number,
+        /// None: whatever unit fits.
+        unit: Option<Text>,
+    },
+    /// `"sqrt(k/m)"`
+    Expression(Text),
+    /// `(value: 1191.0, unit: "N/m", within: (1000.0, 1300.0))`
+    Movable(Movable),
+    /// `Find(start: 0.05, unit: "m/s", within: (0.001, 1.0))`
+    Find(Find),
+    /// `MaxAbs("F")`: the largest magnitude of an input over its record.
+    MaxAbs(Text),
+}
+
+/// A constant that is known roughly and may move.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Movable {
+    /// Where it starts; inside `within`.
+    pub value: Number,
+    /// None: whatever unit fits.
+    pub unit: Option<Text>,
+    /// Lower and upper bound, in order.
+    pub within: (Number, Number),
+    /// Standard deviation of a prior around `value`.
+    pub sigma: Option<Number>,
+    /// One value for each record instead of one for all.
+    pub each: bool,
+    /// The whole form.
+    pub span: Span,
+}
+
+/// A number that is to be found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Find {
+    /// Where the search starts; inside `within`.
+    pub start: Number,
+    /// None: whatever unit fits.
+    pub unit: Option<Text>,
+    /// Lower and upper bound, in order.
+    pub within: (Number, Number),
+    /// Standard deviation of a prior around `start`.
+    pub sigma: Option<Number>,
+    /// One value for each record instead of one for all.
+    pub each: bool,
+    /// The whole form.
+    pub span: Span,
+}
+
+/// What may be missing in one rate; candidates or laws, at least one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnknownSpec {
+    /// What every candidate is multiplied by; 1 if absent.
+    pub factor: Option<Text>,
+    /// Expressions, each with a coefficient to be found.
+    pub candidates: Vec<Text>,
+    /// Names of laws of the catalogue.
+    pub laws: Vec<Text>,
+    /// The whole form.
+    pub span: Span,
+}
+
+/// Where a record comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DataSpec {
+    /// A measured file.
+    Csv(Box<CsvSpec>),
+    /// A simulation of a given truth.
+    Synthetic(Box<SyntheticSpec>),
+}
+
+/// What a record is for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Role {
+    /// To identify from.
+    #[default]
+    Fit,
+    /// To check with.
+    Validate,
+}
+
+/// A column of a file: `"time_s"` or `("x_mass_m", "m")`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColumnSpec {
+    /// The column's heading.
+    pub header: Text,
+    /// The unit of its numbers; None: SI.
+    pub unit: Option<Text>,
+}
+
+/// A record read from a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CsvSpec {
+    /// The file.
+    pub path: Text,
+    /// What the record is called in reports.
+    pub name: Option<Text>,
+    /// The column of time.
+    pub time: ColumnSpec,
+    /// States and inputs, and the columns that measure them.
+    pub columns: Vec<(Text, ColumnSpec)>,
+    /// Inputs that are computed.
+    pub derive: Vec<(Text, DeriveSpec)>,
+    /// Imperfections of the sensors.
+    pub sensors: Vec<(Text, SensorSpec)>,
+    /// Only rows where these columns have these values.
+    pub rows: Vec<(Text, Number)>,
+    /// Only rows between these times, in order.
+    pub window: Option<(Number, Number)>,
+    /// Start states that are given.
+    pub start: Vec<(Text, Number)>,
+    /// What the record is for.
+    pub role: Role,
+    /// The character between fields; None: found out.
+    pub separator: Option<Spanned<char>>,
+    /// The decimal mark; None: found out.
+    pub decimal: Option<Spanned<char>>,
+    /// Whether there is a heading line; None: found out.
+    pub header: Option<bool>,
+    /// How inputs go between samples.
+    pub interpolate: Vec<(Text, Interpolation)>,
+    /// Constants of this record.
+    pub constants: Vec<(Text, ConstantSpec)>,
+    /// Keep every n-th row, n at least 1.
+    pub decimate: Option<Spanned<u32>>,
+    /// The whole record.
+    pub span: Span,
+}
+
+/// How an input is computed.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DeriveSpec {
+    /// `Derivative("u")`: with respect to time, of that input.
+    Derivative(Text),
+}
+
+/// How a sensor differs from the truth.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct SensorSpec {
+    /// Added to the column, in its SI unit unless a unit is given.
+    pub offset: Option<SensorValue>,
+    /// Multiplies the column.
+    pub gain: Option<SensorValue>,
+    /// How late the column is, in seconds unless a unit is given.
+    pub delay: Option<SensorValue>,
+}
+
+/// A parameter of a sensor.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SensorValue {
+    /// Known.
+    Number(Number),
+    /// To be found for each record.
+    Find(Find),
+}
+
+/// A record that is simulated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SyntheticSpec {
+    /// What the record is called in reports.
+    pub name: Option<Text>,
+    /// What is added to each state's rate.
+    pub truth: Vec<(Text, Text)>,
+    /// The start state.
+    pub start: Vec<(Text, Number)>,
+    /// Seconds, positive.
+    pub duration: Number,
+    /// Seconds between samples, positive.
+    pub step: Number,
+    /// The sensors' noise.
+    pub noise: NoiseSpec,
+    /// Drives noise and random phases.
+    pub seed: Option<u64>,
+    /// What drives the system.
+    pub inputs: Vec<(Text, InputSpec)>,
+    /// Inputs that are computed.
+    pub derive: Vec<(Text, DeriveSpec)>,
+    /// Imperfections of the sensors.
+    pub sensors: Vec<(Text, SensorSpec)>,
+    /// What is recorded; None: all states.
+    pub measure: Option<Vec<Text>>,
+    /// Only samples between these times, in order.
+    pub window: Option<(Number, Number)>,
+    /// What the record is for.
+    pub role: Role,
+    /// How inputs go between samples.
+    pub interpolate: Vec<(Text, Interpolation)>,
+    /// Constants of this record.
+    pub constants: Vec<(Text, ConstantSpec)>,
+    /// The whole record.
+    pub span: Span,
+}
+
+/// Noise that is added to simulated columns; no number is negative.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NoiseSpec {
+    /// Exact columns.
+    None,
+    /// Each sample times (1 + s n), n standard normal.
+    Relative(Number),
+    /// A fraction of each column's standard deviation.
+    Additive(Number),
+    /// A standard deviation for each column, with its unit; columns that are not listed are exact.
+    Sensor(Vec<(Text, (Number, Option<Text>))>),
+}
+
+/// An input of a simulated record.
+#[derive(Clone, Debug, PartialEq)]
+pub enum InputSpec {
+    /// Sum of cosines with the JONSWAP spectrum.
+    Jonswap {
+        /// Significant height.
+        hs: Number,
+        /// Peak period in seconds.
+        tp: Number,
+        /// Peak enhancement; 3.3 if not written.
+        gamma: Number,
+        /// First and last frequency and their distance, in rad/s; 0.1, 50, 0.1 if not written.
+        omega: (Number, Number, Number),
+    },
+    /// An expression of time and constants.
+    Formula(Text),
+    /// Sum of cosines of equal amplitude and random phase.
+    Multisine {
+        /// Root mean square of the sum.
+        amplitude: Number,
+        /// Lowest and highest frequency in Hz.
+        band: (Number, Number),
+        /// How many cosines; None: the program chooses.
+        count: Option<Spanned<u32>>,
+    },
+    /// A measured column.
+    File {
+        /// The file.
+        path: Text,
+        /// The column of time.
+        time: ColumnSpec,
+        /// The column of the input.
+        column: ColumnSpec,
+    },
+}
+
+/// How to identify; what is not given is chosen by the program.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LearnSpec {
+    /// Minimiser of method step.
+    pub optimiser: Option<Optimiser>,
+    /// Epochs of each stage.
+    pub epochs: Option<Vec<u32>>,
+    /// Learning rate of each stage.
+    pub rates: Option<Vec<f64>>,
+    /// Coefficients below are dropped.
+    pub cutoff: Option<Number>,
+    /// Speed below which method step takes a contact as stuck.
+    pub tolerance: Option<Number>,
+    /// How method trajectory chooses terms.
+    pub selection: Option<SelectionSpec>,
+    /// Samples of a segment of method trajectory.
+    pub horizon: Option<u32>,
+    /// Into how many segments method trajectory cuts a record.
+    pub segments: Option<SegmentsSpec>,
+    /// Which method.
+    pub method: Option<Method>,
+}
+
+/// Minimiser of the one-step loss.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Optimiser {
+    /// Rectified Adam.
+    RAdam,
+    /// Plain gradient descent.
+    Sgd,
+    /// Least squares.
+    GaussNewton,
+}
+
+/// How terms are chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SelectionSpec {
+    /// By an information criterion.
+    Auto,
+    /// Every candidate stays.
+    All,
+    /// Coefficients below this are dropped.
+    Cutoff(f64),
+}
+
+/// Into how many segments a record is cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SegmentsSpec {
+    /// As many as the motion needs.
+    Auto,
+    /// That many, at least 1.
+    Count(u32),
+}
+
+/// How to identify.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// The paper's one-step loss.
+    Step,
+    /// Fit of the simulated trajectory.
+    Trajectory,
+}

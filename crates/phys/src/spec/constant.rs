@@ -1,0 +1,102 @@
+//! Constants, and whatever else is a number that may move.
+
+use super::reader::Reader;
+use super::{ConstantSpec, Find, Movable, Number, SensorSpec, SensorValue, Text};
+use crate::diagnostic::Diagnostic;
+use crate::raw::{Node, Shape};
+
+/// How a constant may be written.
+const FORMS: &str = "a constant is 1.0, (1.0, \"kg\"), \"sqrt(k/m)\", (value: 1.0, unit: \"kg\", within: (0.5, 2.0)), \
+                     Find(start: 1.0, unit: \"kg\", within: (0.5, 2.0)) or MaxAbs(\"F\")";
+
+impl Reader<'_> {
+    /// A constant in any of its forms: what stands first tells which.
+    pub(super) fn constant(&mut self, node: &Node) -> Option<ConstantSpec> {
+        match node.shape {
+            Shape::Number => self.number(node).map(|value| ConstantSpec::Number { value, unit: None }),
+            Shape::Text => self.words(node).map(ConstantSpec::Expression),
+            Shape::Group => match (self.variant(node), node.name) {
+                (Some("Find"), _) => self.find(node).map(ConstantSpec::Find),
+                (Some("MaxAbs"), _) => {
+                    let input = self.argument(node, "the name of an input")?;
+                    self.words(input).map(ConstantSpec::MaxAbs)
+                }
+                (Some(_), Some(name)) => self.unknown_name("kind of constant", name, &["Find", "MaxAbs"]),
+                _ if node.entries.iter().any(|e| e.key.is_some()) => {
+                    self.movable(node).map(ConstantSpec::Movable)
+                }
+                _ => {
+                    let (value, unit) = self.quantity(node)?;
+                    Some(ConstantSpec::Number { value, unit })
+                }
+            },
+            _ => self.expected(node, "a constant", FORMS),
+        }
+    }
+
+    /// `1.0` or `(1.0, "kg")`.
+    pub(super) fn quantity(&mut self, node: &Node) -> Option<(Number, Option<Text>)> {
+        if node.shape == Shape::Number {
+            return Some((self.number(node)?, None));
+        }
+        let [value, unit] = self.tuple(node, "a number, or a number and its unit like (1.0, \"kg\")")?;
+        let (value, unit) = (self.number(value), self.unit(unit));
+        Some((value?, Some(unit?)))
+    }
+
+    fn movable(&mut self, node: &Node) -> Option<Movable> {
+        let fields =
+            self.fields(node, "a movable constant", &["value", "unit", "within", "sigma", "each"])?;
+        let value = self.required(&fields, "value", Self::number);
+        let unit = self.optional(&fields, "unit", Self::unit);
+        let within = self.required(&fields, "within", Self::bounds);
+        let sigma = self.optional(&fields, "sigma", Self::positive);
+        let each = self.optional(&fields, "each", Self::truth).unwrap_or(false);
+        let (value, within) = (value?, within?);
+        self.inside(&value, &within);
+        Some(Movable { value, unit, within, sigma, each, span: node.span })
+    }
+
+    /// `Find(start: ..., within: ...)`; the caller has seen the name.
+    pub(super) fn find(&mut self, node: &Node) -> Option<Find> {
+        let fields = self.fields(node, "`Find`", &["start", "unit", "within", "sigma", "each"])?;
+        let start = self.required(&fields, "start", Self::number);
+        let unit = self.optional(&fields, "unit", Self::unit);
+        let within = self.required(&fields, "within", Self::bounds);
+        let sigma = self.optional(&fields, "sigma", Self::positive);
+        let each = self.optional(&fields, "each", Self::truth).unwrap_or(false);
+        let (start, within) = (start?, within?);
+        self.inside(&start, &within);
+        Some(Find { start, unit, within, sigma, each, span: node.span })
+    }
+
+    fn inside(&mut self, value: &Number, within: &(Number, Number)) {
+        let (low, high) = within;
+        if (low.value..=high.value).contains(&value.value) {
+            return;
+        }
+        let place = self.slice(value.span);
+        let diagnostic = Diagnostic::error(format!("{place} lies outside its bounds"))
+            .at(self.source, value.span, "outside")
+            .also(self.source, low.span.to(high.span), "the bounds")
+            .help("move the bounds, or start inside them");
+        self.note(diagnostic);
+    }
+
+    /// Offset, gain and delay of a column.
+    pub(super) fn sensor(&mut self, node: &Node) -> Option<SensorSpec> {
+        let fields = self.fields(node, "a sensor", &["offset", "gain", "delay"])?;
+        let offset = self.optional(&fields, "offset", Self::sensor_value);
+        let gain = self.optional(&fields, "gain", Self::sensor_value);
+        let delay = self.optional(&fields, "delay", Self::sensor_value);
+        Some(SensorSpec { offset, gain, delay })
+    }
+
+    fn sensor_value(&mut self, node: &Node) -> Option<SensorValue> {
+        match (node.shape, self.variant(node)) {
+            (Shape::Number, _) => self.number(node).map(SensorValue::Number),
+            (Shape::Group, Some("Find")) => self.find(node).map(SensorValue::Find),
+            _ => self.expected(node, "a number or `Find(...)`", "a number is taken in SI units"),
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! The whole spec.
+
+use super::reader::Reader;
+use super::{DataSpec, Spec, UnknownSpec};
+use crate::diagnostic::{Diagnostic, SourceId};
+use crate::raw::{Node, parse};
+
+/// Reads the text of a spec. With the spec come warnings; spans point into `text`.
+///
+/// # Errors
+/// All mistakes of form that were found: the first one only if the text is not RON at all.
+///
+/// ```
+/// use phisindy_phys::{SourceId, spec::read};
+/// let text = r#"(states: { "x": "m" }, known: { "x": "1" }, data: [Csv(path: "a.csv", time: "t", columns: {})])"#;
+/// let (spec, _) = read(text, SourceId(0)).expect("a good spec");
+/// assert_eq!(spec.states[0].0.value, "x");
+/// assert_eq!(&text[spec.states[0].1.span.range()], "m");
+/// let mistakes = read("(state: {}, titel: 1)", SourceId(0)).unwrap_err();
+/// assert_eq!(mistakes.len(), 5); // two unknown fields, three missing ones
+/// ```
+pub fn read(text: &str, source: SourceId) -> Result<(Spec, Vec<Diagnostic>), Vec<Diagnostic>> {
+    let root = parse(text).map_err(|mistake| vec![mistake.diagnostic(source)])?;
+    let mut reader = Reader::new(text, source);
+    match reader.spec(&root) {
+        Some(spec) if !reader.found.iter().any(Diagnostic::is_error) => Ok((spec, reader.found)),
+        _ => Err(reader.found),
+    }
+}
+
+impl Reader<'_> {
+    fn spec(&mut self, node: &Node) -> Option<Spec> {
+        const FIELDS: &[&str] = &[
+            "title",
+            "constants",
+            "states",
+            "inputs",
+            "known",
+            "inertia",
+            "unknown",
+            "contacts",
+            "data",
+            "learn",
+        ];
+        if node.name.is_some() {
+            return self.expected(node, "the spec's fields in round brackets, without a name", "");
+        }
+        let fields = self.fields(node, "the spec", FIELDS)?;
+        let title = self.optional(&fields, "title", Self::prose);
+        let constants = self.pairs(&fields, "constants", Self::constant);
+        let states = self.required(&fields, "states", |r, n| r.map(n, Self::unit));
+        let inputs = self.pairs(&fields, "inputs", Self::unit);
+        let known = self.required(&fields, "known", |r, n| r.map(n, Self::words));
+        let inertia = self.pairs(&fields, "inertia", Self::words);
+        let unknown = self.pairs(&fields, "unknown", Self::unknown);
+        let contacts = self.optional(&fields, "contacts", |r, n| r.list(n, Self::words));
+        let data = self.required(&fields, "data", |r, n| r.filled(n, Self::record));
+        let learn = self.optional(&fields, "learn", Self::learn);
+        Some(Spec {
+            title,
+            constants,
+            states: states?,
+            inputs,
+            known: known?,
+            inertia,
+            unknown,
+            contacts: contacts.unwrap_or_default(),
+            data: data?,
+            learn: learn.unwrap_or_default(),
+        })
+    }
+
+    fn unknown(&mut self, node: &Node) -> Option<UnknownSpec> {
+        let fields = self.fields(node, "an unknown part", &["factor", "candidates", "laws"])?;
+        let factor = self.optional(&fields, "factor", Self::words);
+        let mut texts = |name| self.optional(&fields, name, |r: &mut Self, n| r.list(n, Self::words));
+        let (candidates, laws) = (texts("candidates"), texts("laws"));
+        let nothing = |name| fields.get(name).is_none_or(|list: &Node| list.entries.is_empty());
+        if nothing("candidates") && nothing("laws") {
+            let span = fields.get("candidates").map_or(node.span, |list| list.span);
+            let help = "list what might be missing: candidates: [\"1\", ...], or laws: [\"stribeck\"]";
+            return self.wrong(
+                span,
+                "the unknown part has neither candidates nor laws",
+                "nothing to find",
+                help,
+            );
+        }
+        let (candidates, laws) = (candidates.unwrap_or_default(), laws.unwrap_or_default());
+        Some(UnknownSpec { factor, candidates, laws, span: node.span })
+    }
+
+    fn record(&mut self, node: &Node) -> Option<DataSpec> {
+        match (self.variant(node), node.name) {
+            (Some("Csv"), Some(_)) => self.csv(node).map(|r| DataSpec::Csv(Box::new(r))),
+            (Some("Synthetic"), Some(_)) => self.synthetic(node).map(|r| DataSpec::Synthetic(Box::new(r))),
+            (Some(_), Some(name)) => self.unknown_name("kind of record", name, &["Csv", "Synthetic"]),
+            _ => self.expected(node, "a record, `Csv(...)` or `Synthetic(...)`", ""),
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! Records: where data come from.
+
+use super::reader::{Fields, Reader};
+use super::{
+    ColumnSpec, CsvSpec, DeriveSpec, Interpolation, NoiseSpec, Number, Role, Spanned, SyntheticSpec, Text,
+};
+use crate::raw::{Node, Shape};
+
+/// Most samples of a simulated record: more would not fit into memory.
+const MOST_SAMPLES: f64 = 2e7;
+
+impl Reader<'_> {
+    pub(super) fn csv(&mut self, node: &Node) -> Option<CsvSpec> {
+        const FIELDS: &[&str] = &[
+            "path",
+            "name",
+            "time",
+            "columns",
+            "derive",
+            "sensors",
+            "rows",
+            "window",
+            "start",
+            "role",
+            "separator",
+            "decimal",
+            "header",
+            "interpolate",
+            "constants",
+            "decimate",
+        ];
+        let fields = self.fields(node, "`Csv`", FIELDS)?;
+        let path = self.required(&fields, "path", Self::words);
+        let time = self.required(&fields, "time", Self::column);
+        let columns = self.required(&fields, "columns", |r, n| r.map(n, Self::column));
+        let separator = self.optional(&fields, "separator", Self::character);
+        let decimal = self.optional(&fields, "decimal", Self::character);
+        self.different(separator.as_ref(), decimal.as_ref());
+        let (name, window, role) = (self.name(&fields), self.window(&fields), self.role(&fields));
+        let derive = self.pairs(&fields, "derive", Self::derive);
+        let sensors = self.pairs(&fields, "sensors", Self::sensor);
+        let rows = self.pairs(&fields, "rows", Self::number);
+        let start = self.pairs(&fields, "start", Self::number);
+        let header = self.optional(&fields, "header", Self::truth);
+        let interpolate = self.pairs(&fields, "interpolate", Self::interpolation);
+        let constants = self.pairs(&fields, "constants", Self::constant);
+        let decimate = self.optional(&fields, "decimate", Self::count);
+        Some(CsvSpec {
+            path: path?,
+            name,
+            time: time?,
+            columns: columns?,
+            derive,
+            sensors,
+            rows,
+            window,
+            start,
+            role,
+            separator,
+            decimal,
+            header,
+            interpolate,
+            constants,
+            decimate,
+            span: node.span,
+        })
+    }
+
+    pub(super) fn synthetic(&mut self, node: &Node) -> Option<SyntheticSpec> {
+        const FIELDS: &[&str] = &[
+            "name",
+            "truth",
+            "start",
+            "duration",
+            "step",
+            "noise",
+            "seed",
+            "inputs",
+            "derive",
+            "sensors",
+            "measure",
+            "window",
+            "role",
+            "interpolate",
+            "constants",
+        ];
+        let fields = self.fields(node, "`Synthetic`", FIELDS)?;
+        let truth = self.required(&fields, "truth", |r, n| r.map(n, Self::words));
+        let start = self.required(&fields, "start", |r, n| r.map(n, Self::number));
+        let duration = self.required(&fields, "duration", Self::positive);
+        let step = self.required(&fields, "step", Self::positive);
+        if let (Some(duration), Some(step)) = (&duration, &step) {
+            self.samples(duration, step);
+        }
+        let (name, window, role) = (self.name(&fields), self.window(&fields), self.role(&fields));
+        let noise = self.optional(&fields, "noise", Self::noise).unwrap_or(NoiseSpec::None);
+        let seed = self.optional(&fields, "seed", Self::whole).map(|seed| seed.value);
+        let inputs = self.pairs(&fields, "inputs", Self::input);
+        let derive = self.pairs(&fields, "derive", Self::derive);
+        let sensors = self.pairs(&fields, "sensors", Self::sensor);
+        let measure = self.optional(&fields, "measure", |r, n| r.filled(n, Self::words));
+        let interpolate = self.pairs(&fields, "interpolate", Self::interpolation);
+        let constants = self.pairs(&fields, "constants", Self::constant);
+        Some(SyntheticSpec {
+            name,
+            truth: truth?,
+            start: start?,
+            duration: duration?,
+            step: step?,
+            noise,
+            seed,
+            inputs,
+            derive,
+            sensors,
+            measure,
+            window,
+            role,
+            interpolate,
+            constants,
+            span: node.span,
+        })
+    }
+
+    fn name(&mut self, fields: &Fields<'_, '_>) -> Option<Text> {
+        self.optional(fields, "name", Self::prose)
+    }
+
+    fn window(&mut self, fields: &Fields<'_, '_>) -> Option<(Number, Number)> {
+        self.optional(fields, "window", Self::bounds)
+    }
+
+    fn role(&mut self, fields: &Fields<'_, '_>) -> Role {
+        let table = [("Fit", Role::Fit), ("Validate", Role::Validate)];
+        self.optional(fields, "role", |r, n| r.choice(n, "role", &table)).unwrap_or_default()
+    }
+
+    /// `"time_s"` or `("x_mass_m", "m")`.
+    pub(super) fn column(&mut self, node: &Node) -> Option<ColumnSpec> {
+        if node.shape == Shape::Text {
+            return Some(ColumnSpec { header: self.words(node)?, unit: None });
+        }
+        let [header, unit] =
+            self.tuple(node, "a column's heading, or heading and unit like (\"x_mm\", \"mm\")")?;
+        let (header, unit) = (self.words(header), self.unit(unit));
+        Some(ColumnSpec { header: header?, unit: Some(unit?) })
+    }
+
+    fn derive(&mut self, node: &Node) -> Option<DeriveSpec> {
+        match (self.variant(node), node.name) {
+            (Some("Derivative"), Some(_)) => {
+                let input = self.argument(node, "the name of an input")?;
+                self.words(input).map(DeriveSpec::Derivative)
+            }
+            (Some(_), Some(name)) => self.unknown_name("way to derive", name, &["Derivative"]),
+            _ => self.expected(node, "`Derivative(\"u\")`", ""),
+        }
+    }
+
+    fn interpolation(&mut self, node: &Node) -> Option<Interpolation> {
+        let table = [
+            ("Linear", Interpolation::Linear),
+            ("Hold", Interpolation::Hold),
+            ("Cubic", Interpolation::Cubic),
+        ];
+        self.choice(node, "interpolation", &table)
+    }
+
+    fn noise(&mut self, node: &Node) -> Option<NoiseSpec> {
+        const KINDS: &[&str] = &["Relative", "Additive", "Sensor"];
+        let (Some(kind), Some(name)) = (self.variant(node), node.name) else {
+            let help = "Relative(0.1), Additive(0.02) or Sensor({\"x\": (1e-6, \"m\")})";
+            return self.expected(node, "a kind of noise", help);
+        };
+        if !KINDS.contains(&kind) {
+            return self.unknown_name("kind of noise", name, KINDS);
+        }
+        let argument =
+            self.argument(node, if kind == "Sensor" { "a map of columns" } else { "one number" })?;
+        match kind {
+            "Relative" => self.not_negative(argument).map(NoiseSpec::Relative),
+            "Additive" => self.not_negative(argument).map(NoiseSpec::Additive),
+            _ => self.map(argument, Self::deviation).map(NoiseSpec::Sensor),
+        }
+    }
+
+    fn deviation(&mut self, node: &Node) -> Option<(Number, Option<Text>)> {
+        let (value, unit) = self.quantity(node)?;
+        if value.value < 0.0 {
+            let message = format!("expected zero or more, found {}", self.slice(value.span));
+            return self.wrong(value.span, message, "must not be negative", "");
+        }
+        Some((value, unit))
+    }
+
+    fn samples(&mut self, duration: &Number, step: &Number) {
+        let count = duration.value / step.value;
+        if count < 1.0 {
+            self.wrong::<()>(
+                step.span,
+                "the step is longer than the duration",
+                "longer than the whole record",
+                "",
+            );
+        } else if count > MOST_SAMPLES {
+            let message = format!("{count:.1e} samples are too many (at most {MOST_SAMPLES:.0e})");
+            self.wrong::<()>(step.span, message, "too short for this duration", "take a longer step");
+        }
+    }
+
+    fn different(&mut self, separator: Option<&Spanned<char>>, decimal: Option<&Spanned<char>>) {
+        if let (Some(separator), Some(decimal)) = (separator, decimal)
+            && separator.value == decimal.value
+        {
+            let message = "separator and decimal mark are the same character";
+            self.wrong::<()>(decimal.span, message, "the separator too", "");
+        }
+    }
+}

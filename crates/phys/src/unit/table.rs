@@ -1,0 +1,74 @@
+//! The units that are known by name.
+
+use super::{Dimension, Unit};
+use std::f64::consts::PI;
+
+/// Name, factor to SI, powers of kg, m, s, A, K, and whether it takes prefixes.
+type Row = (&'static str, f64, [i8; 5], bool);
+
+#[rustfmt::skip]
+const UNITS: &[Row] = &[
+    ("m",    1.0,          [0, 1, 0, 0, 0],   true),
+    ("g",    1e-3,         [1, 0, 0, 0, 0],   true),
+    ("t",    1e3,          [1, 0, 0, 0, 0],   false),
+    ("s",    1.0,          [0, 0, 1, 0, 0],   true),
+    ("min",  60.0,         [0, 0, 1, 0, 0],   false),
+    ("h",    3600.0,       [0, 0, 1, 0, 0],   false),
+    ("A",    1.0,          [0, 0, 0, 1, 0],   true),
+    ("K",    1.0,          [0, 0, 0, 0, 1],   true),
+    ("Hz",   1.0,          [0, 0, -1, 0, 0],  true),
+    ("rpm",  PI / 30.0,    [0, 0, -1, 0, 0],  false),
+    ("rad",  1.0,          [0, 0, 0, 0, 0],   true),
+    ("deg",  PI / 180.0,   [0, 0, 0, 0, 0],   false),
+    ("°",    PI / 180.0,   [0, 0, 0, 0, 0],   false),
+    ("rev",  2.0 * PI,     [0, 0, 0, 0, 0],   false),
+    ("%",    1e-2,         [0, 0, 0, 0, 0],   false),
+    ("N",    1.0,          [1, 1, -2, 0, 0],  true),
+    ("Pa",   1.0,          [1, -1, -2, 0, 0], true),
+    ("bar",  1e5,          [1, -1, -2, 0, 0], true),
+    ("J",    1.0,          [1, 2, -2, 0, 0],  true),
+    ("W",    1.0,          [1, 2, -3, 0, 0],  true),
+    ("L",    1e-3,         [0, 3, 0, 0, 0],   true),
+    ("C",    1.0,          [0, 0, 1, 1, 0],   true),
+    ("V",    1.0,          [1, 2, -3, -1, 0], true),
+    ("ohm",  1.0,          [1, 2, -3, -2, 0], true),
+    ("Ω",    1.0,          [1, 2, -3, -2, 0], true),
+    ("F",    1.0,          [-1, -2, 4, 2, 0], true),
+    ("H",    1.0,          [1, 2, -2, -2, 0], true),
+    ("Wb",   1.0,          [1, 2, -2, -1, 0], true),
+    ("T",    1.0,          [1, 0, -2, -1, 0], true),
+];
+
+/// Both signs for micro are in use: the micro sign and the Greek letter.
+const PREFIXES: &[(&str, f64)] = &[
+    ("n", 1e-9),
+    ("u", 1e-6),
+    ("µ", 1e-6),
+    ("μ", 1e-6),
+    ("m", 1e-3),
+    ("c", 1e-2),
+    ("d", 1e-1),
+    ("k", 1e3),
+    ("M", 1e6),
+    ("G", 1e9),
+];
+
+/// The unit of this name, perhaps with a prefix. A name that stands in the table is never taken apart: `min` is no milli-inch.
+pub(super) fn find(name: &str) -> Option<Unit> {
+    let unit = |&(_, factor, [kg, m, s, a, k], _): &Row, prefix: f64| Unit {
+        factor: if name == "kg" { 1.0 } else { factor * prefix },
+        dimension: Dimension::new(kg, m, s, a, k),
+    };
+    if let Some(row) = UNITS.iter().find(|row| row.0 == name) {
+        return Some(unit(row, 1.0));
+    }
+    PREFIXES.iter().find_map(|(prefix, factor)| {
+        let base = name.strip_prefix(prefix)?;
+        UNITS.iter().find(|row| row.3 && row.0 == base).map(|row| unit(row, *factor))
+    })
+}
+
+/// Names to suggest.
+pub(super) fn names() -> impl Iterator<Item = &'static str> {
+    UNITS.iter().map(|row| row.0).chain(["kg", "mm", "um", "ms", "kN"])
+}

@@ -1,0 +1,254 @@
+//! Events of a run: where in a step a mode ends, a step that ends exactly there, and the passage to the next mode.
+
+use crate::dopri::C;
+use crate::run::Run;
+use crate::trajectory::{Event, SimError};
+
+/// What a step holds.
+pub(crate) enum Search {
+    /// No event.
+    None,
+    /// The event of this switch, at about this fraction of the step; 0 is at once.
+    At(usize, f64),
+    /// Something that only a shorter step can tell.
+    Shorter,
+}
+
+/// Within this fraction of the scale of speed, a switch has not yet left its surface.
+const ON_SURFACE: f64 = 1e-13;
+
+/// Overload at which a sticking contact lets go, in units of what it can hold: just above rounding, so that it does not fall back at once.
+const OVERLOAD: f64 = 1e-14;
+
+/// This many events without time moving on are a flutter.
+const FLUTTER: usize = 200;
+
+impl Run<'_> {
+    /// The guard of a switch at a point: positive while its mode may last.
+    fn guard(&mut self, c: usize, t: f64, x: &[f64]) -> f64 {
+        if self.field.stuck[c] {
+            self.field.hold(t, x);
+            self.field.reserve(c) + OVERLOAD
+        } else {
+            self.field.surfaces(t, x);
+            self.field.modes[c] * self.field.w(c)
+        }
+    }
+
+    fn guard_inside(&mut self, c: usize, theta: f64) -> f64 {
+        let mut x = std::mem::take(&mut self.buffer);
+        let n = self.x.len();
+        self.step.dense(theta, &mut x[..n]);
+        let g = self.guard(c, self.t + theta * self.step.h, &x[..n]);
+        self.buffer = x;
+        g
+    }
+
+    fn guard_at_end(&mut self, c: usize) -> f64 {
+        let mut x = std::mem::take(&mut self.buffer);
+        let n = self.x.len();
+        x[..n].copy_from_slice(self.step.end());
+        let g = self.guard(c, self.t + self.step.h, &x[..n]);
+        self.buffer = x;
+        g
+    }
+
+    /// The first guard that fails within the step just made.
+    pub(crate) fn first_event(&mut self) -> Search {
+        let mut first: Option<(usize, f64)> = None;
+        for c in 0..self.field.switches() {
+            let found = if self.field.stuck[c] { self.overload(c) } else { self.crossing(c) };
+            match found {
+                Search::At(c, theta) if first.is_none_or(|(_, f)| theta < f) => first = Some((c, theta)),
+                Search::Shorter => return Search::Shorter,
+                _ => {}
+            }
+        }
+        first.map_or(Search::None, |(c, theta)| Search::At(c, theta))
+    }
+
+    /// Where in the step a sticking contact is overloaded. Its load at the stages is known from the step itself.
+    fn overload(&mut self, c: usize) -> Search {
+        let load = self.x.len() + c;
+        let reserve: Vec<f64> = self.step.k.iter().map(|k| 1.0 - k[load].abs() + OVERLOAD).collect();
+        // The last two stages are both at the end.
+        let stages = 0..C.len() - 1;
+        let mut bracket = stages.clone().skip(1).find(|&i| reserve[i] < 0.0).map(|i| (C[i - 1], C[i]));
+        let least = stages.clone().min_by(|&i, &j| reserve[i].total_cmp(&reserve[j])).unwrap_or(0);
+        if bracket.is_none() && least > 0 && least + 1 < stages.end {
+            // A peak of the load between the stages.
+            let peak = golden(C[least - 1], C[least + 1], |theta| self.guard_inside(c, theta));
+            if self.guard_inside(c, peak) < 0.0 {
+                bracket = Some((C[least - 1], peak));
+            }
+        }
+        match bracket {
+            None => Search::None,
+            Some((good, _)) if self.guard_inside(c, good) <= 0.0 => Search::At(c, good),
+            Some((good, bad)) => Search::At(c, illinois(good, bad, |theta| self.guard_inside(c, theta))),
+        }
+    }
+
+    /// Where in the step a slipping switch reaches its surface. One that starts on it (it has just let go, or crossed) must leave first.
+    fn crossing(&mut self, c: usize) -> Search {
+        let here = ON_SURFACE * self.field.speed[c];
+        self.field.surfaces(self.t, &self.x);
+        let mode = self.field.modes[c];
+        let (start, early) = (mode * self.field.w(c), mode * self.field.w_rate(c));
+        let end = self.guard_at_end(c);
+        let late = mode * self.field.w_rate(c);
+        if start > here {
+            if end < 0.0 {
+                return Search::At(c, illinois(0.0, 1.0, |theta| self.guard_inside(c, theta)));
+            }
+            // It may dip below zero and come back: then its rate changes sign from minus to plus.
+            if early < 0.0 && late > 0.0 {
+                let mut slope = |theta: f64| {
+                    self.guard_inside(c, theta);
+                    -mode * self.field.w_rate(c)
+                };
+                let lowest = illinois(0.0, 1.0, &mut slope);
+                if self.guard_inside(c, lowest) < 0.0 {
+                    return Search::At(c, illinois(0.0, lowest, |theta| self.guard_inside(c, theta)));
+                }
+            }
+        } else if end < -here {
+            let away = [0.5, 0.25, 0.75, 0.125, 0.03, 0.005].into_iter().find(|&f| self.guard_inside(c, f) > here);
+            return match away {
+                Some(good) => Search::At(c, illinois(good, 1.0, |theta| self.guard_inside(c, theta))),
+                // It returns at once.
+                None if self.step.h > 1e-9 * self.span => Search::Shorter,
+                None => Search::At(c, 1.0),
+            };
+        }
+        Search::None
+    }
+
+    /// Repeats the step so that it ends on the surface: Newton's method on its length, from the root of the dense output.
+    pub(crate) fn locate(&mut self, c: usize, theta: f64) {
+        let (h, stuck) = (self.step.h, self.field.stuck[c]);
+        let size = if stuck { OVERLOAD } else { ON_SURFACE * self.field.speed[c] };
+        let delta = 1e-4_f64.min(0.5 * theta);
+        let mut slope = (self.guard_inside(c, theta) - self.guard_inside(c, theta - delta)) / (delta * h);
+        let mut length = theta * h;
+        for _ in 0..4 {
+            self.step.advance(length, |t, x, out| self.field.rates(t, x, out));
+            let g = self.guard_at_end(c);
+            if !stuck {
+                slope = self.field.modes[c] * self.field.w_rate(c);
+            }
+            let change = -g / slope;
+            if g.abs() <= size || !change.is_finite() || change.abs() > 0.1 * h || length + change <= 0.0 {
+                break;
+            }
+            length = (length + change).min(h);
+        }
+    }
+
+    /// Passes the event at the present point: new modes, jump of the sensitivities, and whatever else is due at the same instant.
+    pub(crate) fn pass(&mut self, first: usize) -> Result<(), SimError> {
+        let mut due = Some(first);
+        let mut done = Vec::new();
+        while let Some(c) = due {
+            self.stalled += 1;
+            if self.stalled > FLUTTER {
+                let switch = self.field.automaton.switches[c].text.clone();
+                return Err(SimError::TooManyEvents { time: self.t, switch });
+            }
+            self.change(c);
+            done.push(c);
+            due = (0..self.field.switches()).find(|&k| !done.contains(&k) && self.is_due(k));
+        }
+        Ok(())
+    }
+
+    /// Whether a slipping switch stands on its surface, about to cross it.
+    fn is_due(&mut self, c: usize) -> bool {
+        self.field.surfaces(self.t, &self.x);
+        let (s, w, rate) = (self.field.modes[c], self.field.w(c), self.field.w_rate(c));
+        !self.field.stuck[c] && s * w <= ON_SURFACE * self.field.speed[c] && s * rate < 0.0
+    }
+
+    fn change(&mut self, c: usize) {
+        let n = self.x.len();
+        let before = self.field.signs();
+        if self.field.stuck[c] {
+            self.field.release(c, self.t, &self.x);
+            self.field.rates(self.t, &self.x, &mut self.rates);
+            if let Some(s) = &mut self.sensitivity {
+                s.restart();
+            }
+        } else {
+            let by_parameter = self.sensitivity.as_ref().map(|s| s.by_parameter(&mut self.field, c, self.t, &self.x));
+            self.field.surfaces(self.t, &self.x);
+            let w_rate = self.field.w_rate(c);
+            let normal: Vec<f64> = (0..n).map(|j| self.field.normal(c, j)).collect();
+            // Onto the surface exactly: the step came within rounding.
+            self.field.project(c, &mut self.x);
+            let old = self.rates.clone();
+            self.field.resolve(&[c], self.t, &self.x);
+            self.field.rates(self.t, &self.x, &mut self.rates);
+            if let (Some(s), Some(by_parameter)) = (&mut self.sensitivity, by_parameter) {
+                s.jump(&normal, &by_parameter, w_rate, &old[..n], &self.rates[..n]);
+            }
+        }
+        self.record(&before);
+    }
+
+    /// Writes down which modes are no longer what they were.
+    pub(crate) fn record(&mut self, before: &[i8]) {
+        let after = self.field.signs();
+        for (switch, (&from, &to)) in before.iter().zip(&after).enumerate().filter(|(_, (a, b))| a != b) {
+            self.out.events.push(Event { time: self.t, switch, from, to });
+        }
+    }
+}
+
+/// The root of `g` between `good` (positive) and `bad` (negative), to 1e-10: the Illinois variant of false position.
+fn illinois(mut good: f64, mut bad: f64, mut g: impl FnMut(f64) -> f64) -> f64 {
+    let (mut high, mut low) = (g(good), g(bad));
+    let mut side = 0;
+    for _ in 0..80 {
+        let mut middle = (good * low - bad * high) / (low - high);
+        if !(middle > good.min(bad) && middle < good.max(bad)) {
+            middle = 0.5 * (good + bad);
+        }
+        let value = g(middle);
+        if value == 0.0 || (bad - good).abs() <= 1e-10 {
+            return middle;
+        }
+        if value > 0.0 {
+            (good, high) = (middle, value);
+            if side == 1 {
+                low *= 0.5;
+            }
+            side = 1;
+        } else {
+            (bad, low) = (middle, value);
+            if side == -1 {
+                high *= 0.5;
+            }
+            side = -1;
+        }
+    }
+    bad
+}
+
+/// The least value of `g` between `a` and `b`, by the golden section, to 1e-5 of the interval.
+fn golden(mut a: f64, mut b: f64, mut g: impl FnMut(f64) -> f64) -> f64 {
+    let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let (mut left, mut right) = (b - ratio * (b - a), a + ratio * (b - a));
+    let (mut low, mut high) = (g(left), g(right));
+    for _ in 0..24 {
+        if low < high {
+            (b, right, high) = (right, left, low);
+            left = b - ratio * (b - a);
+            low = g(left);
+        } else {
+            (a, left, low) = (left, right, high);
+            right = a + ratio * (b - a);
+            high = g(right);
+        }
+    }
+    if low < high { left } else { right }
+}

@@ -1,0 +1,224 @@
+//! Synthetic records: the truth simulated with located events, sampled, and seen by noisy sensors.
+
+use crate::excitation::{ExcitationError, Multisine};
+use crate::noise::{Noise, Streams, add_noise};
+use crate::{Automaton, Drive, Options, SimError, Trajectory, simulate};
+use phisindy_expr::{Id, Scratch, Tape};
+use phisindy_phys::spec::{InputSpec, NoiseSpec};
+use phisindy_phys::{Interpolation, Record, RecordPlan, Signal, Synthetic, SyntheticInput, System, Value, automatic};
+use std::fmt;
+use std::sync::Arc;
+
+/// Local error of the truth's simulation.
+const TOLERANCE: f64 = 1e-10;
+/// Generated excitations are tabulated this much finer than the samples, for cubic interpolation.
+const FINER: usize = 8;
+
+/// Why a synthetic record could not be made.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SyntheticError {
+    /// The truth cannot be simulated.
+    Simulation(SimError),
+    /// The excitation makes no sense.
+    Excitation(ExcitationError),
+    /// Something else, in words.
+    Other(String),
+}
+
+impl fmt::Display for SyntheticError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            SyntheticError::Simulation(e) => write!(f, "the truth cannot be simulated: {e}"),
+            SyntheticError::Excitation(e) => write!(f, "the excitation cannot be made: {e}"),
+            SyntheticError::Other(text) => write!(f, "{text}"),
+        }
+    }
+}
+
+impl std::error::Error for SyntheticError {}
+
+/// Makes a synthetic record. `seed` overrides that of the spec; `file` reads an input given as a file.
+///
+/// Returns the record and the truth without noise at the same times.
+///
+/// # Errors
+/// The truth or its excitation cannot be computed.
+pub fn synthesize(
+    plan: &RecordPlan,
+    truth: &Synthetic,
+    system: &System,
+    seed: Option<u64>,
+    file: &dyn Fn(&InputSpec) -> Result<Signal, String>,
+) -> Result<(Record, Trajectory), SyntheticError> {
+    let streams = Streams(seed.unwrap_or(truth.seed));
+    let samples = (truth.duration / truth.step).round().max(2.0) as usize;
+    let time: Arc<[f64]> = (0..samples).map(|k| k as f64 * truth.step).collect();
+
+    // Inputs: generated ones on a fine grid first, then what derives from them; formulas live in the rates already.
+    let fine: Arc<[f64]> = (0..=samples * FINER).map(|k| k as f64 * truth.step / FINER as f64).collect();
+    let generated: Vec<Option<Multisine>> = truth
+        .inputs
+        .iter()
+        .zip(&system.inputs)
+        .map(|(input, name)| multisine(input, streams.seed(&format!("phases of {}", name.name))))
+        .collect::<Result<_, _>>()
+        .map_err(SyntheticError::Excitation)?;
+    let exact = |k: usize, grid: &[f64]| -> Option<Vec<f64>> {
+        let step = grid[1] - grid[0];
+        match &truth.inputs[k] {
+            SyntheticInput::Generated(_) => generated[k].as_ref().map(|m| m.values_on_grid(grid[0], step, grid.len())),
+            SyntheticInput::Derivative(of) => generated[*of].as_ref().map(|m| grid.iter().map(|&t| m.slope(t)).collect()),
+            SyntheticInput::Formula(_) => None,
+        }
+    };
+    let mut constants: Vec<f64> = Vec::new();
+    for value in &plan.constants {
+        constants.push(match value {
+            Value::Number(x) => *x,
+            Value::MaxAbs(u) => match (&truth.inputs[*u], exact(*u, &fine)) {
+                (_, Some(values)) => values.iter().fold(0.0, |m, v| v.abs().max(m)),
+                (SyntheticInput::Formula(f), None) => {
+                    evaluate(truth, *f, &constants, &fine)?.iter().fold(0.0, |m, v| v.abs().max(m))
+                }
+                _ => return Err(SyntheticError::Other("MaxAbs needs an input with an excitation of its own".into())),
+            },
+        });
+    }
+    let mut drive_inputs = Vec::new();
+    let mut recorded: Vec<Vec<f64>> = Vec::new();
+    for (k, input) in truth.inputs.iter().enumerate() {
+        let (signal, values) = match (input, exact(k, &fine)) {
+            (_, Some(values)) => {
+                let coarse = values.iter().step_by(FINER).take(samples).copied().collect();
+                (signal(&fine, values, Interpolation::Cubic)?, coarse)
+            }
+            (SyntheticInput::Generated(spec), None) => {
+                let signal = file(spec).map_err(SyntheticError::Other)?;
+                let values = time.iter().map(|&t| signal.value(t)).collect();
+                (signal, values)
+            }
+            (SyntheticInput::Formula(f), None) => {
+                let values = evaluate(truth, *f, &constants, &time)?;
+                (signal(&time, values.clone(), Interpolation::Cubic)?, values)
+            }
+            (SyntheticInput::Derivative(of), None) => {
+                let source: &Signal = &drive_inputs[*of];
+                let values: Vec<f64> = time.iter().map(|&t| source.slope(t)).collect();
+                (signal(&time, values.clone(), Interpolation::Cubic)?, values)
+            }
+        };
+        drive_inputs.push(signal);
+        recorded.push(values);
+    }
+
+    let run = simulate_truth(truth, &drive_inputs, &constants, &time).map_err(SyntheticError::Simulation)?;
+
+    // The window, then what the sensors make of it.
+    let inside = |t: f64| truth.window.is_none_or(|(a, b)| (a..=b).contains(&t));
+    let rows: Vec<usize> = (0..samples).filter(|&k| inside(time[k])).collect();
+    if rows.len() < 10 {
+        return Err(SyntheticError::Other("the window leaves fewer than 10 samples".into()));
+    }
+    let pick = |values: &[f64]| -> Vec<f64> { rows.iter().map(|&k| values[k]).collect() };
+    let seen_time: Arc<[f64]> = rows.iter().map(|&k| time[k]).collect();
+    let noisy = |name: &str, values: &[f64]| -> Vec<f64> {
+        let mut values = pick(values);
+        add_noise(&mut values, noise_of(&truth.noise, name), &mut streams.stream(&format!("noise of {name}")));
+        values
+    };
+    let columns = (0..system.states.len())
+        .map(|k| truth.measured_states[k].then(|| noisy(&system.states[k].name, &run.column(k))))
+        .collect();
+    let seen: Vec<Vec<f64>> = (0..recorded.len())
+        .map(|k| if truth.measured_inputs[k] { noisy(&system.inputs[k].name, &recorded[k]) } else { pick(&recorded[k]) })
+        .collect();
+    let mut notes = Vec::new();
+    let mut inputs = Vec::new();
+    for (k, exact) in seen.iter().enumerate() {
+        // A derivative of a measured input is derived from what was measured, as it would be for a rig.
+        let measured_source = plan.derived[k].filter(|&of| truth.measured_inputs[of] && !truth.measured_inputs[k]);
+        let values = match measured_source.map(|of| (of, automatic(&seen_time, &seen[of]))) {
+            Some((of, Ok(d))) => {
+                notes.push(format!("{} is the derivative of {}: {}", system.inputs[k].name, system.inputs[of].name, d.description));
+                d.derivative
+            }
+            Some((_, Err(e))) => return Err(SyntheticError::Other(e.to_string())),
+            None => exact.clone(),
+        };
+        inputs.push(signal(&seen_time, values, plan.interpolation[k])?);
+    }
+    let record = Record {
+        name: plan.name.clone(),
+        role: plan.role,
+        time: seen_time,
+        columns,
+        inputs,
+        constants,
+        sensors: plan.sensors.clone(),
+        start: vec![None; system.states.len()],
+        continues: None,
+        notes,
+    };
+    Ok((record, run))
+}
+
+/// The truth at the sample times. A first, coarse run finds the size of each state, on which the accuracy of the second one rests.
+fn simulate_truth(truth: &Synthetic, inputs: &[Signal], parameters: &[f64], time: &[f64]) -> Result<Trajectory, SimError> {
+    let automaton = Automaton::new(&truth.truth).map_err(|e| SimError::NotFinite { time: 0.0, state: e.message(&truth.truth.names) })?;
+    let drive = Drive { inputs, parameters };
+    let n = truth.start.len();
+    let coarse = Options { tolerance: 1e-4, scale: vec![1e-9; n], diverged: 1e24, ..Default::default() };
+    let run = simulate(&automaton, &drive, 0.0, &truth.start, time, &coarse)?;
+    let largest = |k: usize| run.states.iter().skip(k).step_by(n).fold(0.0_f64, |m, x| m.max(x.abs()));
+    let scale = (0..n).map(|k| if largest(k) > 0.0 { largest(k) } else { 1.0 }).collect();
+    let fine = Options { tolerance: TOLERANCE, scale, ..Default::default() };
+    simulate(&automaton, &drive, 0.0, &truth.start, time, &fine)
+}
+
+fn multisine(input: &SyntheticInput, seed: u64) -> Result<Option<Multisine>, ExcitationError> {
+    match input {
+        SyntheticInput::Generated(InputSpec::Jonswap { hs, tp, gamma, omega }) => {
+            let (lo, hi, step) = omega;
+            Multisine::jonswap(hs.value, tp.value, gamma.value, lo.value, hi.value, step.value, seed).map(Some)
+        }
+        SyntheticInput::Generated(InputSpec::Multisine { amplitude, band, count }) => {
+            let count = count.as_ref().map_or(20, |c| c.value as usize);
+            Multisine::band(amplitude.value, band.0.value, band.1.value, count, seed).map(Some)
+        }
+        _ => Ok(None),
+    }
+}
+
+/// An expression of time and record constants on a grid.
+fn evaluate(truth: &Synthetic, formula: Id, constants: &[f64], grid: &[f64]) -> Result<Vec<f64>, SyntheticError> {
+    let model = &truth.truth;
+    let mut inputs = vec![model.time];
+    inputs.extend(model.parameters.iter().take(constants.len()));
+    let tape = Tape::compile(&model.graph, &inputs, &[formula]).map_err(|e| SyntheticError::Other(e.message(&model.names)))?;
+    let mut scratch = Scratch::<1>::new(&tape);
+    for (k, &value) in constants.iter().enumerate() {
+        scratch.input(1 + k)[0] = value;
+    }
+    let values = grid.iter().map(|&t| {
+        scratch.input(0)[0] = t;
+        scratch.run();
+        scratch.output(0)[0]
+    });
+    Ok(values.collect())
+}
+
+fn signal(time: &Arc<[f64]>, values: Vec<f64>, kind: Interpolation) -> Result<Signal, SyntheticError> {
+    Signal::new(time.clone(), values, kind).map_err(|e| SyntheticError::Other(format!("an input is no signal: {e}")))
+}
+
+fn noise_of(spec: &NoiseSpec, column: &str) -> Noise {
+    match spec {
+        NoiseSpec::None => Noise::None,
+        NoiseSpec::Relative(s) => Noise::Relative(s.value),
+        NoiseSpec::Additive(s) => Noise::Additive(s.value),
+        NoiseSpec::Sensor(list) => list.iter().find(|(n, _)| n.value == column).map_or(Noise::None, |(_, (sigma, unit))| {
+            let factor = unit.as_ref().and_then(|u| phisindy_phys::unit::Unit::parse(&u.value).ok()).map_or(1.0, |u| u.factor);
+            Noise::Sensor(sigma.value * factor)
+        }),
+    }
+}

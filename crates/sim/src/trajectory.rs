@@ -1,0 +1,125 @@
+//! What goes into a run and what comes out: drive, options, events, samples, errors.
+
+use phisindy_phys::Signal;
+use std::fmt;
+
+/// What drives a run: inputs as functions of time, and numbers for the parameters.
+#[derive(Clone, Copy, Debug)]
+pub struct Drive<'a> {
+    /// One signal for each input of the model.
+    pub inputs: &'a [Signal],
+    /// One number for each parameter of the model.
+    pub parameters: &'a [f64],
+}
+
+/// How a run is made.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Local error of a step, relative to the size of each state.
+    pub tolerance: f64,
+    /// The smallest size of each state that matters; empty means 1 for all. It also sets the scale of speed of the contact rule.
+    pub scale: Vec<f64>,
+    /// Parameters to differentiate by; `None` for no sensitivities at all.
+    pub sensitivities: Option<Vec<usize>>,
+    /// Gives up after this many steps.
+    pub max_steps: usize,
+    /// A state beyond this many times its scale has diverged.
+    pub diverged: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options { tolerance: 1e-8, scale: vec![], sensitivities: None, max_steps: 2_000_000, diverged: 1e9 }
+    }
+}
+
+/// A change of mode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// When.
+    pub time: f64,
+    /// Which switch.
+    pub switch: usize,
+    /// Mode before: +1, -1, or 0 for sticking.
+    pub from: i8,
+    /// Mode after.
+    pub to: i8,
+}
+
+/// A sampled run.
+#[derive(Clone, Debug, Default)]
+pub struct Trajectory {
+    /// Number of states.
+    pub n: usize,
+    /// Columns of the sensitivities: start states, then the free parameters; 0 if not asked for.
+    pub m: usize,
+    /// States, row-major samples x n.
+    pub states: Vec<f64>,
+    /// Rates, row-major samples x n.
+    pub rates: Vec<f64>,
+    /// d state / d (start, parameter), row-major samples x n x m.
+    pub sensitivities: Vec<f64>,
+    /// Mode of each switch, row-major samples x switches.
+    pub modes: Vec<i8>,
+    /// All changes of mode.
+    pub events: Vec<Event>,
+    /// Steps that were accepted.
+    pub steps: usize,
+    /// Steps that were tried again with a shorter length.
+    pub rejected: usize,
+    /// Evaluations of the rates, one for each sample among them.
+    pub evaluations: usize,
+}
+
+impl Trajectory {
+    /// One state as a column.
+    pub fn column(&self, state: usize) -> Vec<f64> {
+        self.states.iter().skip(state).step_by(self.n.max(1)).copied().collect()
+    }
+}
+
+/// Why a run ended early.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SimError {
+    /// A rate is not a number, however short the step.
+    NotFinite {
+        /// When.
+        time: f64,
+        /// Which state.
+        state: String,
+    },
+    /// A state grew beyond all bounds.
+    Diverged {
+        /// When.
+        time: f64,
+        /// Which state.
+        state: String,
+    },
+    /// More steps than allowed, or steps too short to move time on.
+    TooManySteps {
+        /// How far it came.
+        time: f64,
+    },
+    /// Changes of mode without end at one instant.
+    TooManyEvents {
+        /// When.
+        time: f64,
+        /// The switch that flutters.
+        switch: String,
+    },
+}
+
+impl fmt::Display for SimError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            SimError::NotFinite { time, state } => write!(f, "the rate of `{state}` is not finite at t = {time:.6}"),
+            SimError::Diverged { time, state } => write!(f, "`{state}` grows without bound at t = {time:.6}"),
+            SimError::TooManySteps { time } => write!(f, "the step length collapsed at t = {time:.6}"),
+            SimError::TooManyEvents { time, switch } => {
+                write!(f, "`{switch}` changes sign without end at t = {time:.6}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for SimError {}
