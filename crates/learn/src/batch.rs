@@ -45,12 +45,13 @@ pub(crate) fn deviations(system: &System, records: &[&Record]) -> Vec<f64> {
 }
 
 /// One row of data for a step: time, length, states, inputs at start, middle, end. `from` and `to` are neighbouring samples; going backward
-/// the length is negative. A measured input is averaged between its two samples.
+/// the length is negative. Between samples an input is what its interpolation says (`Linear` is the paper's average of the two).
 pub(crate) fn step_row(record: &Record, from: usize, to: usize) -> Vec<f64> {
     let mut row = vec![record.time[from], record.time[to] - record.time[from]];
     row.extend(record.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| c[from])));
     row.extend(record.inputs.iter().map(|u| u.values()[from]));
-    row.extend(record.inputs.iter().map(|u| 0.5 * (u.values()[from] + u.values()[to])));
+    let middle = 0.5 * (record.time[from] + record.time[to]);
+    row.extend(record.inputs.iter().map(|u| u.value(middle)));
     row.extend(record.inputs.iter().map(|u| u.values()[to]));
     row
 }

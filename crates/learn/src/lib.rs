@@ -1,8 +1,10 @@
 //! System and records to an identified model.
 
+mod assess;
 mod batch;
 mod descent;
 mod identified;
+mod identify;
 mod least_squares;
 mod linear;
 mod noise;
@@ -12,4 +14,5 @@ mod rollout;
 mod train;
 
 pub use identified::{Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict};
+pub use identify::{LearnOptions, identify};
 pub use train::{StepFit, StepOptions, train};

@@ -251,6 +251,7 @@ mod tests {
         check("min", 60.0, "s");
         check("h", 3600.0, "s");
         check("kg", 1.0, "kg");
+        assert_eq!(Unit::parse("kg").unwrap(), Unit { factor: 1.0, dimension: Dimension::KILOGRAM });
         check("g", 1e-3, "kg");
         check("mg", 1e-6, "kg");
         check("t", 1e3, "kg");

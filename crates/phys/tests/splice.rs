@@ -39,6 +39,7 @@ fn what_is_missing_is_created() {
     check("(\n  a: 1, // one, two\n)", "b", "2", "(\n  a: 1, // one, two\n  b: 2,\n)");
     check("(\n  a: 1 // one, two\n)", "b", "2", "(\n  a: 1, // one, two\n  b: 2,\n)");
     check("(\n  a: 1 /* , */\n  , // ,\n)", "b", "2", "(\n  a: 1 /* , */\n  , // ,\n  b: 2,\n)");
+    check("(\n  a: 1 // ,\n  ,\n)", "b", "2", "(\n  a: 1 // ,\n  ,\n  b: 2,\n)");
     check("(d: [S(a: 1)])", "d.0.sensors.x.offset", "1", "(d: [S(a: 1, sensors: { \"x\": (offset: 1) })])");
     check("(start: {})", "start.a\"b", "1", "(start: { r#\"a\"b\"#: 1 })");
 }

@@ -56,7 +56,7 @@ const PREFIXES: &[(&str, f64)] = &[
 /// The unit of this name, perhaps with a prefix. A name that stands in the table is never taken apart: `min` is no milli-inch.
 pub(super) fn find(name: &str) -> Option<Unit> {
     let unit = |&(_, factor, [kg, m, s, a, k], _): &Row, prefix: f64| Unit {
-        factor: if name == "kg" { 1.0 } else { factor * prefix },
+        factor: factor * prefix,
         dimension: Dimension::new(kg, m, s, a, k),
     };
     if let Some(row) = UNITS.iter().find(|row| row.0 == name) {

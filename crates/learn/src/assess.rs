@@ -1,0 +1,170 @@
+//! How an identified model does: a free run of every record from its fitted start, compared with what was measured.
+
+use crate::identified::RecordFit;
+use crate::least_squares::{Limits, minimise};
+use crate::problem::{Meaning, Problem, Segment};
+use phisindy_phys::spec::Role;
+use phisindy_phys::{Record, System, noise_level};
+use phisindy_sim::{Drive, Options, SimError, Trajectory, simulate};
+
+/// A model with all its numbers: what a fit leaves behind.
+#[derive(Clone, Debug)]
+pub(crate) struct Solution {
+    pub(crate) terms: Vec<usize>,
+    pub(crate) coefficients: Vec<f64>,
+    /// Values of the system's parameters, for each record.
+    pub(crate) parameters: Vec<Vec<f64>>,
+    /// Offset, gain and delay of each state's sensor, for each record.
+    pub(crate) sensors: Vec<Vec<[f64; 3]>>,
+    /// Start states, for each record, if fitted already.
+    pub(crate) starts: Vec<Option<Vec<f64>>>,
+}
+
+impl Solution {
+    /// Coefficients and shared parameters alone; sensors as the spec starts them.
+    pub(crate) fn new(terms: Vec<usize>, coefficients: Vec<f64>, parameters: &[f64], records: &[Record]) -> Solution {
+        let sensors = |r: &Record| r.sensors.iter().map(|s| [s.offset.start, s.gain.start, s.delay.start]).collect();
+        Solution {
+            terms,
+            coefficients,
+            parameters: vec![parameters.to_vec(); records.len()],
+            sensors: records.iter().map(sensors).collect(),
+            starts: vec![None; records.len()],
+        }
+    }
+}
+
+/// What part of a Validate record its start state may be fitted on.
+const START_PART: usize = 10;
+
+/// Runs every record freely. `filled` are the records with samples (or derived samples) of every state, to start from.
+pub(crate) fn assess(system: &System, records: &[Record], filled: &[Record], solution: &mut Solution) -> Vec<RecordFit> {
+    let mut fits: Vec<RecordFit> = Vec::new();
+    for r in 0..records.len() {
+        let fit = one(system, records, filled, solution, r, &fits);
+        fits.push(fit);
+    }
+    fits
+}
+
+fn one(system: &System, records: &[Record], filled: &[Record], solution: &mut Solution, r: usize, done: &[RecordFit]) -> RecordFit {
+    let record = &records[r];
+    let mut fit = RecordFit {
+        name: record.name.clone(),
+        role: record.role,
+        samples: record.len(),
+        nrmse: vec![],
+        noise: vec![],
+        start: vec![],
+        run: None,
+        failure: None,
+    };
+    let problem = match Problem::new(system, &solution.terms, &[record], &[1]) {
+        Ok(problem) => problem,
+        Err(e) => {
+            fit.failure = Some(e);
+            return fit;
+        }
+    };
+    let source = record.continues.filter(|&j| done[j].run.is_some()).unwrap_or(r);
+    let mut x = problem.guess(&solution.coefficients, Some(&solution.parameters[source]), &filled[r..=r]);
+    for (k, meaning) in problem.meanings().into_iter().enumerate() {
+        if let Meaning::Sensor(_, state, which) = meaning {
+            x[k] = solution.sensors[source][state][which];
+        }
+    }
+    let whole = problem.segments[0];
+    let run = if source != r {
+        continued(&problem, &records[source], &done[source], record, &x)
+    } else {
+        started(problem, &mut x, solution, r, record).and_then(|(problem, segment)| {
+            solution.starts[r] = Some(x[segment.start..].to_vec());
+            let run = problem.trajectory(&whole, &x);
+            run.map(|run| (readings(&problem, &x, &run), x[segment.start..].to_vec(), run))
+        })
+    };
+    let (readings, start, run) = match run {
+        Ok(run) => run,
+        Err(e) => {
+            fit.failure = Some(e.to_string());
+            return fit;
+        }
+    };
+    fit.start = start;
+    for (k, column) in record.columns.iter().enumerate() {
+        let Some(column) = column else { continue };
+        let name = system.states[k].name.clone();
+        let residual: Vec<f64> = column.iter().zip(&readings[k]).map(|(y, p)| y - p).collect();
+        let n = residual.len() as f64;
+        let mean = column.iter().sum::<f64>() / n;
+        let deviation = (column.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / n).sqrt();
+        let rms = (residual.iter().map(|e| e * e).sum::<f64>() / n).sqrt();
+        fit.nrmse.push((name.clone(), if deviation > 0.0 { rms / deviation } else { f64::INFINITY }));
+        fit.noise.push((name, noise_level(column)));
+    }
+    fit.run = Some(run);
+    fit
+}
+
+type Run = (Vec<Vec<f64>>, Vec<f64>, Trajectory);
+
+fn readings(problem: &Problem<'_>, x: &[f64], run: &Trajectory) -> Vec<Vec<f64>> {
+    problem.readings(0, x, run)
+}
+
+/// Fits the start state (and, on a Validate record of its own, what only that record can tell), everything else held.
+fn started<'a>(
+    mut problem: Problem<'a>,
+    x: &mut [f64],
+    solution: &Solution,
+    r: usize,
+    record: &Record,
+) -> Result<(Problem<'a>, Segment), SimError> {
+    let whole = problem.segments[0];
+    if let Some(start) = &solution.starts[r] {
+        x[whole.start..].copy_from_slice(start);
+        return Ok((problem, whole));
+    }
+    for (k, meaning) in problem.meanings().into_iter().enumerate() {
+        let moves = match meaning {
+            Meaning::Start => true,
+            Meaning::Sensor(..) | Meaning::Parameter(_, Some(_)) => record.role == Role::Validate,
+            _ => false,
+        };
+        if !moves {
+            problem.bounds[k] = (x[k], x[k]);
+        }
+    }
+    if record.role == Role::Validate {
+        problem.segments[0].samples.1 = (record.len() / START_PART).max(10).min(record.len());
+    }
+    let part = problem.segments[0];
+    let weight = |k: usize| 1.0 / problem.deviations[0][k].powi(2).max(f64::MIN_POSITIVE);
+    let weights = vec![(0..record.columns.len()).map(|k| vec![weight(k); record.len()]).collect::<Vec<_>>()];
+    let mut failure = None;
+    let bounds = problem.bounds.clone();
+    let end = minimise(x, &bounds, Limits { iterations: 20, gain: 1e-9 }, |x| match problem.normal(x, &weights) {
+        Ok(normal) => Some(normal),
+        Err(e) => {
+            failure = Some(e);
+            None
+        }
+    });
+    problem.segments[0] = whole;
+    match (end, failure) {
+        (None, Some(e)) => Err(e),
+        _ => Ok((problem, part)),
+    }
+}
+
+/// A record that goes on where another one ended.
+fn continued(problem: &Problem<'_>, before: &Record, fit: &RecordFit, record: &Record, x: &[f64]) -> Result<Run, SimError> {
+    let n = record.columns.len();
+    let start = fit.run.as_ref().map_or(vec![0.0; n], |run| run.states[run.states.len() - n..].to_vec());
+    let parameters = problem.model_parameters(0, x);
+    let drive = Drive { inputs: &record.inputs, parameters: &parameters };
+    let options = Options { scale: problem.scale.clone(), diverged: 1e4, ..Default::default() };
+    let t0 = before.time[before.len() - 1];
+    let run = simulate(&problem.automaton, &drive, t0, &start, &record.time, &options)?;
+    Ok((problem.readings(0, x, &run), run.states[..n].to_vec(), run))
+}

@@ -1,0 +1,173 @@
+//! Identification from start to end, whatever the method.
+
+use crate::assess::{Solution, assess};
+use crate::identified::{Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict};
+use crate::train::{StepOptions, train};
+use phisindy_phys::spec::{Method, Optimiser, Role};
+use phisindy_phys::{Case, Record, System};
+use std::ops::ControlFlow;
+
+/// A free run worse than this is no model.
+const WORST_NRMSE: f64 = 0.5;
+
+/// What the caller decides; the rest is in the spec.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct LearnOptions {
+    /// Overrides the spec's method.
+    pub method: Option<Method>,
+}
+
+/// Identifies the unknown part of a case from its records. `observe` hears of the progress (a fraction of the work) and may stop it.
+///
+/// # Errors
+/// The records do not suit the method, or the numerics fail altogether. A model that merely does not fit is a verdict, not an error.
+pub fn identify(
+    case: &Case,
+    records: &[Record],
+    options: &LearnOptions,
+    observe: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<Identified, LearnError> {
+    let fitted: Vec<&Record> = records.iter().filter(|r| r.role == Role::Fit).collect();
+    if fitted.is_empty() {
+        return Err(LearnError::Data("no record has the role Fit: there is nothing to identify from".into()));
+    }
+    for record in &fitted {
+        suitable(&case.system, record)?;
+    }
+    match options.method.or(case.learn.method).unwrap_or(Method::Step) {
+        Method::Step => by_steps(case, records, observe),
+        Method::Trajectory => Err(LearnError::Data("method trajectory is not there yet".into())),
+    }
+}
+
+/// A record from which nothing can be learned is refused with the reason.
+fn suitable(system: &System, record: &Record) -> Result<(), LearnError> {
+    let name = &record.name;
+    if record.len() < 20 {
+        return Err(LearnError::Data(format!("{name}: {} samples are too few to learn from (20 at least)", record.len())));
+    }
+    for (state, column) in system.states.iter().zip(&record.columns) {
+        let Some(column) = column else { continue };
+        if column.iter().all(|v| *v == column[0]) {
+            return Err(LearnError::Data(format!("{name}: the column of {} is constant: nothing moved, or the sensor is dead", state.name)));
+        }
+    }
+    Ok(())
+}
+
+/// The paper's method.
+fn by_steps(case: &Case, records: &[Record], observe: &mut dyn FnMut(f64) -> ControlFlow<()>) -> Result<Identified, LearnError> {
+    let system = &case.system;
+    let mut warnings = Vec::new();
+    let mut filled: Vec<Record> = records.to_vec();
+    for record in &mut filled {
+        match record.fill_velocities(system) {
+            Ok(notes) => warnings.extend(notes),
+            Err(missing) => {
+                return Err(LearnError::Data(format!(
+                    "{}: method step needs samples of every state, and {} cannot be derived from a column; use --method trajectory",
+                    record.name,
+                    missing.join(", ")
+                )));
+            }
+        }
+    }
+    let options = step_options(case);
+    if options.optimiser != Optimiser::GaussNewton && !system.parameters.is_empty() {
+        let names: Vec<&str> = system.parameters.iter().map(|p| p.name.as_str()).collect();
+        warnings.push(format!(
+            "method step with {:?} holds {} at the spec's value; learn: (optimiser: GaussNewton) moves it",
+            options.optimiser,
+            names.join(", ")
+        ));
+    }
+    if records.iter().any(|r| r.sensors.iter().any(|s| [&s.offset, &s.gain, &s.delay].iter().any(|p| p.within.is_some()))) {
+        warnings.push("method step holds sensor offsets, gains and delays at their start values".into());
+    }
+    let fitted: Vec<&Record> = filled.iter().filter(|r| r.role == Role::Fit).collect();
+    let fit = train(system, &fitted, &options, observe);
+    if !fit.loss.is_finite() || fit.coefficients.iter().any(|c| !c.is_finite()) {
+        return Err(LearnError::Numerics("the one-step loss is not finite: a candidate is singular on the data".into()));
+    }
+    let terms: Vec<FoundTerm> = (0..fit.terms.len())
+        .map(|k| FoundTerm { term: fit.terms[k], coefficient: Estimate::normal(fit.coefficients[k], fit.std_errors[k]) })
+        .collect();
+    let moved = options.optimiser == Optimiser::GaussNewton;
+    let parameters = if moved { found_parameters(system, &fit.parameters, &fit.std_errors[terms.len()..]) } else { vec![] };
+    warnings.extend(at_bounds(&parameters));
+    let mut solution = Solution::new(fit.terms.clone(), fit.coefficients.clone(), &fit.parameters, records);
+    let fits = assess(system, records, &filled, &mut solution);
+    let mut without = Solution::new(vec![], vec![], &fit.parameters, records);
+    let baseline = assess(system, records, &filled, &mut without);
+    let verdict = verdict(system, &terms, &fits, &baseline);
+    let selection = fit.stages.iter().map(|&(terms, criterion)| PathPoint { terms, criterion, nrmse: None }).collect();
+    Ok(Identified {
+        method: Method::Step,
+        terms,
+        parameters,
+        records: fits,
+        noise_model: "not used: every sample weighs the same".into(),
+        selection,
+        warnings,
+        verdict,
+        stopped: fit.stopped,
+    })
+}
+
+fn step_options(case: &Case) -> StepOptions {
+    let (learn, default) = (&case.learn, StepOptions::default());
+    let mut epochs = learn.epochs.clone().unwrap_or(default.epochs);
+    let mut rates = learn.rates.clone().unwrap_or(default.rates);
+    // The shorter list says how many stages there are.
+    let stages = epochs.len().min(rates.len());
+    epochs.truncate(stages);
+    rates.truncate(stages);
+    StepOptions {
+        optimiser: learn.optimiser.unwrap_or(default.optimiser),
+        epochs,
+        rates,
+        cutoff: learn.cutoff.as_ref().map_or(default.cutoff, |c| c.value),
+        tolerance: learn.tolerance.as_ref().map_or(default.tolerance, |t| t.value),
+        horizon: learn.horizon.unwrap_or(1).max(1) as usize,
+    }
+}
+
+fn found_parameters(system: &System, values: &[f64], std_errors: &[f64]) -> Vec<FoundParameter> {
+    let found = |(k, p): (usize, &phisindy_phys::Parameter)| FoundParameter {
+        name: p.name.clone(),
+        unit: p.unit.clone(),
+        factor: phisindy_phys::unit::Unit::parse(&p.unit).map_or(1.0, |u| u.factor),
+        estimate: Estimate::normal(values[k], std_errors[k]),
+        bounds: p.within,
+        at_bound: values[k] <= p.within.0 || values[k] >= p.within.1,
+        parameter: Some(k),
+        record: None,
+    };
+    system.parameters.iter().enumerate().map(found).collect()
+}
+
+/// A warning for every parameter that ran into a bound.
+pub(crate) fn at_bounds(parameters: &[FoundParameter]) -> Vec<String> {
+    let at = parameters.iter().filter(|p| p.at_bound);
+    at.map(|p| format!("{} ended at its bound {}: the data want to go beyond it", p.name, p.estimate.value / p.factor)).collect()
+}
+
+/// Rejected when nothing survives, a free run fails or misses, or the unknown part is no better than nothing.
+pub(crate) fn verdict(system: &System, terms: &[FoundTerm], fits: &[RecordFit], without: &[RecordFit]) -> Verdict {
+    if terms.is_empty() && !system.terms.is_empty() {
+        return Verdict::Rejected("no term of the dictionary survives".into());
+    }
+    for fit in fits {
+        if let Some(failure) = &fit.failure {
+            return Verdict::Rejected(format!("the free run of {} fails: {failure}", fit.name));
+        }
+        if fit.worst() > WORST_NRMSE {
+            return Verdict::Rejected(format!("the free run of {} misses the data: NRMSE {:.2}", fit.name, fit.worst()));
+        }
+    }
+    let mean = |fits: &[RecordFit]| fits.iter().map(RecordFit::worst).sum::<f64>() / fits.len().max(1) as f64;
+    if !terms.is_empty() && mean(without) <= mean(fits) {
+        return Verdict::Rejected("the model does no better with the identified part than without it".into());
+    }
+    Verdict::Identified
+}
