@@ -19,8 +19,9 @@ pub struct Switch {
 
 /// The compiled automaton: immutable, shared between threads.
 ///
-/// The inputs of all its tapes are `[t, x.., u.., du/dt.., p.., s.., d..]`: modes `s` stand for `sgn(w)`; `|w|` became `pos(s w) + d`, where the
-/// floor `d` is zero but for looking at friction just off zero speed.
+/// The inputs of all its tapes are `[t, x.., u.., du/dt.., p.., s.., e.., d.., b..]`: the mode `s` stands for `sgn(w)`, and `|w|` became
+/// `pos(e w + b) - b + d`. The side `e` is the mode of what slips and 0 for what sticks; the floor `d` is zero for friction that is finite at rest; by the
+/// small margin `b` friction is continued smoothly beyond the surface, so that a step that ends on it sees no kink, in value or derivative.
 #[derive(Clone, Debug)]
 pub struct Automaton {
     /// Names of the states, for messages.
@@ -58,12 +59,20 @@ impl Automaton {
         let surfaces = surfaces(&mut graph, model);
         let fresh = |graph: &mut Graph, names: &mut Names, kind: &str, count: usize| -> Vec<Id> {
             // A space keeps these names out of reach of any spec.
-            (0..count).map(|k| names.intern(&format!("{kind} {k}"))).collect::<Vec<_>>().into_iter().map(|s| graph.symbol(s)).collect()
+            (0..count)
+                .map(|k| names.intern(&format!("{kind} {k}")))
+                .collect::<Vec<_>>()
+                .into_iter()
+                .map(|s| graph.symbol(s))
+                .collect()
         };
         let modes = fresh(&mut graph, &mut names, "mode", surfaces.len());
+        let sides = fresh(&mut graph, &mut names, "side", surfaces.len());
         let floors = fresh(&mut graph, &mut names, "floor", surfaces.len());
+        let margins = fresh(&mut graph, &mut names, "margin", surfaces.len());
         let slopes = fresh(&mut graph, &mut names, "slope", model.inputs.len());
-        let with = replacements(&mut graph, &surfaces, &modes, &floors);
+        let sizes = sizes(&mut graph, &surfaces, &sides, &floors, &margins);
+        let with = replacements(&mut graph, &surfaces, &modes, &sizes);
         let rates = graph.replace(&model.rates, &with);
 
         // dw/dt by the chain rule, through states, inputs and time.
@@ -96,11 +105,14 @@ impl Automaton {
         let switches: Vec<Switch> = switches.collect();
 
         let mut inputs = vec![model.time];
-        for group in [&model.states, &model.inputs, &slopes, &model.parameters, &modes, &floors] {
+        for group in
+            [&model.states, &model.inputs, &slopes, &model.parameters, &modes, &sides, &floors, &margins]
+        {
             inputs.extend(group);
         }
         let normals: Vec<Id> = surfaces.iter().flat_map(|&w| graph.gradient(w, &model.states)).collect();
-        let surface: Vec<Id> = [&surfaces, &surface_rates, &influence, &normals].into_iter().flatten().copied().collect();
+        let surface: Vec<Id> =
+            [&surfaces, &surface_rates, &influence, &normals].into_iter().flatten().copied().collect();
 
         let mut derivatives = Vec::new();
         for (of, wrt) in [
@@ -142,16 +154,25 @@ fn surfaces(graph: &mut Graph, model: &Model) -> Vec<Id> {
     found
 }
 
-/// `sgn w -> s`, `|w| -> pos(s w) + d`, `step w -> (1 + s)/2`, `pos w -> w (1 + s)/2`, and the same of `-w` with `-s`.
-fn replacements(graph: &mut Graph, surfaces: &[Id], modes: &[Id], floors: &[Id]) -> HashMap<Id, Id> {
+/// What stands for `|w|`: `pos(e w + b) - b + d`.
+fn sizes(graph: &mut Graph, surfaces: &[Id], sides: &[Id], floors: &[Id], margins: &[Id]) -> Vec<Id> {
+    let mut size = |k: usize| {
+        let along = graph.mul(sides[k], surfaces[k]);
+        let along = graph.add(along, margins[k]);
+        let along = graph.unary(Unary::Pos, along);
+        let along = graph.sub(along, margins[k]);
+        graph.add(along, floors[k])
+    };
+    (0..surfaces.len()).map(&mut size).collect()
+}
+
+/// `sgn w -> s`, `|w| ->` its size, `step w -> (1 + s)/2`, `pos w -> w (1 + s)/2`, and the same of `-w` with `-s`.
+fn replacements(graph: &mut Graph, surfaces: &[Id], modes: &[Id], sizes: &[Id]) -> HashMap<Id, Id> {
     let mut with = HashMap::new();
     let half = graph.constant(0.5);
-    for ((&w, &s), &d) in surfaces.iter().zip(modes).zip(floors) {
+    for ((&w, &s), &size) in surfaces.iter().zip(modes).zip(sizes) {
         let (minus_w, minus_s) = (graph.neg(w), graph.neg(s));
         for (w, s) in [(w, s), (minus_w, minus_s)] {
-            let along = graph.mul(s, w);
-            let size = graph.unary(Unary::Pos, along);
-            let size = graph.add(size, d);
             let part = graph.mul(half, s);
             let step = graph.binary(Binary::Add, half, part);
             let pos = graph.mul(step, w);
@@ -162,6 +183,8 @@ fn replacements(graph: &mut Graph, surfaces: &[Id], modes: &[Id], floors: &[Id])
         }
     }
     // A minus in front of a sign was pulled out when it was built: -sgn(w) is no key, or every minus would vanish.
-    with.retain(|&old, _| matches!(graph.node(old), Node::Unary(Unary::Sgn | Unary::Abs | Unary::Step | Unary::Pos, _)));
+    with.retain(|&old, _| {
+        matches!(graph.node(old), Node::Unary(Unary::Sgn | Unary::Abs | Unary::Step | Unary::Pos, _))
+    });
     with
 }

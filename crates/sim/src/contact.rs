@@ -9,67 +9,81 @@ use crate::field::Field;
 /// Slack of the stick test, in units of friction: rounding must not shake a contact loose at the very instant it comes to rest.
 const SLACK: f64 = 1e-12;
 
+/// A contact further than this from rest, in units of the scale of speed, was torn off by a jump of an input.
+const TORN: f64 = 1e-9;
+
 impl Field<'_> {
-    /// Decides the modes of switch `on` (if any), which is at its surface now, and of every contact that sticks. `came` is the side from which
-    /// `on` reached the surface (its mode so far; 0 if it starts there).
-    ///
-    /// Returns the switches whose mode changed.
-    pub(crate) fn resolve(&mut self, on: &[usize], came: f64, t: f64, x: &[f64]) -> Vec<usize> {
-        let before: Vec<(bool, f64)> = self.stuck.iter().copied().zip(self.modes.iter().copied()).collect();
-        let mut candidates: Vec<usize> = (0..self.switches()).filter(|c| self.stuck[*c] || on.contains(c)).collect();
+    /// Decides the modes of the switches `on` their surfaces now and of every contact that sticks. Their modes so far say from where they came (0 if
+    /// they start there).
+    pub(crate) fn resolve(&mut self, on: &[usize], t: f64, x: &[f64]) {
+        let mut grips: Vec<usize> = (0..self.switches()).filter(|&c| self.stuck[c]).collect();
         for &c in on {
+            let came = std::mem::replace(&mut self.modes[c], 0.0);
             self.stuck[c] = false;
-            if self.automaton.switches[c].can_stick {
-                self.choose_floor(c, t, x);
-            }
-        }
-        // Switches that cannot hold (no friction, or friction of the wrong sign) go where the rates push them.
-        for c in candidates.clone() {
-            self.modes[c] = 0.0;
+            self.choose_floor(c, t, x);
             self.surfaces(t, x);
             let (push, grip) = (self.w_rate(c), -self.influence(c, c));
-            if !(self.automaton.switches[c].can_stick && grip > 0.0) {
-                let (plus, minus) = (push - grip, push + grip);
-                self.modes[c] = match (plus > 0.0, minus < 0.0) {
-                    (true, false) => 1.0,
-                    (false, true) => -1.0,
-                    // Both ways are open: on as it came, or the stronger push from rest.
-                    _ if came != 0.0 => -came,
-                    _ => if push >= 0.0 { 1.0 } else { -1.0 },
-                };
-                self.stuck[c] = false;
-                self.clear_floor(c);
-                candidates.retain(|&k| k != c);
+            if self.automaton.switches[c].can_stick && grip > 0.0 {
+                grips.push(c);
+                continue;
             }
+            // A switch that cannot hold (no friction, or friction of the wrong sign) goes where the rates push it.
+            self.modes[c] = match (push - grip > 0.0, push + grip < 0.0) {
+                (true, false) => 1.0,
+                (false, true) => -1.0,
+                // Both ways are open: on as it came, or the stronger push from rest.
+                _ if came != 0.0 => -came,
+                _ if push >= 0.0 => 1.0,
+                _ => -1.0,
+            };
         }
-        // All others stick together; while one is overloaded, the worst one slips the way it is pushed.
-        loop {
-            candidates.iter().for_each(|&c| self.stuck[c] = true);
-            if candidates.is_empty() {
-                break;
-            }
-            self.hold(t, x);
-            let load = |c: usize| if self.modes[c].is_nan() { f64::INFINITY } else { self.modes[c].abs() };
-            let worst = candidates.iter().copied().max_by(|&a, &b| load(a).total_cmp(&load(b))).filter(|&c| load(c) > 1.0 + SLACK);
-            let Some(worst) = worst else { break };
-            let way = self.modes[worst].signum();
-            self.stuck[worst] = false;
-            self.modes[worst] = if way.is_nan() { if came != 0.0 { -came } else { 1.0 } } else { way };
-            self.clear_floor(worst);
-            candidates.retain(|&k| k != worst);
-        }
-        let changed = |c: &usize| before[*c].0 != self.stuck[*c] || (!self.stuck[*c] && before[*c].1 != self.modes[*c]);
-        (0..self.switches()).filter(changed).collect()
+        self.share(&grips, t, x);
     }
 
-    /// Lets a stuck contact go the way it is pushed (call [`Field::hold`] before); the others that stick are decided anew.
+    /// Finds which of the contacts at rest stay at rest: all together at first; while one is overloaded, the worst one slips the way it is pushed; one
+    /// that then would not move that way was relieved by the others and sticks again.
+    fn share(&mut self, grips: &[usize], t: f64, x: &[f64]) {
+        grips.iter().for_each(|&c| self.stuck[c] = true);
+        // Friction dissipates, so this ends after a few rounds; the limit is for rates that are no friction at all.
+        for _ in 0..4 * grips.len() + 4 {
+            self.hold(t, x);
+            let load =
+                |f: &Self, c: usize| if f.modes[c].is_nan() { f64::INFINITY } else { f.modes[c].abs() };
+            let sticking = grips.iter().copied().filter(|&c| self.stuck[c]);
+            let worst = sticking.max_by(|&a, &b| load(self, a).total_cmp(&load(self, b)));
+            if let Some(c) = worst.filter(|&c| load(self, c) > 1.0 + SLACK) {
+                self.stuck[c] = false;
+                self.modes[c] = if self.modes[c] < 0.0 { -1.0 } else { 1.0 };
+                continue;
+            }
+            self.surfaces(t, x);
+            let relieved = |c: usize| self.modes[c] * self.w_rate(c) < -SLACK * self.influence(c, c).abs();
+            match grips.iter().copied().find(|&c| !self.stuck[c] && relieved(c)) {
+                Some(c) => self.stuck[c] = true,
+                None => break,
+            }
+        }
+    }
+
+    /// Lets a stuck contact go the way it is pushed; the others that stick are decided anew.
     pub(crate) fn release(&mut self, c: usize, t: f64, x: &[f64]) {
+        self.hold(t, x);
         self.modes[c] = if self.modes[c] < 0.0 { -1.0 } else { 1.0 };
         self.stuck[c] = false;
-        self.clear_floor(c);
-        if self.stuck.contains(&true) {
-            self.resolve(&[], 0.0, t, x);
+        self.resolve(&[], t, x);
+    }
+
+    /// Decides the modes anew after a jump of an input: what it tore off or carried across its surface slips, what sticks may be overloaded.
+    pub(crate) fn reconsider(&mut self, t: f64, x: &[f64]) {
+        self.surfaces(t, x);
+        for c in 0..self.switches() {
+            let (w, far) = (self.w(c), TORN * self.speed[c]);
+            if self.stuck[c] && w.abs() > far || !self.stuck[c] && w * self.modes[c] < -far {
+                self.stuck[c] = false;
+                self.modes[c] = w.signum();
+            }
         }
+        self.resolve(&[], t, x);
     }
 
     /// The fraction of its friction that a stuck contact has left, after [`Field::hold`]: it lets go where this becomes negative.

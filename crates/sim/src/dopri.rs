@@ -38,13 +38,17 @@ pub(crate) struct Step {
     pub(crate) h: f64,
     /// State at the stages; the first is the start, the last the end.
     pub(crate) x: [Vec<f64>; STAGES],
-    /// Rates at the stages.
+    /// Rates at the stages; after them the loads of sticking contacts, which are not integrated but must be resolved as well.
     pub(crate) k: [Vec<f64>; STAGES],
+    dense: Dense,
+    interpolated: bool,
 }
 
 impl Step {
-    pub(crate) fn new(n: usize) -> Self {
-        Step { t: 0.0, h: 0.0, x: std::array::from_fn(|_| vec![0.0; n]), k: std::array::from_fn(|_| vec![0.0; n]) }
+    pub(crate) fn new(n: usize, loads: usize) -> Self {
+        let columns = |size: usize| std::array::from_fn(|_| vec![0.0; size]);
+        let (x, k) = (columns(n), columns(n + loads));
+        Step { t: 0.0, h: 0.0, x, k, dense: Dense::default(), interpolated: false }
     }
 
     /// Starts at a point whose rates are known.
@@ -57,6 +61,7 @@ impl Step {
     /// Makes a step of length `h` from the start.
     pub(crate) fn advance(&mut self, h: f64, mut rates: impl FnMut(f64, &[f64], &mut [f64])) {
         self.h = h;
+        self.interpolated = false;
         let n = self.x[0].len();
         for stage in 1..STAGES {
             for i in 0..n {
@@ -72,36 +77,64 @@ impl Step {
         &self.x[STAGES - 1]
     }
 
-    /// The largest scaled error: at most 1 is good. `scale` is the smallest size that matters of each state.
-    pub(crate) fn error(&self, relative: f64, scale: &[f64]) -> f64 {
-        let mut worst = 0.0_f64;
-        for i in 0..self.x[0].len() {
-            let e: f64 = (0..STAGES).map(|j| E[j] * self.k[j][i]).sum::<f64>() * self.h;
-            let size = scale[i].max(self.x[0][i].abs()).max(self.end()[i].abs());
-            let scaled = e.abs() / (relative * size);
-            worst = if scaled.is_nan() { f64::INFINITY } else { worst.max(scaled) };
-            if worst.is_infinite() {
-                break;
+    /// The estimated errors of the states, and after them those of the mean loads.
+    pub(crate) fn errors(&self, out: &mut [f64]) {
+        let n = self.x[0].len();
+        for (i, e) in out[..self.k[0].len()].iter_mut().enumerate() {
+            *e = (0..STAGES).map(|j| E[j] * self.k[j][i]).sum();
+            if i < n {
+                *e *= self.h;
             }
         }
-        worst
     }
 
-    /// The state at the fraction `theta` of the step, to fourth order.
-    pub(crate) fn dense(&self, theta: f64, out: &mut [f64]) {
-        let k: [&[f64]; STAGES] = std::array::from_fn(|j| self.k[j].as_slice());
-        dense(theta, self.h, &self.x[0], self.end(), &k, out);
+    /// The interpolant of the step.
+    pub(crate) fn dense(&mut self) -> &Dense {
+        if !self.interpolated {
+            self.interpolated = true;
+            self.dense.set(self.h, &self.x[0], &self.x[STAGES - 1], &self.k);
+        }
+        &self.dense
     }
 }
 
-/// Hairer's interpolant: from the values at both ends and the rates at the stages. Serves states and sensitivities alike.
-pub(crate) fn dense(theta: f64, h: f64, start: &[f64], end: &[f64], k: &[&[f64]; STAGES], out: &mut [f64]) {
-    let back = 1.0 - theta;
-    for i in 0..out.len() {
-        let difference = end[i] - start[i];
-        let bend = h * k[0][i] - difference;
-        let fourth = difference - h * k[6][i] - bend;
-        let fifth = h * (0..STAGES).map(|j| D[j] * k[j][i]).sum::<f64>();
-        out[i] = start[i] + theta * (difference + back * (bend + theta * (fourth + back * fifth)));
+/// Hairer's interpolant of a step, to fourth order: from the values at both ends and the rates at the stages. Serves states and sensitivities alike.
+#[derive(Default)]
+pub(crate) struct Dense {
+    h: f64,
+    /// Five coefficients for each component.
+    c: Vec<[f64; 5]>,
+}
+
+impl Dense {
+    pub(crate) fn set(&mut self, h: f64, start: &[f64], end: &[f64], k: &[Vec<f64>; STAGES]) {
+        self.h = h;
+        self.c.clear();
+        self.c.extend(start.iter().zip(end).enumerate().map(|(i, (&start, &end))| {
+            let difference = end - start;
+            let bend = h * k[0][i] - difference;
+            let fourth = difference - h * k[STAGES - 1][i] - bend;
+            let fifth = h * k.iter().zip(&D).map(|(k, d)| d * k[i]).sum::<f64>();
+            [start, difference, bend, fourth, fifth]
+        }));
+    }
+
+    /// The values at the fraction `theta` of the step.
+    pub(crate) fn value(&self, theta: f64, out: &mut [f64]) {
+        let back = 1.0 - theta;
+        for (out, [start, difference, bend, fourth, fifth]) in out.iter_mut().zip(&self.c) {
+            *out = start + theta * (difference + back * (bend + theta * (fourth + back * fifth)));
+        }
+    }
+
+    /// Their rates of change there.
+    pub(crate) fn slope(&self, theta: f64, out: &mut [f64]) {
+        let back = 1.0 - theta;
+        for (out, [_, difference, bend, fourth, fifth]) in out.iter_mut().zip(&self.c) {
+            let third = fourth + back * fifth;
+            let second = bend + theta * third;
+            let first = difference + back * second;
+            *out = (first + theta * (back * (third - theta * fifth) - second)) / self.h;
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Events of a run: where in a step a mode ends, a step that ends exactly there, and the passage to the next mode.
 
-use crate::dopri::C;
+use crate::dopri::{C, STAGES};
 use crate::run::Run;
 use crate::trajectory::{Event, SimError};
 
@@ -20,17 +20,17 @@ const ON_SURFACE: f64 = 1e-13;
 /// Overload at which a sticking contact lets go, in units of what it can hold: just above rounding, so that it does not fall back at once.
 const OVERLOAD: f64 = 1e-14;
 
-/// This many events without time moving on are a flutter.
-const FLUTTER: usize = 200;
+/// So many events within so small a fraction of the run are a flutter.
+const FLUTTER: (usize, f64) = (200, 1e-4);
 
 impl Run<'_> {
-    /// The guard of a switch at a point: positive while its mode may last.
+    /// The guard of a switch at a point: positive while its mode may last. Leaves the surfaces evaluated there.
     fn guard(&mut self, c: usize, t: f64, x: &[f64]) -> f64 {
         if self.field.stuck[c] {
             self.field.hold(t, x);
             self.field.reserve(c) + OVERLOAD
         } else {
-            self.field.surfaces(t, x);
+            self.field.held_surfaces(t, x);
             self.field.modes[c] * self.field.w(c)
         }
     }
@@ -38,7 +38,7 @@ impl Run<'_> {
     fn guard_inside(&mut self, c: usize, theta: f64) -> f64 {
         let mut x = std::mem::take(&mut self.buffer);
         let n = self.x.len();
-        self.step.dense(theta, &mut x[..n]);
+        self.step.dense().value(theta, &mut x[..n]);
         let g = self.guard(c, self.t + theta * self.step.h, &x[..n]);
         self.buffer = x;
         g
@@ -70,9 +70,9 @@ impl Run<'_> {
     /// Where in the step a sticking contact is overloaded. Its load at the stages is known from the step itself.
     fn overload(&mut self, c: usize) -> Search {
         let load = self.x.len() + c;
-        let reserve: Vec<f64> = self.step.k.iter().map(|k| 1.0 - k[load].abs() + OVERLOAD).collect();
+        let reserve: [f64; STAGES] = std::array::from_fn(|i| 1.0 - self.step.k[i][load].abs() + OVERLOAD);
         // The last two stages are both at the end.
-        let stages = 0..C.len() - 1;
+        let stages = 0..STAGES - 1;
         let mut bracket = stages.clone().skip(1).find(|&i| reserve[i] < 0.0).map(|i| (C[i - 1], C[i]));
         let least = stages.clone().min_by(|&i, &j| reserve[i].total_cmp(&reserve[j])).unwrap_or(0);
         if bracket.is_none() && least > 0 && least + 1 < stages.end {
@@ -92,11 +92,9 @@ impl Run<'_> {
     /// Where in the step a slipping switch reaches its surface. One that starts on it (it has just let go, or crossed) must leave first.
     fn crossing(&mut self, c: usize) -> Search {
         let here = ON_SURFACE * self.field.speed[c];
-        self.field.surfaces(self.t, &self.x);
         let mode = self.field.modes[c];
-        let (start, early) = (mode * self.field.w(c), mode * self.field.w_rate(c));
-        let end = self.guard_at_end(c);
-        let late = mode * self.field.w_rate(c);
+        let (start, early) = (mode * self.here.w[c], mode * self.here.rate[c]);
+        let (end, late) = (mode * self.there.w[c], mode * self.there.rate[c]);
         if start > here {
             if end < 0.0 {
                 return Search::At(c, illinois(0.0, 1.0, |theta| self.guard_inside(c, theta)));
@@ -113,7 +111,8 @@ impl Run<'_> {
                 }
             }
         } else if end < -here {
-            let away = [0.5, 0.25, 0.75, 0.125, 0.03, 0.005].into_iter().find(|&f| self.guard_inside(c, f) > here);
+            let away =
+                [0.5, 0.25, 0.75, 0.125, 0.03, 0.005].into_iter().find(|&f| self.guard_inside(c, f) > here);
             return match away {
                 Some(good) => Search::At(c, illinois(good, 1.0, |theta| self.guard_inside(c, theta))),
                 // It returns at once.
@@ -143,29 +142,33 @@ impl Run<'_> {
             }
             length = (length + change).min(h);
         }
+        self.there.look(&mut self.field, self.t + self.step.h, self.step.end());
     }
 
     /// Passes the event at the present point: new modes, jump of the sensitivities, and whatever else is due at the same instant.
     pub(crate) fn pass(&mut self, first: usize) -> Result<(), SimError> {
+        if self.t - self.flutter.1 > FLUTTER.1 * self.span {
+            self.flutter = (0, self.t);
+        }
         let mut due = Some(first);
         let mut done = Vec::new();
         while let Some(c) = due {
-            self.stalled += 1;
-            if self.stalled > FLUTTER {
+            self.flutter.0 += 1;
+            if self.flutter.0 > FLUTTER.0 {
                 let switch = self.field.automaton.switches[c].text.clone();
                 return Err(SimError::TooManyEvents { time: self.t, switch });
             }
             self.change(c);
             done.push(c);
+            self.here.look(&mut self.field, self.t, &self.x);
             due = (0..self.field.switches()).find(|&k| !done.contains(&k) && self.is_due(k));
         }
         Ok(())
     }
 
     /// Whether a slipping switch stands on its surface, about to cross it.
-    fn is_due(&mut self, c: usize) -> bool {
-        self.field.surfaces(self.t, &self.x);
-        let (s, w, rate) = (self.field.modes[c], self.field.w(c), self.field.w_rate(c));
+    fn is_due(&self, c: usize) -> bool {
+        let (s, w, rate) = (self.field.modes[c], self.here.w[c], self.here.rate[c]);
         !self.field.stuck[c] && s * w <= ON_SURFACE * self.field.speed[c] && s * rate < 0.0
     }
 
@@ -179,8 +182,9 @@ impl Run<'_> {
                 s.restart();
             }
         } else {
-            let by_parameter = self.sensitivity.as_ref().map(|s| s.by_parameter(&mut self.field, c, self.t, &self.x));
-            self.field.surfaces(self.t, &self.x);
+            let by_parameter =
+                self.sensitivity.as_ref().map(|s| s.by_parameter(&mut self.field, c, self.t, &self.x));
+            self.field.held_surfaces(self.t, &self.x);
             let w_rate = self.field.w_rate(c);
             let normal: Vec<f64> = (0..n).map(|j| self.field.normal(c, j)).collect();
             // Onto the surface exactly: the step came within rounding.

@@ -1,11 +1,14 @@
 //! Evaluating the automaton at a point, in the present modes: rates, surfaces, and what a sticking contact needs to stay.
 
 use crate::automaton::Automaton;
-use crate::run::Drive;
+use crate::trajectory::Drive;
 use phisindy_expr::Scratch;
 
 /// How far off the surface, in units of the speed scale, friction is looked at when its value at zero speed is singular.
 const OFF_SURFACE: f64 = 1e-6;
+
+/// How far beyond its surface, in units of the speed scale, friction is continued smoothly.
+const MARGIN: f64 = 1e-10;
 
 /// The automaton with its scratch memory, the drive, and the present modes.
 pub(crate) struct Field<'a> {
@@ -15,33 +18,75 @@ pub(crate) struct Field<'a> {
     surface: Scratch<1>,
     jacobian: Option<Scratch<1>>,
     hints: Vec<usize>,
+    /// Inputs are read as they are just before this time: a step that ends where an input jumps must not see the jump.
+    pub(crate) left_of: Option<f64>,
     /// Present mode of each switch: +1, -1, or, while sticking, the fraction of friction that is in use.
     pub(crate) modes: Vec<f64>,
     /// Whether a switch sticks.
     pub(crate) stuck: Vec<bool>,
-    /// Floor under `|w|` at which a stuck contact's friction is largest.
+    /// What is added to `|w|`, so that friction is finite and largest at rest.
     floors: Vec<f64>,
-    /// Largest `|w|` seen: the scale of speed.
+    /// How far friction is continued smoothly beyond the surface.
+    margins: Vec<f64>,
+    /// The smallest `|w|` that matters, from the scale of the states.
+    scale: Vec<f64>,
+    /// Largest `|w|` seen, and at least its scale: what rounding errors are measured by.
     pub(crate) speed: Vec<f64>,
     /// Evaluations of the rates so far.
     pub(crate) evaluations: usize,
+    /// Which contacts stick, and the linear system for their loads: memory of [`Field::hold`].
+    held: Vec<usize>,
+    system: Vec<f64>,
 }
 
 impl<'a> Field<'a> {
     pub(crate) fn new(automaton: &'a Automaton, drive: &'a Drive<'a>, sensitivities: bool) -> Self {
         let c = automaton.switches.len();
+        let scratch = |tape| {
+            let mut scratch = Scratch::new(tape);
+            let first = 1 + automaton.states.len() + 2 * automaton.inputs;
+            drive.parameters.iter().enumerate().for_each(|(k, &p)| scratch.input(first + k)[0] = p);
+            scratch
+        };
         Field {
             automaton,
             drive,
-            flow: Scratch::new(&automaton.flow),
-            surface: Scratch::new(&automaton.surface),
-            jacobian: sensitivities.then(|| Scratch::new(&automaton.jacobian)),
+            flow: scratch(&automaton.flow),
+            surface: scratch(&automaton.surface),
+            jacobian: sensitivities.then(|| scratch(&automaton.jacobian)),
             hints: vec![0; automaton.inputs],
+            left_of: None,
             modes: vec![0.0; c],
             stuck: vec![false; c],
             floors: vec![0.0; c],
-            speed: vec![0.0; c],
+            margins: vec![0.0; c],
+            scale: vec![1.0; c],
+            speed: vec![1.0; c],
             evaluations: 0,
+            held: Vec::with_capacity(c),
+            system: Vec::with_capacity(c * (c + 1)),
+        }
+    }
+
+    /// Modes at the start: the sign of `w`, or the contact rule where it is zero. `scale` is the smallest size of each state that matters.
+    pub(crate) fn begin(&mut self, t: f64, x: &[f64], scale: &[f64]) {
+        self.surfaces(t, x);
+        let mut on = Vec::new();
+        for c in 0..self.switches() {
+            let size: f64 = scale.iter().enumerate().map(|(j, s)| (self.normal(c, j) * s).abs()).sum();
+            self.scale[c] = if size > 0.0 { size } else { 1.0 };
+            self.margins[c] = MARGIN * self.scale[c];
+            self.speed[c] = self.scale[c].max(self.w(c).abs());
+            match self.w(c) {
+                0.0 => on.push(c),
+                w => self.modes[c] = w.signum(),
+            }
+        }
+        for c in 0..self.switches() {
+            self.choose_floor(c, t, x);
+        }
+        if !on.is_empty() {
+            self.resolve(&on, t, x);
         }
     }
 
@@ -55,23 +100,30 @@ impl<'a> Field<'a> {
             Which::Surface => &mut self.surface,
             Which::Jacobian => self.jacobian.as_mut().expect("made for a run with sensitivities"),
         };
-        let (n, u) = (x.len(), self.automaton.inputs);
+        let (n, u, p) = (x.len(), self.automaton.inputs, self.automaton.parameters);
         scratch.input(0)[0] = t;
         for (k, &value) in x.iter().enumerate() {
             scratch.input(1 + k)[0] = value;
         }
-        for (k, signal) in self.drive.inputs.iter().enumerate() {
-            let (value, slope) = signal.value_and_slope(t, &mut self.hints[k]);
-            scratch.input(1 + n + k)[0] = value;
-            scratch.input(1 + n + u + k)[0] = slope;
+        if u > 0 {
+            let t = self.left_of.map_or(t, |edge| t.min(edge.next_down()));
+            for (k, signal) in self.drive.inputs.iter().enumerate() {
+                let (value, slope) = signal.value_and_slope(t, &mut self.hints[k]);
+                scratch.input(1 + n + k)[0] = value;
+                scratch.input(1 + n + u + k)[0] = slope;
+            }
         }
-        let rest = self.drive.parameters.iter().chain(&self.modes).chain(&self.floors);
-        for (k, &value) in rest.enumerate() {
-            scratch.input(1 + n + 2 * u + k)[0] = value;
+        // The parameters were written once for all.
+        let (first, c) = (1 + n + 2 * u + p, self.modes.len());
+        for k in 0..c {
+            scratch.input(first + k)[0] = self.modes[k];
+            scratch.input(first + c + k)[0] = if self.stuck[k] { 0.0 } else { self.modes[k] };
+            scratch.input(first + 2 * c + k)[0] = self.floors[k];
+            scratch.input(first + 3 * c + k)[0] = self.margins[k];
         }
     }
 
-    /// `dx/dt`. Contacts that stick use the fraction of their friction that holds them.
+    /// `dx/dt`, and after it the load of each contact that sticks: the fraction of its friction that holds it, which is what it uses.
     pub(crate) fn rates(&mut self, t: f64, x: &[f64], out: &mut [f64]) {
         if self.stuck.contains(&true) {
             self.hold(t, x);
@@ -79,8 +131,12 @@ impl<'a> Field<'a> {
         self.write(Which::Flow, t, x);
         self.flow.run();
         self.evaluations += 1;
-        for (k, rate) in out.iter_mut().enumerate() {
+        let n = x.len();
+        for (k, rate) in out[..n].iter_mut().enumerate() {
             *rate = self.flow.output(k)[0];
+        }
+        for (c, load) in out[n..n + self.modes.len()].iter_mut().enumerate() {
+            *load = if self.stuck[c] { self.modes[c] } else { 0.0 };
         }
     }
 
@@ -88,6 +144,14 @@ impl<'a> Field<'a> {
     pub(crate) fn surfaces(&mut self, t: f64, x: &[f64]) {
         self.write(Which::Surface, t, x);
         self.surface.run();
+    }
+
+    /// The same with the contacts that stick held at rest: for the rates of the others.
+    pub(crate) fn held_surfaces(&mut self, t: f64, x: &[f64]) {
+        if self.stuck.contains(&true) {
+            self.hold(t, x);
+        }
+        self.surfaces(t, x);
     }
 
     pub(crate) fn w(&self, c: usize) -> f64 {
@@ -114,41 +178,82 @@ impl<'a> Field<'a> {
     ///
     /// The rates are linear in the modes on the surface (friction is `s F`), so this is one linear system.
     pub(crate) fn hold(&mut self, t: f64, x: &[f64]) {
-        let set: Vec<usize> = (0..self.switches()).filter(|&c| self.stuck[c]).collect();
-        set.iter().for_each(|&c| self.modes[c] = 0.0);
+        let (mut held, mut system) = (std::mem::take(&mut self.held), std::mem::take(&mut self.system));
+        held.clear();
+        held.extend((0..self.switches()).filter(|&c| self.stuck[c]));
+        held.iter().for_each(|&c| self.modes[c] = 0.0);
         self.surfaces(t, x);
-        let m = set.len();
-        let mut a: Vec<f64> = Vec::with_capacity(m * (m + 1));
-        for &c in &set {
-            a.extend(set.iter().map(|&k| self.influence(c, k)));
-            a.push(-self.w_rate(c));
+        system.clear();
+        for &c in &held {
+            system.extend(held.iter().map(|&k| self.influence(c, k)));
+            system.push(-self.w_rate(c));
         }
-        solve_in_place(&mut a, m, 1);
-        set.iter().enumerate().for_each(|(i, &c)| self.modes[c] = a[i * (m + 1) + m]);
+        let m = held.len();
+        solve_in_place(&mut system, m, 1);
+        held.iter().enumerate().for_each(|(i, &c)| self.modes[c] = system[i * (m + 1) + m]);
+        (self.held, self.system) = (held, system);
     }
 
-    /// Chooses, for contact `c` on its surface, the floor under `|w|` at which its friction is largest and finite: zero for ordinary friction, a
-    /// little off the surface for friction that is singular there.
+    /// Chooses the floor under `|w|` at which the friction of contact `c` is largest and finite: zero for ordinary friction, a little for friction
+    /// that is singular at rest or rises from nothing at once. It stays until the contact is at its surface again: slip, stop and
+    /// departure see one and the same friction.
     pub(crate) fn choose_floor(&mut self, c: usize, t: f64, x: &[f64]) {
-        self.floors[c] = 0.0;
         if !self.automaton.switches[c].shaped {
             return;
         }
-        let scale = if self.speed[c] > 0.0 { self.speed[c] } else { 1.0 };
-        let mut best = (f64::NEG_INFINITY, 0.0);
-        for floor in [0.0, 0.1 * OFF_SURFACE * scale, OFF_SURFACE * scale] {
+        let mode = std::mem::replace(&mut self.modes[c], 0.0);
+        let (margin, little) = (self.margins[c], OFF_SURFACE * self.scale[c]);
+        let mut friction = |floor: f64| {
             self.floors[c] = floor;
             self.surfaces(t, x);
-            let friction = -self.influence(c, c);
-            if friction.is_finite() && friction > best.0 {
-                best = (friction, floor);
+            -self.influence(c, c)
+        };
+        let mut best = (f64::NEG_INFINITY, little);
+        for floor in [0.0, margin, 0.1 * little, little] {
+            let size = friction(floor);
+            if size > best.0 && size.is_finite() && friction(floor - margin).is_finite() {
+                best = (size, floor);
             }
         }
         self.floors[c] = best.1;
+        self.modes[c] = mode;
     }
 
-    pub(crate) fn clear_floor(&mut self, c: usize) {
-        self.floors[c] = 0.0;
+    /// The smallest speed that the shape of friction can tell from rest.
+    pub(crate) fn least_speed(&self, c: usize) -> f64 {
+        self.floors[c].max(1e-9 * self.scale[c])
+    }
+
+    /// Notes the speeds at a point.
+    pub(crate) fn note_speeds(&mut self, w: &[f64]) {
+        self.speed.iter_mut().zip(w).for_each(|(speed, w)| *speed = speed.max(w.abs()));
+    }
+
+    /// Keeps contacts that stick exactly at rest, against rounding and the interpolation error of a belt's speed.
+    pub(crate) fn keep_at_rest(&mut self, t: f64, x: &mut [f64]) {
+        if self.stuck.contains(&true) {
+            self.surfaces(t, x);
+            (0..self.switches())
+                .filter(|&c| self.stuck[c] && self.w(c) != 0.0)
+                .for_each(|c| self.project(c, x));
+        }
+    }
+
+    /// Moves a point onto the surface of `c`, along its normal (call [`Field::surfaces`] there before).
+    pub(crate) fn project(&self, c: usize, x: &mut [f64]) {
+        let length: f64 = (0..x.len()).map(|j| self.normal(c, j).powi(2)).sum();
+        if length > 0.0 {
+            x.iter_mut().enumerate().for_each(|(j, x)| *x -= self.normal(c, j) * self.w(c) / length);
+        }
+    }
+
+    /// The mode as an integer; 0 is sticking.
+    pub(crate) fn sign(&self, c: usize) -> i8 {
+        if self.stuck[c] { 0 } else { self.modes[c] as i8 }
+    }
+
+    pub(crate) fn signs(&self) -> Vec<i8> {
+        (0..self.switches()).map(|c| self.sign(c)).collect()
     }
 
     /// All derivatives at a point, in the present modes (call [`Field::hold`] or [`Field::rates`] there before).
@@ -207,14 +312,21 @@ impl Derivatives<'_> {
     }
 }
 
-/// Gauss-Jordan elimination with row pivoting on `m` rows of `m + k` numbers; the right-hand sides become the solutions. A singular matrix
-/// leaves infinities, which the caller sees as a contact that cannot hold.
+/// Gauss-Jordan elimination with row pivoting on `m` rows of `m + k` numbers; the right-hand sides become the solutions. An unknown that the
+/// others already decide (two contacts that hold the same thing) becomes zero.
 pub(crate) fn solve_in_place(a: &mut [f64], m: usize, k: usize) {
     let width = m + k;
+    let largest = (0..m * m).map(|i| a[i / m * width + i % m].abs()).fold(0.0, f64::max);
     for col in 0..m {
-        let pivot = (col..m).max_by(|&i, &j| a[i * width + col].abs().total_cmp(&a[j * width + col].abs())).unwrap_or(col);
+        let pivot = (col..m)
+            .max_by(|&i, &j| a[i * width + col].abs().total_cmp(&a[j * width + col].abs()))
+            .unwrap_or(col);
         if pivot != col {
             (0..width).for_each(|j| a.swap(pivot * width + j, col * width + j));
+        }
+        if a[col * width + col].abs() <= 1e-13 * largest {
+            (0..width).for_each(|j| a[col * width + j] = 0.0);
+            continue;
         }
         let inverse = 1.0 / a[col * width + col];
         (0..width).for_each(|j| a[col * width + j] *= inverse);

@@ -14,6 +14,13 @@ const SAMPLES_A_STEP: f64 = 32.0;
 /// The same for knots of a spline input.
 const KNOTS_A_STEP: f64 = 8.0;
 
+/// How well a step must resolve the load of a sticking contact, in units of what it can hold: while nothing moves, nothing else limits the step.
+const LOAD_RESOLUTION: f64 = 1e-3;
+
+/// How well a step must resolve the speed of a contact whose friction has a shape near rest, relative to that speed and in units of the tolerance:
+/// there speeds far below the tolerance decide how it stops and lets go, and derivatives follow the state with this relative error.
+const SHAPE_RESOLUTION: f64 = 300.0;
+
 /// Runs the automaton from `start` at time `t0` and samples it at `times` (not decreasing; a time before `t0`, as a delayed sensor asks for, is
 /// extrapolated along the rates at `t0`).
 ///
@@ -56,6 +63,24 @@ pub fn simulate(
     Ok(run.out)
 }
 
+/// `w` and `dw/dt` of all switches at a point.
+#[derive(Default)]
+pub(crate) struct Surfaces {
+    pub(crate) w: Vec<f64>,
+    pub(crate) rate: Vec<f64>,
+}
+
+impl Surfaces {
+    /// Evaluates them, with contacts that stick held at rest.
+    pub(crate) fn look(&mut self, field: &mut Field<'_>, t: f64, x: &[f64]) {
+        field.held_surfaces(t, x);
+        self.w.clear();
+        self.w.extend((0..field.switches()).map(|c| field.w(c)));
+        self.rate.clear();
+        self.rate.extend((0..field.switches()).map(|c| field.w_rate(c)));
+    }
+}
+
 pub(crate) struct Run<'a> {
     pub(crate) field: Field<'a>,
     times: &'a [f64],
@@ -67,6 +92,9 @@ pub(crate) struct Run<'a> {
     /// Rates at the present point, and after them the loads of the contacts that stick.
     pub(crate) rates: Vec<f64>,
     pub(crate) step: Step,
+    /// The surfaces at the present point, and at the end of the step that is tried.
+    pub(crate) here: Surfaces,
+    pub(crate) there: Surfaces,
     /// Length of the next step to try.
     h: f64,
     /// The longest step.
@@ -79,8 +107,8 @@ pub(crate) struct Run<'a> {
     pub(crate) out: Trajectory,
     /// The next sample to write.
     next: usize,
-    /// Events since time last moved on.
-    pub(crate) stalled: usize,
+    /// Number of events since a time, to notice a flutter.
+    pub(crate) flutter: (usize, f64),
     pub(crate) buffer: Vec<f64>,
 }
 
@@ -120,6 +148,8 @@ impl<'a> Run<'a> {
             x: start.to_vec(),
             rates: vec![0.0; n + c],
             step: Step::new(n, c),
+            here: Surfaces::default(),
+            there: Surfaces::default(),
             h: 0.0,
             longest,
             span,
@@ -127,8 +157,8 @@ impl<'a> Run<'a> {
             sensitivity,
             out,
             next: 0,
-            stalled: 0,
-            buffer: vec![0.0; (n + c).max(n * m)],
+            flutter: (0, t0),
+            buffer: vec![0.0; n + c],
         }
     }
 
@@ -137,12 +167,14 @@ impl<'a> Run<'a> {
         self.field.left_of = self.breaks.last().copied();
         self.field.begin(self.t, &self.x, &self.scale);
         self.field.rates(self.t, &self.x, &mut self.rates);
+        self.here.look(&mut self.field, self.t, &self.x);
         self.h = self.first_step();
     }
 
     /// Hairer's guess of a step length (Solving ODEs I, II.4), from the size and the change of the rates.
     fn first_step(&mut self) -> f64 {
-        let norm = |v: &[f64], scale: &[f64]| v.iter().zip(scale).map(|(v, s)| (v / s).abs()).fold(0.0, f64::max);
+        let norm =
+            |v: &[f64], scale: &[f64]| v.iter().zip(scale).map(|(v, s)| (v / s).abs()).fold(0.0, f64::max);
         let span = self.longest;
         let d1 = norm(&self.rates, &self.scale);
         let h0 = if d1 > 1e-10 { (1e-3 / d1).min(span) } else { 1e-3 * span };
@@ -151,8 +183,7 @@ impl<'a> Run<'a> {
         let change: Vec<f64> = self.buffer.iter().zip(&self.rates).map(|(a, b)| (a - b) / h0).collect();
         let d2 = norm(&change, &self.scale);
         let largest = d1.max(d2);
-        let h1 =
-            if largest > 1e-15 { (0.1 * self.options.tolerance.powf(0.2) / largest).sqrt() } else { h0 };
+        let h1 = if largest > 1e-15 { (0.1 * self.options.tolerance.powf(0.2) / largest).sqrt() } else { h0 };
         h1.min(100.0 * h0).min(span)
     }
 
@@ -166,7 +197,7 @@ impl<'a> Run<'a> {
                 let slope = s.slope(&mut self.field, self.t, &self.x);
                 self.out.sensitivities.extend(s.s.iter().zip(slope).map(|(s, f)| s + back * f));
             }
-            self.out.modes.extend(self.field.signs());
+            self.out.modes.extend((0..self.field.switches()).map(|c| self.field.sign(c)));
             self.next += 1;
         }
     }
@@ -186,7 +217,8 @@ impl<'a> Run<'a> {
                 h = target - self.t;
             }
             self.step.advance(h, |t, x, out| self.field.rates(t, x, out));
-            let error = self.step.error(self.options.tolerance, &self.scale);
+            self.there.look(&mut self.field, self.t + h, self.step.end());
+            let error = self.error();
             if error <= 1.0 {
                 match self.first_event() {
                     Search::None => {
@@ -234,54 +266,86 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// If the failed step ends across a slipping contact's surface: the time to reach it in a straight line.
-    fn overshoot(&mut self) -> Option<f64> {
-        self.field.surfaces(self.t + self.step.h, self.step.end());
-        let f = &self.field;
-        let crossed: Vec<usize> = (0..f.switches()).filter(|&k| !f.stuck[k] && f.modes[k] * f.w(k) < 0.0).collect();
-        if crossed.is_empty() {
-            return None;
+    /// The largest scaled error of the step just tried: at most 1 is good.
+    fn error(&mut self) -> f64 {
+        let n = self.x.len();
+        self.step.errors(&mut self.buffer);
+        let (states, loads) = self.buffer.split_at(n);
+        let tolerance = self.options.tolerance;
+        let mut worst = 0.0_f64;
+        let mut weigh = |error: f64, size: f64| {
+            let scaled = error.abs() / size;
+            worst = if scaled.is_nan() { f64::INFINITY } else { worst.max(scaled) };
+        };
+        for (i, &e) in states.iter().enumerate() {
+            weigh(e, tolerance * self.scale[i].max(self.x[i].abs()).max(self.step.end()[i].abs()));
         }
-        self.field.surfaces(self.t, &self.x);
-        crossed.iter().map(|&k| -self.field.w(k) / self.field.w_rate(k)).filter(|r| *r > 0.0).reduce(f64::min)
+        for (c, &load) in loads.iter().enumerate().take(self.field.switches()) {
+            if self.field.stuck[c] {
+                weigh(load, LOAD_RESOLUTION);
+            } else if self.field.automaton.switches[c].shaped {
+                let e: f64 = states.iter().enumerate().map(|(j, e)| self.field.normal(c, j) * e).sum();
+                let speed = self.here.w[c].abs().max(self.there.w[c].abs()).max(self.field.least_speed(c));
+                weigh(e, SHAPE_RESOLUTION * tolerance * speed);
+            }
+        }
+        worst
+    }
+
+    /// If the failed step ends across a slipping contact's surface: the time to reach it in a straight line.
+    fn overshoot(&self) -> Option<f64> {
+        let crossed = |&c: &usize| !self.field.stuck[c] && self.field.modes[c] * self.there.w[c] < 0.0;
+        let reach = |c: usize| -self.here.w[c] / self.here.rate[c];
+        (0..self.field.switches()).filter(crossed).map(reach).filter(|r| *r > 0.0).reduce(f64::min)
     }
 
     /// Takes the step: samples within it, sensitivities along it, and the new present point.
     fn accept(&mut self) {
-        let n = self.x.len();
         if let Some(s) = &mut self.sensitivity {
             s.advance(&mut self.field, &self.step);
         }
         let (t1, h) = (self.t + self.step.h, self.step.h);
+        let from = self.next;
         while self.next < self.times.len() && self.times[self.next] <= t1 {
-            let time = self.times[self.next];
-            let theta = (time - self.t) / h;
-            let at = self.out.states.len();
-            self.step.dense(theta, &mut self.buffer[..n]);
-            self.out.states.extend(&self.buffer[..n]);
-            self.field.rates(time, &self.out.states[at..], &mut self.buffer);
-            self.out.rates.extend(&self.buffer[..n]);
-            if let Some(s) = &self.sensitivity {
-                s.dense(theta, h, &mut self.buffer[..n * s.m]);
-                self.out.sensitivities.extend(&self.buffer[..n * s.m]);
+            if let Some(s) = self.sensitivity.as_mut().filter(|_| self.next == from) {
+                s.interpolate(h);
             }
-            self.out.modes.extend(self.field.signs());
-            self.next += 1;
-        }
-        if h > 1e-12 * self.span {
-            self.stalled = 0;
+            self.sample((self.times[self.next] - self.t) / h);
         }
         self.t = t1;
         self.x.copy_from_slice(self.step.end());
         self.rates.copy_from_slice(&self.step.k[STAGES - 1]);
         self.out.steps += 1;
-        self.field.settle(self.t, &mut self.x);
+        std::mem::swap(&mut self.here, &mut self.there);
+        self.field.note_speeds(&self.here.w);
+        self.field.keep_at_rest(self.t, &mut self.x);
+    }
+
+    /// Writes the next sample, at a fraction of the step just made.
+    fn sample(&mut self, theta: f64) {
+        let n = self.x.len();
+        let at = self.out.states.len();
+        self.out.states.resize(at + n, 0.0);
+        self.out.rates.resize(at + n, 0.0);
+        let dense = self.step.dense();
+        dense.value(theta, &mut self.out.states[at..]);
+        dense.slope(theta, &mut self.out.rates[at..]);
+        self.field.keep_at_rest(self.times[self.next], &mut self.out.states[at..]);
+        if let Some(s) = &self.sensitivity {
+            let at = self.out.sensitivities.len();
+            self.out.sensitivities.resize(at + n * s.m, 0.0);
+            s.dense.value(theta, &mut self.out.sensitivities[at..]);
+        }
+        self.out.modes.extend((0..self.field.switches()).map(|c| self.field.sign(c)));
+        self.next += 1;
     }
 
     fn check(&self) -> Result<(), SimError> {
         let fits = |i: usize| self.x[i].abs() <= self.options.diverged * self.scale[i];
         match (0..self.x.len()).find(|&i| !fits(i)) {
-            Some(i) => Err(SimError::Diverged { time: self.t, state: self.field.automaton.states[i].clone() }),
+            Some(i) => {
+                Err(SimError::Diverged { time: self.t, state: self.field.automaton.states[i].clone() })
+            }
             None => Ok(()),
         }
     }
@@ -299,6 +363,7 @@ impl<'a> Run<'a> {
         self.field.reconsider(self.t, &self.x);
         self.record(&before);
         self.field.rates(self.t, &self.x, &mut self.rates);
+        self.here.look(&mut self.field, self.t, &self.x);
         if let Some(s) = &mut self.sensitivity {
             s.restart();
         }

@@ -5,7 +5,7 @@
 //! trajectory. At an event on `w = 0` the event time moves by `dt = -(dw/dx S + dw/dp) / (dw/dt)` and `S` jumps by `(f- - f+) dt` (saltation; Leine and
 //! Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, 2004, ch. 7). When a contact lets go the rates are continuous and nothing jumps.
 
-use crate::dopri::{A, STAGES, Step, dense};
+use crate::dopri::{A, C, Dense, STAGES, Step};
 use crate::field::{Field, solve_in_place};
 
 /// The derivatives of all states: columns are the start states, then the free parameters.
@@ -19,6 +19,8 @@ pub(crate) struct Sensitivity {
     start: Vec<f64>,
     stage: Vec<f64>,
     k: [Vec<f64>; STAGES],
+    /// `S` within the step just followed, after [`Sensitivity::interpolate`].
+    pub(crate) dense: Dense,
     /// Whether `k[0]` is already that of the next step.
     fresh: bool,
     a: Vec<f64>,
@@ -37,6 +39,7 @@ impl Sensitivity {
             start: s.clone(),
             stage: s.clone(),
             k: std::array::from_fn(|_| vec![0.0; n * m]),
+            dense: Dense::default(),
             s,
             fresh: false,
             a: vec![0.0; n * n],
@@ -54,38 +57,39 @@ impl Sensitivity {
                 continue;
             }
             self.stage.copy_from_slice(&self.start);
-            for j in 0..stage {
-                let weight = step.h * A[stage - 1][j];
-                if weight != 0.0 {
-                    self.stage.iter_mut().zip(&self.k[j]).for_each(|(s, k)| *s += weight * k);
-                }
+            for (a, k) in A[stage.max(1) - 1].iter().zip(&self.k[..stage]).filter(|(a, _)| **a != 0.0) {
+                self.stage.iter_mut().zip(k).for_each(|(s, k)| *s += step.h * a * k);
             }
-            self.linearise(field, step.t + crate::dopri::C[stage] * step.h, &step.x[stage]);
-            for i in 0..n {
-                let row = &mut self.k[stage][i * m..(i + 1) * m];
-                row.fill(0.0);
-                row[n..].copy_from_slice(&self.b[i * (m - n)..(i + 1) * (m - n)]);
-                for j in 0..n {
-                    let a = self.a[i * n + j];
-                    if a != 0.0 {
-                        row.iter_mut().zip(&self.stage[j * m..(j + 1) * m]).for_each(|(r, s)| *r += a * s);
-                    }
-                }
-            }
+            self.linearise(field, step.t + C[stage] * step.h, &step.x[stage]);
+            multiply_add(&self.a, &self.b, &self.stage, n, m, &mut self.k[stage]);
         }
         // The last stage stands at the end of the step: its argument is the solution.
         self.s.copy_from_slice(&self.stage);
         self.fresh = true;
     }
 
-    /// `S` at a fraction of the step just followed.
-    pub(crate) fn dense(&self, theta: f64, h: f64, out: &mut [f64]) {
-        let k: [&[f64]; STAGES] = std::array::from_fn(|j| self.k[j].as_slice());
-        dense(theta, h, &self.start, &self.s, &k, out);
+    /// `dS/dt` at the present point.
+    pub(crate) fn slope(&mut self, field: &mut Field<'_>, t: f64, x: &[f64]) -> Vec<f64> {
+        self.linearise(field, t, x);
+        let mut out = vec![0.0; self.s.len()];
+        multiply_add(&self.a, &self.b, &self.s, self.n, self.m, &mut out);
+        out
+    }
+
+    /// Prepares to interpolate within the step just followed.
+    pub(crate) fn interpolate(&mut self, h: f64) {
+        self.dense.set(h, &self.start, &self.s, &self.k);
     }
 
     /// The jump at a switch on its surface: rates before and after, and the rate of `w` before.
-    pub(crate) fn jump(&mut self, normal: &[f64], by_parameter: &[f64], w_rate: f64, before: &[f64], after: &[f64]) {
+    pub(crate) fn jump(
+        &mut self,
+        normal: &[f64],
+        by_parameter: &[f64],
+        w_rate: f64,
+        before: &[f64],
+        after: &[f64],
+    ) {
         self.fresh = false;
         if w_rate == 0.0 || before.iter().zip(after).all(|(b, a)| b == a) {
             return;
@@ -119,7 +123,10 @@ impl Sensitivity {
         let mut held = Vec::new();
         if !set.is_empty() {
             field.hold(t, x);
-            held = set.iter().map(|&c| set.iter().map(|&k| field.influence(c, k)).collect::<Vec<f64>>()).collect();
+            held = set
+                .iter()
+                .map(|&c| set.iter().map(|&k| field.influence(c, k)).collect::<Vec<f64>>())
+                .collect();
         }
         let d = field.derivatives(t, x);
         for i in 0..n {
@@ -146,6 +153,18 @@ impl Sensitivity {
                     (0..f).for_each(|j| self.b[i * f + j] -= by_mode * y[n + j]);
                 }
             }
+        }
+    }
+}
+
+/// `dS/dt = a S + b`, where `b` has no columns for the start states.
+fn multiply_add(a: &[f64], b: &[f64], s: &[f64], n: usize, m: usize, out: &mut [f64]) {
+    for i in 0..n {
+        let row = &mut out[i * m..(i + 1) * m];
+        row[..n].fill(0.0);
+        row[n..].copy_from_slice(&b[i * (m - n)..(i + 1) * (m - n)]);
+        for (j, &a) in a[i * n..(i + 1) * n].iter().enumerate().filter(|(_, a)| **a != 0.0) {
+            row.iter_mut().zip(&s[j * m..(j + 1) * m]).for_each(|(r, s)| *r += a * s);
         }
     }
 }

@@ -55,7 +55,7 @@ pub struct Trajectory {
     pub m: usize,
     /// States, row-major samples x n.
     pub states: Vec<f64>,
-    /// Rates, row-major samples x n.
+    /// Their rates of change, row-major samples x n, by the interpolant of the steps.
     pub rates: Vec<f64>,
     /// d state / d (start, parameter), row-major samples x n x m.
     pub sensitivities: Vec<f64>,
@@ -67,7 +67,7 @@ pub struct Trajectory {
     pub steps: usize,
     /// Steps that were tried again with a shorter length.
     pub rejected: usize,
-    /// Evaluations of the rates, one for each sample among them.
+    /// Evaluations of the rates.
     pub evaluations: usize,
 }
 
@@ -112,7 +112,9 @@ pub enum SimError {
 impl fmt::Display for SimError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            SimError::NotFinite { time, state } => write!(f, "the rate of `{state}` is not finite at t = {time:.6}"),
+            SimError::NotFinite { time, state } => {
+                write!(f, "the rate of `{state}` is not finite at t = {time:.6}")
+            }
             SimError::Diverged { time, state } => write!(f, "`{state}` grows without bound at t = {time:.6}"),
             SimError::TooManySteps { time } => write!(f, "the step length collapsed at t = {time:.6}"),
             SimError::TooManyEvents { time, switch } => {

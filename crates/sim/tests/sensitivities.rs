@@ -1,0 +1,205 @@
+//! Sensitivities against differences of whole runs, through every kind of event.
+
+mod common;
+
+use common::{Case, grid};
+use phisindy_phys::{Interpolation, Signal};
+use std::sync::Arc;
+
+/// All derivatives of the case by central differences with two Richardson steps, at the sample times.
+fn differences(case: &Case, times: &[f64]) -> Vec<Vec<f64>> {
+    let n = case.start.len();
+    (0..n + case.parameters.len())
+        .map(|column| {
+            let value = if column < n { case.start[column] } else { case.parameters[column - n] };
+            let h = 2e-3 * if value == 0.0 { 0.1 } else { value.abs() };
+            let at = |step: f64| {
+                let mut moved = case.clone();
+                if column < n {
+                    moved.start[column] += step;
+                } else {
+                    moved.parameters[column - n] += step;
+                }
+                moved.run(times).states
+            };
+            let central = |h: f64| -> Vec<f64> {
+                at(h).iter().zip(at(-h)).map(|(plus, minus)| (plus - minus) / (2.0 * h)).collect()
+            };
+            let better = |coarse: Vec<f64>, fine: &[f64], gain: f64| -> Vec<f64> {
+                coarse.iter().zip(fine).map(|(c, f)| f + (f - c) / (gain - 1.0)).collect()
+            };
+            let (one, two, four) = (central(h), central(0.5 * h), central(0.25 * h));
+            better(better(one, &two, 4.0), &better(two.clone(), &four, 4.0), 16.0)
+        })
+        .collect()
+}
+
+/// Checks every derivative to `accuracy` of the largest of its kind. Samples close to an event do not count: there the difference
+/// of two runs compares one that has passed it with one that has not.
+#[track_caller]
+fn check(name: &str, case: &Case, end: f64, accuracy: f64) {
+    check_but(name, case, end, accuracy, &[]);
+}
+
+#[track_caller]
+fn check_but(name: &str, case: &Case, end: f64, accuracy: f64, skip: &[usize]) {
+    let case = case.clone().tolerance(1e-12);
+    let times = grid(end, 37);
+    let run = case.run_with_sensitivities(&times);
+    let (n, m) = (run.n, run.m);
+    assert_eq!(run.sensitivities.len(), times.len() * n * m);
+    let events = case.run(&[1.02 * end]).events;
+    let clear = |t: f64| events.iter().all(|e| (e.time - t).abs() > 0.06);
+    for (column, expected) in
+        differences(&case, &times).into_iter().enumerate().filter(|(c, _)| !skip.contains(c))
+    {
+        let size = expected.iter().fold(1e-3_f64, |a, b| a.max(b.abs()));
+        for (k, _) in times.iter().enumerate().filter(|(_, t)| clear(**t)) {
+            for i in 0..n {
+                let (got, want) = (run.sensitivities[(k * n + i) * m + column], expected[k * n + i]);
+                assert!(
+                    (got - want).abs() < accuracy * size,
+                    "{name}: d x{i}(t = {:.4}) / d {column} is {got:.12}, differences say {want:.12}, size {size:e}\n{:?}",
+                    times[k],
+                    events
+                );
+            }
+        }
+    }
+    // States with and without sensitivities are the same numbers.
+    assert_eq!(case.run(&times).states, run.states);
+}
+
+#[test]
+fn smooth_motion() {
+    let states = [("x", 1.0, "v"), ("v", 0.2, "(-c*v - k*x - k3*x^3 + A*cos(w*t))/m")];
+    let parameters = [("m", 1.3), ("c", 0.2), ("k", 2.0), ("k3", 0.5), ("A", 0.7), ("w", 1.1)];
+    check("Duffing", &Case::new(&states, &parameters), 20.0, 1e-6);
+}
+
+#[test]
+fn stop_stick_and_departure_with_coulomb_friction() {
+    check("1a", &common::case_1a(), 20.0, 1e-6);
+}
+
+#[test]
+fn crossing_without_a_stop() {
+    let states = [("x", 1.0, "v"), ("v", 0.3, "-k*x - F*sgn(v)")];
+    check("free decay", &Case::new(&states, &[("k", 4.0), ("F", 0.1)]), 6.0, 1e-6);
+}
+
+#[test]
+fn dieterich_ruina() {
+    check("1b", &common::case_1b(), 20.0, 1e-6);
+}
+
+#[test]
+fn two_masses() {
+    // It starts at rest: there is no derivative by the start velocities there (columns 2 and 3).
+    check_but("7", &common::case_7(), 15.0, 1e-6, &[2, 3]);
+    let mut moving = common::case_7();
+    moving.start = vec![0.1, -0.1, 0.2, 0.1];
+    check("7, moving", &moving, 15.0, 1e-6);
+}
+
+#[test]
+fn stribeck_on_a_belt() {
+    let rate = "(-k*x - c*v - (Fc + (Fs-Fc)*exp(-((v-vb)/vs)^2))*sgn(v - vb))/m";
+    let parameters =
+        [("k", 1.0), ("c", 0.05), ("Fc", 1.0), ("Fs", 1.5), ("vs", 0.1), ("vb", 0.5), ("m", 1.2)];
+    check("belt", &Case::new(&[("x", 0.9, "v"), ("v", 0.1, rate)], &parameters), 20.0, 1e-6);
+}
+
+#[test]
+fn belt_driven_by_an_input() {
+    let time: Arc<[f64]> = Arc::from(grid(20.0, 200));
+    let speed = time.iter().map(|t| 0.5 + 0.2 * (0.7 * t).sin()).collect::<Vec<f64>>();
+    for kind in [Interpolation::Cubic, Interpolation::Linear] {
+        let input = Signal::new(time.clone(), speed.clone(), kind).unwrap();
+        let states = [("x", 1.9, "v"), ("v", 0.1, "-k*x - F*sgn(v - g*vb)")];
+        let case = Case::driven(&states, &[("k", 1.1), ("F", 1.0), ("g", 1.05)], vec![("vb", input)]);
+        check("input belt", &case, 12.0, 2e-6);
+    }
+}
+
+#[test]
+fn mass_on_mass() {
+    let states = [
+        ("x1", 0.0, "y1"),
+        ("x2", 0.0, "y2"),
+        ("y1", 0.5, "(A*cos(w*t) - k*x1 - mu*sgn(y1 - y2))/m1"),
+        ("y2", 0.1, "(mu*sgn(y1 - y2) - c*y2)/m2"),
+    ];
+    let parameters = [("A", 2.0), ("w", 0.8), ("k", 1.0), ("mu", 0.6), ("m1", 2.0), ("m2", 1.0), ("c", 0.1)];
+    check("mass on mass", &Case::new(&states, &parameters), 20.0, 1e-6);
+}
+
+#[test]
+fn independent_masses_that_stop_at_the_same_time() {
+    let states = [("v1", 2.0, "-F*sgn(v1) - c*v1"), ("v2", 2.0, "-F*sgn(v2) - c*v2"), ("x", 0.3, "v1*v2")];
+    // A shift of one start moves one stop and not the other: differences are one-sided nowhere, the two do not interact at the stop.
+    check("equal masses", &Case::new(&states, &[("F", 0.5), ("c", 0.1)]), 8.0, 1e-6);
+}
+
+#[test]
+fn friction_that_is_singular_at_rest() {
+    let rate = "A*sin(w*t) - k*x - (F - b*ln(|v|/V))*sgn(v)";
+    let parameters = [("A", 2.0), ("w", 0.5), ("k", 1.0), ("F", 0.5), ("b", 0.02), ("V", 0.003)];
+    let case = Case::new(&[("x", 0.1, "v"), ("v", 0.2, rate)], &parameters);
+    assert!(case.run(&grid(20.0, 40)).events.len() >= 4);
+    check("singular", &case, 20.0, 1e-6);
+}
+
+#[test]
+fn force_that_switches_at_a_place() {
+    let states = [("x", 0.0, "v"), ("v", 2.0, "-k*x - (f + k2*(x-gap))*step(x - gap)")];
+    check("place", &Case::new(&states, &[("k", 1.0), ("f", 0.8), ("k2", 3.0), ("gap", 0.7)]), 12.0, 1e-6);
+}
+
+#[test]
+fn force_that_switches_at_a_time_that_is_a_parameter() {
+    let states = [("x", 0.0, "v"), ("v", 1.0, "-x + f*step(t - when)")];
+    check("time", &Case::new(&states, &[("f", 0.8), ("when", 3.3)]), 12.0, 1e-6);
+}
+
+#[test]
+fn start_on_the_surface() {
+    // Starts stuck: the start velocity stands on the surface, where there is no derivative by it.
+    let states = [("x", 0.4, "v"), ("v", 0.0, "A*sin(t) - k*x - F*sgn(v)")];
+    check_but("start stuck", &Case::new(&states, &[("A", 1.5), ("k", 1.0), ("F", 0.6)]), 12.0, 1e-6, &[1]);
+}
+
+#[test]
+fn derivatives_by_part_of_the_parameters_are_the_same_columns() {
+    let times = grid(20.0, 10);
+    let case = common::case_1b();
+    let (n, all) = (2, case.run_with_sensitivities(&times));
+    let mut part = case;
+    part.options.sensitivities = Some(vec![6, 0]);
+    let run = part.run(&times);
+    assert_eq!(run.m, n + 2);
+    for row in 0..times.len() * n {
+        let (a, b) = (&all.sensitivities[row * all.m..], &run.sensitivities[row * run.m..]);
+        assert_eq!((a[0], a[1], a[n + 6], a[n]), (b[0], b[1], b[2], b[3]));
+    }
+}
+
+#[test]
+fn before_the_start_they_follow_the_extrapolation() {
+    let case = Case::new(&[("x", 0.3, "v"), ("v", 0.5, "-k*x")], &[("k", 2.0)]);
+    let run = case.run_with_sensitivities(&[-0.1, 0.0]);
+    assert_eq!(run.states[..2], [0.3 - 0.05, 0.5 + 0.06]);
+    assert_eq!(run.sensitivities[..6], [1.0, -0.1, 0.0, 0.2, 1.0, 0.03]);
+    assert_eq!(run.sensitivities[6..], [1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+}
+
+/// Where the velocity just touches zero there is no derivative; the run goes on with finite numbers.
+#[test]
+fn grazing_stays_finite() {
+    for offset in [0.0, 1e-13, -1e-13, 1e-10, -1e-10, 1e-6] {
+        let case = Case::new(&[("v", 1.0 + offset, "2*(t-1) + F - F*sgn(v)")], &[("F", 0.5)]);
+        let run = case.run_with_sensitivities(&[0.5, 1.5, 2.0]);
+        assert!(run.sensitivities.iter().all(|s| s.is_finite()), "{offset}: {:?}", run.sensitivities);
+        assert!((run.states[2] - 1.0).abs() < 1e-3);
+    }
+}
