@@ -1,2 +1,30 @@
-//! TODO
-fn main(){}
+//! `phisindy`: the program around the crates. The only one that reads and writes files, and that draws.
+//!
+//! ```text
+//! args --> command --> load (spec, data files) --> phisindy_learn --> report (LaTeX, text, JSON) --> standard output, --out
+//!                        +-- diagnostics --> draw --> standard error
+//! ```
+
+mod args;
+mod command;
+mod csvfile;
+mod datafile;
+mod draw;
+mod equation;
+mod interrupt;
+mod json;
+mod laws;
+mod linear_combination;
+mod load;
+mod outdir;
+mod progress;
+mod report;
+mod simulate;
+mod table;
+
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    command::execute(&args::Args::parse())
+}

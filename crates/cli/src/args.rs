@@ -1,0 +1,177 @@
+//! The command line: names, help, and what clap can check by itself (a mistake ends with exit code 2).
+
+use clap::{Parser, Subcommand, ValueEnum};
+use phisindy_phys::spec::Method;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  phisindy run specs/case7.ron                          the equation of a case, with error bars
+  phisindy run specs/frame_250g.ron --data ../data      the same from measured files in a folder
+  phisindy run case.ron --set learn.cutoff=0.1          with one field of the spec changed
+  phisindy run specs/*.ron --format json --quiet        one JSON object per spec
+  phisindy check case.ron                               only say what is wrong with a spec and its data
+  phisindy simulate case.ron > data.csv                 the synthetic data of a spec
+  phisindy laws stribeck                                a law of the catalogue";
+
+const CODES: &str = "\
+The result goes to standard output, everything else to standard error.
+Exit codes: 0 identified; 1 ran, but the result is rejected; 2 the spec, its files or the command line are wrong;
+3 the numerics failed; 130 interrupted (what was finished is printed).";
+
+/// Find the missing part of a mechanical model - above all friction - in measured motion.
+#[derive(Debug, Parser)]
+#[command(name = "phisindy", version, before_help = EXAMPLES, after_help = CODES, max_term_width = 110)]
+pub(crate) struct Args {
+    /// What to do.
+    #[command(subcommand)]
+    pub(crate) command: Command,
+    /// How to do it.
+    #[command(flatten)]
+    pub(crate) options: Options,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Identify: print the equations as LaTeX, then the coefficients with their intervals
+    #[command(before_help = "\
+Examples:
+  phisindy run specs/case1a.ron
+  phisindy run specs/emps.ron --data ../shared/data --format json
+  phisindy run case.ron --set 'contacts=[]' --set 'unknown.y.candidates=[\"1\"]'")]
+    Run {
+        /// Spec files
+        #[arg(required = true, value_name = "SPEC")]
+        specs: Vec<PathBuf>,
+    },
+    /// Print the spec's synthetic data as CSV (columns NAME are noisy, NAME_true exact)
+    #[command(before_help = "\
+Examples:
+  phisindy simulate specs/case5.ron > case5.csv
+  phisindy simulate specs/case5.ron --seed 7 --set 'data.0.noise=Relative(0)'")]
+    Simulate {
+        /// Spec file
+        #[arg(value_name = "SPEC")]
+        spec: PathBuf,
+    },
+    /// Say what is wrong with specs and their data, without running them
+    #[command(before_help = "\
+Examples:
+  phisindy check specs/*.ron
+  phisindy check specs/frame_250g.ron --data ../shared/data    (reads the data files too)")]
+    Check {
+        /// Spec files
+        #[arg(required = true, value_name = "SPEC")]
+        specs: Vec<PathBuf>,
+    },
+    /// List the laws of the catalogue, or show one
+    #[command(before_help = "\
+Examples:
+  phisindy laws
+  phisindy laws dieterich-ruina
+  phisindy laws --laws my-laws/")]
+    Laws {
+        /// Id of a law
+        #[arg(value_name = "NAME")]
+        name: Option<String>,
+    },
+}
+
+/// How to do it; every subcommand takes all of these.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct Options {
+    /// Form of the result
+    #[arg(long, global = true, value_enum, default_value_t = Format::Latex, value_name = "FORMAT")]
+    pub(crate) format: Format,
+    /// Also write result.json and equation.tex into this folder (made if needed)
+    #[arg(long, global = true, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Folder of the data files [else: PHISINDY_DATA, then beside the spec]
+    #[arg(long, global = true, value_name = "DIR")]
+    pub(crate) data: Option<PathBuf>,
+    /// Folder of further laws
+    #[arg(long, global = true, value_name = "DIR")]
+    pub(crate) laws: Option<PathBuf>,
+    /// Seed of synthetic data, in place of the spec's
+    #[arg(long, global = true, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+    /// How to identify, in place of the spec's
+    #[arg(long, global = true, value_enum, value_name = "METHOD")]
+    pub(crate) method: Option<MethodArg>,
+    /// Number of threads [default: all]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) jobs: Option<u16>,
+    /// No progress and no warnings
+    #[arg(long, short, global = true)]
+    pub(crate) quiet: bool,
+    /// Change a field of the spec, as in learn.cutoff=0.1 or data.0.noise=Additive(0.02); repeatable
+    #[arg(long = "set", global = true, value_name = "PATH=VALUE", value_parser = assignment)]
+    pub(crate) sets: Vec<Assignment>,
+}
+
+/// Form of the result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Format {
+    /// Equations as LaTeX, the rest as comments.
+    Latex,
+    /// Equations in the language of the specs.
+    Text,
+    /// One JSON object per spec.
+    Json,
+}
+
+/// A method by its name on the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MethodArg {
+    /// The one-step loss of the paper.
+    Step,
+    /// Fit of the simulated trajectory.
+    Trajectory,
+}
+
+impl From<MethodArg> for Method {
+    fn from(method: MethodArg) -> Method {
+        match method {
+            MethodArg::Step => Method::Step,
+            MethodArg::Trajectory => Method::Trajectory,
+        }
+    }
+}
+
+/// `PATH=VALUE`
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Assignment {
+    /// Parts joined by points.
+    pub(crate) path: String,
+    /// RON.
+    pub(crate) value: String,
+}
+
+fn assignment(text: &str) -> Result<Assignment, String> {
+    match text.split_once('=') {
+        Some((path, value)) if !path.trim().is_empty() && !value.trim().is_empty() => {
+            Ok(Assignment { path: path.trim().to_owned(), value: value.trim().to_owned() })
+        }
+        _ => Err("expected PATH=VALUE, such as learn.cutoff=0.1".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Args::command().debug_assert();
+    }
+
+    #[test]
+    fn an_assignment_splits_at_the_first_equals_sign() {
+        let a = assignment("known.y=\"-k*x\"").expect("a good assignment");
+        assert_eq!((a.path.as_str(), a.value.as_str()), ("known.y", "\"-k*x\""));
+        assert!(assignment("known.y").is_err());
+        assert!(assignment("=1").is_err());
+    }
+}

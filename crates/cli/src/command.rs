@@ -1,0 +1,184 @@
+//! The subcommands: what is read, what is written, and with which exit code they end.
+
+use crate::args::{Args, Command, Format, Options};
+use crate::load::{Loaded, Purpose, Refusal, load};
+use crate::outdir::{self, OutDir};
+use crate::progress::Progress;
+use crate::report::Report;
+use crate::{draw, interrupt, laws, simulate};
+use anyhow::{Context, Result, anyhow};
+use phisindy_learn::{Identified, LearnError, LearnOptions, Verdict, identify};
+use phisindy_phys::{Diagnostic, Sources};
+use std::io::{self, Write};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// The result was rejected.
+const REJECTED: u8 = 1;
+/// The spec, its files or the command line are wrong.
+const INPUT: u8 = 2;
+/// The numerics failed.
+const NUMERICS: u8 = 3;
+
+/// Does what the command line says.
+pub(crate) fn execute(args: &Args) -> ExitCode {
+    interrupt::listen();
+    let options = &args.options;
+    let done = threads(options).and_then(|()| match &args.command {
+        Command::Run { specs } => run(specs, options),
+        Command::Simulate { spec } => simulate(spec, options),
+        Command::Check { specs } => Ok(check(specs, options)),
+        Command::Laws { name } => laws(name.as_deref(), options),
+    });
+    match done {
+        Ok(code) => ExitCode::from(code),
+        // Whoever read the result has read enough.
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            complain(&format!("{error:#}"));
+            ExitCode::from(INPUT)
+        }
+    }
+}
+
+fn threads(options: &Options) -> Result<()> {
+    if let Some(jobs) = options.jobs {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(usize::from(jobs))
+            .build_global()
+            .context("cannot start the threads of --jobs")?;
+    }
+    Ok(())
+}
+
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| {
+        let direct = cause.downcast_ref::<io::Error>().map(io::Error::kind);
+        let inside = cause.downcast_ref::<csv::Error>().and_then(|e| match e.kind() {
+            csv::ErrorKind::Io(e) => Some(e.kind()),
+            _ => None,
+        });
+        direct.or(inside) == Some(io::ErrorKind::BrokenPipe)
+    })
+}
+
+/// A message on standard error.
+fn complain(message: &str) {
+    draw::show([&Diagnostic::error(message)], &Sources::default());
+}
+
+/// Reads a spec and draws what there is to say about it.
+fn loaded(spec: &Path, options: &Options, purpose: Purpose) -> Result<Loaded, u8> {
+    let (mut sources, mut found) = (Sources::default(), Vec::new());
+    let loaded = load(spec, options, purpose, &mut sources, &mut found);
+    // Next to a mistake, warnings are mostly its consequences: what failed to parse leaves constants unused.
+    let drawn = found.iter().filter(|d| d.is_error() || (loaded.is_ok() && !options.quiet));
+    draw::show(drawn, &sources);
+    loaded.map_err(|refusal| match refusal {
+        Refusal::Input => INPUT,
+        Refusal::Numerics => NUMERICS,
+    })
+}
+
+fn run(specs: &[PathBuf], options: &Options) -> Result<u8> {
+    let folders = match &options.out {
+        Some(out) => outdir::folders(out, specs)?.into_iter().map(Some).collect(),
+        None => specs.iter().map(|_| None).collect::<Vec<Option<OutDir>>>(),
+    };
+    let mut worst = 0;
+    for (k, (spec, folder)) in specs.iter().zip(&folders).enumerate() {
+        if interrupt::asked() {
+            return Ok(interrupt::CODE);
+        }
+        let code = run_one(spec, folder.as_ref(), options, k > 0)?;
+        worst = worst.max(code);
+    }
+    Ok(worst)
+}
+
+fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: bool) -> Result<u8> {
+    let begin = Instant::now();
+    let loaded = match loaded(spec, options, Purpose::Run) {
+        Ok(loaded) => loaded,
+        Err(code) => return Ok(code),
+    };
+    let found = match identified(&loaded, options) {
+        Ok(found) => found,
+        Err(LearnError::Data(why)) => {
+            complain(&format!("{}: {why}", loaded.spec));
+            return Ok(REJECTED);
+        }
+        Err(LearnError::Numerics(why)) => {
+            complain(&format!("{}: {why}", loaded.spec));
+            return Ok(NUMERICS);
+        }
+    };
+    let report = Report::new(&loaded.spec, &loaded.case, &found, begin.elapsed().as_secs_f64());
+    if let Some(folder) = folder {
+        folder.write("result.json", &report.written(Format::Json))?;
+        folder.write("equation.tex", &report.written(Format::Latex))?;
+    }
+    let blank = if follows && options.format != Format::Json { "\n" } else { "" };
+    print(&format!("{blank}{}", report.written(options.format)))?;
+    Ok(match (found.stopped, &found.verdict) {
+        (true, _) => interrupt::CODE,
+        (false, Verdict::Identified) => 0,
+        (false, Verdict::Rejected(_)) => REJECTED,
+    })
+}
+
+/// The call into the library, with the bar, until the user has enough.
+fn identified(loaded: &Loaded, options: &Options) -> Result<Identified, LearnError> {
+    let mut progress = Progress::new(&loaded.spec, options.quiet);
+    let learn = LearnOptions { method: options.method.map(Into::into) };
+    identify(&loaded.case, &loaded.records, &learn, &mut |fraction| {
+        progress.at(fraction);
+        if interrupt::asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    })
+}
+
+fn simulate(spec: &Path, options: &Options) -> Result<u8> {
+    let loaded = match loaded(spec, options, Purpose::Simulate) {
+        Ok(loaded) => loaded,
+        Err(code) => return Ok(code),
+    };
+    if loaded.records.is_empty() {
+        return Err(anyhow!("{}: there is no `Synthetic` record to simulate", loaded.spec));
+    }
+    let mut out = io::BufWriter::new(io::stdout().lock());
+    simulate::write(&loaded, &mut out)?;
+    out.flush()?;
+    Ok(0)
+}
+
+fn check(specs: &[PathBuf], options: &Options) -> u8 {
+    let codes = specs.iter().map(|spec| loaded(spec, options, Purpose::Check).err().unwrap_or(0));
+    codes.max().unwrap_or(0)
+}
+
+fn laws(name: Option<&str>, options: &Options) -> Result<u8> {
+    let folders: Vec<&Path> = options.laws.as_deref().into_iter().collect();
+    let all = laws::catalogue(&folders)?;
+    let Some(name) = name else {
+        print(&laws::list(&all))?;
+        return Ok(0);
+    };
+    let Some(entry) = all.iter().find(|e| e.id == name) else {
+        let ids: Vec<&str> = all.iter().map(|e| e.id.as_str()).collect();
+        let near = phisindy_expr::nearest(name, ids.iter().copied());
+        let hint = near.map_or_else(
+            || format!("there is: {}", ids.join(", ")),
+            |near| format!("did you mean `{near}`?"),
+        );
+        return Err(anyhow!("there is no law `{name}`; {hint}"));
+    };
+    print(&laws::shown(entry))?;
+    Ok(0)
+}
+
+fn print(text: &str) -> Result<()> {
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).context("cannot write to standard output")
+}

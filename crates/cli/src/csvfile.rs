@@ -1,0 +1,226 @@
+//! Data files: the columns that a record needs, as numbers. The file streams by; only those numbers stay in memory.
+//!
+//! ```text
+//! lines --Lines--> text lines --Dialect--> fields --Reader--> Table
+//! ```
+
+mod dialect;
+mod lines;
+mod mistake;
+
+use dialect::Dialect;
+use lines::{Line, Lines};
+use mistake::Mistakes;
+use phisindy_expr::Span;
+use phisindy_phys::spec::{CsvSpec, Text};
+use phisindy_phys::{Diagnostic, SourceId, Sources, Table};
+use std::ops::Range;
+use std::path::Path;
+
+/// Fewer rows than this are no record.
+const FEWEST: usize = 10;
+
+/// Reads what `csv` needs from the file at `path`; `name` is what the user calls that file.
+///
+/// # Errors
+/// Everything that is wrong with the heading, or the first thing that is wrong in the rows, with the line of the file.
+pub(crate) fn read(
+    csv: &CsvSpec,
+    path: &Path,
+    name: &str,
+    spec: SourceId,
+    sources: &mut Sources,
+) -> Result<Table, Vec<Diagnostic>> {
+    let mistakes = Mistakes { name, spec, sources };
+    let lines = Lines::open(path).map_err(|e| vec![mistakes.unreadable(csv.path.span, &e)])?;
+    let mut reader = Reader { csv, mistakes, lines, seen_point: None, seen_comma: None };
+    let Some(first) = reader.next_line().map_err(|d| vec![*d])? else {
+        return Err(vec![reader.mistakes.empty(csv.path.span)]);
+    };
+    let second = reader.next_line().map_err(|d| vec![*d])?;
+    let dialect = Dialect::guess(csv, &first.text, second.as_ref().map(|l| l.text.as_str()));
+    let fields = dialect.fields(&first.text);
+    let heading: Vec<String> = fields.iter().map(|f| dialect.unquoted(&first.text, f)).collect();
+    let has_header = csv.header.unwrap_or_else(|| heading.iter().any(|f| !looks_like_number(f)));
+    let names = if has_header { heading } else { (1..=fields.len()).map(|k| k.to_string()).collect() };
+    let layout = reader.layout(&names, has_header.then_some((&first, fields.as_slice())))?;
+    let mut table = Table { columns: vec![vec![]; csv.columns.len()], ..Table::default() };
+    let mut last: Option<(Line, f64, Range<usize>)> = None;
+    let begin = if has_header { [None, second] } else { [Some(first), second] };
+    let mut pending = begin.into_iter().flatten();
+    loop {
+        let line = match pending.next() {
+            Some(line) => line,
+            None => match reader.next_line().map_err(|d| vec![*d])? {
+                Some(line) => line,
+                None => break,
+            },
+        };
+        reader.row(line, &dialect, &names, &layout, &mut table, &mut last).map_err(|d| vec![*d])?;
+    }
+    if table.time.len() < FEWEST {
+        let rows = csv.rows.first().map(|(first, _)| first.span.to(csv.rows[csv.rows.len() - 1].1.span));
+        return Err(vec![reader.mistakes.too_few(
+            rows.unwrap_or(csv.path.span),
+            table.time.len(),
+            rows.is_some(),
+        )]);
+    }
+    Ok(table)
+}
+
+/// Where the needed columns stand in a line.
+struct Layout {
+    time: usize,
+    columns: Vec<usize>,
+    rows: Vec<usize>,
+}
+
+struct Reader<'a> {
+    csv: &'a CsvSpec,
+    mistakes: Mistakes<'a>,
+    lines: Lines,
+    /// A number with a decimal point, and one with a decimal comma, if any was met.
+    seen_point: Option<String>,
+    seen_comma: Option<String>,
+}
+
+impl Reader<'_> {
+    /// The next line that is neither empty nor a comment.
+    fn next_line(&mut self) -> Result<Option<Line>, Box<Diagnostic>> {
+        self.lines.next().map_err(|e| Box::new(self.mistakes.bad_line(self.csv.path.span, &e)))
+    }
+
+    fn layout(
+        &mut self,
+        names: &[String],
+        header: Option<(&Line, &[Range<usize>])>,
+    ) -> Result<Layout, Vec<Diagnostic>> {
+        let mut wrong = Vec::new();
+        let mut find = |text: &Text| {
+            let mut found = (0..names.len()).filter(|&k| names[k] == text.value);
+            let (first, again) = (found.next(), found.next());
+            match (first, again, header) {
+                (Some(k), None, _) => return k,
+                (Some(a), Some(b), Some((line, fields))) => {
+                    wrong.push(self.mistakes.twice(text, line, fields[a].clone(), fields[b].clone()));
+                }
+                _ => wrong.push(self.mistakes.no_column(text, names, header.map(|(line, _)| line))),
+            }
+            0
+        };
+        let layout = Layout {
+            time: find(&self.csv.time.header),
+            columns: self.csv.columns.iter().map(|(_, c)| find(&c.header)).collect(),
+            rows: self.csv.rows.iter().map(|(name, _)| find(name)).collect(),
+        };
+        if wrong.is_empty() { Ok(layout) } else { Err(wrong) }
+    }
+
+    /// One line of the file; `last` is the selected row before it.
+    fn row(
+        &mut self,
+        line: Line,
+        dialect: &Dialect,
+        names: &[String],
+        layout: &Layout,
+        table: &mut Table,
+        last: &mut Option<(Line, f64, Range<usize>)>,
+    ) -> Result<(), Box<Diagnostic>> {
+        let fields = dialect.fields(&line.text);
+        if fields.len() != names.len() {
+            return Err(Box::new(self.mistakes.ragged(&line, fields.len(), names.len(), self.csv.header)));
+        }
+        for (k, (_, wanted)) in layout.rows.iter().zip(&self.csv.rows) {
+            let x = self.number(&line, dialect, &fields[*k], &names[*k])?;
+            if (x - wanted.value).abs() > 1e-9 * wanted.value.abs() {
+                return Ok(());
+            }
+        }
+        let place = fields[layout.time].clone();
+        let time = self.number(&line, dialect, &place, &names[layout.time])?;
+        // What lies outside of the window is not looked at: a record is often bad at its ends.
+        let inside = self.csv.window.as_ref().is_none_or(|(a, b)| (a.value..=b.value).contains(&time));
+        for (k, column) in layout.columns.iter().zip(&mut table.columns) {
+            column.push(if inside {
+                self.number(&line, dialect, &fields[*k], &names[*k])?
+            } else {
+                f64::NAN
+            });
+        }
+        if inside {
+            if let Some((before, earlier, there)) = last.as_ref().filter(|(_, earlier, _)| time <= *earlier) {
+                let d = self.mistakes.time_order(
+                    &line,
+                    place,
+                    time,
+                    before,
+                    there.clone(),
+                    *earlier,
+                    self.csv.rows.is_empty(),
+                );
+                return Err(Box::new(d));
+            }
+            table.lines.push(line.number);
+            *last = Some((line, time, place));
+        } else {
+            table.lines.push(line.number);
+        }
+        table.time.push(time);
+        Ok(())
+    }
+
+    fn number(
+        &mut self,
+        line: &Line,
+        dialect: &Dialect,
+        field: &Range<usize>,
+        column: &str,
+    ) -> Result<f64, Box<Diagnostic>> {
+        let text = dialect.unquoted(&line.text, field);
+        let comma = text.contains(',');
+        let parsed = match (comma, dialect.decimal) {
+            (true, Some('.')) => None,
+            (true, _) if text.contains('.') || dialect.separator == Some(',') => None,
+            (true, _) => text.replacen(',', ".", 1).parse::<f64>().ok(),
+            (false, Some(',')) if text.contains('.') => None,
+            (false, _) => text.parse::<f64>().ok(),
+        };
+        match parsed {
+            Some(x) if x.is_finite() => {}
+            Some(_) => return Err(Box::new(self.mistakes.not_finite(line, field.clone(), column, &text))),
+            None => {
+                return Err(Box::new(self.mistakes.not_a_number(
+                    line,
+                    field.clone(),
+                    column,
+                    &text,
+                    dialect,
+                )));
+            }
+        }
+        // "1,500" beside "0.5" is a thousand or a decimal comma: better ask than guess.
+        if dialect.decimal.is_none() && (comma || text.contains('.')) {
+            let seen = if comma { &mut self.seen_comma } else { &mut self.seen_point };
+            if seen.is_none() {
+                *seen = Some(text.clone());
+            }
+            if let (Some(a), Some(b)) = (&self.seen_point, &self.seen_comma) {
+                return Err(Box::new(self.mistakes.two_marks(line, field.clone(), a, b)));
+            }
+        }
+        Ok(parsed.unwrap_or(f64::NAN))
+    }
+}
+
+fn looks_like_number(text: &str) -> bool {
+    text.parse::<f64>().is_ok() || text.replacen(',', ".", 1).parse::<f64>().is_ok()
+}
+
+/// The bytes of a range as a span.
+fn span(range: &Range<usize>) -> Span {
+    Span::new(range.start, range.end)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,91 @@
+//! Lines of a text file with their numbers: comments, empty lines and the byte order mark taken off.
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader};
+use std::path::Path;
+
+/// Longer lines are no table (or no text).
+const LONGEST: usize = 1 << 20;
+
+/// A line that holds fields.
+#[derive(Clone, Debug)]
+pub(super) struct Line {
+    /// Without its end.
+    pub(super) text: String,
+    /// Counted from 1.
+    pub(super) number: usize,
+    /// Whether the line ends (the last one may not).
+    pub(super) ended: bool,
+}
+
+/// Why a line cannot be read.
+#[derive(Debug)]
+pub(super) enum LineError {
+    /// The disk says so.
+    Io(io::Error),
+    /// Not UTF-8, from this byte of the line on; what comes before, and the line's number.
+    NotText(String, usize),
+    /// UTF-16, as some spreadsheets write.
+    Utf16,
+    /// Longer than any table.
+    Endless(usize),
+}
+
+pub(super) struct Lines {
+    input: BufReader<File>,
+    buffer: Vec<u8>,
+    number: usize,
+}
+
+impl Lines {
+    pub(super) fn open(path: &Path) -> io::Result<Lines> {
+        let file = File::open(path)?;
+        if file.metadata()?.is_dir() {
+            return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
+        }
+        Ok(Lines { input: BufReader::with_capacity(1 << 16, file), buffer: vec![], number: 0 })
+    }
+
+    /// The next line that is neither empty nor a comment.
+    pub(super) fn next(&mut self) -> Result<Option<Line>, LineError> {
+        loop {
+            self.buffer.clear();
+            let mut limited = io::Read::take(&mut self.input, LONGEST as u64);
+            if limited.read_until(b'\n', &mut self.buffer).map_err(LineError::Io)? == 0 {
+                return Ok(None);
+            }
+            self.number += 1;
+            if self.number == 1 {
+                if self.buffer.starts_with(&[0xFF, 0xFE]) || self.buffer.starts_with(&[0xFE, 0xFF]) {
+                    return Err(LineError::Utf16);
+                }
+                if self.buffer.starts_with(b"\xEF\xBB\xBF") {
+                    self.buffer.drain(..3);
+                }
+            }
+            let ended = self.buffer.last() == Some(&b'\n');
+            if !ended && self.buffer.len() == LONGEST {
+                return Err(LineError::Endless(self.number));
+            }
+            while matches!(self.buffer.last(), Some(b'\n' | b'\r')) {
+                self.buffer.pop();
+            }
+            let first = self.buffer.iter().find(|b| !b.is_ascii_whitespace());
+            if matches!(first, None | Some(b'#' | b'%')) {
+                continue;
+            }
+            return match std::str::from_utf8(&self.buffer) {
+                Ok(text) if !text.contains('\0') => {
+                    Ok(Some(Line { text: text.to_owned(), number: self.number, ended }))
+                }
+                Ok(text) => {
+                    Err(LineError::NotText(text.split('\0').next().unwrap_or("").to_owned(), self.number))
+                }
+                Err(e) => {
+                    let good = String::from_utf8_lossy(&self.buffer[..e.valid_up_to()]).into_owned();
+                    Err(LineError::NotText(good, self.number))
+                }
+            };
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! Files in, tables or messages out.
+
+use super::*;
+use phisindy_phys::spec::{self, DataSpec};
+
+/// Reads `content` as the fields of `csv` ask for it; the message of the first mistake, or the table.
+fn table(fields: &str, content: &[u8]) -> Result<Table, String> {
+    let text = format!(
+        "(states: {{ \"x\": \"m\" }}, known: {{ \"x\": \"1\" }}, data: [Csv(path: \"a.csv\", {fields})])"
+    );
+    let (spec, _) = spec::read(&text, SourceId(0)).expect("well formed");
+    let DataSpec::Csv(csv) = &spec.data[0] else { panic!("a Csv record") };
+    let mut sources = Sources::default();
+    let id = sources.add("case.ron", text.clone());
+    let unique = std::thread::current().name().unwrap_or("test").replace("::", "_");
+    let path =
+        std::env::temp_dir().join(format!("phisindy_{}_{unique}_{}.csv", std::process::id(), content.len()));
+    std::fs::write(&path, content).expect("a temporary file");
+    let read = super::read(csv, &path, "a.csv", id, &mut sources);
+    std::fs::remove_file(&path).expect("the temporary file");
+    read.map_err(|all| {
+        all.iter().map(|d| format!("{} | {}", d.message, d.help.join(" | "))).collect::<Vec<_>>().join("\n")
+    })
+}
+
+const PLAIN: &str = "time: \"t\", columns: { \"x\": \"x\" }";
+
+/// Twelve rows `t`, `x`, written by `row`.
+fn rows(row: impl Fn(usize) -> String) -> String {
+    (0..12).map(row).collect()
+}
+
+#[test]
+fn separators_decimals_and_marks_are_found_out() {
+    let files = [
+        format!("t,x\n{}", rows(|k| format!("0.{k:02},{k}.5\n"))),
+        format!("\u{feff}t;x\r\n{}", rows(|k| format!("0,{k:02};{k},5\r\n"))),
+        format!("# a comment\n\n% another\nt\tx\n{}", rows(|k| format!("0.{k:02}\t{k}.5\n"))),
+        format!("t x\n{}", rows(|k| format!("  0,{k:02}   {k},5 \n"))),
+        format!("\"t\",\"note, or two\",\"x\",\n{}", rows(|k| format!("0.{k:02},\"a, b\",{k}.5,\n"))),
+        format!("x;other;t\n{}", rows(|k| format!("{k}.5;text;0.{k:02}\n"))),
+    ];
+    for file in files {
+        let read = table(PLAIN, file.as_bytes()).unwrap_or_else(|e| panic!("{file}\n{e}"));
+        assert_eq!((read.time[1], read.columns[0][11]), (0.01, 11.5), "{file}");
+        assert_eq!(read.time.len(), 12);
+    }
+}
+
+#[test]
+fn without_a_heading_columns_are_numbered() {
+    let file = rows(|k| format!("0.{k:02},{k}\n"));
+    let numbered = "time: \"1\", columns: { \"x\": \"2\" }";
+    for fields in [numbered.to_owned(), format!("{numbered}, header: false")] {
+        assert_eq!(table(&fields, file.as_bytes()).expect("a table").columns[0][3], 3.0);
+    }
+    let message = table(PLAIN, file.as_bytes()).expect_err("no such column");
+    assert!(message.contains("no column `t`") && message.contains("columns of the file: 1, 2"), "{message}");
+}
+
+#[test]
+fn rows_select_and_the_rest_is_not_looked_at() {
+    let file = format!("trial,t,x\n1,0.00,bad\n{}1,0.5,NaN\n", rows(|k| format!("0,{}.5,{k}\n", k)));
+    let fields = format!("{PLAIN}, rows: {{ \"trial\": 0.0 }}");
+    let read = table(&fields, file.as_bytes()).expect("a table");
+    assert_eq!((read.time.len(), read.lines[0]), (12, 3));
+    let none = table(&format!("{PLAIN}, rows: {{ \"trial\": 7.0 }}"), file.as_bytes())
+        .expect_err("nothing selected");
+    assert!(none.contains("no row of `a.csv` is selected") && none.contains("at least 10"), "{none}");
+}
+
+#[test]
+fn outside_of_the_window_anything_may_stand() {
+    let file = format!("t,x\n{}12,overload\n", rows(|k| format!("{k},{k}\n")));
+    assert!(table(PLAIN, file.as_bytes()).is_err());
+    assert_eq!(
+        table(&format!("{PLAIN}, window: (0.0, 11.0)"), file.as_bytes()).expect("a table").time.len(),
+        13
+    );
+}
+
+#[test]
+fn mistakes_name_the_line_and_say_what_to_do() {
+    let good = rows(|k| format!("{k},{k}\n"));
+    let cases: &[(&str, Vec<u8>, &[&str])] = &[
+        ("", b"".to_vec(), &["is empty"]),
+        ("", b"# only a comment\n".to_vec(), &["is empty"]),
+        ("", b"t,x\n1,2\n".to_vec(), &["one row", "at least 10"]),
+        ("", format!("t,x\n{good}12,NaN\n").into(), &["`x` is `NaN` in line 14"]),
+        ("", format!("t,x\n{good}12,-inf\n").into(), &["`x` is `-inf` in line 14"]),
+        ("", format!("t,x\n{good}12,\n").into(), &["line 14", "has 1 field"]),
+        (
+            "",
+            format!("t,x,z\n{}12,,1\n", rows(|k| format!("{k},{k},1\n"))).into(),
+            &["column `x` has no value in line 14"],
+        ),
+        ("", format!("t,x\n{good}12,1,2\n").into(), &["line 14", "has 3 fields", "the heading has 2"]),
+        ("", format!("t,x\n{good}12").into(), &["ends in the middle of line 14", "cut off"]),
+        ("", format!("t,x\n{good}11,1\n").into(), &["the time 11 stands twice", "lines 13 and 14"]),
+        ("", format!("t,x\n{good}5,1\n").into(), &["goes back from 11 to 5 in line 14", "rows:"]),
+        ("", format!("t,x,x\n{}", rows(|k| format!("{k},{k},1\n"))).into(), &["two columns `x`"]),
+        ("", format!("time,x_mm\n{good}").into(), &["no column `t`", "no column `x`"]),
+        ("", [b"t,x\n".as_slice(), good.as_bytes(), b"12,\xff\n"].concat(), &["not UTF-8"]),
+        ("", b"\xff\xfet\0,\0x\0".to_vec(), &["UTF-16", "UTF-8"]),
+        ("", b"t,x\n1,2\0\n".to_vec(), &["not UTF-8 text"]),
+        (
+            ", separator: ';'",
+            format!("t;x\n{}1.5;0\n", rows(|k| format!("{k};{k},5\n"))).into(),
+            &["with a point (`1.5`)", "decimal"],
+        ),
+        (
+            ", decimal: '.', separator: ';'",
+            format!("t;x\n{}", rows(|k| format!("{k};{k},5\n"))).into(),
+            &["holds the text `0,5`", "decimal: ','"],
+        ),
+    ];
+    for (fields, file, expected) in cases {
+        let message = table(&format!("{PLAIN}{fields}"), file).expect_err(&String::from_utf8_lossy(file));
+        for part in *expected {
+            assert!(message.contains(part), "expected {part:?} in {message:?}");
+        }
+    }
+}

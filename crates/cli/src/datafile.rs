@@ -1,0 +1,86 @@
+//! Where data files are looked for: `--data`, then `PHISINDY_DATA`, then beside the spec; never outside of these folders.
+
+use phisindy_expr::Span;
+use phisindy_phys::{Diagnostic, SourceId};
+use std::path::{Component, Path, PathBuf};
+
+/// Folders of data files, in the order in which they are searched.
+pub(crate) struct Folders {
+    folders: Vec<(PathBuf, &'static str)>,
+    /// Whether the user named one.
+    pub(crate) given: bool,
+}
+
+impl Folders {
+    /// The folders for a spec.
+    pub(crate) fn new(data: Option<&Path>, spec: &Path) -> Folders {
+        let mut folders = Vec::new();
+        folders.extend(data.map(|d| (d.to_owned(), "--data")));
+        let environment = std::env::var_os("PHISINDY_DATA").filter(|v| !v.is_empty());
+        folders.extend(environment.map(|d| (PathBuf::from(d), "PHISINDY_DATA")));
+        let given = !folders.is_empty();
+        folders.push((spec.parent().map(Path::to_owned).unwrap_or_default(), "beside the spec"));
+        Folders { folders, given }
+    }
+
+    /// The file of this name, which stands at `at` in the spec.
+    ///
+    /// # Errors
+    /// It is in none of the folders (`Missing::Nowhere`), or it leads out of its folder.
+    pub(crate) fn find(&self, name: &str, spec: SourceId, at: Span) -> Result<PathBuf, Missing> {
+        let plain =
+            Path::new(name).components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
+        if !plain {
+            let d = Diagnostic::error(format!("`{name}` leads out of the data folder")).at(spec, at, "");
+            return Err(Missing::Refused(d.help("name the file alone, and its folder with --data")));
+        }
+        for (folder, _) in &self.folders {
+            let path = folder.join(name);
+            if !path.exists() {
+                continue;
+            }
+            let root = if folder.as_os_str().is_empty() { Path::new(".") } else { folder.as_path() };
+            match (root.canonicalize(), path.canonicalize()) {
+                (Ok(root), Ok(real)) if real.starts_with(&root) => return Ok(path),
+                _ => {
+                    let d = Diagnostic::error(format!(
+                        "`{}` is a link that leads out of the data folder",
+                        path.display()
+                    ));
+                    let d = d.at(spec, at, "asked for here");
+                    return Err(Missing::Refused(
+                        d.help("copy the file into the folder, or name its real folder with --data"),
+                    ));
+                }
+            }
+        }
+        let mut d =
+            Diagnostic::error(format!("there is no data file `{name}`")).at(spec, at, "asked for here");
+        for (folder, why) in &self.folders {
+            let shown = if folder.as_os_str().is_empty() { ".".into() } else { folder.display().to_string() };
+            let missing =
+                if folder.as_os_str().is_empty() || folder.is_dir() { "" } else { ", which is no folder" };
+            d = d.help(format!("looked in `{shown}` ({why}{missing})"));
+        }
+        Err(Missing::Nowhere(
+            d.help("say where the data files are with --data DIR or the environment variable PHISINDY_DATA"),
+        ))
+    }
+}
+
+/// Why there is no file.
+pub(crate) enum Missing {
+    /// Looked for and not found.
+    Nowhere(Diagnostic),
+    /// Not allowed.
+    Refused(Diagnostic),
+}
+
+impl Missing {
+    /// What to tell the user.
+    pub(crate) fn diagnostic(self) -> Diagnostic {
+        match self {
+            Missing::Nowhere(d) | Missing::Refused(d) => d,
+        }
+    }
+}

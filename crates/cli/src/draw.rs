@@ -1,0 +1,129 @@
+//! Diagnostics as text for people: the place with its line, marked, and what to do.
+
+use codespan_reporting::diagnostic as drawn;
+use codespan_reporting::files::{self, Files};
+use codespan_reporting::term::{self, Config, termcolor};
+use phisindy_phys::{Diagnostic, Severity, Sources};
+use std::io::{self, IsTerminal, Write};
+use std::ops::Range;
+
+/// Draws on standard error, in colour if that is a terminal and NO_COLOR is not set.
+pub(crate) fn show<'d>(diagnostics: impl IntoIterator<Item = &'d Diagnostic>, sources: &Sources) {
+    let colour = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
+    for diagnostic in diagnostics {
+        let mut buffer = if colour { termcolor::Buffer::ansi() } else { termcolor::Buffer::no_color() };
+        if term::emit_to_write_style(
+            &mut buffer,
+            &Config::default(),
+            &Texts(sources),
+            &converted(diagnostic, sources),
+        )
+        .is_err()
+        {
+            // A place outside of its text would be a mistake of this program; the message matters more.
+            let _ = writeln!(buffer, "{}\n{}", diagnostic.message, diagnostic.help.join("\n"));
+        }
+        // Nobody is left to complain to if standard error is closed.
+        let _ = io::stderr().write_all(buffer.as_slice());
+    }
+}
+
+/// A diagnostic in the terms of the drawing crate.
+fn converted(diagnostic: &Diagnostic, sources: &Sources) -> drawn::Diagnostic<usize> {
+    let severity = match diagnostic.severity {
+        Severity::Error => drawn::Severity::Error,
+        Severity::Warning => drawn::Severity::Warning,
+    };
+    let labels = diagnostic.labels.iter().map(|label| {
+        let style = if label.primary { drawn::LabelStyle::Primary } else { drawn::LabelStyle::Secondary };
+        let range = inside(label.span.range(), &sources.get(label.source).text);
+        drawn::Label::new(style, label.source.0, range).with_message(&label.message)
+    });
+    drawn::Diagnostic::new(severity)
+        .with_message(&diagnostic.message)
+        .with_labels(labels.collect())
+        .with_notes(diagnostic.help.iter().map(|line| format!("help: {line}")).collect())
+}
+
+/// The range moved to whole characters inside of the text, so that drawing cannot fail.
+fn inside(range: Range<usize>, text: &str) -> Range<usize> {
+    let boundary = |mut at: usize| {
+        at = at.min(text.len());
+        while !text.is_char_boundary(at) {
+            at -= 1;
+        }
+        at
+    };
+    let start = boundary(range.start);
+    start..boundary(range.end).max(start)
+}
+
+/// The texts that were read, line numbers counted from where each piece stands in its file.
+struct Texts<'a>(&'a Sources);
+
+impl<'a> Texts<'a> {
+    fn text(&self, id: usize) -> Result<&'a str, files::Error> {
+        self.0.files.get(id).map(|f| f.text.as_str()).ok_or(files::Error::FileMissing)
+    }
+}
+
+impl<'a> Files<'a> for Texts<'_> {
+    type FileId = usize;
+    type Name = &'a str;
+    type Source = &'a str;
+
+    fn name(&'a self, id: usize) -> Result<&'a str, files::Error> {
+        self.0.files.get(id).map(|f| f.name.as_str()).ok_or(files::Error::FileMissing)
+    }
+
+    fn source(&'a self, id: usize) -> Result<&'a str, files::Error> {
+        self.text(id)
+    }
+
+    fn line_index(&'a self, id: usize, byte: usize) -> Result<usize, files::Error> {
+        let text = self.text(id)?;
+        Ok(text.as_bytes()[..byte.min(text.len())].iter().filter(|&&b| b == b'\n').count())
+    }
+
+    fn line_number(&'a self, id: usize, line: usize) -> Result<usize, files::Error> {
+        self.0.files.get(id).map(|f| f.first_line + line).ok_or(files::Error::FileMissing)
+    }
+
+    fn line_range(&'a self, id: usize, line: usize) -> Result<Range<usize>, files::Error> {
+        let text = self.text(id)?;
+        let mut starts = files::line_starts(text).skip(line);
+        let max = || files::line_starts(text).count();
+        let start = starts.next().ok_or_else(|| files::Error::LineTooLarge { given: line, max: max() })?;
+        Ok(start..starts.next().unwrap_or(text.len()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use phisindy_expr::Span;
+
+    #[test]
+    fn an_excerpt_is_drawn_with_the_line_number_of_its_file() {
+        let mut sources = Sources::default();
+        let id = sources.add_excerpt("a.csv", "0.5,1\n0.5,2", 12);
+        let d = Diagnostic::error("time stands").at(id, Span::new(6, 9), "not later").help("delete it");
+        let text = term::emit_into_string(&Config::default(), &Texts(&sources), &converted(&d, &sources))
+            .expect("drawn");
+        assert!(text.contains("a.csv:13:1"), "{text}");
+        assert!(text.contains("= help: delete it"), "{text}");
+    }
+
+    #[test]
+    fn places_outside_of_the_text_do_no_harm() {
+        let mut sources = Sources::default();
+        let id = sources.add("a.ron", "é");
+        for span in [Span::new(1, 1), Span::new(7, 9), Span::new(2, 0), Span::new(0, 1)] {
+            let d = Diagnostic::warning("odd").at(id, span, "");
+            assert!(
+                term::emit_into_string(&Config::default(), &Texts(&sources), &converted(&d, &sources))
+                    .is_ok()
+            );
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! A result as JSON: the keys are a contract with users (DESIGN.md section 4). Numbers that are not finite become null.
+
+use crate::report::Report;
+use phisindy_learn::{Estimate, Verdict};
+use phisindy_phys::spec::{Method, Role};
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+#[derive(Serialize)]
+struct Outcome<'a> {
+    spec: &'a str,
+    title: &'a str,
+    method: &'a str,
+    verdict: &'a str,
+    reason: Option<&'a str>,
+    equations: Vec<EquationOut<'a>>,
+    parameters: Vec<ParameterOut<'a>>,
+    records: Vec<RecordOut<'a>>,
+    noise_model: &'a str,
+    selection: Vec<PointOut>,
+    warnings: &'a [String],
+    stopped: bool,
+    seconds: f64,
+    version: &'a str,
+}
+
+#[derive(Serialize)]
+struct EquationOut<'a> {
+    state: &'a str,
+    latex: &'a str,
+    text: &'a str,
+    terms: Vec<TermOut<'a>>,
+}
+
+#[derive(Serialize)]
+struct TermOut<'a> {
+    candidate: &'a str,
+    coefficient: f64,
+    std_error: f64,
+    ci95: [f64; 2],
+}
+
+#[derive(Serialize)]
+struct ParameterOut<'a> {
+    name: &'a str,
+    value: f64,
+    unit: &'a str,
+    std_error: f64,
+    ci95: [f64; 2],
+    bounds: [f64; 2],
+    at_bound: bool,
+}
+
+#[derive(Serialize)]
+struct RecordOut<'a> {
+    name: &'a str,
+    role: &'a str,
+    samples: usize,
+    nrmse: Map<String, Value>,
+    noise: Map<String, Value>,
+    start: Map<String, Value>,
+    failure: Option<&'a str>,
+}
+
+#[derive(Serialize)]
+struct PointOut {
+    terms: usize,
+    criterion: f64,
+    nrmse: Option<f64>,
+}
+
+/// One line.
+pub(crate) fn line(report: &Report<'_>) -> String {
+    let (system, found) = (&report.case.system, report.found);
+    let equations = report.equations.iter().map(|equation| {
+        let here = found.terms.iter().filter(|f| system.terms[f.term].state == equation.state);
+        let terms = here.map(|f| {
+            let Estimate { value, std_error, ci95 } = f.coefficient;
+            TermOut {
+                candidate: &system.terms[f.term].candidate,
+                coefficient: value,
+                std_error,
+                ci95: [ci95.0, ci95.1],
+            }
+        });
+        let state = &system.states[equation.state].name;
+        EquationOut { state, latex: &equation.latex, text: &equation.text, terms: terms.collect() }
+    });
+    let parameters = found.parameters.iter().map(|p| ParameterOut {
+        name: &p.name,
+        value: p.estimate.value / p.factor,
+        unit: &p.unit,
+        std_error: p.estimate.std_error / p.factor,
+        ci95: [p.estimate.ci95.0 / p.factor, p.estimate.ci95.1 / p.factor],
+        bounds: [p.bounds.0 / p.factor, p.bounds.1 / p.factor],
+        at_bound: p.at_bound,
+    });
+    let numbers = |list: &[(String, f64)]| list.iter().map(|(name, x)| (name.clone(), json!(x))).collect();
+    let records = found.records.iter().map(|r| RecordOut {
+        name: &r.name,
+        role: role(r.role),
+        samples: r.samples,
+        nrmse: numbers(&r.nrmse),
+        noise: numbers(&r.noise),
+        start: system.states.iter().zip(&r.start).map(|(s, x)| (s.name.clone(), json!(x))).collect(),
+        failure: r.failure.as_deref(),
+    });
+    let selection =
+        found.selection.iter().map(|p| PointOut { terms: p.terms, criterion: p.criterion, nrmse: p.nrmse });
+    let outcome = Outcome {
+        spec: report.spec,
+        title: &system.title,
+        method: method(found.method),
+        verdict: if found.verdict == Verdict::Identified { "identified" } else { "rejected" },
+        reason: if let Verdict::Rejected(why) = &found.verdict { Some(why) } else { None },
+        equations: equations.collect(),
+        parameters: parameters.collect(),
+        records: records.collect(),
+        noise_model: &found.noise_model,
+        selection: selection.collect(),
+        warnings: &found.warnings,
+        stopped: found.stopped,
+        seconds: report.seconds,
+        version: env!("CARGO_PKG_VERSION"),
+    };
+    // Nothing in there can fail: keys are texts, and numbers that are not finite are null.
+    serde_json::to_string(&outcome).unwrap_or_default()
+}
+
+/// The name of a method on the command line.
+pub(crate) fn method(method: Method) -> &'static str {
+    match method {
+        Method::Step => "step",
+        Method::Trajectory => "trajectory",
+    }
+}
+
+/// The name of a role in results.
+pub(crate) fn role(role: Role) -> &'static str {
+    match role {
+        Role::Fit => "fit",
+        Role::Validate => "validate",
+    }
+}

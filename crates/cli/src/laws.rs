@@ -1,0 +1,79 @@
+//! The catalogue of laws: built in, beside the spec, and in the folder of `--laws`.
+
+mod builtin;
+mod law;
+
+pub(crate) use law::Law;
+
+use crate::table::{aligned, short};
+use anyhow::{Context, Result, anyhow};
+use std::path::Path;
+
+/// A law and where it comes from.
+pub(crate) struct Entry {
+    /// What it is called in specs and results: the name of its file.
+    pub(crate) id: String,
+    /// The text of its file.
+    pub(crate) text: String,
+    /// What the text says.
+    pub(crate) law: Law,
+}
+
+/// All laws: built in, then those of each folder, which may replace earlier ones.
+pub(crate) fn catalogue(folders: &[&Path]) -> Result<Vec<Entry>> {
+    let mut all = Vec::new();
+    for (id, text) in builtin::LAWS {
+        all.push(entry(id, (*text).to_owned(), &format!("the built-in law `{id}`"))?);
+    }
+    for folder in folders {
+        let mut paths: Vec<_> = std::fs::read_dir(folder)
+            .and_then(|entries| entries.map(|e| e.map(|e| e.path())).collect::<Result<_, _>>())
+            .with_context(|| format!("cannot read the folder of laws `{}`", folder.display()))?;
+        paths.retain(|p| p.extension().is_some_and(|e| e == "ron"));
+        paths.sort();
+        for path in paths {
+            let id = path.file_stem().map_or(String::new(), |s| s.to_string_lossy().into_owned());
+            let text = std::fs::read_to_string(&path)
+                .with_context(|| format!("cannot read the law `{}`", path.display()))?;
+            let new = entry(&id, text, &format!("the law `{}`", path.display()))?;
+            all.retain(|e| e.id != id);
+            all.push(new);
+        }
+    }
+    all.sort_by(|a, b| a.id.cmp(&b.id));
+    Ok(all)
+}
+
+fn entry(id: &str, text: String, what: &str) -> Result<Entry> {
+    let law = Law::read(&text).map_err(|e| anyhow!("{what} cannot be read: {e}"))?;
+    Ok(Entry { id: id.to_owned(), text, law })
+}
+
+/// One line for each law.
+pub(crate) fn list(all: &[Entry]) -> String {
+    let rows: Vec<Vec<String>> =
+        all.iter().map(|e| vec![e.id.clone(), e.law.name.clone(), e.law.about.clone()]).collect();
+    aligned(&rows).join("\n") + "\n"
+}
+
+/// One law, for people: its name, what it says, its parameters, where it comes from, its text.
+pub(crate) fn shown(entry: &Entry) -> String {
+    let law = &entry.law;
+    let mut lines = vec![format!("{} ({})", law.name, entry.id), law.about.clone(), String::new()];
+    lines.extend(law.acts());
+    if !law.parameters.is_empty() {
+        let mut rows = vec![["parameter", "unit", "within"].map(str::to_owned).to_vec()];
+        for (name, p) in &law.parameters {
+            let unit = if p.unit.is_empty() { "-".to_owned() } else { p.unit.clone() };
+            rows.push(vec![name.clone(), unit, format!("{} to {}", short(p.within.0), short(p.within.1))]);
+        }
+        lines.push(String::new());
+        lines.extend(aligned(&rows));
+    }
+    lines.push(String::new());
+    lines.push(format!("Reference: {}", law.reference));
+    lines.push(String::new());
+    lines.push(format!("laws/{}.ron:", entry.id));
+    lines.extend(entry.text.lines().map(|l| format!("    {l}").trim_end().to_owned()));
+    lines.join("\n") + "\n"
+}

@@ -1,0 +1,288 @@
+//! From a spec file to a checked case with its records.
+
+use crate::args::Options;
+use crate::csvfile;
+use crate::datafile::{Folders, Missing};
+use phisindy_expr::Span;
+use phisindy_phys::spec::{ColumnSpec, CsvSpec, InputSpec, Role, Text};
+use phisindy_phys::{
+    Case, Diagnostic, Interpolation, Origin, Record, RecordPlan, Severity, Signal, SourceId, Sources,
+    link_continuations, unit::Unit,
+};
+use phisindy_sim::{SyntheticError, Trajectory, synthesize};
+use std::path::Path;
+
+/// A spec with everything it needs.
+pub(crate) struct Loaded {
+    /// The spec's path as it was given.
+    pub(crate) spec: String,
+    /// The checked spec.
+    pub(crate) case: Case,
+    /// In the order of the spec.
+    pub(crate) records: Vec<Record>,
+    /// For each record, if it is synthetic: what it would be without noise.
+    pub(crate) truths: Vec<Option<Trajectory>>,
+}
+
+/// What the spec is read for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Purpose {
+    /// All records are needed.
+    Run,
+    /// Files are read if they are there; nothing is simulated.
+    Check,
+    /// Synthetic records only.
+    Simulate,
+}
+
+/// Why there is no case, as an exit code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Refusal {
+    /// The spec or its files are wrong.
+    Input,
+    /// The truth of a synthetic record cannot be simulated.
+    Numerics,
+}
+
+/// Reads a spec and its records. All diagnostics, errors and warnings, are added to `found`.
+///
+/// # Errors
+/// At least one of the diagnostics is an error.
+pub(crate) fn load(
+    path: &Path,
+    options: &Options,
+    purpose: Purpose,
+    sources: &mut Sources,
+    found: &mut Vec<Diagnostic>,
+) -> Result<Loaded, Refusal> {
+    let shown = path.display().to_string();
+    let text = spec_text(path, options, sources).map_err(|d| {
+        found.push(d);
+        Refusal::Input
+    })?;
+    let name = if options.sets.is_empty() { shown.clone() } else { format!("{shown} (after --set)") };
+    let source = sources.add(name, text.clone());
+    let case = match checked(&text, source) {
+        Ok((case, warnings)) => {
+            found.extend(warnings);
+            case
+        }
+        Err(mistakes) => {
+            found.extend(mistakes);
+            return Err(Refusal::Input);
+        }
+    };
+    let mut loader =
+        Loader { options, source, folders: Folders::new(options.data.as_deref(), path), sources, found };
+    let (records, truths) = loader.records(&case, purpose)?;
+    Ok(Loaded { spec: shown, case, records, truths })
+}
+
+/// The text of the spec with every `--set` spliced in.
+fn spec_text(path: &Path, options: &Options, sources: &mut Sources) -> Result<String, Diagnostic> {
+    let shown = path.display();
+    let mut text = std::fs::read(path)
+        .map_err(|e| Diagnostic::error(format!("cannot read the spec `{shown}`: {e}")))
+        .and_then(|bytes| {
+            let text = String::from_utf8(bytes);
+            text.map_err(|_| {
+                Diagnostic::error(format!("the spec `{shown}` is not UTF-8 text")).help("save it as UTF-8")
+            })
+        })?;
+    if let Some(rest) = text.strip_prefix('\u{feff}') {
+        text = rest.to_owned();
+    }
+    for set in &options.sets {
+        text = phisindy_phys::splice::set(&text, &set.path, &set.value).map_err(|e| {
+            let whole = format!("{}={}", set.path, set.value);
+            let at = whole
+                .find(&e.part)
+                .map_or(Span::new(0, set.path.len()), |at| Span::new(at, at + e.part.len()));
+            let argument = sources.add("--set", whole);
+            let near =
+                phisindy_expr::nearest(&e.part, e.available.iter().map(String::as_str)).map(str::to_owned);
+            let mut d = Diagnostic::error(e.message.clone()).at(argument, at, "");
+            d.help.extend(near.map(|near| format!("did you mean `{near}`?")));
+            if !e.available.is_empty() {
+                d = d.help(format!("there is: {}", e.available.join(", ")));
+            }
+            d.help("a path is made of fields, keys and indices, as in `data.0.noise=Additive(0.02)`")
+        })?;
+    }
+    Ok(text)
+}
+
+/// Form first, then meaning.
+fn checked(text: &str, source: SourceId) -> Result<(Case, Vec<Diagnostic>), Vec<Diagnostic>> {
+    let (spec, mut warnings) = phisindy_phys::spec::read(text, source)?;
+    match phisindy_phys::check(&spec, source) {
+        Ok((case, more)) => {
+            warnings.extend(more);
+            Ok((case, warnings))
+        }
+        Err(mistakes) => {
+            warnings.extend(mistakes);
+            Err(warnings)
+        }
+    }
+}
+
+struct Loader<'a> {
+    options: &'a Options,
+    source: SourceId,
+    folders: Folders,
+    sources: &'a mut Sources,
+    found: &'a mut Vec<Diagnostic>,
+}
+
+type Records = (Vec<Record>, Vec<Option<Trajectory>>);
+
+impl Loader<'_> {
+    fn records(&mut self, case: &Case, purpose: Purpose) -> Result<Records, Refusal> {
+        let (mut records, mut truths, mut plans) = (vec![], vec![], vec![]);
+        let mut refusal = None;
+        for (index, plan) in case.records.iter().enumerate() {
+            let made = match (&plan.origin, purpose) {
+                (Origin::Csv(_), Purpose::Simulate) | (Origin::Synthetic(_), Purpose::Check) => continue,
+                (Origin::Csv(csv), _) => {
+                    self.measured(plan, csv, case, purpose).map(|record| record.map(|r| (r, None)))
+                }
+                (Origin::Synthetic(_), _) => {
+                    self.synthetic(index, plan, case).map(|(r, truth)| Some((r, Some(truth))))
+                }
+            };
+            match made {
+                Ok(Some((record, truth))) => {
+                    records.push(record);
+                    truths.push(truth);
+                    plans.push(plan.clone());
+                }
+                Ok(None) => {}
+                Err(why) => refusal = refusal.or(Some(why)),
+            }
+        }
+        link_continuations(&mut records, &plans);
+        refusal.map_or(Ok((records, truths)), Err)
+    }
+
+    fn push(&mut self, diagnostic: Diagnostic) {
+        // Two records of one file have the same mistakes.
+        if !self.found.iter().any(|d| d.message == diagnostic.message && d.help == diagnostic.help) {
+            self.found.push(diagnostic);
+        }
+    }
+
+    /// A record from a file; none if `check` may do without.
+    fn measured(
+        &mut self,
+        plan: &RecordPlan,
+        csv: &CsvSpec,
+        case: &Case,
+        purpose: Purpose,
+    ) -> Result<Option<Record>, Refusal> {
+        let path = match self.folders.find(&csv.path.value, self.source, csv.path.span) {
+            Ok(path) => path,
+            Err(Missing::Nowhere(mut d)) if purpose == Purpose::Check && !self.folders.given => {
+                d.severity = Severity::Warning;
+                self.push(d);
+                return Ok(None);
+            }
+            Err(missing) => {
+                self.push(missing.diagnostic());
+                return Err(Refusal::Input);
+            }
+        };
+        let shown = path.display().to_string();
+        let record = csvfile::read(csv, &path, &shown, self.source, self.sources)
+            .and_then(|table| Record::from_table(plan, &table, &case.system, self.source));
+        record.map(Some).map_err(|mistakes| {
+            mistakes.into_iter().for_each(|d| self.push(d));
+            Refusal::Input
+        })
+    }
+
+    fn synthetic(
+        &mut self,
+        index: usize,
+        plan: &RecordPlan,
+        case: &Case,
+    ) -> Result<(Record, Trajectory), Refusal> {
+        let Origin::Synthetic(truth) = &plan.origin else { return Err(Refusal::Input) };
+        // Records of one spec must not repeat each other's noise.
+        let seed = self
+            .options
+            .seed
+            .map(|seed| seed.wrapping_add((index as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15)));
+        let mistakes = std::cell::RefCell::new(Vec::new());
+        let (folders, source) = (&self.folders, self.source);
+        let sources = std::cell::RefCell::new(&mut *self.sources);
+        let file = |input: &InputSpec| {
+            input_file(input, folders, source, &mut sources.borrow_mut()).map_err(|found| {
+                let message = found.first().map_or(String::new(), |d| d.message.clone());
+                mistakes.borrow_mut().extend(found);
+                message
+            })
+        };
+        let made = synthesize(plan, truth, &case.system, seed, &file);
+        let mistakes = mistakes.into_inner();
+        made.map_err(|error| {
+            let numerics = matches!(error, SyntheticError::Simulation(_));
+            if mistakes.is_empty() {
+                let d = Diagnostic::error(format!("record `{}`: {error}", plan.name));
+                self.push(if numerics {
+                    d.help("`known` and `truth` may grow without bound, or divide by zero, from this start")
+                } else {
+                    d
+                });
+            }
+            mistakes.into_iter().for_each(|d| self.push(d));
+            if numerics { Refusal::Numerics } else { Refusal::Input }
+        })
+    }
+}
+
+/// An input of a synthetic record that is given as a file.
+fn input_file(
+    input: &InputSpec,
+    folders: &Folders,
+    source: SourceId,
+    sources: &mut Sources,
+) -> Result<Signal, Vec<Diagnostic>> {
+    let InputSpec::File { path, time, column } = input else {
+        return Err(vec![Diagnostic::error("this input is not a file")]);
+    };
+    let found = folders.find(&path.value, source, path.span).map_err(|m| vec![m.diagnostic()])?;
+    let csv = column_of(path, time, column);
+    let table = csvfile::read(&csv, &found, &found.display().to_string(), source, sources)?;
+    let factor =
+        |c: &ColumnSpec| c.unit.as_ref().and_then(|u| Unit::parse(&u.value).ok()).map_or(1.0, |u| u.factor);
+    let (per_time, per_value) = (factor(time), factor(column));
+    let times = table.time.iter().map(|t| t * per_time).collect();
+    let values = table.columns.iter().flatten().map(|x| x * per_value).collect();
+    Signal::new(times, values, Interpolation::Cubic).map_err(|e| {
+        vec![Diagnostic::error(format!("`{}` is no input: {e}", path.value)).at(source, path.span, "")]
+    })
+}
+
+/// A plain file with one column, in the form that records have.
+fn column_of(path: &Text, time: &ColumnSpec, column: &ColumnSpec) -> CsvSpec {
+    CsvSpec {
+        path: path.clone(),
+        name: None,
+        time: time.clone(),
+        columns: vec![(column.header.clone(), column.clone())],
+        derive: vec![],
+        sensors: vec![],
+        rows: vec![],
+        window: None,
+        start: vec![],
+        role: Role::Fit,
+        separator: None,
+        decimal: None,
+        header: None,
+        interpolate: vec![],
+        constants: vec![],
+        decimate: None,
+        span: path.span,
+    }
+}

@@ -1,0 +1,49 @@
+//! The folder of `--out`: made and tried before the work starts, written so that no half-written file is ever seen.
+
+use anyhow::{Context, Result};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A folder that can be written to.
+pub(crate) struct OutDir(PathBuf);
+
+impl OutDir {
+    /// Makes the folder if needed and tries to write into it.
+    pub(crate) fn create(path: &Path) -> Result<OutDir> {
+        fs::create_dir_all(path)
+            .with_context(|| format!("cannot make the folder `{}` of --out", path.display()))?;
+        let dir = OutDir(path.to_owned());
+        let probe = dir.temporary("probe");
+        fs::write(&probe, b"")
+            .and_then(|()| fs::remove_file(&probe))
+            .with_context(|| format!("cannot write into the folder `{}` of --out", path.display()))?;
+        Ok(dir)
+    }
+
+    /// Writes a file: under another name first, so that it is there as a whole or not at all.
+    pub(crate) fn write(&self, name: &str, content: &str) -> Result<()> {
+        let (temporary, path) = (self.temporary(name), self.0.join(name));
+        fs::write(&temporary, content)
+            .and_then(|()| fs::rename(&temporary, &path))
+            .inspect_err(|_| drop(fs::remove_file(&temporary)))
+            .with_context(|| format!("cannot write `{}`", path.display()))
+    }
+
+    fn temporary(&self, name: &str) -> PathBuf {
+        self.0.join(format!(".{name}.{}.part", std::process::id()))
+    }
+}
+
+/// One folder for each spec: the given one for a single spec, else one in it named after each.
+pub(crate) fn folders(out: &Path, specs: &[PathBuf]) -> Result<Vec<OutDir>> {
+    let name = |k: usize| {
+        let stem =
+            |p: &PathBuf| p.file_stem().map_or("spec".to_owned(), |s| s.to_string_lossy().into_owned());
+        let own = stem(&specs[k]);
+        let same = specs[..k].iter().filter(|p| stem(p) == own).count();
+        if same == 0 { own } else { format!("{own}-{}", same + 1) }
+    };
+    (0..specs.len())
+        .map(|k| OutDir::create(&if specs.len() == 1 { out.to_owned() } else { out.join(name(k)) }))
+        .collect()
+}

@@ -1,0 +1,132 @@
+//! A result for people: equations as LaTeX (the rest as comments) or as plain text.
+
+use crate::args::Format;
+use crate::equation::{Equation, equations, names_of_records};
+use crate::json::{self, method, role};
+use crate::table::{aligned, short};
+use phisindy_learn::{Estimate, Identified, Verdict};
+use phisindy_phys::Case;
+
+/// Everything that is to be told about one spec.
+pub(crate) struct Report<'a> {
+    /// The spec's path as it was given.
+    pub(crate) spec: &'a str,
+    /// What was asked.
+    pub(crate) case: &'a Case,
+    /// What was found.
+    pub(crate) found: &'a Identified,
+    /// The same as equations.
+    pub(crate) equations: Vec<Equation>,
+    /// How long it took.
+    pub(crate) seconds: f64,
+}
+
+impl<'a> Report<'a> {
+    /// Writes the equations.
+    pub(crate) fn new(spec: &'a str, case: &'a Case, found: &'a Identified, seconds: f64) -> Report<'a> {
+        let equations = equations(case, &found.terms, &found.parameters);
+        Report { spec, case, found, equations, seconds }
+    }
+
+    /// The result in one of its forms, with an end of line.
+    pub(crate) fn written(&self, format: Format) -> String {
+        match format {
+            Format::Json => json::line(self) + "\n",
+            Format::Latex => {
+                let mut lines: Vec<String> = self.equations.iter().map(|e| e.latex.clone()).collect();
+                let comment =
+                    |line: String| if line.is_empty() { "%".to_owned() } else { format!("% {line}") };
+                lines.extend(self.details().into_iter().map(comment));
+                lines.join("\n") + "\n"
+            }
+            Format::Text => {
+                let state = |e: &Equation| &self.case.system.states[e.state].name;
+                let mut lines: Vec<String> =
+                    self.equations.iter().map(|e| format!("d{}/dt = {}", state(e), e.text)).collect();
+                lines.extend(self.details());
+                lines.join("\n") + "\n"
+            }
+        }
+    }
+
+    /// All that is not an equation, as lines.
+    fn details(&self) -> Vec<String> {
+        let found = self.found;
+        let mut lines = vec![String::new()];
+        let title = &self.case.system.title;
+        lines.push(if title.is_empty() { self.spec.to_owned() } else { format!("{title} ({})", self.spec) });
+        let verdict = match &found.verdict {
+            Verdict::Identified => "identified".to_owned(),
+            Verdict::Rejected(why) => format!("rejected: {why}"),
+        };
+        let stopped = if found.stopped { ", stopped by the user" } else { "" };
+        lines.push(format!("{verdict} (method {}, {:.1} s{stopped})", method(found.method), self.seconds));
+        let mut section = |rows: Vec<Vec<String>>| {
+            if rows.len() > 1 {
+                lines.push(String::new());
+                lines.extend(aligned(&rows));
+            }
+        };
+        section(self.coefficients());
+        section(self.parameters());
+        section(self.records());
+        let own = names_of_records(&self.case.system, &self.equations);
+        if !own.is_empty() {
+            lines.push(format!("{} differ from record to record", own.join(", ")));
+        }
+        if !found.warnings.is_empty() {
+            lines.push(String::new());
+            lines.extend(found.warnings.iter().flat_map(|w| w.lines()).map(|w| format!("warning: {w}")));
+        }
+        lines
+    }
+
+    fn coefficients(&self) -> Vec<Vec<String>> {
+        let mut rows = vec![words(&["equation", "candidate", "coefficient", "std. error", "95 % interval"])];
+        for found in &self.found.terms {
+            let term = &self.case.system.terms[found.term];
+            let mut row = vec![self.case.system.states[term.state].name.clone(), term.candidate.clone()];
+            row.extend(estimate(&found.coefficient, 1.0));
+            rows.push(row);
+        }
+        rows
+    }
+
+    fn parameters(&self) -> Vec<Vec<String>> {
+        let mut rows = vec![words(&["parameter", "unit", "value", "std. error", "95 % interval", ""])];
+        for p in &self.found.parameters {
+            let mut row =
+                vec![p.name.clone(), if p.unit.is_empty() { "-".to_owned() } else { p.unit.clone() }];
+            row.extend(estimate(&p.estimate, p.factor));
+            row.push(if p.at_bound { "at its bound".to_owned() } else { String::new() });
+            rows.push(row);
+        }
+        rows
+    }
+
+    fn records(&self) -> Vec<Vec<String>> {
+        let mut rows = vec![words(&["record", "role", "samples", "NRMSE of the free run"])];
+        for record in &self.found.records {
+            let errors: Vec<String> =
+                record.nrmse.iter().map(|(name, e)| format!("{name} {}", short(*e))).collect();
+            let errors = record.failure.as_ref().map_or(errors.join(", "), |why| format!("failed: {why}"));
+            rows.push(vec![
+                record.name.clone(),
+                role(record.role).to_owned(),
+                record.samples.to_string(),
+                errors,
+            ]);
+        }
+        rows
+    }
+}
+
+fn words(words: &[&str]) -> Vec<String> {
+    words.iter().map(|w| (*w).to_owned()).collect()
+}
+
+/// Value, error, interval.
+fn estimate(e: &Estimate, factor: f64) -> [String; 3] {
+    let interval = format!("[{}, {}]", short(e.ci95.0 / factor), short(e.ci95.1 / factor));
+    [short(e.value / factor), short(e.std_error / factor), interval]
+}

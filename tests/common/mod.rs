@@ -1,0 +1,69 @@
+//! Runs the program as a user does: from the top of the repository, output to pipes.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// What the program did.
+#[derive(Debug)]
+pub(crate) struct Outcome {
+    pub(crate) code: i32,
+    pub(crate) out: String,
+    pub(crate) err: String,
+}
+
+/// The top of the repository.
+pub(crate) fn top() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the top of the repository")
+}
+
+/// The program with these arguments, not started yet.
+pub(crate) fn program(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_phisindy"));
+    command.current_dir(top()).env_remove("PHISINDY_DATA").args(arguments).stdin(Stdio::null());
+    command
+}
+
+/// Runs the program to its end.
+#[track_caller]
+pub(crate) fn phisindy(arguments: &[&str]) -> Outcome {
+    let output = program(arguments).output().expect("the program starts");
+    Outcome {
+        code: output.status.code().expect("an exit code: the program was not killed"),
+        out: String::from_utf8(output.stdout).expect("UTF-8"),
+        err: String::from_utf8(output.stderr).expect("UTF-8"),
+    }
+}
+
+/// The files of a folder with this extension, in order, relative to the top.
+pub(crate) fn files(folder: &str, extension: &str) -> Vec<String> {
+    let entries = std::fs::read_dir(top().join(folder)).expect("a folder");
+    let mut names: Vec<String> = entries
+        .map(|e| e.expect("an entry").path())
+        .filter(|p| p.extension().is_some_and(|e| e == extension))
+        .map(|p| format!("{folder}/{}", p.file_name().expect("a name").to_string_lossy()))
+        .collect();
+    names.sort();
+    names
+}
+
+/// A fresh folder that is removed at the end.
+pub(crate) struct Scratch(pub(crate) PathBuf);
+
+impl Scratch {
+    pub(crate) fn new(name: &str) -> Scratch {
+        let path = std::env::temp_dir().join(format!("phisindy-{}-{name}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&path);
+        std::fs::create_dir_all(&path).expect("a temporary folder");
+        Scratch(path)
+    }
+
+    pub(crate) fn path(&self, name: &str) -> String {
+        self.0.join(name).to_str().expect("UTF-8").to_owned()
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}

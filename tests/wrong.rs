@@ -1,0 +1,43 @@
+//! Every file of specs/wrong holds one mistake; what the program says about it is a snapshot in tests/snapshots.
+#![allow(missing_docs)]
+
+#[allow(dead_code)]
+mod common;
+
+use common::{files, phisindy, top};
+
+#[test]
+fn every_mistake_is_drawn_as_in_its_snapshot() {
+    let mut settings = insta::Settings::clone_current();
+    settings.set_snapshot_path(top().join("tests/snapshots"));
+    settings.set_prepend_module_to_snapshot(false);
+    settings.set_omit_expression(true);
+    for spec in files("specs/wrong", "ron") {
+        let name = spec.trim_start_matches("specs/wrong/").trim_end_matches(".ron");
+        let said = phisindy(&["check", &spec]);
+        assert_eq!(said.out, "", "{spec}");
+        // A missing file may still come: an error only where a data folder was given.
+        let expected = if name.starts_with("warn_") || name == "missing_file" { 0 } else { 2 };
+        assert_eq!(said.code, expected, "{spec}: {}", said.err);
+        assert!(!said.err.is_empty(), "{spec}: nothing is said");
+        assert!(!said.err.contains('\u{1b}'), "{spec}: colours in a pipe");
+        settings.bind(|| insta::assert_snapshot!(name, said.err));
+    }
+}
+
+#[test]
+fn a_run_refuses_what_check_refuses() {
+    for spec in files("specs/wrong", "ron").iter().filter(|s| !s.contains("/warn_")) {
+        let said = phisindy(&["run", spec]);
+        assert_eq!((said.code, said.out.as_str()), (2, ""), "{spec}: {}", said.err);
+        assert!(said.err.contains("error"), "{spec}");
+    }
+}
+
+#[test]
+fn every_snapshot_has_its_spec() {
+    for snapshot in files("tests/snapshots", "snap") {
+        let name = snapshot.trim_start_matches("tests/snapshots/").trim_end_matches(".snap");
+        assert!(top().join(format!("specs/wrong/{name}.ron")).exists(), "{snapshot} is left over");
+    }
+}
