@@ -25,6 +25,20 @@ fn a_slowly_growing_load_lets_go_at_the_friction_level() {
     }
 }
 
+/// The load is a small difference of large forces: its rounding errors are ten thousand times larger than elsewhere.
+#[test]
+fn rounding_of_the_load_does_not_shake_it() {
+    let rate = "a*t + P*(1 + t) - P - P*t - F*sgn(v)";
+    for k in 0..100 {
+        let (a, force) = (0.01, 0.4 + 0.00123 * f64::from(k));
+        let case = Case::new(&[("v", 0.0, rate)], &[("a", a), ("F", force), ("P", 1e6)]).tolerance(1e-8);
+        let run = case.run(&[30.0, 60.0]);
+        assert_eq!(story(&run), [(0, 0, 1)], "F = {force}: {:?}", run.events);
+        assert_abs_diff_eq!(run.events[0].time, force / a, epsilon = 1e-6);
+        assert_abs_diff_eq!(run.states[1], 0.5 * a * (60.0 - force / a).powi(2), epsilon = 1e-6);
+    }
+}
+
 #[test]
 fn at_rest_it_stays_under_load_within_friction_and_leaves_the_pushed_way_beyond() {
     for (load, mode) in [(0.0, 0), (0.4, 0), (-0.4, 0), (0.5, 0), (-0.5, 0), (0.6, 1), (-0.6, -1)] {
@@ -134,11 +148,12 @@ fn contacts_that_hold_the_same_thing_share_the_load() {
     // Two masses on the floor and rubbing on each other: three contacts, two velocities.
     let states =
         [("y1", 0.0, "a*t - 0.5*sgn(y1) - 0.2*sgn(y1-y2)"), ("y2", 0.0, "-0.5*sgn(y2) + 0.2*sgn(y1-y2)")];
-    let run = Case::new(&states, &[("a", 0.1)]).run(&[6.0, 10.0]);
+    let run = Case::new(&states, &[("a", 0.1)]).run(&[4.0, 6.0, 10.0]);
     // The first gives way at 0.5 + 0.2; 0.2 is not enough to move the second.
-    assert_eq!(run.states[..2], [0.0, 0.0]);
-    assert_abs_diff_eq!(run.states[2], 0.05 * 9.0, epsilon = 1e-9);
-    assert_eq!(run.states[3], 0.0);
+    assert_eq!(run.modes[..3], [0, 0, 0]);
+    assert_eq!(run.states[..4], [0.0; 4]);
+    assert_abs_diff_eq!(run.states[4], 0.05 * 9.0, epsilon = 1e-9);
+    assert_eq!(run.states[5], 0.0);
 }
 
 #[test]
@@ -157,6 +172,16 @@ fn friction_that_is_singular_at_rest_holds_and_lets_go() {
     small.options.scale = vec![1e-3, 1e-3];
     let run = small.run(&grid(30.0, 300));
     assert_abs_diff_eq!(run.events[1].time, capacity(1e-10) / 0.05, epsilon = 1e-9);
+}
+
+#[test]
+fn friction_that_rises_at_once_holds_what_it_rises_to() {
+    let rate = "a*t - F*tanh(|v|/vs)*sgn(v)";
+    let case = Case::new(&[("v", 0.0, rate)], &[("a", 0.1), ("F", 0.5), ("vs", 1e-9)]);
+    let run = case.run(&[4.9, 8.0]);
+    assert_eq!(run.states[0], 0.0);
+    assert_abs_diff_eq!(run.events[0].time, 5.0, epsilon = 1e-9);
+    assert_abs_diff_eq!(run.states[1], 0.05 * 9.0, epsilon = 1e-9);
 }
 
 #[test]

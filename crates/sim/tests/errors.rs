@@ -72,8 +72,8 @@ fn a_single_late_sample_of_something_stuck() {
 fn flutter_ends_in_an_error_or_a_result() {
     let relay = Case::new(&[("x", 0.3, "v"), ("v", 0.0, "-sgn(x) - 0.3*sgn(v)")], &[]);
     match relay.try_run(&[100.0]) {
-        Ok(run) => assert!(run.states.iter().all(|v| v.abs() < 1e-6), "{:?}", run.states),
-        Err(e) => assert!(matches!(e, SimError::TooManyEvents { .. } | SimError::TooManySteps { .. }), "{e}"),
+        Err(SimError::TooManyEvents { time, .. }) => assert!((5.0..6.0).contains(&time), "{time}"),
+        other => panic!("{other:?}"),
     }
     let stops =
         Case::new(&[("x", 0.0, "v"), ("v", 1.0, "-1e4*(step(x-1e-3)+step(-x-1e-3)-1)*sgn(x) - v")], &[]);
