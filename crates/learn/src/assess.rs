@@ -22,8 +22,14 @@ pub(crate) struct Solution {
 
 impl Solution {
     /// Coefficients and shared parameters alone; sensors as the spec starts them.
-    pub(crate) fn new(terms: Vec<usize>, coefficients: Vec<f64>, parameters: &[f64], records: &[Record]) -> Solution {
-        let sensors = |r: &Record| r.sensors.iter().map(|s| [s.offset.start, s.gain.start, s.delay.start]).collect();
+    pub(crate) fn new(
+        terms: Vec<usize>,
+        coefficients: Vec<f64>,
+        parameters: &[f64],
+        records: &[Record],
+    ) -> Solution {
+        let sensors =
+            |r: &Record| r.sensors.iter().map(|s| [s.offset.start, s.gain.start, s.delay.start]).collect();
         Solution {
             terms,
             coefficients,
@@ -38,7 +44,12 @@ impl Solution {
 const START_PART: usize = 10;
 
 /// Runs every record freely. `filled` are the records with samples (or derived samples) of every state, to start from.
-pub(crate) fn assess(system: &System, records: &[Record], filled: &[Record], solution: &mut Solution) -> Vec<RecordFit> {
+pub(crate) fn assess(
+    system: &System,
+    records: &[Record],
+    filled: &[Record],
+    solution: &mut Solution,
+) -> Vec<RecordFit> {
     let mut fits: Vec<RecordFit> = Vec::new();
     for r in 0..records.len() {
         let fit = one(system, records, filled, solution, r, &fits);
@@ -47,7 +58,14 @@ pub(crate) fn assess(system: &System, records: &[Record], filled: &[Record], sol
     fits
 }
 
-fn one(system: &System, records: &[Record], filled: &[Record], solution: &mut Solution, r: usize, done: &[RecordFit]) -> RecordFit {
+fn one(
+    system: &System,
+    records: &[Record],
+    filled: &[Record],
+    solution: &mut Solution,
+    r: usize,
+    done: &[RecordFit],
+) -> RecordFit {
     let record = &records[r];
     let mut fit = RecordFit {
         name: record.name.clone(),
@@ -143,13 +161,14 @@ fn started<'a>(
     let weights = vec![(0..record.columns.len()).map(|k| vec![weight(k); record.len()]).collect::<Vec<_>>()];
     let mut failure = None;
     let bounds = problem.bounds.clone();
-    let end = minimise(x, &bounds, Limits { iterations: 20, gain: 1e-9 }, |x| match problem.normal(x, &weights) {
-        Ok(normal) => Some(normal),
-        Err(e) => {
-            failure = Some(e);
-            None
-        }
-    });
+    let end =
+        minimise(x, &bounds, Limits { iterations: 20, gain: 1e-9 }, |x| match problem.normal(x, &weights) {
+            Ok(normal) => Some(normal),
+            Err(e) => {
+                failure = Some(e);
+                None
+            }
+        });
     problem.segments[0] = whole;
     match (end, failure) {
         (None, Some(e)) => Err(e),
@@ -158,7 +177,13 @@ fn started<'a>(
 }
 
 /// A record that goes on where another one ended.
-fn continued(problem: &Problem<'_>, before: &Record, fit: &RecordFit, record: &Record, x: &[f64]) -> Result<Run, SimError> {
+fn continued(
+    problem: &Problem<'_>,
+    before: &Record,
+    fit: &RecordFit,
+    record: &Record,
+    x: &[f64],
+) -> Result<Run, SimError> {
     let n = record.columns.len();
     let start = fit.run.as_ref().map_or(vec![0.0; n], |run| run.states[run.states.len() - n..].to_vec());
     let parameters = problem.model_parameters(0, x);

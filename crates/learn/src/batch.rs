@@ -4,7 +4,9 @@
 //! coefficients. Sums run over fixed blocks in a fixed order, so that the number of threads does not change a bit.
 
 use crate::onestep::OneStep;
+use crate::train::StepOptions;
 use phisindy_expr::{Id, Scratch, Tape};
+use phisindy_phys::spec::Crossings;
 use phisindy_phys::{Record, System};
 use rayon::prelude::*;
 
@@ -36,7 +38,8 @@ enum Kind {
 pub(crate) fn deviations(system: &System, records: &[&Record]) -> Vec<f64> {
     (0..system.states.len())
         .map(|k| {
-            let all: Vec<f64> = records.iter().filter_map(|r| r.columns[k].as_ref()).flatten().copied().collect();
+            let all: Vec<f64> =
+                records.iter().filter_map(|r| r.columns[k].as_ref()).flatten().copied().collect();
             let mean = all.iter().sum::<f64>() / all.len().max(1) as f64;
             let variance = all.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / all.len().max(1) as f64;
             if variance > 0.0 { variance.sqrt() } else { 1.0 }
@@ -58,7 +61,14 @@ pub(crate) fn step_row(record: &Record, from: usize, to: usize) -> Vec<f64> {
 
 impl Batch {
     /// Lays out the data of all records. Every record must have samples of every state; `constants[r]` are the record constants.
-    pub(crate) fn new(step: &OneStep, free: usize, records: &[&Record], deviations: &[f64], horizon: usize) -> Batch {
+    pub(crate) fn new(
+        step: &OneStep,
+        free: usize,
+        records: &[&Record],
+        deviations: &[f64],
+        options: &StepOptions,
+    ) -> Batch {
+        let horizon = options.horizon;
         let n = step.states.len();
         let steps: usize = records.iter().map(|r| r.len().saturating_sub(horizon)).sum();
         let residuals = 2 * n * steps * horizon;
@@ -96,8 +106,11 @@ impl Batch {
         let jacobian = compile(&step, &rest, &matrix);
 
         let mut rows: Vec<Vec<f64>> = Vec::with_capacity(2 * steps);
-        for record in records {
-            let pairs = (1..record.len()).map(|k| (k - 1, k));
+        let keep = options.crossings == Crossings::Keep;
+        let contacts: Vec<Vec<Vec<f64>>> = records.iter().map(|r| contact_velocities(&step, r)).collect();
+        for (r, record) in records.iter().enumerate() {
+            let pairs =
+                (1..record.len()).map(|k| (k - 1, k)).filter(|&(a, b)| keep || !crosses(&contacts[r], a, b));
             for (from, to) in pairs.clone().chain(pairs.map(|(a, b)| (b, a))) {
                 let mut row = step_row(record, from, to);
                 row.extend(&record.constants);
@@ -168,7 +181,13 @@ impl Batch {
     }
 
     /// Runs a tape over all blocks and sums what `add` takes from each: threads take fixed chunks, chunks are summed in order.
-    fn sum(&self, tape: &Tape, parameters: &[f64], size: usize, add: impl Fn(&Scratch<LANES>, &mut [f64]) + Sync) -> Vec<f64> {
+    fn sum(
+        &self,
+        tape: &Tape,
+        parameters: &[f64],
+        size: usize,
+        add: impl Fn(&Scratch<LANES>, &mut [f64]) + Sync,
+    ) -> Vec<f64> {
         let Kind::Single { border, inputs, blocks, .. } = &self.kind else { return vec![0.0; size] };
         let chunks = blocks.div_ceil(CHUNK);
         let partial: Vec<Vec<f64>> = (0..chunks)
@@ -202,6 +221,28 @@ impl Batch {
     }
 }
 
+/// The velocity of every contact at every sample, with constants that move where the spec starts them.
+fn contact_velocities(step: &OneStep, record: &Record) -> Vec<Vec<f64>> {
+    let data: Vec<Id> =
+        step.data.iter().copied().filter(|d| step.graph.uses(&step.contacts, &[*d])).collect();
+    let Ok(tape) = Tape::compile(&step.graph, &data, &step.contacts) else { return vec![] };
+    let at: Vec<usize> = data.iter().filter_map(|d| step.data.iter().position(|s| s == d)).collect();
+    let mut scratch = Scratch::<1>::new(&tape);
+    let mut out = vec![Vec::with_capacity(record.len()); step.contacts.len()];
+    for k in 0..record.len() {
+        let row = step_row(record, k, k);
+        at.iter().enumerate().for_each(|(i, &d)| scratch.input(i)[0] = row[d]);
+        scratch.run();
+        out.iter_mut().enumerate().for_each(|(c, column)| column.push(scratch.output(c)[0]));
+    }
+    out
+}
+
+/// Whether a contact's velocity changes sign between two samples.
+fn crosses(contacts: &[Vec<f64>], a: usize, b: usize) -> bool {
+    contacts.iter().any(|w| w[a] * w[b] < 0.0)
+}
+
 /// Adds one residual lane to `[loss, triangle of J^T J, J^T e]`.
 pub(crate) fn accumulate<'a>(error: &Lane, column: impl Fn(usize) -> &'a Lane, p: usize, sums: &mut [f64]) {
     let dot = |a: &Lane, b: &Lane| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
@@ -220,5 +261,6 @@ pub(crate) fn accumulate<'a>(error: &Lane, column: impl Fn(usize) -> &'a Lane, p
 
 /// Compiles what was built from inputs alone.
 pub(crate) fn compile(step: &OneStep, inputs: &[Id], outputs: &[Id]) -> Tape {
-    Tape::compile(&step.graph, inputs, outputs).unwrap_or_else(|e| unreachable!("every symbol of a step is an input: {}", e.message(&step.names)))
+    Tape::compile(&step.graph, inputs, outputs)
+        .unwrap_or_else(|e| unreachable!("every symbol of a step is an input: {}", e.message(&step.names)))
 }

@@ -29,7 +29,8 @@ impl Descent {
                 let length = longest - 2.0 * f64::from(*step) * b2 / (1.0 - b2);
                 // The variance is tractable only once enough gradients were seen.
                 let rectified = (length > 5.0).then(|| {
-                    ((length - 4.0) * (length - 2.0) * longest / ((longest - 4.0) * (longest - 2.0) * length)).sqrt()
+                    ((length - 4.0) * (length - 2.0) * longest / ((longest - 4.0) * (longest - 2.0) * length))
+                        .sqrt()
                 });
                 for (k, g) in gradient.iter().enumerate() {
                     mean[k] = BETA1 * mean[k] + (1.0 - BETA1) * g;

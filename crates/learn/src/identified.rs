@@ -76,7 +76,11 @@ pub struct RecordFit {
 impl RecordFit {
     /// The largest NRMSE of all columns; infinite if the run failed.
     pub fn worst(&self) -> f64 {
-        if self.run.is_none() { f64::INFINITY } else { self.nrmse.iter().map(|&(_, e)| e).fold(0.0, f64::max) }
+        if self.run.is_none() {
+            f64::INFINITY
+        } else {
+            self.nrmse.iter().map(|&(_, e)| e).fold(0.0, f64::max)
+        }
     }
 }
 

@@ -1,8 +1,11 @@
 //! Identification from start to end, whatever the method.
 
 use crate::assess::{Solution, assess};
-use crate::identified::{Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict};
+use crate::identified::{
+    Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict,
+};
 use crate::train::{StepOptions, train};
+use crate::trajectory::by_trajectory;
 use phisindy_phys::spec::{Method, Optimiser, Role};
 use phisindy_phys::{Case, Record, System};
 use std::ops::ControlFlow;
@@ -34,9 +37,9 @@ pub fn identify(
     for record in &fitted {
         suitable(&case.system, record)?;
     }
-    match options.method.or(case.learn.method).unwrap_or(Method::Step) {
+    match options.method.or(case.learn.method).unwrap_or(Method::Trajectory) {
         Method::Step => by_steps(case, records, observe),
-        Method::Trajectory => Err(LearnError::Data("method trajectory is not there yet".into())),
+        Method::Trajectory => by_trajectory(case, records, observe),
     }
 }
 
@@ -44,19 +47,29 @@ pub fn identify(
 fn suitable(system: &System, record: &Record) -> Result<(), LearnError> {
     let name = &record.name;
     if record.len() < 20 {
-        return Err(LearnError::Data(format!("{name}: {} samples are too few to learn from (20 at least)", record.len())));
+        return Err(LearnError::Data(format!(
+            "{name}: {} samples are too few to learn from (20 at least)",
+            record.len()
+        )));
     }
     for (state, column) in system.states.iter().zip(&record.columns) {
         let Some(column) = column else { continue };
         if column.iter().all(|v| *v == column[0]) {
-            return Err(LearnError::Data(format!("{name}: the column of {} is constant: nothing moved, or the sensor is dead", state.name)));
+            return Err(LearnError::Data(format!(
+                "{name}: the column of {} is constant: nothing moved, or the sensor is dead",
+                state.name
+            )));
         }
     }
     Ok(())
 }
 
 /// The paper's method.
-fn by_steps(case: &Case, records: &[Record], observe: &mut dyn FnMut(f64) -> ControlFlow<()>) -> Result<Identified, LearnError> {
+fn by_steps(
+    case: &Case,
+    records: &[Record],
+    observe: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<Identified, LearnError> {
     let system = &case.system;
     let mut warnings = Vec::new();
     let mut filled: Vec<Record> = records.to_vec();
@@ -81,26 +94,39 @@ fn by_steps(case: &Case, records: &[Record], observe: &mut dyn FnMut(f64) -> Con
             names.join(", ")
         ));
     }
-    if records.iter().any(|r| r.sensors.iter().any(|s| [&s.offset, &s.gain, &s.delay].iter().any(|p| p.within.is_some()))) {
+    if records
+        .iter()
+        .any(|r| r.sensors.iter().any(|s| [&s.offset, &s.gain, &s.delay].iter().any(|p| p.within.is_some())))
+    {
         warnings.push("method step holds sensor offsets, gains and delays at their start values".into());
     }
     let fitted: Vec<&Record> = filled.iter().filter(|r| r.role == Role::Fit).collect();
     let fit = train(system, &fitted, &options, observe);
     if !fit.loss.is_finite() || fit.coefficients.iter().any(|c| !c.is_finite()) {
-        return Err(LearnError::Numerics("the one-step loss is not finite: a candidate is singular on the data".into()));
+        return Err(LearnError::Numerics(
+            "the one-step loss is not finite: a candidate is singular on the data".into(),
+        ));
     }
     let terms: Vec<FoundTerm> = (0..fit.terms.len())
-        .map(|k| FoundTerm { term: fit.terms[k], coefficient: Estimate::normal(fit.coefficients[k], fit.std_errors[k]) })
+        .map(|k| FoundTerm {
+            term: fit.terms[k],
+            coefficient: Estimate::normal(fit.coefficients[k], fit.std_errors[k]),
+        })
         .collect();
     let moved = options.optimiser == Optimiser::GaussNewton;
-    let parameters = if moved { found_parameters(system, &fit.parameters, &fit.std_errors[terms.len()..]) } else { vec![] };
+    let parameters = if moved {
+        found_parameters(system, &fit.parameters, &fit.std_errors[terms.len()..])
+    } else {
+        vec![]
+    };
     warnings.extend(at_bounds(&parameters));
     let mut solution = Solution::new(fit.terms.clone(), fit.coefficients.clone(), &fit.parameters, records);
     let fits = assess(system, records, &filled, &mut solution);
     let mut without = Solution::new(vec![], vec![], &fit.parameters, records);
     let baseline = assess(system, records, &filled, &mut without);
     let verdict = verdict(system, &terms, &fits, &baseline);
-    let selection = fit.stages.iter().map(|&(terms, criterion)| PathPoint { terms, criterion, nrmse: None }).collect();
+    let selection =
+        fit.stages.iter().map(|&(terms, criterion)| PathPoint { terms, criterion, nrmse: None }).collect();
     Ok(Identified {
         method: Method::Step,
         terms,
@@ -129,6 +155,7 @@ fn step_options(case: &Case) -> StepOptions {
         cutoff: learn.cutoff.as_ref().map_or(default.cutoff, |c| c.value),
         tolerance: learn.tolerance.as_ref().map_or(default.tolerance, |t| t.value),
         horizon: learn.horizon.unwrap_or(1).max(1) as usize,
+        crossings: learn.crossings.unwrap_or(default.crossings),
     }
 }
 
@@ -149,11 +176,23 @@ fn found_parameters(system: &System, values: &[f64], std_errors: &[f64]) -> Vec<
 /// A warning for every parameter that ran into a bound.
 pub(crate) fn at_bounds(parameters: &[FoundParameter]) -> Vec<String> {
     let at = parameters.iter().filter(|p| p.at_bound);
-    at.map(|p| format!("{} ended at its bound {}: the data want to go beyond it", p.name, p.estimate.value / p.factor)).collect()
+    at.map(|p| {
+        format!(
+            "{} ended at its bound {}: the data want to go beyond it",
+            p.name,
+            p.estimate.value / p.factor
+        )
+    })
+    .collect()
 }
 
 /// Rejected when nothing survives, a free run fails or misses, or the unknown part is no better than nothing.
-pub(crate) fn verdict(system: &System, terms: &[FoundTerm], fits: &[RecordFit], without: &[RecordFit]) -> Verdict {
+pub(crate) fn verdict(
+    system: &System,
+    terms: &[FoundTerm],
+    fits: &[RecordFit],
+    without: &[RecordFit],
+) -> Verdict {
     if terms.is_empty() && !system.terms.is_empty() {
         return Verdict::Rejected("no term of the dictionary survives".into());
     }
@@ -162,7 +201,11 @@ pub(crate) fn verdict(system: &System, terms: &[FoundTerm], fits: &[RecordFit], 
             return Verdict::Rejected(format!("the free run of {} fails: {failure}", fit.name));
         }
         if fit.worst() > WORST_NRMSE {
-            return Verdict::Rejected(format!("the free run of {} misses the data: NRMSE {:.2}", fit.name, fit.worst()));
+            return Verdict::Rejected(format!(
+                "the free run of {} misses the data: NRMSE {:.2}",
+                fit.name,
+                fit.worst()
+            ));
         }
     }
     let mean = |fits: &[RecordFit]| fits.iter().map(RecordFit::worst).sum::<f64>() / fits.len().max(1) as f64;

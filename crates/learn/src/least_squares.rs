@@ -39,7 +39,8 @@ pub(crate) fn minimise(
                 damping *= 10.0;
                 continue;
             };
-            let trial: Vec<f64> = (0..n).map(|k| (values[k] + step[k]).clamp(bounds[k].0, bounds[k].1)).collect();
+            let trial: Vec<f64> =
+                (0..n).map(|k| (values[k] + step[k]).clamp(bounds[k].0, bounds[k].1)).collect();
             if trial.iter().zip(values.iter()).all(|(a, b)| a == b) {
                 break;
             }

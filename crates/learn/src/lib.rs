@@ -3,16 +3,25 @@
 mod assess;
 mod batch;
 mod descent;
+mod fit;
 mod identified;
 mod identify;
+mod initial;
 mod least_squares;
 mod linear;
 mod noise;
 mod onestep;
 mod problem;
 mod rollout;
+mod select;
+mod shares;
+mod sweep;
 mod train;
+mod trajectory;
 
-pub use identified::{Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict};
+pub use identified::{
+    Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict,
+};
 pub use identify::{LearnOptions, identify};
+pub use sweep::{SweepRun, Truth, bound, project, sweep_one};
 pub use train::{StepFit, StepOptions, train};

@@ -31,6 +31,9 @@ pub(crate) fn solve_damped(a: &Mat<f64>, b: &[f64], damping: f64) -> Option<Vec<
 /// diagonal.
 pub(crate) fn covariance(a: &Mat<f64>) -> Mat<f64> {
     let n = a.nrows();
+    if n == 0 {
+        return Mat::zeros(0, 0);
+    }
     let scale = scales(a);
     let m = Mat::from_fn(n, n, |i, j| a[(i, j)] * scale[i] * scale[j]);
     let Ok(eigen) = m.self_adjoint_eigen(Side::Lower) else { return Mat::from_fn(n, n, |_, _| f64::NAN) };

@@ -32,7 +32,14 @@ impl ColumnNoise {
             return alone;
         }
         let likelihood = |a: f64, b: f64| -> f64 {
-            residuals.iter().zip(predictions).map(|(r, p)| { let v = a + b * p * p; v.ln() + r * r / v }).sum()
+            residuals
+                .iter()
+                .zip(predictions)
+                .map(|(r, p)| {
+                    let v = a + b * p * p;
+                    v.ln() + r * r / v
+                })
+                .sum()
         };
         let mut best = (alone.additive.powi(2), 0.0);
         let mut best_value = likelihood(best.0, best.1);
@@ -48,8 +55,11 @@ impl ColumnNoise {
                     (r1, r2) = (r1 + w * r * r, r2 + w * q * r * r);
                 }
                 let det = s11 * s22 - s12 * s12;
-                let (mut next_a, mut next_b) =
-                    if det > 1e-12 * s11 * s22 { ((s22 * r1 - s12 * r2) / det, (s11 * r2 - s12 * r1) / det) } else { (r1 / s11, 0.0) };
+                let (mut next_a, mut next_b) = if det > 1e-12 * s11 * s22 {
+                    ((s22 * r1 - s12 * r2) / det, (s11 * r2 - s12 * r1) / det)
+                } else {
+                    (r1 / s11, 0.0)
+                };
                 if next_b < 0.0 {
                     (next_a, next_b) = (r1 / s11, 0.0);
                 }
@@ -75,7 +85,13 @@ impl ColumnNoise {
     /// What people call it.
     pub(crate) fn kind(&self, deviation: f64) -> &'static str {
         let part = self.relative * deviation;
-        if part < 0.3 * self.additive { "additive" } else if self.additive < 0.3 * part { "relative" } else { "mixed" }
+        if part < 0.3 * self.additive {
+            "additive"
+        } else if self.additive < 0.3 * part {
+            "relative"
+        } else {
+            "mixed"
+        }
     }
 }
 
@@ -90,16 +106,41 @@ mod tests {
             let w = -((1.0 - x) * (1.0 + x)).ln();
             let p = if w < 5.0 {
                 let w = w - 2.5;
-                [2.81022636e-08, 3.43273939e-07, -3.5233877e-06, -4.39150654e-06, 0.00021858087, -0.00125372503, -0.00417768164, 0.246640727, 1.50140941]
-                    .iter().fold(0.0, |s, c| s * w + c)
+                [
+                    2.81022636e-08,
+                    3.43273939e-07,
+                    -3.5233877e-06,
+                    -4.39150654e-06,
+                    0.00021858087,
+                    -0.00125372503,
+                    -0.00417768164,
+                    0.246640727,
+                    1.50140941,
+                ]
+                .iter()
+                .fold(0.0, |s, c| s * w + c)
             } else {
                 let w = w.sqrt() - 3.0;
-                [-0.000200214257, 0.000100950558, 0.00134934322, -0.00367342844, 0.00573950773, -0.0076224613, 0.00943887047, 1.00167406, 2.83297682]
-                    .iter().fold(0.0, |s, c| s * w + c)
+                [
+                    -0.000200214257,
+                    0.000100950558,
+                    0.00134934322,
+                    -0.00367342844,
+                    0.00573950773,
+                    -0.0076224613,
+                    0.00943887047,
+                    1.00167406,
+                    2.83297682,
+                ]
+                .iter()
+                .fold(0.0, |s, c| s * w + c)
             };
             p * x
         };
-        (0..n).map(|k| (k * 7919) % n).map(|k| std::f64::consts::SQRT_2 * erf_inv(2.0 * (k as f64 + 0.5) / n as f64 - 1.0)).collect()
+        (0..n)
+            .map(|k| (k * 7919) % n)
+            .map(|k| std::f64::consts::SQRT_2 * erf_inv(2.0 * (k as f64 + 0.5) / n as f64 - 1.0))
+            .collect()
     }
 
     #[test]

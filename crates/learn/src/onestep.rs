@@ -18,6 +18,8 @@ pub(crate) struct OneStep {
     pub(crate) states: Vec<Id>,
     /// The states at the end.
     pub(crate) next: Vec<Id>,
+    /// The velocities of the contacts at the start.
+    pub(crate) contacts: Vec<Id>,
 }
 
 impl OneStep {
@@ -31,13 +33,14 @@ impl OneStep {
             graph.symbol(symbol)
         };
         let h = fresh(&mut graph, "step length".into());
-        let middle: Vec<Id> = (0..model.inputs.len()).map(|k| fresh(&mut graph, format!("middle {k}"))).collect();
+        let middle: Vec<Id> =
+            (0..model.inputs.len()).map(|k| fresh(&mut graph, format!("middle {k}"))).collect();
         let end: Vec<Id> = (0..model.inputs.len()).map(|k| fresh(&mut graph, format!("end {k}"))).collect();
 
         let half = graph.constant(0.5);
         let half_step = graph.mul(half, h);
         let states = &model.states;
-        let mut stage = |graph: &mut Graph, ahead: Option<Id>, inputs: &[Id], slopes: &[Id]| -> Vec<Id> {
+        let stage = |graph: &mut Graph, ahead: Option<Id>, inputs: &[Id], slopes: &[Id]| -> Vec<Id> {
             let Some(ahead) = ahead else { return rates.clone() };
             let mut with = HashMap::new();
             for (&x, &k) in states.iter().zip(slopes) {
@@ -65,9 +68,18 @@ impl OneStep {
                 graph.add(states[i], change)
             })
             .collect();
+        let contacts = system.contacts.iter().map(|c| c.node).collect();
         let mut data = vec![model.time, h];
         data.extend(states.iter().chain(&model.inputs).chain(&middle).chain(&end));
-        OneStep { graph, names, data, parameters: model.parameters.clone(), states: states.clone(), next }
+        OneStep {
+            graph,
+            names,
+            data,
+            parameters: model.parameters.clone(),
+            states: states.clone(),
+            next,
+            contacts,
+        }
     }
 
     /// `(next_i - target_i) * weight_i * mask`, with fresh symbols for targets and mask: returns residuals, targets and mask.
@@ -110,7 +122,8 @@ fn masked(graph: &mut Graph, system: &System, model: &Model, tolerance: f64) -> 
         let normal = graph.gradient(contact.node, &model.states);
         let one = graph.constant(1.0);
         let (mut along, mut grip) = (graph.gradient(contact.node, &[model.time])[0], graph.constant(0.0));
-        let force: Vec<Id> = (0..rates.len()).map(|k| graph.div(normal[k], system.inertia[k].unwrap_or(one))).collect();
+        let force: Vec<Id> =
+            (0..rates.len()).map(|k| graph.div(normal[k], system.inertia[k].unwrap_or(one))).collect();
         for k in 0..rates.len() {
             let share = graph.mul(normal[k], rates[k]);
             along = graph.add(along, share);

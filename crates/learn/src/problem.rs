@@ -68,6 +68,14 @@ pub(crate) enum Meaning {
     Start,
 }
 
+/// What one segment adds to the normal equations: the unknowns that it depends on, and its part in those (upper triangle).
+struct Share {
+    cost: f64,
+    at: Vec<usize>,
+    matrix: Mat<f64>,
+    gradient: Vec<f64>,
+}
+
 /// Noise of each record and state.
 pub(crate) type Noise = Vec<Vec<ColumnNoise>>;
 
@@ -80,18 +88,24 @@ pub(crate) struct ColumnResidual {
 
 impl<'a> Problem<'a> {
     /// Sets up the problem; each record is cut into `pieces[r]` segments of equal length.
-    pub(crate) fn new(system: &'a System, terms: &[usize], records: &[&'a Record], pieces: &[usize]) -> Result<Problem<'a>, String> {
+    pub(crate) fn new(
+        system: &'a System,
+        terms: &[usize],
+        records: &[&'a Record],
+        pieces: &[usize],
+    ) -> Result<Problem<'a>, String> {
         let model = system.model(terms);
         let automaton = Automaton::new(&model).map_err(|e| e.message(&model.names))?;
         let n = system.states.len();
         let free = (f64::NEG_INFINITY, f64::INFINITY);
         let mut bounds = vec![free; terms.len()];
         let mut priors = Vec::new();
-        let mut unknown = |within: (f64, f64), centre: f64, sigma: Option<f64>, bounds: &mut Vec<(f64, f64)>| {
-            bounds.push(within);
-            priors.extend(sigma.map(|s| (bounds.len() - 1, centre, s)));
-            Source::Unknown(bounds.len() - 1)
-        };
+        let mut unknown =
+            |within: (f64, f64), centre: f64, sigma: Option<f64>, bounds: &mut Vec<(f64, f64)>| {
+                bounds.push(within);
+                priors.extend(sigma.map(|s| (bounds.len() - 1, centre, s)));
+                Source::Unknown(bounds.len() - 1)
+            };
         let shared: Vec<Option<Source>> = system
             .parameters
             .iter()
@@ -109,7 +123,9 @@ impl<'a> Problem<'a> {
             for k in 0..n {
                 let Sensor { offset, gain, delay } = &record.sensors[k];
                 of_states.push([offset, gain, delay].map(|s| match s.within {
-                    Some(within) if record.columns[k].is_some() => unknown(within, s.start, s.sigma, &mut bounds),
+                    Some(within) if record.columns[k].is_some() => {
+                        unknown(within, s.start, s.sigma, &mut bounds)
+                    }
                     _ => Source::Number(s.start),
                 }));
             }
@@ -125,8 +141,10 @@ impl<'a> Problem<'a> {
             let mean = values.iter().sum::<f64>() / values.len() as f64;
             (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
         };
-        let deviations: Vec<Vec<f64>> =
-            records.iter().map(|r| r.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| deviation(c))).collect()).collect();
+        let deviations: Vec<Vec<f64>> = records
+            .iter()
+            .map(|r| r.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| deviation(c))).collect())
+            .collect();
         let mut problem = Problem {
             system,
             terms: terms.to_vec(),
@@ -159,7 +177,8 @@ impl<'a> Problem<'a> {
                         let Some(column) = &record.columns[x] else { continue };
                         // Over a stretch of a hundredth of the record, so that noise does not make it large.
                         let far = (record.len() / 100).max(1);
-                        let pairs = (far..record.len()).map(|i| (column[i] - column[i - far]) / (record.time[i] - record.time[i - far]));
+                        let pairs = (far..record.len())
+                            .map(|i| (column[i] - column[i - far]) / (record.time[i] - record.time[i - far]));
                         let count = (record.len() - far).max(1) as f64;
                         slope = slope.max((pairs.map(|s| s * s).sum::<f64>() / count).sqrt());
                     }
@@ -174,7 +193,9 @@ impl<'a> Problem<'a> {
         let mut all = vec![Meaning::Start; self.unknowns];
         (0..self.terms.len()).for_each(|k| all[k] = Meaning::Coefficient(k));
         for r in 0..self.records.len() {
-            for (p, source) in self.model[r][self.terms.len()..].iter().take(self.system.parameters.len()).enumerate() {
+            for (p, source) in
+                self.model[r][self.terms.len()..].iter().take(self.system.parameters.len()).enumerate()
+            {
                 if let Source::Unknown(k) = *source {
                     all[k] = Meaning::Parameter(p, self.system.parameters[p].each.then_some(r));
                 }
@@ -191,12 +212,19 @@ impl<'a> Problem<'a> {
     }
 
     /// A first guess: coefficients and parameters as given (or where the spec starts them), start states from the columns.
-    pub(crate) fn guess(&self, coefficients: &[f64], parameters: Option<&[f64]>, filled: &[Record]) -> Vec<f64> {
+    pub(crate) fn guess(
+        &self,
+        coefficients: &[f64],
+        parameters: Option<&[f64]>,
+        filled: &[Record],
+    ) -> Vec<f64> {
         let mut x = vec![0.0; self.unknowns];
         x[..coefficients.len()].copy_from_slice(coefficients);
         for (k, meaning) in self.meanings().into_iter().enumerate() {
             match meaning {
-                Meaning::Parameter(p, _) => x[k] = parameters.map_or(self.system.parameters[p].start, |v| v[p]),
+                Meaning::Parameter(p, _) => {
+                    x[k] = parameters.map_or(self.system.parameters[p].start, |v| v[p])
+                }
                 Meaning::Sensor(r, state, which) => {
                     let s = &self.records[r].sensors[state];
                     x[k] = [&s.offset, &s.gain, &s.delay][which].start;
@@ -234,12 +262,15 @@ impl<'a> Problem<'a> {
         let parameters = self.model_parameters(segment.record, x);
         let drive = Drive { inputs: &record.inputs, parameters: &parameters };
         let start = &x[segment.start..segment.start + self.system.states.len()];
-        let free = (0..parameters.len()).filter(|&k| matches!(self.model[segment.record][k], Source::Unknown(_))).collect();
+        let free = (0..parameters.len())
+            .filter(|&k| matches!(self.model[segment.record][k], Source::Unknown(_)))
+            .collect();
         let options = Options {
             tolerance: TOLERANCE,
             scale: self.scale.clone(),
             sensitivities: derivatives.then_some(free),
-            max_steps: 200_000.max(40 * (last - first)),
+            // A model that needs many more is on its way to nowhere: fail, and try another.
+            max_steps: 2_000 + 4 * (last - first),
             diverged: 1e4,
         };
         let times = self.sample_times(segment, x);
@@ -250,7 +281,10 @@ impl<'a> Problem<'a> {
     /// read off along the rates, which is exact to first order in the difference.)
     fn sample_times(&self, segment: &Segment, x: &[f64]) -> Vec<f64> {
         let delay = self.common_delay(segment.record, x);
-        self.records[segment.record].time[segment.samples.0..segment.samples.1].iter().map(|t| t - delay).collect()
+        self.records[segment.record].time[segment.samples.0..segment.samples.1]
+            .iter()
+            .map(|t| t - delay)
+            .collect()
     }
 
     fn common_delay(&self, record: usize, x: &[f64]) -> f64 {
@@ -268,14 +302,16 @@ impl<'a> Problem<'a> {
 
     /// Residuals of every column of every record in the unit of the column, from a simulation of all segments.
     pub(crate) fn residuals(&self, x: &[f64]) -> Result<Vec<Vec<ColumnResidual>>, SimError> {
-        let runs: Vec<Trajectory> = self.segments.par_iter().map(|s| self.run(s, x, false)).collect::<Result<_, _>>()?;
+        let runs: Vec<Trajectory> =
+            self.segments.par_iter().map(|s| self.run(s, x, false)).collect::<Result<_, _>>()?;
         let n = self.system.states.len();
         let mut out = vec![vec![ColumnResidual::default(); n]; self.records.len()];
         for (segment, run) in self.segments.iter().zip(&runs) {
             for (i, sample) in (segment.samples.0..segment.samples.1).enumerate() {
                 for (k, column) in self.records[segment.record].columns.iter().enumerate() {
                     let Some(column) = column else { continue };
-                    let (prediction, _, _) = self.reading(segment.record, k, x, run.states[i * n + k], run.rates[i * n + k]);
+                    let (prediction, _, _) =
+                        self.reading(segment.record, k, x, run.states[i * n + k], run.rates[i * n + k]);
                     out[segment.record][k].residual.push(column[sample] - prediction);
                     out[segment.record][k].prediction.push(prediction);
                 }
@@ -304,11 +340,24 @@ impl<'a> Problem<'a> {
     /// Cost and normal equations, residuals weighted by the noise at `weights` (predictions of an earlier iterate, so that weights do not chase
     /// the fit).
     pub(crate) fn normal(&self, x: &[f64], weights: &[Vec<Vec<f64>>]) -> Result<Normal, SimError> {
+        self.gathered(x, weights, false)
+    }
+
+    /// As [`Problem::normal`], but each row of `J` is multiplied by its weighted residual: the meat of the sandwich that makes error bars right where the noise
+    /// model is not (White, Econometrica 48 (1980) 817-838).
+    pub(crate) fn meat(&self, x: &[f64], weights: &[Vec<Vec<f64>>]) -> Result<Mat<f64>, SimError> {
+        self.gathered(x, weights, true).map(|n| n.matrix)
+    }
+
+    fn gathered(&self, x: &[f64], weights: &[Vec<Vec<f64>>], meat: bool) -> Result<Normal, SimError> {
         let d = self.unknowns;
-        let parts: Vec<(f64, Vec<usize>, Mat<f64>, Vec<f64>)> =
-            self.segments.par_iter().map(|s| self.normal_of_segment(s, x, weights)).collect::<Result<_, _>>()?;
+        let parts: Vec<Share> = self
+            .segments
+            .par_iter()
+            .map(|s| self.normal_of_segment(s, x, weights, meat))
+            .collect::<Result<_, _>>()?;
         let mut total = Normal { cost: 0.0, matrix: Mat::zeros(d, d), gradient: vec![0.0; d] };
-        for (cost, at, matrix, gradient) in parts {
+        for Share { cost, at, matrix, gradient } in parts {
             total.cost += cost;
             for (i, &row) in at.iter().enumerate() {
                 total.gradient[row] += gradient[i];
@@ -332,12 +381,15 @@ impl<'a> Problem<'a> {
         segment: &Segment,
         x: &[f64],
         weights: &[Vec<Vec<f64>>],
-    ) -> Result<(f64, Vec<usize>, Mat<f64>, Vec<f64>), SimError> {
+        meat: bool,
+    ) -> Result<Share, SimError> {
         let run = self.run(segment, x, true)?;
         let (n, m, r) = (run.n, run.m, segment.record);
         // Columns of the sensitivities: start states, then the unknown ones among the model's parameters.
         let mut at: Vec<usize> = (segment.start..segment.start + n).collect();
-        at.extend(self.model[r].iter().filter_map(|s| if let Source::Unknown(k) = s { Some(*k) } else { None }));
+        at.extend(
+            self.model[r].iter().filter_map(|s| if let Source::Unknown(k) = s { Some(*k) } else { None }),
+        );
         let mut sensor_slots = vec![[usize::MAX; 3]; n];
         for (k, sensor) in self.sensors[r].iter().enumerate() {
             for (which, source) in sensor.iter().enumerate() {
@@ -373,6 +425,9 @@ impl<'a> Problem<'a> {
                 if delay_at != usize::MAX {
                     row[delay_at] = -weight * gain * rate;
                 }
+                if meat {
+                    row.iter_mut().for_each(|j| *j *= e);
+                }
                 for a in 0..width {
                     let ja = row[a];
                     if ja == 0.0 {
@@ -385,18 +440,24 @@ impl<'a> Problem<'a> {
             }
         }
         let matrix = Mat::from_fn(width, width, |a, b| if a <= b { matrix[a * width + b] } else { 0.0 });
-        Ok((cost, at, matrix, gradient))
+        Ok(Share { cost, at, matrix, gradient })
     }
 
     /// Weights `1 / variance` of every sample.
-    pub(crate) fn weights(&self, noise: &Noise, residuals: Option<&[Vec<ColumnResidual>]>) -> Vec<Vec<Vec<f64>>> {
+    pub(crate) fn weights(
+        &self,
+        noise: &Noise,
+        residuals: Option<&[Vec<ColumnResidual>]>,
+    ) -> Vec<Vec<Vec<f64>>> {
         (0..self.records.len())
             .map(|r| {
                 (0..self.system.states.len())
                     .map(|k| {
                         let Some(column) = &self.records[r].columns[k] else { return vec![] };
                         let predictions = residuals.map(|all| &all[r][k].prediction);
-                        (0..column.len()).map(|i| 1.0 / noise[r][k].variance(predictions.map_or(column[i], |p| p[i]))).collect()
+                        (0..column.len())
+                            .map(|i| 1.0 / noise[r][k].variance(predictions.map_or(column[i], |p| p[i])))
+                            .collect()
                     })
                     .collect()
             })

@@ -31,7 +31,13 @@ struct Window {
 }
 
 impl Rollout {
-    pub(crate) fn new(mut step: OneStep, free: usize, records: &[&Record], weights: &[f64], horizon: usize) -> Rollout {
+    pub(crate) fn new(
+        mut step: OneStep,
+        free: usize,
+        records: &[&Record],
+        weights: &[f64],
+        horizon: usize,
+    ) -> Rollout {
         let n = step.states.len();
         let seeds: Vec<_> = (0..n)
             .map(|i| {
@@ -43,11 +49,10 @@ impl Rollout {
         inputs.extend(&step.parameters);
         let mut wrt = step.states.clone();
         wrt.extend(&step.parameters[..free]);
-        let (roots, states) = (step.next.clone(), step.states.clone());
+        let roots = step.next.clone();
         let adjoint = step.graph.vjp(&roots, &seeds, &wrt);
         let mut jacobian = Vec::new();
         roots.iter().for_each(|&r| jacobian.extend(step.graph.gradient(r, &wrt)));
-        let _ = states;
         let mut with_seeds = inputs.clone();
         with_seeds.extend(&seeds);
         let mut windows = Vec::new();
@@ -56,7 +61,9 @@ impl Rollout {
             for start in 0..record.len().saturating_sub(horizon) {
                 for backward in [false, true] {
                     let at = |k: usize| if backward { last - start - k } else { start + k };
-                    let state = |k: usize| -> Vec<f64> { record.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| c[k])).collect() };
+                    let state = |k: usize| -> Vec<f64> {
+                        record.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| c[k])).collect()
+                    };
                     windows.push(Window {
                         rows: (0..horizon).map(|k| step_row(record, at(k), at(k + 1))).collect(),
                         targets: (1..=horizon).map(|k| state(at(k))).collect(),
@@ -89,10 +96,10 @@ impl Rollout {
             let states = self.forward(block, parameters, &mut next);
             let mut cotangent = vec![[0.0; LANES]; n];
             for k in (0..self.horizon).rev() {
-                for i in 0..n {
+                for (i, bar) in cotangent.iter_mut().enumerate() {
                     let error = self.error(block, &states, k, i);
                     sums[0] += error.iter().map(|e| e * e).sum::<f64>();
-                    (0..LANES).for_each(|l| cotangent[i][l] += 2.0 * self.weights[i] * error[l]);
+                    bar.iter_mut().zip(&error).for_each(|(bar, e)| *bar += 2.0 * self.weights[i] * e);
                 }
                 let data = self.load(block, k, &states[k], parameters, &mut adjoint);
                 (0..n).for_each(|i| *adjoint.input(data + i) = cotangent[i]);
@@ -130,7 +137,11 @@ impl Rollout {
                     let error = self.error(block, &states, k, i);
                     let live = block.len();
                     let scaled: Vec<Lane> = (0..p)
-                        .map(|j| std::array::from_fn(|l| if l < live { self.weights[i] * s[i * p + j][l] } else { 0.0 }))
+                        .map(|j| {
+                            std::array::from_fn(|l| {
+                                if l < live { self.weights[i] * s[i * p + j][l] } else { 0.0 }
+                            })
+                        })
                         .collect();
                     accumulate(&error, |j| &scaled[j], p, sums);
                 }
@@ -141,7 +152,8 @@ impl Rollout {
     /// States at the start and after each step; lanes beyond the block repeat its last window.
     fn forward(&self, block: &[Window], parameters: &[f64], next: &mut Scratch<LANES>) -> Vec<Vec<Lane>> {
         let n = self.weights.len();
-        let first = (0..n).map(|i| std::array::from_fn(|l| block[l.min(block.len() - 1)].rows[0][2 + i])).collect();
+        let first =
+            (0..n).map(|i| std::array::from_fn(|l| block[l.min(block.len() - 1)].rows[0][2 + i])).collect();
         let mut states: Vec<Vec<Lane>> = vec![first];
         for k in 0..self.horizon {
             self.load(block, k, &states[k], parameters, next);
@@ -152,7 +164,14 @@ impl Rollout {
     }
 
     /// Writes data, states and parameters of step `k`; returns how many inputs that were.
-    fn load(&self, block: &[Window], k: usize, states: &[Lane], parameters: &[f64], scratch: &mut Scratch<LANES>) -> usize {
+    fn load(
+        &self,
+        block: &[Window],
+        k: usize,
+        states: &[Lane],
+        parameters: &[f64],
+        scratch: &mut Scratch<LANES>,
+    ) -> usize {
         let n = self.weights.len();
         let width = block[0].rows[0].len();
         for at in 0..width {
@@ -166,13 +185,16 @@ impl Rollout {
             *scratch.input(width + j) = [value; LANES];
         }
         for j in 0..block[0].constants.len() {
-            *scratch.input(width + self.free + j) = std::array::from_fn(|l| block[l.min(block.len() - 1)].constants[j]);
+            *scratch.input(width + self.free + j) =
+                std::array::from_fn(|l| block[l.min(block.len() - 1)].constants[j]);
         }
         width + self.free + block[0].constants.len()
     }
 
     fn error(&self, block: &[Window], states: &[Vec<Lane>], k: usize, i: usize) -> Lane {
-        std::array::from_fn(|l| block.get(l).map_or(0.0, |w| self.weights[i] * (states[k + 1][i][l] - w.targets[k][i])))
+        std::array::from_fn(|l| {
+            block.get(l).map_or(0.0, |w| self.weights[i] * (states[k + 1][i][l] - w.targets[k][i]))
+        })
     }
 
     fn over_blocks(&self, size: usize, each: impl Fn(&[Window], &mut [f64]) + Sync) -> Vec<f64> {

@@ -6,7 +6,7 @@ use crate::descent::Descent;
 use crate::least_squares::{Limits, Normal, minimise};
 use crate::linear::{covariance, symmetric};
 use crate::onestep::OneStep;
-use phisindy_phys::spec::Optimiser;
+use phisindy_phys::spec::{Crossings, Optimiser};
 use phisindy_phys::{Record, System};
 use std::ops::ControlFlow;
 
@@ -25,6 +25,8 @@ pub struct StepOptions {
     pub tolerance: f64,
     /// Steps that are unrolled.
     pub horizon: usize,
+    /// Whether steps across a change of sign are used (with a horizon of one).
+    pub crossings: Crossings,
 }
 
 impl Default for StepOptions {
@@ -36,6 +38,7 @@ impl Default for StepOptions {
             cutoff: 0.05,
             tolerance: 1e-3,
             horizon: 1,
+            crossings: Crossings::Keep,
         }
     }
 }
@@ -88,14 +91,18 @@ pub fn train(
         let mut step = OneStep::new(system, &model, options.tolerance);
         // What is held becomes a number; what moves stays.
         if !gauss_newton {
-            let held: std::collections::HashMap<_, _> =
-                system.parameters.iter().zip(parameters).map(|(p, &v)| (p.node, step.graph.constant(v))).collect();
+            let held: std::collections::HashMap<_, _> = system
+                .parameters
+                .iter()
+                .zip(parameters)
+                .map(|(p, &v)| (p.node, step.graph.constant(v)))
+                .collect();
             step.next = step.graph.replace(&step.next, &held);
             let nodes: Vec<_> = system.parameters.iter().map(|p| p.node).collect();
             step.parameters.retain(|id| !nodes.contains(id));
         }
         let free = if gauss_newton { terms.len() + parameters.len() } else { terms.len() };
-        Batch::new(&step, free, records, &scale, options.horizon)
+        Batch::new(&step, free, records, &scale, options)
     };
     let total: u32 = options.epochs.iter().sum();
     let mut done = 0;
@@ -133,7 +140,8 @@ pub fn train(
             batch.loss(&values, &mut gradient)
         };
         coefficients = values;
-        let kept: Vec<usize> = (0..terms.len()).filter(|&k| coefficients[k].abs() >= options.cutoff).collect();
+        let kept: Vec<usize> =
+            (0..terms.len()).filter(|&k| coefficients[k].abs() >= options.cutoff).collect();
         let cut = kept.len() < terms.len();
         fit.stages.push((terms.len(), loss));
         terms = kept.iter().map(|&k| terms[k]).collect();
@@ -170,5 +178,6 @@ fn solve(batch: &Batch, values: &mut [f64], bounds: &[(f64, f64)]) -> f64 {
         let (cost, triangle, gradient) = batch.normal(x);
         cost.is_finite().then(|| Normal { cost, matrix: symmetric(&triangle, n), gradient })
     };
-    minimise(values, bounds, Limits { iterations: 60, gain: 1e-14 }, evaluate).map_or(f64::NAN, |end| end.cost)
+    minimise(values, bounds, Limits { iterations: 60, gain: 1e-14 }, evaluate)
+        .map_or(f64::NAN, |end| end.cost)
 }

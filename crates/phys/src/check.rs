@@ -168,7 +168,13 @@ impl Checker {
             let symbol = self.declare(name, "state");
             let node = self.graph.symbol(symbol);
             let factor = self.unit(unit).factor;
-            states.push(State { name: name.value.clone(), unit: unit.value.clone(), factor, node, velocity: None });
+            states.push(State {
+                name: name.value.clone(),
+                unit: unit.value.clone(),
+                factor,
+                node,
+                velocity: None,
+            });
         }
         let mut inputs = Vec::new();
         for (name, unit) in &spec.inputs {
@@ -190,7 +196,9 @@ impl Checker {
                 known[k] = id;
             }
         });
-        for (name, _) in spec.states.iter().filter(|(n, _)| !spec.known.iter().any(|(k, _)| k.value == n.value)) {
+        for (name, _) in
+            spec.states.iter().filter(|(n, _)| !spec.known.iter().any(|(k, _)| k.value == n.value))
+        {
             self.error(format!("state `{}` has no rate", name.value), name.span, "declared here")
                 .help
                 .push(format!("add `\"{}\": \"...\"` to `known`; the rate may be \"0\"", name.value));
@@ -226,7 +234,13 @@ impl Checker {
     }
 
     /// Calls `each` for the entries of a map from states to something.
-    fn per_state<T>(&mut self, field: &str, map: &[(Text, T)], spec: &Spec, mut each: impl FnMut(&mut Self, usize, &T)) {
+    fn per_state<T>(
+        &mut self,
+        field: &str,
+        map: &[(Text, T)],
+        spec: &Spec,
+        mut each: impl FnMut(&mut Self, usize, &T),
+    ) {
         let names: Vec<&str> = spec.states.iter().map(|(n, _)| n.value.as_str()).collect();
         for (name, value) in map {
             match names.iter().position(|n| *n == name.value) {
@@ -285,17 +299,22 @@ impl Checker {
         for text in &spec.contacts {
             let Some(node) = self.expression(text, allowed) else { continue };
             let gradient = self.graph.gradient(node, nodes);
-            let parts: Vec<usize> = (0..nodes.len()).filter(|&k| self.graph.value(gradient[k]) != Some(0.0)).collect();
+            let parts: Vec<usize> =
+                (0..nodes.len()).filter(|&k| self.graph.value(gradient[k]) != Some(0.0)).collect();
             let linear = gradient.iter().all(|&g| self.graph.value(g).is_some());
             let displacement = parts.iter().copied().find(|&k| states[k].velocity.is_some());
             if parts.is_empty() || !linear || displacement.is_some() {
-                let d = self.error(format!("`{}` is no velocity, so it cannot stick", text.value), text.span, "");
+                let d =
+                    self.error(format!("`{}` is no velocity, so it cannot stick", text.value), text.span, "");
                 d.help.push(match displacement {
                     Some(k) => {
                         let (x, v) = (&states[k].name, states[k].velocity.map_or("", |v| &states[v].name));
                         format!("`{x}` is a displacement; its velocity is `{v}`")
                     }
-                    None => "a contact is a velocity or a difference of velocities, such as \"v\" or \"v1-v2\"".into(),
+                    None => {
+                        "a contact is a velocity or a difference of velocities, such as \"v\" or \"v1-v2\""
+                            .into()
+                    }
                 });
                 continue;
             }
@@ -309,9 +328,14 @@ impl Checker {
             let mut roots: Vec<Id> = known.to_vec();
             roots.extend(terms.iter().map(|t| t.value));
             let all = self.graph.reachable(&roots);
-            let sign = |id: &Id| matches!(self.graph.node(*id), Node::Unary(Unary::Sgn | Unary::Step, _)) && all.contains(id);
+            let sign = |id: &Id| {
+                matches!(self.graph.node(*id), Node::Unary(Unary::Sgn | Unary::Step, _)) && all.contains(id)
+            };
             if !signs.iter().chain(&steps).any(sign) {
-                let message = format!("no rate holds `sgn({0})`: contact `{0}` has no friction and can never stick", text.value);
+                let message = format!(
+                    "no rate holds `sgn({0})`: contact `{0}` has no friction and can never stick",
+                    text.value
+                );
                 self.warn(message, text.span, "");
             }
             contacts.push(Contact { text: text.value.clone(), node });

@@ -52,14 +52,16 @@ impl Constants {
 impl Checker {
     /// Declares and evaluates all constants; returns those that may move.
     pub(crate) fn gather_constants(&mut self, spec: &Spec) -> Vec<Parameter> {
-        let of_records: Vec<&Text> = spec.data.iter().flat_map(record_constants).map(|(name, _)| name).collect();
+        let of_records: Vec<&Text> =
+            spec.data.iter().flat_map(record_constants).map(|(name, _)| name).collect();
         let mut parameters = Vec::new();
         let mut pending: Vec<(&Text, &Text)> = Vec::new();
         for (name, constant) in &spec.constants {
             let symbol = self.declare(name, "constant");
             let node = self.graph.symbol(symbol);
             self.constants.order.push(name.value.clone());
-            if of_records.iter().any(|n| n.value == name.value) || matches!(constant, ConstantSpec::MaxAbs(_)) {
+            if of_records.iter().any(|n| n.value == name.value) || matches!(constant, ConstantSpec::MaxAbs(_))
+            {
                 self.constants.records.push((name.value.clone(), node));
                 if let Some(value) = self.record_value(name, constant, spec) {
                     self.constants.defaults.insert(name.value.clone(), value);
@@ -72,10 +74,28 @@ impl Checker {
                     self.fix(name, node, value.value * factor);
                 }
                 ConstantSpec::Movable(m) => {
-                    parameters.push(self.parameter(name, node, &m.value, m.unit.as_ref(), &m.within, m.sigma.as_ref(), m.each, true));
+                    parameters.push(self.parameter(
+                        name,
+                        node,
+                        &m.value,
+                        m.unit.as_ref(),
+                        &m.within,
+                        m.sigma.as_ref(),
+                        m.each,
+                        true,
+                    ));
                 }
                 ConstantSpec::Find(f) => {
-                    parameters.push(self.parameter(name, node, &f.start, f.unit.as_ref(), &f.within, f.sigma.as_ref(), f.each, false));
+                    parameters.push(self.parameter(
+                        name,
+                        node,
+                        &f.start,
+                        f.unit.as_ref(),
+                        &f.within,
+                        f.sigma.as_ref(),
+                        f.each,
+                        false,
+                    ));
                 }
                 ConstantSpec::Expression(text) => pending.push((name, text)),
                 ConstantSpec::MaxAbs(_) => {}
@@ -131,7 +151,8 @@ impl Checker {
         };
         loop {
             let waiting: Vec<String> = pending.iter().map(|(n, _)| n.value.clone()).collect();
-            let ready = pending.iter().position(|(_, text)| !names_in(text).iter().any(|n| waiting.contains(n)));
+            let ready =
+                pending.iter().position(|(_, text)| !names_in(text).iter().any(|n| waiting.contains(n)));
             let Some(k) = ready else { break };
             let (name, text) = pending.remove(k);
             let Some(root) = self.expression(text, &[]) else { continue };
@@ -152,7 +173,9 @@ impl Checker {
             let mut circle = vec![first.value.clone()];
             let mut at = text;
             loop {
-                let next = names_in(at).into_iter().find_map(|n| pending.iter().find(|(p, _)| p.value == n).copied());
+                let next = names_in(at)
+                    .into_iter()
+                    .find_map(|n| pending.iter().find(|(p, _)| p.value == n).copied());
                 let Some((name, text)) = next else { break };
                 if let Some(start) = circle.iter().position(|n| *n == name.value) {
                     circle.drain(..start);
@@ -162,15 +185,28 @@ impl Checker {
                 circle.push(name.value.clone());
                 at = text;
             }
-            let start = pending.iter().find(|(n, _)| Some(&n.value) == circle.first()).copied().unwrap_or((first, text));
-            self.error(format!("constants refer to each other in a circle: {}", circle.join(" -> ")), start.1.span, "")
-                .help
-                .push("give one of them a number".into());
+            let start = pending
+                .iter()
+                .find(|(n, _)| Some(&n.value) == circle.first())
+                .copied()
+                .unwrap_or((first, text));
+            self.error(
+                format!("constants refer to each other in a circle: {}", circle.join(" -> ")),
+                start.1.span,
+                "",
+            )
+            .help
+            .push("give one of them a number".into());
         }
     }
 
     /// The value of a constant that belongs to a record.
-    pub(crate) fn record_value(&mut self, name: &Text, constant: &ConstantSpec, spec: &Spec) -> Option<Value> {
+    pub(crate) fn record_value(
+        &mut self,
+        name: &Text,
+        constant: &ConstantSpec,
+        spec: &Spec,
+    ) -> Option<Value> {
         match constant {
             ConstantSpec::Number { value, unit } => {
                 let factor = unit.as_ref().map_or(1.0, |u| self.unit(u).factor);

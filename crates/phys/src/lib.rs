@@ -32,5 +32,5 @@ pub use interpolate::{Interpolation, Signal, SignalError};
 pub use model::Model;
 pub use noise_level::{effective_samples, noise_level};
 pub use plan::{Origin, RecordPlan, Sensor, SensorParameter, Synthetic, SyntheticInput};
-pub use record::{Record, Table, link_continuations};
+pub use record::{Record, Table, derivation_note, link_continuations};
 pub use system::{Contact, Input, Parameter, State, System, Term};

@@ -32,11 +32,21 @@ impl Model {
     ///
     /// # Errors
     /// The first mistake, in words.
-    pub fn build(states: &[&str], inputs: &[&str], parameters: &[&str], rates: &[&str]) -> Result<Model, String> {
+    pub fn build(
+        states: &[&str],
+        inputs: &[&str],
+        parameters: &[&str],
+        rates: &[&str],
+    ) -> Result<Model, String> {
         let (mut graph, mut names) = (Graph::default(), Names::default());
         let time = names.intern("t");
         let mut nodes = |list: &[&str]| -> Vec<Id> {
-            list.iter().map(|n| names.intern(n)).collect::<Vec<Symbol>>().into_iter().map(|s| graph.symbol(s)).collect()
+            list.iter()
+                .map(|n| names.intern(n))
+                .collect::<Vec<Symbol>>()
+                .into_iter()
+                .map(|s| graph.symbol(s))
+                .collect()
         };
         let (states, inputs, parameters) = (nodes(states), nodes(inputs), nodes(parameters));
         let time = graph.symbol(time);

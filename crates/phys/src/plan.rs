@@ -4,7 +4,10 @@ use crate::Interpolation;
 use crate::check::Checker;
 use crate::constants::{Value, record_constants};
 use crate::model::Model;
-use crate::spec::{CsvSpec, DataSpec, DeriveSpec, InputSpec, NoiseSpec, Role, SensorSpec, SensorValue, Spec, SyntheticSpec, Text};
+use crate::spec::{
+    CsvSpec, DataSpec, DeriveSpec, InputSpec, NoiseSpec, Role, SensorSpec, SensorValue, Spec, SyntheticSpec,
+    Text,
+};
 use crate::system::System;
 use phisindy_expr::Id;
 use std::collections::HashMap;
@@ -141,7 +144,8 @@ impl Checker {
     fn sensors(&mut self, sensors: &[(Text, SensorSpec)], system: &System) -> Vec<Sensor> {
         let mut all = vec![Sensor::default(); system.states.len() + system.inputs.len()];
         for (name, sensor) in sensors {
-            let index = system.state(&name.value).or(system.input(&name.value).map(|u| u + system.states.len()));
+            let index =
+                system.state(&name.value).or(system.input(&name.value).map(|u| u + system.states.len()));
             let Some(index) = index else {
                 self.unknown_name(&name.value, name.span, "column in `sensors`", &quantity_names(system));
                 continue;
@@ -154,11 +158,18 @@ impl Checker {
                     SensorValue::Find(f) => {
                         let factor = f.unit.as_ref().map_or(1.0, |u| self.unit(u).factor);
                         let within = Some((f.within.0.value * factor, f.within.1.value * factor));
-                        SensorParameter { start: f.start.value * factor, within, sigma: f.sigma.as_ref().map(|s| s.value * factor) }
+                        SensorParameter {
+                            start: f.start.value * factor,
+                            within,
+                            sigma: f.sigma.as_ref().map(|s| s.value * factor),
+                        }
                     }
                 };
                 let target = &mut all[index];
-                *[&mut target.offset, &mut target.gain, &mut target.delay].into_iter().nth(which).expect("three sensor parameters") = parameter;
+                *[&mut target.offset, &mut target.gain, &mut target.delay]
+                    .into_iter()
+                    .nth(which)
+                    .expect("three sensor parameters") = parameter;
             }
         }
         all
@@ -209,7 +220,9 @@ impl Checker {
     fn csv(&mut self, csv: &CsvSpec, spec: &Spec, system: &System) -> Option<RecordPlan> {
         let errors = self.diagnostics.len();
         let path = std::path::Path::new(&csv.path.value);
-        let plain = path.components().all(|c| matches!(c, std::path::Component::Normal(_) | std::path::Component::CurDir));
+        let plain = path
+            .components()
+            .all(|c| matches!(c, std::path::Component::Normal(_) | std::path::Component::CurDir));
         if !plain || csv.path.value.contains('\\') {
             self.error(format!("`{}` leads out of the data folder", csv.path.value), csv.path.span, "")
                 .help
@@ -221,13 +234,20 @@ impl Checker {
                 self.unknown_name(&name.value, name.span, "state or input in `columns`", &names);
                 continue;
             }
-            let own = system.states.iter().map(|s| (&s.name, &s.unit)).chain(system.inputs.iter().map(|u| (&u.name, &u.unit)));
+            let own = system
+                .states
+                .iter()
+                .map(|s| (&s.name, &s.unit))
+                .chain(system.inputs.iter().map(|u| (&u.name, &u.unit)));
             let own: HashMap<&String, &String> = own.collect();
             if let Some(unit) = &column.unit {
                 let theirs = self.unit(unit);
                 let ours = crate::unit::Unit::parse(own[&name.value]).unwrap_or(crate::unit::Unit::ONE);
                 if theirs.dimension != ours.dimension {
-                    let message = format!("`{}` cannot be converted to `{}`, the unit of `{}`", unit.value, own[&name.value], name.value);
+                    let message = format!(
+                        "`{}` cannot be converted to `{}`, the unit of `{}`",
+                        unit.value, own[&name.value], name.value
+                    );
                     self.error(message, unit.span, "");
                 }
             }
@@ -259,7 +279,13 @@ impl Checker {
         (self.diagnostics.len() == errors).then_some(plan)
     }
 
-    fn synthetic(&mut self, index: usize, data: &SyntheticSpec, spec: &Spec, system: &System) -> Option<RecordPlan> {
+    fn synthetic(
+        &mut self,
+        index: usize,
+        data: &SyntheticSpec,
+        spec: &Spec,
+        system: &System,
+    ) -> Option<RecordPlan> {
         let errors = self.diagnostics.iter().filter(|d| d.is_error()).count();
         let mut allowed: Vec<&str> = vec!["t"];
         allowed.extend(system.states.iter().map(|s| s.name.as_str()));
@@ -282,13 +308,19 @@ impl Checker {
         for (k, input) in system.inputs.iter().enumerate() {
             let given = data.inputs.iter().find(|(n, _)| n.value == input.name);
             inputs.push(match (given, derived[k]) {
-                (Some((_, InputSpec::Formula(text))), _) => SyntheticInput::Formula(self.expression(text, &["t"]).unwrap_or(zero)),
+                (Some((_, InputSpec::Formula(text))), _) => {
+                    SyntheticInput::Formula(self.expression(text, &["t"]).unwrap_or(zero))
+                }
                 (Some((_, other)), _) => SyntheticInput::Generated(other.clone()),
                 (None, Some(of)) => SyntheticInput::Derivative(of),
                 (None, None) => {
-                    self.error(format!("input `{}` has no excitation in this record", input.name), data.span, "")
-                        .help
-                        .push(format!("add `inputs: {{ \"{}\": Formula(\"...\") }}`", input.name));
+                    self.error(
+                        format!("input `{}` has no excitation in this record", input.name),
+                        data.span,
+                        "",
+                    )
+                    .help
+                    .push(format!("add `inputs: {{ \"{}\": Formula(\"...\") }}`", input.name));
                     SyntheticInput::Formula(zero)
                 }
             });
@@ -296,7 +328,8 @@ impl Checker {
         let start = self.start(&data.start, system);
         let (measured_states, measured_inputs) = self.measured(data, system);
         let title = Text { value: format!("record {index}"), span: data.span };
-        let constants = self.record_constants(&DataSpec::Synthetic(Box::new(data.clone())), spec, system, &title);
+        let constants =
+            self.record_constants(&DataSpec::Synthetic(Box::new(data.clone())), spec, system, &title);
         let truth = self.truth_model(system, &extra, &inputs);
         let plan = RecordPlan {
             name: data.name.as_ref().map_or(format!("synthetic {index}"), |n| n.value.clone()),
@@ -332,7 +365,12 @@ impl Checker {
             match (system.state(&name.value), system.input(&name.value)) {
                 (Some(k), _) => states[k] = true,
                 (_, Some(k)) => inputs[k] = true,
-                _ => self.unknown_name(&name.value, name.span, "state or input in `measure`", &quantity_names(system)),
+                _ => self.unknown_name(
+                    &name.value,
+                    name.span,
+                    "state or input in `measure`",
+                    &quantity_names(system),
+                ),
             }
         }
         if !states.contains(&true) {
@@ -348,7 +386,8 @@ impl Checker {
             let value = self.graph.constant(parameter.start);
             with.insert(parameter.node, value);
         }
-        let formulas: Vec<Option<Id>> = (0..inputs.len()).map(|k| self.formula(inputs, k, system.time)).collect();
+        let formulas: Vec<Option<Id>> =
+            (0..inputs.len()).map(|k| self.formula(inputs, k, system.time)).collect();
         for (input, formula) in system.inputs.iter().zip(formulas) {
             if let Some(formula) = formula {
                 with.insert(input.node, formula);
@@ -381,5 +420,10 @@ impl Checker {
 }
 
 fn quantity_names(system: &System) -> Vec<&str> {
-    system.states.iter().map(|s| s.name.as_str()).chain(system.inputs.iter().map(|u| u.name.as_str())).collect()
+    system
+        .states
+        .iter()
+        .map(|s| s.name.as_str())
+        .chain(system.inputs.iter().map(|u| u.name.as_str()))
+        .collect()
 }

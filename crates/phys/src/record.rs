@@ -62,17 +62,27 @@ impl Record {
     ///
     /// # Errors
     /// Diagnostics that point into the spec (a window outside the data, too few samples).
-    pub fn from_table(plan: &RecordPlan, table: &Table, system: &System, spec: SourceId) -> Result<Record, Vec<Diagnostic>> {
+    pub fn from_table(
+        plan: &RecordPlan,
+        table: &Table,
+        system: &System,
+        spec: SourceId,
+    ) -> Result<Record, Vec<Diagnostic>> {
         let Origin::Csv(csv) = &plan.origin else {
             return Err(vec![Diagnostic::error("a synthetic record has no file")]);
         };
         let rows = selected_rows(csv, table, spec).map_err(|d| vec![d])?;
-        let time_factor = csv.time.unit.as_ref().and_then(|u| Unit::parse(&u.value).ok()).map_or(1.0, |u| u.factor);
+        let time_factor =
+            csv.time.unit.as_ref().and_then(|u| Unit::parse(&u.value).ok()).map_or(1.0, |u| u.factor);
         let time: Arc<[f64]> = rows.iter().map(|&r| table.time[r] * time_factor).collect();
         let column = |name: &str| -> Option<Vec<f64>> {
             let k = csv.columns.iter().position(|(n, _)| n.value == name)?;
-            let own = system.state(name).map(|s| system.states[s].factor).or(system.input(name).map(|u| system.inputs[u].factor));
-            let unit = csv.columns[k].1.unit.as_ref().and_then(|u| Unit::parse(&u.value).ok()).map(|u| u.factor);
+            let own = system
+                .state(name)
+                .map(|s| system.states[s].factor)
+                .or(system.input(name).map(|u| system.inputs[u].factor));
+            let unit =
+                csv.columns[k].1.unit.as_ref().and_then(|u| Unit::parse(&u.value).ok()).map(|u| u.factor);
             let factor = unit.or(own).unwrap_or(1.0);
             // Dividing by a power of ten rounds once; multiplying by its inverse rounds twice.
             let inverse = (1.0 / factor).round();
@@ -81,21 +91,22 @@ impl Record {
             Some(rows.iter().map(|&r| convert(table.columns[k][r])).collect())
         };
         let columns = system.states.iter().map(|s| column(&s.name)).collect();
-        let raw: Vec<Option<Vec<f64>>> = system.inputs.iter().map(|u| column(&u.name)).collect();
+        let mut raw: Vec<Option<Vec<f64>>> = system.inputs.iter().map(|u| column(&u.name)).collect();
         let mut notes = Vec::new();
+        for (k, of) in plan.derived.iter().enumerate().filter_map(|(k, of)| of.map(|of| (k, of))) {
+            if let (None, Some(source)) = (&raw[k], &raw[of]) {
+                let d = differentiated(&time, source).map_err(|d| vec![d])?;
+                notes.push(derivation_note(&system.inputs[k].name, &system.inputs[of].name, &d));
+                (raw[k], raw[of]) = (Some(d.derivative), Some(d.values));
+            }
+        }
         let mut inputs = Vec::new();
-        for (k, input) in system.inputs.iter().enumerate() {
-            let values = match (&raw[k], plan.derived[k].and_then(|of| raw[of].as_ref().map(|v| (of, v)))) {
-                (Some(values), _) => values.clone(),
-                (None, Some((of, source))) => {
-                    let d = differentiated(&time, source).map_err(|d| vec![d])?;
-                    notes.push(format!("{} is the derivative of {}: {}", input.name, system.inputs[of].name, d.description));
-                    d.derivative
-                }
-                (None, None) => return Err(vec![Diagnostic::error(format!("input `{}` has no data", input.name))]),
-            };
+        for (k, values) in raw.into_iter().enumerate() {
+            let name = &system.inputs[k].name;
+            let values =
+                values.ok_or_else(|| vec![Diagnostic::error(format!("input `{name}` has no data"))])?;
             let signal = Signal::new(time.clone(), values, plan.interpolation[k]);
-            inputs.push(signal.map_err(|e| vec![Diagnostic::error(format!("input `{}`: {e}", input.name))])?);
+            inputs.push(signal.map_err(|e| vec![Diagnostic::error(format!("input `{name}`: {e}"))])?);
         }
         let constants = plan.constants.iter().filter_map(crate::check::number).collect();
         Ok(Record {
@@ -124,15 +135,24 @@ impl Record {
             if self.columns[v].is_none()
                 && let Ok(d) = differentiated(&self.time, values)
             {
-                done.push(format!("{}: {} is the derivative of {} ({})", self.name, system.states[v].name, state.name, d.description));
+                done.push(format!(
+                    "{}: {} is the derivative of {} ({})",
+                    self.name, system.states[v].name, state.name, d.description
+                ));
                 self.columns[v] = Some(d.derivative);
                 self.columns[k] = Some(d.values);
             }
         }
         let missing = |k: &usize| self.columns[*k].is_none();
-        let missing: Vec<String> = (0..system.states.len()).filter(missing).map(|k| system.states[k].name.clone()).collect();
+        let missing: Vec<String> =
+            (0..system.states.len()).filter(missing).map(|k| system.states[k].name.clone()).collect();
         if missing.is_empty() { Ok(done) } else { Err(missing) }
     }
+}
+
+/// What was done to an input and its source, in words.
+pub fn derivation_note(name: &str, of: &str, d: &Differentiated) -> String {
+    format!("{name} is the derivative of {of}, and {of} is smoothed with it: {}", d.description)
 }
 
 fn differentiated(time: &[f64], values: &[f64]) -> Result<Differentiated, Diagnostic> {
@@ -142,14 +162,16 @@ fn differentiated(time: &[f64], values: &[f64]) -> Result<Differentiated, Diagno
 /// The rows inside the window, every `decimate`-th of them.
 fn selected_rows(csv: &CsvSpec, table: &Table, spec: SourceId) -> Result<Vec<usize>, Diagnostic> {
     let every = csv.decimate.as_ref().map_or(1, |d| d.value.max(1)) as usize;
-    let inside = |&r: &usize| csv.window.as_ref().is_none_or(|(a, b)| (a.value..=b.value).contains(&table.time[r]));
+    let inside =
+        |&r: &usize| csv.window.as_ref().is_none_or(|(a, b)| (a.value..=b.value).contains(&table.time[r]));
     let rows: Vec<usize> = (0..table.time.len()).filter(inside).step_by(every).collect();
     if rows.len() >= FEWEST {
         return Ok(rows);
     }
     let span = csv.window.as_ref().map_or(csv.path.span, |(a, b)| a.span.to(b.span));
     let (first, last) = (table.time.first(), table.time.last());
-    let mut d = Diagnostic::error(format!("only {} samples are left of `{}`", rows.len(), csv.path.value)).at(spec, span, "");
+    let mut d = Diagnostic::error(format!("only {} samples are left of `{}`", rows.len(), csv.path.value))
+        .at(spec, span, "");
     if let (Some(first), Some(last)) = (first, last) {
         d = d.help(format!("the file's time runs from {first} to {last}"));
     }
@@ -161,9 +183,14 @@ pub fn link_continuations(records: &mut [Record], plans: &[RecordPlan]) {
     for k in 0..records.len() {
         let before = (0..k).rev().find(|&j| {
             let (Origin::Csv(a), Origin::Csv(b)) = (&plans[j].origin, &plans[k].origin) else { return false };
-            let same_rows = a.rows.iter().map(|(n, v)| (&n.value, v.value)).eq(b.rows.iter().map(|(n, v)| (&n.value, v.value)));
+            let same_rows = a
+                .rows
+                .iter()
+                .map(|(n, v)| (&n.value, v.value))
+                .eq(b.rows.iter().map(|(n, v)| (&n.value, v.value)));
             let gap = records[k].time[0] - records[j].time[records[j].len() - 1];
-            let step = (records[j].time[records[j].len() - 1] - records[j].time[0]) / (records[j].len() - 1) as f64;
+            let step =
+                (records[j].time[records[j].len() - 1] - records[j].time[0]) / (records[j].len() - 1) as f64;
             a.path.value == b.path.value && same_rows && gap.abs() <= 2.5 * step
         });
         if records[k].role == Role::Validate {

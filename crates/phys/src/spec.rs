@@ -315,6 +315,8 @@ pub struct LearnSpec {
     pub cutoff: Option<Number>,
     /// Speed below which method step takes a contact as stuck.
     pub tolerance: Option<Number>,
+    /// Whether method step uses steps across which a contact's velocity changes sign.
+    pub crossings: Option<Crossings>,
     /// How method trajectory chooses terms.
     pub selection: Option<SelectionSpec>,
     /// Samples of a segment of method trajectory.
@@ -334,6 +336,16 @@ pub enum Optimiser {
     Sgd,
     /// Least squares.
     GaussNewton,
+}
+
+/// What method step does with steps across which a contact's velocity changes sign: a Runge-Kutta step is wrong there by the jump of the
+/// friction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Crossings {
+    /// Uses them, as the paper does.
+    Keep,
+    /// Leaves them out.
+    Skip,
 }
 
 /// How terms are chosen.

@@ -5,7 +5,10 @@ use crate::noise::{Noise, Streams, add_noise};
 use crate::{Automaton, Drive, Options, SimError, Trajectory, simulate};
 use phisindy_expr::{Id, Scratch, Tape};
 use phisindy_phys::spec::{InputSpec, NoiseSpec};
-use phisindy_phys::{Interpolation, Record, RecordPlan, Signal, Synthetic, SyntheticInput, System, Value, automatic};
+use phisindy_phys::{
+    Interpolation, Record, RecordPlan, Signal, Synthetic, SyntheticInput, System, Value, automatic,
+    derivation_note,
+};
 use std::fmt;
 use std::sync::Arc;
 
@@ -66,8 +69,12 @@ pub fn synthesize(
     let exact = |k: usize, grid: &[f64]| -> Option<Vec<f64>> {
         let step = grid[1] - grid[0];
         match &truth.inputs[k] {
-            SyntheticInput::Generated(_) => generated[k].as_ref().map(|m| m.values_on_grid(grid[0], step, grid.len())),
-            SyntheticInput::Derivative(of) => generated[*of].as_ref().map(|m| grid.iter().map(|&t| m.slope(t)).collect()),
+            SyntheticInput::Generated(_) => {
+                generated[k].as_ref().map(|m| m.values_on_grid(grid[0], step, grid.len()))
+            }
+            SyntheticInput::Derivative(of) => {
+                generated[*of].as_ref().map(|m| grid.iter().map(|&t| m.slope(t)).collect())
+            }
             SyntheticInput::Formula(_) => None,
         }
     };
@@ -80,7 +87,11 @@ pub fn synthesize(
                 (SyntheticInput::Formula(f), None) => {
                     evaluate(truth, *f, &constants, &fine)?.iter().fold(0.0, |m, v| v.abs().max(m))
                 }
-                _ => return Err(SyntheticError::Other("MaxAbs needs an input with an excitation of its own".into())),
+                _ => {
+                    return Err(SyntheticError::Other(
+                        "MaxAbs needs an input with an excitation of its own".into(),
+                    ));
+                }
             },
         });
     }
@@ -123,28 +134,36 @@ pub fn synthesize(
     let seen_time: Arc<[f64]> = rows.iter().map(|&k| time[k]).collect();
     let noisy = |name: &str, values: &[f64]| -> Vec<f64> {
         let mut values = pick(values);
-        add_noise(&mut values, noise_of(&truth.noise, name), &mut streams.stream(&format!("noise of {name}")));
+        add_noise(
+            &mut values,
+            noise_of(&truth.noise, name),
+            &mut streams.stream(&format!("noise of {name}")),
+        );
         values
     };
     let columns = (0..system.states.len())
         .map(|k| truth.measured_states[k].then(|| noisy(&system.states[k].name, &run.column(k))))
         .collect();
-    let seen: Vec<Vec<f64>> = (0..recorded.len())
-        .map(|k| if truth.measured_inputs[k] { noisy(&system.inputs[k].name, &recorded[k]) } else { pick(&recorded[k]) })
-        .collect();
-    let mut notes = Vec::new();
-    let mut inputs = Vec::new();
-    for (k, exact) in seen.iter().enumerate() {
-        // A derivative of a measured input is derived from what was measured, as it would be for a rig.
-        let measured_source = plan.derived[k].filter(|&of| truth.measured_inputs[of] && !truth.measured_inputs[k]);
-        let values = match measured_source.map(|of| (of, automatic(&seen_time, &seen[of]))) {
-            Some((of, Ok(d))) => {
-                notes.push(format!("{} is the derivative of {}: {}", system.inputs[k].name, system.inputs[of].name, d.description));
-                d.derivative
+    let mut seen: Vec<Vec<f64>> = (0..recorded.len())
+        .map(|k| {
+            if truth.measured_inputs[k] {
+                noisy(&system.inputs[k].name, &recorded[k])
+            } else {
+                pick(&recorded[k])
             }
-            Some((_, Err(e))) => return Err(SyntheticError::Other(e.to_string())),
-            None => exact.clone(),
-        };
+        })
+        .collect();
+    // A derivative of a measured input is derived from what was measured, as it would be for a rig, and the input is smoothed with it.
+    let mut notes = Vec::new();
+    for (k, of) in plan.derived.iter().enumerate().filter_map(|(k, of)| of.map(|of| (k, of))) {
+        if truth.measured_inputs[of] && !truth.measured_inputs[k] {
+            let d = automatic(&seen_time, &seen[of]).map_err(|e| SyntheticError::Other(e.to_string()))?;
+            notes.push(derivation_note(&system.inputs[k].name, &system.inputs[of].name, &d));
+            (seen[k], seen[of]) = (d.derivative, d.values);
+        }
+    }
+    let mut inputs = Vec::new();
+    for (k, values) in seen.into_iter().enumerate() {
         inputs.push(signal(&seen_time, values, plan.interpolation[k])?);
     }
     let record = Record {
@@ -163,8 +182,14 @@ pub fn synthesize(
 }
 
 /// The truth at the sample times. A first, coarse run finds the size of each state, on which the accuracy of the second one rests.
-fn simulate_truth(truth: &Synthetic, inputs: &[Signal], parameters: &[f64], time: &[f64]) -> Result<Trajectory, SimError> {
-    let automaton = Automaton::new(&truth.truth).map_err(|e| SimError::NotFinite { time: 0.0, state: e.message(&truth.truth.names) })?;
+fn simulate_truth(
+    truth: &Synthetic,
+    inputs: &[Signal],
+    parameters: &[f64],
+    time: &[f64],
+) -> Result<Trajectory, SimError> {
+    let automaton = Automaton::new(&truth.truth)
+        .map_err(|e| SimError::NotFinite { time: 0.0, state: e.message(&truth.truth.names) })?;
     let drive = Drive { inputs, parameters };
     let n = truth.start.len();
     let coarse = Options { tolerance: 1e-4, scale: vec![1e-9; n], diverged: 1e24, ..Default::default() };
@@ -179,7 +204,8 @@ fn multisine(input: &SyntheticInput, seed: u64) -> Result<Option<Multisine>, Exc
     match input {
         SyntheticInput::Generated(InputSpec::Jonswap { hs, tp, gamma, omega }) => {
             let (lo, hi, step) = omega;
-            Multisine::jonswap(hs.value, tp.value, gamma.value, lo.value, hi.value, step.value, seed).map(Some)
+            Multisine::jonswap(hs.value, tp.value, gamma.value, lo.value, hi.value, step.value, seed)
+                .map(Some)
         }
         SyntheticInput::Generated(InputSpec::Multisine { amplitude, band, count }) => {
             let count = count.as_ref().map_or(20, |c| c.value as usize);
@@ -190,11 +216,17 @@ fn multisine(input: &SyntheticInput, seed: u64) -> Result<Option<Multisine>, Exc
 }
 
 /// An expression of time and record constants on a grid.
-fn evaluate(truth: &Synthetic, formula: Id, constants: &[f64], grid: &[f64]) -> Result<Vec<f64>, SyntheticError> {
+fn evaluate(
+    truth: &Synthetic,
+    formula: Id,
+    constants: &[f64],
+    grid: &[f64],
+) -> Result<Vec<f64>, SyntheticError> {
     let model = &truth.truth;
     let mut inputs = vec![model.time];
     inputs.extend(model.parameters.iter().take(constants.len()));
-    let tape = Tape::compile(&model.graph, &inputs, &[formula]).map_err(|e| SyntheticError::Other(e.message(&model.names)))?;
+    let tape = Tape::compile(&model.graph, &inputs, &[formula])
+        .map_err(|e| SyntheticError::Other(e.message(&model.names)))?;
     let mut scratch = Scratch::<1>::new(&tape);
     for (k, &value) in constants.iter().enumerate() {
         scratch.input(1 + k)[0] = value;
@@ -208,7 +240,8 @@ fn evaluate(truth: &Synthetic, formula: Id, constants: &[f64], grid: &[f64]) -> 
 }
 
 fn signal(time: &Arc<[f64]>, values: Vec<f64>, kind: Interpolation) -> Result<Signal, SyntheticError> {
-    Signal::new(time.clone(), values, kind).map_err(|e| SyntheticError::Other(format!("an input is no signal: {e}")))
+    Signal::new(time.clone(), values, kind)
+        .map_err(|e| SyntheticError::Other(format!("an input is no signal: {e}")))
 }
 
 fn noise_of(spec: &NoiseSpec, column: &str) -> Noise {
@@ -216,9 +249,14 @@ fn noise_of(spec: &NoiseSpec, column: &str) -> Noise {
         NoiseSpec::None => Noise::None,
         NoiseSpec::Relative(s) => Noise::Relative(s.value),
         NoiseSpec::Additive(s) => Noise::Additive(s.value),
-        NoiseSpec::Sensor(list) => list.iter().find(|(n, _)| n.value == column).map_or(Noise::None, |(_, (sigma, unit))| {
-            let factor = unit.as_ref().and_then(|u| phisindy_phys::unit::Unit::parse(&u.value).ok()).map_or(1.0, |u| u.factor);
-            Noise::Sensor(sigma.value * factor)
-        }),
+        NoiseSpec::Sensor(list) => {
+            list.iter().find(|(n, _)| n.value == column).map_or(Noise::None, |(_, (sigma, unit))| {
+                let factor = unit
+                    .as_ref()
+                    .and_then(|u| phisindy_phys::unit::Unit::parse(&u.value).ok())
+                    .map_or(1.0, |u| u.factor);
+                Noise::Sensor(sigma.value * factor)
+            })
+        }
     }
 }

@@ -5,13 +5,13 @@ use phisindy_phys::{Case, Origin, Record, Sources, check, spec, splice};
 use phisindy_sim::synthesize;
 
 /// Reads `specs/NAME.ron`, applies `sets`, and makes its synthetic records.
-pub fn load(name: &str, sets: &[(&str, &str)]) -> (Case, Vec<Record>) {
+pub(crate) fn load(name: &str, sets: &[(&str, &str)]) -> (Case, Vec<Record>) {
     let path = format!("{}/../../specs/{name}.ron", env!("CARGO_MANIFEST_DIR"));
     load_text(&std::fs::read_to_string(path).unwrap(), sets)
 }
 
 /// The same from a text.
-pub fn load_text(text: &str, sets: &[(&str, &str)]) -> (Case, Vec<Record>) {
+pub(crate) fn load_text(text: &str, sets: &[(&str, &str)]) -> (Case, Vec<Record>) {
     let mut text = text.to_owned();
     for (path, value) in sets {
         text = splice::set(&text, path, value).unwrap();

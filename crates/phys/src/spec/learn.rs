@@ -1,7 +1,7 @@
 //! How to identify.
 
 use super::reader::Reader;
-use super::{LearnSpec, Method, Optimiser, SegmentsSpec, SelectionSpec};
+use super::{Crossings, LearnSpec, Method, Optimiser, SegmentsSpec, SelectionSpec};
 use crate::raw::{Node, Shape};
 
 impl Reader<'_> {
@@ -12,6 +12,7 @@ impl Reader<'_> {
             "rates",
             "cutoff",
             "tolerance",
+            "crossings",
             "selection",
             "horizon",
             "segments",
@@ -19,6 +20,7 @@ impl Reader<'_> {
         ];
         let optimisers =
             [("RAdam", Optimiser::RAdam), ("Sgd", Optimiser::Sgd), ("GaussNewton", Optimiser::GaussNewton)];
+        let crossings = [("Keep", Crossings::Keep), ("Skip", Crossings::Skip)];
         let methods = [("Step", Method::Step), ("Trajectory", Method::Trajectory)];
         let fields = self.fields(node, "`learn`", FIELDS)?;
         let optimiser = self.optional(&fields, "optimiser", |r, n| r.choice(n, "optimiser", &optimisers));
@@ -41,6 +43,7 @@ impl Reader<'_> {
             rates,
             cutoff: self.optional(&fields, "cutoff", Self::not_negative),
             tolerance: self.optional(&fields, "tolerance", Self::not_negative),
+            crossings: self.optional(&fields, "crossings", |r, n| r.choice(n, "treatment of crossings", &crossings)),
             selection: self.optional(&fields, "selection", Self::selection),
             horizon: self.optional(&fields, "horizon", Self::count).map(|horizon| horizon.value),
             segments: self.optional(&fields, "segments", Self::segments),

@@ -1,0 +1,232 @@
+//! One trajectory fit: from a first guess to the minimum, with the noise estimated on the way.
+//!
+//! Far from the truth the cost of a whole record has side minima, so the horizon grows: many short segments first, whose start states come from
+//! the data, then few, then one. A record whose single run is much worse than its segments (it drifts, or is unstable) stays segmented.
+
+use crate::least_squares::{Limits, Normal, minimise};
+use crate::noise::ColumnNoise;
+use crate::problem::{Meaning, Noise, Problem};
+use phisindy_phys::spec::SegmentsSpec;
+use phisindy_phys::{Record, System, effective_samples, noise_level};
+
+/// Segments of the stages that a fit from scratch goes through.
+const STAGES: [usize; 3] = [20, 5, 1];
+/// A single run whose residual is this many times that of five segments is not trusted.
+const DRIFT: f64 = 3.0;
+
+/// A fitted model.
+pub(crate) struct Fit<'a> {
+    pub(crate) problem: Problem<'a>,
+    /// The unknowns at the minimum.
+    pub(crate) x: Vec<f64>,
+    pub(crate) noise: Noise,
+    /// Weights of all samples.
+    pub(crate) weights: Vec<Vec<Vec<f64>>>,
+    pub(crate) normal: Normal,
+    /// Number of residuals.
+    pub(crate) samples: usize,
+    /// The number of independent residuals that they are worth.
+    pub(crate) effective: f64,
+    /// Segments of each record.
+    pub(crate) pieces: Vec<usize>,
+}
+
+/// What all fits of a case share.
+pub(crate) struct Context<'a> {
+    pub(crate) system: &'a System,
+    pub(crate) records: Vec<&'a Record>,
+    /// Smoothed records, to start from.
+    pub(crate) smooth: Vec<Record>,
+    pub(crate) segments: SegmentsSpec,
+}
+
+impl<'a> Context<'a> {
+    /// Fits `terms` from scratch. `None` if the model cannot be simulated from any start tried.
+    pub(crate) fn fresh_fit(&self, terms: &[usize], coefficients: &[f64]) -> Option<Fit<'a>> {
+        let mut values = coefficients.to_vec();
+        let mut parameters: Option<Vec<f64>> = None;
+        let mut before: Option<(f64, Fit<'a>)> = None;
+        let stages: Vec<usize> = match self.segments {
+            SegmentsSpec::Auto => STAGES.to_vec(),
+            SegmentsSpec::Count(n) => {
+                STAGES.iter().copied().filter(|&s| s > n as usize).chain([n as usize]).collect()
+            }
+        };
+        for &pieces in &stages {
+            let problem =
+                Problem::new(self.system, terms, &self.records, &vec![pieces; self.records.len()]).ok()?;
+            let mut x = problem.guess(&values, parameters.as_deref(), &self.smooth);
+            if let Some((_, fit)) = &before {
+                carry(&fit.problem, &fit.x, &problem, &mut x);
+            }
+            let noise = self.first_noise(&problem);
+            let fit = self.settle(problem, x, noise, 1);
+            let Some(fit) = fit else {
+                if before.is_some() {
+                    break;
+                } else {
+                    continue;
+                };
+            };
+            // Weights differ between stages by what the noise was found to be: compare residuals in the units of the columns.
+            let size = self.misfit(&fit)?;
+            if let Some((last, _)) = &before
+                && pieces == 1
+                && size > DRIFT * last
+                && self.segments == SegmentsSpec::Auto
+            {
+                break;
+            }
+            values = fit.x[..terms.len()].to_vec();
+            parameters = self.shared(&fit);
+            before = Some((size, fit));
+        }
+        let (_, fit) = before?;
+        let Fit { problem, x, noise, .. } = fit;
+        self.settle(problem, x, noise, 3)
+    }
+
+    /// Fits other terms from the solution of a fit, with its noise and segments: cost differences between such fits are what a selection needs.
+    pub(crate) fn refit(&self, from: &Fit<'a>, terms: &[usize]) -> Option<Fit<'a>> {
+        let problem = Problem::new(self.system, terms, &self.records, &from.pieces).ok()?;
+        let coefficients: Vec<f64> = terms
+            .iter()
+            .map(|t| from.problem.terms.iter().position(|u| u == t).map_or(0.0, |k| from.x[k]))
+            .collect();
+        let mut x = problem.guess(&coefficients, None, &self.smooth);
+        carry(&from.problem, &from.x, &problem, &mut x);
+        // Starts are carried whole: same segments.
+        for (a, b) in from.problem.segments.iter().zip(&problem.segments) {
+            for k in 0..self.system.states.len() {
+                x[b.start + k] = from.x[a.start + k];
+            }
+        }
+        let bounds = problem.bounds.clone();
+        let weights = from.weights.clone();
+        let limits = Limits { iterations: 30, gain: 1e-10 };
+        let normal = minimise(&mut x, &bounds, limits, |x| problem.normal(x, &weights).ok())?;
+        Some(Fit {
+            problem,
+            x,
+            noise: from.noise.clone(),
+            weights,
+            normal,
+            samples: from.samples,
+            effective: from.effective,
+            pieces: from.pieces.clone(),
+        })
+    }
+
+    /// A fit with more terms, started from one with fewer, its noise estimated anew.
+    pub(crate) fn richer(&self, from: &Fit<'a>, terms: &[usize]) -> Option<Fit<'a>> {
+        let Fit { problem, x, noise, .. } = self.refit(from, terms)?;
+        self.settle(problem, x, noise, 3)
+    }
+
+    /// Minimises and re-estimates the noise in turn.
+    pub(crate) fn settle(
+        &self,
+        problem: Problem<'a>,
+        mut x: Vec<f64>,
+        mut noise: Noise,
+        rounds: usize,
+    ) -> Option<Fit<'a>> {
+        let bounds = problem.bounds.clone();
+        let mut weights = problem.weights(&noise, problem.residuals(&x).ok().as_deref());
+        let limits = Limits {
+            iterations: if rounds == 1 { 12 } else { 40 },
+            gain: if rounds == 1 { 1e-4 } else { 1e-10 },
+        };
+        let mut normal = minimise(&mut x, &bounds, limits, |x| problem.normal(x, &weights).ok())?;
+        for _ in 1..rounds {
+            let residuals = problem.residuals(&x).ok()?;
+            noise = problem.noise(&residuals);
+            weights = problem.weights(&noise, Some(&residuals));
+            normal = minimise(&mut x, &bounds, limits, |x| problem.normal(x, &weights).ok())?;
+        }
+        let residuals = problem.residuals(&x).ok()?;
+        if rounds == 1 {
+            noise = problem.noise(&residuals);
+        }
+        let (mut samples, mut effective) = (0, 0.0);
+        for (r, columns) in residuals.iter().enumerate() {
+            for (k, c) in columns.iter().enumerate().filter(|(_, c)| !c.residual.is_empty()) {
+                let white: Vec<f64> = c
+                    .residual
+                    .iter()
+                    .zip(&c.prediction)
+                    .map(|(e, p)| e / noise[r][k].variance(*p).sqrt())
+                    .collect();
+                samples += white.len();
+                effective += effective_samples(&white);
+            }
+        }
+        let pieces = (0..self.records.len())
+            .map(|r| problem.segments.iter().filter(|s| s.record == r).count())
+            .collect();
+        Some(Fit { problem, x, noise, weights, normal, samples, effective, pieces })
+    }
+
+    /// Before anything is fitted every column weighs by its own size.
+    fn first_noise(&self, problem: &Problem<'_>) -> Noise {
+        let one = |d: &f64| ColumnNoise { additive: 0.1 * d.max(f64::MIN_POSITIVE), relative: 0.0 };
+        problem.deviations.iter().map(|columns| columns.iter().map(one).collect()).collect()
+    }
+
+    /// Root mean square of all residuals in units of their columns.
+    pub(crate) fn misfit(&self, fit: &Fit<'_>) -> Option<f64> {
+        let residuals = fit.problem.residuals(&fit.x).ok()?;
+        let (mut sum, mut count) = (0.0, 0);
+        for (r, columns) in residuals.iter().enumerate() {
+            for (k, c) in columns.iter().enumerate() {
+                let d = fit.problem.deviations[r][k].max(f64::MIN_POSITIVE);
+                sum += c.residual.iter().map(|e| (e / d).powi(2)).sum::<f64>();
+                count += c.residual.len();
+            }
+        }
+        Some((sum / count.max(1) as f64).sqrt())
+    }
+
+    /// What the misfit would be if only noise were left, from the spectra of the columns above the motion.
+    pub(crate) fn noise_floor(&self) -> f64 {
+        let (mut sum, mut count) = (0.0, 0);
+        for record in &self.records {
+            for column in record.columns.iter().flatten() {
+                let n = column.len() as f64;
+                let mean = column.iter().sum::<f64>() / n;
+                let variance = column.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / n;
+                sum += noise_level(column).powi(2) / variance.max(f64::MIN_POSITIVE) * n;
+                count += column.len();
+            }
+        }
+        (sum / count.max(1) as f64).sqrt()
+    }
+
+    /// The shared parameters of a fit.
+    fn shared(&self, fit: &Fit<'_>) -> Option<Vec<f64>> {
+        let t = fit.problem.terms.len();
+        Some(fit.problem.model_parameters(0, &fit.x)[t..t + self.system.parameters.len()].to_vec())
+    }
+}
+
+/// Takes over whatever means the same in another problem, but for start states.
+fn carry(from: &Problem<'_>, x: &[f64], to: &Problem<'_>, y: &mut [f64]) {
+    let known = from.meanings();
+    for (k, meaning) in to.meanings().into_iter().enumerate() {
+        if !matches!(meaning, Meaning::Parameter(..) | Meaning::Sensor(..)) {
+            continue;
+        }
+        if let Some(j) = known.iter().position(|m| *m == meaning) {
+            y[k] = x[j];
+        }
+    }
+}
+
+impl Fit<'_> {
+    /// By how much correlated residuals overstate what is known: 1 for white noise.
+    pub(crate) fn inflation(&self) -> f64 {
+        let f = self.samples as f64 / self.effective.max(1.0);
+        // The estimate itself scatters round 1.
+        if f < 1.3 { 1.0 } else { f }
+    }
+}

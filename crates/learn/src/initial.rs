@@ -1,0 +1,186 @@
+//! Where the trajectory fit starts: a regression on the smoothed data in integral form.
+//!
+//! Over a stretch in which no contact sticks or turns, `x(b) - x(a) - int g dt = sum_k xi_k int f_k dt` is linear in the coefficients and needs
+//! no derivative of the data. Noise in the integrands makes it slightly biased, which the fit then removes; it cannot fall into a side minimum.
+
+use crate::linear::{solve_damped, symmetric};
+use phisindy_expr::{Id, Scratch, Tape, Unary};
+use phisindy_phys::{Differentiator, Record, System, differentiate};
+
+/// Samples per stretch at most.
+const STRETCH: usize = 25;
+/// Samples per stretch at least.
+const SHORTEST: usize = 5;
+/// Damping of the regression: collinear candidates share what none can claim.
+const RIDGE: f64 = 1e-6;
+
+/// The record with every column smoothed, and columns for velocities that have none. States that cannot be derived stay without.
+pub(crate) fn smoothed(system: &System, record: &Record) -> Record {
+    let mut out = record.clone();
+    for (k, state) in system.states.iter().enumerate() {
+        let Some(values) = &record.columns[k] else { continue };
+        let Ok(d) = differentiate(&record.time, values, Differentiator::Spline) else { continue };
+        out.columns[k] = Some(d.values);
+        if let Some(v) = state.velocity.filter(|&v| record.columns[v].is_none()) {
+            out.columns[v] = Some(d.derivative);
+        }
+    }
+    out
+}
+
+/// The regression's normal equations over the whole dictionary; any subset is solved from them.
+pub(crate) struct Regression {
+    triangle: Vec<f64>,
+    right: Vec<f64>,
+    p: usize,
+}
+
+impl Regression {
+    /// Gathers the equations from smoothed records, movable constants at `parameters`.
+    pub(crate) fn new(system: &System, smooth: &[Record], parameters: &[f64]) -> Regression {
+        let terms: Vec<usize> = (0..system.terms.len()).collect();
+        let p = terms.len();
+        let mut out = Regression { triangle: vec![0.0; p * (p + 1) / 2], right: vec![0.0; p], p };
+        for record in smooth {
+            let Some(values) = evaluate(system, &terms, record, parameters) else { continue };
+            for stretch in stretches(&values.contacts, record.len()) {
+                let integral = |column: &[f64]| -> f64 {
+                    let slice =
+                        |i: usize| 0.5 * (column[i] + column[i + 1]) * (record.time[i + 1] - record.time[i]);
+                    (stretch.0..stretch.1).map(slice).sum()
+                };
+                for state in 0..system.states.len() {
+                    let here: Vec<usize> = (0..p).filter(|&k| system.terms[k].state == state).collect();
+                    let Some(x) = record.columns[state].as_ref().filter(|_| !here.is_empty()) else {
+                        continue;
+                    };
+                    let left = x[stretch.1] - x[stretch.0] - integral(&values.known[state]);
+                    let row: Vec<f64> = here.iter().map(|&k| integral(&values.terms[k])).collect();
+                    if !(left.is_finite() && row.iter().all(|v| v.is_finite())) {
+                        continue;
+                    }
+                    for (i, &a) in here.iter().enumerate() {
+                        out.right[a] += row[i] * left;
+                        for (j, &b) in here.iter().enumerate().skip(i) {
+                            out.triangle[a * p - a * (a + 1) / 2 + b] += row[i] * row[j];
+                        }
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    fn at(&self, i: usize, j: usize) -> f64 {
+        let (i, j) = (i.min(j), i.max(j));
+        self.triangle[i * self.p - i * (i + 1) / 2 + j]
+    }
+
+    /// Coefficients of a subset; all zero where the equations cannot be solved.
+    pub(crate) fn solve(&self, terms: &[usize]) -> Vec<f64> {
+        let n = terms.len();
+        let triangle: Vec<f64> = (0..n)
+            .flat_map(|i| (i..n).map(move |j| (i, j)))
+            .map(|(i, j)| self.at(terms[i], terms[j]))
+            .collect();
+        let right: Vec<f64> = terms.iter().map(|&t| self.right[t]).collect();
+        solve_damped(&symmetric(&triangle, n), &right, RIDGE).unwrap_or_else(|| vec![0.0; n])
+    }
+
+    /// What a subset explains: the fall of the sum of squares.
+    fn explained(&self, terms: &[usize]) -> f64 {
+        self.solve(terms).iter().zip(terms).map(|(x, &t)| x * self.right[t]).sum()
+    }
+
+    /// The best subset with at most `most` terms in each equation, greedily.
+    pub(crate) fn best(&self, system: &System, most: usize) -> Vec<usize> {
+        let mut chosen: Vec<usize> = Vec::new();
+        for state in 0..system.states.len() {
+            let here: Vec<usize> = (0..self.p).filter(|&k| system.terms[k].state == state).collect();
+            let mut own: Vec<usize> = Vec::new();
+            for _ in 0..most.min(here.len()) {
+                let with = |k: usize| own.iter().copied().chain([k]).collect::<Vec<_>>();
+                let outside = here.iter().copied().filter(|k| !own.contains(k));
+                let Some(next) =
+                    outside.max_by(|&a, &b| self.explained(&with(a)).total_cmp(&self.explained(&with(b))))
+                else {
+                    break;
+                };
+                own.push(next);
+            }
+            chosen.extend(own);
+        }
+        chosen.sort_unstable();
+        chosen
+    }
+}
+
+struct Values {
+    known: Vec<Vec<f64>>,
+    terms: Vec<Vec<f64>>,
+    /// Everything whose sign stands in a rate, and the contacts.
+    contacts: Vec<Vec<f64>>,
+}
+
+/// Known rates, terms and velocities of contacts at every sample.
+fn evaluate(system: &System, terms: &[usize], record: &Record, parameters: &[f64]) -> Option<Values> {
+    let mut inputs: Vec<Id> = vec![system.time];
+    inputs.extend(system.states.iter().map(|s| s.node));
+    inputs.extend(system.inputs.iter().map(|u| u.node));
+    inputs.extend(system.parameters.iter().map(|q| q.node));
+    inputs.extend(system.record_constants.iter().map(|&(_, node)| node));
+    let mut outputs = system.known.clone();
+    outputs.extend(terms.iter().map(|&k| system.terms[k].value));
+    let signs: Vec<Id> = system
+        .graph
+        .reachable(&outputs)
+        .into_iter()
+        .filter_map(|id| match system.graph.node(id) {
+            phisindy_expr::Node::Unary(Unary::Sgn | Unary::Step, w) => Some(w),
+            _ => None,
+        })
+        .collect();
+    outputs.extend(&signs);
+    let tape = Tape::compile(&system.graph, &inputs, &outputs).ok()?;
+    let mut scratch = Scratch::<1>::new(&tape);
+    let mut columns = vec![Vec::with_capacity(record.len()); outputs.len()];
+    for i in 0..record.len() {
+        let states = record.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| c[i]));
+        let given = record.inputs.iter().map(|u| u.values()[i]);
+        let all = [record.time[i]]
+            .into_iter()
+            .chain(states)
+            .chain(given)
+            .chain(parameters.iter().copied())
+            .chain(record.constants.iter().copied());
+        all.enumerate().for_each(|(k, v)| scratch.input(k)[0] = v);
+        scratch.run();
+        columns.iter_mut().enumerate().for_each(|(k, c)| c.push(scratch.output(k)[0]));
+    }
+    let contacts = columns.split_off(system.known.len() + terms.len());
+    let terms = columns.split_off(system.known.len());
+    Some(Values { known: columns, terms, contacts })
+}
+
+/// Stretches in which every contact keeps its direction and moves at more than a small part of its usual speed.
+fn stretches(contacts: &[Vec<f64>], samples: usize) -> Vec<(usize, usize)> {
+    let slow: Vec<f64> = contacts
+        .iter()
+        .map(|w| 0.05 * (w.iter().map(|v| v * v).sum::<f64>() / samples as f64).sqrt())
+        .collect();
+    let moving = |i: usize| contacts.iter().zip(&slow).all(|(w, s)| w[i].abs() > *s);
+    let same = |i: usize, j: usize| contacts.iter().all(|w| w[i] * w[j] > 0.0);
+    let mut out = Vec::new();
+    let mut start = 0;
+    for i in 0..samples {
+        let breaks = !moving(i) || !same(start, i);
+        if breaks || i - start == STRETCH {
+            let end = if breaks { i.saturating_sub(1) } else { i };
+            if end >= start + SHORTEST {
+                out.push((start, end));
+            }
+            start = i;
+        }
+    }
+    out
+}

@@ -1,0 +1,231 @@
+//! Structure: which terms of the dictionary stay.
+//!
+//! Terms leave and enter by the extended information criterion (Chen and Chen, Biometrika 95 (2008) 759-771)
+//! `cost / inflation + k ln n + 2 ln C(p, k)`: the search among the subsets is counted, and correlated residuals count as few samples. A step of the
+//! search is proposed on the quadratic model of the cost and confirmed by a refit. A term too small to matter is not worth printing.
+
+use crate::fit::{Context, Fit};
+use crate::identified::PathPoint;
+use crate::linear::covariance;
+
+/// A term whose share of the unknown rate (rms along the trajectory) is below this does not matter ...
+const PRACTICAL: f64 = 0.01;
+/// ... unless the data insist: without it the cost would rise by more than this. Chance lifts a term over the criterion now and then, but never far;
+/// true terms have hundreds.
+const INSISTENT: f64 = 60.0;
+/// Rounds of dropping and adding at most.
+const ROUNDS: usize = 8;
+
+/// The price of `k` terms out of `p`, for `n` independent samples.
+pub(crate) fn price(k: usize, p: usize, n: f64) -> f64 {
+    let choose: f64 = (0..k).map(|i| ((p - i) as f64 / (i + 1) as f64).ln()).sum();
+    k as f64 * n.max(std::f64::consts::E).ln() + 2.0 * choose
+}
+
+/// A fit after selection, and the way there.
+pub(crate) struct Selection<'a> {
+    pub(crate) fit: Fit<'a>,
+    pub(crate) path: Vec<PathPoint>,
+}
+
+/// Selects among `all` terms, from a fit of them or of a part of them.
+pub(crate) fn select<'a>(context: &Context<'a>, first: Fit<'a>, all: &[usize]) -> Selection<'a> {
+    let (n, inflation, p) = (first.effective, first.inflation(), all.len());
+    let criterion = |cost: f64, k: usize| cost / inflation + price(k, p, n);
+    let mut path: Vec<PathPoint> = Vec::new();
+
+    // The whole way down on the quadratic model shows error against number of terms, and where to start.
+    let k = first.problem.terms.len();
+    let down = elimination(&first);
+    let mut cost = first.normal.cost;
+    let mut best = (criterion(cost, k), k);
+    path.push(PathPoint { terms: k, criterion: best.0, nrmse: None });
+    for (gone, (_, rise)) in down.iter().enumerate() {
+        cost += rise;
+        let left = k - gone - 1;
+        let value = criterion(cost, left);
+        path.push(PathPoint { terms: left, criterion: value, nrmse: None });
+        if value < best.0 {
+            best = (value, left);
+        }
+    }
+    let dropped: Vec<usize> = down.iter().take(k - best.1).map(|&(t, _)| t).collect();
+    let kept: Vec<usize> = first.problem.terms.iter().copied().filter(|t| !dropped.contains(t)).collect();
+    let mut now = if dropped.is_empty() { first } else { context.refit(&first, &kept).unwrap_or(first) };
+    let mut tried: Vec<Vec<usize>> = vec![now.problem.terms.clone()];
+    for _ in 0..ROUNDS {
+        let here = criterion(now.normal.cost, now.problem.terms.len());
+        let Some(next) = neighbour(context, &now, all, &criterion, &tried) else { break };
+        tried.push(next.problem.terms.clone());
+        let value = criterion(next.normal.cost, next.problem.terms.len());
+        if value < here {
+            path.push(PathPoint { terms: next.problem.terms.len(), criterion: value, nrmse: None });
+            now = next;
+        }
+    }
+    while let Some(small) = negligible(&now) {
+        let terms: Vec<usize> = now.problem.terms.iter().copied().filter(|&t| t != small).collect();
+        match context.refit(&now, &terms) {
+            Some(fit) => now = fit,
+            None => break,
+        }
+    }
+    // Noise and weights of the chosen model, not of the full one.
+    let Fit { problem, x, noise, .. } = now;
+    let (terms, pieces): (Vec<usize>, Vec<usize>) = (
+        problem.terms.clone(),
+        (0..problem.records.len())
+            .map(|r| problem.segments.iter().filter(|s| s.record == r).count())
+            .collect(),
+    );
+    let again = context.settle(problem, x.clone(), noise.clone(), 3);
+    let fit = again.unwrap_or_else(|| {
+        // The chosen model was simulated a moment ago: its own unknowns still evaluate.
+        let problem = crate::problem::Problem::new(context.system, &terms, &context.records, &pieces)
+            .expect("built before");
+        context.settle(problem, x, noise, 1).expect("simulated before")
+    });
+    Selection { fit, path }
+}
+
+/// Backward elimination on the quadratic model of the cost at the minimum: terms in the order in which they leave, each with the rise of the
+/// cost. Everything else that was fitted follows along.
+fn elimination(fit: &Fit<'_>) -> Vec<(usize, f64)> {
+    let p = fit.problem.terms.len();
+    let full = covariance(&fit.normal.matrix);
+    let mut c: Vec<Vec<f64>> = (0..p).map(|i| (0..p).map(|j| full[(i, j)]).collect()).collect();
+    let mut x: Vec<f64> = fit.x[..p].to_vec();
+    let mut alive: Vec<usize> = (0..p).collect();
+    let mut out = Vec::new();
+    while !alive.is_empty() {
+        let rise = |k: usize| if c[k][k].is_finite() && c[k][k] > 0.0 { x[k] * x[k] / c[k][k] } else { 0.0 };
+        let &k = alive.iter().min_by(|&&a, &&b| rise(a).total_cmp(&rise(b))).expect("not empty");
+        out.push((fit.problem.terms[k], rise(k)));
+        alive.retain(|&a| a != k);
+        if c[k][k].is_finite() && c[k][k] > 0.0 {
+            let (row, pivot, value) = (c[k].clone(), c[k][k], x[k]);
+            for &i in &alive {
+                x[i] -= row[i] * value / pivot;
+                for &j in &alive {
+                    c[i][j] -= row[i] * row[j] / pivot;
+                }
+            }
+        }
+    }
+    out
+}
+
+/// The most promising change by one term (or a pair that only helps together), refitted. Scores come from one evaluation of the full dictionary at
+/// the present solution.
+fn neighbour<'a>(
+    context: &Context<'a>,
+    now: &Fit<'a>,
+    all: &[usize],
+    criterion: &impl Fn(f64, usize) -> f64,
+    tried: &[Vec<usize>],
+) -> Option<Fit<'a>> {
+    let k = now.problem.terms.len();
+    let here = criterion(now.normal.cost, k);
+    let mut changes: Vec<(f64, Vec<usize>)> = Vec::new();
+    for (gone, rise) in elimination(now).into_iter().take(1) {
+        let terms = now.problem.terms.iter().copied().filter(|&t| t != gone).collect();
+        changes.push((criterion(now.normal.cost + rise, k - 1), terms));
+    }
+    for (added, fall) in scores(context, now, all) {
+        let mut terms: Vec<usize> = now.problem.terms.iter().copied().chain(added.iter().copied()).collect();
+        terms.sort_unstable();
+        changes.push((criterion(now.normal.cost - fall, terms.len()), terms));
+    }
+    changes.retain(|(value, terms)| *value < here && !tried.contains(terms));
+    changes.sort_by(|a, b| a.0.total_cmp(&b.0));
+    changes.into_iter().take(3).find_map(|(_, terms)| context.refit(now, &terms))
+}
+
+/// For terms outside the model, alone and in pairs of one equation: the fall of the cost that the quadratic model promises.
+fn scores(context: &Context<'_>, now: &Fit<'_>, all: &[usize]) -> Vec<(Vec<usize>, f64)> {
+    let outside: Vec<usize> = all.iter().copied().filter(|t| !now.problem.terms.contains(t)).collect();
+    if outside.is_empty() {
+        return vec![];
+    }
+    let mut terms: Vec<usize> = now.problem.terms.iter().chain(&outside).copied().collect();
+    terms.sort_unstable();
+    let Ok(problem) = crate::problem::Problem::new(context.system, &terms, &context.records, &now.pieces)
+    else {
+        return vec![];
+    };
+    let k = now.problem.terms.len();
+    // The same point: unknowns after the coefficients are laid out alike.
+    let mut x = vec![0.0; problem.unknowns];
+    for (i, t) in terms.iter().enumerate() {
+        x[i] = now.problem.terms.iter().position(|u| u == t).map_or(0.0, |j| now.x[j]);
+    }
+    x[terms.len()..].copy_from_slice(&now.x[k..]);
+    let Ok(normal) = problem.normal(&x, &now.weights) else { return vec![] };
+    let new: Vec<usize> = outside.iter().filter_map(|t| terms.iter().position(|u| u == t)).collect();
+    let old: Vec<usize> = (0..problem.unknowns).filter(|i| !new.contains(i)).collect();
+    // Schur complement of what is fitted already.
+    let a = &normal.matrix;
+    let inner = covariance(&faer::Mat::from_fn(old.len(), old.len(), |i, j| a[(old[i], old[j])]));
+    let solved = |column: &dyn Fn(usize) -> f64| -> Vec<f64> {
+        let b: Vec<f64> = old.iter().map(|&i| column(i)).collect();
+        (0..old.len())
+            .map(|i| {
+                (0..old.len())
+                    .map(|j| if inner[(i, j)].is_finite() { inner[(i, j)] * b[j] } else { 0.0 })
+                    .sum()
+            })
+            .collect()
+    };
+    let columns: Vec<Vec<f64>> = new.iter().map(|&c| solved(&|i| a[(i, c)])).collect();
+    let left = |i: usize, j: usize| {
+        a[(new[i], new[j])] - old.iter().zip(&columns[j]).map(|(&o, s)| a[(o, new[i])] * s).sum::<f64>()
+    };
+    let shift = solved(&|i| normal.gradient[i]);
+    let g: Vec<f64> = new
+        .iter()
+        .map(|&c| normal.gradient[c] - old.iter().zip(&shift).map(|(&o, s)| a[(o, c)] * s).sum::<f64>())
+        .collect();
+    let mut out = Vec::new();
+    for i in 0..new.len() {
+        let ii = left(i, i);
+        let own = a[(new[i], new[i])];
+        if ii.is_nan() || ii <= 1e-12 * own {
+            continue;
+        }
+        out.push((vec![outside[i]], g[i] * g[i] / ii));
+        for j in 0..i {
+            let same = context.system.terms[outside[i]].state == context.system.terms[outside[j]].state;
+            let (jj, ij) = (left(j, j), left(i, j));
+            let det = ii * jj - ij * ij;
+            if same && det > 1e-10 * ii * jj {
+                let fall = (jj * g[i] * g[i] - 2.0 * ij * g[i] * g[j] + ii * g[j] * g[j]) / det;
+                out.push((vec![outside[j], outside[i]], fall));
+            }
+        }
+    }
+    out
+}
+
+/// A term that is a negligible part of the unknown rate of its state, if there is one; the smallest.
+fn negligible(fit: &Fit<'_>) -> Option<usize> {
+    if fit.problem.terms.len() < 2 {
+        return None;
+    }
+    let sizes = crate::shares::term_sizes(fit)?;
+    let system = fit.problem.system;
+    let cov = covariance(&fit.normal.matrix);
+    let mut smallest: Option<(f64, usize)> = None;
+    for (k, &t) in fit.problem.terms.iter().enumerate() {
+        let state = system.terms[t].state;
+        let total: f64 = (0..sizes.len())
+            .filter(|&j| system.terms[fit.problem.terms[j]].state == state)
+            .map(|j| sizes[j])
+            .sum();
+        let share = if total > 0.0 { sizes[k] / total } else { 0.0 };
+        let rise = fit.x[k] * fit.x[k] / (cov[(k, k)] * fit.inflation());
+        if share < PRACTICAL && rise < INSISTENT && smallest.is_none_or(|(s, _)| share < s) {
+            smallest = Some((share, t));
+        }
+    }
+    smallest.map(|(_, t)| t)
+}

@@ -1,0 +1,40 @@
+//! How much each term contributes along the fitted trajectory.
+
+use crate::fit::Fit;
+use phisindy_expr::{Scratch, Tape};
+
+/// Root mean square of `coefficient * value` of each term along the fitted trajectories; `None` if they cannot be simulated.
+pub(crate) fn term_sizes(fit: &Fit<'_>) -> Option<Vec<f64>> {
+    let problem = &fit.problem;
+    let system = problem.system;
+    let mut inputs = vec![system.time];
+    inputs.extend(system.states.iter().map(|s| s.node));
+    inputs.extend(system.inputs.iter().map(|u| u.node));
+    inputs.extend(system.parameters.iter().map(|p| p.node));
+    inputs.extend(system.record_constants.iter().map(|&(_, node)| node));
+    let outputs: Vec<_> = problem.terms.iter().map(|&t| system.terms[t].value).collect();
+    let tape = Tape::compile(&system.graph, &inputs, &outputs).ok()?;
+    let mut scratch = Scratch::<1>::new(&tape);
+    let (mut sums, mut count) = (vec![0.0; outputs.len()], 0usize);
+    let n = system.states.len();
+    for segment in &problem.segments {
+        let run = problem.trajectory(segment, &fit.x).ok()?;
+        let record = problem.records[segment.record];
+        let parameters = problem.model_parameters(segment.record, &fit.x);
+        for (i, sample) in (segment.samples.0..segment.samples.1).enumerate() {
+            let given = record.inputs.iter().map(|u| u.values()[sample]);
+            let all = [record.time[sample]]
+                .into_iter()
+                .chain(run.states[i * n..(i + 1) * n].iter().copied())
+                .chain(given);
+            let all = all.chain(parameters[problem.terms.len()..].iter().copied());
+            all.enumerate().for_each(|(k, v)| scratch.input(k)[0] = v);
+            scratch.run();
+            for (k, sum) in sums.iter_mut().enumerate() {
+                *sum += (fit.x[k] * scratch.output(k)[0]).powi(2);
+            }
+            count += 1;
+        }
+    }
+    Some(sums.into_iter().map(|s| (s / count.max(1) as f64).sqrt()).collect())
+}

@@ -1,0 +1,189 @@
+//! Many seeds of one case: how often the structure is right, how good the numbers and their intervals are.
+
+use crate::identified::{Identified, LearnError};
+use crate::identify::{LearnOptions, identify};
+use crate::linear::{covariance, solve_damped, symmetric};
+use crate::noise::{ColumnNoise, FLOOR};
+use crate::problem::Problem;
+use phisindy_expr::{Id, Scratch, Tape};
+use phisindy_phys::spec::{NoiseSpec, Role};
+use phisindy_phys::{Case, Origin, Record};
+use phisindy_sim::Trajectory;
+use std::ops::ControlFlow;
+
+/// Random points at which the truth is projected on the dictionary.
+const POINTS: usize = 400;
+
+/// The truth in terms of the dictionary.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Truth {
+    /// Terms with a coefficient, in the order of the dictionary.
+    pub terms: Vec<usize>,
+    /// Their coefficients.
+    pub coefficients: Vec<f64>,
+}
+
+/// Projects the truth of a synthetic case on factor times candidates at random points (record constants from the first record).
+///
+/// # Errors
+/// In words: the case is not synthetic, or the truth lies outside the dictionary.
+pub fn project(case: &Case, records: &[Record]) -> Result<Truth, String> {
+    let synthetic = case.records.iter().zip(records).find_map(|(plan, record)| match &plan.origin {
+        Origin::Synthetic(s) => Some((s, record)),
+        Origin::Csv(_) => None,
+    });
+    let (synthetic, record) =
+        synthetic.ok_or("no record of this case is synthetic, so there is no truth to compare with")?;
+    let system = &case.system;
+    // The truth lives in its own graph, which grew from the system's: the same handles mean the same.
+    let graph = &synthetic.truth.graph;
+    let mut inputs: Vec<Id> = vec![system.time];
+    inputs.extend(system.states.iter().map(|s| s.node));
+    inputs.extend(system.inputs.iter().map(|u| u.node));
+    let spread = inputs.len();
+    inputs.extend(system.parameters.iter().map(|p| p.node));
+    inputs.extend(system.record_constants.iter().map(|&(_, node)| node));
+    let fixed: Vec<f64> =
+        system.parameters.iter().map(|p| p.start).chain(record.constants.iter().copied()).collect();
+    let mut outputs: Vec<Id> = synthetic.extra.clone();
+    outputs.extend(system.terms.iter().map(|t| t.value));
+    let tape = Tape::compile(graph, &inputs, &outputs).map_err(|e| e.message(&synthetic.truth.names))?;
+    let mut scratch = Scratch::<1>::new(&tape);
+    let (n, p) = (system.states.len(), system.terms.len());
+    // SplitMix64: the same points in every run.
+    let point = |i: usize, d: usize| {
+        let mut z = ((i * 64 + d + 1) as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        2.0 * ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64 - 1.0
+    };
+    let mut rows = Vec::with_capacity(POINTS);
+    for i in 0..POINTS {
+        for d in 0..spread {
+            scratch.input(d)[0] =
+                if d == 0 { record.time[record.len() - 1] * (0.5 + 0.5 * point(i, 0)) } else { point(i, d) };
+        }
+        fixed.iter().enumerate().for_each(|(k, v)| scratch.input(spread + k)[0] = *v);
+        scratch.run();
+        rows.push((0..outputs.len()).map(|k| scratch.output(k)[0]).collect::<Vec<f64>>());
+    }
+    let (mut terms, mut coefficients) = (Vec::new(), Vec::new());
+    for state in 0..n {
+        let here: Vec<usize> = (0..p).filter(|&k| system.terms[k].state == state).collect();
+        let m = here.len();
+        let triangle: Vec<f64> = (0..m)
+            .flat_map(|a| (a..m).map(move |b| (a, b)))
+            .map(|(a, b)| rows.iter().map(|r| r[n + here[a]] * r[n + here[b]]).sum())
+            .collect();
+        let right: Vec<f64> = here.iter().map(|&k| rows.iter().map(|r| r[n + k] * r[state]).sum()).collect();
+        let found = if m > 0 {
+            solve_damped(&symmetric(&triangle, m), &right, 1e-15).unwrap_or(vec![0.0; m])
+        } else {
+            vec![]
+        };
+        let size: f64 = rows.iter().map(|r| r[state] * r[state]).sum::<f64>().sqrt();
+        let miss: f64 = rows
+            .iter()
+            .map(|r| (r[state] - here.iter().zip(&found).map(|(&k, c)| c * r[n + k]).sum::<f64>()).powi(2))
+            .sum::<f64>()
+            .sqrt();
+        if miss > 1e-6 * size && size > 0.0 {
+            return Err(format!("the truth of {}' lies outside the dictionary", system.states[state].name));
+        }
+        for (&k, &c) in here.iter().zip(&found) {
+            let share: f64 = rows.iter().map(|r| (c * r[n + k]).powi(2)).sum::<f64>().sqrt();
+            if share > 1e-5 * size {
+                terms.push(k);
+                coefficients.push(c);
+            }
+        }
+    }
+    Ok(Truth { terms, coefficients })
+}
+
+/// The Cramer-Rao bound on the standard error of each coefficient of the truth, from the Fisher information at the truth with the noise of the spec. Where
+/// relative noise vanishes with the state, the additive floor of the noise model stands in (a thousandth of the column's standard deviation).
+///
+/// # Errors
+/// In words: the truth cannot be simulated.
+pub fn bound(
+    case: &Case,
+    records: &[Record],
+    runs: &[Option<Trajectory>],
+    truth: &Truth,
+) -> Result<Vec<f64>, String> {
+    let fitted: Vec<usize> = (0..records.len()).filter(|&r| records[r].role == Role::Fit).collect();
+    let chosen: Vec<&Record> = fitted.iter().map(|&r| &records[r]).collect();
+    let problem = Problem::new(&case.system, &truth.terms, &chosen, &vec![1; chosen.len()])?;
+    let clean: Vec<Record> = chosen.iter().map(|r| (*r).clone()).collect();
+    let mut x = problem.guess(&truth.coefficients, None, &clean);
+    for (segment, &r) in problem.segments.iter().zip(&fitted) {
+        if let Origin::Synthetic(s) = &case.records[r].origin {
+            // A record whose window starts later starts where the truth was then.
+            let first = records[r].time[0];
+            let start = match &runs[r] {
+                Some(run) if first > 0.0 => {
+                    let row = (first / s.step).round() as usize;
+                    run.states[row * run.n..(row + 1) * run.n].to_vec()
+                }
+                _ => s.start.clone(),
+            };
+            x[segment.start..segment.start + start.len()].copy_from_slice(&start);
+        }
+    }
+    let residuals = problem.residuals(&x).map_err(|e| e.to_string())?;
+    let noise = fitted
+        .iter()
+        .enumerate()
+        .map(|(i, &r)| {
+            (0..case.system.states.len())
+                .map(|k| {
+                    let d = problem.deviations[i][k];
+                    let floor = FLOOR * d;
+                    let Origin::Synthetic(s) = &case.records[r].origin else {
+                        return ColumnNoise { additive: floor, relative: 0.0 };
+                    };
+                    match &s.noise {
+                        NoiseSpec::Relative(f) => ColumnNoise { additive: floor, relative: f.value },
+                        NoiseSpec::Additive(f) => {
+                            ColumnNoise { additive: (f.value * d).max(floor), relative: 0.0 }
+                        }
+                        _ => ColumnNoise::estimate(&residuals[i][k].residual, &residuals[i][k].prediction, d),
+                    }
+                })
+                .collect()
+        })
+        .collect();
+    let weights = problem.weights(&noise, Some(&residuals));
+    let normal = problem.normal(&x, &weights).map_err(|e| e.to_string())?;
+    let cov = covariance(&normal.matrix);
+    Ok((0..truth.terms.len()).map(|k| cov[(k, k)].sqrt()).collect())
+}
+
+/// What one seed gave.
+#[derive(Clone, Debug)]
+pub struct SweepRun {
+    /// Whether the terms are exactly the truth's.
+    pub exact: bool,
+    /// For each term of the truth its estimate, if it was found.
+    pub found: Vec<Option<crate::Estimate>>,
+    /// The texts of terms that should not be there, `STATE:candidate`.
+    pub spurious: Vec<String>,
+    /// What identification said, or why it failed.
+    pub outcome: Result<Identified, LearnError>,
+}
+
+/// Identifies one seed's records and compares with the truth.
+pub fn sweep_one(case: &Case, records: &[Record], truth: &Truth, options: &LearnOptions) -> SweepRun {
+    let outcome = identify(case, records, options, &mut |_| ControlFlow::Continue(()));
+    let empty = vec![];
+    let terms = outcome.as_ref().map_or(&empty, |i| &i.terms);
+    let found =
+        truth.terms.iter().map(|t| terms.iter().find(|f| f.term == *t).map(|f| f.coefficient)).collect();
+    let name = |t: usize| {
+        format!("{}:{}", case.system.states[case.system.terms[t].state].name, case.system.terms[t].candidate)
+    };
+    let spurious = terms.iter().filter(|f| !truth.terms.contains(&f.term)).map(|f| name(f.term)).collect();
+    let exact = outcome.is_ok() && terms.iter().map(|f| f.term).eq(truth.terms.iter().copied());
+    SweepRun { exact, found, spurious, outcome }
+}

@@ -1,0 +1,339 @@
+//! Method `trajectory`: the event-located simulation fitted to the records, terms selected, error bars.
+
+use crate::assess::{Solution, assess};
+use crate::fit::{Context, Fit};
+use crate::identified::{Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint};
+use crate::identify::{at_bounds, verdict};
+use crate::initial::{Regression, smoothed};
+use crate::linear::covariance;
+use crate::problem::{Meaning, Problem};
+use crate::select::{Selection, select};
+use faer::Mat;
+use phisindy_phys::spec::{Method, Role, SegmentsSpec, SelectionSpec};
+use phisindy_phys::unit::Unit;
+use phisindy_phys::{Case, Record, System};
+use std::ops::ControlFlow;
+
+/// Correlations beyond this are told in words.
+const CORRELATED: f64 = 0.95;
+/// Effective samples below this part of all samples are told in words.
+const WHITE: f64 = 0.5;
+
+/// Identifies by the trajectory method.
+pub(crate) fn by_trajectory(
+    case: &Case,
+    records: &[Record],
+    observe: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<Identified, LearnError> {
+    let system = &case.system;
+    let fitted: Vec<&Record> = records.iter().filter(|r| r.role == Role::Fit).collect();
+    let smooth: Vec<Record> = fitted.iter().map(|r| smoothed(system, r)).collect();
+    let context = Context {
+        system,
+        records: fitted.clone(),
+        smooth,
+        segments: case.learn.segments.unwrap_or(SegmentsSpec::Auto),
+    };
+    let mut stopped = observe(0.05).is_break();
+    let all: Vec<usize> = (0..system.terms.len()).collect();
+    let full = start(&context, &all)?;
+    stopped |= observe(0.4).is_break();
+    let first = PathPoint { terms: all.len(), criterion: full.normal.cost, nrmse: None };
+    let Selection { fit, path } = match case.learn.selection.unwrap_or(SelectionSpec::Auto) {
+        SelectionSpec::Auto if !stopped => select(&context, full, &all),
+        SelectionSpec::Cutoff(cutoff) if !stopped => cut(&context, whole(&context, full, &all), cutoff),
+        SelectionSpec::All if !stopped => Selection { fit: whole(&context, full, &all), path: vec![first] },
+        _ => Selection { fit: full, path: vec![first] },
+    };
+    stopped |= observe(0.9).is_break();
+    Ok(report(case, records, fit, path, stopped))
+}
+
+/// A misfit within this factor of the noise needs no richer start.
+const GOOD: f64 = 1.05;
+
+/// A fit to select from: the whole dictionary, or a part of it that leaves nothing but noise, or as much as can be simulated.
+///
+/// Collinear candidates make a regression of the whole dictionary wild, so the start is poor: the best term of each equation (friction is never
+/// started from zero), then the best two, three, all. Each is fitted for itself, then with the rest of the dictionary beside it.
+fn start<'a>(context: &Context<'a>, all: &[usize]) -> Result<Fit<'a>, LearnError> {
+    let system = context.system;
+    let parameters: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();
+    let regression = Regression::new(system, &context.smooth, &parameters);
+    let mut starts: Vec<Vec<usize>> =
+        (1..4).map(|most| regression.best(system, most)).chain([all.to_vec()]).collect();
+    starts.dedup();
+    let floor = context.noise_floor();
+    let mut best: Option<(f64, Fit<'a>)> = None;
+    for start in &starts {
+        let Some(poor) = context.fresh_fit(start, &regression.solve(start)) else { continue };
+        let Some(misfit) = context.misfit(&poor) else { continue };
+        let rich =
+            if misfit < GOOD * floor || start.len() == all.len() { None } else { context.richer(&poor, all) };
+        let rich = rich.and_then(|fit| context.misfit(&fit).map(|m| (m, fit)));
+        for (misfit, fit) in [Some((misfit, poor)), rich].into_iter().flatten() {
+            if best.as_ref().is_none_or(|(least, _)| misfit < *least) {
+                best = Some((misfit, fit));
+            }
+        }
+        if best.as_ref().is_some_and(|(misfit, _)| *misfit < GOOD * floor) {
+            break;
+        }
+    }
+    if let Some((_, fit)) = best {
+        return Ok(fit);
+    }
+    let why = Problem::new(system, &starts[0], &context.records, &vec![1; context.records.len()])
+        .map_err(LearnError::Numerics)
+        .and_then(|p| {
+            let x = p.guess(&regression.solve(&starts[0]), None, &context.smooth);
+            p.residuals(&x).map_err(|e| LearnError::Numerics(format!("the model cannot be simulated: {e}")))
+        });
+    Err(why.err().unwrap_or_else(|| LearnError::Numerics("the fit diverges from every start".into())))
+}
+
+/// The fit with every candidate in it, if it can be simulated.
+fn whole<'a>(context: &Context<'a>, fit: Fit<'a>, all: &[usize]) -> Fit<'a> {
+    if fit.problem.terms.len() == all.len() { fit } else { context.richer(&fit, all).unwrap_or(fit) }
+}
+
+/// The fixed cut-off of the paper on the trajectory fit: cut, refit, until nothing is cut.
+fn cut<'a>(context: &Context<'a>, full: Fit<'a>, cutoff: f64) -> Selection<'a> {
+    let mut now = full;
+    let mut path =
+        vec![PathPoint { terms: now.problem.terms.len(), criterion: now.normal.cost, nrmse: None }];
+    loop {
+        let kept: Vec<usize> = now
+            .problem
+            .terms
+            .iter()
+            .enumerate()
+            .filter(|(k, _)| now.x[*k].abs() >= cutoff)
+            .map(|(_, &t)| t)
+            .collect();
+        if kept.len() == now.problem.terms.len() {
+            return Selection { fit: now, path };
+        }
+        match context.refit(&now, &kept) {
+            Some(fit) => now = fit,
+            None => return Selection { fit: now, path },
+        }
+        path.push(PathPoint { terms: kept.len(), criterion: now.normal.cost, nrmse: None });
+    }
+}
+
+fn report(
+    case: &Case,
+    records: &[Record],
+    fit: Fit<'_>,
+    mut path: Vec<PathPoint>,
+    stopped: bool,
+) -> Identified {
+    let system = &case.system;
+    let problem = &fit.problem;
+    let inflation = fit.inflation();
+    let cov = robust_covariance(&fit);
+    let error = |k: usize| (cov[(k, k)] * inflation).sqrt();
+    let t = problem.terms.len();
+    let terms: Vec<FoundTerm> = (0..t)
+        .map(|k| FoundTerm { term: problem.terms[k], coefficient: Estimate::normal(fit.x[k], error(k)) })
+        .collect();
+    let fit_indices: Vec<usize> = (0..records.len()).filter(|&r| records[r].role == Role::Fit).collect();
+    let mut parameters = Vec::new();
+    let mut names: Vec<(usize, String)> = (0..t)
+        .map(|k| {
+            (
+                k,
+                format!(
+                    "{} in {}'",
+                    system.terms[problem.terms[k]].candidate,
+                    system.states[system.terms[problem.terms[k]].state].name
+                ),
+            )
+        })
+        .collect();
+    for (k, meaning) in problem.meanings().into_iter().enumerate() {
+        if let Some(found) = found(system, problem, &fit, k, meaning, &fit_indices, records, error(k)) {
+            names.push((k, found.name.clone()));
+            parameters.push(found);
+        }
+    }
+    let mut warnings: Vec<String> =
+        records.iter().flat_map(|r| r.notes.iter().map(|n| format!("{}: {n}", r.name))).collect();
+    warnings.extend(at_bounds(&parameters));
+    warnings.extend(inseparable(&cov, &names));
+    let white = fit.effective / fit.samples.max(1) as f64;
+    if white < WHITE {
+        warnings.push(format!(
+            "the residual is not white ({:.0} % of the samples are independent): something is still missing, or the sensor filters; the intervals count \
+             correlated samples as few",
+            100.0 * white
+        ));
+    }
+    let segmented = fit.pieces.iter().any(|&p| p > 1);
+    if segmented {
+        let pieces = fit.pieces.iter().max().copied().unwrap_or(1);
+        warnings.push(format!(
+            "a single run drifts away from the data, so each record was fitted in up to {pieces} segments with start states of their own"
+        ));
+    }
+    let mut solution = solution(system, records, &fit, &fit_indices);
+    let filled: Vec<Record> = records.iter().map(|r| smoothed(system, r)).collect();
+    let mut fits = assess(system, records, &filled, &mut solution);
+    for (i, &r) in fit_indices.iter().enumerate() {
+        fits[r].noise = (0..system.states.len())
+            .filter(|&k| records[r].columns[k].is_some())
+            .map(|k| {
+                let predictions = problem.deviations[i][k];
+                (system.states[k].name.clone(), fit.noise[i][k].variance(predictions).sqrt())
+            })
+            .collect();
+    }
+    let mut bare = Solution {
+        terms: vec![],
+        coefficients: vec![],
+        starts: vec![None; records.len()],
+        ..solution.clone()
+    };
+    let without = assess(system, records, &filled, &mut bare);
+    let verdict = verdict(system, &terms, &fits, &without);
+    let worst = fit_indices.iter().map(|&r| fits[r].worst()).fold(0.0, f64::max);
+    if let Some(point) = path.iter_mut().find(|p| p.terms == t) {
+        point.nrmse = worst.is_finite().then_some(worst);
+    }
+    let kinds: Vec<&str> = (0..fit_indices.len())
+        .flat_map(|i| (0..system.states.len()).map(move |k| (i, k)))
+        .filter(|&(i, k)| problem.records[i].columns[k].is_some())
+        .map(|(i, k)| fit.noise[i][k].kind(problem.deviations[i][k]))
+        .collect();
+    let noise_model = match kinds.first() {
+        Some(first) if kinds.iter().all(|k| k == first) => (*first).to_owned(),
+        _ => "mixed".to_owned(),
+    };
+    Identified {
+        method: Method::Trajectory,
+        terms,
+        parameters,
+        records: fits,
+        noise_model,
+        selection: path,
+        warnings,
+        verdict,
+        stopped,
+    }
+}
+
+/// The sandwich `A^-1 B A^-1`: curvature `A` of the cost, scatter `B` of its gradient. Where the noise model holds it is `A^-1`; directions that the
+/// data do not see stay infinite.
+fn robust_covariance(fit: &Fit<'_>) -> Mat<f64> {
+    let bread = covariance(&fit.normal.matrix);
+    let Ok(meat) = fit.problem.meat(&fit.x, &fit.weights) else { return bread };
+    let n = bread.nrows();
+    let seen: Vec<usize> = (0..n).filter(|&k| bread[(k, k)].is_finite()).collect();
+    let pick = |m: &Mat<f64>| Mat::from_fn(seen.len(), seen.len(), |i, j| m[(seen[i], seen[j])]);
+    let small = pick(&bread);
+    let sandwich = &small * &pick(&meat) * &small;
+    // Few residuals carry most of the information: the sandwich is a little short (HC1).
+    let stretch = fit.samples as f64 / fit.samples.saturating_sub(seen.len()).max(1) as f64;
+    let mut out = Mat::from_fn(n, n, |i, j| if i == j { f64::INFINITY } else { 0.0 });
+    for (i, &a) in seen.iter().enumerate() {
+        for (j, &b) in seen.iter().enumerate() {
+            out[(a, b)] = sandwich[(i, j)] * stretch;
+        }
+    }
+    out
+}
+
+#[allow(clippy::too_many_arguments)] // one place that names every kind of unknown
+fn found(
+    system: &System,
+    problem: &Problem<'_>,
+    fit: &Fit<'_>,
+    k: usize,
+    meaning: Meaning,
+    fit_indices: &[usize],
+    records: &[Record],
+    error: f64,
+) -> Option<FoundParameter> {
+    let bounds = problem.bounds[k];
+    let value = fit.x[k];
+    let (name, unit, parameter, record) = match meaning {
+        Meaning::Parameter(p, None) => {
+            (system.parameters[p].name.clone(), system.parameters[p].unit.clone(), Some(p), None)
+        }
+        Meaning::Parameter(p, Some(r)) => {
+            let record = fit_indices[r];
+            let name = format!("{} [{}]", system.parameters[p].name, records[record].name);
+            (name, system.parameters[p].unit.clone(), Some(p), Some(record))
+        }
+        Meaning::Sensor(r, state, which) => {
+            let record = fit_indices[r];
+            let mut name = format!("{}.{}", system.states[state].name, Problem::sensor_name(which));
+            if fit_indices.len() > 1 {
+                name = format!("{name} [{}]", records[record].name);
+            }
+            let unit = match Problem::sensor_name(which) {
+                "offset" => system.states[state].unit.clone(),
+                "delay" => "s".to_owned(),
+                _ => String::new(),
+            };
+            (name, unit, None, Some(record))
+        }
+        Meaning::Coefficient(_) | Meaning::Start => return None,
+    };
+    Some(FoundParameter {
+        factor: Unit::parse(&unit).map_or(1.0, |u| u.factor),
+        name,
+        unit,
+        estimate: Estimate::normal(value, error),
+        bounds,
+        at_bound: value <= bounds.0 || value >= bounds.1,
+        parameter,
+        record,
+    })
+}
+
+/// Pairs that the data cannot tell apart, in words, with what would.
+fn inseparable(cov: &Mat<f64>, names: &[(usize, String)]) -> Vec<String> {
+    let mut out = Vec::new();
+    for (i, (a, name_a)) in names.iter().enumerate() {
+        if !cov[(*a, *a)].is_finite() {
+            out.push(format!("the data say nothing about {name_a}: give it a number, or leave it out"));
+            continue;
+        }
+        for (b, name_b) in &names[..i] {
+            let r = cov[(*a, *b)] / (cov[(*a, *a)] * cov[(*b, *b)]).sqrt();
+            if r.abs() > CORRELATED {
+                out.push(format!(
+                    "{name_b} and {name_a} trade off (correlation {r:.3}): their sum is known better than either; a record at another amplitude or \
+                     speed would tell them apart"
+                ));
+            }
+        }
+    }
+    out
+}
+
+/// The numbers of a fit, by record; Validate records take those of the record that they continue, or of the first fitted one.
+fn solution(system: &System, records: &[Record], fit: &Fit<'_>, fit_indices: &[usize]) -> Solution {
+    let problem = &fit.problem;
+    let t = problem.terms.len();
+    let base: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();
+    let mut out = Solution::new(problem.terms.clone(), fit.x[..t].to_vec(), &base, records);
+    let numbers = |i: usize| problem.model_parameters(i, &fit.x)[t..t + system.parameters.len()].to_vec();
+    for (r, record) in records.iter().enumerate() {
+        let owner = fit_indices.iter().position(|&f| f == r || record.continues == Some(f));
+        out.parameters[r] = numbers(owner.unwrap_or(0));
+    }
+    for (k, meaning) in problem.meanings().into_iter().enumerate() {
+        if let Meaning::Sensor(i, state, which) = meaning {
+            out.sensors[fit_indices[i]][state][which] = fit.x[k];
+        }
+    }
+    for (i, &r) in fit_indices.iter().enumerate() {
+        if let Some(first) = problem.segments.iter().find(|s| s.record == i) {
+            out.starts[r] = Some(fit.x[first.start..first.start + system.states.len()].to_vec());
+        }
+    }
+    out
+}
