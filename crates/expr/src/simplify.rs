@@ -44,11 +44,7 @@ pub(crate) fn binary(g: &mut Graph, op: Binary, a: Id, b: Id) -> Option<Id> {
     match op {
         Binary::Add if x == zero => Some(b),
         Binary::Add | Binary::Sub if y == zero => Some(a),
-        Binary::Add => match (negated(g, a), negated(g, b)) {
-            (_, Some(b)) => Some(g.sub(a, b)),
-            (Some(a), None) => Some(g.sub(b, a)),
-            (None, None) => None,
-        },
+        Binary::Add => negated(g, b).map(|b| g.sub(a, b)),
         Binary::Sub if x == zero => Some(g.neg(b)),
         Binary::Sub if a == b => Some(g.constant(0.0)),
         Binary::Sub => negated(g, b).map(|b| g.add(a, b)),

@@ -55,7 +55,7 @@ fn simplest_forms() {
     check("--x", "x");
     check("+x", "x");
     check("x + -y", "x - y");
-    check("-x + y", "y - x");
+    check("-x + y", "-x + y");
     check("x - -2", "x + 2");
     check("x*2", "2*x");
     check("x*2*y*3", "6*x*y");
