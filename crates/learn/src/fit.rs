@@ -27,6 +27,8 @@ pub(crate) struct Fit<'a> {
     pub(crate) samples: usize,
     /// The number of independent residuals that they are worth.
     pub(crate) effective: f64,
+    /// Variance of the residuals over that of their white part (by the spectrum above the motion).
+    pub(crate) excess: f64,
     /// Segments of each record.
     pub(crate) pieces: Vec<usize>,
 }
@@ -113,6 +115,7 @@ impl<'a> Context<'a> {
             normal,
             samples: from.samples,
             effective: from.effective,
+            excess: from.excess,
             pieces: from.pieces.clone(),
         })
     }
@@ -148,7 +151,7 @@ impl<'a> Context<'a> {
         if rounds == 1 {
             noise = problem.noise(&residuals);
         }
-        let (mut samples, mut effective) = (0, 0.0);
+        let (mut samples, mut effective, mut power, mut noise_power) = (0, 0.0, 0.0, 0.0);
         for (r, columns) in residuals.iter().enumerate() {
             for (k, c) in columns.iter().enumerate().filter(|(_, c)| !c.residual.is_empty()) {
                 let white: Vec<f64> = c
@@ -159,12 +162,15 @@ impl<'a> Context<'a> {
                     .collect();
                 samples += white.len();
                 effective += effective_samples(&white);
+                power += white.iter().map(|e| e * e).sum::<f64>();
+                noise_power += noise_level(&white).powi(2) * white.len() as f64;
             }
         }
+        let excess = if noise_power > 0.0 { power / noise_power } else { f64::INFINITY };
         let pieces = (0..self.records.len())
             .map(|r| problem.segments.iter().filter(|s| s.record == r).count())
             .collect();
-        Some(Fit { problem, x, noise, weights, normal, samples, effective, pieces })
+        Some(Fit { problem, x, noise, weights, normal, samples, effective, excess, pieces })
     }
 
     /// Before anything is fitted every column weighs by its own size.
@@ -187,21 +193,6 @@ impl<'a> Context<'a> {
         Some((sum / count.max(1) as f64).sqrt())
     }
 
-    /// What the misfit would be if only noise were left, from the spectra of the columns above the motion.
-    pub(crate) fn noise_floor(&self) -> f64 {
-        let (mut sum, mut count) = (0.0, 0);
-        for record in &self.records {
-            for column in record.columns.iter().flatten() {
-                let n = column.len() as f64;
-                let mean = column.iter().sum::<f64>() / n;
-                let variance = column.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / n;
-                sum += noise_level(column).powi(2) / variance.max(f64::MIN_POSITIVE) * n;
-                count += column.len();
-            }
-        }
-        (sum / count.max(1) as f64).sqrt()
-    }
-
     /// The shared parameters of a fit.
     fn shared(&self, fit: &Fit<'_>) -> Option<Vec<f64>> {
         let t = fit.problem.terms.len();
@@ -222,7 +213,17 @@ fn carry(from: &Problem<'_>, x: &[f64], to: &Problem<'_>, y: &mut [f64]) {
     }
 }
 
+/// A residual is white if at least this part of its samples count as independent.
+const WHITE: f64 = 0.6;
+/// ... or if its power is within this factor of its white part: what else there is, is too small to look for.
+const EXCESS: f64 = 1.1;
+
 impl Fit<'_> {
+    /// Whether nothing but noise is left.
+    pub(crate) fn is_white(&self) -> bool {
+        self.effective > WHITE * self.samples as f64 || self.excess < EXCESS
+    }
+
     /// By how much correlated residuals overstate what is known: 1 for white noise.
     pub(crate) fn inflation(&self) -> f64 {
         let f = self.samples as f64 / self.effective.max(1.0);

@@ -16,6 +16,8 @@ use std::ops::ControlFlow;
 
 /// Correlations beyond this are told in words.
 const CORRELATED: f64 = 0.95;
+/// ... if one of the two is known worse than to this part of itself.
+const VAGUE: f64 = 0.02;
 /// Effective samples below this part of all samples are told in words.
 const WHITE: f64 = 0.5;
 
@@ -34,54 +36,71 @@ pub(crate) fn by_trajectory(
         smooth,
         segments: case.learn.segments.unwrap_or(SegmentsSpec::Auto),
     };
-    let mut stopped = observe(0.05).is_break();
+    let mut stopped = observe(0.02).is_break();
     let all: Vec<usize> = (0..system.terms.len()).collect();
-    let full = start(&context, &all)?;
-    stopped |= observe(0.4).is_break();
-    let first = PathPoint { terms: all.len(), criterion: full.normal.cost, nrmse: None };
-    let Selection { fit, path } = match case.learn.selection.unwrap_or(SelectionSpec::Auto) {
-        SelectionSpec::Auto if !stopped => select(&context, full, &all),
-        SelectionSpec::Cutoff(cutoff) if !stopped => cut(&context, whole(&context, full, &all), cutoff),
-        SelectionSpec::All if !stopped => Selection { fit: whole(&context, full, &all), path: vec![first] },
-        _ => Selection { fit: full, path: vec![first] },
+    let mut hear = |part: f64| {
+        stopped |= observe(part).is_break();
+        stopped
+    };
+    let chosen = case.learn.selection.unwrap_or(SelectionSpec::Auto);
+    let Selection { fit, path } = start(&context, &all, chosen == SelectionSpec::Auto, &mut hear)?;
+    let Selection { fit, path } = match chosen {
+        SelectionSpec::Auto => Selection { fit, path },
+        SelectionSpec::All => Selection { fit: whole(&context, fit, &all), path },
+        SelectionSpec::Cutoff(cutoff) => cut(&context, whole(&context, fit, &all), cutoff),
     };
     stopped |= observe(0.9).is_break();
     Ok(report(case, records, fit, path, stopped))
 }
 
-/// A misfit within this factor of the noise needs no richer start.
-const GOOD: f64 = 1.05;
+/// A start that lowers the misfit by less than this part was not worth trying: neither will the next one be.
+const WORTH: f64 = 0.02;
 
-/// A fit to select from: the whole dictionary, or a part of it that leaves nothing but noise, or as much as can be simulated.
+/// The best fit from several starts, with its terms selected if `auto`.
 ///
-/// Collinear candidates make a regression of the whole dictionary wild, so the start is poor: the best term of each equation (friction is never
-/// started from zero), then the best two, three, all. Each is fitted for itself, then with the rest of the dictionary beside it.
-fn start<'a>(context: &Context<'a>, all: &[usize]) -> Result<Fit<'a>, LearnError> {
+/// Collinear candidates make a regression of the whole dictionary wild, so the start is poor: the best term of each equation (friction is never started
+/// from zero), then the best two, three, all. From each, terms enter and leave; only where something is left that is not noise is the whole dictionary
+/// fitted at once, and the next start tried.
+fn start<'a>(
+    context: &Context<'a>,
+    all: &[usize],
+    auto: bool,
+    stopped: &mut dyn FnMut(f64) -> bool,
+) -> Result<Selection<'a>, LearnError> {
     let system = context.system;
     let parameters: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();
     let regression = Regression::new(system, &context.smooth, &parameters);
     let mut starts: Vec<Vec<usize>> =
         (1..4).map(|most| regression.best(system, most)).chain([all.to_vec()]).collect();
     starts.dedup();
-    let floor = context.noise_floor();
-    let mut best: Option<(f64, Fit<'a>)> = None;
-    for start in &starts {
+    let mut best: Option<(f64, Selection<'a>)> = None;
+    let chosen = |fit: Fit<'a>| {
+        if auto { structure(context, fit, all) } else { Selection { path: vec![unselected(&fit)], fit } }
+    };
+    for (k, start) in starts.iter().enumerate() {
+        if stopped(0.9 * k as f64 / starts.len() as f64 + 0.05) && best.is_some() {
+            break;
+        }
         let Some(poor) = context.fresh_fit(start, &regression.solve(start)) else { continue };
-        let Some(misfit) = context.misfit(&poor) else { continue };
-        let rich =
-            if misfit < GOOD * floor || start.len() == all.len() { None } else { context.richer(&poor, all) };
-        let rich = rich.and_then(|fit| context.misfit(&fit).map(|m| (m, fit)));
-        for (misfit, fit) in [Some((misfit, poor)), rich].into_iter().flatten() {
-            if best.as_ref().is_none_or(|(least, _)| misfit < *least) {
-                best = Some((misfit, fit));
+        let mut found = chosen(poor);
+        if !found.fit.is_white() && found.fit.problem.terms.len() < all.len() {
+            let rich = context.richer(&found.fit, all).map(&chosen);
+            if let Some(rich) = rich.filter(|r| context.misfit(&r.fit) < context.misfit(&found.fit)) {
+                found = rich;
             }
         }
-        if best.as_ref().is_some_and(|(misfit, _)| *misfit < GOOD * floor) {
+        let Some(misfit) = context.misfit(&found.fit) else { continue };
+        let white = found.fit.is_white();
+        let gained = best.as_ref().is_none_or(|(least, _)| misfit < (1.0 - WORTH) * least);
+        if best.as_ref().is_none_or(|(least, _)| misfit < *least) {
+            best = Some((misfit, found));
+        }
+        if white || !gained {
             break;
         }
     }
-    if let Some((_, fit)) = best {
-        return Ok(fit);
+    if let Some((_, found)) = best {
+        return Ok(found);
     }
     let why = Problem::new(system, &starts[0], &context.records, &vec![1; context.records.len()])
         .map_err(LearnError::Numerics)
@@ -90,6 +109,23 @@ fn start<'a>(context: &Context<'a>, all: &[usize]) -> Result<Fit<'a>, LearnError
             p.residuals(&x).map_err(|e| LearnError::Numerics(format!("the model cannot be simulated: {e}")))
         });
     Err(why.err().unwrap_or_else(|| LearnError::Numerics("the fit diverges from every start".into())))
+}
+
+/// Selects until the terms stay: each selection runs on the noise of the fit that it starts from, and a better fit has less of it.
+fn structure<'a>(context: &Context<'a>, fit: Fit<'a>, all: &[usize]) -> Selection<'a> {
+    let mut found = select(context, fit, all);
+    for _ in 0..4 {
+        let terms = found.fit.problem.terms.clone();
+        found = select(context, found.fit, all);
+        if found.fit.problem.terms == terms {
+            break;
+        }
+    }
+    found
+}
+
+fn unselected(fit: &Fit<'_>) -> PathPoint {
+    PathPoint { terms: fit.problem.terms.len(), criterion: fit.normal.cost, nrmse: None }
 }
 
 /// The fit with every candidate in it, if it can be simulated.
@@ -161,7 +197,7 @@ fn report(
     let mut warnings: Vec<String> =
         records.iter().flat_map(|r| r.notes.iter().map(|n| format!("{}: {n}", r.name))).collect();
     warnings.extend(at_bounds(&parameters));
-    warnings.extend(inseparable(&cov, &names));
+    warnings.extend(inseparable(&cov, &names, &fit.x));
     let white = fit.effective / fit.samples.max(1) as f64;
     if white < WHITE {
         warnings.push(format!(
@@ -294,7 +330,7 @@ fn found(
 }
 
 /// Pairs that the data cannot tell apart, in words, with what would.
-fn inseparable(cov: &Mat<f64>, names: &[(usize, String)]) -> Vec<String> {
+fn inseparable(cov: &Mat<f64>, names: &[(usize, String)], values: &[f64]) -> Vec<String> {
     let mut out = Vec::new();
     for (i, (a, name_a)) in names.iter().enumerate() {
         if !cov[(*a, *a)].is_finite() {
@@ -303,9 +339,11 @@ fn inseparable(cov: &Mat<f64>, names: &[(usize, String)]) -> Vec<String> {
         }
         for (b, name_b) in &names[..i] {
             let r = cov[(*a, *b)] / (cov[(*a, *a)] * cov[(*b, *b)]).sqrt();
-            if r.abs() > CORRELATED {
+            let vague = |k: usize| cov[(k, k)].sqrt() > VAGUE * values[k].abs();
+            if r.abs() > CORRELATED && (vague(*a) || vague(*b)) {
+                let known = if r < 0.0 { "sum" } else { "difference" };
                 out.push(format!(
-                    "{name_b} and {name_a} trade off (correlation {r:.3}): their sum is known better than either; a record at another amplitude or \
+                    "{name_b} and {name_a} trade off (correlation {r:.3}): their {known} is known better than either; a record at another amplitude or \
                      speed would tell them apart"
                 ));
             }

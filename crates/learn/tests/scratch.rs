@@ -9,6 +9,7 @@ fn show() {
         let t0 = std::time::Instant::now();
         let (case, records) = common::load(name, &refs);
         let t1 = t0.elapsed();
+        let _ = &records;
         let found = phisindy_learn::identify(&case, &records, &Default::default(), &mut |_| ControlFlow::Continue(()));
         let t2 = t0.elapsed();
         match found {
