@@ -12,6 +12,9 @@ Examples:
   phisindy run specs/*.ron --format json --quiet        one JSON object per spec
   phisindy check case.ron                               only say what is wrong with a spec and its data
   phisindy simulate case.ron > data.csv                 the synthetic data of a spec
+  phisindy run case.ron --out case                      also result.json, equation.tex, identified.ron in folder case
+  phisindy simulate case/identified.ron > model.csv     what the identified model predicts
+  phisindy sweep case.ron --seeds 100 --out sweep       100 noise seeds in parallel: how often right, how accurate
   phisindy laws stribeck                                a law of the catalogue";
 
 const CODES: &str = "\
@@ -45,11 +48,18 @@ Examples:
         #[arg(required = true, value_name = "SPEC")]
         specs: Vec<PathBuf>,
     },
-    /// Print the spec's synthetic data as CSV (columns NAME are noisy, NAME_true exact)
-    #[command(before_help = "\
+    /// Print the spec's synthetic data, or the free run of a model without unknown part along measured records, as CSV
+    #[command(
+        before_help = "\
 Examples:
   phisindy simulate specs/case5.ron > case5.csv
-  phisindy simulate specs/case5.ron --seed 7 --set 'data.0.noise=Relative(0)'")]
+  phisindy simulate specs/case5.ron --seed 7 --set 'data.0.noise=Relative(0)'
+  phisindy run specs/emps.ron --data ../shared/data --out emps
+  phisindy simulate emps/identified.ron --data ../shared/data > emps.csv",
+        after_help = "\
+Columns: NAME as recorded (synthetic: with noise), NAME_true the exact state of synthetic data, NAME_model the free run of the model along a
+measured record, from the record's `start` or else its first sample; then the inputs."
+    )]
     Simulate {
         /// Spec file
         #[arg(value_name = "SPEC")]
@@ -76,6 +86,72 @@ Examples:
         #[arg(value_name = "NAME")]
         name: Option<String>,
     },
+    /// Identify with many seeds in parallel: how often the terms are right, how accurate the numbers and their intervals are
+    #[command(
+        before_help = "\
+Examples:
+  phisindy sweep specs/case1a.ron --seeds 100
+  phisindy sweep specs/case1a.ron --seeds 100 --noise 'Relative(0.1), Additive(0.02)' --out sweep
+  phisindy sweep specs/case1b.ron --seeds 20 --method step --cutoffs 0.02,0.05,0.1
+  phisindy sweep specs/case1a.ron --seeds 20 --vary 'unknown.y.candidates=[\"1\"];[\"1\", \"x\", \"y\"]'",
+        after_help = "\
+Seeds run from S to S+N-1, S from --seed or the spec. Every combination of --noise, --cutoffs and --vary is a cell of its own. With --out DIR every
+finished run is kept in DIR/sweep.jsonl, so that the same command goes on after an interruption; the table is in DIR/sweep.json at the end.
+Exit code 1: a truth lies outside of its dictionary, or no run came to a result."
+    )]
+    Sweep(SweepArgs),
+    /// Print the tables of README.md
+    #[command(hide = true)]
+    Table(TableArgs),
+}
+
+/// What to sweep over.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct SweepArgs {
+    /// Spec file with synthetic data
+    #[arg(value_name = "SPEC")]
+    pub(crate) spec: PathBuf,
+    /// Number of seeds
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub(crate) seeds: u64,
+    /// Noise of all synthetic records, as in 'Relative(0.1), Additive(0.02)'
+    #[arg(long, value_name = "LIST")]
+    pub(crate) noise: Option<String>,
+    /// Cut-offs, as in 0.02,0.05,0.1 (method trajectory: in place of its own selection)
+    #[arg(long, value_name = "LIST")]
+    pub(crate) cutoffs: Option<String>,
+    /// Values of any field of the spec; repeatable
+    #[arg(long, value_name = "PATH=V1;V2;...", value_parser = assignment)]
+    pub(crate) vary: Vec<Assignment>,
+}
+
+/// Which table.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct TableArgs {
+    /// Which one
+    #[arg(value_enum, value_name = "TABLE")]
+    pub(crate) kind: TableKind,
+    /// Number of seeds of `sweep`
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub(crate) seeds: u64,
+    /// Put the table between its marks in this file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) write: Option<PathBuf>,
+    /// Folder of the specs
+    #[arg(long, value_name = "DIR", default_value = "specs")]
+    pub(crate) specs: PathBuf,
+    /// Only these cases, as in 1a,7
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub(crate) cases: Vec<String>,
+}
+
+/// A table of README.md.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TableKind {
+    /// Each case beside what the paper prints.
+    Paper,
+    /// Many seeds of each case.
+    Sweep,
 }
 
 /// How to do it; every subcommand takes all of these.
@@ -84,7 +160,7 @@ pub(crate) struct Options {
     /// Form of the result
     #[arg(long, global = true, value_enum, default_value_t = Format::Latex, value_name = "FORMAT")]
     pub(crate) format: Format,
-    /// Also write result.json and equation.tex into this folder (made if needed)
+    /// Also write the results into this folder (made if needed): result.json, equation.tex, identified.ron, sweep.json
     #[arg(long, global = true, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Folder of the data files [else: PHISINDY_DATA, then beside the spec]

@@ -5,20 +5,20 @@ use crate::load::{Loaded, Purpose, Refusal, load};
 use crate::outdir::{self, OutDir};
 use crate::progress::Progress;
 use crate::report::Report;
-use crate::{draw, interrupt, laws, simulate};
+use crate::{draw, identified_spec, interrupt, laws, readme, simulate, sweep};
 use anyhow::{Context, Result, anyhow};
 use phisindy_learn::{Identified, LearnError, LearnOptions, Verdict, identify};
 use phisindy_phys::{Diagnostic, Sources};
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
 /// The result was rejected.
-const REJECTED: u8 = 1;
+pub(crate) const REJECTED: u8 = 1;
 /// The spec, its files or the command line are wrong.
-const INPUT: u8 = 2;
+pub(crate) const INPUT: u8 = 2;
 /// The numerics failed.
 const NUMERICS: u8 = 3;
 
@@ -31,6 +31,8 @@ pub(crate) fn execute(args: &Args) -> ExitCode {
         Command::Simulate { spec } => simulate(spec, options),
         Command::Check { specs } => Ok(check(specs, options)),
         Command::Laws { name } => laws(name.as_deref(), options),
+        Command::Sweep(args) => sweep::command(args, options),
+        Command::Table(args) => readme::command(args, options),
     });
     match done {
         Ok(code) => ExitCode::from(code),
@@ -65,7 +67,7 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
 }
 
 /// A message on standard error.
-fn complain(message: &str) {
+pub(crate) fn complain(message: &str) {
     draw::show([&Diagnostic::error(message)], &Sources::default());
 }
 
@@ -76,10 +78,21 @@ fn loaded(spec: &Path, options: &Options, purpose: Purpose) -> Result<Loaded, u8
     // Next to a mistake, warnings are mostly its consequences: what failed to parse leaves constants unused.
     let drawn = found.iter().filter(|d| d.is_error() || (loaded.is_ok() && !options.quiet));
     draw::show(drawn, &sources);
-    loaded.map_err(|refusal| match refusal {
+    loaded.map_err(refused)
+}
+
+/// The exit code of a refusal.
+pub(crate) fn refused(refusal: Refusal) -> u8 {
+    match refusal {
         Refusal::Input => INPUT,
         Refusal::Numerics => NUMERICS,
-    })
+    }
+}
+
+/// A line on standard error that is no mistake.
+pub(crate) fn remark(message: &str) {
+    // Nobody is left to tell if standard error is closed.
+    let _ = writeln!(io::stderr(), "{message}");
 }
 
 fn run(specs: &[PathBuf], options: &Options) -> Result<u8> {
@@ -115,10 +128,17 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
             return Ok(NUMERICS);
         }
     };
-    let report = Report::new(&loaded.spec, &loaded.case, &found, begin.elapsed().as_secs_f64());
+    let report = Report::new(&loaded, &found, begin.elapsed().as_secs_f64());
+    if !options.quiet {
+        caution(&report, options.format);
+    }
     if let Some(folder) = folder {
         folder.write("result.json", &report.written(Format::Json))?;
         folder.write("equation.tex", &report.written(Format::Latex))?;
+        match identified_spec::written(&loaded, &found) {
+            Ok(text) => folder.write("identified.ron", &text)?,
+            Err(why) => complain(&format!("identified.ron cannot be written: {why}")),
+        }
     }
     let blank = if follows && options.format != Format::Json { "\n" } else { "" };
     print(&format!("{blank}{}", report.written(options.format)))?;
@@ -127,6 +147,16 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
         (false, Verdict::Identified) => 0,
         (false, Verdict::Rejected(_)) => REJECTED,
     })
+}
+
+/// What a reader should know, on standard error; not a second time where the result goes to the same terminal.
+fn caution(report: &Report<'_>, format: Format) {
+    let twice = format != Format::Json && io::stdout().is_terminal() && io::stderr().is_terminal();
+    report.notes.iter().for_each(|note| remark(&format!("note: {note}")));
+    if !twice {
+        let said: Vec<Diagnostic> = report.warnings.iter().map(|w| Diagnostic::warning(w.clone())).collect();
+        draw::show(&said, &Sources::default());
+    }
 }
 
 /// The call into the library, with the bar, until the user has enough.
@@ -145,10 +175,22 @@ fn simulate(spec: &Path, options: &Options) -> Result<u8> {
         Err(code) => return Ok(code),
     };
     if loaded.records.is_empty() {
-        return Err(anyhow!("{}: there is no `Synthetic` record to simulate", loaded.spec));
+        return Err(anyhow!(
+            "{}: the model has an unknown part and no `Synthetic` record: identify it first (`phisindy run {} --out DIR`), then simulate \
+             DIR/identified.ron",
+            loaded.spec,
+            loaded.spec
+        ));
     }
+    let runs = match simulate::runs(&loaded) {
+        Ok(runs) => runs,
+        Err(why) => {
+            complain(&format!("{}: {why}", loaded.spec));
+            return Ok(NUMERICS);
+        }
+    };
     let mut out = io::BufWriter::new(io::stdout().lock());
-    simulate::write(&loaded, &mut out)?;
+    simulate::write(&loaded, &runs, &mut out)?;
     out.flush()?;
     Ok(0)
 }
@@ -178,7 +220,7 @@ fn laws(name: Option<&str>, options: &Options) -> Result<u8> {
     Ok(0)
 }
 
-fn print(text: &str) -> Result<()> {
+pub(crate) fn print(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).context("cannot write to standard output")
 }

@@ -1,6 +1,6 @@
 //! From a spec file to a checked case with its records.
 
-use crate::args::Options;
+use crate::args::{Assignment, Options};
 use crate::csvfile;
 use crate::datafile::{Folders, Missing};
 use phisindy_expr::Span;
@@ -16,6 +16,8 @@ use std::path::Path;
 pub(crate) struct Loaded {
     /// The spec's path as it was given.
     pub(crate) spec: String,
+    /// Its text, with every `--set` spliced in.
+    pub(crate) text: String,
     /// The checked spec.
     pub(crate) case: Case,
     /// In the order of the spec.
@@ -31,7 +33,7 @@ pub(crate) enum Purpose {
     Run,
     /// Files are read if they are there; nothing is simulated.
     Check,
-    /// Synthetic records only.
+    /// Synthetic records, and measured ones if the model has no unknown part and can predict them.
     Simulate,
 }
 
@@ -55,11 +57,26 @@ pub(crate) fn load(
     sources: &mut Sources,
     found: &mut Vec<Diagnostic>,
 ) -> Result<Loaded, Refusal> {
-    let shown = path.display().to_string();
-    let text = spec_text(path, options, sources).map_err(|d| {
+    let text = spec_text(path).and_then(|text| with_sets(text, &options.sets, sources)).map_err(|d| {
         found.push(d);
         Refusal::Input
     })?;
+    load_text(path, text, options, purpose, sources, found)
+}
+
+/// The same from a text that was read before; `path` says where its data files are, and `--set` has been applied.
+///
+/// # Errors
+/// At least one of the diagnostics is an error.
+pub(crate) fn load_text(
+    path: &Path,
+    text: String,
+    options: &Options,
+    purpose: Purpose,
+    sources: &mut Sources,
+    found: &mut Vec<Diagnostic>,
+) -> Result<Loaded, Refusal> {
+    let shown = path.display().to_string();
     let name = if options.sets.is_empty() { shown.clone() } else { format!("{shown} (after --set)") };
     let source = sources.add(name, text.clone());
     let case = match checked(&text, source) {
@@ -75,11 +92,11 @@ pub(crate) fn load(
     let mut loader =
         Loader { options, source, folders: Folders::new(options.data.as_deref(), path), sources, found };
     let (records, truths) = loader.records(&case, purpose)?;
-    Ok(Loaded { spec: shown, case, records, truths })
+    Ok(Loaded { spec: shown, text, case, records, truths })
 }
 
-/// The text of the spec with every `--set` spliced in.
-fn spec_text(path: &Path, options: &Options, sources: &mut Sources) -> Result<String, Diagnostic> {
+/// The text of the spec.
+pub(crate) fn spec_text(path: &Path) -> Result<String, Diagnostic> {
     let shown = path.display();
     let mut text = std::fs::read(path)
         .map_err(|e| Diagnostic::error(format!("cannot read the spec `{shown}`: {e}")))
@@ -92,7 +109,16 @@ fn spec_text(path: &Path, options: &Options, sources: &mut Sources) -> Result<St
     if let Some(rest) = text.strip_prefix('\u{feff}') {
         text = rest.to_owned();
     }
-    for set in &options.sets {
+    Ok(text)
+}
+
+/// The text with every `--set` spliced in.
+pub(crate) fn with_sets(
+    mut text: String,
+    sets: &[Assignment],
+    sources: &mut Sources,
+) -> Result<String, Diagnostic> {
+    for set in sets {
         text = phisindy_phys::splice::set(&text, &set.path, &set.value).map_err(|e| {
             let whole = format!("{}={}", set.path, set.value);
             let at = whole
@@ -143,7 +169,8 @@ impl Loader<'_> {
         let mut refusal = None;
         for (index, plan) in case.records.iter().enumerate() {
             let made = match (&plan.origin, purpose) {
-                (Origin::Csv(_), Purpose::Simulate) | (Origin::Synthetic(_), Purpose::Check) => continue,
+                (Origin::Csv(_), Purpose::Simulate) if !case.system.terms.is_empty() => continue,
+                (Origin::Synthetic(_), Purpose::Check) => continue,
                 (Origin::Csv(csv), _) => {
                     self.measured(plan, csv, case, purpose).map(|record| record.map(|r| (r, None)))
                 }

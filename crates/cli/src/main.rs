@@ -11,6 +11,7 @@ mod csvfile;
 mod datafile;
 mod draw;
 mod equation;
+mod identified_spec;
 mod interrupt;
 mod json;
 mod laws;
@@ -18,8 +19,10 @@ mod linear_combination;
 mod load;
 mod outdir;
 mod progress;
+mod readme;
 mod report;
 mod simulate;
+mod sweep;
 mod table;
 
 use clap::Parser;

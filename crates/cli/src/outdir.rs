@@ -20,6 +20,11 @@ impl OutDir {
         Ok(dir)
     }
 
+    /// The folder.
+    pub(crate) fn path(&self) -> &Path {
+        &self.0
+    }
+
     /// Writes a file: under another name first, so that it is there as a whole or not at all.
     pub(crate) fn write(&self, name: &str, content: &str) -> Result<()> {
         let (temporary, path) = (self.temporary(name), self.0.join(name));
@@ -32,6 +37,13 @@ impl OutDir {
     fn temporary(&self, name: &str) -> PathBuf {
         self.0.join(format!(".{name}.{}.part", std::process::id()))
     }
+}
+
+/// Writes a file beside the folder of `--out`, in place of what was there.
+pub(crate) fn replace_file(path: &Path, content: &str) -> Result<()> {
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    OutDir(folder.to_owned()).write(&name, content)
 }
 
 /// One folder for each spec: the given one for a single spec, else one in it named after each.

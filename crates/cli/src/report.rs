@@ -3,6 +3,7 @@
 use crate::args::Format;
 use crate::equation::{Equation, equations, names_of_records};
 use crate::json::{self, method, role};
+use crate::load::Loaded;
 use crate::table::{aligned, short};
 use phisindy_learn::{Estimate, Identified, Verdict};
 use phisindy_phys::Case;
@@ -17,15 +18,32 @@ pub(crate) struct Report<'a> {
     pub(crate) found: &'a Identified,
     /// The same as equations.
     pub(crate) equations: Vec<Equation>,
+    /// What a careful reader should know.
+    pub(crate) warnings: Vec<String>,
+    /// What was done to the data.
+    pub(crate) notes: Vec<String>,
     /// How long it took.
     pub(crate) seconds: f64,
 }
 
 impl<'a> Report<'a> {
-    /// Writes the equations.
-    pub(crate) fn new(spec: &'a str, case: &'a Case, found: &'a Identified, seconds: f64) -> Report<'a> {
+    /// Writes the equations, and tells notes about the data from warnings.
+    pub(crate) fn new(loaded: &'a Loaded, found: &'a Identified, seconds: f64) -> Report<'a> {
+        let (spec, case) = (&loaded.spec, &loaded.case);
         let equations = equations(case, &found.terms, &found.parameters);
-        Report { spec, case, found, equations, seconds }
+        let of_records =
+            loaded.records.iter().flat_map(|r| r.notes.iter().map(|note| format!("{}: {note}", r.name)));
+        let mut notes: Vec<String> = of_records.collect();
+        let mut warnings = Vec::new();
+        for warning in &found.warnings {
+            if notes.contains(warning) {
+                continue;
+            }
+            // Method step derives states too, and says so in the same words.
+            if warning.contains(" is the derivative of ") { &mut notes } else { &mut warnings }
+                .push(warning.clone());
+        }
+        Report { spec, case, found, equations, warnings, notes, seconds }
     }
 
     /// The result in one of its forms, with an end of line.
@@ -74,9 +92,9 @@ impl<'a> Report<'a> {
         if !own.is_empty() {
             lines.push(format!("{} differ from record to record", own.join(", ")));
         }
-        if !found.warnings.is_empty() {
+        if !self.warnings.is_empty() {
             lines.push(String::new());
-            lines.extend(found.warnings.iter().flat_map(|w| w.lines()).map(|w| format!("warning: {w}")));
+            lines.extend(self.warnings.iter().flat_map(|w| w.lines()).map(|w| format!("warning: {w}")));
         }
         lines
     }

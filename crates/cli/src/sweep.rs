@@ -1,0 +1,243 @@
+//! Many seeds of one case, in cells that differ in noise, cut-off or anything else; parallel over runs, resumable.
+//!
+//! ```text
+//! spec text --cells--> one text per cell --> runs (cell, seed) on all cores --> journal --> statistics --> table
+//! ```
+
+mod cells;
+mod command;
+mod journal;
+mod show;
+mod statistics;
+
+pub(crate) use cells::{Cell, product, vary};
+pub(crate) use command::command;
+pub(crate) use journal::{Found, Journal, Run};
+pub(crate) use statistics::Statistics;
+
+use crate::args::Options;
+use crate::interrupt;
+use crate::load::{Loaded, Purpose, Refusal, load_text};
+use crate::progress::Progress;
+use anyhow::{Result, anyhow};
+use phisindy_learn::{LearnOptions, SweepRun, Truth, Verdict, bound, project, sweep_one};
+use phisindy_phys::{Case, Diagnostic, Origin, Sources};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
+
+/// How often the bar moves and Ctrl-C is looked for.
+const TICK: Duration = Duration::from_millis(100);
+
+/// What to run.
+pub(crate) struct Plan {
+    /// Where data files are looked for.
+    pub(crate) spec: PathBuf,
+    /// Folders, method, threads.
+    pub(crate) options: Options,
+    /// Checked, in the order of the table.
+    pub(crate) cells: Vec<Checked>,
+    /// First seed.
+    pub(crate) first: u64,
+    /// How many.
+    pub(crate) seeds: u64,
+}
+
+/// A cell whose text makes sense.
+pub(crate) struct Checked {
+    /// The cell.
+    pub(crate) cell: Cell,
+    /// The truth in terms of its dictionary, or why there is none.
+    pub(crate) truth: Result<Named, String>,
+}
+
+/// A truth with the names of its terms.
+#[derive(Clone, Debug)]
+pub(crate) struct Named {
+    /// Indices and coefficients.
+    pub(crate) truth: Truth,
+    /// `STATE:candidate` of each term.
+    pub(crate) names: Vec<String>,
+}
+
+/// What came of it.
+pub(crate) struct Outcome {
+    /// For each cell its finished runs, by seed.
+    pub(crate) runs: Vec<Vec<Run>>,
+    /// Whether the user stopped it before the end.
+    pub(crate) stopped: bool,
+    /// How long this program worked on it.
+    pub(crate) seconds: f64,
+}
+
+/// A term as results name it.
+pub(crate) fn term_name(case: &Case, term: usize) -> String {
+    let term = &case.system.terms[term];
+    format!("{}:{}", case.system.states[term.state].name, term.candidate)
+}
+
+impl Checked {
+    /// Reads the text of a cell, makes its records once, and projects its truth. What there is to say goes to `found`.
+    ///
+    /// # Errors
+    /// The text makes no sense, or its truth cannot be simulated.
+    pub(crate) fn new(
+        spec: &Path,
+        cell: Cell,
+        options: &Options,
+        sources: &mut Sources,
+        found: &mut Vec<Diagnostic>,
+    ) -> Result<(Checked, Loaded), Refusal> {
+        let loaded = load_text(spec, cell.text.clone(), options, Purpose::Run, sources, found)?;
+        let truth = project(&loaded.case, &loaded.records).map(|truth| {
+            let names = truth.terms.iter().map(|&t| term_name(&loaded.case, t)).collect();
+            Named { truth, names }
+        });
+        Ok((Checked { cell, truth }, loaded))
+    }
+}
+
+/// The seed of the first synthetic record.
+pub(crate) fn seed_of(case: &Case) -> Option<u64> {
+    case.records.iter().find_map(|plan| match &plan.origin {
+        Origin::Synthetic(s) => Some(s.seed),
+        Origin::Csv(_) => None,
+    })
+}
+
+/// Does all runs that the journal does not hold yet.
+///
+/// Every worker is a thread pool of one, so that a run never waits for pieces of another one, and its numbers cannot depend on how many there are.
+///
+/// # Errors
+/// The journal cannot be written, or a worker died.
+pub(crate) fn sweep(plan: &Plan, journal: &mut Journal, title: &str) -> Result<Outcome> {
+    let begin = Instant::now();
+    let mut todo = Vec::new();
+    for (k, checked) in plan.cells.iter().enumerate() {
+        let Ok(named) = &checked.truth else { continue };
+        for seed in (0..plan.seeds).map(|i| plan.first.wrapping_add(i)) {
+            if !journal.has(&checked.cell.label, seed) {
+                todo.push(Task {
+                    cell: k,
+                    seed,
+                    text: checked.cell.text.clone(),
+                    truth: named.truth.clone(),
+                });
+            }
+        }
+    }
+    let mut progress = Progress::new(title, plan.options.quiet);
+    let total = todo.len();
+    let todo = Arc::new((todo, plan.spec.clone(), plan.options.clone()));
+    let next = Arc::new(AtomicUsize::new(0));
+    let (sender, receiver) = channel();
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let jobs = plan.options.jobs.map_or(cores, usize::from).min(total);
+    let mut pools = Vec::new();
+    for _ in 0..jobs {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(1)
+            .build()
+            .map_err(|e| anyhow!("cannot start a thread: {e}"))?;
+        let (todo, next, sender) = (todo.clone(), next.clone(), sender.clone());
+        pool.spawn(move || {
+            while let Some(task) = todo.0.get(next.fetch_add(1, Ordering::Relaxed)) {
+                if interrupt::asked() || sender.send((task.cell, task.run(&todo.1, &todo.2))).is_err() {
+                    return;
+                }
+            }
+        });
+        pools.push(pool);
+    }
+    drop(sender);
+    let mut done = 0;
+    while done < total && !interrupt::asked() {
+        match receiver.recv_timeout(TICK) {
+            Ok((cell, mut run)) => {
+                run.cell.clone_from(&plan.cells[cell].cell.label);
+                journal.push(run)?;
+                done += 1;
+                progress.at(done as f64 / total as f64);
+            }
+            Err(RecvTimeoutError::Timeout) => progress.at(done as f64 / total as f64),
+            Err(RecvTimeoutError::Disconnected) if interrupt::asked() => break,
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(anyhow!(
+                    "{} of {total} runs died; this is a mistake of the program",
+                    total - done
+                ));
+            }
+        }
+    }
+    // What was finished while Ctrl-C arrived is kept too.
+    while let Ok((cell, mut run)) = receiver.try_recv() {
+        run.cell.clone_from(&plan.cells[cell].cell.label);
+        journal.push(run)?;
+        done += 1;
+    }
+    let seeds: Vec<u64> = (0..plan.seeds).map(|i| plan.first.wrapping_add(i)).collect();
+    let runs = plan.cells.iter().map(|c| journal.runs(&c.cell.label, &seeds)).collect();
+    Ok(Outcome { runs, stopped: done < total, seconds: begin.elapsed().as_secs_f64() })
+}
+
+struct Task {
+    cell: usize,
+    seed: u64,
+    text: String,
+    truth: Truth,
+}
+
+impl Task {
+    fn run(&self, spec: &Path, options: &Options) -> Run {
+        let begin = Instant::now();
+        let options = Options { seed: Some(self.seed), ..options.clone() };
+        let (mut sources, mut found) = (Sources::default(), Vec::new());
+        let loaded = load_text(spec, self.text.clone(), &options, Purpose::Run, &mut sources, &mut found);
+        let mut run = match loaded {
+            Ok(loaded) => {
+                let learn = LearnOptions { method: options.method.map(Into::into) };
+                let least = bound(&loaded.case, &loaded.records, &loaded.truths, &self.truth);
+                let one = sweep_one(&loaded.case, &loaded.records, &self.truth, &learn);
+                summary(one, least.unwrap_or_default())
+            }
+            Err(_) => {
+                let why = found.iter().find(|d| d.is_error()).map_or(String::new(), |d| d.message.clone());
+                Run {
+                    verdict: format!("failed: {why}"),
+                    found: vec![None; self.truth.terms.len()],
+                    ..Run::default()
+                }
+            }
+        };
+        run.seed = self.seed;
+        run.seconds = begin.elapsed().as_secs_f64();
+        run
+    }
+}
+
+/// What the journal keeps of a run.
+fn summary(run: SweepRun, bound: Vec<f64>) -> Run {
+    let finite = |x: f64| x.is_finite().then_some(x);
+    let verdict = match &run.outcome {
+        Ok(found) => match &found.verdict {
+            Verdict::Identified => "identified".to_owned(),
+            Verdict::Rejected(why) => format!("rejected: {why}"),
+        },
+        Err(why) => format!("failed: {why}"),
+    };
+    let found = run.found.iter().map(|found| {
+        let e = (*found)?;
+        Some(Found { value: finite(e.value)?, low: finite(e.ci95.0), high: finite(e.ci95.1) })
+    });
+    Run {
+        exact: run.exact,
+        verdict,
+        found: found.collect(),
+        bound: bound.into_iter().map(finite).collect(),
+        spurious: run.spurious,
+        ..Run::default()
+    }
+}

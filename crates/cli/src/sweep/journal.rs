@@ -1,0 +1,174 @@
+//! Finished runs, kept in a file line by line, so that a sweep can go on after an interruption.
+
+use anyhow::{Context, Result, anyhow, bail};
+use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::path::Path;
+
+/// The name of the file in the folder of `--out`.
+pub(crate) const NAME: &str = "sweep.jsonl";
+
+/// One finished run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Run {
+    /// Label of its cell.
+    pub(crate) cell: String,
+    /// Its seed.
+    pub(crate) seed: u64,
+    /// Whether the terms are exactly those of the truth.
+    pub(crate) exact: bool,
+    /// `identified`, `rejected: why` or `failed: why`.
+    pub(crate) verdict: String,
+    /// For each term of the truth.
+    pub(crate) found: Vec<Option<Found>>,
+    /// For each term of the truth, the least standard error that the data allow.
+    pub(crate) bound: Vec<Option<f64>>,
+    /// Terms that are not in the truth.
+    pub(crate) spurious: Vec<String>,
+    /// Not to be reproduced.
+    pub(crate) seconds: f64,
+}
+
+/// A term of the truth that was found; an end of the interval that is missing is at infinity.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Found {
+    /// Coefficient.
+    pub(crate) value: f64,
+    /// Lower end of its 95 % interval.
+    pub(crate) low: Option<f64>,
+    /// Upper end.
+    pub(crate) high: Option<f64>,
+}
+
+/// First line of the file: which case the runs are of.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+struct Header {
+    journal: String,
+    spec: String,
+    version: String,
+    fingerprint: String,
+}
+
+/// Finished runs, by cell and seed.
+#[derive(Debug, Default)]
+pub(crate) struct Journal {
+    file: Option<File>,
+    runs: HashMap<(String, u64), Run>,
+}
+
+impl Journal {
+    /// Opens the journal in a folder, or starts one. `what` is all that the runs depend on, except for cell and seed.
+    ///
+    /// # Errors
+    /// It holds runs of another case, is damaged, is in use, or cannot be read or written.
+    pub(crate) fn open(folder: &Path, spec: &str, what: &str) -> Result<Journal> {
+        let path = folder.join(NAME);
+        let shown = path.display().to_string();
+        let open = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
+        let mut file = open.with_context(|| format!("cannot open `{shown}`"))?;
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) => {
+                bail!("another sweep is writing `{shown}`; give this one another --out")
+            }
+            // A file system without locks is no reason not to work.
+            Err(TryLockError::Error(_)) | Ok(()) => {}
+        }
+        let mut text = Vec::new();
+        file.read_to_end(&mut text).with_context(|| format!("cannot read `{shown}`"))?;
+        // A line without end was torn when the program was killed: that run is done again.
+        let whole = text.iter().rposition(|&b| b == b'\n').map_or(0, |at| at + 1);
+        file.set_len(whole as u64)
+            .and_then(|()| file.seek(SeekFrom::End(0)))
+            .with_context(|| format!("cannot write `{shown}`"))?;
+        let header = Header {
+            journal: "phisindy sweep".to_owned(),
+            spec: spec.to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            fingerprint: format!("{:016x}", fingerprint(&format!("{}\n{what}", env!("CARGO_PKG_VERSION")))),
+        };
+        let mut journal = Journal { file: Some(file), runs: HashMap::new() };
+        let text =
+            std::str::from_utf8(&text[..whole]).with_context(|| format!("`{shown}` is not UTF-8 text"))?;
+        let mut lines = text.lines().enumerate();
+        let Some((_, first)) = lines.next() else {
+            journal.line(&header).with_context(|| format!("cannot write `{shown}`"))?;
+            return Ok(journal);
+        };
+        let other: Header = serde_json::from_str(first)
+            .ok()
+            .filter(|h: &Header| h.journal == header.journal)
+            .ok_or_else(|| anyhow!("`{shown}` is no journal of a sweep; give another --out, or delete it"))?;
+        if other.fingerprint != header.fingerprint {
+            bail!(
+                "`{shown}` holds runs of another case (spec `{}`, version {}): the spec, its --set, the method or the program changed since; \
+                 give another --out, or delete the file to start anew",
+                other.spec,
+                other.version
+            );
+        }
+        for (k, line) in lines {
+            let run: Run = serde_json::from_str(line).with_context(|| {
+                format!("line {} of `{shown}` is damaged; delete that line to do its run again", k + 1)
+            })?;
+            journal.runs.insert((run.cell.clone(), run.seed), run);
+        }
+        Ok(journal)
+    }
+
+    /// Whether a run is finished.
+    pub(crate) fn has(&self, cell: &str, seed: u64) -> bool {
+        self.runs.contains_key(&(cell.to_owned(), seed))
+    }
+
+    /// How many runs are finished.
+    pub(crate) fn len(&self) -> usize {
+        self.runs.len()
+    }
+
+    /// The finished runs of a cell with these seeds, in their order.
+    pub(crate) fn runs(&self, cell: &str, seeds: &[u64]) -> Vec<Run> {
+        seeds.iter().filter_map(|&seed| self.runs.get(&(cell.to_owned(), seed)).cloned()).collect()
+    }
+
+    /// Keeps a run; it is in the file when this returns.
+    pub(crate) fn push(&mut self, run: Run) -> Result<()> {
+        self.line(&run).with_context(|| format!("cannot write {NAME}"))?;
+        self.runs.insert((run.cell.clone(), run.seed), run);
+        Ok(())
+    }
+
+    fn line(&mut self, value: &impl Serialize) -> Result<()> {
+        if let Some(file) = &mut self.file {
+            let line = serde_json::to_string(value)? + "\n";
+            file.write_all(line.as_bytes())?;
+            file.flush()?;
+        }
+        Ok(())
+    }
+}
+
+/// FNV-1a, 64 bits: the same in every version and on every machine.
+fn fingerprint(text: &str) -> u64 {
+    text.bytes().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_fingerprint_is_that_of_the_standard() {
+        assert_eq!(fingerprint(""), 0xcbf2_9ce4_8422_2325);
+        assert_eq!(fingerprint("foobar"), 0x8594_4171_f739_67e8);
+    }
+
+    #[test]
+    fn numbers_come_back_to_the_bit() {
+        let found = Found { value: 0.1 + 0.2, low: Some(1.0 / 3.0), high: None };
+        let run = Run { found: vec![Some(found), None], bound: vec![Some(1e-300), None], ..Run::default() };
+        let line = serde_json::to_string(&run).expect("JSON");
+        assert_eq!(serde_json::from_str::<Run>(&line).expect("a run"), run);
+    }
+}
