@@ -70,12 +70,15 @@ impl Batch {
     ) -> Batch {
         let horizon = options.horizon;
         let n = step.states.len();
-        let steps: usize = records.iter().map(|r| r.len().saturating_sub(horizon)).sum();
+        let starts: Vec<Vec<usize>> =
+            records.iter().map(|r| window_starts(&step_contacts(step, free, r), r.len(), options)).collect();
+        let steps: usize = starts.iter().map(Vec::len).sum();
         let residuals = 2 * n * steps * horizon;
         let weight = (1.0 / (n * horizon * steps.max(1)) as f64).sqrt();
         let weights: Vec<f64> = deviations.iter().map(|d| weight / d).collect();
         if horizon > 1 {
-            let rollout = crate::rollout::Rollout::new(step.clone(), free, records, &weights, horizon);
+            let rollout =
+                crate::rollout::Rollout::new(step.clone(), free, records, &starts, &weights, horizon);
             return Batch { kind: Kind::Rollout(Box::new(rollout)), parameters: free, residuals };
         }
         let mut step = step.clone();
@@ -106,11 +109,8 @@ impl Batch {
         let jacobian = compile(&step, &rest, &matrix);
 
         let mut rows: Vec<Vec<f64>> = Vec::with_capacity(2 * steps);
-        let keep = options.crossings == Crossings::Keep;
-        let contacts: Vec<Vec<Vec<f64>>> = records.iter().map(|r| contact_velocities(&step, r)).collect();
-        for (r, record) in records.iter().enumerate() {
-            let pairs =
-                (1..record.len()).map(|k| (k - 1, k)).filter(|&(a, b)| keep || !crosses(&contacts[r], a, b));
+        for (record, starts) in records.iter().zip(&starts) {
+            let pairs = starts.iter().map(|&k| (k, k + 1));
             for (from, to) in pairs.clone().chain(pairs.map(|(a, b)| (b, a))) {
                 let mut row = step_row(record, from, to);
                 row.extend(&record.constants);
@@ -221,26 +221,30 @@ impl Batch {
     }
 }
 
-/// The velocity of every contact at every sample, with constants that move where the spec starts them.
-fn contact_velocities(step: &OneStep, record: &Record) -> Vec<Vec<f64>> {
-    let data: Vec<Id> =
-        step.data.iter().copied().filter(|d| step.graph.uses(&step.contacts, &[*d])).collect();
-    let Ok(tape) = Tape::compile(&step.graph, &data, &step.contacts) else { return vec![] };
-    let at: Vec<usize> = data.iter().filter_map(|d| step.data.iter().position(|s| s == d)).collect();
+/// The velocity of every contact at every sample. Constants that move must be numbers in `step.contacts` already; those of the record are
+/// the parameters beyond the `free` ones.
+fn step_contacts(step: &OneStep, free: usize, record: &Record) -> Vec<Vec<f64>> {
+    let mut inputs = step.data.clone();
+    inputs.extend(&step.parameters[free..]);
+    let tape = compile(step, &inputs, &step.contacts);
     let mut scratch = Scratch::<1>::new(&tape);
     let mut out = vec![Vec::with_capacity(record.len()); step.contacts.len()];
     for k in 0..record.len() {
         let row = step_row(record, k, k);
-        at.iter().enumerate().for_each(|(i, &d)| scratch.input(i)[0] = row[d]);
+        row.iter().chain(&record.constants).enumerate().for_each(|(i, &value)| scratch.input(i)[0] = value);
         scratch.run();
         out.iter_mut().enumerate().for_each(|(c, column)| column.push(scratch.output(c)[0]));
     }
     out
 }
 
-/// Whether a contact's velocity changes sign between two samples.
-fn crosses(contacts: &[Vec<f64>], a: usize, b: usize) -> bool {
-    contacts.iter().any(|w| w[a] * w[b] < 0.0)
+/// First samples of the windows that are used: all, or those in which no contact changes its direction.
+fn window_starts(contacts: &[Vec<f64>], samples: usize, options: &StepOptions) -> Vec<usize> {
+    let crosses = |k: usize| contacts.iter().any(|w| w[k] * w[k + 1] < 0.0);
+    let keep = options.crossings == Crossings::Keep;
+    (0..samples.saturating_sub(options.horizon))
+        .filter(|&start| keep || !(start..start + options.horizon).any(crosses))
+        .collect()
 }
 
 /// Adds one residual lane to `[loss, triangle of J^T J, J^T e]`.
@@ -264,3 +268,6 @@ pub(crate) fn compile(step: &OneStep, inputs: &[Id], outputs: &[Id]) -> Tape {
     Tape::compile(&step.graph, inputs, outputs)
         .unwrap_or_else(|e| unreachable!("every symbol of a step is an input: {}", e.message(&step.names)))
 }
+
+#[cfg(test)]
+mod tests;

@@ -48,6 +48,7 @@ impl<'a> Context<'a> {
         let mut values = coefficients.to_vec();
         let mut parameters: Option<Vec<f64>> = None;
         let mut before: Option<(f64, Fit<'a>)> = None;
+        let mut finest: Option<Fit<'a>> = None;
         let stages: Vec<usize> = match self.segments {
             SegmentsSpec::Auto => STAGES.to_vec(),
             SegmentsSpec::Count(n) => {
@@ -77,11 +78,15 @@ impl<'a> Context<'a> {
                 && size > DRIFT * last
                 && self.segments == SegmentsSpec::Auto
             {
-                break;
+                // Back to many segments, joined as loosely as they were found to jump.
+                let Fit { mut problem, x, noise, .. } = finest?;
+                problem.continuity = problem.jumps(&x).ok();
+                return self.settle(problem, x, noise, 3);
             }
             values = fit.x[..terms.len()].to_vec();
             parameters = self.shared(&fit);
-            before = Some((size, fit));
+            let last = before.replace((size, fit));
+            finest = finest.or(last.map(|(_, fit)| fit));
         }
         let (_, fit) = before?;
         let Fit { problem, x, noise, .. } = fit;
@@ -90,7 +95,16 @@ impl<'a> Context<'a> {
 
     /// Fits other terms from the solution of a fit, with its noise and segments: cost differences between such fits are what a selection needs.
     pub(crate) fn refit(&self, from: &Fit<'a>, terms: &[usize]) -> Option<Fit<'a>> {
-        let problem = Problem::new(self.system, terms, &self.records, &from.pieces).ok()?;
+        self.refit_within(from, terms, Limits { iterations: 20, gain: 1e-8 })
+    }
+
+    /// As [`Context::refit`], for a look: a few iterations.
+    pub(crate) fn glance(&self, from: &Fit<'a>, terms: &[usize]) -> Option<Fit<'a>> {
+        self.refit_within(from, terms, Limits { iterations: 8, gain: 1e-3 })
+    }
+
+    fn refit_within(&self, from: &Fit<'a>, terms: &[usize], limits: Limits) -> Option<Fit<'a>> {
+        let problem = self.problem(terms, from)?;
         let coefficients: Vec<f64> = terms
             .iter()
             .map(|t| from.problem.terms.iter().position(|u| u == t).map_or(0.0, |k| from.x[k]))
@@ -105,7 +119,6 @@ impl<'a> Context<'a> {
         }
         let bounds = problem.bounds.clone();
         let weights = from.weights.clone();
-        let limits = Limits { iterations: 30, gain: 1e-10 };
         let normal = minimise(&mut x, &bounds, limits, |x| problem.normal(x, &weights).ok())?;
         Some(Fit {
             problem,
@@ -120,13 +133,22 @@ impl<'a> Context<'a> {
         })
     }
 
+    /// The problem for other terms, cut and joined as that of a fit.
+    pub(crate) fn problem(&self, terms: &[usize], like: &Fit<'a>) -> Option<Problem<'a>> {
+        let mut problem = Problem::new(self.system, terms, &self.records, &like.pieces).ok()?;
+        problem.continuity = like.problem.continuity.clone();
+        // What takes many times the steps of a good model is a bad one, and slow to find out about.
+        problem.budget = Some(1_000 + 4 * like.problem.steps(&like.x));
+        Some(problem)
+    }
+
     /// A fit with more terms, started from one with fewer, its noise estimated anew.
     pub(crate) fn richer(&self, from: &Fit<'a>, terms: &[usize]) -> Option<Fit<'a>> {
         let Fit { problem, x, noise, .. } = self.refit(from, terms)?;
         self.settle(problem, x, noise, 3)
     }
 
-    /// Minimises and re-estimates the noise in turn.
+    /// Minimises and re-estimates the noise in turn. `None` if the model cannot be simulated from `x`.
     pub(crate) fn settle(
         &self,
         problem: Problem<'a>,
@@ -134,43 +156,23 @@ impl<'a> Context<'a> {
         mut noise: Noise,
         rounds: usize,
     ) -> Option<Fit<'a>> {
-        let bounds = problem.bounds.clone();
-        let mut weights = problem.weights(&noise, problem.residuals(&x).ok().as_deref());
-        let limits = Limits {
-            iterations: if rounds == 1 { 12 } else { 40 },
-            gain: if rounds == 1 { 1e-4 } else { 1e-10 },
-        };
-        let mut normal = minimise(&mut x, &bounds, limits, |x| problem.normal(x, &weights).ok())?;
-        for _ in 1..rounds {
-            let residuals = problem.residuals(&x).ok()?;
-            noise = problem.noise(&residuals);
-            weights = problem.weights(&noise, Some(&residuals));
-            normal = minimise(&mut x, &bounds, limits, |x| problem.normal(x, &weights).ok())?;
-        }
-        let residuals = problem.residuals(&x).ok()?;
-        if rounds == 1 {
-            noise = problem.noise(&residuals);
-        }
-        let (mut samples, mut effective, mut power, mut noise_power) = (0, 0.0, 0.0, 0.0);
-        for (r, columns) in residuals.iter().enumerate() {
-            for (k, c) in columns.iter().enumerate().filter(|(_, c)| !c.residual.is_empty()) {
-                let white: Vec<f64> = c
-                    .residual
-                    .iter()
-                    .zip(&c.prediction)
-                    .map(|(e, p)| e / noise[r][k].variance(*p).sqrt())
-                    .collect();
-                samples += white.len();
-                effective += effective_samples(&white);
-                power += white.iter().map(|e| e * e).sum::<f64>();
-                noise_power += noise_level(&white).powi(2) * white.len() as f64;
-            }
-        }
-        let excess = if noise_power > 0.0 { power / noise_power } else { f64::INFINITY };
+        let found = settled(&problem, &mut x, &mut noise, rounds)?;
         let pieces = (0..self.records.len())
             .map(|r| problem.segments.iter().filter(|s| s.record == r).count())
             .collect();
+        let Settled { weights, normal, samples, effective, excess } = found;
         Some(Fit { problem, x, noise, weights, normal, samples, effective, excess, pieces })
+    }
+
+    /// A fit with its own noise: after a selection it still has that of the fit it came from.
+    pub(crate) fn resettle(&self, fit: Fit<'a>) -> Fit<'a> {
+        let (mut x, mut noise) = (fit.x.clone(), fit.noise.clone());
+        match settled(&fit.problem, &mut x, &mut noise, 3) {
+            Some(Settled { weights, normal, samples, effective, excess }) => {
+                Fit { x, noise, weights, normal, samples, effective, excess, ..fit }
+            }
+            None => fit,
+        }
     }
 
     /// Before anything is fitted every column weighs by its own size.
@@ -198,6 +200,46 @@ impl<'a> Context<'a> {
         let t = fit.problem.terms.len();
         Some(fit.problem.model_parameters(0, &fit.x)[t..t + self.system.parameters.len()].to_vec())
     }
+}
+
+/// What settling leaves beside the unknowns and the noise.
+struct Settled {
+    weights: Vec<Vec<Vec<f64>>>,
+    normal: Normal,
+    samples: usize,
+    effective: f64,
+    excess: f64,
+}
+
+fn settled(problem: &Problem<'_>, x: &mut [f64], noise: &mut Noise, rounds: usize) -> Option<Settled> {
+    let bounds = &problem.bounds;
+    let mut weights = problem.weights(noise, problem.residuals(x).ok().as_deref());
+    let limits =
+        Limits { iterations: if rounds == 1 { 12 } else { 20 }, gain: if rounds == 1 { 1e-4 } else { 1e-9 } };
+    let mut normal = minimise(x, bounds, limits, |x| problem.normal(x, &weights).ok())?;
+    for _ in 1..rounds {
+        let residuals = problem.residuals(x).ok()?;
+        *noise = problem.noise(&residuals);
+        weights = problem.weights(noise, Some(&residuals));
+        normal = minimise(x, bounds, limits, |x| problem.normal(x, &weights).ok())?;
+    }
+    let residuals = problem.residuals(x).ok()?;
+    if rounds == 1 {
+        *noise = problem.noise(&residuals);
+    }
+    let (mut samples, mut effective, mut power, mut noise_power) = (0, 0.0, 0.0, 0.0);
+    for (r, columns) in residuals.iter().enumerate() {
+        for (k, c) in columns.iter().enumerate().filter(|(_, c)| !c.residual.is_empty()) {
+            let scaled = |(e, p): (&f64, &f64)| e / noise[r][k].variance(*p).sqrt();
+            let white: Vec<f64> = c.residual.iter().zip(&c.prediction).map(scaled).collect();
+            samples += white.len();
+            effective += effective_samples(&white);
+            power += white.iter().map(|e| e * e).sum::<f64>();
+            noise_power += noise_level(&white).powi(2) * white.len() as f64;
+        }
+    }
+    let excess = if noise_power > 0.0 { power / noise_power } else { f64::INFINITY };
+    Some(Settled { weights, normal, samples, effective, excess })
 }
 
 /// Takes over whatever means the same in another problem, but for start states.

@@ -92,6 +92,18 @@ impl Regression {
         self.solve(terms).iter().zip(terms).map(|(x, &t)| x * self.right[t]).sum()
     }
 
+    /// The `rank`-th best single term of each equation (the last one where there are fewer).
+    pub(crate) fn single(&self, system: &System, rank: usize) -> Vec<usize> {
+        let mut chosen: Vec<usize> = Vec::new();
+        for state in 0..system.states.len() {
+            let mut here: Vec<usize> = (0..self.p).filter(|&k| system.terms[k].state == state).collect();
+            here.sort_by(|&a, &b| self.explained(&[b]).total_cmp(&self.explained(&[a])));
+            chosen.extend(here.get(rank).or(here.last()));
+        }
+        chosen.sort_unstable();
+        chosen
+    }
+
     /// The best subset with at most `most` terms in each equation, greedily.
     pub(crate) fn best(&self, system: &System, most: usize) -> Vec<usize> {
         let mut chosen: Vec<usize> = Vec::new();

@@ -30,10 +30,12 @@ pub(crate) fn minimise(
 ) -> Option<Normal> {
     let n = values.len();
     let mut damping = 1e-6;
+    // A step that keeps failing is on a cliff: it costs more than it will bring.
+    let mut tries = 3 * limits.iterations;
     let mut now = evaluate(values)?;
     for _ in 0..limits.iterations {
         let mut better = None;
-        while damping < 1e10 {
+        while damping < 1e8 && tries > 0 {
             let step = bounded_step(&now, values, bounds, damping);
             let Some(step) = step else {
                 damping *= 10.0;
@@ -44,6 +46,7 @@ pub(crate) fn minimise(
             if trial.iter().zip(values.iter()).all(|(a, b)| a == b) {
                 break;
             }
+            tries -= 1;
             match evaluate(&trial) {
                 Some(next) if next.cost < now.cost => {
                     better = Some((trial, next));

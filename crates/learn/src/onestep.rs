@@ -141,3 +141,6 @@ fn masked(graph: &mut Graph, system: &System, model: &Model, tolerance: f64) -> 
     }
     rates
 }
+
+#[cfg(test)]
+pub(crate) mod tests;

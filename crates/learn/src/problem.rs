@@ -55,6 +55,10 @@ pub(crate) struct Problem<'a> {
     pub(crate) scale: Vec<f64>,
     /// Standard deviation of each measured column, by record and state.
     pub(crate) deviations: Vec<Vec<f64>>,
+    /// Soft continuity: by how much each state may jump from one segment to the next; `None` leaves the start states free.
+    pub(crate) continuity: Option<Vec<f64>>,
+    /// Steps that a simulation may take; `None` for a generous guess.
+    pub(crate) budget: Option<usize>,
 }
 
 /// What an unknown is.
@@ -158,6 +162,8 @@ impl<'a> Problem<'a> {
             sensors,
             scale: vec![],
             deviations,
+            continuity: None,
+            budget: None,
         };
         problem.scale = problem.scales();
         Ok(problem)
@@ -270,11 +276,35 @@ impl<'a> Problem<'a> {
             scale: self.scale.clone(),
             sensitivities: derivatives.then_some(free),
             // A model that needs many more is on its way to nowhere: fail, and try another.
-            max_steps: 2_000 + 4 * (last - first),
+            max_steps: self.budget.unwrap_or(1_000 + 4 * (last - first)),
             diverged: 1e4,
         };
-        let times = self.sample_times(segment, x);
+        let mut times = self.sample_times(segment, x);
+        // One more sample, where the next segment takes over. (An early sensor can ask for later times than that.)
+        times.extend(self.next(segment).map(|_| record.time[last].max(times[times.len() - 1])));
         simulate(&self.automaton, &drive, record.time[first], start, &times, &options)
+    }
+
+    /// The segment that goes on where this one ends, if they are softly joined.
+    fn next(&self, segment: &Segment) -> Option<Segment> {
+        self.continuity.as_ref()?;
+        self.segments.iter().copied().find(|s| s.record == segment.record && s.samples.0 == segment.samples.1)
+    }
+
+    /// Root mean square of the jumps of each state between segments whose start states are free.
+    pub(crate) fn jumps(&mut self, x: &[f64]) -> Result<Vec<f64>, SimError> {
+        let n = self.system.states.len();
+        self.continuity = Some(vec![1.0; n]);
+        let (mut sums, mut count) = (vec![0.0; n], 0usize);
+        for segment in &self.segments {
+            let Some(next) = self.next(segment) else { continue };
+            let run = self.run(segment, x, false)?;
+            let end = &run.states[run.states.len() - n..];
+            (0..n).for_each(|k| sums[k] += (end[k] - x[next.start + k]).powi(2));
+            count += 1;
+        }
+        self.continuity = None;
+        Ok(sums.into_iter().map(|s| (s / count.max(1) as f64).sqrt()).collect())
     }
 
     /// Times at which the states are asked for: the samples, earlier by the common delay of all columns. (Columns with different delays are
@@ -298,6 +328,13 @@ impl<'a> Problem<'a> {
         let late = delay - self.common_delay(record, x);
         let seen = value - late * rate;
         (offset + gain * seen, gain, seen)
+    }
+
+    /// The most steps that a segment takes at `x`, tries included.
+    pub(crate) fn steps(&self, x: &[f64]) -> usize {
+        let runs =
+            self.segments.par_iter().map(|s| self.run(s, x, false).map_or(0, |run| run.steps + run.rejected));
+        runs.max().unwrap_or(0)
     }
 
     /// Residuals of every column of every record in the unit of the column, from a simulation of all segments.
@@ -399,11 +436,26 @@ impl<'a> Problem<'a> {
                 }
             }
         }
+        let next = self.next(segment);
+        let joint = at.len();
+        at.extend(next.iter().flat_map(|s| s.start..s.start + n));
         let width = at.len();
         let mut matrix = vec![0.0; width * width];
         let mut gradient = vec![0.0; width];
         let mut cost = 0.0;
         let mut row = vec![0.0; width];
+        let mut add = |row: &[f64], e: f64| {
+            let scale = if meat { e } else { 1.0 };
+            for a in 0..width {
+                let ja = scale * row[a];
+                if ja == 0.0 {
+                    continue;
+                }
+                gradient[a] += ja * e;
+                let line = &mut matrix[a * width + a..(a + 1) * width];
+                line.iter_mut().zip(&row[a..]).for_each(|(m, j)| *m += ja * scale * j);
+            }
+        };
         for (i, sample) in (segment.samples.0..segment.samples.1).enumerate() {
             for (k, column) in self.records[r].columns.iter().enumerate() {
                 let Some(column) = column else { continue };
@@ -425,18 +477,23 @@ impl<'a> Problem<'a> {
                 if delay_at != usize::MAX {
                     row[delay_at] = -weight * gain * rate;
                 }
-                if meat {
-                    row.iter_mut().for_each(|j| *j *= e);
-                }
-                for a in 0..width {
-                    let ja = row[a];
-                    if ja == 0.0 {
-                        continue;
-                    }
-                    gradient[a] += ja * e;
-                    let line = &mut matrix[a * width + a..(a + 1) * width];
-                    line.iter_mut().zip(&row[a..]).for_each(|(m, j)| *m += ja * j);
-                }
+                add(&row, e);
+            }
+        }
+        if let (Some(next), Some(tau)) = (next, &self.continuity) {
+            let i = segment.samples.1 - segment.samples.0;
+            let late = self.sample_times(segment, x)[i - 1].max(self.records[r].time[segment.samples.1])
+                - self.records[r].time[segment.samples.1];
+            for k in 0..n {
+                let weight = 1.0 / tau[k].max(f64::MIN_POSITIVE);
+                let end = run.states[i * n + k] - late * run.rates[i * n + k];
+                let e = weight * (end - x[next.start + k]);
+                cost += e * e;
+                row.fill(0.0);
+                let s = &run.sensitivities[(i * n + k) * m..(i * n + k + 1) * m];
+                row.iter_mut().zip(s).for_each(|(j, s)| *j = weight * s);
+                row[joint + k] = -weight;
+                add(&row, e);
             }
         }
         let matrix = Mat::from_fn(width, width, |a, b| if a <= b { matrix[a * width + b] } else { 0.0 });

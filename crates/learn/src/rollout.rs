@@ -35,6 +35,7 @@ impl Rollout {
         mut step: OneStep,
         free: usize,
         records: &[&Record],
+        starts: &[Vec<usize>],
         weights: &[f64],
         horizon: usize,
     ) -> Rollout {
@@ -56,11 +57,10 @@ impl Rollout {
         let mut with_seeds = inputs.clone();
         with_seeds.extend(&seeds);
         let mut windows = Vec::new();
-        for record in records {
-            let last = record.len() - 1;
-            for start in 0..record.len().saturating_sub(horizon) {
+        for (record, starts) in records.iter().zip(starts) {
+            for &start in starts {
                 for backward in [false, true] {
-                    let at = |k: usize| if backward { last - start - k } else { start + k };
+                    let at = |k: usize| if backward { start + horizon - k } else { start + k };
                     let state = |k: usize| -> Vec<f64> {
                         record.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| c[k])).collect()
                     };

@@ -63,6 +63,7 @@ pub(crate) fn select<'a>(context: &Context<'a>, first: Fit<'a>, all: &[usize]) -
             now = next;
         }
     }
+    now = pruned(context, now, &criterion);
     while let Some(small) = negligible(&now) {
         let terms: Vec<usize> = now.problem.terms.iter().copied().filter(|&t| t != small).collect();
         match context.refit(&now, &terms) {
@@ -70,22 +71,7 @@ pub(crate) fn select<'a>(context: &Context<'a>, first: Fit<'a>, all: &[usize]) -
             None => break,
         }
     }
-    // Noise and weights of the chosen model, not of the full one.
-    let Fit { problem, x, noise, .. } = now;
-    let (terms, pieces): (Vec<usize>, Vec<usize>) = (
-        problem.terms.clone(),
-        (0..problem.records.len())
-            .map(|r| problem.segments.iter().filter(|s| s.record == r).count())
-            .collect(),
-    );
-    let again = context.settle(problem, x.clone(), noise.clone(), 3);
-    let fit = again.unwrap_or_else(|| {
-        // The chosen model was simulated a moment ago: its own unknowns still evaluate.
-        let problem = crate::problem::Problem::new(context.system, &terms, &context.records, &pieces)
-            .expect("built before");
-        context.settle(problem, x, noise, 1).expect("simulated before")
-    });
-    Selection { fit, path }
+    Selection { fit: context.resettle(now), path }
 }
 
 /// Backward elimination on the quadratic model of the cost at the minimum: terms in the order in which they leave, each with the rise of the
@@ -138,21 +124,57 @@ fn neighbour<'a>(
     }
     changes.retain(|(value, terms)| *value < here && !tried.contains(terms));
     changes.sort_by(|a, b| a.0.total_cmp(&b.0));
-    changes.into_iter().take(3).find_map(|(_, terms)| context.refit(now, &terms))
+    changes.into_iter().take(3).find_map(|(_, terms)| {
+        let look = context.glance(now, &terms)?;
+        context.refit(&look, &terms)
+    })
+}
+
+/// A simpler model may lie across a hill of the cost, where the quadratic model does not see it: for each equation with several terms, each one alone
+/// and each pair less is looked at.
+fn pruned<'a>(context: &Context<'a>, mut now: Fit<'a>, criterion: &impl Fn(f64, usize) -> f64) -> Fit<'a> {
+    for state in 0..context.system.states.len() {
+        let of_state = |fit: &Fit<'_>| -> Vec<usize> {
+            fit.problem.terms.iter().copied().filter(|&t| context.system.terms[t].state == state).collect()
+        };
+        let own = of_state(&now);
+        if own.len() < 2 {
+            continue;
+        }
+        let mut simpler: Vec<Vec<usize>> = own.iter().map(|&t| vec![t]).collect();
+        if own.len() > 3 {
+            for i in 0..own.len() {
+                simpler.extend(
+                    (0..i).map(|j| own.iter().copied().filter(|t| *t != own[i] && *t != own[j]).collect()),
+                );
+            }
+        }
+        for keep in simpler {
+            let present = of_state(&now);
+            if keep.len() >= present.len() || !keep.iter().all(|t| present.contains(t)) {
+                continue;
+            }
+            let stays = |t: &usize| !present.contains(t) || keep.contains(t);
+            let terms: Vec<usize> = now.problem.terms.iter().copied().filter(stays).collect();
+            let Some(look) = context.glance(&now, &terms) else { continue };
+            if criterion(look.normal.cost, terms.len()) < criterion(now.normal.cost, now.problem.terms.len())
+            {
+                now = context.refit(&look, &terms).unwrap_or(look);
+            }
+        }
+    }
+    now
 }
 
 /// For terms outside the model, alone and in pairs of one equation: the fall of the cost that the quadratic model promises.
-fn scores(context: &Context<'_>, now: &Fit<'_>, all: &[usize]) -> Vec<(Vec<usize>, f64)> {
+fn scores<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<usize>, f64)> {
     let outside: Vec<usize> = all.iter().copied().filter(|t| !now.problem.terms.contains(t)).collect();
     if outside.is_empty() {
         return vec![];
     }
     let mut terms: Vec<usize> = now.problem.terms.iter().chain(&outside).copied().collect();
     terms.sort_unstable();
-    let Ok(problem) = crate::problem::Problem::new(context.system, &terms, &context.records, &now.pieces)
-    else {
-        return vec![];
-    };
+    let Some(problem) = context.problem(&terms, now) else { return vec![] };
     let k = now.problem.terms.len();
     // The same point: unknowns after the coefficients are laid out alike.
     let mut x = vec![0.0; problem.unknowns];

@@ -8,6 +8,7 @@ use crate::linear::{covariance, symmetric};
 use crate::onestep::OneStep;
 use phisindy_phys::spec::{Crossings, Optimiser};
 use phisindy_phys::{Record, System};
+use std::collections::HashMap;
 use std::ops::ControlFlow;
 
 /// How the step method learns; the defaults are the paper's (Table 4).
@@ -25,7 +26,7 @@ pub struct StepOptions {
     pub tolerance: f64,
     /// Steps that are unrolled.
     pub horizon: usize,
-    /// Whether steps across a change of sign are used (with a horizon of one).
+    /// Whether steps across a change of sign are used.
     pub crossings: Crossings,
 }
 
@@ -71,7 +72,6 @@ pub fn train(
     options: &StepOptions,
     observe: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> StepFit {
-    let scale = deviations(system, records);
     let gauss_newton = options.optimiser == Optimiser::GaussNewton;
     let mut terms: Vec<usize> = (0..system.terms.len()).collect();
     let mut coefficients = vec![0.0; terms.len()];
@@ -86,24 +86,7 @@ pub fn train(
         operations: 0,
         stopped: false,
     };
-    let make = |terms: &[usize], parameters: &[f64]| {
-        let model = system.model(terms);
-        let mut step = OneStep::new(system, &model, options.tolerance);
-        // What is held becomes a number; what moves stays.
-        if !gauss_newton {
-            let held: std::collections::HashMap<_, _> = system
-                .parameters
-                .iter()
-                .zip(parameters)
-                .map(|(p, &v)| (p.node, step.graph.constant(v)))
-                .collect();
-            step.next = step.graph.replace(&step.next, &held);
-            let nodes: Vec<_> = system.parameters.iter().map(|p| p.node).collect();
-            step.parameters.retain(|id| !nodes.contains(id));
-        }
-        let free = if gauss_newton { terms.len() + parameters.len() } else { terms.len() };
-        Batch::new(&step, free, records, &scale, options)
-    };
+    let make = |terms: &[usize], parameters: &[f64]| lay_out(system, records, options, terms, parameters);
     let total: u32 = options.epochs.iter().sum();
     let mut done = 0;
     let mut stage = 0;
@@ -140,6 +123,12 @@ pub fn train(
             batch.loss(&values, &mut gradient)
         };
         coefficients = values;
+        if !loss.is_finite() {
+            // Cutting would hide it: what is not a number is not at least the cut-off.
+            fit.stages.push((terms.len(), loss));
+            fit.std_errors = vec![f64::INFINITY; coefficients.len() + moved.len()];
+            return StepFit { terms, coefficients, parameters: moved, loss, ..fit };
+        }
         let kept: Vec<usize> =
             (0..terms.len()).filter(|&k| coefficients[k].abs() >= options.cutoff).collect();
         let cut = kept.len() < terms.len();
@@ -169,6 +158,29 @@ pub fn train(
     fit.coefficients = coefficients;
     fit.parameters = moved;
     fit
+}
+
+/// The loss of some terms; `parameters` are the values of what is held.
+pub(crate) fn lay_out(
+    system: &System,
+    records: &[&Record],
+    options: &StepOptions,
+    terms: &[usize],
+    parameters: &[f64],
+) -> Batch {
+    let gauss_newton = options.optimiser == Optimiser::GaussNewton;
+    let model = system.model(terms);
+    let mut step = OneStep::new(system, &model, options.tolerance);
+    // What is held becomes a number; what moves stays, but for telling which steps cross a change of direction.
+    let held: HashMap<_, _> =
+        system.parameters.iter().zip(parameters).map(|(p, &v)| (p.node, step.graph.constant(v))).collect();
+    step.contacts = step.graph.replace(&step.contacts, &held);
+    if !gauss_newton {
+        step.next = step.graph.replace(&step.next, &held);
+        step.parameters.retain(|id| !held.contains_key(id));
+    }
+    let free = if gauss_newton { terms.len() + parameters.len() } else { terms.len() };
+    Batch::new(&step, free, records, &deviations(system, records), options)
 }
 
 /// Solves the loss within bounds; returns the loss at the end.

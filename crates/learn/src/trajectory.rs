@@ -58,9 +58,9 @@ const WORTH: f64 = 0.02;
 
 /// The best fit from several starts, with its terms selected if `auto`.
 ///
-/// Collinear candidates make a regression of the whole dictionary wild, so the start is poor: the best term of each equation (friction is never started
-/// from zero), then the best two, three, all. From each, terms enter and leave; only where something is left that is not noise is the whole dictionary
-/// fitted at once, and the next start tried.
+/// Collinear candidates make a regression of the whole dictionary wild, so the start is poor: the best term of each equation (friction is never
+/// started from zero), the second best, the third; then the best two, three, all. From each, terms enter and leave; only where something is left that
+/// is not noise is the whole dictionary fitted at once, and the next start tried.
 fn start<'a>(
     context: &Context<'a>,
     all: &[usize],
@@ -70,18 +70,34 @@ fn start<'a>(
     let system = context.system;
     let parameters: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();
     let regression = Regression::new(system, &context.smooth, &parameters);
-    let mut starts: Vec<Vec<usize>> =
-        (1..4).map(|most| regression.best(system, most)).chain([all.to_vec()]).collect();
+    let mut starts: Vec<Vec<usize>> = (0..3).map(|rank| regression.single(system, rank)).collect();
     starts.dedup();
+    // Of the single terms the one that fits best leads: noise can make another one look better to the regression.
+    let mut poor: Vec<(f64, Fit<'a>)> = Vec::new();
+    for start in &starts {
+        let fit = context.fresh_fit(start, &regression.solve(start));
+        let Some((misfit, fit)) = fit.and_then(|fit| context.misfit(&fit).map(|m| (m, fit))) else {
+            continue;
+        };
+        let white = fit.is_white();
+        poor.push((misfit, fit));
+        if white || stopped(0.05) {
+            break;
+        }
+    }
+    poor.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let richer = [regression.best(system, 2), regression.best(system, 3), all.to_vec()];
+    let fits = poor.into_iter().take(1).map(|(_, fit)| fit);
+    let fits = fits
+        .chain(richer.into_iter().filter_map(|start| context.fresh_fit(&start, &regression.solve(&start))));
     let mut best: Option<(f64, Selection<'a>)> = None;
     let chosen = |fit: Fit<'a>| {
         if auto { structure(context, fit, all) } else { Selection { path: vec![unselected(&fit)], fit } }
     };
-    for (k, start) in starts.iter().enumerate() {
-        if stopped(0.9 * k as f64 / starts.len() as f64 + 0.05) && best.is_some() {
+    for (k, poor) in fits.enumerate() {
+        if stopped(0.1 + 0.2 * k as f64) && best.is_some() {
             break;
         }
-        let Some(poor) = context.fresh_fit(start, &regression.solve(start)) else { continue };
         let mut found = chosen(poor);
         if !found.fit.is_white() && found.fit.problem.terms.len() < all.len() {
             let rich = context.richer(&found.fit, all).map(&chosen);

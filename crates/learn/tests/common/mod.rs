@@ -24,7 +24,9 @@ pub(crate) fn load_text(text: &str, sets: &[(&str, &str)]) -> (Case, Vec<Record>
         .records
         .iter()
         .map(|plan| match &plan.origin {
-            Origin::Synthetic(truth) => synthesize(plan, truth, &case.system, None, &|_| Err("no files here".into())).unwrap().0,
+            Origin::Synthetic(truth) => {
+                synthesize(plan, truth, &case.system, None, &|_| Err("no files here".into())).unwrap().0
+            }
             Origin::Csv(_) => panic!("a measured record"),
         })
         .collect();

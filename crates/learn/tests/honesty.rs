@@ -1,0 +1,224 @@
+//! Data and models that do not suit each other: no panic, no hang, never a confident wrong number.
+mod common;
+
+use phisindy_learn::{Identified, LearnError, LearnOptions, Verdict, identify};
+use phisindy_phys::spec::Method;
+use phisindy_phys::{Case, Record};
+use std::ops::ControlFlow;
+
+const METHODS: [Method; 2] = [Method::Trajectory, Method::Step];
+
+fn run_by(method: Method, case: &Case, records: &[Record]) -> Result<Identified, LearnError> {
+    identify(case, records, &LearnOptions { method: Some(method) }, &mut |_| ControlFlow::Continue(()))
+}
+
+fn run(case: &Case, records: &[Record]) -> Result<Identified, LearnError> {
+    run_by(Method::Trajectory, case, records)
+}
+
+fn rejected(found: &Identified) -> bool {
+    matches!(found.verdict, Verdict::Rejected(_))
+}
+
+/// A driven mass on a spring; what differs is filled in.
+fn oscillator(constants: &str, known: &str, unknown: &str, truth: &str) -> String {
+    format!(
+        r#"(constants: {{{constants}}}, states: {{"x": "m", "v": "m/s"}}, known: {{"x": "v", "v": "{known}"}},
+            unknown: {{"v": {unknown}}}, contacts: ["v"],
+            data: [Synthetic(truth: {{"v": "{truth}"}}, start: {{"x": 0.5, "v": 0.1}}, duration: 40.0, step: 0.02, noise: Additive(0.02), seed: 3)],
+            learn: (optimiser: GaussNewton))"#
+    )
+}
+
+const COULOMB: &str = r#"(factor: "-sgn(v)", candidates: ["1", "x"])"#;
+const SPRING: &str = "-0.1*v - x + cos(0.7*t)";
+
+#[test]
+fn a_constant_column() {
+    let (case, mut records) = common::load("case1a", &[]);
+    records[0].columns[1].as_mut().unwrap().fill(0.2);
+    for method in METHODS {
+        let Err(LearnError::Data(text)) = run_by(method, &case, &records) else { panic!("{method:?}") };
+        assert!(text.contains("the column of y is constant"), "{text}");
+    }
+}
+
+#[test]
+fn too_few_samples() {
+    let (case, records) = common::load("case1a", &[("data.0.duration", "0.12")]);
+    assert_eq!(records[0].len(), 12);
+    for method in METHODS {
+        let Err(LearnError::Data(text)) = run_by(method, &case, &records) else { panic!("{method:?}") };
+        assert!(text.contains("12 samples"), "{text}");
+    }
+}
+
+/// Few samples, but not too few: an answer with wide error bars or a rejection.
+#[test]
+fn barely_enough_samples() {
+    let (case, records) = common::load("case1a", &[("data.0.duration", "0.25")]);
+    for method in METHODS {
+        if let Ok(found) = run_by(method, &case, &records) {
+            for t in found.terms.iter().filter(|_| method == Method::Trajectory && !rejected(&found)) {
+                let truth = if t.term == 0 { 0.5 } else { 0.0 };
+                let e = t.coefficient;
+                assert!((e.value - truth).abs() < 5.0 * e.std_error, "{method:?} {} {e:?}", t.term);
+            }
+        }
+    }
+}
+
+/// The mass rests in its friction and only the sensor moves.
+#[test]
+fn no_motion() {
+    let text =
+        oscillator("", "-x", COULOMB, "-2*sgn(v)").replace(r#""x": 0.5, "v": 0.1"#, r#""x": 0.5, "v": 0.0"#);
+    // Noise is a fraction of the column's deviation, and there is none: give it in metres.
+    let text = text.replace("Additive(0.02)", r#"Sensor({"x": (1e-3, "m"), "v": (1e-3, "m/s")})"#);
+    let (case, records) = common::load_text(&text, &[]);
+    for method in METHODS {
+        match run_by(method, &case, &records) {
+            Err(LearnError::Data(_)) => {}
+            Ok(found) => assert!(rejected(&found), "{method:?}: {:?} {:?}", found.terms, found.warnings),
+            Err(e) => panic!("{method:?}: {e}"),
+        }
+    }
+}
+
+/// The known part feeds energy without end; no friction of the dictionary can hold it.
+#[test]
+fn an_unstable_wrong_model() {
+    let text = oscillator(r#""d": 2.5"#, "d*v - x + cos(0.7*t)", COULOMB, "-2.6*v - 0.4*sgn(v)");
+    let (case, records) = common::load_text(&text, &[]);
+    for method in METHODS {
+        match run_by(method, &case, &records) {
+            Ok(found) => {
+                assert!(rejected(&found), "{method:?}: {:?}", found.terms);
+                let Verdict::Rejected(why) = found.verdict else { unreachable!() };
+                assert!(!why.is_empty());
+            }
+            Err(LearnError::Numerics(why)) => assert!(why.contains("t = ") || why.contains("time"), "{why}"),
+            Err(e) => panic!("{method:?}: {e}"),
+        }
+    }
+}
+
+#[test]
+fn a_candidate_that_is_not_a_number_on_the_data() {
+    let unknown = r#"(factor: "-sgn(v)", candidates: ["1", "ln(x)"])"#;
+    let (case, records) = common::load_text(&oscillator("", SPRING, unknown, "-0.4*sgn(v)"), &[]);
+    match run_by(Method::Step, &case, &records) {
+        Err(LearnError::Numerics(why)) => assert!(why.contains("candidate"), "{why}"),
+        Ok(found) => panic!("{:?} {:?}", found.terms, found.verdict),
+        Err(e) => panic!("{e}"),
+    }
+    // The trajectory method may do without the candidate; it must not use it.
+    match run(&case, &records) {
+        Err(LearnError::Numerics(why) | LearnError::Data(why)) => assert!(!why.is_empty()),
+        Ok(found) => assert!(
+            rejected(&found) || found.terms.iter().all(|t| t.term == 0),
+            "{:?} {:?}",
+            found.terms,
+            found.warnings
+        ),
+    }
+}
+
+#[test]
+fn a_constant_that_runs_into_its_bound() {
+    let k = r#""k": (value: 1.5, within: (1.3, 2.0))"#;
+    let known = "-0.1*v - k*x + cos(0.7*t)";
+    let (case, records) = common::load_text(&oscillator(k, known, COULOMB, "-0.2*sgn(v) + 0.5*x"), &[]);
+    for method in METHODS {
+        let found = run_by(method, &case, &records).unwrap();
+        let k = &found.parameters[0];
+        assert!(k.at_bound && k.estimate.value == 1.3, "{method:?}: {k:?}");
+        assert!(
+            found.warnings.iter().any(|w| w.contains("k ended at its bound 1.3")),
+            "{:?}",
+            found.warnings
+        );
+    }
+}
+
+/// What is missing is not in the dictionary: rejected, or at least said.
+#[test]
+fn a_truth_outside_the_dictionary() {
+    let unknown = r#"(factor: "-sgn(v)", candidates: ["1", "x"])"#;
+    for truth in ["-0.6*x^3", "-0.3*sgn(v) - 0.5*v*|v|", "-0.2*sgn(v) + 0.3*sin(2.1*t)"] {
+        let (case, records) = common::load_text(&oscillator("", SPRING, unknown, truth), &[]);
+        match run(&case, &records) {
+            Ok(found) => assert!(
+                rejected(&found) || found.warnings.iter().any(|w| w.contains("something is still missing")),
+                "{truth}: {:?} {:?} {:?}",
+                found.terms,
+                found.warnings,
+                found.records[0].nrmse
+            ),
+            Err(e) => assert!(!e.to_string().is_empty()),
+        }
+    }
+}
+
+/// Two candidates that the data cannot tell apart, or that are the same.
+#[test]
+fn terms_that_cannot_be_told_apart() {
+    let unknown = r#"(factor: "-sgn(v)", candidates: ["1", "1.0000001"])"#;
+    let (case, records) =
+        common::load_text(&oscillator("", SPRING, unknown, "-0.4*sgn(v)"), &[("learn.selection", "All")]);
+    let found = run(&case, &records).unwrap();
+    if found.terms.len() == 2 {
+        assert!(
+            found.warnings.iter().any(|w| w.contains("say nothing about") || w.contains("trade off")),
+            "{:?} {:?}",
+            found.terms,
+            found.warnings
+        );
+    }
+    let sum: f64 = found.terms.iter().map(|t| t.coefficient.value).sum();
+    assert!((sum - 0.4).abs() < 0.02, "{:?}", found.terms);
+    // Selection needs only one.
+    let (case, records) = common::load_text(&oscillator("", SPRING, unknown, "-0.4*sgn(v)"), &[]);
+    let found = run(&case, &records).unwrap();
+    assert_eq!(found.terms.len(), 1, "{:?} {:?}", found.terms, found.warnings);
+    assert!((found.terms[0].coefficient.value - 0.4).abs() < 0.01);
+}
+
+/// One amplitude, constant speed but for its sign: Coulomb and viscous friction do the same.
+#[test]
+fn a_trade_off_is_told_in_words() {
+    // A free mass pushed to and fro: its speed hardly changes between reversals of a fast, small push.
+    let text = r#"(states: {"v": "m/s"}, known: {"v": "30*tanh(20*sin(0.5*t)) - 29*v"}, unknown: {"v": (factor: "-1", candidates: ["sgn(v)", "v"])},
+        contacts: ["v"], data: [Synthetic(truth: {"v": "-0.4*sgn(v) - 0.2*v"}, start: {"v": 0.5}, duration: 40.0, step: 0.02, noise: Additive(0.05), seed: 3)],
+        learn: (selection: All))"#;
+    let (case, records) = common::load_text(text, &[]);
+    let found = run(&case, &records).unwrap();
+    assert!(found.warnings.iter().any(|w| w.contains("trade off")), "{:?} {:?}", found.terms, found.warnings);
+}
+
+/// Nothing is missing: nothing is invented.
+#[test]
+fn no_friction_at_all() {
+    let unknown = r#"(factor: "-sgn(v)", candidates: ["1", "x", "v"])"#;
+    let (case, records) = common::load_text(&oscillator("", SPRING, unknown, "0"), &[]);
+    let found = run(&case, &records).unwrap();
+    for t in &found.terms {
+        assert!(t.coefficient.value.abs() < 4.0 * t.coefficient.std_error.max(1e-3), "{:?}", found.terms);
+    }
+    assert!(found.terms.is_empty() || rejected(&found), "{:?} {:?}", found.terms, found.verdict);
+}
+
+#[test]
+fn stops_when_it_is_told_to() {
+    let (case, records) = common::load("case1a", &[]);
+    for method in METHODS {
+        let found =
+            identify(
+                &case,
+                &records,
+                &LearnOptions { method: Some(method) },
+                &mut |_| ControlFlow::Break(()),
+            );
+        assert!(found.unwrap().stopped, "{method:?}");
+    }
+}

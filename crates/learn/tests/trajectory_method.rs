@@ -1,0 +1,242 @@
+//! Method `trajectory`: right terms and right numbers, from noise, whatever the form of the case.
+mod common;
+
+use phisindy_learn::{Identified, LearnOptions, Verdict, identify, project};
+use phisindy_phys::{Case, Record};
+use std::ops::ControlFlow;
+
+fn run(case: &Case, records: &[Record]) -> Identified {
+    identify(case, records, &LearnOptions::default(), &mut |_| ControlFlow::Continue(()))
+        .unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn name(case: &Case, term: usize) -> String {
+    let term = &case.system.terms[term];
+    format!("{}:{}", case.system.states[term.state].name, term.candidate)
+}
+
+/// Terms are exactly these, parameters (by name) are right, all within four standard errors of the truth and no more than `part` of it away.
+fn assert_found(
+    case: &Case,
+    found: &Identified,
+    terms: &[(&str, f64)],
+    parameters: &[(&str, f64)],
+    part: f64,
+) {
+    let what: Vec<_> = found.terms.iter().map(|t| (name(case, t.term), t.coefficient)).collect();
+    let names: Vec<&str> = what.iter().map(|(n, _)| n.as_str()).collect();
+    assert_eq!(names, terms.iter().map(|t| t.0).collect::<Vec<_>>(), "{what:?} {:?}", found.warnings);
+    assert_eq!(found.verdict, Verdict::Identified, "{what:?}");
+    let moved = parameters.iter().map(|(n, truth)| {
+        let p = found.parameters.iter().find(|p| p.name == *n);
+        ((*n).to_owned(), p.unwrap_or_else(|| panic!("no {n} in {:?}", found.parameters)).estimate, *truth)
+    });
+    let all = what.iter().zip(terms).map(|((n, e), t)| (n.clone(), *e, t.1)).chain(moved);
+    for (name, e, truth) in all {
+        assert!((e.value - truth).abs() < 4.0 * e.std_error, "{name}: {e:?}, truth {truth}");
+        assert!((e.value - truth).abs() < part * truth.abs(), "{name}: {e:?}, truth {truth}");
+        // An error bar is no excuse.
+        assert!(e.std_error < part * truth.abs(), "{name}: {e:?}");
+        assert!(e.ci95.0 < e.value && e.value < e.ci95.1);
+    }
+}
+
+/// One other seed of every synthetic case at the paper's noise: the terms of the truth, numbers within their error bars.
+#[test]
+fn every_case_of_the_paper() {
+    let cases = [
+        "case1a",
+        "case1b",
+        "case2a",
+        "case2b",
+        "case3_coulomb",
+        "case3_dr",
+        "case4",
+        "case5",
+        "case6",
+        "case7",
+        "case7_expert",
+    ];
+    for spec in cases {
+        let (case, records) = common::load(spec, &[("data.0.seed", "7")]);
+        let truth = project(&case, &records).unwrap();
+        let names: Vec<String> = truth.terms.iter().map(|&t| name(&case, t)).collect();
+        let expected: Vec<(&str, f64)> =
+            names.iter().map(String::as_str).zip(truth.coefficients.iter().copied()).collect();
+        assert_found(&case, &run(&case, &records), &expected, &[], 0.01);
+    }
+}
+
+/// Trap of coarse events and finite differences: a stall far from the truth with a tiny error.
+#[test]
+fn the_oscillator_that_never_sticks_is_found_exactly() {
+    let text = r#"(constants: {"W": 1.2}, states: {"x": "m", "y": "m/s"}, known: {"x": "y", "y": "-x + cos(W*t)"},
+        unknown: {"y": (factor: "-1", candidates: ["y", "sgn(y)"])}, contacts: ["y"],
+        data: [Synthetic(truth: {"y": "-0.1*y - 0.5*sgn(y)"}, start: {"x": 0.1, "y": 0.1}, duration: 50.0, step: 0.01, noise: Relative(0))])"#;
+    let (case, records) = common::load_text(text, &[]);
+    let found = run(&case, &records);
+    assert_eq!(found.terms.len(), 2, "{:?}", found.terms);
+    for (term, truth) in found.terms.iter().zip([0.1, 0.5]) {
+        assert!((term.coefficient.value - truth).abs() < 1e-4, "{:?}", term.coefficient);
+    }
+}
+
+/// A published comparison: stiffness, damping and friction from positions alone, 1 and 10 % noise, true sticking and a smooth sign.
+#[test]
+fn positions_alone() {
+    let smooth = r#""-(1.274*x + 0.386*y + 0.801*tanh(500*y))/m""#;
+    for (noise, part) in [("Additive(0.01)", 0.02), ("Additive(0.1)", 0.15)] {
+        let (case, records) = common::load("nncc", &[("data.0.seed", "3"), ("data.0.noise", noise)]);
+        assert!(records[0].columns[1].is_none());
+        let terms = [("y:x", 1.274), ("y:y", 0.386), ("y:sgn(y)", 0.801)];
+        assert_found(&case, &run(&case, &records), &terms, &[], part);
+    }
+    let (case, records) = common::load("nncc", &[("data.0.seed", "3"), ("data.0.truth.y", smooth)]);
+    let found = run(&case, &records);
+    let force = |k: usize| found.terms[k].coefficient.value;
+    assert_eq!(found.terms.len(), 3);
+    assert!((force(1) - 0.386).abs() < 0.02 && (force(2) - 0.801).abs() < 0.01, "{:?}", found.terms);
+}
+
+/// A driven mass on a spring with 2 % additive noise; what differs is filled in.
+fn oscillator(constants: &str, unknown: &str, contacts: &str, data: &str) -> String {
+    format!(
+        r#"(constants: {{"W": 0.7, {constants}}}, states: {{"x": "m", "v": "m/s"}}, known: {{"x": "v", "v": "-0.1*v - k*x + cos(W*t)"}},
+            unknown: {{"v": {unknown}}}, contacts: {contacts}, data: [{data}])"#
+    )
+}
+
+/// A synthetic record of it.
+fn record(truth: &str, more: &str, seed: u32) -> String {
+    format!(
+        r#"Synthetic(truth: {{"v": "{truth}"}}, start: {{"x": 0.1, "v": 0.1}}, duration: 40.0, step: 0.02, noise: Additive(0.02), seed: {seed}, {more})"#
+    )
+}
+
+#[test]
+fn a_parameter_inside_a_candidate() {
+    let text = oscillator(
+        r#""k": 1.0, "vs": Find(start: 0.6, unit: "m/s", within: (0.01, 2.0))"#,
+        r#"(factor: "-sgn(v)", candidates: ["1", "exp(-(v/vs)^2)", "x"])"#,
+        r#"["v"]"#,
+        &record("-(0.3 + 0.2*exp(-(v/0.2)^2))*sgn(v)", "", 5),
+    );
+    let (case, records) = common::load_text(&text, &[]);
+    let found = run(&case, &records);
+    assert_found(&case, &found, &[("v:1", 0.3), ("v:exp(-(v/vs)^2)", 0.2)], &[("vs", 0.2)], 0.1);
+}
+
+#[test]
+fn a_constant_that_moves() {
+    let text = oscillator(
+        r#""k": (value: 0.8, unit: "1/s^2", within: (0.2, 5.0))"#,
+        r#"(factor: "-sgn(v)", candidates: ["1", "x", "v"])"#,
+        r#"["v"]"#,
+        &record("-0.4*sgn(v) - 0.45*x", "", 6),
+    );
+    let (case, records) = common::load_text(&text, &[]);
+    assert_found(&case, &run(&case, &records), &[("v:1", 0.4)], &[("k", 1.25)], 0.02);
+}
+
+/// Two loads, one friction coefficient; and a stiffness of its own for each record.
+#[test]
+fn records_together() {
+    let data = [
+        record("-0.4*N*sgn(v)", r#"constants: {"N": 0.6}"#, 8),
+        record("-0.4*N*sgn(v)", r#"constants: {"N": 1.4}"#, 9),
+    ];
+    let unknown = r#"(factor: "-sgn(v)", candidates: ["N", "1", "x"])"#;
+    let (case, records) =
+        common::load_text(&oscillator(r#""k": 1.0"#, unknown, r#"["v"]"#, &data.join(",")), &[]);
+    assert_found(&case, &run(&case, &records), &[("v:N", 0.4)], &[], 0.02);
+
+    let data =
+        [record("-0.4*sgn(v) - 0.2*x", r#"name: "a""#, 8), record("-0.4*sgn(v) + 0.3*x", r#"name: "b""#, 9)];
+    let each = r#""k": (value: 1.0, within: (0.2, 5.0), each: true)"#;
+    let unknown = r#"(factor: "-sgn(v)", candidates: ["1", "x"])"#;
+    let (case, records) = common::load_text(&oscillator(each, unknown, r#"["v"]"#, &data.join(",")), &[]);
+    let found = run(&case, &records);
+    assert_found(&case, &found, &[("v:1", 0.4)], &[("k [a]", 1.2), ("k [b]", 0.7)], 0.02);
+}
+
+/// A record that begins late, and one that is only predicted.
+#[test]
+fn a_window_and_a_record_to_check_with() {
+    let data = [
+        record("-0.4*sgn(v)", "window: (12.0, 35.0)", 10),
+        record("-0.4*sgn(v)", r#"role: Validate, window: (5.0, 40.0)"#, 11),
+    ];
+    let unknown = r#"(factor: "-sgn(v)", candidates: ["1", "x", "v"])"#;
+    let (case, records) =
+        common::load_text(&oscillator(r#""k": 1.0"#, unknown, r#"["v"]"#, &data.join(",")), &[]);
+    assert_eq!(records[0].time[0], 12.0);
+    let found = run(&case, &records);
+    assert_found(&case, &found, &[("v:1", 0.4)], &[], 0.02);
+    for fit in &found.records {
+        // Nothing is left but the noise.
+        assert!(fit.nrmse.iter().all(|(_, e)| (0.015..0.03).contains(e)), "{}: {:?}", fit.name, fit.nrmse);
+    }
+}
+
+#[test]
+fn a_belt() {
+    let unknown = r#"(factor: "-sgn(v-vb)", candidates: ["1", "x", "|v-vb|"])"#;
+    let text =
+        oscillator(r#""k": 1.0, "vb": 0.4"#, unknown, r#"["v-vb"]"#, &record("-0.6*sgn(v-vb)", "", 12));
+    let (case, records) = common::load_text(&text, &[]);
+    assert_found(&case, &run(&case, &records), &[("v:1", 0.6)], &[], 0.02);
+}
+
+#[test]
+fn friction_that_is_already_known() {
+    let text = r#"(states: {"x": "m", "v": "m/s"}, known: {"x": "v", "v": "-x - 0.4*sgn(v) + cos(0.7*t)"},
+        unknown: {"v": (factor: "-1", candidates: ["v", "x", "v*|v|"])}, contacts: ["v"],
+        data: [Synthetic(truth: {"v": "-0.15*v"}, start: {"x": 0.1, "v": 0.1}, duration: 40.0, step: 0.02, noise: Additive(0.02), seed: 13)])"#;
+    let (case, records) = common::load_text(text, &[]);
+    assert_found(&case, &run(&case, &records), &[("v:v", 0.15)], &[], 0.1);
+}
+
+#[test]
+fn friction_that_differs_with_the_direction() {
+    let unknown = r#"(factor: "-1", candidates: ["step(v)", "step(-v)", "x"])"#;
+    let text = oscillator(r#""k": 1.0"#, unknown, r#"["v"]"#, &record("-0.5*step(v) + 0.3*step(-v)", "", 14));
+    let (case, records) = common::load_text(&text, &[]);
+    assert_found(&case, &run(&case, &records), &[("v:step(v)", 0.5), ("v:step(-v)", -0.3)], &[], 0.02);
+}
+
+#[test]
+fn a_mass_on_a_mass() {
+    let text = r#"(constants: {"m1": 1.0, "m2": 2.0}, states: {"x1": "m", "x2": "m", "y1": "m/s", "y2": "m/s"},
+        known: {"x1": "y1", "x2": "y2", "y1": "-x1/m1", "y2": "(-3*x2 - 0.2*y2 + 2*cos(1.1*t))/m2"}, inertia: {"y1": "m1", "y2": "m2"},
+        unknown: {"y1": (factor: "-sgn(y1-y2)/m1", candidates: ["1", "x1"]), "y2": (factor: "sgn(y1-y2)/m2", candidates: ["1", "x2"])},
+        contacts: ["y1-y2"],
+        data: [Synthetic(truth: {"y1": "-0.3*sgn(y1-y2)/m1", "y2": "0.3*sgn(y1-y2)/m2"},
+            start: {"x1": 0.5, "x2": 0.0, "y1": 0.0, "y2": 0.0}, duration: 40.0, step: 0.02, noise: Additive(0.02), seed: 15)])"#;
+    let (case, records) = common::load_text(text, &[]);
+    assert_found(&case, &run(&case, &records), &[("y1:1", 0.3), ("y2:1", 0.3)], &[], 0.03);
+}
+
+/// Segments by order, every candidate kept, and the paper's cut-off.
+#[test]
+fn what_the_user_orders() {
+    let (case, records) =
+        common::load("case1a", &[("data.0.noise", "Additive(0.02)"), ("learn.segments", "Count(5)")]);
+    let found = run(&case, &records);
+    assert_found(&case, &found, &[("y:1", 0.5)], &[], 0.01);
+
+    let (case, records) =
+        common::load("case1a", &[("data.0.noise", "Additive(0.02)"), ("learn.selection", "All")]);
+    let found = run(&case, &records);
+    assert_eq!(found.terms.len(), 6);
+    for (k, term) in found.terms.iter().enumerate() {
+        let truth = if k == 0 { 0.5 } else { 0.0 };
+        let e = term.coefficient;
+        assert!((e.value - truth).abs() < 4.0 * e.std_error && e.std_error < 0.1, "{k}: {e:?}");
+    }
+
+    let cut = [("data.0.noise", "Additive(0.02)"), ("learn.selection", "Cutoff(0.1)")];
+    let (case, records) = common::load("case1a", &cut);
+    let found = run(&case, &records);
+    assert_found(&case, &found, &[("y:1", 0.5)], &[], 0.01);
+    assert!(found.selection[0].terms == 6 && found.selection.last().unwrap().terms == 1);
+}
