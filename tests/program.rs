@@ -125,6 +125,12 @@ fn mistakes_of_the_command_line_end_with_2() {
         &["laws", "stribek"],
         &["simulate", "specs/emps.ron"],
         &["check", "specs/emps.ron", "--data", "specs"],
+        &["sweep", "specs/case1a.ron", "--seeds", "0"],
+        &["sweep", "specs/case1a.ron", "--noise", " "],
+        &["sweep", "specs/case1a.ron", "--noise", "Loud(1)"],
+        &["sweep", "specs/case1a.ron", "--vary", "learn.cutof=1;2"],
+        &["sweep", "specs/wrong/syntax_error.ron"],
+        &["table", "paper", "--cases", "11"],
         &["run", "specs/case1a.ron", "--out", "Cargo.toml"],
     ] {
         let said = phisindy(arguments);
@@ -193,7 +199,8 @@ fn out_writes_whole_files() {
     assert!(serde_json::from_str::<Value>(&json).is_ok());
     let latex = std::fs::read_to_string(scratch.path("deep/er/equation.tex")).expect("equation.tex");
     assert!(latex.starts_with("\\dot{y} = "));
-    assert_eq!(std::fs::read_dir(&folder).expect("a folder").count(), 2, "nothing else is left");
+    assert!(std::path::Path::new(&scratch.path("deep/er/identified.ron")).exists());
+    assert_eq!(std::fs::read_dir(&folder).expect("a folder").count(), 3, "nothing else is left");
 }
 
 #[test]

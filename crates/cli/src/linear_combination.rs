@@ -109,7 +109,7 @@ mod tests {
     fn sums_are_opened_and_numbers_come_first() {
         assert_eq!(
             tidy("(-(0.1+0.1)*y1 + 0.1*y2 - (1+1)*x1 + cos(0.6*t))/2"),
-            "0.05*y2 - 0.1*y1 - x1 + 0.5*cos(0.6*t)"
+            "-0.1*y1 + 0.05*y2 - x1 + 0.5*cos(0.6*t)"
         );
         assert_eq!(tidy("-(0.5*sgn(y))/2"), "-0.25*sgn(y)");
         assert_eq!(tidy("1 - (x - (y - 1))"), "-x + y");

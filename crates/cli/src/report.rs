@@ -6,7 +6,8 @@ use crate::json::{self, method, role};
 use crate::load::Loaded;
 use crate::table::{aligned, short};
 use phisindy_learn::{Estimate, Identified, Verdict};
-use phisindy_phys::Case;
+use phisindy_phys::spec::{self, Text, UnknownSpec};
+use phisindy_phys::{Case, SourceId};
 
 /// Everything that is to be told about one spec.
 pub(crate) struct Report<'a> {
@@ -18,6 +19,8 @@ pub(crate) struct Report<'a> {
     pub(crate) found: &'a Identified,
     /// The same as equations.
     pub(crate) equations: Vec<Equation>,
+    /// States and what their candidates are multiplied by, as the spec writes it: the coefficients of the table stand before both.
+    factors: Vec<(String, String)>,
     /// What a careful reader should know.
     pub(crate) warnings: Vec<String>,
     /// What was done to the data.
@@ -29,7 +32,7 @@ pub(crate) struct Report<'a> {
 impl<'a> Report<'a> {
     /// Writes the equations, and tells notes about the data from warnings.
     pub(crate) fn new(loaded: &'a Loaded, found: &'a Identified, seconds: f64) -> Report<'a> {
-        let (spec, case) = (&loaded.spec, &loaded.case);
+        let case = &loaded.case;
         let equations = equations(case, &found.terms, &found.parameters);
         let of_records =
             loaded.records.iter().flat_map(|r| r.notes.iter().map(|note| format!("{}: {note}", r.name)));
@@ -43,7 +46,10 @@ impl<'a> Report<'a> {
             if warning.contains(" is the derivative of ") { &mut notes } else { &mut warnings }
                 .push(warning.clone());
         }
-        Report { spec, case, found, equations, warnings, notes, seconds }
+        let unknown = spec::read(&loaded.text, SourceId(0)).map_or(vec![], |(spec, _)| spec.unknown);
+        let factor = |(state, u): (Text, UnknownSpec)| Some((state.value, u.factor?.value));
+        let factors = unknown.into_iter().filter_map(factor).collect();
+        Report { spec: &loaded.spec, case, found, equations, factors, warnings, notes, seconds }
     }
 
     /// The result in one of its forms, with an end of line.
@@ -90,7 +96,7 @@ impl<'a> Report<'a> {
         section(self.records());
         let own = names_of_records(&self.case.system, &self.equations);
         if !own.is_empty() {
-            lines.push(format!("{} differ from record to record", own.join(", ")));
+            lines.push(format!("{}: each record has its own", own.join(", ")));
         }
         if !self.warnings.is_empty() {
             lines.push(String::new());
@@ -100,10 +106,13 @@ impl<'a> Report<'a> {
     }
 
     fn coefficients(&self) -> Vec<Vec<String>> {
-        let mut rows = vec![words(&["equation", "candidate", "coefficient", "std. error", "95 % interval"])];
+        let mut rows =
+            vec![words(&["equation", "factor", "candidate", "coefficient", "std. error", "95 % interval"])];
         for found in &self.found.terms {
             let term = &self.case.system.terms[found.term];
-            let mut row = vec![self.case.system.states[term.state].name.clone(), term.candidate.clone()];
+            let state = &self.case.system.states[term.state].name;
+            let factor = self.factors.iter().find(|(s, _)| s == state).map_or("1", |(_, factor)| factor);
+            let mut row = vec![state.clone(), factor.to_owned(), term.candidate.clone()];
             row.extend(estimate(&found.coefficient, 1.0));
             rows.push(row);
         }

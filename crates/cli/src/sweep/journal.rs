@@ -79,40 +79,52 @@ impl Journal {
         file.read_to_end(&mut text).with_context(|| format!("cannot read `{shown}`"))?;
         // A line without end was torn when the program was killed: that run is done again.
         let whole = text.iter().rposition(|&b| b == b'\n').map_or(0, |at| at + 1);
-        file.set_len(whole as u64)
-            .and_then(|()| file.seek(SeekFrom::End(0)))
-            .with_context(|| format!("cannot write `{shown}`"))?;
         let header = Header {
             journal: "phisindy sweep".to_owned(),
             spec: spec.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             fingerprint: format!("{:016x}", fingerprint(&format!("{}\n{what}", env!("CARGO_PKG_VERSION")))),
         };
-        let mut journal = Journal { file: Some(file), runs: HashMap::new() };
-        let text =
+        let foreign = || anyhow!("`{shown}` is no journal of a sweep; give another --out, or delete it");
+        let first = serde_json::to_string(&header)?;
+        if whole == 0 {
+            // The first line may be torn too; anything else is somebody's file.
+            let start = first.find(',').map_or(first.as_str(), |at| &first[..at]).as_bytes();
+            if !(start.starts_with(&text) || text.starts_with(start)) {
+                return Err(foreign());
+            }
+        }
+        let kept =
             std::str::from_utf8(&text[..whole]).with_context(|| format!("`{shown}` is not UTF-8 text"))?;
-        let mut lines = text.lines().enumerate();
-        let Some((_, first)) = lines.next() else {
-            journal.line(&header).with_context(|| format!("cannot write `{shown}`"))?;
-            return Ok(journal);
-        };
-        let other: Header = serde_json::from_str(first)
-            .ok()
-            .filter(|h: &Header| h.journal == header.journal)
-            .ok_or_else(|| anyhow!("`{shown}` is no journal of a sweep; give another --out, or delete it"))?;
-        if other.fingerprint != header.fingerprint {
-            bail!(
-                "`{shown}` holds runs of another case (spec `{}`, version {}): the spec, its --set, the method or the program changed since; \
-                 give another --out, or delete the file to start anew",
-                other.spec,
-                other.version
-            );
+        let mut lines = kept.lines().enumerate();
+        let mut runs = HashMap::new();
+        let old = lines.next();
+        if let Some((_, old)) = old {
+            let other: Header = serde_json::from_str(old)
+                .ok()
+                .filter(|h: &Header| h.journal == header.journal)
+                .ok_or_else(foreign)?;
+            if other.fingerprint != header.fingerprint {
+                bail!(
+                    "`{shown}` holds runs of another case (spec `{}`, version {}): the spec, its --set, the method or the program changed since; \
+                     give another --out, or delete the file to start anew",
+                    other.spec,
+                    other.version
+                );
+            }
         }
         for (k, line) in lines {
             let run: Run = serde_json::from_str(line).with_context(|| {
                 format!("line {} of `{shown}` is damaged; delete that line to do its run again", k + 1)
             })?;
-            journal.runs.insert((run.cell.clone(), run.seed), run);
+            runs.insert((run.cell.clone(), run.seed), run);
+        }
+        file.set_len(whole as u64)
+            .and_then(|()| file.seek(SeekFrom::End(0)))
+            .with_context(|| format!("cannot write `{shown}`"))?;
+        let mut journal = Journal { file: Some(file), runs };
+        if old.is_none() {
+            journal.line(&header).with_context(|| format!("cannot write `{shown}`"))?;
         }
         Ok(journal)
     }
