@@ -93,6 +93,14 @@ impl<'a> Context<'a> {
         self.settle(problem, x, noise, 3)
     }
 
+    /// How well a guess predicts over many short segments, without fitting anything.
+    pub(crate) fn sketch(&self, terms: &[usize], coefficients: &[f64]) -> Option<f64> {
+        let problem =
+            Problem::new(self.system, terms, &self.records, &vec![STAGES[0]; self.records.len()]).ok()?;
+        let x = problem.guess(coefficients, None, &self.smooth);
+        misfit(&problem, &x)
+    }
+
     /// Fits other terms from the solution of a fit, with its noise and segments: cost differences between such fits are what a selection needs.
     pub(crate) fn refit(&self, from: &Fit<'a>, terms: &[usize]) -> Option<Fit<'a>> {
         self.refit_within(from, terms, Limits { iterations: 20, gain: 1e-8 })
@@ -183,16 +191,7 @@ impl<'a> Context<'a> {
 
     /// Root mean square of all residuals in units of their columns.
     pub(crate) fn misfit(&self, fit: &Fit<'_>) -> Option<f64> {
-        let residuals = fit.problem.residuals(&fit.x).ok()?;
-        let (mut sum, mut count) = (0.0, 0);
-        for (r, columns) in residuals.iter().enumerate() {
-            for (k, c) in columns.iter().enumerate() {
-                let d = fit.problem.deviations[r][k].max(f64::MIN_POSITIVE);
-                sum += c.residual.iter().map(|e| (e / d).powi(2)).sum::<f64>();
-                count += c.residual.len();
-            }
-        }
-        Some((sum / count.max(1) as f64).sqrt())
+        misfit(&fit.problem, &fit.x)
     }
 
     /// The shared parameters of a fit.
@@ -200,6 +199,20 @@ impl<'a> Context<'a> {
         let t = fit.problem.terms.len();
         Some(fit.problem.model_parameters(0, &fit.x)[t..t + self.system.parameters.len()].to_vec())
     }
+}
+
+/// Root mean square of all residuals in units of their columns.
+fn misfit(problem: &Problem<'_>, x: &[f64]) -> Option<f64> {
+    let residuals = problem.residuals(x).ok()?;
+    let (mut sum, mut count) = (0.0, 0);
+    for (r, columns) in residuals.iter().enumerate() {
+        for (k, c) in columns.iter().enumerate() {
+            let d = problem.deviations[r][k].max(f64::MIN_POSITIVE);
+            sum += c.residual.iter().map(|e| (e / d).powi(2)).sum::<f64>();
+            count += c.residual.len();
+        }
+    }
+    Some((sum / count.max(1) as f64).sqrt())
 }
 
 /// What settling leaves beside the unknowns and the noise.

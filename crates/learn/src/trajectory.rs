@@ -70,24 +70,10 @@ fn start<'a>(
     let system = context.system;
     let parameters: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();
     let regression = Regression::new(system, &context.smooth, &parameters);
-    let mut starts: Vec<Vec<usize>> = (0..3).map(|rank| regression.single(system, rank)).collect();
-    starts.dedup();
-    // Of the single terms the one that fits best leads: noise can make another one look better to the regression.
-    let mut poor: Vec<(f64, Fit<'a>)> = Vec::new();
-    for start in &starts {
-        let fit = context.fresh_fit(start, &regression.solve(start));
-        let Some((misfit, fit)) = fit.and_then(|fit| context.misfit(&fit).map(|m| (m, fit))) else {
-            continue;
-        };
-        let white = fit.is_white();
-        poor.push((misfit, fit));
-        if white || stopped(0.05) {
-            break;
-        }
-    }
-    poor.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let lead = lead(context, &regression);
+    let poor = context.fresh_fit(&lead, &regression.solve(&lead));
     let richer = [regression.best(system, 2), regression.best(system, 3), all.to_vec()];
-    let fits = poor.into_iter().take(1).map(|(_, fit)| fit);
+    let fits = poor.into_iter();
     let fits = fits
         .chain(richer.into_iter().filter_map(|start| context.fresh_fit(&start, &regression.solve(&start))));
     let mut best: Option<(f64, Selection<'a>)> = None;
@@ -118,13 +104,35 @@ fn start<'a>(
     if let Some((_, found)) = best {
         return Ok(found);
     }
-    let why = Problem::new(system, &starts[0], &context.records, &vec![1; context.records.len()])
+    let why = Problem::new(system, &lead, &context.records, &vec![1; context.records.len()])
         .map_err(LearnError::Numerics)
         .and_then(|p| {
-            let x = p.guess(&regression.solve(&starts[0]), None, &context.smooth);
+            let x = p.guess(&regression.solve(&lead), None, &context.smooth);
             p.residuals(&x).map_err(|e| LearnError::Numerics(format!("the model cannot be simulated: {e}")))
         });
     Err(why.err().unwrap_or_else(|| LearnError::Numerics("the fit diverges from every start".into())))
+}
+
+/// One term for each equation to start with: of the three best by regression the one that predicts best, equation by equation. (Noise can make a wrong
+/// one look good to the regression alone.)
+fn lead(context: &Context<'_>, regression: &Regression) -> Vec<usize> {
+    let system = context.system;
+    let mut lead = regression.single(system, 0);
+    let mut least = context.sketch(&lead, &regression.solve(&lead)).unwrap_or(f64::INFINITY);
+    for rank in 1..3 {
+        for other in regression.single(system, rank) {
+            let state = system.terms[other].state;
+            let mut trial: Vec<usize> =
+                lead.iter().copied().filter(|&t| system.terms[t].state != state).collect();
+            trial.push(other);
+            trial.sort_unstable();
+            let misfit = context.sketch(&trial, &regression.solve(&trial)).unwrap_or(f64::INFINITY);
+            if misfit < least {
+                (lead, least) = (trial, misfit);
+            }
+        }
+    }
+    lead
 }
 
 /// Selects until the terms stay: each selection runs on the noise of the fit that it starts from, and a better fit has less of it.
