@@ -194,7 +194,11 @@ pub(crate) fn verdict(
     without: &[RecordFit],
 ) -> Verdict {
     if terms.is_empty() && !system.terms.is_empty() {
-        return Verdict::Rejected("no term of the dictionary survives".into());
+        let known =
+            without.iter().map(|f| format!("{} {:.3}", f.name, f.worst())).collect::<Vec<_>>().join(", ");
+        return Verdict::Rejected(format!(
+            "no term of the dictionary survives: nothing is missing that it could name (NRMSE of the known part alone: {known})"
+        ));
     }
     for fit in fits {
         if let Some(failure) = &fit.failure {

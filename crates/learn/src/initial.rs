@@ -30,6 +30,8 @@ pub(crate) fn smoothed(system: &System, record: &Record) -> Record {
 
 /// The regression's normal equations over the whole dictionary; any subset is solved from them.
 pub(crate) struct Regression {
+    /// Terms that are not finite somewhere on the data.
+    pub(crate) singular: Vec<usize>,
     triangle: Vec<f64>,
     right: Vec<f64>,
     p: usize,
@@ -40,9 +42,12 @@ impl Regression {
     pub(crate) fn new(system: &System, smooth: &[Record], parameters: &[f64]) -> Regression {
         let terms: Vec<usize> = (0..system.terms.len()).collect();
         let p = terms.len();
-        let mut out = Regression { triangle: vec![0.0; p * (p + 1) / 2], right: vec![0.0; p], p };
+        let mut out =
+            Regression { singular: vec![], triangle: vec![0.0; p * (p + 1) / 2], right: vec![0.0; p], p };
         for record in smooth {
             let Some(values) = evaluate(system, &terms, record, parameters) else { continue };
+            let bad = |k: &usize| values.terms[*k].iter().any(|v| !v.is_finite());
+            out.singular.extend(terms.iter().copied().filter(bad));
             for stretch in stretches(&values.contacts, record.len()) {
                 let integral = |column: &[f64]| -> f64 {
                     let slice =
@@ -68,6 +73,8 @@ impl Regression {
                 }
             }
         }
+        out.singular.sort_unstable();
+        out.singular.dedup();
         out
     }
 

@@ -276,7 +276,7 @@ impl<'a> Problem<'a> {
             scale: self.scale.clone(),
             sensitivities: derivatives.then_some(free),
             // A model that needs many more is on its way to nowhere: fail, and try another.
-            max_steps: self.budget.unwrap_or(1_000 + 4 * (last - first)),
+            max_steps: self.budget.unwrap_or(2_000 + 16 * (last - first)),
             diverged: 1e4,
         };
         let mut times = self.sample_times(segment, x);

@@ -38,19 +38,37 @@ pub(crate) fn by_trajectory(
     };
     let mut stopped = observe(0.02).is_break();
     let all: Vec<usize> = (0..system.terms.len()).collect();
+    let parameters: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();
+    let regression = Regression::new(system, &context.smooth, &parameters);
     let mut hear = |part: f64| {
         stopped |= observe(part).is_break();
         stopped
     };
     let chosen = case.learn.selection.unwrap_or(SelectionSpec::Auto);
-    let Selection { fit, path } = start(&context, &all, chosen == SelectionSpec::Auto, &mut hear)?;
+    let Selection { fit, path } =
+        start(&context, &all, &regression, chosen == SelectionSpec::Auto, &mut hear)?;
     let Selection { fit, path } = match chosen {
         SelectionSpec::Auto => Selection { fit, path },
         SelectionSpec::All => Selection { fit: whole(&context, fit, &all), path },
         SelectionSpec::Cutoff(cutoff) => cut(&context, whole(&context, fit, &all), cutoff),
     };
     stopped |= observe(0.9).is_break();
-    Ok(report(case, records, fit, path, stopped))
+    let mut found = report(case, records, fit, path, stopped);
+    for &k in &regression.singular {
+        let (candidate, state) = (&system.terms[k].candidate, &system.states[system.terms[k].state].name);
+        found.warnings.push(format!(
+            "candidate {candidate} of {state}' is not finite everywhere on the data: it was hardly considered"
+        ));
+    }
+    let n = system.states.len();
+    let finds = |p: &phisindy_phys::Sensor| [&p.offset, &p.gain, &p.delay].iter().any(|s| s.within.is_some());
+    if fitted.iter().any(|r| r.sensors[n..].iter().any(finds)) {
+        found.warnings.push(
+            "sensor parameters of inputs are held at their start values; give them to the states' columns"
+                .into(),
+        );
+    }
+    Ok(found)
 }
 
 /// A start that lowers the misfit by less than this part was not worth trying: neither will the next one be.
@@ -59,22 +77,21 @@ const WORTH: f64 = 0.02;
 /// The best fit from several starts, with its terms selected if `auto`.
 ///
 /// Collinear candidates make a regression of the whole dictionary wild, so the start is poor: the best term of each equation (friction is never
-/// started from zero), the second best, the third; then the best two, three, all. From each, terms enter and leave; only where something is left that
-/// is not noise is the whole dictionary fitted at once, and the next start tried.
+/// started from zero), then the best two, three, all. From each, terms enter and leave; only where something is left that is not noise is the whole
+/// dictionary fitted at once, and the next start tried.
 fn start<'a>(
     context: &Context<'a>,
     all: &[usize],
+    regression: &Regression,
     auto: bool,
     stopped: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Selection<'a>, LearnError> {
     let system = context.system;
-    let parameters: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();
-    let regression = Regression::new(system, &context.smooth, &parameters);
-    let lead = lead(context, &regression);
+    let lead = lead(context, regression);
     let poor = context.fresh_fit(&lead, &regression.solve(&lead));
     let richer = [regression.best(system, 2), regression.best(system, 3), all.to_vec()];
-    let fits = poor.into_iter();
-    let fits = fits
+    let fits = poor
+        .into_iter()
         .chain(richer.into_iter().filter_map(|start| context.fresh_fit(&start, &regression.solve(&start))));
     let mut best: Option<(f64, Selection<'a>)> = None;
     let chosen = |fit: Fit<'a>| {

@@ -40,7 +40,12 @@ impl Sources {
     }
 
     /// Keeps a part of a file that starts at line `first_line`.
-    pub fn add_excerpt(&mut self, name: impl Into<String>, text: impl Into<String>, first_line: usize) -> SourceId {
+    pub fn add_excerpt(
+        &mut self,
+        name: impl Into<String>,
+        text: impl Into<String>,
+        first_line: usize,
+    ) -> SourceId {
         self.files.push(Source { name: name.into(), text: text.into(), first_line });
         SourceId(self.files.len() - 1)
     }

@@ -43,7 +43,8 @@ impl Reader<'_> {
             rates,
             cutoff: self.optional(&fields, "cutoff", Self::not_negative),
             tolerance: self.optional(&fields, "tolerance", Self::not_negative),
-            crossings: self.optional(&fields, "crossings", |r, n| r.choice(n, "treatment of crossings", &crossings)),
+            crossings: self
+                .optional(&fields, "crossings", |r, n| r.choice(n, "treatment of crossings", &crossings)),
             selection: self.optional(&fields, "selection", Self::selection),
             horizon: self.optional(&fields, "horizon", Self::count).map(|horizon| horizon.value),
             segments: self.optional(&fields, "segments", Self::segments),
