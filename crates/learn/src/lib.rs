@@ -12,6 +12,7 @@ mod linear;
 mod noise;
 mod onestep;
 mod problem;
+mod profile;
 mod rollout;
 mod select;
 mod shares;

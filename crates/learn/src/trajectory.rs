@@ -362,7 +362,7 @@ fn found(
         factor: Unit::parse(&unit).map_or(1.0, |u| u.factor),
         name,
         unit,
-        estimate: Estimate::normal(value, error),
+        estimate: Estimate { value, std_error: error, ci95: crate::profile::interval(fit, k, error) },
         bounds,
         at_bound: value <= bounds.0 || value >= bounds.1,
         parameter,

@@ -1,0 +1,71 @@
+//! Intervals by profile likelihood, for parameters on which the cost does not depend quadratically (Venzon and Moolgavkar, Applied Statistics 37
+//! (1988) 87-94): the parameter is held off its best value, everything else follows, and the interval ends where the cost has risen by chi^2.
+
+use crate::fit::Fit;
+use crate::least_squares::{Limits, minimise};
+
+/// 95 % quantile of chi^2 with one degree of freedom, and its root.
+const RISE: f64 = 3.841_458_820_694_124;
+const REACH: f64 = 1.959_963_984_540_054;
+/// The quadratic interval stands if the cost at its end is within this part of what it should be.
+const QUADRATIC: f64 = 0.2;
+/// Steps of the search for an end.
+const STEPS: usize = 5;
+
+/// The 95 % interval of unknown `k`, whose quadratic one has the standard error `error`; never beyond the bounds.
+pub(crate) fn interval(fit: &Fit<'_>, k: usize, error: f64) -> (f64, f64) {
+    let (low, high) = fit.problem.bounds[k];
+    let quadratic = (fit.x[k] - REACH * error, fit.x[k] + REACH * error);
+    if !error.is_finite() {
+        return (low, high);
+    }
+    if error == 0.0 {
+        return quadratic;
+    }
+    (end(fit, k, quadratic.0).clamp(low, high), end(fit, k, quadratic.1).clamp(low, high))
+}
+
+/// One end, from where the quadratic model puts it.
+fn end(fit: &Fit<'_>, k: usize, quadratic: f64) -> f64 {
+    let (low, high) = fit.problem.bounds[k];
+    let target = RISE * fit.inflation();
+    let mut z = quadratic;
+    for step in 0..STEPS {
+        z = z.clamp(low, high);
+        let Some(rise) = rise(fit, k, z) else { return z };
+        let miss = rise / target;
+        // Beyond a bound there is nothing to look for; near enough is good.
+        let at_bound = (z == low || z == high) && miss < 1.0;
+        if at_bound || (miss - 1.0).abs() < if step == 0 { QUADRATIC } else { 0.02 } {
+            return z;
+        }
+        // The root of the rise is nearly straight.
+        let stretch = (1.0 / miss.max(1e-3)).sqrt().clamp(0.3, 3.0);
+        z = fit.x[k] + (z - fit.x[k]) * stretch;
+    }
+    z.clamp(low, high)
+}
+
+/// By how much the cost rises if unknown `k` is held at `z` and all others follow; `None` where the model fails.
+fn rise(fit: &Fit<'_>, k: usize, z: f64) -> Option<f64> {
+    let mut bounds = fit.problem.bounds.clone();
+    bounds[k] = (z, z);
+    let mut x = fit.x.clone();
+    // The others start where the quadratic model puts them.
+    let n = x.len();
+    let held = |i: usize| i == k;
+    let matrix =
+        faer::Mat::from_fn(n, n, |i, j| if held(i) || held(j) { 0.0 } else { fit.normal.matrix[(i, j)] });
+    let right: Vec<f64> =
+        (0..n).map(|i| if held(i) { 0.0 } else { -fit.normal.matrix[(i, k)] * (z - fit.x[k]) }).collect();
+    if let Some(step) = crate::linear::solve_damped(&matrix, &right, 1e-9) {
+        for i in (0..n).filter(|&i| !held(i)) {
+            x[i] = (x[i] + step[i]).clamp(fit.problem.bounds[i].0, fit.problem.bounds[i].1);
+        }
+    }
+    x[k] = z;
+    let limits = Limits { iterations: 5, gain: 1e-6 };
+    let weights = &fit.weights;
+    let there = minimise(&mut x, &bounds, limits, |x| fit.problem.normal(x, weights).ok())?;
+    Some((there.cost - fit.normal.cost).max(0.0))
+}
