@@ -37,9 +37,40 @@ pub fn identify(
     for record in &fitted {
         suitable(&case.system, record)?;
     }
-    match options.method.or(case.learn.method).unwrap_or(Method::Trajectory) {
+    let mut found = match options.method.or(case.learn.method).unwrap_or(Method::Trajectory) {
         Method::Step => by_steps(case, records, observe),
         Method::Trajectory => by_trajectory(case, records, observe),
+    }?;
+    remarks(&case.system, &mut found);
+    Ok(found)
+}
+
+/// Validation this many times worse than the fit is told in words ...
+const WORSE: f64 = 3.0;
+/// ... unless it is still below this.
+const FINE: f64 = 0.05;
+
+/// What a careful reader should know of any result: terms that may as well be zero, validation that does not hold what the fit promises.
+fn remarks(system: &System, found: &mut Identified) {
+    for term in &found.terms {
+        let (low, high) = term.coefficient.ci95;
+        if low <= 0.0 && high >= 0.0 {
+            let term = &system.terms[term.term];
+            let state = &system.states[term.state].name;
+            found
+                .warnings
+                .push(format!("{} of {state}' may as well be zero: its interval holds it", term.candidate));
+        }
+    }
+    let worst = |role: Role| {
+        found.records.iter().filter(|r| r.role == role).map(RecordFit::worst).fold(0.0, f64::max)
+    };
+    let (fit, validate) = (worst(Role::Fit), worst(Role::Validate));
+    if validate > FINE && validate > WORSE * fit {
+        found.warnings.push(format!(
+            "validation is {:.0} times worse than the fit (NRMSE {validate:.3} against {fit:.3}): the model does not carry over; the known part may be wrong",
+            validate / fit
+        ));
     }
 }
 

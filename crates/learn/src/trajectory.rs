@@ -242,7 +242,7 @@ fn report(
     let white = fit.effective / fit.samples.max(1) as f64;
     if white < WHITE {
         warnings.push(format!(
-            "the residual is not white ({:.0} % of the samples are independent): something is still missing, or the sensor filters; the intervals count \
+            "the residual is not white ({:.0} % of the samples are independent): something is still missing, the known part is wrong, or the sensor filters; the intervals count \
              correlated samples as few",
             100.0 * white
         ));
