@@ -213,12 +213,17 @@ impl Batch {
                 },
             )
             .collect();
-        let mut total = vec![0.0; size];
-        for sums in partial {
-            total.iter_mut().zip(sums).for_each(|(t, s)| *t += s);
-        }
-        total
+        in_order(partial, size)
     }
+}
+
+/// Adds up what the threads summed, in the order of the data: the same bits for any number of threads.
+pub(crate) fn in_order(partial: Vec<Vec<f64>>, size: usize) -> Vec<f64> {
+    let mut total = vec![0.0; size];
+    for sums in partial {
+        total.iter_mut().zip(sums).for_each(|(t, s)| *t += s);
+    }
+    total
 }
 
 /// The velocity of every contact at every sample. Constants that move must be numbers in `step.contacts` already; those of the record are

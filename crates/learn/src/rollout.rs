@@ -1,7 +1,7 @@
 //! The loss over several steps: forward storing the states, backward applying the adjoint of one step. The tape does not grow with the
 //! horizon; memory is one state per step.
 
-use crate::batch::{LANES, accumulate, compile, step_row};
+use crate::batch::{LANES, accumulate, compile, in_order, step_row};
 use crate::onestep::OneStep;
 use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::Record;
@@ -207,10 +207,6 @@ impl Rollout {
                 sums
             })
             .collect();
-        let mut total = vec![0.0; size];
-        for sums in partial {
-            total.iter_mut().zip(sums).for_each(|(t, s)| *t += s);
-        }
-        total
+        in_order(partial, size)
     }
 }
