@@ -1,11 +1,9 @@
 //! The catalogue of laws: built in, beside the spec, and in the folder of `--laws`.
 
 mod builtin;
-mod law;
-
-pub(crate) use law::Law;
 
 use crate::table::{aligned, short};
+use phisindy_phys::Law;
 use anyhow::{Context, Result, anyhow};
 use std::path::Path;
 

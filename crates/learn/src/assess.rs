@@ -73,6 +73,7 @@ fn one(
         samples: record.len(),
         nrmse: vec![],
         noise: vec![],
+        residuals: vec![vec![]; record.columns.len()],
         start: vec![],
         run: None,
         failure: None,
@@ -119,6 +120,7 @@ fn one(
         let rms = (residual.iter().map(|e| e * e).sum::<f64>() / n).sqrt();
         fit.nrmse.push((name.clone(), if deviation > 0.0 { rms / deviation } else { f64::INFINITY }));
         fit.noise.push((name, noise_level(column)));
+        fit.residuals[k] = residual;
     }
     fit.run = Some(run);
     fit

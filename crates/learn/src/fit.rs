@@ -256,7 +256,7 @@ fn settled(problem: &Problem<'_>, x: &mut [f64], noise: &mut Noise, rounds: usiz
 }
 
 /// Takes over whatever means the same in another problem, but for start states.
-fn carry(from: &Problem<'_>, x: &[f64], to: &Problem<'_>, y: &mut [f64]) {
+pub(crate) fn carry(from: &Problem<'_>, x: &[f64], to: &Problem<'_>, y: &mut [f64]) {
     let known = from.meanings();
     for (k, meaning) in to.meanings().into_iter().enumerate() {
         if !matches!(meaning, Meaning::Parameter(..) | Meaning::Sensor(..)) {

@@ -65,6 +65,8 @@ pub struct RecordFit {
     pub nrmse: Vec<(String, f64)>,
     /// For each measured state: its name and the estimated standard deviation of its noise (SI).
     pub noise: Vec<(String, f64)>,
+    /// For each state, measured less predicted at the samples of the free run (SI); empty without a column or a run.
+    pub residuals: Vec<Vec<f64>>,
     /// Fitted start state (SI).
     pub start: Vec<f64>,
     /// The free run at the sample times; `None` if it failed.

@@ -15,7 +15,7 @@ const SHORTEST: usize = 5;
 const RIDGE: f64 = 1e-6;
 
 /// The record with every column smoothed, and columns for velocities that have none. States that cannot be derived stay without.
-pub(crate) fn smoothed(system: &System, record: &Record) -> Record {
+pub fn smoothed(system: &System, record: &Record) -> Record {
     let mut out = record.clone();
     for (k, state) in system.states.iter().enumerate() {
         let Some(values) = &record.columns[k] else { continue };

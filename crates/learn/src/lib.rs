@@ -2,6 +2,7 @@
 
 mod assess;
 mod batch;
+mod calibrate;
 mod descent;
 mod fit;
 mod identified;
@@ -20,9 +21,11 @@ mod sweep;
 mod train;
 mod trajectory;
 
+pub use calibrate::{Calibration, calibrate, glance};
 pub use identified::{
     Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict,
 };
 pub use identify::{LearnOptions, identify};
 pub use sweep::{SweepRun, Truth, bound, project, sweep_one};
+pub use initial::smoothed;
 pub use train::{StepFit, StepOptions, train};

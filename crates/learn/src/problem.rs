@@ -122,17 +122,18 @@ impl<'a> Problem<'a> {
                 sources.push(source.unwrap_or_else(|| unknown(p.within, p.start, p.sigma, &mut bounds)));
             }
             sources.extend(record.constants.iter().map(|&c| Source::Number(c)));
-            models.push(sources);
             let mut of_states = Vec::new();
             for k in 0..n {
                 let Sensor { offset, gain, delay } = &record.sensors[k];
-                of_states.push([offset, gain, delay].map(|s| match s.within {
-                    Some(within) if record.columns[k].is_some() => {
+                of_states.push([offset, gain, delay].map(|s| match (s.shared, s.within) {
+                    (Some(p), _) => sources[terms.len() + p],
+                    (None, Some(within)) if record.columns[k].is_some() => {
                         unknown(within, s.start, s.sigma, &mut bounds)
                     }
                     _ => Source::Number(s.start),
                 }));
             }
+            models.push(sources);
             sensors.push(of_states);
             let count = pieces[r].clamp(1, (record.len() / 4).max(1));
             for piece in 0..count {
@@ -208,7 +209,10 @@ impl<'a> Problem<'a> {
             }
             for (state, sensor) in self.sensors[r].iter().enumerate() {
                 for (which, source) in sensor.iter().enumerate() {
-                    if let Source::Unknown(k) = *source {
+                    // A shared one is a parameter already.
+                    if let Source::Unknown(k) = *source
+                        && all[k] == Meaning::Start
+                    {
                         all[k] = Meaning::Sensor(r, state, which);
                     }
                 }
@@ -431,8 +435,10 @@ impl<'a> Problem<'a> {
         for (k, sensor) in self.sensors[r].iter().enumerate() {
             for (which, source) in sensor.iter().enumerate() {
                 if let Source::Unknown(unknown) = *source {
-                    sensor_slots[k][which] = at.len();
-                    at.push(unknown);
+                    sensor_slots[k][which] = at.iter().position(|&u| u == unknown).unwrap_or(at.len());
+                    if sensor_slots[k][which] == at.len() {
+                        at.push(unknown);
+                    }
                 }
             }
         }
@@ -469,13 +475,13 @@ impl<'a> Problem<'a> {
                 row.iter_mut().zip(s).for_each(|(j, s)| *j = weight * gain * s);
                 let [offset_at, gain_at, delay_at] = sensor_slots[k];
                 if offset_at != usize::MAX {
-                    row[offset_at] = weight;
+                    row[offset_at] += weight;
                 }
                 if gain_at != usize::MAX {
-                    row[gain_at] = weight * seen;
+                    row[gain_at] += weight * seen;
                 }
                 if delay_at != usize::MAX {
-                    row[delay_at] = -weight * gain * rate;
+                    row[delay_at] -= weight * gain * rate;
                 }
                 add(&row, e);
             }

@@ -302,7 +302,7 @@ fn report(
 
 /// The sandwich `A^-1 B A^-1`: curvature `A` of the cost, scatter `B` of its gradient. Where the noise model holds it is `A^-1`; directions that the
 /// data do not see stay infinite.
-fn robust_covariance(fit: &Fit<'_>) -> Mat<f64> {
+pub(crate) fn robust_covariance(fit: &Fit<'_>) -> Mat<f64> {
     let bread = covariance(&fit.normal.matrix);
     let Ok(meat) = fit.problem.meat(&fit.x, &fit.weights) else { return bread };
     let n = bread.nrows();
@@ -322,7 +322,7 @@ fn robust_covariance(fit: &Fit<'_>) -> Mat<f64> {
 }
 
 #[allow(clippy::too_many_arguments)] // one place that names every kind of unknown
-fn found(
+pub(crate) fn found(
     system: &System,
     problem: &Problem<'_>,
     fit: &Fit<'_>,
@@ -394,7 +394,7 @@ fn inseparable(cov: &Mat<f64>, names: &[(usize, String)], values: &[f64]) -> Vec
 }
 
 /// The numbers of a fit, by record; Validate records take those of the record that they continue, or of the first fitted one.
-fn solution(system: &System, records: &[Record], fit: &Fit<'_>, fit_indices: &[usize]) -> Solution {
+pub(crate) fn solution(system: &System, records: &[Record], fit: &Fit<'_>, fit_indices: &[usize]) -> Solution {
     let problem = &fit.problem;
     let t = problem.terms.len();
     let base: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();

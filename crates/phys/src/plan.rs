@@ -21,6 +21,15 @@ pub struct SensorParameter {
     pub within: Option<(f64, f64)>,
     /// Belief beforehand.
     pub sigma: Option<f64>,
+    /// The parameter of the system that it is (index into [`System::parameters`]): one value wherever it is named.
+    pub shared: Option<usize>,
+}
+
+impl SensorParameter {
+    /// A value that is known.
+    pub fn held(value: f64) -> SensorParameter {
+        SensorParameter { start: value, within: None, sigma: None, shared: None }
+    }
 }
 
 /// What a column says: `gain * quantity(t - delay) + offset`.
@@ -36,7 +45,7 @@ pub struct Sensor {
 
 impl Default for Sensor {
     fn default() -> Self {
-        let held = |start| SensorParameter { start, within: None, sigma: None };
+        let held = SensorParameter::held;
         Sensor { offset: held(0.0), gain: held(1.0), delay: held(0.0) }
     }
 }
@@ -154,7 +163,11 @@ impl Checker {
             for (value, which) in slots {
                 let Some(value) = value else { continue };
                 let parameter = match value {
-                    SensorValue::Number(x) => SensorParameter { start: x.value, within: None, sigma: None },
+                    SensorValue::Number(x) => SensorParameter::held(x.value),
+                    SensorValue::Constant(name) => match self.sensor_constant(name, system) {
+                        Some(parameter) => parameter,
+                        None => continue,
+                    },
                     SensorValue::Find(f) => {
                         let factor = f.unit.as_ref().map_or(1.0, |u| self.unit(u).factor);
                         let within = Some((f.within.0.value * factor, f.within.1.value * factor));
@@ -162,6 +175,7 @@ impl Checker {
                             start: f.start.value * factor,
                             within,
                             sigma: f.sigma.as_ref().map(|s| s.value * factor),
+                            shared: None,
                         }
                     }
                 };
@@ -173,6 +187,26 @@ impl Checker {
             }
         }
         all
+    }
+
+    /// A sensor parameter that is a constant of the case.
+    fn sensor_constant(&mut self, name: &Text, system: &System) -> Option<SensorParameter> {
+        self.used.insert(name.value.clone());
+        if let Some((_, value)) = system.constants.iter().find(|(n, _)| *n == name.value) {
+            return Some(SensorParameter::held(*value));
+        }
+        let Some(shared) = system.parameters.iter().position(|p| p.name == name.value) else {
+            let names: Vec<&str> = system
+                .constants
+                .iter()
+                .map(|(n, _)| n.as_str())
+                .chain(system.parameters.iter().map(|p| p.name.as_str()))
+                .collect();
+            self.unknown_name(&name.value, name.span, "constant", &names);
+            return None;
+        };
+        let p = &system.parameters[shared];
+        Some(SensorParameter { start: p.start, within: Some(p.within), sigma: None, shared: Some(shared) })
     }
 
     fn derived(&mut self, derive: &[(Text, DeriveSpec)], system: &System) -> Vec<Option<usize>> {

@@ -214,6 +214,8 @@ pub enum SensorValue {
     Number(Number),
     /// To be found for each record.
     Find(Find),
+    /// A constant of the case: one value for every column and record that names it.
+    Constant(Text),
 }
 
 /// A record that is simulated.

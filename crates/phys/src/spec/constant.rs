@@ -96,7 +96,12 @@ impl Reader<'_> {
         match (node.shape, self.variant(node)) {
             (Shape::Number, _) => self.number(node).map(SensorValue::Number),
             (Shape::Group, Some("Find")) => self.find(node).map(SensorValue::Find),
-            _ => self.expected(node, "a number or `Find(...)`", "a number is taken in SI units"),
+            (Shape::Text, _) => self.words(node).map(SensorValue::Constant),
+            _ => self.expected(
+                node,
+                "a number, `Find(...)` or the name of a constant",
+                "a number is taken in SI units",
+            ),
         }
     }
 }

@@ -1,72 +1,119 @@
-//! The text of a law.
+//! A law of the catalogue: a force with parameters that may act at many places of a model, as its file says it.
 
 use serde::de::{Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, de};
 use std::fmt;
 
 /// What a law's file says.
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Law {
+pub struct Law {
     /// For people.
-    pub(crate) name: String,
+    pub name: String,
     /// One sentence.
     #[serde(default)]
-    pub(crate) about: String,
+    pub about: String,
     /// Where it comes from.
     #[serde(default)]
-    pub(crate) reference: String,
+    pub reference: String,
     /// Displacement and velocity at the place where it acts, and their units.
     #[serde(default, deserialize_with = "ordered")]
-    pub(crate) roles: Vec<(String, String)>,
+    pub roles: Vec<(String, String)>,
     /// Numbers to be found.
     #[serde(default, deserialize_with = "ordered")]
-    pub(crate) parameters: Vec<(String, Parameter)>,
+    pub parameters: Vec<(String, LawParameter)>,
     /// Numbers that are held.
     #[serde(default, deserialize_with = "ordered")]
-    given: Vec<(String, (f64, String))>,
+    pub given: Vec<(String, (f64, String))>,
     /// States of its own.
     #[serde(default, deserialize_with = "ordered")]
-    internal: Vec<(String, Internal)>,
+    pub internal: Vec<(String, Internal)>,
     /// What it subtracts.
-    force: Option<String>,
+    pub force: Option<String>,
     /// What it adds.
-    push: Option<String>,
+    pub push: Option<String>,
     /// Which property of a sensor it is.
-    sensor: Option<String>,
+    pub sensor: Option<String>,
     /// Its mirror image, which is tried too.
-    mirror: Option<String>,
+    pub mirror: Option<String>,
+    /// Laws that it contains, simplest first: what `gap` tries in its place.
+    #[serde(default)]
+    pub simpler: Vec<String>,
+    /// Laws of one family describe one thing: `gap` never puts two of them at one place.
+    #[serde(default)]
+    pub family: String,
+    /// How `gap` looks for it at a glance; without it the parameters that stand linearly are solved for, and the others tried on a grid.
+    #[serde(default)]
+    pub screen: Option<Screen>,
+}
+
+/// How a law is screened: a sum of columns, their coefficients free.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Screen {
+    /// What is added to the force; the coefficients are called c1, c2, ...
+    pub columns: Vec<String>,
+    /// The internal state's rate in terms of the grid, if there is one.
+    #[serde(default)]
+    pub rate: Option<String>,
+    /// Numbers tried on a grid, and their units.
+    #[serde(default, deserialize_with = "ordered")]
+    pub grid: Vec<(String, String)>,
+    /// Each parameter from the coefficients and the grid.
+    #[serde(deserialize_with = "ordered")]
+    pub seed: Vec<(String, String)>,
 }
 
 /// A number to be found.
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Parameter {
+pub struct LawParameter {
     /// Its unit.
-    pub(crate) unit: String,
+    pub unit: String,
     /// Its bounds.
-    pub(crate) within: (f64, f64),
+    pub within: (f64, f64),
+    /// Whether each record has its own.
+    #[serde(default)]
+    pub each: bool,
 }
 
 /// A state that belongs to the law.
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Internal {
-    unit: String,
-    rate: String,
-    start: f64,
+pub struct Internal {
+    /// Its unit.
+    pub unit: String,
+    /// Its rate of change.
+    pub rate: String,
+    /// Where it starts.
+    pub start: f64,
 }
 
 impl Law {
     /// Reads the text of a law.
-    pub(crate) fn read(text: &str) -> Result<Law, ron::error::SpannedError> {
+    ///
+    /// # Errors
+    /// What is wrong, with line and column.
+    pub fn read(text: &str) -> Result<Law, String> {
         ron::Options::default()
             .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)
             .from_str(text)
+            .map_err(|e| e.to_string())
+    }
+
+    /// The force that it subtracts (a push with its sign turned); `None` for what acts on sensors.
+    pub fn subtracted(&self, mirror: bool) -> Option<String> {
+        let force = if mirror { self.mirror.as_ref() } else { self.force.as_ref() };
+        force.cloned().or_else(|| self.push.as_ref().filter(|_| !mirror).map(|p| format!("-({p})")))
+    }
+
+    /// Whether it is a friction that can stick: its force holds the sign of the velocity.
+    pub fn sticks(&self) -> bool {
+        self.force.as_ref().is_some_and(|f| f.contains("sgn("))
     }
 
     /// What it does, in lines.
-    pub(crate) fn acts(&self) -> Vec<String> {
+    pub fn acts(&self) -> Vec<String> {
         let mut lines = Vec::new();
         lines.extend(self.force.iter().map(|f| format!("force against the motion: {f}")));
         lines.extend(self.push.iter().map(|f| format!("push: {f}")));

@@ -1,0 +1,142 @@
+//! A model in which only parameters move, fitted to records whose noise is known: what the gap workflow asks for again and again.
+
+use crate::assess::assess;
+use crate::fit::{Fit, carry};
+use crate::identified::{FoundParameter, RecordFit};
+use crate::least_squares::{Limits, minimise};
+use crate::noise::ColumnNoise;
+use crate::problem::{Noise, Problem};
+use crate::trajectory::{found, robust_covariance, solution};
+use phisindy_phys::spec::Role;
+use phisindy_phys::{Record, System, effective_samples};
+
+/// Segments of the stages of a fit.
+const STAGES: [usize; 3] = [20, 5, 1];
+
+/// A calibrated model.
+#[derive(Clone, Debug)]
+pub struct Calibration {
+    /// Sum over all samples of the Fit records of (residual / noise)^2.
+    pub chi2: f64,
+    /// How many samples that sum has.
+    pub samples: usize,
+    /// How many of them are independent, by the autocorrelation of the residual.
+    pub effective: f64,
+    /// Parameters that moved: shared, per record, of sensors; start states not counted.
+    pub moved: usize,
+    /// Their values, with intervals if they were asked for.
+    pub parameters: Vec<FoundParameter>,
+    /// Free runs of all records from their fitted starts.
+    pub records: Vec<RecordFit>,
+    /// Into how many segments a record was cut at most: 1 unless no single run could be simulated.
+    pub segments: usize,
+}
+
+/// Fits what may move in `system` (its parameters, sensors and start states; no dictionary) to the Fit records, each column weighted by its `noise` (standard
+/// deviation in SI, by record and state), and runs all records freely. `smooth` are the records with smoothed samples of every state, to start from.
+///
+/// With `errors` the parameters come with 95 % intervals (sandwich covariance, stretched where residuals are correlated, profile likelihood).
+///
+/// # Errors
+/// The model cannot be simulated from any start, in words.
+pub fn calibrate(
+    system: &System,
+    records: &[Record],
+    smooth: &[Record],
+    noise: &[Vec<f64>],
+    errors: bool,
+) -> Result<Calibration, String> {
+    let Setup { fitted, of, noise, smooth: starts } = Setup::new(records, smooth, noise);
+    let mut best: Option<(Problem<'_>, Vec<f64>)> = None;
+    let mut trouble = String::new();
+    for pieces in STAGES {
+        let problem = Problem::new(system, &[], &fitted, &vec![pieces; fitted.len()])?;
+        let mut x = problem.guess(&[], None, &starts);
+        if let Some((before, at)) = &best {
+            carry(before, at, &problem, &mut x);
+        }
+        let weights = problem.weights(&noise, None);
+        let last = pieces == 1;
+        let limits = Limits { iterations: if last { 40 } else { 10 }, gain: if last { 1e-9 } else { 1e-3 } };
+        let bounds = problem.bounds.clone();
+        let end = minimise(&mut x, &bounds, limits, |x| match problem.normal(x, &weights) {
+            Ok(normal) => Some(normal),
+            Err(e) => {
+                trouble = e.to_string();
+                None
+            }
+        });
+        if end.is_some() {
+            best = Some((problem, x));
+        }
+    }
+    let (problem, x) = best.ok_or(trouble)?;
+    let weights = problem.weights(&noise, None);
+    let normal = problem.normal(&x, &weights).map_err(|e| e.to_string())?;
+    let residuals = problem.residuals(&x).map_err(|e| e.to_string())?;
+    let (mut chi2, mut samples, mut effective) = (0.0, 0, 0.0);
+    for (r, columns) in residuals.iter().enumerate() {
+        for (k, c) in columns.iter().enumerate().filter(|(_, c)| !c.residual.is_empty()) {
+            let white: Vec<f64> = c.residual.iter().map(|e| e / noise[r][k].additive).collect();
+            chi2 += white.iter().map(|e| e * e).sum::<f64>();
+            samples += white.len();
+            effective += effective_samples(&white);
+        }
+    }
+    let pieces: Vec<usize> =
+        (0..fitted.len()).map(|r| problem.segments.iter().filter(|s| s.record == r).count()).collect();
+    let segments = pieces.iter().copied().max().unwrap_or(1);
+    let fit = Fit { problem, x, noise, weights, normal, samples, effective, excess: 1.0, pieces };
+    let error: Vec<f64> = if errors {
+        let (cov, inflation) = (robust_covariance(&fit), fit.inflation());
+        (0..fit.x.len()).map(|k| (cov[(k, k)] * inflation).sqrt()).collect()
+    } else {
+        vec![f64::NAN; fit.x.len()]
+    };
+    let parameters: Vec<FoundParameter> = fit
+        .problem
+        .meanings()
+        .into_iter()
+        .enumerate()
+        .filter_map(|(k, meaning)| found(system, &fit.problem, &fit, k, meaning, &of, records, error[k]))
+        .collect();
+    let mut solved = solution(system, records, &fit, &of);
+    let replays = assess(system, records, smooth, &mut solved);
+    Ok(Calibration { chi2, samples, effective, moved: parameters.len(), parameters, records: replays, segments })
+}
+
+/// How well a model predicts the Fit records over many short segments after a few steps of a fit: chi^2 per sample. `None` if it cannot be simulated. For a
+/// race: what is far behind here need not be fitted in full.
+pub fn glance(system: &System, records: &[Record], smooth: &[Record], noise: &[Vec<f64>]) -> Option<f64> {
+    let Setup { fitted, noise, smooth: starts, .. } = Setup::new(records, smooth, noise);
+    let problem = Problem::new(system, &[], &fitted, &vec![STAGES[0]; fitted.len()]).ok()?;
+    let mut x = problem.guess(&[], None, &starts);
+    let weights = problem.weights(&noise, None);
+    let bounds = problem.bounds.clone();
+    let limits = Limits { iterations: 4, gain: 1e-2 };
+    let normal = minimise(&mut x, &bounds, limits, |x| problem.normal(x, &weights).ok())?;
+    let samples: usize = fitted.iter().map(|r| r.len() * r.columns.iter().flatten().count()).sum();
+    Some(normal.cost / samples.max(1) as f64)
+}
+
+/// The Fit records with their noise.
+struct Setup<'a> {
+    fitted: Vec<&'a Record>,
+    /// Where each of them stands among all records.
+    of: Vec<usize>,
+    noise: Noise,
+    smooth: Vec<Record>,
+}
+
+impl<'a> Setup<'a> {
+    fn new(records: &'a [Record], smooth: &[Record], noise: &[Vec<f64>]) -> Setup<'a> {
+        let of: Vec<usize> = (0..records.len()).filter(|&r| records[r].role == Role::Fit).collect();
+        let additive = |s: &f64| ColumnNoise { additive: s.max(f64::MIN_POSITIVE), relative: 0.0 };
+        Setup {
+            fitted: of.iter().map(|&r| &records[r]).collect(),
+            noise: of.iter().map(|&r| noise[r].iter().map(additive).collect()).collect(),
+            smooth: of.iter().map(|&r| smooth[r].clone()).collect(),
+            of,
+        }
+    }
+}
