@@ -86,6 +86,22 @@ Examples:
         #[arg(value_name = "NAME")]
         name: Option<String>,
     },
+    /// Find where model and data disagree, name the missing effect, add it, show the gap shrink
+    #[command(
+        before_help = "\
+Examples:
+  phisindy gap specs/silverbox.ron --data DIR
+  phisindy gap rig.ron --out found
+  phisindy run found/completed.ron",
+        after_help = "\
+Tries every law of the catalogue (`phisindy laws`) at every place where it fits: velocities, differences of velocities, sensors.
+Exit codes: 0 nothing is missing, or what is missing was found; 1 something is missing that no law explains."
+    )]
+    Gap {
+        /// The spec
+        #[arg(value_name = "SPEC")]
+        spec: PathBuf,
+    },
     /// Identify with many seeds in parallel: how often the terms are right, how accurate the numbers and their intervals are
     #[command(
         before_help = "\

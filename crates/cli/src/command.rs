@@ -5,7 +5,7 @@ use crate::load::{Loaded, Purpose, Refusal, load};
 use crate::outdir::{self, OutDir};
 use crate::progress::Progress;
 use crate::report::Report;
-use crate::{draw, identified_spec, interrupt, laws, readme, simulate, sweep};
+use crate::{draw, gap, identified_spec, interrupt, laws, readme, simulate, sweep};
 use anyhow::{Context, Result, anyhow};
 use phisindy_learn::{Identified, LearnError, LearnOptions, Verdict, identify};
 use phisindy_phys::{Diagnostic, Sources};
@@ -20,7 +20,7 @@ pub(crate) const REJECTED: u8 = 1;
 /// The spec, its files or the command line are wrong.
 pub(crate) const INPUT: u8 = 2;
 /// The numerics failed.
-const NUMERICS: u8 = 3;
+pub(crate) const NUMERICS: u8 = 3;
 
 /// Does what the command line says.
 pub(crate) fn execute(args: &Args) -> ExitCode {
@@ -28,6 +28,7 @@ pub(crate) fn execute(args: &Args) -> ExitCode {
     let options = &args.options;
     let done = threads(options).and_then(|()| match &args.command {
         Command::Run { specs } => run(specs, options),
+        Command::Gap { spec } => gap::command(spec, options),
         Command::Simulate { spec } => simulate(spec, options),
         Command::Check { specs } => Ok(check(specs, options)),
         Command::Laws { name } => laws(name.as_deref(), options),
@@ -72,7 +73,7 @@ pub(crate) fn complain(message: &str) {
 }
 
 /// Reads a spec and draws what there is to say about it.
-fn loaded(spec: &Path, options: &Options, purpose: Purpose) -> Result<Loaded, u8> {
+pub(crate) fn loaded(spec: &Path, options: &Options, purpose: Purpose) -> Result<Loaded, u8> {
     let (mut sources, mut found) = (Sources::default(), Vec::new());
     let loaded = load(spec, options, purpose, &mut sources, &mut found);
     // Next to a mistake, warnings are mostly its consequences: what failed to parse leaves constants unused.

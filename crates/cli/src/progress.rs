@@ -24,6 +24,11 @@ impl Progress {
         Progress { bar, begin: Instant::now(), shown: !visible }
     }
 
+    /// Says what is being done.
+    pub(crate) fn doing(&mut self, what: &str) {
+        self.bar.set_message(what.to_owned());
+    }
+
     /// Draws a fraction of the work.
     pub(crate) fn at(&mut self, fraction: f64) {
         if !self.shown && self.begin.elapsed() > Duration::from_secs(1) {

@@ -107,6 +107,11 @@ impl Tape {
         self.0.code.len()
     }
 
+    /// Number of outputs.
+    pub fn outputs(&self) -> usize {
+        self.0.outputs.len()
+    }
+
     /// Number of slots: what one lane of scratch memory holds.
     pub fn slots(&self) -> usize {
         self.0.slots

@@ -36,6 +36,11 @@ impl Dimension {
         Dimension([kg as i16 * PARTS, m as i16 * PARTS, s as i16 * PARTS, a as i16 * PARTS, k as i16 * PARTS])
     }
 
+    /// The exponents of kg, m, s, A, K.
+    pub fn exponents(self) -> [f64; 5] {
+        self.0.map(|e| f64::from(e) / f64::from(PARTS))
+    }
+
     /// Whether it is a plain number.
     pub fn is_none(self) -> bool {
         self == Dimension::NONE

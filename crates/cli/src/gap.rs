@@ -1,0 +1,240 @@
+//! `phisindy gap`: the workflow, and what it found for people, for programs and for files.
+
+use crate::args::{Format, Options};
+use crate::command::{NUMERICS, REJECTED, complain, loaded, print, remark};
+use crate::load::{Loaded, Purpose};
+use crate::progress::Progress;
+use crate::table::short;
+use crate::{interrupt, laws, outdir};
+use anyhow::Result;
+use phisindy_gap::{Entry, Gap, GapError, Status, Step, gap};
+use phisindy_phys::spec::Role;
+use serde_json::{Map, Value, json};
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Cells of the bar that shows the gap shrink.
+const BAR: usize = 24;
+
+/// Runs the workflow on one spec.
+pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
+    let begin = Instant::now();
+    let loaded = match loaded(spec, options, Purpose::Run) {
+        Ok(loaded) => loaded,
+        Err(code) => return Ok(code),
+    };
+    let beside = spec.parent().map(|p| p.join("laws")).filter(|p| p.is_dir());
+    let folders: Vec<&Path> = beside.as_deref().into_iter().chain(options.laws.as_deref()).collect();
+    let catalogue: Vec<Entry> = laws::catalogue(&folders)?
+        .into_iter()
+        .map(|e| Entry { id: e.id, law: Arc::new(e.law) })
+        .collect();
+    let folder = match &options.out {
+        Some(out) => outdir::folders(out, &[spec.to_path_buf()])?.pop(),
+        None => None,
+    };
+    let found = {
+        let mut progress = Progress::new(&loaded.spec, options.quiet);
+        gap(&loaded.text, loaded.case.clone(), loaded.records.clone(), &catalogue, &mut |fraction, what| {
+            progress.doing(what);
+            progress.at(fraction);
+            if interrupt::asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        })
+    };
+    let found = match found {
+        Ok(found) => found,
+        Err(GapError::Data(why)) => {
+            complain(&format!("{}: {why}", loaded.spec));
+            return Ok(REJECTED);
+        }
+        Err(GapError::Numerics(why)) => {
+            complain(&format!("{}: {why}", loaded.spec));
+            return Ok(NUMERICS);
+        }
+    };
+    if !options.quiet {
+        found.warnings.iter().for_each(|w| remark(&format!("note: {w}")));
+    }
+    let seconds = begin.elapsed().as_secs_f64();
+    let object = as_json(&loaded, &found, seconds);
+    let text = as_text(&found, seconds);
+    if let Some(folder) = &folder {
+        folder.write("result.json", &format!("{object:#}\n"))?;
+        folder.write("gap.txt", &text)?;
+        folder.write("completed.ron", &completed(&loaded, &found))?;
+    }
+    match options.format {
+        Format::Json => print(&format!("{object}\n"))?,
+        Format::Text | Format::Latex => print(&text)?,
+    }
+    Ok(match (found.stopped, found.status) {
+        (true, _) => interrupt::CODE,
+        (false, Status::Unexplained) => REJECTED,
+        (false, _) => 0,
+    })
+}
+
+/// The spec with the effects in it.
+fn completed(loaded: &Loaded, found: &Gap) -> String {
+    format!(
+        "// What `phisindy gap {}` (version {}) made of it: {}.\n// The effects stand in `known`, their numbers in `constants`, from where a fit ended:\n//     phisindy run completed.ron\n{}",
+        loaded.spec,
+        env!("CARGO_PKG_VERSION"),
+        found.status.name(),
+        found.completed
+    )
+}
+
+fn as_json(loaded: &Loaded, found: &Gap, seconds: f64) -> Value {
+    let pair = |p: (f64, f64)| json!({ "before": p.0, "after": p.1 });
+    let step = |s: &Step| {
+        let parameters: Map<String, Value> = s
+            .parameters
+            .iter()
+            .map(|p| {
+                let value = json!({ "value": p.value, "ci95": [p.ci95.0, p.ci95.1], "unit": p.unit, "constant": p.constant });
+                (p.name.clone(), value)
+            })
+            .collect();
+        json!({
+            "law": s.effect.entry.id,
+            "name": s.effect.entry.law.name,
+            "at": s.effect.place.at,
+            "mirror": s.effect.mirror,
+            "scales_with": s.effect.load,
+            "expression": s.expression,
+            "parameters": parameters,
+            "fit": pair(s.fit),
+            "validate": s.validate.map(pair),
+            "delta_bic": s.delta_bic,
+            "rivals": s.rivals.iter().map(|r| json!({ "law": r.law, "at": r.at, "delta_bic": r.delta_bic })).collect::<Vec<_>>(),
+            "vetoed": s.vetoed.iter().map(|(law, why)| json!({ "law": law, "why": why })).collect::<Vec<_>>(),
+        })
+    };
+    let regions = |list: &[phisindy_gap::Region]| -> Vec<Value> {
+        list.iter().map(|r| json!({ "column": r.column, "share": r.share, "region": r.region })).collect()
+    };
+    let noise: Map<String, Value> = found.noise.iter().map(|(name, s)| (name.clone(), json!(s))).collect();
+    let records: Vec<Value> = found
+        .nrmse
+        .iter()
+        .map(|(record, role, column, before, after)| {
+            json!({
+                "record": record, "role": if *role == Role::Fit { "fit" } else { "validate" }, "column": column,
+                "nrmse": { "before": before, "after": after },
+            })
+        })
+        .collect();
+    let repeat: Vec<Value> = found
+        .repeat
+        .iter()
+        .map(|(record, column, r)| {
+            json!({ "record": record, "column": column, "nrmse": r.nrmse, "rms": r.rms, "period": r.period })
+        })
+        .collect();
+    let parameters: Vec<Value> = found
+        .parameters
+        .iter()
+        .map(|p| {
+            let f = p.factor;
+            json!({
+                "name": p.name, "unit": p.unit, "value": p.estimate.value / f, "std_error": p.estimate.std_error / f,
+                "ci95": [p.estimate.ci95.0 / f, p.estimate.ci95.1 / f], "bounds": [p.bounds.0 / f, p.bounds.1 / f], "at_bound": p.at_bound,
+            })
+        })
+        .collect();
+    json!({
+        "spec": loaded.spec,
+        "title": loaded.case.system.title,
+        "status": found.status.name(),
+        "noise": noise,
+        "where": regions(&found.located),
+        "steps": found.steps.iter().map(step).collect::<Vec<_>>(),
+        "partial": found.partial.iter().map(step).collect::<Vec<_>>(),
+        "left": regions(&found.left),
+        "initial": { "fit": found.before.0, "validate": found.before.1 },
+        "final": { "fit": found.after.0, "validate": found.after.1 },
+        "whiteness": { "before": found.colour.0, "after": found.colour.1 },
+        "records": records,
+        "repeatability": repeat,
+        "parameters": parameters,
+        "warnings": found.warnings,
+        "seconds": seconds,
+        "version": env!("CARGO_PKG_VERSION"),
+    })
+}
+
+/// For people: a line and a bar for each step.
+fn as_text(found: &Gap, seconds: f64) -> String {
+    let mut out: Vec<String> = Vec::new();
+    let shown = |(fit, validate): (f64, Option<f64>)| validate.unwrap_or(fit);
+    let before = shown(found.before);
+    let which = if found.before.1.is_some() { "on data not used" } else { "on the fitted data" };
+    out.push(format!("gap {which}, in units of the noise (1 is perfect)"));
+    out.push(format!("  {:>8}  {}  the model as it is", short(before), bar(before, before)));
+    for s in found.steps.iter().chain(&found.partial) {
+        let after = s.validate.map_or(s.fit.1, |v| v.1);
+        out.push(format!("  {:>8}  {}  + {} at {}", short(after), bar(after, before), s.effect.entry.law.name.to_lowercase(), s.effect.place.at));
+    }
+    out.push(String::new());
+    if let Some(first) = found.located.first()
+        && found.status != Status::NothingMissing
+    {
+        let share = if found.located.len() > 1 { format!(" ({:.0} % of the gap)", 100.0 * first.share) } else { String::new() };
+        out.push(format!("where: in {}{share}, {}", first.column, first.region));
+    }
+    for (k, s) in found.steps.iter().enumerate() {
+        out.push(format!("{}. {} at {}: {}", k + 1, s.effect.entry.law.name, s.effect.place.at, s.expression));
+        out.extend(details(s));
+    }
+    if !found.partial.is_empty() {
+        out.push("helps, but does not explain:".into());
+        for s in &found.partial {
+            out.push(format!("  {} at {}: {}", s.effect.entry.law.name, s.effect.place.at, s.expression));
+            out.extend(details(s));
+        }
+    }
+    for (record, column, r) in &found.repeat {
+        out.push(format!("{record}: {column} repeats from cycle to cycle ({} s) to NRMSE {:.3}", short(r.period), r.nrmse));
+    }
+    for (record, role, column, a, b) in &found.nrmse {
+        let role = if *role == Role::Fit { "fit" } else { "validate" };
+        out.push(format!("{record} ({role}): NRMSE of {column} {a:.4} -> {b:.4}"));
+    }
+    let last = shown(found.after);
+    out.push(match found.status {
+        Status::NothingMissing => format!("nothing-missing: the model explains the data to their noise (gap {})", short(last)),
+        Status::Explained => format!("explained: the gap on data not used went from {} to {}", short(before), short(last)),
+        Status::Unexplained => {
+            let place = found.left.first().map_or(String::new(), |r| format!(", mostly in {}, {}", r.column, r.region));
+            format!("unexplained: something is missing that no law here explains: a gap of {} is left{place}", short(last))
+        }
+    });
+    out.push(format!("{seconds:.1} s"));
+    out.join("\n") + "\n"
+}
+
+fn details(s: &Step) -> Vec<String> {
+    let mut out = Vec::new();
+    for p in &s.parameters {
+        out.push(format!("     {} = {} {} [{}, {}]", p.constant, short(p.value), p.unit, short(p.ci95.0), short(p.ci95.1)));
+    }
+    for r in s.rivals.iter().filter(|r| r.delta_bic < 10.0) {
+        out.push(format!("     not excluded: {} at {} (criterion {} worse)", r.law, r.at, short(r.delta_bic)));
+    }
+    for (law, why) in &s.vetoed {
+        out.push(format!("     {law} is ruled out: {why}"));
+    }
+    out
+}
+
+/// A gap as a bar on a logarithmic scale from 1 to the first one.
+fn bar(value: f64, whole: f64) -> String {
+    let full = whole.max(1.5).ln();
+    let part = (value.max(1.0).ln() / full).clamp(0.0, 1.0);
+    let cells = (part * BAR as f64).round() as usize;
+    format!("{}{}", "█".repeat(cells), "·".repeat(BAR - cells))
+}
+

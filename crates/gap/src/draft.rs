@@ -1,0 +1,95 @@
+//! A spec's text with effects written into it, checked, and the records as its system sees them.
+
+use crate::effect::{Effect, Written};
+use phisindy_phys::{Case, Record, SourceId, check, spec};
+use std::sync::Arc;
+
+/// A model under test.
+#[derive(Clone, Debug)]
+pub struct Draft {
+    /// The spec.
+    pub text: String,
+    /// Its meaning.
+    pub case: Case,
+    /// The records, for this system.
+    pub records: Vec<Record>,
+    /// Their smoothed states, to start from.
+    pub smooth: Vec<Record>,
+    /// The effects that were added, each with the constants of its parameters and its expression.
+    pub effects: Vec<(Effect, Vec<String>, String)>,
+    /// States that belong to laws.
+    pub internal: Vec<String>,
+    /// The model without any effect; `None` if this is it.
+    pub base: Option<Arc<Draft>>,
+}
+
+impl Draft {
+    /// The model as the spec has it.
+    pub fn base(text: &str, case: Case, records: Vec<Record>) -> Draft {
+        let smooth = records.iter().map(|r| phisindy_learn::smoothed(&case.system, r)).collect();
+        Draft { text: text.to_owned(), case, records, smooth, effects: vec![], internal: vec![], base: None }
+    }
+
+    /// This model with one more effect.
+    ///
+    /// # Errors
+    /// In words: the spec cannot hold it.
+    pub fn with(&self, effect: &Effect) -> Result<Draft, String> {
+        let Written { text, names, expression, internal } = effect.written(&self.text, &self.case.system)?;
+        let mut effects = self.effects.clone();
+        effects.push((effect.clone(), names, expression));
+        let internal = self.internal.iter().cloned().chain(internal).collect();
+        self.rebuilt(text, effects, internal)
+    }
+
+    /// The same records under another text.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn rebuilt(
+        &self,
+        text: String,
+        effects: Vec<(Effect, Vec<String>, String)>,
+        internal: Vec<String>,
+    ) -> Result<Draft, String> {
+        let (spec, _) = spec::read(&text, SourceId(0)).map_err(|d| first(&d))?;
+        let (case, _) = check(&spec, SourceId(0)).map_err(|d| first(&d))?;
+        let (old, new) = (&self.case.system, &case.system);
+        let seen = |record: &Record, keep_sensors: bool| -> Record {
+            let column = |name: &str| old.state(name).and_then(|k| record.columns[k].clone());
+            let mut out = record.clone();
+            out.columns = new.states.iter().map(|s| column(&s.name)).collect();
+            out.start = new.states.iter().map(|s| old.state(&s.name).and_then(|k| record.start[k])).collect();
+            if keep_sensors {
+                out.sensors = vec![phisindy_phys::Sensor::default(); new.states.len() + new.inputs.len()];
+            }
+            out
+        };
+        let mut records: Vec<Record> = self.records.iter().map(|r| seen(r, true)).collect();
+        for (record, plan) in records.iter_mut().zip(&case.records) {
+            record.sensors = plan.sensors.clone();
+        }
+        let smooth = self.smooth.iter().zip(&records).map(|(s, r)| {
+            let mut out = seen(s, true);
+            out.sensors = r.sensors.clone();
+            // A state of a law starts from rest.
+            for (k, state) in new.states.iter().enumerate() {
+                if old.state(&state.name).is_none() {
+                    out.columns[k] = Some(vec![0.0; r.len()]);
+                }
+            }
+            out
+        });
+        let smooth = smooth.collect();
+        let base = match &self.base {
+            _ if effects.is_empty() => None,
+            Some(base) => Some(base.clone()),
+            None => Some(Arc::new(self.clone())),
+        };
+        Ok(Draft { text, case, records, smooth, effects, internal, base })
+    }
+}
+
+fn first(diagnostics: &[phisindy_phys::Diagnostic]) -> String {
+    diagnostics.iter().find(|d| d.is_error()).map_or(String::new(), |d| d.message.clone())
+}

@@ -1,0 +1,60 @@
+//! Evidence that a fit alone does not use: an elastic contact must give way, in the stops, in proportion to the force on it.
+
+use crate::effect::Effect;
+use crate::fitted::Fitted;
+use crate::motion::{Motion, rest_threshold, resting};
+use crate::place::Site;
+use phisindy_phys::spec::Role;
+
+/// A contact that gives way less than this part of what the law asks for does not give way.
+const GIVES: f64 = 0.3;
+
+/// Why an effect cannot be, although it fits; `None` if nothing speaks against it.
+pub(crate) fn against(fitted: &Fitted, effect: &Effect) -> Option<String> {
+    if effect.entry.law.internal.is_empty() || effect.entry.law.family != "friction" {
+        return None;
+    }
+    let Site::Force { acts, .. } = &effect.place.site else { return None };
+    let &[(v, _)] = acts.as_slice() else { return None };
+    let (draft, system) = (&fitted.draft, &fitted.draft.case.system);
+    let x = (0..system.states.len()).find(|&x| system.states[x].velocity == Some(v))?;
+    let n = system.states.len();
+    let (mut sxx, mut sxy, mut stops) = (0.0, 0.0, 0);
+    let mut asked = 0.0;
+    for (r, record) in draft.records.iter().enumerate().filter(|(_, d)| d.role == Role::Fit) {
+        let run = fitted.cal.records[r].run.as_ref()?;
+        record.columns[x].as_ref()?;
+        let motion = Motion::new(system, record, &draft.smooth[r], r, &fitted.cal);
+        let speed: Vec<f64> = (0..motion.samples()).map(|i| motion.states[i * n + v]).collect();
+        let step = (motion.time[motion.samples() - 1] - motion.time[0]) / motion.samples() as f64;
+        let least = ((0.06 * motion.period / step) as usize).clamp(8, motion.samples());
+        let rests = resting(&speed, rest_threshold(&speed), least);
+        let mut i = 0;
+        while i < rests.len() {
+            let end = (i..rests.len()).find(|&j| !rests[j]).unwrap_or(rests.len());
+            if rests[i] && end - i >= least {
+                // Within a stop: the way measured against the way that the law makes, both about their means.
+                let (a, b) = (i + (end - i) / 8, end - (end - i) / 8);
+                let mean = |f: &dyn Fn(usize) -> f64| (a..b).map(f).sum::<f64>() / (b - a) as f64;
+                let (law, real) = (|j: usize| run.states[j * n + x], |j: usize| motion.states[j * n + x]);
+                let (ml, mr) = (mean(&law), mean(&real));
+                for j in a..b {
+                    sxx += (law(j) - ml).powi(2);
+                    sxy += (law(j) - ml) * (real(j) - mr);
+                }
+                asked += (a..b).map(|j| (law(j) - ml).powi(2)).sum::<f64>();
+                stops += 1;
+            }
+            i = end.max(i + 1);
+        }
+    }
+    if stops < 4 || asked <= 0.0 {
+        return None;
+    }
+    let slope = sxy / sxx;
+    (slope < GIVES).then(|| {
+        format!(
+            "in {stops} stops the mass moves with the force on the contact by {slope:.2} of what this law asks for: the contact does not give way"
+        )
+    })
+}

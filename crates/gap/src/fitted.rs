@@ -1,0 +1,114 @@
+//! A draft with its numbers: calibrated, scored, compared with noise.
+
+use crate::draft::Draft;
+use crate::effect::Effect;
+use crate::whiteness::{COLOURED, score};
+use phisindy_learn::{Calibration, calibrate};
+use phisindy_phys::spec::Role;
+use phisindy_phys::{Record, noise_level, splice};
+
+/// A clean column still counts as known to this part of its standard deviation: the simulation itself is not better.
+const CLEAN: f64 = 1e-5;
+
+/// The noise of every column by record and state: from the spectrum above the motion, so that no model is needed.
+pub(crate) fn noise(records: &[Record]) -> Vec<Vec<f64>> {
+    let of = |column: &Option<Vec<f64>>| {
+        column.as_ref().map_or(1.0, |c| {
+            let n = c.len().max(1) as f64;
+            let mean = c.iter().sum::<f64>() / n;
+            let deviation = (c.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
+            noise_level(c).max(CLEAN * deviation).max(f64::MIN_POSITIVE)
+        })
+    };
+    records.iter().map(|r| r.columns.iter().map(of).collect()).collect()
+}
+
+/// A calibrated draft.
+#[derive(Clone, Debug)]
+pub(crate) struct Fitted {
+    pub(crate) draft: Draft,
+    pub(crate) cal: Calibration,
+    /// rms of residual / noise over all columns and samples of the Fit records, and of the Validate records if there are any.
+    pub(crate) fit: f64,
+    pub(crate) validate: Option<f64>,
+    /// The largest score of whiteness of any column; see [`crate::whiteness`].
+    pub(crate) colour: f64,
+}
+
+impl Fitted {
+    /// Calibrates a draft.
+    pub(crate) fn new(draft: Draft, noise: &[Vec<f64>], errors: bool) -> Result<Fitted, String> {
+        let cal = calibrate(&draft.case.system, &draft.records, &draft.smooth, noise, errors)?;
+        let gap = |role: Role| -> Option<f64> {
+            let (mut sum, mut count) = (0.0, 0usize);
+            for (r, record) in cal.records.iter().enumerate().filter(|(_, f)| f.role == role) {
+                if record.run.is_none() {
+                    return Some(f64::INFINITY);
+                }
+                for (k, residual) in record.residuals.iter().enumerate() {
+                    sum += residual.iter().map(|e| (e / noise[r][k]).powi(2)).sum::<f64>();
+                    count += residual.len();
+                }
+            }
+            (count > 0).then(|| (sum / count as f64).sqrt())
+        };
+        let (fit, validate) = (gap(Role::Fit).unwrap_or(f64::INFINITY), gap(Role::Validate));
+        let mut colour = 0.0_f64;
+        for (replay, record) in cal.records.iter().zip(&draft.records) {
+            for (residual, column) in replay.residuals.iter().zip(&record.columns) {
+                if let (false, Some(column)) = (residual.is_empty(), column) {
+                    colour = colour.max(score(residual, column));
+                }
+            }
+            if replay.run.is_none() {
+                colour = f64::INFINITY;
+            }
+        }
+        Ok(Fitted { draft, cal, fit, validate, colour })
+    }
+
+    pub(crate) fn is_white(&self) -> bool {
+        self.colour < COLOURED
+    }
+
+    /// chi^2 plus the price of what was added, as a criterion: smaller is better. `candidates` is how many effects there were to choose from.
+    pub(crate) fn score(&self, candidates: usize) -> f64 {
+        let effects: Vec<&Effect> = self.draft.effects.iter().map(|(e, ..)| e).collect();
+        let n = self.cal.samples as f64;
+        let size: usize = effects.iter().map(|e| e.entry.law.parameters.len()).sum();
+        let sensors = effects.iter().filter(|e| e.entry.law.sensor.is_some()).count();
+        self.cal.chi2 + size as f64 * n.ln() + 2.0 * ln_choose(candidates, effects.len()) + 6.0 * sensors as f64
+    }
+
+    /// The part of the samples that counts as independent.
+    pub(crate) fn independent(&self) -> f64 {
+        let part = self.cal.effective / self.cal.samples.max(1) as f64;
+        if part > 0.6 || self.is_white() { 1.0 } else { part }
+    }
+
+    /// The draft with every movable number starting where this fit ended.
+    pub(crate) fn settled(&self) -> Result<Draft, String> {
+        let mut text = self.draft.text.clone();
+        for p in &self.cal.parameters {
+            let value = p.estimate.value / p.factor;
+            match (p.parameter, p.record) {
+                (Some(k), record) if record.is_none_or(|r| r == 0) => {
+                    let name = &self.draft.case.system.parameters[k].name;
+                    let known = self.draft.case.system.parameters[k].known;
+                    let bounds = (p.bounds.0 / p.factor, p.bounds.1 / p.factor);
+                    let field = if known { "value" } else { "start" };
+                    let value = value.clamp(bounds.0.min(bounds.1), bounds.1.max(bounds.0));
+                    text = splice::set(&text, &format!("constants.{name}.{field}"), &format!("{value:?}"))
+                        .map_err(|e| e.to_string())?;
+                }
+                _ => {}
+            }
+        }
+        self.draft.rebuilt(text, self.draft.effects.clone(), self.draft.internal.clone())
+    }
+}
+
+/// ln of the binomial coefficient.
+fn ln_choose(n: usize, k: usize) -> f64 {
+    (0..k.min(n)).map(|i| ((n - i) as f64 / (i + 1) as f64).ln()).sum()
+}

@@ -1,0 +1,121 @@
+//! The measured motion of a record, smoothed: what the laws are evaluated on. Used to look, never to estimate.
+
+use crate::whiteness::lines;
+use phisindy_learn::Calibration;
+use phisindy_phys::{Record, System, noise_level};
+
+/// The motion of one record.
+pub(crate) struct Motion {
+    /// Seconds.
+    pub(crate) time: Vec<f64>,
+    /// Smoothed states, samples x n, sensors' offsets and gains taken out.
+    pub(crate) states: Vec<f64>,
+    /// Inputs at the samples, samples x inputs, and their slopes.
+    pub(crate) inputs: Vec<f64>,
+    pub(crate) slopes: Vec<f64>,
+    /// The system's parameters, then the record's constants.
+    pub(crate) numbers: Vec<f64>,
+    /// For each state gain and offset of its sensor.
+    pub(crate) sensors: Vec<(f64, f64)>,
+    /// Seconds of one period of the motion.
+    pub(crate) period: f64,
+}
+
+impl Motion {
+    /// The motion of a record, in a system whose parameters were fitted.
+    pub(crate) fn new(system: &System, record: &Record, smooth: &Record, index: usize, fitted: &Calibration) -> Motion {
+        let n = system.states.len();
+        let mut numbers: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();
+        let mut sensors: Vec<(f64, f64)> =
+            record.sensors[..n].iter().map(|s| (s.gain.start, s.offset.start)).collect();
+        for p in &fitted.parameters {
+            if p.record.is_some_and(|r| r != index) {
+                continue;
+            }
+            if let Some(k) = p.parameter {
+                numbers[k] = p.estimate.value;
+                for (sensor, own) in sensors.iter_mut().zip(&record.sensors) {
+                    if own.gain.shared == Some(k) {
+                        sensor.0 = p.estimate.value;
+                    }
+                    if own.offset.shared == Some(k) {
+                        sensor.1 = p.estimate.value;
+                    }
+                }
+            } else {
+                let plain = p.name.split(" [").next().unwrap_or(&p.name);
+                for (sensor, state) in sensors.iter_mut().zip(&system.states) {
+                    if plain == format!("{}.gain", state.name) {
+                        sensor.0 = p.estimate.value;
+                    }
+                    if plain == format!("{}.offset", state.name) {
+                        sensor.1 = p.estimate.value;
+                    }
+                }
+            }
+        }
+        numbers.extend(&record.constants);
+        let samples = record.len();
+        let mut states = vec![0.0; samples * n];
+        let run = fitted.records.get(index).and_then(|r| r.run.as_ref());
+        for k in 0..n {
+            let (gain, offset) = sensors[k];
+            for i in 0..samples {
+                states[i * n + k] = match (&smooth.columns[k], run) {
+                    // A state that nothing measures is what the model says.
+                    (Some(_), Some(run)) if unmeasured(system, record, k) => run.states[i * n + k],
+                    (Some(c), _) if unmeasured(system, record, k) => c[i],
+                    (Some(c), _) if record.columns[k].is_some() => (c[i] - offset) / gain,
+                    (Some(c), _) => c[i],
+                    (None, Some(run)) => run.states[i * n + k],
+                    (None, None) => 0.0,
+                };
+            }
+        }
+        let m = record.inputs.len();
+        let (mut inputs, mut slopes) = (vec![0.0; samples * m], vec![0.0; samples * m]);
+        for (k, signal) in record.inputs.iter().enumerate() {
+            let mut hint = 0;
+            for (i, &t) in record.time.iter().enumerate() {
+                (inputs[i * m + k], slopes[i * m + k]) = signal.value_and_slope(t, &mut hint);
+            }
+        }
+        let step = (record.time[samples - 1] - record.time[0]) / (samples - 1).max(1) as f64;
+        let measured = record.columns.iter().flatten().next();
+        let strongest = measured.and_then(|c| lines(c, step, 1).first().copied());
+        let period = strongest.map_or(step * samples as f64, |w| 2.0 * std::f64::consts::PI / w);
+        Motion { time: record.time.to_vec(), states, inputs, slopes, numbers, sensors, period }
+    }
+
+    pub(crate) fn samples(&self) -> usize {
+        self.time.len()
+    }
+}
+
+/// Whether a state has no column and is not the velocity of one that has.
+fn unmeasured(system: &System, record: &Record, k: usize) -> bool {
+    let source = |x: &usize| system.states[*x].velocity == Some(k) && record.columns[*x].is_some();
+    record.columns[k].is_none() && !(0..system.states.len()).any(|x| source(&x))
+}
+
+/// Where a velocity rests: below `threshold` for at least `least` samples running.
+pub(crate) fn resting(velocity: &[f64], threshold: f64, least: usize) -> Vec<bool> {
+    let mut out = vec![false; velocity.len()];
+    let mut start = 0;
+    for i in 0..=velocity.len() {
+        if i == velocity.len() || velocity[i].abs() > threshold {
+            if i - start >= least {
+                out[start..i].fill(true);
+            }
+            start = i + 1;
+        }
+    }
+    out
+}
+
+/// How slow counts as resting: three standard errors of the smoothed velocity, and a hundredth of its usual size.
+pub(crate) fn rest_threshold(velocity: &[f64]) -> f64 {
+    let rms = (velocity.iter().map(|v| v * v).sum::<f64>() / velocity.len().max(1) as f64).sqrt();
+    // What a smooth curve has left of noise shows in its own roughness.
+    (3.0 * noise_level(velocity)).max(0.02 * rms)
+}

@@ -1,0 +1,123 @@
+//! Where a law can act: at a velocity, between two bodies, between a body and an input, on a column, on all columns.
+
+use phisindy_phys::{RecordPlan, System};
+
+/// A place where a law can act.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// As the user reads it: `v`, `v1-v2`, `v-du`, the column `x`, or `motion`.
+    pub at: String,
+    /// What it is.
+    pub site: Site,
+}
+
+/// What a place is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Site {
+    /// A force: the expressions of displacement (if there is one) and velocity, and the states whose rates it enters with its sign.
+    Force {
+        /// What laws call x.
+        displacement: Option<String>,
+        /// What laws call v.
+        velocity: String,
+        /// States whose rates the force enters, -1 where it is subtracted.
+        acts: Vec<(usize, f64)>,
+        /// The state whose units count.
+        state: usize,
+    },
+    /// Sensors of these states.
+    Sensor(Vec<usize>),
+}
+
+impl Place {
+    /// Whether a force acts between two bodies or a body and an input.
+    pub fn is_relative(&self) -> bool {
+        self.at.contains('-')
+    }
+}
+
+/// All places of a system, bodies first, then what lies between them, then sensors. `own` are states that belong to laws.
+pub fn places(system: &System, plans: &[RecordPlan], own: &[String]) -> Vec<Place> {
+    let states = &system.states;
+    let displacement = |v: usize| (0..states.len()).find(|&x| states[x].velocity == Some(v));
+    let bodies: Vec<usize> = (0..states.len())
+        .filter(|&k| states[k].velocity.is_none() && !own.contains(&states[k].name))
+        .collect();
+    let mut all = Vec::new();
+    for &v in &bodies {
+        all.push(Place {
+            at: states[v].name.clone(),
+            site: Site::Force {
+                displacement: displacement(v).map(|x| states[x].name.clone()),
+                velocity: states[v].name.clone(),
+                acts: vec![(v, -1.0)],
+                state: v,
+            },
+        });
+    }
+    for (i, &a) in bodies.iter().enumerate() {
+        for &b in &bodies[i + 1..] {
+            let (Some(x), Some(y)) = (displacement(a), displacement(b)) else { continue };
+            if states[a].unit != states[b].unit {
+                continue;
+            }
+            all.push(Place {
+                at: format!("{}-{}", states[a].name, states[b].name),
+                site: Site::Force {
+                    displacement: Some(format!("({}-{})", states[x].name, states[y].name)),
+                    velocity: format!("({}-{})", states[a].name, states[b].name),
+                    acts: vec![(a, -1.0), (b, 1.0)],
+                    state: a,
+                },
+            });
+        }
+    }
+    for (u, du) in bases(system, plans) {
+        for &v in &bodies {
+            let Some(x) = displacement(v) else { continue };
+            if states[v].unit != system.inputs[du].unit || states[x].unit != system.inputs[u].unit {
+                continue;
+            }
+            let (u, du) = (&system.inputs[u].name, &system.inputs[du].name);
+            all.push(Place {
+                at: format!("{}-{du}", states[v].name),
+                site: Site::Force {
+                    displacement: Some(format!("({}-{u})", states[x].name)),
+                    velocity: format!("({}-{du})", states[v].name),
+                    acts: vec![(v, -1.0)],
+                    state: v,
+                },
+            });
+        }
+    }
+    let measured: Vec<usize> =
+        (0..states.len()).filter(|&k| plans.iter().any(|p| is_measured(p, &states[k].name, k))).collect();
+    all.extend(
+        measured.iter().map(|&k| Place { at: states[k].name.clone(), site: Site::Sensor(vec![k]) }),
+    );
+    if measured.len() > 1 {
+        all.push(Place { at: "motion".into(), site: Site::Sensor(measured) });
+    }
+    all
+}
+
+fn is_measured(plan: &RecordPlan, name: &str, state: usize) -> bool {
+    match &plan.origin {
+        phisindy_phys::Origin::Csv(csv) => csv.columns.iter().any(|(n, _)| n.value == name),
+        phisindy_phys::Origin::Synthetic(s) => s.measured_states[state],
+    }
+}
+
+/// Inputs that are a displacement and its velocity.
+fn bases(system: &System, plans: &[RecordPlan]) -> Vec<(usize, usize)> {
+    (0..system.inputs.len())
+        .filter_map(|du| {
+            let derived = plans.first().and_then(|p| p.derived.get(du).copied().flatten());
+            let named = || {
+                let name = system.inputs[du].name.strip_prefix('d')?;
+                system.input(name)
+            };
+            Some((derived.or_else(named)?, du))
+        })
+        .collect()
+}

@@ -1,0 +1,132 @@
+//! Where in the motion a model misses: which stretch of time, regime, displacement, velocity, phase or input holds more of the residual than its share of the samples.
+
+use phisindy_learn::Calibration;
+use phisindy_phys::spec::Role;
+use phisindy_phys::{Record, System};
+
+/// How much of the gap a column holds, and where.
+#[derive(Clone, Debug)]
+pub struct Region {
+    /// Name of the column.
+    pub column: String,
+    /// Part of the sum of (residual/noise)^2.
+    pub share: f64,
+    /// Where, in words.
+    pub region: String,
+}
+
+/// One cut through the samples.
+struct Cut {
+    text: String,
+    /// Part of the residual's power less the part of the samples.
+    surplus: f64,
+    power: f64,
+}
+
+/// The map of the residuals of the Fit records, column by column, largest first.
+pub(crate) fn regions(system: &System, records: &[Record], fitted: &Calibration, noise: &[Vec<f64>]) -> Vec<Region> {
+    let n = system.states.len();
+    let mut all: Vec<(String, f64, String)> = Vec::new();
+    for k in 0..n {
+        let mut total = 0.0;
+        // Quantity, value, power, of every sample.
+        let mut axes: Vec<(String, Vec<f64>)> = Vec::new();
+        let mut power: Vec<f64> = Vec::new();
+        for (r, fit) in fitted.records.iter().enumerate().filter(|(_, f)| f.role == Role::Fit) {
+            let (Some(run), residual) = (&fit.run, &fit.residuals[k]) else { continue };
+            if residual.is_empty() {
+                continue;
+            }
+            let record = &records[r];
+            let span = record.time[record.len() - 1] - record.time[0];
+            let switches = run.modes.len() / residual.len().max(1);
+            let mut put = |name: String, values: Vec<f64>| match axes.iter_mut().find(|(n, _)| *n == name) {
+                Some((_, all)) => all.extend(values),
+                None => axes.push((name, values)),
+            };
+            let m = residual.len();
+            put("time".into(), (0..m).map(|i| (record.time[i] - record.time[0]) / span).collect());
+            for (s, state) in system.states.iter().enumerate() {
+                put(state.name.clone(), (0..m).map(|i| run.states[i * n + s]).collect());
+            }
+            for (u, input) in system.inputs.iter().enumerate() {
+                put(input.name.clone(), (0..m).map(|i| record.inputs[u].value(record.time[i])).collect());
+            }
+            let near = 0.02 * span;
+            put(
+                "regime".into(),
+                (0..m)
+                    .map(|i| {
+                        let stuck = switches > 0 && run.modes[i * switches..(i + 1) * switches].contains(&0);
+                        let switching = run.events.iter().any(|e| (e.time - record.time[i]).abs() < 0.05 * near);
+                        if stuck { 2.0 } else if switching { 1.0 } else { 0.0 }
+                    })
+                    .collect(),
+            );
+            power.extend(residual.iter().map(|e| (e / noise[r][k]).powi(2)));
+            total += residual.iter().map(|e| (e / noise[r][k]).powi(2)).sum::<f64>();
+        }
+        if power.is_empty() {
+            continue;
+        }
+        let cuts = axes.iter().flat_map(|(name, values)| cuts(name, values, &power));
+        let best = cuts.max_by(|a, b| a.surplus.total_cmp(&b.surplus));
+        let text = match best {
+            Some(cut) if cut.surplus > 0.15 => format!("{} ({:.0} % of it)", cut.text, 100.0 * cut.power),
+            _ => "everywhere alike".to_owned(),
+        };
+        all.push((system.states[k].name.clone(), total, text));
+    }
+    let sum: f64 = all.iter().map(|(_, t, _)| t).sum();
+    let mut out: Vec<Region> = all
+        .into_iter()
+        .map(|(column, total, region)| Region { column, share: total / sum.max(f64::MIN_POSITIVE), region })
+        .collect();
+    out.sort_by(|a, b| b.share.total_cmp(&a.share));
+    out
+}
+
+/// The upper and lower parts of a quantity, its middle and its ends; stick and switch for the regime.
+fn cuts(name: &str, values: &[f64], power: &[f64]) -> Vec<Cut> {
+    let total: f64 = power.iter().sum();
+    let count = power.len() as f64;
+    let cut = |text: String, inside: &dyn Fn(f64) -> bool| {
+        let (mut p, mut c) = (0.0, 0.0);
+        for (v, e) in values.iter().zip(power) {
+            if inside(*v) {
+                p += e;
+                c += 1.0;
+            }
+        }
+        let (p, c) = (p / total.max(f64::MIN_POSITIVE), c / count);
+        Cut { text, surplus: p - c, power: p }
+    };
+    if name == "regime" {
+        return vec![
+            cut("while it sticks".into(), &|v| v == 2.0),
+            cut("where it switches".into(), &|v| v == 1.0),
+            cut("while it slips".into(), &|v| v == 0.0),
+        ];
+    }
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let q = |p: f64| sorted[((sorted.len() - 1) as f64 * p) as usize];
+    if name == "time" {
+        return vec![
+            cut("in the first fifth of the record".into(), &|v| v < 0.2),
+            cut("in the first half of the record".into(), &|v| v < 0.5),
+            cut("in the last half of the record".into(), &|v| v >= 0.5),
+            cut("in the last fifth of the record".into(), &|v| v >= 0.8),
+        ];
+    }
+    let mut sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
+    sizes.sort_unstable_by(f64::total_cmp);
+    let size = |p: f64| sizes[((sizes.len() - 1) as f64 * p) as usize];
+    let (high, low, large, small) = (q(0.75), q(0.25), size(0.75), size(0.25));
+    vec![
+        cut(format!("at {name} above {high:.3e}"), &|v| v > high),
+        cut(format!("at {name} below {low:.3e}"), &|v| v < low),
+        cut(format!("at |{name}| above {large:.3e}"), &|v| v.abs() > large),
+        cut(format!("at |{name}| below {small:.3e}"), &|v| v.abs() < small),
+    ]
+}

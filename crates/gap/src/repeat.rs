@@ -1,0 +1,116 @@
+//! How well the motion itself repeats: no model of a rig can be asked to be better than the rig.
+
+use crate::whiteness::lines;
+use phisindy_phys::Record;
+
+/// A motion counts as periodic if its best periodic prediction misses less than this part of it.
+const PERIODIC: f64 = 0.2;
+
+/// The repeatability of one column of a record.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Repeat {
+    /// Seconds of a period.
+    pub period: f64,
+    /// rms of the difference between a cycle and the mean of the others, over the standard deviation of the column.
+    pub nrmse: f64,
+    /// The same in the unit of the column.
+    pub rms: f64,
+}
+
+/// Cycle-to-cycle scatter of a column. `None` where the motion is not periodic, has fewer than four cycles, or where cycles differ by a trend (a transient is not scatter).
+pub fn repeatability(record: &Record, column: &[f64]) -> Option<Repeat> {
+    let n = column.len();
+    let step = (record.time[n - 1] - record.time[0]) / (n - 1) as f64;
+    let uniform = record.time.windows(2).all(|t| (t[1] - t[0] - step).abs() < 0.01 * step);
+    let first = *lines(column, step, 1).first()?;
+    if !uniform {
+        return None;
+    }
+    let mean = column.iter().sum::<f64>() / n as f64;
+    let deviation = (column.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n as f64).sqrt();
+    // The fundamental may lie below the strongest line; the period that predicts best decides.
+    let guess = 2.0 * std::f64::consts::PI / first / step;
+    let mut best: Option<(f64, f64)> = None;
+    for multiple in [1.0, 2.0, 3.0] {
+        for k in -20..=20 {
+            let period = guess * multiple * (1.0 + 0.001 * f64::from(k));
+            if let Some(miss) = scatter(column, period)
+                && best.is_none_or(|(least, _)| miss.0 < least * 0.98)
+            {
+                best = Some((miss.0, period));
+            }
+        }
+    }
+    let (_, period) = best?;
+    let (rms, trend) = scatter(column, period)?;
+    // Differences of independent cycles are anticorrelated (-1/2); those of a slow transient all point one way.
+    (rms < PERIODIC * deviation && trend < 0.0)
+        .then_some(Repeat { period: period * step, nrmse: rms / deviation, rms })
+}
+
+/// rms by which a cycle differs from the one before, over root 2; and the correlation of successive differences.
+fn scatter(column: &[f64], period: f64) -> Option<(f64, f64)> {
+    let n = column.len();
+    if (n as f64) < 4.0 * period || period < 8.0 {
+        return None;
+    }
+    let at = |t: f64| {
+        let i = (t as usize).min(n - 2);
+        let f = t - i as f64;
+        column[i] * (1.0 - f) + column[i + 1] * f
+    };
+    let last = (n - 1) as f64;
+    let (mut sum, mut count, mut product, mut pairs) = (0.0, 0usize, 0.0, 0usize);
+    let mut i = 0;
+    while (i as f64) + period <= last {
+        let t = i as f64;
+        let d = at(t + period) - column[i];
+        sum += d * d;
+        count += 1;
+        if t + 2.0 * period <= last {
+            product += d * (at(t + 2.0 * period) - at(t + period));
+            pairs += 1;
+        }
+        i += 1;
+    }
+    let power = sum / count.max(1) as f64;
+    let correlation = if power > 0.0 { product / pairs.max(1) as f64 / power } else { 0.0 };
+    Some(((0.5 * power).sqrt(), correlation))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record(n: usize) -> Record {
+        Record {
+            name: String::new(),
+            role: phisindy_phys::spec::Role::Fit,
+            time: (0..n).map(|i| 0.01 * i as f64).collect(),
+            columns: vec![],
+            inputs: vec![],
+            constants: vec![],
+            sensors: vec![],
+            start: vec![],
+            continues: None,
+            notes: vec![],
+        }
+    }
+
+    #[test]
+    fn scatter_is_measured_and_a_transient_is_not_scatter() {
+        let n = 4000;
+        let mut state = 7u64;
+        let mut jitter = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 33) as f64 / (1u64 << 31) as f64 - 0.5
+        };
+        let noisy: Vec<f64> = (0..n).map(|i| (0.0503 * i as f64).sin() + 0.1 * jitter()).collect();
+        let found = repeatability(&record(n), &noisy).expect("periodic");
+        assert!((found.rms - 0.1 / 12f64.sqrt()).abs() < 0.006, "{found:?}");
+        let decaying: Vec<f64> = (0..n)
+            .map(|i| (0.0503 * i as f64).sin() * (1.0 + 0.3 * (-0.001 * i as f64).exp()))
+            .collect();
+        assert_eq!(repeatability(&record(n), &decaying), None);
+    }
+}

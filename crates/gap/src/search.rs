@@ -1,0 +1,310 @@
+//! Find, name, add, refit, until nothing but noise is left or nothing in the catalogue helps.
+
+use crate::draft::Draft;
+use crate::effect::{Effect, Entry};
+use crate::fitted::Fitted;
+use crate::screen::{Candidate, Screening, excludes, screen};
+use phisindy_learn::glance;
+use rayon::prelude::*;
+
+/// Effects in one model at most.
+const EFFECTS: usize = 5;
+/// Singles, and pairs, that are fitted in full.
+const BEST: usize = 6;
+/// What a new effect must bring.
+const WORTH: f64 = 10.0;
+/// A simpler description within this is preferred.
+const SIMPLER: f64 = 3.0;
+/// An effect that leaves more than this part of the gap on Validate records explains nothing of note.
+const SHRINK: f64 = 0.98;
+/// In the race a model that is this many times worse than the best is out.
+const RACE: f64 = 3.0;
+
+/// A description that was fitted and not chosen.
+#[derive(Clone, Debug)]
+pub(crate) struct Rival {
+    pub(crate) law: String,
+    pub(crate) at: String,
+    /// By how much its criterion is worse than that of the chosen one.
+    pub(crate) worse: f64,
+}
+
+/// A round of the search.
+#[derive(Clone, Debug)]
+pub(crate) struct Round {
+    /// How many effects the model had before.
+    pub(crate) before: usize,
+    pub(crate) rivals: Vec<Rival>,
+    /// Laws that evidence outside the fit speaks against, and why.
+    pub(crate) vetoed: Vec<(String, String)>,
+}
+
+/// How a search ended.
+pub(crate) struct Searched {
+    pub(crate) base: Fitted,
+    pub(crate) last: Fitted,
+    pub(crate) rounds: Vec<Round>,
+    /// How many effects there were to choose from.
+    pub(crate) candidates: usize,
+    /// Whether it was stopped.
+    pub(crate) stopped: bool,
+}
+
+/// What the search works with.
+pub(crate) struct Search<'a> {
+    pub(crate) catalogue: &'a [Entry],
+    pub(crate) noise: &'a [Vec<f64>],
+    /// Gap on Validate records below which nothing is added: what the rig repeats to.
+    pub(crate) floor: f64,
+    /// Hears of the progress, a fraction and what is being done; true to stop.
+    pub(crate) hear: &'a mut dyn FnMut(f64, &str) -> bool,
+    /// What evidence outside the fit says against an effect in a fitted model.
+    pub(crate) veto: &'a (dyn Fn(&Fitted, &Effect) -> Option<String> + Sync),
+}
+
+impl Search<'_> {
+    /// Runs the search from a model.
+    pub(crate) fn run(&mut self, base: Draft) -> Result<Searched, String> {
+        (self.hear)(0.02, "fitting what may move");
+        let base = Fitted::new(base, self.noise, false)?;
+        let mut now = base.clone();
+        let mut rounds = Vec::new();
+        let mut candidates = 1;
+        let mut stopped = false;
+        while now.draft.effects.len() < EFFECTS && !now.is_white() {
+            if now.validate.is_some_and(|v| v <= self.floor) {
+                break;
+            }
+            let part = 0.1 + 0.8 * (rounds.len() as f64 / EFFECTS as f64);
+            stopped = (self.hear)(part, "looking at every law at every place");
+            if stopped {
+                break;
+            }
+            let draft = now.settled()?;
+            let Some(found) = screen(&draft, &now.cal, self.catalogue, self.noise) else { break };
+            candidates = candidates.max(found.candidates.len());
+            (self.hear)(part + 0.03, "fitting the best of them");
+            let Some((next, round)) = self.round(&draft, &now, &found, candidates) else { break };
+            rounds.push(round);
+            now = next;
+        }
+        Ok(Searched { base, last: now, rounds, candidates, stopped })
+    }
+
+    /// One round: the best single, or the best pair, or nothing.
+    fn round(&mut self, draft: &Draft, now: &Fitted, found: &Screening, candidates: usize) -> Option<(Fitted, Round)> {
+        let before = draft.effects.len();
+        let mut vetoed: Vec<(String, String)> = Vec::new();
+        let singles = self.fitted(draft, singles(found), candidates);
+        let singles = self.allowed(singles, before, &mut vetoed);
+        let best = preferred(&singles, candidates).filter(|best| self.worth(now, best, candidates)).cloned();
+        if let Some(best) = best.as_ref().filter(|b| b.is_white()) {
+            let best = self.simplified(best.clone(), candidates);
+            return Some((best.clone(), round(before, &best, &singles, vetoed, candidates)));
+        }
+        let price = (now.cal.samples as f64).ln();
+        let pairs: Vec<Vec<Effect>> =
+            found.pairs(price, BEST).into_iter().map(|(a, b)| vec![a.effect, b.effect]).collect();
+        let pairs = self.fitted(draft, pairs, candidates);
+        let pairs = self.allowed(pairs, before, &mut vetoed);
+        let pair = preferred(&pairs, candidates).filter(|p| self.worth(now, p, candidates)).cloned();
+        let all: Vec<Fitted> = singles.into_iter().chain(pairs).collect();
+        let chosen = match (best, pair) {
+            (Some(single), Some(pair)) => {
+                let better = pair.score(candidates) + WORTH < single.score(candidates);
+                // A pair that does not explain everything is taken only where it says much more than one of its parts: greed goes on otherwise.
+                let much = pair.validate.zip(single.validate).is_none_or(|(p, s)| p < 0.5 * s);
+                if better && (pair.is_white() || much) { pair } else { single }
+            }
+            (Some(one), None) | (None, Some(one)) => one,
+            (None, None) => return None,
+        };
+        let chosen = self.simplified(chosen, candidates);
+        if chosen.draft.effects.len() <= before && chosen.score(candidates) >= now.score(candidates) - WORTH {
+            return None;
+        }
+        Some((chosen.clone(), round(before, &chosen, &all, vetoed, candidates)))
+    }
+
+    /// Whether a model is worth its price against another one.
+    fn worth(&self, now: &Fitted, next: &Fitted, candidates: usize) -> bool {
+        let gain = (now.score(candidates) - next.score(candidates)) * next.independent();
+        let carries = match (now.validate, next.validate) {
+            (Some(before), Some(after)) => after < SHRINK * before || (next.is_white() && after < before),
+            _ => true,
+        };
+        gain > WORTH && carries
+    }
+
+    /// Fits what is left of a race; failures drop out.
+    fn fitted(&self, draft: &Draft, effects: Vec<Vec<Effect>>, candidates: usize) -> Vec<Fitted> {
+        let drafts: Vec<Draft> = effects
+            .iter()
+            .filter_map(|list| list.iter().try_fold(draft.clone(), |d, e| d.with(e)).ok())
+            .collect();
+        let looks: Vec<f64> = drafts
+            .par_iter()
+            .map(|d| {
+                glance(&d.case.system, &d.records, &d.smooth, self.noise).unwrap_or(f64::INFINITY)
+            })
+            .collect();
+        let least = looks.iter().copied().fold(f64::INFINITY, f64::min);
+        let kept: Vec<Draft> = drafts
+            .into_iter()
+            .zip(looks)
+            .filter(|(_, look)| *look <= RACE * least)
+            .map(|(d, _)| d)
+            .collect();
+        let mut all: Vec<Fitted> =
+            kept.into_par_iter().filter_map(|d| Fitted::new(d, self.noise, false).ok()).collect();
+        all.sort_by(|a, b| a.score(candidates).total_cmp(&b.score(candidates)));
+        all
+    }
+
+    /// Without the models that evidence speaks against.
+    fn allowed(&self, all: Vec<Fitted>, before: usize, vetoed: &mut Vec<(String, String)>) -> Vec<Fitted> {
+        all.into_iter()
+            .filter(|f| {
+                let against = f.draft.effects[before..].iter().find_map(|(e, ..)| Some((e, (self.veto)(f, e)?)));
+                match against {
+                    Some((effect, why)) => {
+                        if !vetoed.iter().any(|(law, _)| *law == effect.entry.id) {
+                            vetoed.push((effect.entry.id.clone(), why));
+                        }
+                        false
+                    }
+                    None => true,
+                }
+            })
+            .collect()
+    }
+
+    /// Drops each effect, or puts a simpler relative in its place, as long as nothing of note is lost.
+    fn simplified(&self, mut now: Fitted, candidates: usize) -> Fitted {
+        'again: loop {
+            let effects: Vec<Effect> = now
+                .draft
+                .effects
+                .iter()
+                .map(|(e, names, _)| Effect { start: values(&now, names, &e.start), ..e.clone() })
+                .collect();
+            let base = match without_effects(&now.draft) {
+                Some(base) => base,
+                None => return now,
+            };
+            for k in 0..effects.len() {
+                let mut trials: Vec<Vec<Effect>> = Vec::new();
+                if effects.len() > 1 {
+                    trials.push(effects.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, e)| e.clone()).collect());
+                }
+                for simpler in &effects[k].entry.law.simpler {
+                    let Some(entry) = self.catalogue.iter().find(|e| e.id == *simpler) else { continue };
+                    let relative = relative(&effects[k], entry);
+                    if effects.iter().enumerate().any(|(j, e)| j != k && excludes(e, &relative)) {
+                        continue;
+                    }
+                    let mut list = effects.clone();
+                    list[k] = relative;
+                    trials.push(list);
+                }
+                for list in trials {
+                    let Some(draft) = list.iter().try_fold(base.clone(), |d, e| d.with(e)).ok() else { continue };
+                    let Ok(simple) = Fitted::new(draft, self.noise, false) else { continue };
+                    let carries = simple.validate.zip(now.validate).is_none_or(|(a, b)| a < 1.02 * b);
+                    let lost = (simple.score(candidates) - now.score(candidates)) * now.independent();
+                    if lost < SIMPLER && carries && (simple.is_white() || !now.is_white()) {
+                        now = simple;
+                        continue 'again;
+                    }
+                }
+            }
+            return now;
+        }
+    }
+}
+
+/// The best singles, with the simpler relatives and the family of what is among them.
+fn singles(found: &Screening) -> Vec<Vec<Effect>> {
+    let mut chosen: Vec<&Candidate> = found.candidates.iter().take(BEST).collect();
+    let leaders: Vec<&Candidate> = chosen.clone();
+    for (rank, leader) in leaders.iter().enumerate() {
+        let law = &leader.effect.entry.law;
+        for other in &found.candidates {
+            let here = other.effect.place.at == leader.effect.place.at && other.effect.load == leader.effect.load;
+            let relative = law.simpler.contains(&other.effect.entry.id)
+                || (rank < 3 && !law.family.is_empty() && other.effect.entry.law.family == law.family);
+            if here && relative && !chosen.iter().any(|c| c.effect.same(&other.effect)) {
+                chosen.push(other);
+            }
+        }
+    }
+    chosen.into_iter().map(|c| vec![c.effect.clone()]).collect()
+}
+
+/// The best by the criterion, or a simpler one that is as good.
+fn preferred(all: &[Fitted], candidates: usize) -> Option<&Fitted> {
+    let best = all.iter().min_by(|a, b| a.score(candidates).total_cmp(&b.score(candidates)))?;
+    let size = |f: &Fitted| f.draft.effects.iter().map(|(e, ..)| e.entry.law.parameters.len()).sum::<usize>();
+    let near = |f: &&Fitted| (f.score(candidates) - best.score(candidates)) * best.independent() < SIMPLER;
+    all.iter().filter(near).min_by_key(|f| size(f))
+}
+
+/// The draft with none of its effects.
+fn without_effects(draft: &Draft) -> Option<Draft> {
+    draft.base.as_ref().map(|b| (**b).clone())
+}
+
+/// The values that a fit found for an effect's parameters.
+pub(crate) fn values(fitted: &Fitted, names: &[String], otherwise: &[f64]) -> Vec<f64> {
+    names
+        .iter()
+        .zip(otherwise)
+        .map(|(name, other)| {
+            let found = fitted.cal.parameters.iter().find(|p| {
+                p.parameter.is_some_and(|k| fitted.draft.case.system.parameters[k].name == *name)
+            });
+            found.map_or(*other, |p| p.estimate.value)
+        })
+        .collect()
+}
+
+/// A simpler law in the place of another, started from its first level.
+fn relative(effect: &Effect, entry: &Entry) -> Effect {
+    let start = entry
+        .law
+        .parameters
+        .iter()
+        .map(|(_, p)| {
+            let level = effect.start.first().copied().unwrap_or(0.0);
+            level.clamp(p.within.0, p.within.1)
+        })
+        .collect();
+    Effect { entry: entry.clone(), place: effect.place.clone(), mirror: false, load: effect.load.clone(), start }
+}
+
+fn round(before: usize, chosen: &Fitted, all: &[Fitted], vetoed: Vec<(String, String)>, candidates: usize) -> Round {
+    let own: Vec<(&str, &str)> = label(chosen, 0);
+    let mut rivals: Vec<Rival> = all
+        .iter()
+        .filter(|f| label(f, 0) != own)
+        .map(|f| {
+            let names = label(f, before);
+            Rival {
+                law: names.iter().map(|(law, _)| *law).collect::<Vec<_>>().join(" + "),
+                at: names.iter().map(|(_, at)| *at).collect::<Vec<_>>().join(", "),
+                worse: f.score(candidates) - chosen.score(candidates),
+            }
+        })
+        .collect();
+    rivals.sort_by(|a, b| a.worse.total_cmp(&b.worse));
+    rivals.dedup_by(|a, b| a.law == b.law && a.at == b.at);
+    rivals.truncate(5);
+    Round { before, rivals, vetoed }
+}
+
+fn label(f: &Fitted, from: usize) -> Vec<(&str, &str)> {
+    f.draft.effects[from.min(f.draft.effects.len())..]
+        .iter()
+        .map(|(e, ..)| (e.entry.id.as_str(), e.place.at.as_str()))
+        .collect()
+}

@@ -1,0 +1,350 @@
+//! The whole workflow: noise, where, what, add, how it ends.
+
+use crate::draft::Draft;
+use crate::effect::{Effect, Entry};
+use crate::evidence::against;
+use crate::fitted::{Fitted, noise};
+use crate::region::{Region, regions};
+use crate::repeat::{Repeat, repeatability};
+use crate::search::{Search, Searched};
+use phisindy_learn::FoundParameter;
+use phisindy_phys::spec::Role;
+use phisindy_phys::{Case, Record};
+use std::ops::ControlFlow;
+
+/// An explained record ends below this many times its noise.
+const EXPLAINED: f64 = 1.1;
+/// ... or below this many times what the motion itself repeats to.
+const REPEATS: f64 = 1.25;
+/// What is left when an effect is kept although something else is missing too: it must have brought the gap down by this factor.
+const SUBSTANTIAL: f64 = 3.0;
+
+/// How the workflow ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// The model explains the data as it is.
+    NothingMissing,
+    /// It does so with the effects that were added.
+    Explained,
+    /// Something is missing that no law of the catalogue explains.
+    Unexplained,
+}
+
+impl Status {
+    /// As the JSON has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Status::NothingMissing => "nothing-missing",
+            Status::Explained => "explained",
+            Status::Unexplained => "unexplained",
+        }
+    }
+}
+
+/// A parameter of an effect.
+#[derive(Clone, Debug)]
+pub struct StepParameter {
+    /// As the law calls it.
+    pub name: String,
+    /// As the completed spec calls it.
+    pub constant: String,
+    /// Value in its unit.
+    pub value: f64,
+    /// 95 % interval.
+    pub ci95: (f64, f64),
+    /// Unit.
+    pub unit: String,
+}
+
+/// A description that was fitted and not chosen.
+#[derive(Clone, Debug)]
+pub struct Rival {
+    /// Law, or laws joined by ` + `.
+    pub law: String,
+    /// Their places.
+    pub at: String,
+    /// By how much its criterion is worse.
+    pub delta_bic: f64,
+}
+
+/// An effect that was added.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// Which and where.
+    pub effect: Effect,
+    /// What was added.
+    pub expression: String,
+    /// Its numbers in the final model.
+    pub parameters: Vec<StepParameter>,
+    /// Gap on the Fit records before and after.
+    pub fit: (f64, f64),
+    /// The same on the Validate records.
+    pub validate: Option<(f64, f64)>,
+    /// By how much the criterion fell.
+    pub delta_bic: f64,
+    /// What else would nearly do.
+    pub rivals: Vec<Rival>,
+    /// What evidence speaks against: law, why.
+    pub vetoed: Vec<(String, String)>,
+}
+
+/// What the workflow found.
+#[derive(Clone, Debug)]
+pub struct Gap {
+    /// How it ended.
+    pub status: Status,
+    /// Estimated standard deviation of each measured column's noise (SI), over all records.
+    pub noise: Vec<(String, f64)>,
+    /// Where the model as it was misses.
+    pub located: Vec<Region>,
+    /// Where the final model misses.
+    pub left: Vec<Region>,
+    /// The effects that were added, in order.
+    pub steps: Vec<Step>,
+    /// What helped a little before the search gave up.
+    pub partial: Vec<Step>,
+    /// The gap of the model as it was, on Fit and Validate records.
+    pub before: (f64, Option<f64>),
+    /// The gap of the final model.
+    pub after: (f64, Option<f64>),
+    /// NRMSE of each record and column in the final model, and in the model as it was.
+    pub nrmse: Vec<(String, Role, String, f64, f64)>,
+    /// Repeatability of the motion: record, column, value.
+    pub repeat: Vec<(String, String, Repeat)>,
+    /// The residual's score of whiteness before and after.
+    pub colour: (f64, f64),
+    /// All numbers of the final model.
+    pub parameters: Vec<FoundParameter>,
+    /// The spec with the effects in it.
+    pub completed: String,
+    /// What a careful reader should know.
+    pub warnings: Vec<String>,
+    /// Whether it was stopped by the user.
+    pub stopped: bool,
+}
+
+/// Why there is nothing to say.
+#[derive(Clone, Debug, PartialEq)]
+pub enum GapError {
+    /// The records do not suit: what to do, in words.
+    Data(String),
+    /// The model cannot be simulated.
+    Numerics(String),
+}
+
+impl std::fmt::Display for GapError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            GapError::Data(text) | GapError::Numerics(text) => f.write_str(text),
+        }
+    }
+}
+
+impl std::error::Error for GapError {}
+
+/// Runs the gap workflow on a checked spec and its records. `observe` hears a fraction and what is being done, and may stop the search.
+///
+/// # Errors
+/// Records from which nothing can be learned; a model that cannot be simulated from any start.
+pub fn gap(
+    text: &str,
+    case: Case,
+    records: Vec<Record>,
+    catalogue: &[Entry],
+    observe: &mut dyn FnMut(f64, &str) -> ControlFlow<()>,
+) -> Result<Gap, GapError> {
+    if !records.iter().any(|r| r.role == Role::Fit) {
+        return Err(GapError::Data("no record has the role Fit: there is nothing to compare with".into()));
+    }
+    for record in &records {
+        if record.len() < 64 {
+            return Err(GapError::Data(format!(
+                "{}: {} samples are too few to tell noise from motion (64 at least)",
+                record.name,
+                record.len()
+            )));
+        }
+    }
+    let mut warnings = Vec::new();
+    if !case.system.terms.is_empty() {
+        warnings.push("`unknown` has candidates: `gap` leaves them out and searches the catalogue instead".to_owned());
+    }
+    let noise = noise(&records);
+    let (repeat, floor) = floor(&case, &records, &noise);
+    let mut hear = |part: f64, what: &str| observe(part, what).is_break();
+    let mut search =
+        Search { catalogue, noise: &noise, floor, hear: &mut hear, veto: &against };
+    let searched = search.run(Draft::base(text, case, records)).map_err(|e| {
+        GapError::Numerics(format!("the model as it is cannot be simulated: {e}"))
+    })?;
+    finished(searched, &noise, repeat, floor, warnings, &mut hear)
+}
+
+/// Repeatability of every column, and the gap that it stands for on the Validate records (on all if there are none); 0 where the motion is not periodic.
+fn floor(case: &Case, records: &[Record], noise: &[Vec<f64>]) -> (Vec<(String, String, Repeat)>, f64) {
+    let validates = records.iter().any(|r| r.role == Role::Validate);
+    let mut all = Vec::new();
+    let (mut sum, mut count) = (0.0, 0usize);
+    let mut periodic = true;
+    for (r, record) in records.iter().enumerate() {
+        for (k, column) in record.columns.iter().enumerate() {
+            let Some(column) = column else { continue };
+            let counts = !validates || record.role == Role::Validate;
+            match repeatability(record, column) {
+                Some(found) => {
+                    if counts {
+                        sum += (found.rms / noise[r][k]).powi(2) * column.len() as f64;
+                        count += column.len();
+                    }
+                    all.push((record.name.clone(), case.system.states[k].name.clone(), found));
+                }
+                None => periodic &= !counts,
+            }
+        }
+    }
+    let gap = if periodic && count > 0 { (sum / count as f64).sqrt() } else { 0.0 };
+    (all, gap)
+}
+
+fn finished(
+    searched: Searched,
+    noise: &[Vec<f64>],
+    repeat: Vec<(String, String, Repeat)>,
+    floor: f64,
+    mut warnings: Vec<String>,
+    hear: &mut dyn FnMut(f64, &str) -> bool,
+) -> Result<Gap, GapError> {
+    let Searched { base, last, rounds, candidates, stopped } = searched;
+    hear(0.92, "error bars");
+    let count = last.draft.effects.len();
+    let settled = last.settled().map_err(GapError::Numerics)?;
+    let last = match Fitted::new(settled, noise, true) {
+        Ok(fitted) => fitted,
+        Err(_) => last,
+    };
+    // Each effect's part: the models on the way.
+    let mut way: Vec<Fitted> = vec![base.clone()];
+    let plain = last.draft.base.clone();
+    for k in 1..count {
+        let start = |f: &Fitted, names: &[String], other: &[f64]| crate::search::values(f, names, other);
+        let draft = plain.as_ref().map(|b| (**b).clone()).and_then(|b| {
+            last.draft.effects[..k]
+                .iter()
+                .try_fold(b, |d, (e, names, _)| {
+                    d.with(&Effect { start: start(&last, names, &e.start), ..e.clone() })
+                })
+                .ok()
+        });
+        match draft.and_then(|d| Fitted::new(d, noise, false).ok()) {
+            Some(fitted) => way.push(fitted),
+            None => way.push(way[way.len() - 1].clone()),
+        }
+    }
+    if count > 0 {
+        way.push(last.clone());
+    }
+    let steps: Vec<Step> = (0..count)
+        .map(|k| {
+            let (effect, names, expression) = &last.draft.effects[k];
+            let round = rounds.iter().rev().find(|r| r.before <= k);
+            let (a, b) = (&way[k], &way[k + 1]);
+            Step {
+                effect: effect.clone(),
+                expression: expression.clone(),
+                parameters: parameters(&last, effect, names),
+                fit: (a.fit, b.fit),
+                validate: a.validate.zip(b.validate),
+                delta_bic: a.score(candidates) - b.score(candidates),
+                rivals: round.map_or(vec![], |r| {
+                    r.rivals
+                        .iter()
+                        .map(|v| Rival { law: v.law.clone(), at: v.at.clone(), delta_bic: v.worse })
+                        .collect()
+                }),
+                vetoed: round.map_or(vec![], |r| r.vetoed.clone()),
+            }
+        })
+        .collect();
+    let end = last.validate.unwrap_or(last.fit);
+    let white = last.is_white() && end < EXPLAINED;
+    let repeats = floor > EXPLAINED && end <= REPEATS * floor;
+    let status = match (white || repeats, steps.is_empty()) {
+        (true, true) => Status::NothingMissing,
+        (true, false) => Status::Explained,
+        (false, _) => Status::Unexplained,
+    };
+    let (steps, partial) = if status == Status::Unexplained {
+        // What brought the gap far down is a finding of its own, whatever else is missing.
+        let kept = steps
+            .iter()
+            .take_while(|s| s.validate.unwrap_or(s.fit).0 > SUBSTANTIAL * s.validate.unwrap_or(s.fit).1)
+            .count();
+        let mut steps = steps;
+        let partial = steps.split_off(kept);
+        (steps, partial)
+    } else {
+        (steps, vec![])
+    };
+    if rounds.iter().any(|r| !r.vetoed.is_empty()) {
+        for (law, why) in rounds.iter().flat_map(|r| &r.vetoed) {
+            let text = format!("{law} fits, but evidence speaks against it: {why}");
+            if !warnings.contains(&text) {
+                warnings.push(text);
+            }
+        }
+    }
+    let system = &last.draft.case.system;
+    let columns: Vec<(String, f64)> = (0..base.draft.case.system.states.len())
+        .filter_map(|k| {
+            let of: Vec<f64> =
+                base.draft.records.iter().zip(noise).filter(|(r, _)| r.columns[k].is_some()).map(|(_, n)| n[k]).collect();
+            let mean = (of.iter().map(|s| s * s).sum::<f64>() / of.len().max(1) as f64).sqrt();
+            (!of.is_empty()).then(|| (system.states[k].name.clone(), mean))
+        })
+        .collect();
+    let mut nrmse = Vec::new();
+    for (a, b) in last.cal.records.iter().zip(&base.cal.records) {
+        for ((column, after), (_, before)) in a.nrmse.iter().zip(&b.nrmse) {
+            nrmse.push((a.name.clone(), a.role, column.clone(), *before, *after));
+        }
+    }
+    Ok(Gap {
+        status,
+        noise: columns,
+        located: regions(&base.draft.case.system, &base.draft.records, &base.cal, noise),
+        left: regions(system, &last.draft.records, &last.cal, noise),
+        steps,
+        partial,
+        before: (base.fit, base.validate),
+        after: (last.fit, last.validate),
+        nrmse,
+        repeat,
+        colour: (base.colour, last.colour),
+        parameters: last.cal.parameters.clone(),
+        completed: last.draft.text.clone(),
+        warnings,
+        stopped,
+    })
+}
+
+/// The numbers of an effect in the final model.
+fn parameters(last: &Fitted, effect: &Effect, names: &[String]) -> Vec<StepParameter> {
+    let labels = effect.labels();
+    let mut out = Vec::new();
+    for (name, label) in names.iter().zip(labels) {
+        let found = last.cal.parameters.iter().find(|p| {
+            p.parameter.is_some_and(|k| last.draft.case.system.parameters[k].name == *name)
+        });
+        if let Some(p) = found {
+            let f = p.factor;
+            out.push(StepParameter {
+                name: label,
+                constant: name.clone(),
+                value: p.estimate.value / f,
+                ci95: (p.estimate.ci95.0 / f, p.estimate.ci95.1 / f),
+                unit: p.unit.clone(),
+            });
+        }
+    }
+    out
+}
