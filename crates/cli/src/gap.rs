@@ -38,6 +38,7 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
     let found = {
         let mut progress = Progress::new(&loaded.spec, options.quiet);
         gap(&loaded.text, loaded.case.clone(), loaded.records.clone(), &catalogue, &mut |fraction, what| {
+            eprintln!("TRACE {:.2} {fraction:.2} {what}", begin.elapsed().as_secs_f64());
             progress.doing(what);
             progress.at(fraction);
             if interrupt::asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }

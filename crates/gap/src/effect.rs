@@ -260,15 +260,13 @@ pub(crate) fn fits(law: &Law, place: &Place) -> bool {
     match &place.site {
         Site::Sensor(states) => match law.sensor.as_deref() {
             // An offset common to all columns, of different units, is nothing.
-            Some("offset") | Some("gain") => states.len() == 1 && place.at != "motion",
+            Some("offset") => states.len() == 1,
             Some(_) => true,
             None => false,
         },
         Site::Force { displacement, .. } => {
             law.sensor.is_none()
                 && (role(law, 'x').is_none() || displacement.is_some())
-                // A push of no place of its own acts on bodies.
-                && !(law.roles.is_empty() && place.is_relative())
         }
     }
 }

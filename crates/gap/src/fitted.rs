@@ -38,7 +38,9 @@ pub(crate) struct Fitted {
 impl Fitted {
     /// Calibrates a draft.
     pub(crate) fn new(draft: Draft, noise: &[Vec<f64>], errors: bool) -> Result<Fitted, String> {
+        let clock = std::time::Instant::now();
         let cal = calibrate(&draft.case.system, &draft.records, &draft.smooth, noise, errors)?;
+        eprintln!("TRACE   calibrate {:?} {:.2}s chi2/n {:.3} segments {}", draft.effects.iter().map(|(e,..)| format!("{}@{}", e.entry.id, e.place.at)).collect::<Vec<_>>(), clock.elapsed().as_secs_f64(), cal.chi2/cal.samples as f64, cal.segments);
         let gap = |role: Role| -> Option<f64> {
             let (mut sum, mut count) = (0.0, 0usize);
             for (r, record) in cal.records.iter().enumerate().filter(|(_, f)| f.role == role) {
@@ -71,13 +73,21 @@ impl Fitted {
         self.colour < COLOURED
     }
 
-    /// chi^2 plus the price of what was added, as a criterion: smaller is better. `candidates` is how many effects there were to choose from.
-    pub(crate) fn score(&self, candidates: usize) -> f64 {
+    /// The criterion: twice the negative logarithm of the likelihood plus the price of what was added; smaller is better. `candidates` is how many effects there were to choose
+    /// from, `independent` the part of the samples that counts.
+    ///
+    /// Down to the noise the likelihood is that of known noise. Above it the misfit itself is the scatter: what is left of a real rig is many times its sensor noise, and a law that
+    /// takes away a hundredth of that has explained nothing, however large the number in units of the noise.
+    pub(crate) fn score(&self, candidates: usize, independent: f64) -> f64 {
         let effects: Vec<&Effect> = self.draft.effects.iter().map(|(e, ..)| e).collect();
         let n = self.cal.samples as f64;
+        // Of the free run: segments with starts of their own would flatter a model that cannot be run.
+        let ratio = self.fit * self.fit;
+        let cost = if ratio > 1.0 { n * (1.0 + ratio.ln()) } else { n * ratio };
         let size: usize = effects.iter().map(|e| e.entry.law.parameters.len()).sum();
         let sensors = effects.iter().filter(|e| e.entry.law.sensor.is_some()).count();
-        self.cal.chi2 + size as f64 * n.ln() + 2.0 * ln_choose(candidates, effects.len()) + 6.0 * sensors as f64
+        let price = size as f64 * (n * independent).max(2.0).ln();
+        cost * independent + price + 2.0 * ln_choose(candidates, effects.len()) + 6.0 * sensors as f64
     }
 
     /// The part of the samples that counts as independent.

@@ -1,5 +1,6 @@
 //! The measured motion of a record, smoothed: what the laws are evaluated on. Used to look, never to estimate.
 
+use crate::repeat::repeatability;
 use crate::whiteness::lines;
 use phisindy_learn::Calibration;
 use phisindy_phys::{Record, System, noise_level};
@@ -19,6 +20,8 @@ pub(crate) struct Motion {
     pub(crate) sensors: Vec<(f64, f64)>,
     /// Seconds of one period of the motion.
     pub(crate) period: f64,
+    /// Whether it repeats from period to period.
+    pub(crate) periodic: bool,
 }
 
 impl Motion {
@@ -84,7 +87,9 @@ impl Motion {
         let measured = record.columns.iter().flatten().next();
         let strongest = measured.and_then(|c| lines(c, step, 1).first().copied());
         let period = strongest.map_or(step * samples as f64, |w| 2.0 * std::f64::consts::PI / w);
-        Motion { time: record.time.to_vec(), states, inputs, slopes, numbers, sensors, period }
+        let repeat = measured.and_then(|c| repeatability(record, c));
+        let (period, periodic) = repeat.map_or((period, false), |r| (r.period, true));
+        Motion { time: record.time.to_vec(), states, inputs, slopes, numbers, sensors, period, periodic }
     }
 
     pub(crate) fn samples(&self) -> usize {

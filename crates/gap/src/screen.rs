@@ -17,8 +17,12 @@ use rayon::prelude::*;
 
 /// Rows of the regression at most: more say nothing new.
 const ROWS: usize = 20_000;
+/// Other starts that are kept for a law with numbers on a grid.
+const SEEDS: usize = 3;
 /// Values of a grid beyond these are not tried.
 const GRID: usize = 200;
+/// Decay of the linear stand-in of a body that comes to rest, per period.
+const FORGET: f64 = 4.0;
 /// A column of which less than this is left after projecting out what may move is no candidate.
 const DEGENERATE: f64 = 1e-7;
 
@@ -31,6 +35,8 @@ pub(crate) struct Candidate {
     pub(crate) gain: f64,
     /// Parameters that it adds.
     pub(crate) size: usize,
+    /// The same from other numbers of the grid, next best.
+    pub(crate) others: Vec<Effect>,
     columns: Vec<usize>,
     grid: Vec<f64>,
     recipe: usize,
@@ -65,6 +71,8 @@ struct Ground {
     /// Rate of every state at every sample, contacts at rest taken into account.
     rates: Vec<f64>,
     stride: usize,
+    /// The response of the model as it is, samples x n.
+    known: Vec<f64>,
     /// For each body, where it rests.
     still: Vec<(String, Vec<bool>)>,
 }
@@ -122,7 +130,7 @@ pub(crate) fn screen(draft: &Draft, fitted: &Calibration, catalogue: &[Entry], n
         gram,
         recipes: made.iter().map(|_| None).collect(),
     };
-    let mut best: Vec<Option<Candidate>> = vec![None; effects.len()];
+    let mut best: Vec<Vec<Candidate>> = vec![vec![]; effects.len()];
     let price = |size: usize| size as f64 * samples.ln();
     for (trial, at) in candidates {
         // Column indices after projection: the target is 0, fixed columns are gone.
@@ -135,13 +143,19 @@ pub(crate) fn screen(draft: &Draft, fitted: &Calibration, catalogue: &[Entry], n
         let Some(effect) = seeded(&trial.effect, recipe, &coefficients, &trial.grid) else { continue };
         let size = trial.effect.entry.law.parameters.len();
         let candidate =
-            Candidate { effect, gain, size, columns: at, grid: trial.grid.clone(), recipe: trial.recipe };
-        if best[trial.recipe].as_ref().is_none_or(|b| b.gain < gain) {
-            best[trial.recipe] = Some(candidate);
-        }
+            Candidate { effect, gain, size, others: vec![], columns: at, grid: trial.grid.clone(), recipe: trial.recipe };
+        best[trial.recipe].push(candidate);
     }
     screening.recipes = made.into_iter().map(|(r, _)| r).collect();
-    screening.candidates = best.into_iter().flatten().collect();
+    screening.candidates = best
+        .into_iter()
+        .filter_map(|mut seeds| {
+            seeds.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+            let others = seeds.iter().skip(1).take(SEEDS).map(|c| c.effect.clone()).collect();
+            let first = seeds.into_iter().next()?;
+            Some(Candidate { others, ..first })
+        })
+        .collect();
     screening.candidates.sort_by(|a, b| (b.gain - price(b.size)).total_cmp(&(a.gain - price(a.size))));
     Some(screening)
 }
@@ -219,6 +233,7 @@ fn loads(draft: &Draft) -> Vec<String> {
             let name = &system.record_constants[k].0;
             values.iter().all(|v| *v > 0.0)
                 && values.iter().any(|v| (v - values[0]).abs() > 1e-9 * values[0])
+                && !system.graph.uses(&system.known, &[system.record_constants[k].1])
                 && is_force(draft, name)
         })
         .map(|k| system.record_constants[k].0.clone())
@@ -347,8 +362,6 @@ impl Base {
         let mean = |column: &[f64]| column.iter().sum::<f64>() / samples as f64;
         let mut a: Vec<f64> = values[n..n + n * n].iter().map(|c| mean(c)).collect();
         let span = motion.time[samples - 1] - motion.time[0];
-        let left = shift(&a, n, span);
-        (0..n).for_each(|k| a[k * n + k] -= left);
         let mut rates: Vec<f64> = vec![0.0; samples * n];
         (0..samples * n).for_each(|i| rates[i] = values[i % n][i / n]);
         // What rests: bodies for which friction is or may be missing.
@@ -378,6 +391,10 @@ impl Base {
             }
             still.push((place.at.clone(), rests));
         }
+        // A body at rest forgets; so must its linear stand-in, or errors made before a stop are carried past it.
+        let forgets = still.iter().any(|(_, s): &(String, Vec<bool>)| s.iter().filter(|s| **s).count() * 50 > samples);
+        let left = shift(&a, n, span).max(if forgets { FORGET / motion.period } else { 0.0 });
+        (0..n).for_each(|k| a[k * n + k] -= left);
         let bracket: Vec<f64> = (0..samples)
             .flat_map(|i| {
                 let x = &motion.states[i * n..(i + 1) * n];
@@ -395,7 +412,8 @@ impl Base {
             })
             .collect();
         let linear = Linear::new(&a, n, &motion.time);
-        Some(Ground { motion, linear, bracket, rows, rates, stride, still })
+        let known = linear.response(&bracket, &motion.states[..n]);
+        Some(Ground { motion, linear, known, bracket, rows, rates, stride, still })
     }
 
     /// Target and columns to project out, over all records: start states, parameters, sensors.
@@ -405,9 +423,7 @@ impl Base {
         let total: usize = grounds.iter().map(Ground::height).sum();
         let mut target = Vec::with_capacity(total);
         for ground in grounds {
-            let start = &ground.motion.states[..n];
-            let known = ground.linear.response(&ground.bracket, start);
-            let predicted = ground.read(&known, true);
+            let predicted = ground.read(&ground.known, true);
             target.extend(ground.measured().iter().zip(&predicted).map(|(y, p)| y - p));
         }
         all.push(target);
@@ -534,7 +550,8 @@ impl Ground {
             out.extend((0..self.motion.samples()).step_by(self.stride).map(|i| {
                 let change = match which {
                     0 => 1.0,
-                    1 => self.motion.states[i * n + k],
+                    // Of what the model says, not of what is measured: that would explain everything.
+                    1 => self.known[i * n + k],
                     _ => -gain * self.slope(i, *k, n),
                 };
                 if on { weight * change } else { 0.0 }
@@ -683,6 +700,7 @@ fn force_trials(
                         .filter(|&i| !rests(i))
                         .for_each(|i| g[i * n + state] = if force[i].is_finite() { force[i] } else { 0.0 });
                 }
+                ground.quiet(system, &system.contacts, &mut g);
                 column.extend(ground.read(&ground.linear.response(&g, &vec![0.0; n]), false));
             }
             // At rest the missing friction is what the other forces need to be held.
@@ -781,8 +799,11 @@ fn grids(
                 .map(|i| (ground.slope(i, *state, n) - ground.rates[i * n + state]) * values[0][i])
                 .collect();
             let fine = 2.0 * std::f64::consts::PI / span;
+            // In a motion of one period every periodic lack can be written as forces at its multiples: they would explain anything.
+            let own = 2.0 * std::f64::consts::PI / ground.motion.period;
+            let echo = |w: f64| ground.motion.periodic && (w / own - (w / own).round()).abs() * own < 2.0 * fine;
             for line in lines(&smoothed(&lack, ground.motion.period / step), step, 8) {
-                frequencies.extend([-0.5, -0.25, 0.0, 0.25, 0.5].map(|d| line + d * fine).into_iter().filter(|w| *w > 0.0));
+                frequencies.extend([-0.5, -0.25, 0.0, 0.25, 0.5].map(|d| line + d * fine).into_iter().filter(|w| *w > 0.0 && !echo(*w)));
             }
         }
     }

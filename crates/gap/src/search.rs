@@ -3,6 +3,7 @@
 use crate::draft::Draft;
 use crate::effect::{Effect, Entry};
 use crate::fitted::Fitted;
+use crate::place::Site;
 use crate::screen::{Candidate, Screening, excludes, screen};
 use phisindy_learn::glance;
 use rayon::prelude::*;
@@ -50,6 +51,25 @@ pub(crate) struct Searched {
     pub(crate) stopped: bool,
 }
 
+/// What a comparison of models goes by: how many effects there were to choose from, and which part of the samples counts as independent.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Measure {
+    pub(crate) candidates: usize,
+    pub(crate) independent: f64,
+}
+
+impl Measure {
+    /// The measure for some models: the residual of the best of them says how many samples count.
+    pub(crate) fn of<'f>(all: impl IntoIterator<Item = &'f Fitted>, candidates: usize) -> Measure {
+        let best = all.into_iter().min_by(|a, b| a.fit.total_cmp(&b.fit));
+        Measure { candidates, independent: best.map_or(1.0, Fitted::independent) }
+    }
+
+    pub(crate) fn score(self, of: &Fitted) -> f64 {
+        of.score(self.candidates, self.independent)
+    }
+}
+
 /// What the search works with.
 pub(crate) struct Search<'a> {
     pub(crate) catalogue: &'a [Entry],
@@ -83,6 +103,7 @@ impl Search<'_> {
             let draft = now.settled()?;
             let Some(found) = screen(&draft, &now.cal, self.catalogue, self.noise) else { break };
             candidates = candidates.max(found.candidates.len());
+            for c in found.candidates.iter().take(12) { eprintln!("TRACE   cand {}@{} gain {:.1} size {} {:?} load {:?}", c.effect.entry.id, c.effect.place.at, c.gain, c.size, c.effect.start, c.effect.load); }
             (self.hear)(part + 0.03, "fitting the best of them");
             let Some((next, round)) = self.round(&draft, &now, &found, candidates) else { break };
             rounds.push(round);
@@ -95,23 +116,27 @@ impl Search<'_> {
     fn round(&mut self, draft: &Draft, now: &Fitted, found: &Screening, candidates: usize) -> Option<(Fitted, Round)> {
         let before = draft.effects.len();
         let mut vetoed: Vec<(String, String)> = Vec::new();
-        let singles = self.fitted(draft, singles(found), candidates);
+        let singles = self.fitted(draft, self.seeded(draft, singles(found)), candidates);
         let singles = self.allowed(singles, before, &mut vetoed);
         let best = preferred(&singles, candidates).filter(|best| self.worth(now, best, candidates)).cloned();
-        if let Some(best) = best.as_ref().filter(|b| b.is_white()) {
+        // A law of many parameters may stand for two simple ones.
+        let plain = |f: &Fitted| f.draft.effects[before..].iter().all(|(e, ..)| e.entry.law.parameters.len() < 3);
+        if let Some(best) = best.as_ref().filter(|b| b.is_white() && plain(b)) {
             let best = self.simplified(best.clone(), candidates);
             return Some((best.clone(), round(before, &best, &singles, vetoed, candidates)));
         }
         let price = (now.cal.samples as f64).ln();
         let pairs: Vec<Vec<Effect>> =
             found.pairs(price, BEST).into_iter().map(|(a, b)| vec![a.effect, b.effect]).collect();
+        (self.hear)(0.1 + 0.8 * (before as f64 + 0.5) / EFFECTS as f64, "fitting the best pairs");
         let pairs = self.fitted(draft, pairs, candidates);
         let pairs = self.allowed(pairs, before, &mut vetoed);
         let pair = preferred(&pairs, candidates).filter(|p| self.worth(now, p, candidates)).cloned();
         let all: Vec<Fitted> = singles.into_iter().chain(pairs).collect();
         let chosen = match (best, pair) {
             (Some(single), Some(pair)) => {
-                let better = pair.score(candidates) + WORTH < single.score(candidates);
+                let by = Measure::of([&single, &pair], candidates);
+                let better = by.score(&pair) + WORTH < by.score(&single);
                 // A pair that does not explain everything is taken only where it says much more than one of its parts: greed goes on otherwise.
                 let much = pair.validate.zip(single.validate).is_none_or(|(p, s)| p < 0.5 * s);
                 if better && (pair.is_white() || much) { pair } else { single }
@@ -120,7 +145,8 @@ impl Search<'_> {
             (None, None) => return None,
         };
         let chosen = self.simplified(chosen, candidates);
-        if chosen.draft.effects.len() <= before && chosen.score(candidates) >= now.score(candidates) - WORTH {
+        let by = Measure::of([&chosen, now], candidates);
+        if chosen.draft.effects.len() <= before && by.score(&chosen) >= by.score(now) - WORTH {
             return None;
         }
         Some((chosen.clone(), round(before, &chosen, &all, vetoed, candidates)))
@@ -128,12 +154,32 @@ impl Search<'_> {
 
     /// Whether a model is worth its price against another one.
     fn worth(&self, now: &Fitted, next: &Fitted, candidates: usize) -> bool {
-        let gain = (now.score(candidates) - next.score(candidates)) * next.independent();
+        let by = Measure::of([now, next], candidates);
+        let gain = by.score(now) - by.score(next);
         let carries = match (now.validate, next.validate) {
             (Some(before), Some(after)) => after < SHRINK * before || (next.is_white() && after < before),
             _ => true,
         };
         gain > WORTH && carries
+    }
+
+    /// Each law from the best of its starts, by a glance.
+    fn seeded(&self, draft: &Draft, laws: Vec<&Candidate>) -> Vec<Vec<Effect>> {
+        laws.into_par_iter()
+            .map(|c| {
+                let look = |e: &Effect| {
+                    let d = draft.with(e).ok()?;
+                    glance(&d.case.system, &d.records, &d.smooth, self.noise)
+                };
+                let starts: Vec<&Effect> = [&c.effect].into_iter().chain(&c.others).collect();
+                if starts.len() == 1 {
+                    return vec![c.effect.clone()];
+                }
+                let looks: Vec<f64> = starts.par_iter().map(|e| look(e).unwrap_or(f64::INFINITY)).collect();
+                let best = (0..starts.len()).min_by(|&a, &b| looks[a].total_cmp(&looks[b])).unwrap_or(0);
+                vec![starts[best].clone()]
+            })
+            .collect()
     }
 
     /// Fits what is left of a race; failures drop out.
@@ -157,7 +203,8 @@ impl Search<'_> {
             .collect();
         let mut all: Vec<Fitted> =
             kept.into_par_iter().filter_map(|d| Fitted::new(d, self.noise, false).ok()).collect();
-        all.sort_by(|a, b| a.score(candidates).total_cmp(&b.score(candidates)));
+        let by = Measure::of(&all, candidates);
+        all.sort_by(|a, b| by.score(a).total_cmp(&by.score(b)));
         all
     }
 
@@ -207,11 +254,28 @@ impl Search<'_> {
                     list[k] = relative;
                     trials.push(list);
                 }
+                // Two effects that are one law by another name.
+                for entry in self.catalogue.iter().filter(|e| e.law.same_as.len() == 2) {
+                    let j = (0..effects.len()).find(|&j| j != k && effects[j].entry.id == entry.law.same_as[1]);
+                    let Some(j) = j.filter(|_| effects[k].entry.id == entry.law.same_as[0]) else { continue };
+                    let bodies = |e: &Effect| match &e.place.site {
+                        Site::Force { acts, .. } => acts.iter().map(|a| a.0).collect(),
+                        Site::Sensor(_) => vec![usize::MAX],
+                    };
+                    if bodies(&effects[k]) != bodies(&effects[j]) {
+                        continue;
+                    }
+                    let mut list: Vec<Effect> =
+                        effects.iter().enumerate().filter(|(i, _)| *i != k && *i != j).map(|(_, e)| e.clone()).collect();
+                    list.push(relative(&effects[k], entry));
+                    trials.push(list);
+                }
                 for list in trials {
                     let Some(draft) = list.iter().try_fold(base.clone(), |d, e| d.with(e)).ok() else { continue };
                     let Ok(simple) = Fitted::new(draft, self.noise, false) else { continue };
                     let carries = simple.validate.zip(now.validate).is_none_or(|(a, b)| a < 1.02 * b);
-                    let lost = (simple.score(candidates) - now.score(candidates)) * now.independent();
+                    let by = Measure::of([&simple, &now], candidates);
+                    let lost = by.score(&simple) - by.score(&now);
                     if lost < SIMPLER && carries && (simple.is_white() || !now.is_white()) {
                         now = simple;
                         continue 'again;
@@ -224,7 +288,7 @@ impl Search<'_> {
 }
 
 /// The best singles, with the simpler relatives and the family of what is among them.
-fn singles(found: &Screening) -> Vec<Vec<Effect>> {
+fn singles(found: &Screening) -> Vec<&Candidate> {
     let mut chosen: Vec<&Candidate> = found.candidates.iter().take(BEST).collect();
     let leaders: Vec<&Candidate> = chosen.clone();
     for (rank, leader) in leaders.iter().enumerate() {
@@ -238,15 +302,18 @@ fn singles(found: &Screening) -> Vec<Vec<Effect>> {
             }
         }
     }
-    chosen.into_iter().map(|c| vec![c.effect.clone()]).collect()
+    chosen
 }
 
 /// The best by the criterion, or a simpler one that is as good.
 fn preferred(all: &[Fitted], candidates: usize) -> Option<&Fitted> {
-    let best = all.iter().min_by(|a, b| a.score(candidates).total_cmp(&b.score(candidates)))?;
+    let by = Measure::of(all, candidates);
+    let best = all.iter().min_by(|a, b| by.score(a).total_cmp(&by.score(b)))?;
     let size = |f: &Fitted| f.draft.effects.iter().map(|(e, ..)| e.entry.law.parameters.len()).sum::<usize>();
-    let near = |f: &&Fitted| (f.score(candidates) - best.score(candidates)) * best.independent() < SIMPLER;
-    all.iter().filter(near).min_by_key(|f| size(f))
+    let near = |f: &&Fitted| by.score(f) - by.score(best) < SIMPLER;
+    let least = all.iter().filter(near).map(size).min()?;
+    let carried = |f: &&Fitted| f.validate.unwrap_or(0.0);
+    all.iter().filter(near).filter(|f| size(f) == least).min_by(|a, b| carried(a).total_cmp(&carried(b)))
 }
 
 /// The draft with none of its effects.
@@ -284,6 +351,7 @@ fn relative(effect: &Effect, entry: &Entry) -> Effect {
 
 fn round(before: usize, chosen: &Fitted, all: &[Fitted], vetoed: Vec<(String, String)>, candidates: usize) -> Round {
     let own: Vec<(&str, &str)> = label(chosen, 0);
+    let by = Measure::of(all.iter().chain([chosen]), candidates);
     let mut rivals: Vec<Rival> = all
         .iter()
         .filter(|f| label(f, 0) != own)
@@ -292,7 +360,7 @@ fn round(before: usize, chosen: &Fitted, all: &[Fitted], vetoed: Vec<(String, St
             Rival {
                 law: names.iter().map(|(law, _)| *law).collect::<Vec<_>>().join(" + "),
                 at: names.iter().map(|(_, at)| *at).collect::<Vec<_>>().join(", "),
-                worse: f.score(candidates) - chosen.score(candidates),
+                worse: by.score(f) - by.score(chosen),
             }
         })
         .collect();

@@ -28,7 +28,11 @@ pub(crate) fn score(residual: &[f64], motion: &[f64]) -> f64 {
     let narrow_edge = (bins / 50).clamp(16, edge.max(17) - 1);
     let narrow = left[1..narrow_edge].iter().sum::<f64>() / (narrow_edge - 1) as f64;
     let narrow = (narrow / floor - 1.0) * ((narrow_edge - 1) as f64 / 1.94).sqrt();
-    wide.max(narrow)
+    // The mean, which the periodogram leaves out: white noise of this floor has one of sqrt(floor / energy of the window / n).
+    let mean = residual.iter().sum::<f64>() / n as f64;
+    let variance = floor / (n as f64 * 0.375);
+    let level = mean.abs() / (variance / n as f64).sqrt();
+    wide.max(narrow).max(level)
 }
 
 /// The bin where the motion's band ends: from there up its power is that of the noise. Between a twentieth and a half of the axis.

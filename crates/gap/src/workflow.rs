@@ -6,7 +6,7 @@ use crate::evidence::against;
 use crate::fitted::{Fitted, noise};
 use crate::region::{Region, regions};
 use crate::repeat::{Repeat, repeatability};
-use crate::search::{Search, Searched};
+use crate::search::{Measure, Search, Searched};
 use phisindy_learn::FoundParameter;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Case, Record};
@@ -254,7 +254,10 @@ fn finished(
                 parameters: parameters(&last, effect, names),
                 fit: (a.fit, b.fit),
                 validate: a.validate.zip(b.validate),
-                delta_bic: a.score(candidates) - b.score(candidates),
+                delta_bic: {
+                    let by = Measure::of([a, b], candidates);
+                    by.score(a) - by.score(b)
+                },
                 rivals: round.map_or(vec![], |r| {
                     r.rivals
                         .iter()

@@ -57,7 +57,10 @@ pub fn calibrate(
         }
         let weights = problem.weights(&noise, None);
         let last = pieces == 1;
-        let limits = Limits { iterations: if last { 40 } else { 10 }, gain: if last { 1e-9 } else { 1e-3 } };
+        // A gain of a hundredth in the logarithm of the likelihood is none.
+        let samples: usize = fitted.iter().map(|r| r.len() * r.columns.iter().flatten().count()).sum();
+        let least = 0.01 / samples.max(1) as f64;
+        let limits = Limits { iterations: if last { 40 } else { 10 }, gain: if last { least } else { 1e-3 } };
         let bounds = problem.bounds.clone();
         let end = minimise(&mut x, &bounds, limits, |x| match problem.normal(x, &weights) {
             Ok(normal) => Some(normal),

@@ -39,6 +39,9 @@ pub struct Law {
     /// Laws that it contains, simplest first: what `gap` tries in its place.
     #[serde(default)]
     pub simpler: Vec<String>,
+    /// Two laws that are together the same force: this one is named in their place.
+    #[serde(default)]
+    pub same_as: Vec<String>,
     /// Laws of one family describe one thing: `gap` never puts two of them at one place.
     #[serde(default)]
     pub family: String,
