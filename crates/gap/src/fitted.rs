@@ -3,7 +3,7 @@
 use crate::draft::Draft;
 use crate::effect::Effect;
 use crate::whiteness::{COLOURED, score};
-use phisindy_learn::{Calibration, calibrate};
+use phisindy_learn::{Calibration, Effort, calibrate};
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Record, noise_level, splice};
 
@@ -37,9 +37,9 @@ pub(crate) struct Fitted {
 
 impl Fitted {
     /// Calibrates a draft.
-    pub(crate) fn new(draft: Draft, noise: &[Vec<f64>], errors: bool) -> Result<Fitted, String> {
+    pub(crate) fn new(draft: Draft, noise: &[Vec<f64>], effort: Effort) -> Result<Fitted, String> {
         let clock = std::time::Instant::now();
-        let cal = calibrate(&draft.case.system, &draft.records, &draft.smooth, noise, errors)?;
+        let cal = calibrate(&draft.case.system, &draft.records, &draft.smooth, noise, effort)?;
         eprintln!("TRACE   calibrate {:?} {:.2}s chi2/n {:.3} segments {}", draft.effects.iter().map(|(e,..)| format!("{}@{}", e.entry.id, e.place.at)).collect::<Vec<_>>(), clock.elapsed().as_secs_f64(), cal.chi2/cal.samples as f64, cal.segments);
         let gap = |role: Role| -> Option<f64> {
             let (mut sum, mut count) = (0.0, 0usize);

@@ -180,7 +180,30 @@ impl Screening {
             }
         }
         all.sort_by(|x, y| y.0.total_cmp(&x.0));
-        all.into_iter().take(count).map(|(_, a, b)| (a, b)).collect()
+        // Smoothing errors favour rich laws: each leading pair also with the simpler relatives of its parts.
+        let simpler = |rich: &Candidate, plain: &Candidate| {
+            rich.effect.place.at == plain.effect.place.at
+                && rich.effect.load == plain.effect.load
+                && rich.effect.entry.law.simpler.contains(&plain.effect.entry.id)
+        };
+        let leads = all.len().min(count);
+        let mut chosen: Vec<usize> = (0..leads).collect();
+        for lead in 0..leads {
+            let (a, b) = (&all[lead].1, &all[lead].2);
+            chosen.extend((leads..all.len()).filter(|&k| {
+                let (c, d) = (&all[k].1, &all[k].2);
+                let related = |x: &Candidate, y: &Candidate| x.effect.same(&y.effect) || simpler(x, y);
+                (related(a, c) && related(b, d)) || (related(a, d) && related(b, c))
+            }));
+        }
+        // And the plain law of each family with everything: Coulomb and something else is what rich friction laws imitate.
+        let plain = |c: &Candidate| {
+            self.candidates.iter().any(|r| simpler(r, c) && r.gain > 0.5 * self.candidates[0].gain)
+        };
+        chosen.extend((leads..all.len()).filter(|&k| plain(&all[k].1) || plain(&all[k].2)).take(count));
+        chosen.sort_unstable();
+        chosen.dedup();
+        chosen.into_iter().map(|k| (all[k].1.clone(), all[k].2.clone())).collect()
     }
 
     fn reseeded(&self, c: &Candidate, coefficients: &[f64]) -> Option<Candidate> {

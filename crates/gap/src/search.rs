@@ -5,7 +5,7 @@ use crate::effect::{Effect, Entry};
 use crate::fitted::Fitted;
 use crate::place::Site;
 use crate::screen::{Candidate, Screening, excludes, screen};
-use phisindy_learn::glance;
+use phisindy_learn::{Effort, glance};
 use rayon::prelude::*;
 
 /// Effects in one model at most.
@@ -86,7 +86,7 @@ impl Search<'_> {
     /// Runs the search from a model.
     pub(crate) fn run(&mut self, base: Draft) -> Result<Searched, String> {
         (self.hear)(0.02, "fitting what may move");
-        let base = Fitted::new(base, self.noise, false)?;
+        let base = Fitted::new(base, self.noise, Effort::Plain)?;
         let mut now = base.clone();
         let mut rounds = Vec::new();
         let mut candidates = 1;
@@ -202,9 +202,16 @@ impl Search<'_> {
             .map(|(d, _)| d)
             .collect();
         let mut all: Vec<Fitted> =
-            kept.into_par_iter().filter_map(|d| Fitted::new(d, self.noise, false).ok()).collect();
+            kept.into_par_iter().filter_map(|d| Fitted::new(d, self.noise, Effort::Plain).ok()).collect();
         let by = Measure::of(&all, candidates);
         all.sort_by(|a, b| by.score(a).total_cmp(&by.score(b)));
+        // The best, if it is near but not there, is worth more starts.
+        if let Some(first) = all.first().filter(|f| !f.is_white())
+            && let Ok(better) = Fitted::new(first.draft.clone(), self.noise, Effort::Thorough)
+            && better.fit < first.fit
+        {
+            all[0] = better;
+        }
         all
     }
 
@@ -272,7 +279,7 @@ impl Search<'_> {
                 }
                 for list in trials {
                     let Some(draft) = list.iter().try_fold(base.clone(), |d, e| d.with(e)).ok() else { continue };
-                    let Ok(simple) = Fitted::new(draft, self.noise, false) else { continue };
+                    let Ok(simple) = Fitted::new(draft, self.noise, Effort::Plain) else { continue };
                     let carries = simple.validate.zip(now.validate).is_none_or(|(a, b)| a < 1.02 * b);
                     let by = Measure::of([&simple, &now], candidates);
                     let lost = by.score(&simple) - by.score(&now);

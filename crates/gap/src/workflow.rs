@@ -7,7 +7,7 @@ use crate::fitted::{Fitted, noise};
 use crate::region::{Region, regions};
 use crate::repeat::{Repeat, repeatability};
 use crate::search::{Measure, Search, Searched};
-use phisindy_learn::FoundParameter;
+use phisindy_learn::{Effort, FoundParameter};
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Case, Record};
 use std::ops::ControlFlow;
@@ -218,7 +218,7 @@ fn finished(
     hear(0.92, "error bars");
     let count = last.draft.effects.len();
     let settled = last.settled().map_err(GapError::Numerics)?;
-    let last = match Fitted::new(settled, noise, true) {
+    let last = match Fitted::new(settled, noise, Effort::Errors) {
         Ok(fitted) => fitted,
         Err(_) => last,
     };
@@ -235,7 +235,7 @@ fn finished(
                 })
                 .ok()
         });
-        match draft.and_then(|d| Fitted::new(d, noise, false).ok()) {
+        match draft.and_then(|d| Fitted::new(d, noise, Effort::Plain).ok()) {
             Some(fitted) => way.push(fitted),
             None => way.push(way[way.len() - 1].clone()),
         }

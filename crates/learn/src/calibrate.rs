@@ -35,7 +35,7 @@ pub struct Calibration {
 /// Fits what may move in `system` (its parameters, sensors and start states; no dictionary) to the Fit records, each column weighted by its `noise` (standard
 /// deviation in SI, by record and state), and runs all records freely. `smooth` are the records with smoothed samples of every state, to start from.
 ///
-/// With `errors` the parameters come with 95 % intervals (sandwich covariance, stretched where residuals are correlated, profile likelihood).
+/// With [`Effort::Errors`] the parameters come with 95 % intervals (sandwich covariance, stretched where residuals are correlated, profile likelihood).
 ///
 /// # Errors
 /// The model cannot be simulated from any start, in words.
@@ -44,7 +44,7 @@ pub fn calibrate(
     records: &[Record],
     smooth: &[Record],
     noise: &[Vec<f64>],
-    errors: bool,
+    effort: Effort,
 ) -> Result<Calibration, String> {
     let Setup { fitted, of, noise, smooth: starts } = Setup::new(records, smooth, noise);
     let mut best: Option<(Problem<'_>, Vec<f64>)> = None;
@@ -73,8 +73,22 @@ pub fn calibrate(
             best = Some((problem, x));
         }
     }
-    let (problem, x) = best.ok_or(trouble)?;
+    let (problem, mut x) = best.ok_or(trouble)?;
     let weights = problem.weights(&noise, None);
+    let single = problem.segments.len() == fitted.len();
+    let samples: usize = fitted.iter().map(|r| r.len() * r.columns.iter().flatten().count()).sum();
+    if single {
+        // Where the spec starts may be better than where the segments led: after an earlier fit it is.
+        again(&problem, &mut x, &weights, samples, problem.guess(&[], None, &starts));
+        if effort == Effort::Thorough {
+            for attempt in 0..RESTARTS {
+                match nearby(&problem, &x, &weights, samples, attempt) {
+                    Some(start) => again(&problem, &mut x, &weights, samples, start),
+                    None => break,
+                }
+            }
+        }
+    }
     let normal = problem.normal(&x, &weights).map_err(|e| e.to_string())?;
     let residuals = problem.residuals(&x).map_err(|e| e.to_string())?;
     let (mut chi2, mut samples, mut effective) = (0.0, 0, 0.0);
@@ -90,7 +104,7 @@ pub fn calibrate(
         (0..fitted.len()).map(|r| problem.segments.iter().filter(|s| s.record == r).count()).collect();
     let segments = pieces.iter().copied().max().unwrap_or(1);
     let fit = Fit { problem, x, noise, weights, normal, samples, effective, excess: 1.0, pieces };
-    let error: Vec<f64> = if errors {
+    let error: Vec<f64> = if effort == Effort::Errors {
         let (cov, inflation) = (robust_covariance(&fit), fit.inflation());
         (0..fit.x.len()).map(|k| (cov[(k, k)] * inflation).sqrt()).collect()
     } else {
@@ -106,6 +120,66 @@ pub fn calibrate(
     let mut solved = solution(system, records, &fit, &of);
     let replays = assess(system, records, smooth, &mut solved);
     Ok(Calibration { chi2, samples, effective, moved: parameters.len(), parameters, records: replays, segments })
+}
+
+/// A misfit above this is worth another start.
+const MISFIT: f64 = 1.2;
+/// Starts round an end that misses.
+const RESTARTS: u32 = 4;
+
+/// Fits once more from another start, if that promises something, and keeps the better end. A run through stops has side minima: one stop more or less, and the cost jumps.
+fn again(problem: &Problem<'_>, x: &mut Vec<f64>, weights: &[Vec<Vec<f64>>], samples: usize, start: Vec<f64>) {
+    let Ok(now) = problem.normal(x, weights) else { return };
+    if now.cost < MISFIT * samples as f64 {
+        return;
+    }
+    let mut other = start;
+    match problem.normal(&other, weights) {
+        Ok(there) if there.cost < 30.0 * now.cost => {}
+        _ => return,
+    }
+    let limits = Limits { iterations: 25, gain: 1e-5 };
+    let bounds = problem.bounds.clone();
+    let end = minimise(&mut other, &bounds, limits, |x| problem.normal(x, weights).ok());
+    if end.is_some_and(|end| end.cost < now.cost) {
+        *x = other;
+    }
+}
+
+/// A start near an end: every unknown moved by two of the errors that the misfit stands for, up or down by turns.
+fn nearby(
+    problem: &Problem<'_>,
+    x: &[f64],
+    weights: &[Vec<Vec<f64>>],
+    samples: usize,
+    attempt: u32,
+) -> Option<Vec<f64>> {
+    let normal = problem.normal(x, weights).ok()?;
+    let ratio = normal.cost / samples.max(1) as f64;
+    if !(MISFIT..30.0).contains(&ratio) {
+        return None;
+    }
+    let cov = crate::linear::covariance(&normal.matrix);
+    let moved = x.iter().enumerate().map(|(k, v)| {
+        let error = (cov[(k, k)] * ratio).sqrt();
+        let sign = if (k as u32).wrapping_mul(2_654_435_769).rotate_left(attempt * 7) & 1 == 0 { 1.0 } else { -1.0 };
+        let sign = if attempt.is_multiple_of(2) { sign } else { -sign };
+        let reach = f64::from(1 + attempt / 2) * 2.0;
+        let step = if error.is_finite() { reach * sign * error } else { 0.0 };
+        (v + step).clamp(problem.bounds[k].0, problem.bounds[k].1)
+    });
+    Some(moved.collect())
+}
+
+/// How hard to try.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effort {
+    /// One fit.
+    Plain,
+    /// From several starts, if the first end leaves more than noise.
+    Thorough,
+    /// One fit, and 95 % intervals.
+    Errors,
 }
 
 /// How well a model predicts the Fit records over many short segments after a few steps of a fit: chi^2 per sample. `None` if it cannot be simulated. For a
