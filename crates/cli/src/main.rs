@@ -17,6 +17,7 @@ mod json;
 mod laws;
 mod linear_combination;
 mod load;
+mod new;
 mod outdir;
 mod progress;
 mod readme;
@@ -24,6 +25,7 @@ mod report;
 mod simulate;
 mod sweep;
 mod table;
+mod trends;
 
 use clap::Parser;
 use std::process::ExitCode;
