@@ -240,6 +240,14 @@ impl Draft {
                 best = from..r + 1;
             }
         }
+        // A window is two times, so that no row outside may have the time of the first or last one inside.
+        let time = self.time();
+        while best.len() > 1 && best.start > run.start && time[best.start - 1] == time[best.start] {
+            best.start += 1;
+        }
+        while best.len() > 1 && best.end < run.end && time[best.end] == time[best.end - 1] {
+            best.end -= 1;
+        }
         let enough = best.len() * 5 >= rows.len();
         let lines = |r: usize| self.survey.lines[r];
         let mut said = Vec::new();
@@ -330,6 +338,12 @@ impl Draft {
         let step = self.clock.step * self.unit(self.clock.column);
         let allowed = self.motion.frequency.map_or(1.0, |f| (1.0 / (40.0 * f * step)).floor()) as usize;
         wanted.min(allowed.max(1))
+    }
+
+    /// Whether the motion has many frequencies, none of which is most of it, and is driven.
+    pub(crate) fn is_rich(&self) -> bool {
+        let driven = matches!(self.roles.input, Input::Force(_) | Input::Drive(_));
+        driven && self.looks[self.moving()].line.is_some_and(|l| l.share < 0.3)
     }
 
     /// Whether the model has the unit of the place from the heading.

@@ -15,8 +15,6 @@ pub(crate) struct Look {
     pub(crate) min: f64,
     /// Greatest value.
     pub(crate) max: f64,
-    /// Mean value.
-    pub(crate) mean: f64,
     /// Standard deviation.
     pub(crate) std: f64,
     /// Rows without a number.
@@ -48,7 +46,6 @@ impl Look {
         Look {
             min,
             max,
-            mean,
             std: if varies { std } else { 0.0 },
             missing: values.len() - good.len(),
             clipped: if few.is_some() { 0 } else { clipped(&good, min, max) },
@@ -80,24 +77,28 @@ fn few_values(values: &[f64]) -> Option<Vec<f64>> {
     Some(seen)
 }
 
-/// Samples in runs of three or more at exactly the least or greatest value into which the signal does not come to rest but is cut: the
-/// step before is large.
+/// Samples in runs at exactly the least or greatest value into which the signal does not come to rest but is cut: the step before is
+/// large, and the run is longer than those in which the column repeats values anyway (a coarse sensor, a slow one).
 fn clipped(values: &[f64], min: f64, max: f64) -> usize {
     let steps = values.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>() / values.len().max(2) as f64;
     let usual = steps.sqrt();
-    let (mut total, mut k) = (0, 1);
+    let (mut inner, mut outer, mut k) = (vec![], vec![], 0);
     while k < values.len() {
         let x = values[k];
-        if (x == min || x == max) && values[k - 1] != x {
-            let end = (k..values.len()).find(|&j| values[j] != x).unwrap_or(values.len());
-            if end - k >= 3 && (values[k] - values[k - 1]).abs() > 0.3 * usual {
-                total += end - k;
-            }
-            k = end;
+        let end = (k..values.len()).find(|&j| values[j] != x).unwrap_or(values.len());
+        if x != min && x != max {
+            inner.push(end - k);
+        } else if k > 0 && (x - values[k - 1]).abs() > 0.3 * usual {
+            outer.push(end - k);
         }
-        k += 1;
+        k = end;
     }
-    total
+    inner.sort_unstable();
+    // Of hundreds of runs a few are long by chance.
+    let common = inner.get(inner.len() * 98 / 100).copied().unwrap_or(0);
+    let cut = outer.iter().filter(|n| **n > 2 * common.max(1));
+    let (total, runs) = cut.fold((0, 0), |(total, runs), n| (total + n, runs + 1));
+    if runs >= 3 || total >= 20 { total } else { 0 }
 }
 
 /// Where a motion stands still.

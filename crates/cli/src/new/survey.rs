@@ -12,8 +12,6 @@ const MOST_NUMBERS: usize = 10_000_000;
 const MOST_ROWS: usize = 1_000_000;
 /// Fewer rows than this are no record.
 const FEWEST: usize = 20;
-/// More than so many lines into a file there is no preamble.
-const PREAMBLE: usize = 40;
 
 /// A column of the file.
 #[derive(Clone, Debug)]
@@ -104,7 +102,8 @@ impl Survey {
             let fields = dialect.fields(&line.text);
             if fields.len() != width {
                 let d = mistakes.ragged(&line, fields.len(), width, (!has_header).then_some(false));
-                let preamble = has_header && line.number < PREAMBLE && fields.len() > width;
+                // What was taken for the heading is perhaps none.
+                let preamble = has_header && survey.lines.len() < 3;
                 let help = "if other lines stand before the heading, put `#` in front of each of them";
                 return Err(Box::new(if preamble { d.help(help) } else { d }));
             }

@@ -53,7 +53,14 @@ impl Words {
             Input::Drive(c) => {
                 let unit = heading(c).unit.clone().unwrap_or_default();
                 let gain = format!("{place_unit}/s^2");
-                (unit.clone(), if unit.is_empty() { gain } else { format!("{gain}/({unit})") })
+                (
+                    unit.clone(),
+                    match unit.contains(['*', '/']) {
+                        true => format!("{gain}/({unit})"),
+                        false if unit.is_empty() => gain,
+                        false => format!("{gain}/{unit}"),
+                    },
+                )
             }
         };
         Words {
@@ -148,11 +155,12 @@ fn head(draft: &Draft, file: &str, next: &str) -> Vec<String> {
             "`{moving}` does not stand still anywhere for long: it turns, but it does not stick."
         ));
     }
-    for (column, look) in survey.columns.iter().zip(&draft.looks).filter(|(_, l)| l.clipped > 0) {
+    for (k, look) in draft.looks.iter().enumerate().filter(|(_, l)| l.clipped > 0) {
+        let mark = if draft.roles.used().any(|used| used == k) { "EDIT: " } else { "" };
         lines.push(format!(
-            "EDIT: `{}` stands at exactly its least or greatest value in {} samples, where it arrives in motion: is the sensor at its limit? Then leave \
-             those times out with `window`.",
-            column.heading.raw, look.clipped
+            "{mark}`{}` stands at exactly its least or greatest value in {} samples, where it arrives in motion: is the sensor at its limit?",
+            draft.raw(k),
+            look.clipped
         ));
     }
     lines.extend(draft.remarks.iter().cloned());
@@ -318,26 +326,30 @@ fn model(draft: &Draft, words: &Words, text: &mut String) {
     if let Some((mass, _)) = words.inertia {
         let _ = writeln!(text, "    inertia: {{ \"{speed}\": \"{mass}\" }},");
     }
-    text.push_str("    // What may be missing. Others to add: \"x^3\", \"|v|\", \"v*|v|\", or a friction law by its name, `laws: [\"stribeck\"]` (see `phisindy laws`).\n"
-        .replace("\"x", &format!("\"{place}")).replace("|v|", &format!("|{speed}|")).replace("v*|", &format!("{speed}*|")).as_str());
-    let unknown = if draft.estimate.spring.is_some() {
-        format!("(factor: \"-sgn({speed}){over}\", candidates: [\"1\"])")
-    } else {
-        // Without a spring a constant force is no offset of the sensor.
-        let minus = if over.is_empty() { "-1".to_owned() } else { format!("-1{over}") };
-        format!("(factor: \"{minus}\", candidates: [\"sgn({speed})\", \"1\"])")
-    };
-    let _ = writeln!(text, "    unknown: {{\n        \"{speed}\": {unknown}, // dry friction");
-    let against = if relative {
-        format!("; if it rubs on the base: \"{speed}-du\", and sgn({speed}-du) above")
-    } else {
-        String::new()
-    };
     let _ = writeln!(
         text,
-        "    }},\n    contacts: [\"{speed}\"], // it rubs on something at rest{against}{}",
-        if relative { " (EDIT)" } else { "" }
+        "    // What may be missing: dry friction at least. Others: {place}^3, {speed}*|{speed}|, or a law by its name, laws: [\"stribeck\"] (`phisindy laws` \
+         lists them).\n    // If the friction comes out negative, something else is missing."
     );
+    let minus = format!("-1{over}");
+    let unknown = match draft.estimate.spring {
+        // Only a motion of many frequencies tells a hardening spring from a stiff one.
+        Some(_) if draft.is_rich() => {
+            format!("(factor: \"{minus}\", candidates: [\"sgn({speed})\", \"{place}^3\"])")
+        }
+        Some(_) => format!("(factor: \"-sgn({speed}){over}\", candidates: [\"1\"])"),
+        // Without a spring a constant force is no offset of the sensor.
+        None => format!("(factor: \"{minus}\", candidates: [\"sgn({speed})\", \"1\"])"),
+    };
+    let _ = writeln!(text, "    unknown: {{\n        \"{speed}\": {unknown}, // EDIT: candidates");
+    let rubs = if relative {
+        format!(
+            "EDIT: it rubs on something at rest; on the base: \"{speed}-du\" here, and sgn({speed}-du) above"
+        )
+    } else {
+        "it rubs on something at rest".to_owned()
+    };
+    let _ = writeln!(text, "    }},\n    contacts: [\"{speed}\"], // {rubs}");
 }
 
 fn record(draft: &Draft, words: &Words, part: &Part, file: &str, text: &mut String) {
