@@ -90,6 +90,7 @@ impl Draft {
             remarks: vec![],
             survey,
         };
+        draft.twins();
         draft.records(&runs);
         Ok(draft)
     }
@@ -118,6 +119,17 @@ impl Draft {
         factor(self.survey.columns[column].heading.unit.as_deref())
     }
 
+    /// Says so if a column that is needed shares its heading with another one.
+    fn twins(&mut self) {
+        for c in self.roles.used().chain([self.clock.column]).collect::<Vec<_>>() {
+            let name = self.raw(c).to_owned();
+            if (0..self.survey.columns.len()).filter(|&k| self.raw(k) == name).count() > 1 {
+                self.remarks
+                    .push(format!("EDIT: two columns are called `{name}`: rename one of them in the file"));
+            }
+        }
+    }
+
     fn records(&mut self, runs: &[Range<usize>]) {
         let trials = if runs.len() > 1 { self.trial_column(runs) } else { None };
         if runs.len() > 1 && trials.is_none() {
@@ -129,12 +141,9 @@ impl Draft {
                 runs.len()
             ));
         }
-        let stretches: Vec<Range<usize>> = match trials {
-            Some(_) => runs.to_vec(),
-            // Which of the runs is meant nobody can tell the reader, so the whole file it is.
-            None if runs.len() > 1 => vec![0..self.survey.rows()],
-            None => runs.to_vec(),
-        };
+        // Which of several runs is meant nobody can tell the reader, so the whole file it is.
+        let whole = 0..self.survey.rows();
+        let stretches = if runs.len() > 1 && trials.is_none() { std::slice::from_ref(&whole) } else { runs };
         let mut firsts = Vec::new();
         for run in stretches.iter().take(MOST_TRIALS) {
             let chosen = self.chosen(run.clone());

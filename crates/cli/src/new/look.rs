@@ -57,8 +57,8 @@ impl Look {
 
     /// Whether nothing ever happens here.
     pub(crate) fn is_dead(&self) -> bool {
-        // A comparison that is true for an empty column.
-        !(self.min < self.max)
+        // An empty column has infinity as its least value.
+        self.min >= self.max
     }
 }
 
