@@ -175,6 +175,17 @@ fn a_force_in_newtons_gives_a_mass_and_a_velocity_is_seen_in_the_numbers() {
 }
 
 #[test]
+fn counters_and_noise_are_no_motion() {
+    let file = table("sample,timestamp,ch0,ch1", 600, |k, t| {
+        format!("{k},{:.3},{:.5},{:.5}", 1.7e9 + t, noise(k, 1.0), (-0.2 * t).exp() * (9.0 * t).sin())
+    });
+    let (scratch, text, said) = made("counter", file.as_bytes());
+    holds(&said.err, &["time `timestamp`", "motion `ch1`"]);
+    holds(&text, &["counts rows", "nothing but noise"]);
+    checked(&scratch, &text);
+}
+
+#[test]
 fn trials_are_told_apart_by_the_column_that_counts_them() {
     let file = table("trial,enabled,time_s,x_mm", 900, |k, _| {
         let (trial, t) = (k / 300, 0.01 * (k % 300) as f64);

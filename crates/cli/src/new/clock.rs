@@ -103,6 +103,14 @@ impl Clock {
     }
 }
 
+/// Whether a column only counts or tells the time: no motion, whatever else it is.
+pub(crate) fn is_counter(column: &Column) -> bool {
+    let even = || column.values.windows(3).all(|w| w[2] - w[1] == w[1] - w[0]);
+    let named =
+        column.heading.kind == Kind::Time || column.heading.says(NAMES) || column.heading.says(COUNTERS);
+    grows(column) && (named || (whole(column) && even()))
+}
+
 /// Whether a column grows as time does: nearly everywhere.
 fn grows(column: &Column) -> bool {
     let steps = column.values.windows(2);

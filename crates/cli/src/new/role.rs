@@ -1,6 +1,6 @@
 //! What each column is for: a guess from its name, its unit and its numbers.
 
-use super::clock::Clock;
+use super::clock::{Clock, is_counter};
 use super::heading::{Heading, Kind, factor};
 use super::look::Look;
 use super::survey::Survey;
@@ -181,12 +181,20 @@ impl Guess<'_> {
         &self.heading(k).raw
     }
 
+    /// Whether a column without a unit holds nothing but noise.
+    fn is_noise(&self, k: usize) -> bool {
+        let look = &self.looks[k];
+        self.heading(k).kind == Kind::Unsaid && look.noise > 0.8 * look.std
+    }
+
     /// Columns with a signal in them.
     fn signals(&self) -> Vec<usize> {
         let usable = |&k: &usize| {
             let (column, look) = (&self.survey.columns[k], &self.looks[k]);
             let selector = look.values.is_some() && matches!(column.heading.kind, Kind::Unsaid | Kind::Other);
             k != self.clock.column
+                && !is_counter(column)
+                && !self.is_noise(k)
                 && column.words == 0
                 && !look.is_dead()
                 && !selector
@@ -436,6 +444,12 @@ impl Guess<'_> {
         }
         if look.is_dead() {
             return "constant, not used".to_owned();
+        }
+        if is_counter(column) {
+            return "counts rows or tells the time, not used".to_owned();
+        }
+        if self.is_noise(k) {
+            return "nothing but noise, not used".to_owned();
         }
         if roles.flag.as_ref().is_some_and(|f| f.column == k) {
             return "selects rows".to_owned();

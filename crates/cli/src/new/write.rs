@@ -227,9 +227,9 @@ fn constants(draft: &Draft, words: &Words, text: &mut String) {
     if let (Some((name, unit)), Some(mass)) = (words.inertia, mass) {
         let known = estimate.force.is_some_and(|b| b > 0.0);
         let comment = if known {
-            "EDIT: the mass, a first guess; if you know it: "
+            "EDIT: the inertia, a first guess; if you know it: "
         } else {
-            "EDIT: the mass, not seen in the data; if you know it: "
+            "EDIT: the inertia, not seen in the data; if you know it: "
         };
         add(name, mass, unit, (mass / 5.0, mass * 5.0), &format!("{comment}\"{name}\": (1.23, \"{unit}\")"));
     }
