@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
+  phisindy new run1.csv --out run1.ron                  a commented spec for a data file, ready to edit
   phisindy run specs/case7.ron                          the equation of a case, with error bars
   phisindy run specs/frame_250g.ron --data ../data      the same from measured files in a folder
   phisindy run case.ron --set learn.cutoff=0.1          with one field of the spec changed
@@ -75,6 +76,19 @@ Examples:
         #[arg(required = true, value_name = "SPEC")]
         specs: Vec<PathBuf>,
     },
+    /// Look at a data file and write a commented spec for it, ready to edit
+    #[command(
+        before_help = "\
+Examples:
+  phisindy new run1.csv                         what is in it, and a spec, on standard output
+  phisindy new run1.csv --out run1.ron          the spec into a file, which must not exist yet
+  phisindy new run1.csv --out run1.ron --force  the same in place of what is there",
+        after_help = "\
+Guessed are the separator, the decimal mark, units in the headings (`x_mm`, `x [mm]`, `t/s`), which column is time, displacement, base motion or force,
+rows to leave out, and numbers to start from. What the guess rests on stands in comments; what must be looked at is marked EDIT. At most one million
+rows are read."
+    )]
+    New(NewArgs),
     /// List the laws of the catalogue, or show one
     #[command(before_help = "\
 Examples:
@@ -119,6 +133,17 @@ Exit code 1: a truth lies outside of its dictionary, or no run came to a result.
     /// Print the tables of README.md
     #[command(hide = true)]
     Table(TableArgs),
+}
+
+/// For which file to write a spec.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct NewArgs {
+    /// Data file: rows of numbers, with any separator
+    #[arg(value_name = "DATA.csv")]
+    pub(crate) path: PathBuf,
+    /// Replace the file of --out if there is one
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 /// What to sweep over.
@@ -176,7 +201,7 @@ pub(crate) struct Options {
     /// Form of the result
     #[arg(long, global = true, value_enum, default_value_t = Format::Latex, value_name = "FORMAT")]
     pub(crate) format: Format,
-    /// Also write the results into this folder (made if needed): result.json, equation.tex, identified.ron, sweep.json
+    /// Also write the results into this folder (made if needed): result.json, equation.tex, identified.ron, sweep.json; `new`: the spec's file
     #[arg(long, global = true, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Folder of the data files [else: PHISINDY_DATA, then beside the spec]

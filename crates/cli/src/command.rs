@@ -5,7 +5,7 @@ use crate::load::{Loaded, Purpose, Refusal, load};
 use crate::outdir::{self, OutDir};
 use crate::progress::Progress;
 use crate::report::Report;
-use crate::{draw, gap, identified_spec, interrupt, laws, readme, simulate, sweep};
+use crate::{draw, gap, identified_spec, interrupt, laws, new, readme, simulate, sweep};
 use anyhow::{Context, Result, anyhow};
 use phisindy_learn::{Identified, LearnError, LearnOptions, Verdict, identify};
 use phisindy_phys::{Diagnostic, Sources};
@@ -31,6 +31,7 @@ pub(crate) fn execute(args: &Args) -> ExitCode {
         Command::Gap { spec } => gap::command(spec, options),
         Command::Simulate { spec } => simulate(spec, options),
         Command::Check { specs } => Ok(check(specs, options)),
+        Command::New(args) => new::command(args, options),
         Command::Laws { name } => laws(name.as_deref(), options),
         Command::Sweep(args) => sweep::command(args, options),
         Command::Table(args) => readme::command(args, options),

@@ -1,4 +1,5 @@
-//! Data files: the columns that a record needs, as numbers. The file streams by; only those numbers stay in memory.
+//! Data files: the columns that a record needs, as numbers. The file streams by; only those numbers stay in memory, and of them only
+//! what is left of `rows`, `window` and `decimate`.
 //!
 //! ```text
 //! lines --Lines--> text lines --Dialect--> fields --Reader--> Table
@@ -8,17 +9,19 @@ mod dialect;
 mod lines;
 mod mistake;
 
-use dialect::Dialect;
-use lines::{Line, Lines};
-use mistake::Mistakes;
+pub(crate) use dialect::{Dialect, is_units_row, looks_like_number};
+pub(crate) use lines::{Line, Lines};
+pub(crate) use mistake::Mistakes;
 use phisindy_expr::Span;
 use phisindy_phys::spec::{CsvSpec, Text};
-use phisindy_phys::{Diagnostic, SourceId, Sources, Table};
+use phisindy_phys::{Blocks, Diagnostic, SourceId, Sources, Table};
 use std::ops::Range;
 use std::path::Path;
 
 /// Fewer rows than this are no record.
 const FEWEST: usize = 10;
+/// Most samples of a record: a fit looks at each of them a thousand times.
+const MOST: usize = 2_000_000;
 
 /// Reads what `csv` needs from the file at `path`; `name` is what the user calls that file.
 ///
@@ -38,14 +41,26 @@ pub(crate) fn read(
         return Err(vec![reader.mistakes.empty(csv.path.span)]);
     };
     let second = reader.next_line().map_err(|d| vec![*d])?;
-    let dialect = Dialect::guess(csv, &first.text, second.as_ref().map(|l| l.text.as_str()));
+    let character = |c: &Option<phisindy_phys::spec::Spanned<char>>| c.as_ref().map(|c| c.value);
+    let dialect = Dialect::guess(
+        character(&csv.separator),
+        character(&csv.decimal),
+        &first.text,
+        second.as_ref().map(|l| l.text.as_str()),
+    );
     let fields = dialect.fields(&first.text);
     let heading: Vec<String> = fields.iter().map(|f| dialect.unquoted(&first.text, f)).collect();
     let has_header = csv.header.unwrap_or_else(|| heading.iter().any(|f| !looks_like_number(f)));
     let names = if has_header { heading } else { (1..=fields.len()).map(|k| k.to_string()).collect() };
     let layout = reader.layout(&names, has_header.then_some((&first, fields.as_slice())))?;
     let mut table = Table { columns: vec![vec![]; csv.columns.len()], ..Table::default() };
-    let mut last: Option<(Line, f64, Range<usize>)> = None;
+    let mut kept = Kept {
+        blocks: csv.decimate.as_ref().map(|d| Blocks::new(d.value as usize)),
+        row: Vec::with_capacity(csv.columns.len()),
+        last: None,
+    };
+    // A second heading line that only holds units says nothing that the spec does not say.
+    let second = second.filter(|line| !(has_header && is_units_row(&dialect, &line.text)));
     let begin = if has_header { [None, second] } else { [Some(first), second] };
     let mut pending = begin.into_iter().flatten();
     loop {
@@ -56,9 +71,10 @@ pub(crate) fn read(
                 None => break,
             },
         };
-        reader.row(line, &dialect, &names, &layout, &mut table, &mut last).map_err(|d| vec![*d])?;
+        reader.row(line, &dialect, &names, &layout, &mut table, &mut kept).map_err(|d| vec![*d])?;
     }
-    if table.time.len() < FEWEST {
+    // Too few in a window, or of `decimate`, is the business of the record.
+    if table.time.len() < FEWEST && csv.window.is_none() && csv.decimate.is_none() {
         let rows = csv.rows.first().map(|(first, _)| first.span.to(csv.rows[csv.rows.len() - 1].1.span));
         return Err(vec![reader.mistakes.too_few(
             rows.unwrap_or(csv.path.span),
@@ -74,6 +90,14 @@ struct Layout {
     time: usize,
     columns: Vec<usize>,
     rows: Vec<usize>,
+}
+
+/// What of the rows before is needed for the next one.
+struct Kept {
+    blocks: Option<Blocks>,
+    row: Vec<f64>,
+    /// The last row inside of the window, its time, and where that stands.
+    last: Option<(Line, f64, Range<usize>)>,
 }
 
 struct Reader<'a> {
@@ -117,7 +141,7 @@ impl Reader<'_> {
         if wrong.is_empty() { Ok(layout) } else { Err(wrong) }
     }
 
-    /// One line of the file; `last` is the selected row before it.
+    /// One line of the file.
     fn row(
         &mut self,
         line: Line,
@@ -125,7 +149,7 @@ impl Reader<'_> {
         names: &[String],
         layout: &Layout,
         table: &mut Table,
-        last: &mut Option<(Line, f64, Range<usize>)>,
+        kept: &mut Kept,
     ) -> Result<(), Box<Diagnostic>> {
         let fields = dialect.fields(&line.text);
         if fields.len() != names.len() {
@@ -139,34 +163,43 @@ impl Reader<'_> {
         }
         let place = fields[layout.time].clone();
         let time = self.number(&line, dialect, &place, &names[layout.time])?;
+        let extent = table.extent.get_or_insert((time, time));
+        *extent = (extent.0.min(time), extent.1.max(time));
         // What lies outside of the window is not looked at: a record is often bad at its ends.
-        let inside = self.csv.window.as_ref().is_none_or(|(a, b)| (a.value..=b.value).contains(&time));
-        for (k, column) in layout.columns.iter().zip(&mut table.columns) {
-            column.push(if inside {
-                self.number(&line, dialect, &fields[*k], &names[*k])?
-            } else {
-                f64::NAN
-            });
+        if self.csv.window.as_ref().is_some_and(|(a, b)| !(a.value..=b.value).contains(&time)) {
+            return Ok(());
         }
-        if inside {
-            if let Some((before, earlier, there)) = last.as_ref().filter(|(_, earlier, _)| time <= *earlier) {
-                let d = self.mistakes.time_order(
-                    &line,
-                    place,
-                    time,
-                    before,
-                    there.clone(),
-                    *earlier,
-                    self.csv.rows.is_empty(),
-                );
+        kept.row.clear();
+        for k in &layout.columns {
+            kept.row.push(self.number(&line, dialect, &fields[*k], &names[*k])?);
+        }
+        if let Some((before, earlier, there)) = kept.last.as_ref().filter(|(_, earlier, _)| time <= *earlier)
+        {
+            let d = self.mistakes.time_order(
+                &line,
+                place,
+                time,
+                before,
+                there.clone(),
+                *earlier,
+                self.csv.rows.is_empty(),
+            );
+            return Err(Box::new(d));
+        }
+        let row = match &mut kept.blocks {
+            Some(blocks) => blocks.push(time, &kept.row),
+            None => Some((time, kept.row.as_slice())),
+        };
+        if let Some((time, row)) = row {
+            if table.time.len() == MOST {
+                let d = self.mistakes.too_many(self.csv, MOST, table.extent, self.lines.part());
                 return Err(Box::new(d));
             }
+            table.time.push(time);
             table.lines.push(line.number);
-            *last = Some((line, time, place));
-        } else {
-            table.lines.push(line.number);
+            table.columns.iter_mut().zip(row).for_each(|(column, x)| column.push(*x));
         }
-        table.time.push(time);
+        kept.last = Some((line, time, place));
         Ok(())
     }
 
@@ -211,10 +244,6 @@ impl Reader<'_> {
         }
         Ok(parsed.unwrap_or(f64::NAN))
     }
-}
-
-fn looks_like_number(text: &str) -> bool {
-    text.parse::<f64>().is_ok() || text.replacen(',', ".", 1).parse::<f64>().is_ok()
 }
 
 /// The bytes of a range as a span.

@@ -3,6 +3,7 @@
 use crate::args::{Assignment, Options};
 use crate::csvfile;
 use crate::datafile::{Folders, Missing};
+use crate::trends::Trends;
 use phisindy_expr::Span;
 use phisindy_phys::spec::{ColumnSpec, CsvSpec, InputSpec, Role, Text};
 use phisindy_phys::{
@@ -89,8 +90,14 @@ pub(crate) fn load_text(
             return Err(Refusal::Input);
         }
     };
-    let mut loader =
-        Loader { options, source, folders: Folders::new(options.data.as_deref(), path), sources, found };
+    let mut loader = Loader {
+        options,
+        source,
+        folders: Folders::new(options.data.as_deref(), path),
+        sources,
+        found,
+        trends: Trends::default(),
+    };
     let (records, truths) = loader.records(&case, purpose)?;
     Ok(Loaded { spec: shown, text, case, records, truths })
 }
@@ -159,6 +166,7 @@ struct Loader<'a> {
     folders: Folders,
     sources: &'a mut Sources,
     found: &'a mut Vec<Diagnostic>,
+    trends: Trends,
 }
 
 type Records = (Vec<Record>, Vec<Option<Trajectory>>);
@@ -220,8 +228,13 @@ impl Loader<'_> {
             }
         };
         let shown = path.display().to_string();
-        let record = csvfile::read(csv, &path, &shown, self.source, self.sources)
-            .and_then(|table| Record::from_table(plan, &table, &case.system, self.source));
+        let record = csvfile::read(csv, &path, &shown, self.source, self.sources).and_then(|mut table| {
+            let done = self.trends.take_off(csv, &mut table);
+            let mut record = Record::from_table(plan, &table, &case.system, self.source)?;
+            record.notes.extend(decimation(csv));
+            record.notes.extend(done);
+            Ok(record)
+        });
         record.map(Some).map_err(|mistakes| {
             mistakes.into_iter().for_each(|d| self.push(d));
             Refusal::Input
@@ -268,6 +281,12 @@ impl Loader<'_> {
     }
 }
 
+/// What `decimate` did, in words.
+fn decimation(csv: &CsvSpec) -> Option<String> {
+    let every = csv.decimate.as_ref().map(|d| d.value).filter(|n| *n > 1)?;
+    Some(format!("each sample is the mean of {every} rows of `{}` (decimate)", csv.path.value))
+}
+
 /// An input of a synthetic record that is given as a file.
 fn input_file(
     input: &InputSpec,
@@ -310,6 +329,7 @@ fn column_of(path: &Text, time: &ColumnSpec, column: &ColumnSpec) -> CsvSpec {
         interpolate: vec![],
         constants: vec![],
         decimate: None,
+        detrend: vec![],
         span: path.span,
     }
 }

@@ -18,6 +18,7 @@ mod json;
 mod laws;
 mod linear_combination;
 mod load;
+mod new;
 mod outdir;
 mod progress;
 mod readme;
@@ -25,6 +26,7 @@ mod report;
 mod simulate;
 mod sweep;
 mod table;
+mod trends;
 
 use clap::Parser;
 use std::process::ExitCode;

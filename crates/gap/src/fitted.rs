@@ -114,7 +114,16 @@ impl Fitted {
                 _ => {}
             }
         }
-        self.draft.rebuilt(text, self.draft.effects.clone(), self.draft.internal.clone())
+        let mut draft = self.draft.rebuilt(text, self.draft.effects.clone(), self.draft.internal.clone())?;
+        // The fitted start too: the next fit begins where this one ended.
+        for (smooth, record) in draft.smooth.iter_mut().zip(&self.cal.records) {
+            for (column, start) in smooth.columns.iter_mut().zip(&record.start) {
+                if let (Role::Fit, Some(column)) = (record.role, column) {
+                    column[0] = *start;
+                }
+            }
+        }
+        Ok(draft)
     }
 }
 

@@ -80,7 +80,7 @@ pub fn calibrate(
     if single {
         // Where the spec starts may be better than where the segments led: after an earlier fit it is.
         again(&problem, &mut x, &weights, samples, problem.guess(&[], None, &starts));
-        if effort == Effort::Thorough {
+        if effort != Effort::Plain {
             for attempt in 0..RESTARTS {
                 match nearby(&problem, &x, &weights, samples, attempt) {
                     Some(start) => again(&problem, &mut x, &weights, samples, start),

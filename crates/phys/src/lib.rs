@@ -9,6 +9,7 @@
 //! All mistakes of a text come back together, as [`Diagnostic`]s; drawing them is the program's job. This crate reads no files and knows
 //! no integration.
 
+mod blocks;
 mod check;
 mod constants;
 mod derivative;
@@ -21,10 +22,13 @@ mod plan;
 mod raw;
 mod record;
 pub mod spec;
+mod spectrum;
 pub mod splice;
 mod system;
+mod trend;
 pub mod unit;
 
+pub use blocks::Blocks;
 pub use check::{Case, check};
 pub use constants::Value;
 pub use derivative::{Differentiated, Differentiator, automatic, differentiate};
@@ -35,4 +39,6 @@ pub use model::Model;
 pub use noise_level::{effective_samples, noise_level};
 pub use plan::{Origin, RecordPlan, Sensor, SensorParameter, Synthetic, SyntheticInput};
 pub use record::{Record, Table, derivation_note, link_continuations};
+pub use spectrum::{Line, strongest_line};
 pub use system::{Contact, Input, Parameter, State, System, Term};
+pub use trend::Trend;

@@ -33,15 +33,17 @@ pub struct Record {
     pub notes: Vec<String>,
 }
 
-/// Numbers read from a file: the rows that were selected, the columns that are needed.
+/// Numbers read from a file: the rows that were selected (`rows`, `window`, `decimate`), the columns that are needed.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
     /// The time column, as it stands in the file.
     pub time: Vec<f64>,
     /// The columns of `CsvSpec::columns`, in that order, as they stand in the file.
     pub columns: Vec<Vec<f64>>,
-    /// Line number of each row in the file.
+    /// Line number of each row in the file; of several rows in one, that of the last.
     pub lines: Vec<usize>,
+    /// First and last time of `rows` in the file, inside of the window or not.
+    pub extent: Option<(f64, f64)>,
 }
 
 /// Fewer samples than this are no record.
@@ -58,7 +60,7 @@ impl Record {
         self.time.is_empty()
     }
 
-    /// Builds a record from the rows of a file: units, window, decimation, derived inputs.
+    /// Builds a record from the rows of a file: units, window, derived inputs.
     ///
     /// # Errors
     /// Diagnostics that point into the spec (a window outside the data, too few samples).
@@ -159,21 +161,23 @@ fn differentiated(time: &[f64], values: &[f64]) -> Result<Differentiated, Diagno
     automatic(time, values).map_err(|e: SignalError| Diagnostic::error(format!("cannot differentiate: {e}")))
 }
 
-/// The rows inside the window, every `decimate`-th of them.
+/// The rows inside the window.
 fn selected_rows(csv: &CsvSpec, table: &Table, spec: SourceId) -> Result<Vec<usize>, Diagnostic> {
-    let every = csv.decimate.as_ref().map_or(1, |d| d.value.max(1)) as usize;
     let inside =
         |&r: &usize| csv.window.as_ref().is_none_or(|(a, b)| (a.value..=b.value).contains(&table.time[r]));
-    let rows: Vec<usize> = (0..table.time.len()).filter(inside).step_by(every).collect();
+    let rows: Vec<usize> = (0..table.time.len()).filter(inside).collect();
     if rows.len() >= FEWEST {
         return Ok(rows);
     }
-    let span = csv.window.as_ref().map_or(csv.path.span, |(a, b)| a.span.to(b.span));
-    let (first, last) = (table.time.first(), table.time.last());
+    let decimated = csv.decimate.as_ref().map(|d| d.span);
+    let span = csv.window.as_ref().map_or(decimated.unwrap_or(csv.path.span), |(a, b)| a.span.to(b.span));
     let mut d = Diagnostic::error(format!("only {} samples are left of `{}`", rows.len(), csv.path.value))
         .at(spec, span, "");
-    if let (Some(first), Some(last)) = (first, last) {
+    if let Some((first, last)) = table.extent {
         d = d.help(format!("the file's time runs from {first} to {last}"));
+    }
+    if decimated.is_some() {
+        d = d.help("each of them is the mean of as many rows as `decimate` says: a record needs at least 10");
     }
     Err(d)
 }

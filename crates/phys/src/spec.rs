@@ -183,10 +183,21 @@ pub struct CsvSpec {
     pub interpolate: Vec<(Text, Interpolation)>,
     /// Constants of this record.
     pub constants: Vec<(Text, ConstantSpec)>,
-    /// Keep every n-th row, n at least 1.
+    /// The mean of each n rows in place of them, n at least 1.
     pub decimate: Option<Spanned<u32>>,
+    /// What is taken off these columns before anything else sees them.
+    pub detrend: Vec<(Text, Detrend)>,
     /// The whole record.
     pub span: Span,
+}
+
+/// What is taken off a column, as the first record of its file and rows has it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Detrend {
+    /// The mean.
+    Mean,
+    /// The straight line by least squares.
+    Linear,
 }
 
 /// How an input is computed.

@@ -1,24 +1,29 @@
 //! How a file separates its fields and writes its decimals.
 
-use phisindy_phys::spec::CsvSpec;
+use phisindy_phys::unit::Unit;
 use std::ops::Range;
 
 /// How a file is written.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Dialect {
+pub(crate) struct Dialect {
     /// The character between fields; None: any run of blanks.
-    pub(super) separator: Option<char>,
+    pub(crate) separator: Option<char>,
     /// The decimal mark, where the spec says it.
-    pub(super) decimal: Option<char>,
+    pub(crate) decimal: Option<char>,
 }
 
 impl Dialect {
-    /// What the spec says, or what makes the first two lines a table.
-    pub(super) fn guess(csv: &CsvSpec, first: &str, second: Option<&str>) -> Dialect {
-        let decimal = csv.decimal.as_ref().map(|d| d.value);
+    /// What is given, or what makes a table of the first two lines: as many fields in both, and of such separators the one that leaves
+    /// most numbers.
+    pub(crate) fn guess(
+        separator: Option<char>,
+        decimal: Option<char>,
+        first: &str,
+        second: Option<&str>,
+    ) -> Dialect {
         let with = |separator| Dialect { separator, decimal };
-        if let Some(given) = &csv.separator {
-            return with(Some(given.value).filter(|c| *c != ' '));
+        if let Some(given) = separator {
+            return with(Some(given).filter(|c| *c != ' '));
         }
         let candidates = [Some(';'), Some('\t'), Some(','), None].map(with);
         let count = |d: &Dialect, line: &str| d.fields(line).len();
@@ -26,13 +31,21 @@ impl Dialect {
             let n = count(d, first);
             n > 1 && second.is_none_or(|line| count(d, line) == n)
         };
-        let best =
-            candidates.iter().find(table).or_else(|| candidates.iter().rev().max_by_key(|d| count(d, first)));
+        // The share of the second line that is numbers, in per mille: "0,01 1,5" is two numbers, not three fields.
+        let numbers = |d: &&Dialect| {
+            let line = second.unwrap_or(first);
+            let fields = d.fields(line);
+            let good = fields.iter().filter(|f| looks_like_number(&d.unquoted(line, f))).count();
+            1000 * good / fields.len().max(1)
+        };
+        // Of equals the first one: `max_by_key` takes the last.
+        let best = candidates.iter().rev().filter(table).max_by_key(numbers);
+        let best = best.or_else(|| candidates.iter().rev().max_by_key(|d| count(d, first)));
         best.cloned().unwrap_or_else(|| with(Some(',')))
     }
 
     /// The fields of a line, blanks around them taken off. One empty field at the end (a separator too many) is no field.
-    pub(super) fn fields(&self, line: &str) -> Vec<Range<usize>> {
+    pub(crate) fn fields(&self, line: &str) -> Vec<Range<usize>> {
         let mut fields = Vec::new();
         match self.separator {
             Some(separator) => {
@@ -71,7 +84,7 @@ impl Dialect {
     }
 
     /// The content of a field; quoting rules are those of the csv crate.
-    pub(super) fn unquoted(&self, line: &str, field: &Range<usize>) -> String {
+    pub(crate) fn unquoted(&self, line: &str, field: &Range<usize>) -> String {
         let text = &line[field.clone()];
         if !text.starts_with('"') {
             return text.to_owned();
@@ -87,4 +100,22 @@ fn trimmed(line: &str, range: Range<usize>) -> Range<usize> {
     let text = &line[range.clone()];
     let start = range.start + (text.len() - text.trim_start().len());
     start..(start + text.trim().len())
+}
+
+/// Whether a field is a number, with point or comma.
+pub(crate) fn looks_like_number(text: &str) -> bool {
+    text.parse::<f64>().is_ok() || text.replacen(',', ".", 1).parse::<f64>().is_ok()
+}
+
+/// Whether a line is a second heading that only holds units, as in `s;mm;N` or `[s];[mm];[N]`.
+pub(crate) fn is_units_row(dialect: &Dialect, line: &str) -> bool {
+    let fields = dialect.fields(line);
+    let units = fields.iter().filter(|field| {
+        let text = dialect.unquoted(line, field);
+        let plain = text.trim_matches(['[', ']', '(', ')', ' ']);
+        !plain.is_empty() && !looks_like_number(plain) && Unit::parse(plain).is_ok()
+    });
+    let blank = |field: &&Range<usize>| matches!(&line[(*field).clone()], "" | "-" | "[-]" | "[]" | "()");
+    let units = units.count();
+    units > 0 && units + fields.iter().filter(blank).count() == fields.len()
 }

@@ -9,18 +9,18 @@ const LONGEST: usize = 1 << 20;
 
 /// A line that holds fields.
 #[derive(Clone, Debug)]
-pub(super) struct Line {
+pub(crate) struct Line {
     /// Without its end.
-    pub(super) text: String,
+    pub(crate) text: String,
     /// Counted from 1.
-    pub(super) number: usize,
+    pub(crate) number: usize,
     /// Whether the line ends (the last one may not).
-    pub(super) ended: bool,
+    pub(crate) ended: bool,
 }
 
 /// Why a line cannot be read.
 #[derive(Debug)]
-pub(super) enum LineError {
+pub(crate) enum LineError {
     /// The disk says so.
     Io(io::Error),
     /// Not UTF-8, from this byte of the line on; what comes before, and the line's number.
@@ -31,23 +31,40 @@ pub(super) enum LineError {
     Endless(usize),
 }
 
-pub(super) struct Lines {
+/// The lines of a file, one after the other.
+pub(crate) struct Lines {
     input: BufReader<File>,
     buffer: Vec<u8>,
     number: usize,
+    /// Bytes read so far, and those of the whole file.
+    read: u64,
+    size: u64,
 }
 
 impl Lines {
-    pub(super) fn open(path: &Path) -> io::Result<Lines> {
+    /// Opens a file.
+    pub(crate) fn open(path: &Path) -> io::Result<Lines> {
         let file = File::open(path)?;
-        if file.metadata()?.is_dir() {
+        let about = file.metadata()?;
+        if about.is_dir() {
             return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
         }
-        Ok(Lines { input: BufReader::with_capacity(1 << 16, file), buffer: vec![], number: 0 })
+        Ok(Lines {
+            input: BufReader::with_capacity(1 << 16, file),
+            buffer: vec![],
+            number: 0,
+            read: 0,
+            size: about.len(),
+        })
+    }
+
+    /// The part of the file that was read, from 0 to 1.
+    pub(crate) fn part(&self) -> f64 {
+        (self.read as f64 / self.size.max(1) as f64).clamp(0.0, 1.0)
     }
 
     /// The next line that is neither empty nor a comment.
-    pub(super) fn next(&mut self) -> Result<Option<Line>, LineError> {
+    pub(crate) fn next(&mut self) -> Result<Option<Line>, LineError> {
         loop {
             self.buffer.clear();
             let mut limited = io::Read::take(&mut self.input, LONGEST as u64);
@@ -55,6 +72,7 @@ impl Lines {
                 return Ok(None);
             }
             self.number += 1;
+            self.read += self.buffer.len() as u64;
             if self.number == 1 {
                 if self.buffer.starts_with(&[0xFF, 0xFE]) || self.buffer.starts_with(&[0xFE, 0xFF]) {
                     return Err(LineError::Utf16);

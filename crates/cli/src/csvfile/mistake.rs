@@ -4,7 +4,7 @@ use super::dialect::Dialect;
 use super::lines::{Line, LineError};
 use super::span;
 use phisindy_expr::{Span, nearest};
-use phisindy_phys::spec::Text;
+use phisindy_phys::spec::{CsvSpec, Text};
 use phisindy_phys::{Diagnostic, SourceId, Sources};
 use std::io;
 use std::ops::Range;
@@ -13,13 +13,13 @@ use std::ops::Range;
 const WIDEST: usize = 160;
 
 /// Makes diagnostics about one file.
-pub(super) struct Mistakes<'a> {
+pub(crate) struct Mistakes<'a> {
     /// What the user calls the file.
-    pub(super) name: &'a str,
+    pub(crate) name: &'a str,
     /// The spec that asked for it.
-    pub(super) spec: SourceId,
+    pub(crate) spec: SourceId,
     /// Receives the offending lines.
-    pub(super) sources: &'a mut Sources,
+    pub(crate) sources: &'a mut Sources,
 }
 
 impl Mistakes<'_> {
@@ -57,11 +57,11 @@ impl Mistakes<'_> {
         (self.sources.add_excerpt(self.name, piece, line.number), Span::new(field.start - from, end))
     }
 
-    pub(super) fn unreadable(&self, at: Span, error: &io::Error) -> Diagnostic {
+    pub(crate) fn unreadable(&self, at: Span, error: &io::Error) -> Diagnostic {
         self.in_spec(format!("cannot read `{}`: {error}", self.name), at)
     }
 
-    pub(super) fn bad_line(&mut self, at: Span, error: &LineError) -> Diagnostic {
+    pub(crate) fn bad_line(&mut self, at: Span, error: &LineError) -> Diagnostic {
         match error {
             LineError::Io(e) => self.unreadable(at, e),
             LineError::Utf16 => self
@@ -84,12 +84,12 @@ impl Mistakes<'_> {
         }
     }
 
-    pub(super) fn empty(&self, at: Span) -> Diagnostic {
+    pub(crate) fn empty(&self, at: Span) -> Diagnostic {
         self.in_spec(format!("the data file `{}` is empty", self.name), at)
             .help("give a file with a heading line and rows of numbers")
     }
 
-    pub(super) fn too_few(&self, at: Span, rows: usize, selected: bool) -> Diagnostic {
+    pub(crate) fn too_few(&self, at: Span, rows: usize, selected: bool) -> Diagnostic {
         let count = match rows {
             0 => "no row".to_owned(),
             1 => "one row".to_owned(),
@@ -104,8 +104,34 @@ impl Mistakes<'_> {
         d.help("a record needs at least 10 rows")
     }
 
+    /// More samples than a fit can use. `part` of the file was read, up to the time `extent.1`.
+    pub(crate) fn too_many(
+        &self,
+        csv: &CsvSpec,
+        most: usize,
+        extent: Option<(f64, f64)>,
+        part: f64,
+    ) -> Diagnostic {
+        let at = csv.window.as_ref().map_or(csv.path.span, |(a, b)| a.span.to(b.span));
+        let message = format!("`{}` has more than {} samples for one record", self.name, grouped(most));
+        let mut d = self.in_spec(message, at);
+        // Twenty thousand samples are plenty for a model with a dozen unknowns.
+        let now = csv.decimate.as_ref().map_or(1, |d| d.value) as f64;
+        let every = (now * most as f64 / part.max(1e-6) / 20_000.0).ceil();
+        d = d.help(format!(
+            "take the mean of every {every} rows, for about 20 000 samples: `decimate: {every}`"
+        ));
+        if let Some((first, last)) = extent {
+            d = d.help(format!(
+                "or take a part: `window: ({first:?}, {:?})` would do",
+                first + 0.01 * (last - first)
+            ));
+        }
+        d
+    }
+
     /// A column that the heading does not have.
-    pub(super) fn no_column(&mut self, wanted: &Text, names: &[String], header: Option<&Line>) -> Diagnostic {
+    pub(crate) fn no_column(&mut self, wanted: &Text, names: &[String], header: Option<&Line>) -> Diagnostic {
         let message = format!("the data file `{}` has no column `{}`", self.name, wanted.value);
         let mut d = Diagnostic::error(message).at(self.spec, wanted.span, "asked for here");
         let near = nearest(&wanted.value, names.iter().map(String::as_str));
@@ -135,7 +161,7 @@ impl Mistakes<'_> {
     }
 
     /// A column that the heading has twice.
-    pub(super) fn twice(
+    pub(crate) fn twice(
         &mut self,
         wanted: &Text,
         line: &Line,
@@ -155,7 +181,7 @@ impl Mistakes<'_> {
     }
 
     /// A line with more or fewer fields than the heading.
-    pub(super) fn ragged(
+    pub(crate) fn ragged(
         &mut self,
         line: &Line,
         found: usize,
@@ -177,7 +203,7 @@ impl Mistakes<'_> {
             .help("every line needs one field for each column; an unmeasured row is best deleted")
     }
 
-    pub(super) fn not_a_number(
+    pub(crate) fn not_a_number(
         &mut self,
         line: &Line,
         field: Range<usize>,
@@ -201,7 +227,7 @@ impl Mistakes<'_> {
         d
     }
 
-    pub(super) fn not_finite(
+    pub(crate) fn not_finite(
         &mut self,
         line: &Line,
         field: Range<usize>,
@@ -212,7 +238,7 @@ impl Mistakes<'_> {
             .help("delete the line, or leave it out with `window` or `rows`: a gap in time does no harm, an invented value does")
     }
 
-    pub(super) fn two_marks(
+    pub(crate) fn two_marks(
         &mut self,
         line: &Line,
         field: Range<usize>,
@@ -230,7 +256,7 @@ impl Mistakes<'_> {
 
     /// A time that does not come after the one before.
     #[allow(clippy::too_many_arguments)]
-    pub(super) fn time_order(
+    pub(crate) fn time_order(
         &mut self,
         line: &Line,
         place: Range<usize>,
@@ -265,4 +291,12 @@ impl Mistakes<'_> {
         }
         d
     }
+}
+
+/// 2000000 as `2 000 000`.
+fn grouped(n: usize) -> String {
+    let digits = n.to_string();
+    let pieces: Vec<&str> =
+        digits.as_bytes().rchunks(3).rev().filter_map(|p| std::str::from_utf8(p).ok()).collect();
+    pieces.join(" ")
 }

@@ -73,10 +73,24 @@ fn rows_select_and_the_rest_is_not_looked_at() {
 fn outside_of_the_window_anything_may_stand() {
     let file = format!("t,x\n{}12,overload\n", rows(|k| format!("{k},{k}\n")));
     assert!(table(PLAIN, file.as_bytes()).is_err());
-    assert_eq!(
-        table(&format!("{PLAIN}, window: (0.0, 11.0)"), file.as_bytes()).expect("a table").time.len(),
-        13
-    );
+    let read = table(&format!("{PLAIN}, window: (0.0, 11.0)"), file.as_bytes()).expect("a table");
+    // Nor is it kept: of a file of any length only the window is in memory.
+    assert_eq!((read.time.len(), read.extent), (12, Some((0.0, 12.0))));
+}
+
+#[test]
+fn a_second_line_of_units_is_no_row() {
+    let file = format!("t;x\n[s];mm\n{}", rows(|k| format!("{k};{k},5\n")));
+    assert_eq!(table(PLAIN, file.as_bytes()).expect("a table").columns[0][11], 11.5);
+    let words = format!("t;x\nsoon;late\n{}", rows(|k| format!("{k};{k},5\n")));
+    assert!(table(PLAIN, words.as_bytes()).expect_err("words").contains("holds the text `soon`"));
+}
+
+#[test]
+fn decimation_streams() {
+    let file = format!("t,x\n{}", (0..40).map(|k| format!("{k},{k}\n")).collect::<String>());
+    let read = table(&format!("{PLAIN}, decimate: 4"), file.as_bytes()).expect("a table");
+    assert_eq!((read.time.len(), read.time[0], read.columns[0][9], read.lines[0]), (10, 1.5, 37.5, 5));
 }
 
 #[test]

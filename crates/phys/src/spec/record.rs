@@ -2,7 +2,8 @@
 
 use super::reader::{Fields, Reader};
 use super::{
-    ColumnSpec, CsvSpec, DeriveSpec, Interpolation, NoiseSpec, Number, Role, Spanned, SyntheticSpec, Text,
+    ColumnSpec, CsvSpec, DeriveSpec, Detrend, Interpolation, NoiseSpec, Number, Role, Spanned, SyntheticSpec,
+    Text,
 };
 use crate::raw::{Node, Shape};
 
@@ -28,6 +29,7 @@ impl Reader<'_> {
             "interpolate",
             "constants",
             "decimate",
+            "detrend",
         ];
         let fields = self.fields(node, "`Csv`", FIELDS)?;
         let path = self.required(&fields, "path", Self::words);
@@ -45,6 +47,10 @@ impl Reader<'_> {
         let interpolate = self.pairs(&fields, "interpolate", Self::interpolation);
         let constants = self.pairs(&fields, "constants", Self::constant);
         let decimate = self.optional(&fields, "decimate", Self::count);
+        let detrend = self.pairs(&fields, "detrend", Self::detrend);
+        if let Some(columns) = &columns {
+            self.measured(&detrend, columns);
+        }
         Some(CsvSpec {
             path: path?,
             name,
@@ -62,6 +68,7 @@ impl Reader<'_> {
             interpolate,
             constants,
             decimate,
+            detrend,
             span: node.span,
         })
     }
@@ -163,6 +170,20 @@ impl Reader<'_> {
             ("Cubic", Interpolation::Cubic),
         ];
         self.choice(node, "interpolation", &table)
+    }
+
+    fn detrend(&mut self, node: &Node) -> Option<Detrend> {
+        self.choice(node, "trend", &[("Mean", Detrend::Mean), ("Linear", Detrend::Linear)])
+    }
+
+    /// A trend can only be taken off something that has a column.
+    fn measured(&mut self, detrend: &[(Text, Detrend)], columns: &[(Text, ColumnSpec)]) {
+        for (name, _) in detrend.iter().filter(|(n, _)| columns.iter().all(|(c, _)| c.value != n.value)) {
+            let message = format!("`{}` has no column here, so it has no trend", name.value);
+            let list: Vec<&str> = columns.iter().map(|(c, _)| c.value.as_str()).collect();
+            let help = format!("`columns` of this record holds: {}", list.join(", "));
+            self.wrong::<()>(name.span, message, "not in `columns`", &help);
+        }
     }
 
     fn noise(&mut self, node: &Node) -> Option<NoiseSpec> {

@@ -1,0 +1,133 @@
+//! `phisindy new`: looks at a data file and writes a commented spec for it.
+//!
+//! ```text
+//! file --Survey--> columns --Clock, Look, Roles--> what they are --Draft--> records, constants --write--> text of a spec
+//! ```
+
+mod clock;
+mod draft;
+mod estimate;
+mod heading;
+mod look;
+mod role;
+mod survey;
+mod write;
+
+use crate::args::{NewArgs, Options};
+use crate::command::{INPUT, print, remark};
+use crate::{draw, outdir};
+use anyhow::{Result, anyhow};
+use draft::Draft;
+use phisindy_expr::Span;
+use phisindy_phys::{Diagnostic, SourceId, Sources};
+use std::path::{Path, PathBuf};
+use survey::Survey;
+
+/// Does it.
+///
+/// # Errors
+/// The spec cannot be written.
+pub(crate) fn command(args: &NewArgs, options: &Options) -> Result<u8> {
+    let out = options.out.as_deref().filter(|out| *out != Path::new("-"));
+    // Before any work: a spec may hold hours of somebody's edits.
+    if let Some(out) = out {
+        if out.is_dir() {
+            return Err(anyhow!(
+                "`{}` is a folder: give --out the name of a file, such as case.ron",
+                out.display()
+            ));
+        }
+        if out.exists() && !args.force {
+            return Err(anyhow!(
+                "`{}` is there already and is left as it is: choose another name, or replace it with --force",
+                out.display()
+            ));
+        }
+    }
+    let mut sources = Sources::default();
+    let draft = match drafted(args, &mut sources) {
+        Ok(draft) => draft,
+        Err(d) => {
+            draw::show([&*d], &sources);
+            return Ok(INPUT);
+        }
+    };
+    let file = args.path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let next = next_command(args, out);
+    let text = write::spec(&draft, &file, &next);
+    if let Err(why) = accepted(&text) {
+        return Err(anyhow!("the spec for `{file}` would not be accepted ({why}): please report this"));
+    }
+    match out {
+        Some(out) => outdir::replace_file(out, &text)?,
+        None => print(&text)?,
+    }
+    if !options.quiet {
+        write::summary(&draft, &file, out, &next).iter().for_each(|line| remark(line));
+    }
+    Ok(0)
+}
+
+fn drafted(args: &NewArgs, sources: &mut Sources) -> Result<Draft, Box<Diagnostic>> {
+    let name = args.path.display().to_string();
+    let words = format!("phisindy new {name}");
+    let at = (sources.add("command line", words.clone()), Span::new(words.len() - name.len(), words.len()));
+    let survey = Survey::read(&args.path, &name, at, sources)?;
+    Draft::of(survey).map_err(|trouble| trouble.diagnostic(&name, at))
+}
+
+/// Why a readable file makes no spec.
+#[derive(Debug)]
+pub(crate) struct Trouble {
+    /// What is wrong.
+    pub(crate) message: String,
+    /// What to do.
+    pub(crate) help: String,
+    /// The mistake in a column that is needed.
+    pub(crate) mistake: Option<Box<Diagnostic>>,
+}
+
+impl Trouble {
+    fn diagnostic(self, name: &str, (source, at): (SourceId, Span)) -> Box<Diagnostic> {
+        let plain = || {
+            Diagnostic::error(format!("`{name}`: {}", self.message))
+                .at(source, at, "this file")
+                .help(&self.help)
+        };
+        self.mistake.unwrap_or_else(|| Box::new(plain()))
+    }
+}
+
+/// What to type after this, as arguments of `run`.
+fn next_command(args: &NewArgs, out: Option<&Path>) -> String {
+    let folder = |path: &Path| match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
+        _ => PathBuf::from("."),
+    };
+    let spec = out.map_or_else(
+        || Path::new(args.path.file_name().unwrap_or_default()).with_extension("ron"),
+        Path::to_owned,
+    );
+    let data = folder(&args.path);
+    let same = match (folder(&spec).canonicalize(), data.canonicalize()) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => false,
+    };
+    if same { quoted(&spec) } else { format!("{} --data {}", quoted(&spec), quoted(&data)) }
+}
+
+/// As a shell takes it.
+fn quoted(path: &Path) -> String {
+    let text = path.display().to_string();
+    let plain = text.chars().all(|c| c.is_alphanumeric() || "/._-+=".contains(c));
+    if plain { text } else { format!("'{}'", text.replace('\'', "'\\''")) }
+}
+
+/// Whether the program takes its own spec.
+fn accepted(text: &str) -> Result<(), String> {
+    let first = |all: Vec<Diagnostic>| {
+        all.into_iter().find(Diagnostic::is_error).map_or(String::new(), |d| d.message)
+    };
+    let (spec, _) = phisindy_phys::spec::read(text, SourceId(0)).map_err(first)?;
+    phisindy_phys::check(&spec, SourceId(0)).map(|_| ()).map_err(first)
+}

@@ -1,0 +1,132 @@
+//! The column of time: which one it is, and how regular it is.
+
+use super::heading::Kind;
+use super::survey::{Column, Survey};
+use std::ops::Range;
+
+/// Names that a column of time has.
+const NAMES: &[&str] = &[
+    "t",
+    "time",
+    "times",
+    "timestamp",
+    "zeit",
+    "temps",
+    "tiempo",
+    "tempo",
+    "tijd",
+    "sec",
+    "seconds",
+    "secs",
+    "elapsed",
+    "clock",
+];
+/// Names of a counter.
+const COUNTERS: &[&str] =
+    &["index", "sample", "samples", "row", "count", "counter", "no", "nr", "id", "unnamed"];
+
+/// What is to be said about time.
+#[derive(Clone, Debug)]
+pub(crate) struct Clock {
+    /// Which column.
+    pub(crate) column: usize,
+    /// The median step.
+    pub(crate) step: f64,
+    /// The largest deviation from the median step, gaps left out, as a part of it.
+    pub(crate) jitter: f64,
+    /// Rows after which time goes on more than five steps later.
+    pub(crate) gaps: Vec<usize>,
+    /// Rows whose time is that of the row before.
+    pub(crate) repeats: Vec<usize>,
+    /// Rows whose time is before that of the row before.
+    pub(crate) backs: Vec<usize>,
+    /// Why it may be another one: no name and no unit says that this is time.
+    pub(crate) guessed: bool,
+}
+
+impl Clock {
+    /// The column that is time; why there is none.
+    pub(crate) fn find(survey: &Survey) -> Result<Clock, String> {
+        let growing: Vec<bool> = survey.columns.iter().map(grows).collect();
+        let named = |c: &Column| c.heading.kind == Kind::Time || c.heading.says(NAMES);
+        let counter = |c: &Column| c.heading.says(COUNTERS) && c.heading.kind != Kind::Time;
+        let pick = |test: &dyn Fn(&Column) -> bool| {
+            survey.columns.iter().zip(&growing).position(|(c, grows)| *grows && test(c))
+        };
+        if let Some(column) = pick(&|c| named(c) && !counter(c)) {
+            return Ok(Clock::of(column, &survey.columns[column].values, false));
+        }
+        if let Some(c) = survey.columns.iter().find(|c| named(c)) {
+            return Err(format!(
+                "the column `{}` should be time, and it does not grow from row to row{}",
+                c.heading.raw,
+                if c.words > 0 { ": write it as a number of seconds" } else { "" }
+            ));
+        }
+        match pick(&|c| !counter(c) && !whole(c))
+            .or_else(|| pick(&|c| !counter(c)))
+            .or_else(|| pick(&|_| true))
+        {
+            Some(column) => Ok(Clock::of(column, &survey.columns[column].values, true)),
+            None => Err("no column grows from row to row, so none of them is time".to_owned()),
+        }
+    }
+
+    fn of(column: usize, time: &[f64], guessed: bool) -> Clock {
+        let steps: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
+        let mut forward: Vec<f64> = steps.iter().copied().filter(|d| *d > 0.0).collect();
+        forward.sort_by(f64::total_cmp);
+        let step = forward.get(forward.len() / 2).copied().unwrap_or(1.0);
+        let rows = |test: &dyn Fn(f64) -> bool| {
+            steps.iter().enumerate().filter(|(_, d)| test(**d)).map(|(k, _)| k).collect::<Vec<_>>()
+        };
+        let (gaps, repeats, backs) = (rows(&|d| d > 5.0 * step), rows(&|d| d == 0.0), rows(&|d| d < 0.0));
+        let jitter =
+            forward.iter().filter(|d| **d <= 5.0 * step).fold(0.0_f64, |m, d| m.max((d - step).abs()));
+        let after = |k: Vec<usize>| k.into_iter().map(|k| k + 1).collect();
+        Clock {
+            column,
+            step,
+            jitter: jitter / step,
+            gaps,
+            repeats: after(repeats),
+            backs: after(backs),
+            guessed,
+        }
+    }
+
+    /// The stretches of rows in which time does not go back.
+    pub(crate) fn runs(&self, rows: usize) -> Vec<Range<usize>> {
+        let ends = self.backs.iter().copied().chain([rows]);
+        let starts = [0].into_iter().chain(self.backs.iter().copied());
+        starts.zip(ends).map(|(a, b)| a..b).collect()
+    }
+}
+
+/// Whether a column only counts or tells the time: no motion, whatever else it is.
+pub(crate) fn is_counter(column: &Column) -> bool {
+    let even = || column.values.windows(3).all(|w| w[2] - w[1] == w[1] - w[0]);
+    let named =
+        column.heading.kind == Kind::Time || column.heading.says(NAMES) || column.heading.says(COUNTERS);
+    grows(column) && (named || (whole(column) && even()))
+}
+
+/// Whether a column grows as time does: nearly everywhere.
+fn grows(column: &Column) -> bool {
+    let steps = column.values.windows(2);
+    let count = steps.len();
+    let (mut up, mut down) = (0, 0);
+    for w in steps {
+        if w[1] > w[0] {
+            up += 1;
+        } else if w[1] != w[0] {
+            down += 1;
+        }
+    }
+    // Trials that each start at zero go back a few times, and a logger repeats a row now and then.
+    column.words == 0 && up as f64 > 0.6 * count as f64 && (down as f64) < 0.02 * count as f64
+}
+
+fn whole(column: &Column) -> bool {
+    column.values.iter().all(|x| x.fract() == 0.0)
+}

@@ -1,0 +1,157 @@
+//! First numbers for the constants: a regression on smoothed derivatives. Only good enough to start from.
+
+use phisindy_phys::automatic;
+
+/// More rows say no more about a start value.
+const MOST: usize = 20_000;
+
+/// A motion in SI with what acts on it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Motion {
+    /// Seconds, growing.
+    pub(crate) time: Vec<f64>,
+    /// Displacement or angle; of a measured velocity its integral.
+    pub(crate) place: Vec<f64>,
+    /// The motion of the base.
+    pub(crate) base: Option<Vec<f64>>,
+    /// Force or drive.
+    pub(crate) force: Option<Vec<f64>>,
+    /// Whether a large swing of an angle: gravity in place of a spring.
+    pub(crate) swing: bool,
+    /// The strongest frequency, in Hz.
+    pub(crate) frequency: Option<f64>,
+}
+
+/// Rate of the velocity: `-spring * (x - u) - damper * (v - du) - friction * sgn(v) + force * F`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Estimate {
+    /// Per unit mass; none if the motion shows no spring.
+    pub(crate) spring: Option<f64>,
+    /// Per unit mass.
+    pub(crate) damper: f64,
+    /// Inverse of the mass, or rate per unit of drive; none without an input.
+    pub(crate) force: Option<f64>,
+    /// Where the spring is at rest: as the sensor counts.
+    pub(crate) rest: f64,
+}
+
+impl Motion {
+    /// The numbers to start from.
+    pub(crate) fn estimate(&self) -> Estimate {
+        let n = self.time.len().min(MOST);
+        let natural = self.frequency.map_or(1.0, |f| (std::f64::consts::TAU * f).powi(2));
+        let mean = self.place[..n].iter().sum::<f64>() / n.max(1) as f64;
+        let middle = if self.swing { *self.place.last().unwrap_or(&mean) } else { mean };
+        let poor =
+            Estimate { spring: Some(natural), damper: 0.1 * natural.sqrt(), force: None, rest: middle };
+        let Ok(velocity) = automatic(&self.time[..n], &self.place[..n]) else { return poor };
+        let Ok(rate) = automatic(&self.time[..n], &velocity.derivative) else { return poor };
+        let (x, v) = (&velocity.values, &velocity.derivative);
+        let du = self.base.as_ref().and_then(|u| automatic(&self.time[..n], &u[..n]).ok());
+        let mut speeds: Vec<f64> = v.iter().map(|v| v.abs()).collect();
+        speeds.sort_by(f64::total_cmp);
+        let fast = speeds[n * 95 / 100];
+        // Where it sticks or turns the rate is not what the other terms say; at the ends derivatives are poor.
+        let rows: Vec<usize> = (n / 100..n - n / 100).filter(|&k| v[k].abs() > 0.1 * fast).collect();
+        let column = |f: &dyn Fn(usize) -> f64| rows.iter().map(|&k| f(k)).collect::<Vec<f64>>();
+        let spring = column(&|k| match (&self.base, self.swing) {
+            (Some(u), _) => -(x[k] - u[k]),
+            (None, true) => -(x[k] - middle).sin(),
+            (None, false) => -x[k],
+        });
+        let damper = column(&|k| -(v[k] - du.as_ref().map_or(0.0, |d| d.derivative[k])));
+        let friction = column(&|k| -v[k].signum());
+        let one = column(&|_| 1.0);
+        let force = self.force.as_ref().map(|f| column(&|k| f[k]));
+        let target = column(&|k| rate.derivative[k]);
+        let mut columns = vec![damper, friction, one];
+        columns.extend(force);
+        let without = least_squares(&columns, &target);
+        columns.push(spring);
+        let with = least_squares(&columns, &target);
+        let forced = |c: &[f64]| self.force.as_ref().map(|_| c[3]).filter(|b| b.is_finite());
+        match (with, without) {
+            (Some((c, error)), before) => {
+                let k = c[c.len() - 1];
+                let better = before.as_ref().is_none_or(|(_, plain)| error < 0.9 * plain);
+                // A free motion that comes back has a spring; a driven one may have none.
+                if k > 0.0 && (better || self.force.is_none()) {
+                    let rest = if self.swing || self.base.is_some() { middle } else { c[2] / k };
+                    let near = (rest - mean).abs() < 10.0 * spread(x);
+                    let rest = if self.base.is_some() || !near { mean } else { rest };
+                    return Estimate { spring: Some(k), damper: c[0], force: forced(&c), rest };
+                }
+                match before {
+                    Some((c, _)) if self.force.is_some() => {
+                        Estimate { spring: None, damper: c[0], force: forced(&c), rest: mean }
+                    }
+                    _ => poor,
+                }
+            }
+            (None, _) => poor,
+        }
+    }
+}
+
+/// Standard deviation.
+pub(crate) fn spread(values: &[f64]) -> f64 {
+    let n = values.len().max(1) as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt()
+}
+
+/// Coefficients and the sum of squares that is left, by the normal equations of the scaled columns; none if they are dependent.
+fn least_squares(columns: &[Vec<f64>], target: &[f64]) -> Option<(Vec<f64>, f64)> {
+    let m = columns.len();
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let sizes: Vec<f64> = columns.iter().map(|c| dot(c, c).sqrt()).collect();
+    if target.len() < 4 * m || sizes.iter().any(|s| *s == 0.0 || !s.is_finite()) {
+        return None;
+    }
+    let mut matrix: Vec<Vec<f64>> = (0..m)
+        .map(|i| {
+            let row = (0..m).map(|j| dot(&columns[i], &columns[j]) / (sizes[i] * sizes[j]));
+            row.chain([dot(&columns[i], target) / sizes[i]]).collect()
+        })
+        .collect();
+    for k in 0..m {
+        let pivot = (k..m).max_by(|&a, &b| matrix[a][k].abs().total_cmp(&matrix[b][k].abs()))?;
+        matrix.swap(k, pivot);
+        if matrix[k][k].abs() < 1e-12 {
+            return None;
+        }
+        let above = matrix[k].clone();
+        for (_, row) in matrix.iter_mut().enumerate().filter(|(i, _)| *i != k) {
+            let factor = row[k] / above[k];
+            row.iter_mut().zip(&above).for_each(|(x, a)| *x -= factor * a);
+        }
+    }
+    let found: Vec<f64> = (0..m).map(|k| matrix[k][m] / matrix[k][k] / sizes[k]).collect();
+    let left = (0..target.len())
+        .map(|r| (target[r] - columns.iter().zip(&found).map(|(c, x)| c[r] * x).sum::<f64>()).powi(2))
+        .sum();
+    Some((found, left))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_damped_swing_gives_its_constants() {
+        let time: Vec<f64> = (0..2000).map(|k| 0.005 * f64::from(k)).collect();
+        let place = time.iter().map(|t| 0.3 + 0.01 * (-0.2 * t).exp() * (7.0 * t).cos()).collect();
+        let motion = Motion { time, place, frequency: Some(1.1), ..Motion::default() };
+        let e = motion.estimate();
+        assert!((e.spring.expect("a spring") - 49.04).abs() < 1.0, "{e:?}");
+        assert!((e.damper - 0.4).abs() < 0.1 && (e.rest - 0.3).abs() < 1e-3, "{e:?}");
+    }
+
+    #[test]
+    fn dependent_columns_are_refused() {
+        let x: Vec<f64> = (0..50).map(f64::from).collect();
+        assert!(least_squares(&[x.clone(), x.clone()], &x).is_none());
+        let (c, left) = least_squares(&[x.clone(), vec![1.0; 50]], &x).expect("independent");
+        assert!((c[0] - 1.0).abs() < 1e-9 && left < 1e-12);
+    }
+}

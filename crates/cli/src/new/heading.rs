@@ -1,0 +1,229 @@
+//! What the heading of a column says: its name and its unit, in the forms that people write.
+
+use phisindy_phys::unit::Unit;
+
+/// What a column measures, by its unit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// Seconds and the like.
+    Time,
+    /// A place in metres.
+    Length,
+    /// An angle.
+    Angle,
+    /// Metres per second.
+    Speed,
+    /// Angle per second.
+    AngularSpeed,
+    /// Metres or angle per second squared.
+    Acceleration,
+    /// Newtons.
+    Force,
+    /// Newton metres.
+    Torque,
+    /// Volts or amperes: what drives a motor, or what a sensor puts out.
+    Electric,
+    /// Some other unit.
+    Other,
+    /// No unit is given.
+    Unsaid,
+}
+
+/// A heading taken apart.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Heading {
+    /// As the file has it.
+    pub(crate) raw: String,
+    /// Without the unit, in lower case.
+    pub(crate) name: String,
+    /// In the form that specs have; none if there is none that is known.
+    pub(crate) unit: Option<String>,
+    /// What it measures.
+    pub(crate) kind: Kind,
+}
+
+impl Heading {
+    /// `x [mm]`, `Force (kN)`, `t/s`, `theta_rad`, `v_m_per_s`, or a name alone.
+    pub(crate) fn parse(raw: &str) -> Heading {
+        let text = raw.trim();
+        let found =
+            bracketed(text).or_else(|| quotient(text)).or_else(|| spoken(text)).or_else(|| suffixed(text));
+        let (name, unit) = found.unwrap_or((text, None));
+        let name = name.trim().trim_end_matches(['_', '-', ',']).to_lowercase();
+        let kind = unit.as_deref().map_or(Kind::Unsaid, kind);
+        Heading { raw: raw.to_owned(), name, unit, kind }
+    }
+
+    /// The same column with the unit of a second heading line, if it has none of its own.
+    pub(crate) fn with_unit(mut self, unit: &str) -> Heading {
+        if self.unit.is_none() {
+            self.unit = normal(unit.trim_matches(['[', ']', '(', ')', ' ']));
+            self.kind = self.unit.as_deref().map_or(Kind::Unsaid, kind);
+        }
+        self
+    }
+
+    /// The parts of the name, as `["x", "mass"]`; numbers at their ends taken off.
+    pub(crate) fn words(&self) -> impl Iterator<Item = &str> {
+        let parts = self.name.split(|c: char| !c.is_alphanumeric());
+        parts.map(|w| w.trim_end_matches(|c: char| c.is_ascii_digit())).filter(|w| !w.is_empty())
+    }
+
+    /// Whether one of the parts is one of these.
+    pub(crate) fn says(&self, words: &[&str]) -> bool {
+        self.words().any(|w| words.contains(&w))
+    }
+}
+
+/// The factor to SI.
+pub(crate) fn factor(unit: Option<&str>) -> f64 {
+    unit.and_then(|u| Unit::parse(u).ok()).map_or(1.0, |u| u.factor)
+}
+
+type Found<'t> = Option<(&'t str, Option<String>)>;
+
+fn bracketed(text: &str) -> Found<'_> {
+    let pairs = [('[', ']'), ('(', ')'), ('<', '>'), ('{', '}')];
+    let (open, _) = pairs.iter().find(|(_, close)| text.ends_with(*close))?;
+    let at = if text.ends_with("))") { text.find(*open)? } else { text.rfind(*open)? };
+    if at == 0 {
+        return None;
+    }
+    let name = text[..at].trim().trim_end_matches('/');
+    // Whatever stands in brackets is no part of the name, even if nobody knows it.
+    Some((name, normal(&text[at + 1..text.len() - 1])))
+}
+
+fn quotient(text: &str) -> Found<'_> {
+    let at = text.find('/')?;
+    let unit = text[at + 1..].trim();
+    let unit = unit.strip_prefix('(').and_then(|u| u.strip_suffix(')')).unwrap_or(unit);
+    Some((&text[..at], Some(normal(unit)?)))
+}
+
+fn spoken(text: &str) -> Found<'_> {
+    [" in ", ", ", " "].iter().find_map(|between| {
+        let at = text.rfind(between)?;
+        Some((&text[..at], Some(plain(&text[at + between.len()..])?)))
+    })
+}
+
+fn suffixed(text: &str) -> Found<'_> {
+    text.match_indices('_').filter(|(at, _)| *at > 0).find_map(|(at, _)| {
+        let tail = text[at + 1..].replace("_per_", "/");
+        let unit = plain(&tail).or_else(|| plain(&tail.replace('_', "/")))?;
+        Some((&text[..at], Some(unit)))
+    })
+}
+
+/// A unit that may stand without brackets: `x_t` is no mass in tonnes, `u_h` no hour.
+fn plain(text: &str) -> Option<String> {
+    let unit = normal(text)?;
+    let known = kind(&unit) != Kind::Other
+        || matches!(unit.as_str(), "kg" | "K" | "Pa" | "kPa" | "MPa" | "bar" | "Hz" | "W");
+    (known && !matches!(text, "t" | "h" | "min" | "rev" | "1")).then_some(unit)
+}
+
+/// The spelling of the specs, if the unit is known.
+fn normal(text: &str) -> Option<String> {
+    let text = text.trim().replace('²', "^2").replace("**", "^").replace('·', "*").replace(" per ", "/");
+    let word = match text.to_lowercase().as_str() {
+        "sec" | "secs" | "second" | "seconds" | "sek" | "sekunden" => "s",
+        "msec" | "millisecond" | "milliseconds" => "ms",
+        "usec" | "microseconds" => "us",
+        "meter" | "metre" | "meters" | "metres" => "m",
+        "millimeter" | "millimetre" | "millimeters" | "millimetres" => "mm",
+        "micron" | "microns" | "micrometer" | "micrometre" => "um",
+        "newton" | "newtons" => "N",
+        "volt" | "volts" => "V",
+        "ampere" | "amp" | "amps" => "A",
+        "degree" | "degrees" | "grad" => "deg",
+        "radian" | "radians" => "rad",
+        "nm" if text == "Nm" => "N*m",
+        "n.m" | "n m" => "N*m",
+        "m/s/s" => "m/s^2",
+        _ => text.as_str(),
+    };
+    // m/s2 is m/s^2.
+    let word = match word.strip_suffix(['2', '3']) {
+        Some(front) if front.ends_with(|c: char| c.is_alphabetic()) => {
+            format!("{front}^{}", &word[front.len()..])
+        }
+        _ => word.to_owned(),
+    };
+    (!word.is_empty() && !word.starts_with(|c: char| c.is_ascii_digit()) && Unit::parse(&word).is_ok())
+        .then_some(word)
+}
+
+/// What a unit measures.
+fn kind(unit: &str) -> Kind {
+    let dimension = |text: &str| Unit::parse(text).map(|u| u.dimension).ok();
+    let own = dimension(unit);
+    let angle = ["rad", "deg", "°", "rev"].iter().any(|a| unit.contains(a));
+    let same = |text: &str| own.is_some() && own == dimension(text);
+    match () {
+        () if same("s") => Kind::Time,
+        () if same("m") => Kind::Length,
+        () if same("m/s") => Kind::Speed,
+        () if same("m/s^2") => Kind::Acceleration,
+        () if same("N") => Kind::Force,
+        () if same("N*m") => Kind::Torque,
+        () if same("V") || same("A") => Kind::Electric,
+        () if angle && same("") => Kind::Angle,
+        () if (angle || unit == "rpm") && same("1/s") => Kind::AngularSpeed,
+        () if angle && same("1/s^2") => Kind::Acceleration,
+        () => Kind::Other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_stand_in_many_forms() {
+        for (raw, name, unit, kind) in [
+            ("time_s", "time", Some("s"), Kind::Time),
+            ("t/s", "t", Some("s"), Kind::Time),
+            ("Time (sec)", "time", Some("s"), Kind::Time),
+            ("x_mass_m", "x_mass", Some("m"), Kind::Length),
+            ("x [mm]", "x", Some("mm"), Kind::Length),
+            ("x[µm]", "x", Some("µm"), Kind::Length),
+            ("x in mm", "x", Some("mm"), Kind::Length),
+            ("Force (kN)", "force", Some("kN"), Kind::Force),
+            ("F_motor_N", "f_motor", Some("N"), Kind::Force),
+            ("M [Nm]", "m", Some("N*m"), Kind::Torque),
+            ("theta_rad", "theta", Some("rad"), Kind::Angle),
+            ("phi (°)", "phi", Some("°"), Kind::Angle),
+            ("thetadot_online_rad_per_s", "thetadot_online", Some("rad/s"), Kind::AngularSpeed),
+            ("v/(m/s)", "v", Some("m/s"), Kind::Speed),
+            ("v_m_s", "v", Some("m/s"), Kind::Speed),
+            ("a [m/s²]", "a", Some("m/s^2"), Kind::Acceleration),
+            ("acc (m/s2)", "acc", Some("m/s^2"), Kind::Acceleration),
+            ("u_V", "u", Some("V"), Kind::Electric),
+            ("q_ref_m", "q_ref", Some("m"), Kind::Length),
+            ("load_raw", "load_raw", None, Kind::Unsaid),
+            ("x_t", "x_t", None, Kind::Unsaid),
+            ("x", "x", None, Kind::Unsaid),
+            ("m", "m", None, Kind::Unsaid),
+            ("x (furlong)", "x", None, Kind::Unsaid),
+            ("torque_enabled", "torque_enabled", None, Kind::Unsaid),
+        ] {
+            let h = Heading::parse(raw);
+            assert_eq!((h.name.as_str(), h.unit.as_deref(), h.kind), (name, unit, kind), "{raw}");
+        }
+    }
+
+    #[test]
+    fn a_second_heading_line_gives_units() {
+        let h = Heading::parse("Weg").with_unit("[mm]");
+        assert_eq!((h.unit.as_deref(), h.kind), (Some("mm"), Kind::Length));
+        assert_eq!(Heading::parse("x_m").with_unit("mm").unit.as_deref(), Some("m"));
+    }
+
+    #[test]
+    fn words_lose_their_numbers() {
+        let h = Heading::parse("x1_Laser 2 [mm]");
+        assert_eq!(h.words().collect::<Vec<_>>(), ["x", "laser"]);
+    }
+}

@@ -1,0 +1,95 @@
+//! The strongest line in the spectrum of a column.
+
+use realfft::RealFftPlanner;
+
+/// Longer columns are read on a coarser grid: no motion of interest has so many periods.
+const MOST: usize = 1 << 16;
+
+/// A frequency and how much of the motion it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// Periods per unit of time.
+    pub frequency: f64,
+    /// The part of the variance that lies in this line, from 0 to 1.
+    pub share: f64,
+}
+
+/// The strongest line of a column, its straight line taken off; uneven grids are resampled. None for a column that does not vary or has
+/// fewer than 16 samples.
+///
+/// ```
+/// let time: Vec<f64> = (0..1000).map(|i| 0.01 * f64::from(i)).collect();
+/// let swing: Vec<f64> = time.iter().map(|t| (2.0 * std::f64::consts::PI * 1.23 * t).sin()).collect();
+/// let line = phisindy_phys::strongest_line(&time, &swing).unwrap();
+/// assert!((line.frequency - 1.23).abs() < 0.005 && line.share > 0.9);
+/// ```
+pub fn strongest_line(time: &[f64], values: &[f64]) -> Option<Line> {
+    let n = time.len().min(values.len()).min(MOST);
+    let (first, last) = (*time.first()?, *time.get(values.len().min(time.len()) - 1)?);
+    // A comparison that is false for NaN.
+    let forward = last - first > 0.0;
+    if n < 16 || !forward {
+        return None;
+    }
+    let step = (last - first) / (n - 1) as f64;
+    let mut even = Vec::with_capacity(n);
+    let mut k = 0;
+    for i in 0..n {
+        let t = first + i as f64 * step;
+        while k + 2 < time.len().min(values.len()) && time[k + 1] < t {
+            k += 1;
+        }
+        let part = ((t - time[k]) / (time[k + 1] - time[k])).clamp(0.0, 1.0);
+        even.push(values[k] + part * (values[k + 1] - values[k]));
+    }
+    let trend =
+        crate::Trend::of(&(0..n).map(|i| i as f64).collect::<Vec<_>>(), &even, crate::spec::Detrend::Linear);
+    let mut windowed: Vec<f64> = even
+        .iter()
+        .enumerate()
+        .map(|(i, x)| {
+            let hann = (std::f64::consts::PI * (i as f64 + 0.5) / n as f64).sin().powi(2);
+            hann * (x - trend.offset - trend.slope * (i as f64 - trend.at))
+        })
+        .collect();
+    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(n);
+    let mut spectrum = transform.make_output_vec();
+    transform.process(&mut windowed, &mut spectrum).ok()?;
+    let power: Vec<f64> = spectrum.iter().map(|z| z.norm_sqr()).collect();
+    let total: f64 = power.iter().skip(1).sum();
+    let top = (1..power.len().saturating_sub(1)).max_by(|&a, &b| power[a].total_cmp(&power[b]))?;
+    let size = even.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    if !(total.is_finite() && total > (1e-12 * size * n as f64).powi(2)) {
+        return None;
+    }
+    // Between the bins: for the Hann window the ratio of the two largest amplitudes says where.
+    let root = |k: usize| power[k].sqrt();
+    let up = root(top + 1) >= root(top - 1) || top == 1;
+    let ratio = root(if up { top + 1 } else { top - 1 }) / root(top);
+    let shift = ((2.0 * ratio - 1.0) / (ratio + 1.0)).clamp(0.0, 0.5);
+    let bin = top as f64 + if up { shift } else { -shift };
+    let around = power[top.saturating_sub(2).max(1)..(top + 3).min(power.len())].iter().sum::<f64>();
+    Some(Line { frequency: bin / (n as f64 * step), share: around / total })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_uneven_grid_changes_little() {
+        let time: Vec<f64> =
+            (0..2000).map(|i| 0.01 * f64::from(i) + 0.003 * f64::from(i * 7919 % 11) / 11.0).collect();
+        let values: Vec<f64> = time.iter().map(|t| 4.0 + 0.1 * t + (12.0 * t).cos()).collect();
+        let line = strongest_line(&time, &values).expect("a line");
+        assert!((line.frequency - 12.0 / std::f64::consts::TAU).abs() < 0.005, "{line:?}");
+    }
+
+    #[test]
+    fn what_does_not_vary_has_no_line() {
+        let time: Vec<f64> = (0..100).map(f64::from).collect();
+        assert_eq!(strongest_line(&time, &vec![3.0; 100]), None);
+        assert_eq!(strongest_line(&time, &time), None);
+        assert_eq!(strongest_line(&time[..3], &time[..3]), None);
+    }
+}

@@ -1,0 +1,45 @@
+//! The mean or the straight line of a column.
+
+use crate::spec::Detrend;
+
+/// `offset + slope * (time - at)`
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trend {
+    /// The middle of the times it was fitted to.
+    pub at: f64,
+    /// Its value there.
+    pub offset: f64,
+    /// Per unit of time; zero for a mean.
+    pub slope: f64,
+}
+
+impl Trend {
+    /// The trend of a column by least squares.
+    ///
+    /// ```
+    /// use phisindy_phys::{Trend, spec::Detrend};
+    /// let trend = Trend::of(&[0.0, 1.0, 2.0], &[1.0, 3.0, 5.0], Detrend::Linear);
+    /// assert_eq!((trend.at, trend.offset, trend.slope), (1.0, 3.0, 2.0));
+    /// ```
+    pub fn of(time: &[f64], values: &[f64], kind: Detrend) -> Trend {
+        let n = time.len().min(values.len()).max(1) as f64;
+        let (at, offset) = (time.iter().sum::<f64>() / n, values.iter().sum::<f64>() / n);
+        let slope = match kind {
+            Detrend::Mean => 0.0,
+            Detrend::Linear => {
+                let (moment, spread) = time.iter().zip(values).fold((0.0, 0.0), |(m, s), (t, x)| {
+                    (m + (t - at) * (x - offset), s + (t - at) * (t - at))
+                });
+                if spread > 0.0 { moment / spread } else { 0.0 }
+            }
+        };
+        Trend { at, offset, slope }
+    }
+
+    /// Takes it off a column.
+    pub fn remove(&self, time: &[f64], values: &mut [f64]) {
+        for (t, x) in time.iter().zip(values) {
+            *x -= self.offset + self.slope * (t - self.at);
+        }
+    }
+}

@@ -1,0 +1,337 @@
+//! `phisindy new`: a data file as people have it becomes a spec that runs.
+#![allow(missing_docs)]
+
+#[allow(dead_code)]
+mod common;
+
+use common::{Outcome, Scratch, phisindy};
+use std::fmt::Write;
+
+/// A free oscillator with dry friction, x'' = -k (x - offset) - c v - f sgn v, in small steps: 40 rad/s^2, 0.2 1/s, 0.5 m/s^2. Times and places.
+fn ring_down(samples: usize, step: f64) -> Vec<(f64, f64)> {
+    let (mut x, mut v, mut out) = (0.1, 0.0, Vec::new());
+    for k in 0..samples {
+        out.push((k as f64 * step, x));
+        for _ in 0..200 {
+            let h = step / 200.0;
+            let push = -40.0 * x - 0.2 * v;
+            let next: f64 = v + h * (push - 0.5 * f64::signum(if v == 0.0 { push } else { v }));
+            // It stands still once friction holds it where it turns.
+            v = if next * v < 0.0 || (v == 0.0 && push.abs() < 0.5) { 0.0 } else { next };
+            x += h * v;
+        }
+    }
+    out
+}
+
+/// A little disturbance of a given size, the same in every run of the test.
+fn noise(k: usize, size: f64) -> f64 {
+    let mixed = (k as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    size * 3.4
+        * (((mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 11) as f64 / (1_u64 << 53) as f64
+            - 0.5)
+}
+
+/// `new` on a file with this content, then `check` on what it wrote: the spec and what was said.
+#[track_caller]
+fn made(name: &str, content: &[u8]) -> (Scratch, String, Outcome) {
+    let scratch = Scratch::new(name);
+    let (data, spec) = (scratch.path("rig.csv"), scratch.path("rig.ron"));
+    std::fs::write(&data, content).expect("a file");
+    let said = phisindy(&["new", &data, "--out", &spec]);
+    assert_eq!((said.code, said.out.as_str()), (0, ""), "{}", said.err);
+    let text = std::fs::read_to_string(&spec).expect("a spec");
+    (scratch, text, said)
+}
+
+#[track_caller]
+fn checked(scratch: &Scratch, text: &str) {
+    let said = phisindy(&["check", &scratch.path("rig.ron")]);
+    assert_eq!((said.code, said.err.as_str()), (0, ""), "{text}");
+}
+
+#[track_caller]
+fn holds(text: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(text.contains(part), "expected {part:?} in\n{text}");
+    }
+}
+
+#[test]
+fn a_ring_down_runs_as_it_is() {
+    let mut file = "# rig 7, Monday\ntime_s;Weg [mm];Bemerkung\n".to_owned();
+    for (k, (t, x)) in ring_down(1200, 0.005).into_iter().enumerate() {
+        let row = format!("{t:.4};{:.5};gut\n", 1e3 * x + 20.0 + noise(k, 0.02));
+        file.push_str(&row.replace('.', ","));
+    }
+    let (scratch, text, said) = made("ringdown", file.as_bytes());
+    holds(&said.err, &["1200 rows", "200 Hz", "motion `Weg [mm]`", "phisindy run"]);
+    holds(
+        &text,
+        &[
+            "separator: ';', decimal: ','",
+            "(\"Weg [mm]\", \"mm\")",
+            "role: Validate",
+            "words, not used",
+            "stands still",
+            "// EDIT",
+        ],
+    );
+    checked(&scratch, &text);
+    let run = phisindy(&["run", &scratch.path("rig.ron"), "--format", "json"]);
+    let result: serde_json::Value =
+        serde_json::from_str(&run.out).unwrap_or_else(|e| panic!("{e}: {}", run.err));
+    assert_eq!((run.code, &result["verdict"]), (0, &"identified".into()), "{}", run.err);
+    let friction = result["equations"][0]["terms"][0]["coefficient"].as_f64().expect("a number");
+    assert!((friction - 0.5).abs() < 0.02, "{}", run.out);
+    let k = result["parameters"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .find(|p| p["name"] == "k")
+        .expect("a stiffness");
+    assert!((k["value"].as_f64().expect("a number") - 40.0).abs() < 0.5, "{k}");
+}
+
+/// A table with heading `heading`, `rows` rows written by `row`.
+fn table(heading: &str, rows: usize, row: impl Fn(usize, f64) -> String) -> String {
+    let body = (0..rows).fold(String::new(), |mut all, k| {
+        let _ = writeln!(all, "{}", row(k, 0.01 * k as f64));
+        all
+    });
+    if heading.is_empty() { body } else { format!("{heading}\n{body}") }
+}
+
+#[test]
+fn every_way_to_write_a_table_is_read() {
+    for (file, parts) in [
+        (
+            table("t x", 300, |_, t| format!("{t:.3}  {:.4}", (5.0 * t).sin())),
+            &["separator: ' '", "taken: s", "gives no unit"] as &[&str],
+        ),
+        (
+            table("t/s\tx/mm", 300, |_, t| format!("{t:.3}\t{:.4}", (5.0 * t).sin())),
+            &["separator: '\\t'", "(\"t/s\", \"s\")", "(\"x/mm\", \"mm\")"],
+        ),
+        (
+            table("", 300, |_, t| format!("{t:.3},{:.4}", (5.0 * t).sin())),
+            &["header: false", "time: \"1\"", "\"x\": \"2\"", "which column is time"],
+        ),
+        (
+            table("", 300, |_, t| format!("{t:.3} {:.4}", (5.0 * t).sin()).replace('.', ",")),
+            &["separator: ' ', decimal: ','"],
+        ),
+        (
+            table("Zeit;Weg\ns;mm", 300, |_, t| format!("{t:.3};{:.4}", (5.0 * t).sin()).replace('.', ",")),
+            &["(\"Zeit\", \"s\")", "(\"Weg\", \"mm\")"],
+        ),
+        (
+            table("x [mm],Time (ms)", 300, |_, t| format!("{:.4},{:.1}", (5.0 * t).sin(), 1e3 * t)),
+            &["time: (\"Time (ms)\", \"ms\")", "0.7965 Hz"],
+        ),
+    ] {
+        let name = format!("ways-{}", parts[0].len() * 1000 + file.len());
+        let (scratch, text, _) = made(&name, file.as_bytes());
+        holds(&text, parts);
+        checked(&scratch, &text);
+    }
+}
+
+#[test]
+fn a_base_that_moves_is_an_input_with_its_velocity() {
+    let file = table("time_s,x_mass_mm,u_base_mm,temperature_C", 600, |_, t| {
+        format!(
+            "{t:.3},{:.5},{:.5},21.5",
+            (6.0 * t - 0.4).sin() + 0.1 * (18.0 * t).sin() + 3.0,
+            (6.0 * t).sin()
+        )
+    });
+    let (scratch, text, said) = made("base", file.as_bytes());
+    holds(&said.err, &["base `u_base_mm`"]);
+    holds(
+        &text,
+        &["derive: { \"du\": Derivative(\"u\") }", "offset: Find(", "- k*(x - u)", "constant, not used"],
+    );
+    checked(&scratch, &text);
+}
+
+#[test]
+fn a_force_in_newtons_gives_a_mass_and_a_velocity_is_seen_in_the_numbers() {
+    let file = table("time_s,ch1,ch2,Force (kN)", 600, |_, t| {
+        format!(
+            "{t:.3},{:.5},{:.5},{:.6}",
+            (6.0 * t).sin(),
+            6.0 * (6.0 * t).cos(),
+            0.002 * (6.0 * t + 0.5).sin()
+        )
+    });
+    let (scratch, text, said) = made("force", file.as_bytes());
+    holds(&said.err, &["motion `ch1`", "force `Force (kN)`"]);
+    holds(
+        &text,
+        &["inertia: { \"v\": \"m\" }", "(\"Force (kN)\", \"kN\")", "a velocity, not used", "\"m\": (value:"],
+    );
+    checked(&scratch, &text);
+}
+
+#[test]
+fn counters_and_noise_are_no_motion() {
+    let file = table("sample,timestamp,ch0,ch1", 600, |k, t| {
+        format!("{k},{:.3},{:.5},{:.5}", 1.7e9 + t, noise(k, 1.0), (-0.2 * t).exp() * (9.0 * t).sin())
+    });
+    let (scratch, text, said) = made("counter", file.as_bytes());
+    holds(&said.err, &["time `timestamp`", "motion `ch1`"]);
+    holds(&text, &["counts rows", "nothing but noise"]);
+    checked(&scratch, &text);
+}
+
+#[test]
+fn trials_are_told_apart_by_the_column_that_counts_them() {
+    let file = table("trial,enabled,time_s,x_mm", 900, |k, _| {
+        let (trial, t) = (k / 300, 0.01 * (k % 300) as f64);
+        format!("{},{},{t:.3},{:.5}", trial + 4, u8::from(t < 1.0), (-t).exp() * (9.0 * t).sin())
+    });
+    let (scratch, text, _) = made("trials", file.as_bytes());
+    holds(
+        &text,
+        &[
+            "rows: { \"trial\": 4.0, \"enabled\": 0.0 }",
+            "rows: { \"trial\": 6.0, \"enabled\": 0.0 }",
+            "jumps back 2 times",
+        ],
+    );
+    assert_eq!(text.matches("role: Validate").count(), 1, "{text}");
+    checked(&scratch, &text);
+}
+
+#[test]
+fn what_is_missing_repeated_or_dead_is_said() {
+    let file = table("time_s,x_mm,v2", 800, |k, t| match k {
+        100..110 => format!("{t:.3},NaN,0"),
+        200 => format!("{:.3},1.0,0", t - 0.01),
+        _ => format!("{:.3},{:.5},0", if k > 500 { t + 3.0 } else { t }, (9.0 * t).sin()),
+    });
+    let (scratch, text, said) = made("missing", file.as_bytes());
+    holds(
+        &text,
+        &[
+            "10 missing",
+            "values are missing (first in line 102)",
+            "a time stands twice (first in line 202)",
+            "gaps in time once",
+            "constant, not used",
+        ],
+    );
+    holds(&said.err, &["values are missing"]);
+    checked(&scratch, &text);
+    // Trials that nothing tells apart: a spec, and what to do before it can run.
+    let file = table("time_s,x_mm", 400, |k, _| {
+        format!("{:.3},{:.4}", 0.01 * (k % 200) as f64, (0.1 * k as f64).sin())
+    });
+    let (scratch, text, said) = made("untold", file.as_bytes());
+    holds(&said.err, &["time goes back at line 202", "no column tells them apart"]);
+    let check = phisindy(&["check", &scratch.path("rig.ron")]);
+    assert_eq!(check.code, 2, "{text}");
+    holds(&check.err, &["goes back from 1.99 to 0"]);
+}
+
+#[test]
+fn a_cut_signal_and_a_long_record_are_said() {
+    let file = table("time_s,x_mm", 500, |_, t| format!("{t:.3},{:.5}", (6.0 * t).sin().clamp(-2.0, 0.7)));
+    let (_scratch, text, _) = made("clipped", file.as_bytes());
+    holds(&text, &["EDIT: `x_mm` stands at exactly its least or greatest value"]);
+    let mut file = "time_s,x_mm\n".to_owned();
+    for k in 0..60_000 {
+        let t = 1e-4 * f64::from(k);
+        let _ = writeln!(file, "{t:.4},{:.4}", (3.0 * t).sin());
+    }
+    let (scratch, text, _) = made("long", file.as_bytes());
+    holds(&text, &["decimate: 2", "low-pass"]);
+    checked(&scratch, &text);
+}
+
+#[test]
+fn bad_files_are_refused_with_the_place_and_what_to_do() {
+    let good = table("time_s,x_mm", 9000, |_, t| format!("{t:.3},{:.4}", (5.0 * t).sin()));
+    let bad_row: String = good
+        .lines()
+        .enumerate()
+        .map(|(k, l)| if k == 8416 { "84.15,overload\n".to_owned() } else { format!("{l}\n") })
+        .collect();
+    let cases: &[(&str, Vec<u8>, &[&str])] = &[
+        ("empty", vec![], &["is empty", "heading"]),
+        ("comments", b"# nothing\n".to_vec(), &["is empty"]),
+        ("column", table("x", 50, |_, t| format!("{t}")).into(), &["only one column"]),
+        ("words", table("a,b", 50, |_, _| "one,two".into()).into(), &["holds no numbers"]),
+        ("few", b"t,x\n0,1\n1,2\n".to_vec(), &["2 rows", "at least 20"]),
+        ("binary", [b"t,x\n0,1\n".as_slice(), &[0, 159, 146, 150, 10]].concat(), &["not UTF-8"]),
+        ("cut", format!("{good}90.0").into(), &["ends in the middle of line 9002", "cut off"]),
+        (
+            "text",
+            bad_row.into(),
+            &["`x_mm` holds the text `overload` in line 8417", "rig.csv:8417", "not a number"],
+        ),
+        (
+            "timeless",
+            table("x_mm,y_mm", 50, |_, t| format!("{},{}", (9.0 * t).sin(), (7.0 * t).cos())).into(),
+            &["none of them is time", "time_s"],
+        ),
+        (
+            "dates",
+            table("time,x_mm", 50, |k, t| format!("12:00:{k},{}", t.sin())).into(),
+            &["`time` should be time", "number of seconds"],
+        ),
+        (
+            "still",
+            table("time_s,x_mm", 50, |_, t| format!("{t},1.5")).into(),
+            &["no column of motion", "displacement"],
+        ),
+        (
+            "only-acceleration",
+            table("time_s,a [m/s^2]", 50, |_, t| format!("{t},{}", (9.0 * t).sin())).into(),
+            &["is an acceleration"],
+        ),
+        ("preamble", format!("Rig 7\n{good}").into(), &["before the heading", "#"]),
+        (
+            "marks",
+            table("t;x", 50, |k, t| {
+                if k == 9 { "0,09;1.5".into() } else { format!("{t:.2};{k}").replace('.', ",") }
+            })
+            .into(),
+            &["point", "comma"],
+        ),
+    ];
+    for (name, file, parts) in cases {
+        let scratch = Scratch::new(&format!("bad-{name}"));
+        let (data, spec) = (scratch.path("rig.csv"), scratch.path("rig.ron"));
+        std::fs::write(&data, file).expect("a file");
+        let said = phisindy(&["new", &data, "--out", &spec]);
+        assert_eq!((said.code, said.out.as_str()), (2, ""), "{name}: {}", said.err);
+        assert!(!std::path::Path::new(&spec).exists(), "{name}: something is written");
+        holds(&said.err, parts);
+        holds(&said.err, &["error"]);
+    }
+    let said = phisindy(&["new", "specs/nothing.csv"]);
+    assert_eq!(said.code, 2);
+    holds(&said.err, &["cannot read `specs/nothing.csv`"]);
+}
+
+#[test]
+fn nothing_is_overwritten_without_force() {
+    let scratch = Scratch::new("overwrite");
+    let (data, spec) = (scratch.path("rig.csv"), scratch.path("rig.ron"));
+    std::fs::write(&data, table("time_s,x_mm", 300, |_, t| format!("{t:.3},{:.4}", (5.0 * t).sin())))
+        .expect("a file");
+    std::fs::write(&spec, "hours of work").expect("a file");
+    let said = phisindy(&["new", &data, "--out", &spec]);
+    assert_eq!((said.code, std::fs::read_to_string(&spec).expect("a file").as_str()), (2, "hours of work"));
+    holds(&said.err, &["is there already", "--force"]);
+    assert_eq!(phisindy(&["new", &data, "--out", &spec, "--force"]).code, 0);
+    let (printed, dashed) = (phisindy(&["new", &data, "--quiet"]), phisindy(&["new", &data, "--out", "-"]));
+    assert_eq!((printed.code, printed.err.as_str()), (0, ""));
+    assert_eq!(printed.out, dashed.out);
+    assert!(printed.out.starts_with("// Written by `phisindy new rig.csv`"), "{}", printed.out);
+    let folder = phisindy(&["new", &data, "--out", scratch.0.to_str().expect("UTF-8")]);
+    assert_eq!(folder.code, 2);
+    holds(&folder.err, &["is a folder"]);
+}
