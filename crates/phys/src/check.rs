@@ -1,6 +1,7 @@
 //! Spec to [`System`]: every name resolved, every mistake of the file collected.
 
 use crate::constants::{Constants, Value};
+use crate::dimensions::dimensions;
 use crate::plan::{RecordPlan, plan_records};
 use crate::spec::{LearnSpec, Spec, Text, UnknownSpec};
 use crate::system::{Contact, Input, State, System, Term};
@@ -26,9 +27,20 @@ pub struct Case {
 /// All mistakes found, errors and warnings; on success the warnings alone come with the case.
 pub fn check(spec: &Spec, source: SourceId) -> Result<(Case, Vec<Diagnostic>), Vec<Diagnostic>> {
     let mut checker = Checker::new(source);
-    let system = checker.system(spec);
+    let mut system = checker.system(spec);
     let records = plan_records(&mut checker, spec, &system);
     checker.unused_constants(spec);
+    // What names stand for must be settled before what they measure.
+    if !checker.diagnostics.iter().any(Diagnostic::is_error) {
+        match dimensions(spec, source) {
+            Ok(units) => {
+                for (term, unit) in system.terms.iter_mut().zip(units) {
+                    (term.unit, term.force) = (unit.coefficient, unit.force);
+                }
+            }
+            Err(mistakes) => checker.diagnostics.extend(mistakes),
+        }
+    }
     let diagnostics = checker.diagnostics;
     if diagnostics.iter().any(Diagnostic::is_error) {
         return Err(diagnostics);
@@ -281,7 +293,8 @@ impl Checker {
             }
             seen.insert(bare, candidate.span);
             let value = self.graph.mul(factor, bare);
-            terms.push(Term { state, candidate: candidate.value.clone(), factor, bare, value });
+            let candidate = candidate.value.clone();
+            terms.push(Term { state, candidate, factor, bare, value, unit: None, force: None });
         }
     }
 

@@ -13,6 +13,7 @@ mod check;
 mod constants;
 mod derivative;
 mod diagnostic;
+mod dimensions;
 mod interpolate;
 mod model;
 mod noise_level;
