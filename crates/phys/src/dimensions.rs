@@ -151,12 +151,10 @@ impl<'s> Survey<'s> {
             return;
         };
         match (&first.measure, &quantity.measure) {
-            (Measure::Fixed(here), Measure::Fixed(there)) => {
-                if !self.unknowns.equate(here, there) {
-                    self.mistakes.push(self.words.defined_otherwise(name, there, here));
-                    // Said once is enough.
-                    self.names.insert(&name.value, Quantity::constant(Measure::Loose(None)));
-                }
+            (Measure::Fixed(here), Measure::Fixed(there)) if !self.unknowns.equate(here, there) => {
+                self.mistakes.push(self.words.defined_otherwise(name, there, here));
+                // Said once is enough.
+                self.names.insert(&name.value, Quantity::constant(Measure::Loose(None)));
             }
             (Measure::Loose(_), Measure::Fixed(_)) => {
                 self.names.insert(&name.value, quantity);

@@ -33,7 +33,8 @@ impl Form {
         loop {
             let next = match (left.peek(), right.peek()) {
                 (Some(&&(i, a)), Some(&&(j, b))) if i == j => {
-                    (left.next(), right.next());
+                    left.next();
+                    right.next();
                     (i, a + power * b)
                 }
                 (Some(&&(i, _)), Some(&&(j, b))) if j < i => {
