@@ -87,10 +87,34 @@ fn json_has_the_keys_of_the_contract() {
     for key in ["coefficient", "std_error", "ci95"] {
         assert!(!equation["terms"][0][key].is_null(), "{key}");
     }
+    assert_eq!(
+        (&equation["terms"][0]["unit"], &equation["terms"][0]["force"]),
+        (&"m/s^2".into(), &Value::Null)
+    );
     for key in ["name", "role", "samples", "nrmse", "noise", "start"] {
         assert!(!result["records"][0][key].is_null(), "{key}");
     }
     assert!(result["records"][0]["nrmse"]["x"].as_f64().expect("a number") < 0.01);
+}
+
+#[test]
+fn coefficients_come_in_the_units_that_follow() {
+    let mass = ["--set", "constants.m=(2.0, \"kg\")", "--set", "inertia={\"y\": \"m\"}"];
+    // A factor without the mass: the coefficient is a rate, and the force stands beside it.
+    let said = quick(&[&mass[..], &["--format", "json"]].concat());
+    let result: Value = serde_json::from_str(&said.out).expect("JSON");
+    let term = &result["equations"][0]["terms"][0];
+    let (rate, force) = (term["coefficient"].as_f64(), term["force"]["value"].as_f64());
+    assert_eq!((&term["unit"], &term["force"]["unit"]), (&"m/s^2".into(), &"N".into()));
+    assert_eq!(rate.map(|rate| 2.0 * rate), force);
+    // With the mass it is the force.
+    let newtons = [&mass[..], &["--set", "unknown.y.factor=\"-sgn(y)/m\"", "--format", "text"]].concat();
+    let said = quick(&newtons);
+    let row = said.out.lines().find(|l| l.contains("-sgn(y)/m")).expect("a row of the table");
+    let cells: Vec<&str> = row.split_whitespace().collect();
+    assert_eq!(&cells[..4], ["y", "-sgn(y)/m", "1", "N"], "{row}");
+    assert!(cells[4].starts_with('1') || cells[4].starts_with("0.99"), "{row}");
+    assert!(!said.out.contains("times inertia"), "{}", said.out);
 }
 
 #[test]

@@ -36,8 +36,18 @@ struct EquationOut<'a> {
 struct TermOut<'a> {
     candidate: &'a str,
     coefficient: f64,
+    /// SI; `1` is a plain number, and empty is what the spec does not determine.
+    unit: String,
     std_error: f64,
     ci95: [f64; 2],
+    /// The force behind a coefficient that is a rate.
+    force: Option<ForceOut>,
+}
+
+#[derive(Serialize)]
+struct ForceOut {
+    value: f64,
+    unit: String,
 }
 
 #[derive(Serialize)]
@@ -79,8 +89,10 @@ pub(crate) fn line(report: &Report<'_>) -> String {
             TermOut {
                 candidate: &system.terms[f.term].candidate,
                 coefficient: value,
+                unit: system.terms[f.term].unit.map_or(String::new(), |unit| unit.to_string()),
                 std_error,
                 ci95: [ci95.0, ci95.1],
+                force: report.force(f).map(|(value, unit)| ForceOut { value, unit: unit.to_string() }),
             }
         });
         let state = &system.states[equation.state].name;

@@ -5,8 +5,9 @@ use crate::equation::{Equation, equations, names_of_records};
 use crate::json::{self, method, role};
 use crate::load::Loaded;
 use crate::table::{aligned, short};
-use phisindy_learn::{Estimate, Identified, Verdict};
+use phisindy_learn::{Estimate, FoundTerm, Identified, Verdict};
 use phisindy_phys::spec::{self, Text, UnknownSpec};
+use phisindy_phys::unit::Dimension;
 use phisindy_phys::{Case, SourceId};
 
 /// Everything that is to be told about one spec.
@@ -106,17 +107,42 @@ impl<'a> Report<'a> {
     }
 
     fn coefficients(&self) -> Vec<Vec<String>> {
-        let mut rows =
-            vec![words(&["equation", "factor", "candidate", "coefficient", "std. error", "95 % interval"])];
+        let mut rows = vec![words(&[
+            "equation",
+            "factor",
+            "candidate",
+            "unit",
+            "coefficient",
+            "std. error",
+            "95 % interval",
+        ])];
+        if self.found.terms.iter().any(|found| self.force(found).is_some()) {
+            rows[0].push("times inertia".to_owned());
+        }
         for found in &self.found.terms {
             let term = &self.case.system.terms[found.term];
             let state = &self.case.system.states[term.state].name;
             let factor = self.factors.iter().find(|(s, _)| s == state).map_or("1", |(_, factor)| factor);
-            let mut row = vec![state.clone(), factor.to_owned(), term.candidate.clone()];
+            let unit = term.unit.map_or("-".to_owned(), |unit| unit.to_string());
+            let mut row = vec![state.clone(), factor.to_owned(), term.candidate.clone(), unit];
             row.extend(estimate(&found.coefficient, 1.0));
+            row.extend(self.force(found).map(|(force, unit)| format!("{} {unit}", short(force))));
             rows.push(row);
         }
         rows
+    }
+
+    /// The force behind a coefficient that is a rate, and its unit, where the spec states the inertia and it is one number.
+    pub(crate) fn force(&self, found: &FoundTerm) -> Option<(f64, Dimension)> {
+        let system = &self.case.system;
+        let term = &system.terms[found.term];
+        let (unit, inertia) = (term.force?, system.inertia[term.state]?);
+        let moved = self.found.parameters.iter().filter(|p| p.record.is_none());
+        let values: Vec<_> =
+            moved.filter_map(|p| Some((system.parameters[p.parameter?].node, p.estimate.value))).collect();
+        let mut graph = system.graph.clone();
+        let inertia = system.with_values(&mut graph, inertia, &values);
+        Some((found.coefficient.value * graph.value(inertia)?, unit))
     }
 
     fn parameters(&self) -> Vec<Vec<String>> {

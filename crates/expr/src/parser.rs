@@ -240,7 +240,11 @@ impl Parser<'_> {
                 let bars = std::mem::take(&mut self.bars);
                 let inner = self.expression(0)?;
                 self.bars = bars;
-                self.close(Token::Close, span, ParseErrorKind::UnclosedParenthesis)?;
+                let end = self.close(Token::Close, span, ParseErrorKind::UnclosedParenthesis)?;
+                // What is built on top begins and ends with the brackets; a name or number stands for itself.
+                if let AstKind::Unary(..) | AstKind::Binary(..) = self.nodes[inner].kind {
+                    self.nodes[inner].span = span.to(end);
+                }
                 Ok(inner)
             }
             Token::Bar => {

@@ -1,7 +1,7 @@
 //! A spec's text with effects written into it, checked, and the records as its system sees them.
 
 use crate::effect::{Effect, Written};
-use phisindy_phys::{Case, Record, SourceId, check, spec};
+use phisindy_phys::{Case, Record, SourceId, check_names, spec};
 use std::sync::Arc;
 
 /// A model under test.
@@ -53,7 +53,7 @@ impl Draft {
         internal: Vec<String>,
     ) -> Result<Draft, String> {
         let (spec, _) = spec::read(&text, SourceId(0)).map_err(|d| first(&d))?;
-        let (case, _) = check(&spec, SourceId(0)).map_err(|d| first(&d))?;
+        let (case, _) = check_names(&spec, SourceId(0)).map_err(|d| first(&d))?;
         let (old, new) = (&self.case.system, &case.system);
         let seen = |record: &Record, keep_sensors: bool| -> Record {
             let column = |name: &str| old.state(name).and_then(|k| record.columns[k].clone());

@@ -75,7 +75,7 @@ impl Effect {
 
     /// Whether a parameter of this unit is one that a load scales.
     fn scales(&self, unit: &str) -> bool {
-        self.load.is_some() && Unit::parse(unit).is_ok_and(|u| u.dimension.exponents()[0] == 1.0)
+        self.load.is_some() && Unit::parse(unit).is_ok_and(|u| u.dimension.powers()[0] == 1.0)
     }
 
     /// The spec with this effect in it.
@@ -196,7 +196,7 @@ impl Effect {
             // An offset has the unit of its column.
             return if unit == "m" { system.states[states[0]].unit.clone() } else { unit.to_owned() };
         };
-        let [kg, m, s, ..] = parsed.dimension.exponents();
+        let [kg, m, s, ..] = parsed.dimension.powers();
         // Newtons, metres, seconds.
         let (force, length, time) = (kg, m - kg, s + 2.0 * kg);
         let force = if self.scales(unit) { force - 1.0 } else { force };

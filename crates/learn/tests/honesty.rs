@@ -23,7 +23,7 @@ fn rejected(found: &Identified) -> bool {
 /// A driven mass on a spring; what differs is filled in.
 fn oscillator(constants: &str, known: &str, unknown: &str, truth: &str) -> String {
     format!(
-        r#"(constants: {{{constants}}}, states: {{"x": "m", "v": "m/s"}}, known: {{"x": "v", "v": "{known}"}},
+        r#"(constants: {{{constants}}}, states: {{"x": "", "v": ""}}, known: {{"x": "v", "v": "{known}"}},
             unknown: {{"v": {unknown}}}, contacts: ["v"],
             data: [Synthetic(truth: {{"v": "{truth}"}}, start: {{"x": 0.5, "v": 0.1}}, duration: 40.0, step: 0.02, noise: Additive(0.02), seed: 3)],
             learn: (optimiser: GaussNewton))"#
@@ -188,7 +188,7 @@ fn terms_that_cannot_be_told_apart() {
 #[test]
 fn a_trade_off_is_told_in_words() {
     // A free mass pushed to and fro: its speed hardly changes between reversals of a fast, small push.
-    let text = r#"(states: {"v": "m/s"}, known: {"v": "30*tanh(20*sin(0.5*t)) - 29*v"}, unknown: {"v": (factor: "-1", candidates: ["sgn(v)", "v"])},
+    let text = r#"(states: {"v": ""}, known: {"v": "30*tanh(20*sin(0.5*t)) - 29*v"}, unknown: {"v": (factor: "-1", candidates: ["sgn(v)", "v"])},
         contacts: ["v"], data: [Synthetic(truth: {"v": "-0.4*sgn(v) - 0.2*v"}, start: {"v": 0.5}, duration: 40.0, step: 0.02, noise: Additive(0.05), seed: 3)],
         learn: (selection: All))"#;
     let (case, records) = common::load_text(text, &[]);

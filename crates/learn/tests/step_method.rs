@@ -239,7 +239,7 @@ fn what_is_not_finite_is_not_cut() {
     let wild = StepOptions { optimiser: Optimiser::Sgd, rates: vec![1e6; 3], ..short() };
     let found = fit(&case, &records, &wild);
     assert!(!found.loss.is_finite() && found.terms.len() == 6, "{found:?}");
-    let (case, records) = common::load("case1a", &[CLEAN, ("unknown.y.candidates", r#"["1", "ln(x)"]"#)]);
+    let (case, records) = common::load("case1a", &[CLEAN, ("unknown.y.candidates", r#"["1", "ln(1*x)"]"#)]);
     for optimiser in [Optimiser::RAdam, Optimiser::GaussNewton] {
         let found = fit(&case, &records, &StepOptions { optimiser, ..short() });
         assert!(found.loss.is_nan() && found.terms.len() == 2, "{found:?}");

@@ -70,7 +70,7 @@ fn every_case_of_the_paper() {
 /// Trap of coarse events and finite differences: a stall far from the truth with a tiny error.
 #[test]
 fn the_oscillator_that_never_sticks_is_found_exactly() {
-    let text = r#"(constants: {"W": 1.2}, states: {"x": "m", "y": "m/s"}, known: {"x": "y", "y": "-x + cos(W*t)"},
+    let text = r#"(constants: {"W": 1.2}, states: {"x": "", "y": ""}, known: {"x": "y", "y": "-x + cos(W*t)"},
         unknown: {"y": (factor: "-1", candidates: ["y", "sgn(y)"])}, contacts: ["y"],
         data: [Synthetic(truth: {"y": "-0.1*y - 0.5*sgn(y)"}, start: {"x": 0.1, "y": 0.1}, duration: 50.0, step: 0.01, noise: Relative(0))])"#;
     let (case, records) = common::load_text(text, &[]);
@@ -101,7 +101,7 @@ fn positions_alone() {
 /// A driven mass on a spring with 2 % additive noise; what differs is filled in.
 fn oscillator(constants: &str, unknown: &str, contacts: &str, data: &str) -> String {
     format!(
-        r#"(constants: {{"W": 0.7, {constants}}}, states: {{"x": "m", "v": "m/s"}}, known: {{"x": "v", "v": "-0.1*v - k*x + cos(W*t)"}},
+        r#"(constants: {{"W": 0.7, {constants}}}, states: {{"x": "", "v": ""}}, known: {{"x": "v", "v": "-0.1*v - k*x + cos(W*t)"}},
             unknown: {{"v": {unknown}}}, contacts: {contacts}, data: [{data}])"#
     )
 }
@@ -189,7 +189,7 @@ fn a_belt() {
 
 #[test]
 fn friction_that_is_already_known() {
-    let text = r#"(states: {"x": "m", "v": "m/s"}, known: {"x": "v", "v": "-x - 0.4*sgn(v) + cos(0.7*t)"},
+    let text = r#"(states: {"x": "", "v": ""}, known: {"x": "v", "v": "-x - 0.4*sgn(v) + cos(0.7*t)"},
         unknown: {"v": (factor: "-1", candidates: ["v", "x", "v*|v|"])}, contacts: ["v"],
         data: [Synthetic(truth: {"v": "-0.15*v"}, start: {"x": 0.1, "v": 0.1}, duration: 40.0, step: 0.02, noise: Additive(0.02), seed: 13)])"#;
     let (case, records) = common::load_text(text, &[]);
@@ -206,7 +206,7 @@ fn friction_that_differs_with_the_direction() {
 
 #[test]
 fn a_mass_on_a_mass() {
-    let text = r#"(constants: {"m1": 1.0, "m2": 2.0}, states: {"x1": "m", "x2": "m", "y1": "m/s", "y2": "m/s"},
+    let text = r#"(constants: {"m1": 1.0, "m2": 2.0}, states: {"x1": "", "x2": "", "y1": "", "y2": ""},
         known: {"x1": "y1", "x2": "y2", "y1": "-x1/m1", "y2": "(-3*x2 - 0.2*y2 + 2*cos(1.1*t))/m2"}, inertia: {"y1": "m1", "y2": "m2"},
         unknown: {"y1": (factor: "-sgn(y1-y2)/m1", candidates: ["1", "x1"]), "y2": (factor: "sgn(y1-y2)/m2", candidates: ["1", "x2"])},
         contacts: ["y1-y2"],

@@ -1,6 +1,7 @@
 //! Spec to [`System`]: every name resolved, every mistake of the file collected.
 
 use crate::constants::{Constants, Value};
+use crate::dimensions::dimensions;
 use crate::plan::{RecordPlan, plan_records};
 use crate::spec::{LearnSpec, Spec, Text, UnknownSpec};
 use crate::system::{Contact, Input, State, System, Term};
@@ -25,10 +26,54 @@ pub struct Case {
 /// # Errors
 /// All mistakes found, errors and warnings; on success the warnings alone come with the case.
 pub fn check(spec: &Spec, source: SourceId) -> Result<(Case, Vec<Diagnostic>), Vec<Diagnostic>> {
+    checked(spec, source, true)
+}
+
+/// As [`check`], but for what the expressions measure: for texts that a program has changed after they were checked.
+///
+/// # Errors
+/// All mistakes found.
+pub fn check_names(spec: &Spec, source: SourceId) -> Result<(Case, Vec<Diagnostic>), Vec<Diagnostic>> {
+    checked(spec, source, false)
+}
+
+/// Whether any constant has a unit: a spec without one does not speak of units, and is warned, not refused.
+fn speaks_of_units(spec: &Spec) -> bool {
+    use crate::spec::ConstantSpec;
+    let all = spec.constants.iter().chain(spec.data.iter().flat_map(crate::constants::record_constants));
+    all.into_iter().any(|(_, c)| match c {
+        ConstantSpec::Number { unit, .. } => unit.is_some(),
+        ConstantSpec::Movable(m) => m.unit.is_some(),
+        ConstantSpec::Find(f) => f.unit.is_some(),
+        ConstantSpec::Expression(_) | ConstantSpec::MaxAbs(_) => false,
+    })
+}
+
+fn checked(
+    spec: &Spec,
+    source: SourceId,
+    measured: bool,
+) -> Result<(Case, Vec<Diagnostic>), Vec<Diagnostic>> {
     let mut checker = Checker::new(source);
-    let system = checker.system(spec);
+    let mut system = checker.system(spec);
     let records = plan_records(&mut checker, spec, &system);
     checker.unused_constants(spec);
+    // What names stand for must be settled before what they measure.
+    if measured && !checker.diagnostics.iter().any(Diagnostic::is_error) {
+        match dimensions(spec, source) {
+            Ok(units) => {
+                for (term, unit) in system.terms.iter_mut().zip(units) {
+                    (term.unit, term.force) = (unit.coefficient, unit.force);
+                }
+            }
+            Err(mut mistakes) => {
+                if !speaks_of_units(spec) {
+                    mistakes.iter_mut().for_each(|m| m.severity = crate::Severity::Warning);
+                }
+                checker.diagnostics.extend(mistakes);
+            }
+        }
+    }
     let diagnostics = checker.diagnostics;
     if diagnostics.iter().any(Diagnostic::is_error) {
         return Err(diagnostics);
@@ -281,7 +326,8 @@ impl Checker {
             }
             seen.insert(bare, candidate.span);
             let value = self.graph.mul(factor, bare);
-            terms.push(Term { state, candidate: candidate.value.clone(), factor, bare, value });
+            let candidate = candidate.value.clone();
+            terms.push(Term { state, candidate, factor, bare, value, unit: None, force: None });
         }
     }
 

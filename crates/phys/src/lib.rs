@@ -14,6 +14,7 @@ mod check;
 mod constants;
 mod derivative;
 mod diagnostic;
+mod dimensions;
 mod interpolate;
 mod law;
 mod model;
@@ -29,7 +30,7 @@ mod trend;
 pub mod unit;
 
 pub use blocks::Blocks;
-pub use check::{Case, check};
+pub use check::{Case, check, check_names};
 pub use constants::Value;
 pub use derivative::{Differentiated, Differentiator, automatic, differentiate};
 pub use diagnostic::{Diagnostic, Label, Severity, Source, SourceId, Sources};

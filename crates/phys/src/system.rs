@@ -1,6 +1,7 @@
 //! A checked system: known rates, unknown terms, parameters, contacts. It exists only if every name in the spec resolved.
 
 use crate::Model;
+use crate::unit::Dimension;
 use phisindy_expr::{Graph, Id, Names};
 use std::collections::HashMap;
 
@@ -45,6 +46,11 @@ pub struct Term {
     pub bare: Id,
     /// `factor * candidate`.
     pub value: Id,
+    /// SI unit of the coefficient; `None` where the spec does not determine it.
+    pub unit: Option<Dimension>,
+    /// SI unit of the coefficient times the inertia of the state, where that has one and neither factor nor candidate holds it: such a
+    /// coefficient is a rate, and the product is the force behind it.
+    pub force: Option<Dimension>,
 }
 
 /// A number of the model that may move in the fit.

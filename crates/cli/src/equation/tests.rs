@@ -6,7 +6,7 @@ use phisindy_phys::{SourceId, check, spec};
 
 fn case(known: &str, unknown: &str, constants: &str) -> Case {
     let text = format!(
-        "(constants: {{ {constants} }}, states: {{ \"x\": \"m\", \"y\": \"m/s\" }}, known: {{ \"x\": \"y\", \"y\": \"{known}\" }},
+        "(constants: {{ {constants} }}, states: {{ \"x\": \"\", \"y\": \"\" }}, known: {{ \"x\": \"y\", \"y\": \"{known}\" }},
           unknown: {{ \"y\": {unknown} }},
           data: [Csv(path: \"a.csv\", time: \"t\", columns: {{ \"x\": \"x\" }})])"
     );

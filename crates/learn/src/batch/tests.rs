@@ -254,7 +254,7 @@ fn turns_are_seen_on_a_belt() {
         (r#""vb": 0.3"#, ""),
     ] {
         let text = format!(
-            r#"(constants: {{{constants}}}, states: {{"x": "m", "v": "m/s"}}, known: {{"x": "v", "v": "-x + 1.5*cos(0.7*t)"}},
+            r#"(constants: {{{constants}}}, states: {{"x": "", "v": ""}}, known: {{"x": "v", "v": "-x + 1.5*cos(0.7*t)"}},
                 unknown: {{"v": (factor: "-sgn(v-vb)", candidates: ["1"])}}, contacts: ["v-vb"],
                 data: [Synthetic({own} truth: {{"v": "-0.3*sgn(v-vb)"}}, start: {{"x": 0.0, "v": 0.0}}, duration: 20.0, step: 0.05, noise: Relative(0.02))])"#
         );

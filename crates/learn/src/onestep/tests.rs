@@ -37,7 +37,7 @@ pub(crate) fn one_mass(samples: [usize; 2]) -> Twin {
         )
     };
     let text = format!(
-        r#"(constants: {{"d": 0.3, "k": (value: 2.0, within: (0.5, 8.0))}}, states: {{"x": "m", "y": "m/s"}}, inputs: {{"F": "N"}},
+        r#"(constants: {{"d": 0.3, "k": (value: 2.0, within: (0.5, 8.0))}}, states: {{"x": "", "y": ""}}, inputs: {{"F": ""}},
             known: {{"x": "y", "y": "-d*y - k*x + F"}}, unknown: {{"y": (factor: "-sgn(y)", candidates: ["N", "x^2"])}},
             contacts: ["y"], data: [{}, {}])"#,
         record(samples[0], 0.8, 1),
@@ -58,7 +58,7 @@ pub(crate) fn one_mass(samples: [usize; 2]) -> Twin {
 
 /// Two masses on the wall, one contact each; friction, damping, time in the rates.
 fn two_masses() -> Twin {
-    let text = r#"(constants: {"c": 0.1}, states: {"x1": "m", "x2": "m", "y1": "m/s", "y2": "m/s"},
+    let text = r#"(constants: {"c": 0.1}, states: {"x1": "", "x2": "", "y1": "", "y2": ""},
         known: {"x1": "y1", "x2": "y2", "y1": "-2*c*y1 + c*y2 - 2*x1 + x2 + 2*cos(3*t)", "y2": "c*(y1-y2) + x1 - x2"},
         unknown: {"y1": (factor: "-sgn(y1)", candidates: ["1", "x2"]), "y2": (factor: "-sgn(y2)", candidates: ["1"])}, contacts: ["y1", "y2"],
         data: [Synthetic(truth: {"y1": "-0.3*sgn(y1)"}, start: {"x1": 0.0, "x2": 0.0, "y1": 0.0, "y2": 0.0}, duration: 1.0, step: 0.05, noise: None)])"#;
@@ -84,7 +84,7 @@ fn two_masses() -> Twin {
 
 /// Mass 1 on top of mass 2: while they stick both keep their displacement's rate and share one acceleration.
 fn stacked() -> Twin {
-    let text = r#"(constants: {"m1": 1.0, "m2": 2.5}, states: {"x1": "m", "x2": "m", "y1": "m/s", "y2": "m/s"}, inputs: {"F": "N"},
+    let text = r#"(constants: {"m1": 1.0, "m2": 2.5}, states: {"x1": "", "x2": "", "y1": "", "y2": ""}, inputs: {"F": ""},
         known: {"x1": "y1", "x2": "y2", "y1": "(F - x1)/m1", "y2": "-4*x2/m2"}, inertia: {"y1": "m1", "y2": "m2"},
         unknown: {"y1": (factor: "-sgn(y1-y2)/m1", candidates: ["1"]), "y2": (factor: "sgn(y1-y2)/m2", candidates: ["1"])}, contacts: ["y1-y2"],
         data: [Synthetic(inputs: {"F": Formula("3*cos(2*t)")}, truth: {"y1": "-0.3*sgn(y1-y2)/m1", "y2": "0.3*sgn(y1-y2)/m2"},

@@ -36,9 +36,18 @@ impl Dimension {
         Dimension([kg as i16 * PARTS, m as i16 * PARTS, s as i16 * PARTS, a as i16 * PARTS, k as i16 * PARTS])
     }
 
-    /// The exponents of kg, m, s, A, K.
-    pub fn exponents(self) -> [f64; 5] {
-        self.0.map(|e| f64::from(e) / f64::from(PARTS))
+    /// Powers of kg, m, s, A, K.
+    pub fn powers(self) -> [f64; 5] {
+        self.0.map(|twelfths| f64::from(twelfths) / f64::from(PARTS))
+    }
+
+    /// The inverse of `powers`; None as in [`Dimension::pow`].
+    pub(crate) fn from_powers(powers: [f64; 5]) -> Option<Dimension> {
+        let mut dimension = Dimension::NONE;
+        for (twelfths, power) in dimension.0.iter_mut().zip(powers) {
+            *twelfths = whole_twelfths(power * f64::from(PARTS))?;
+        }
+        Some(dimension)
     }
 
     /// Whether it is a plain number.
@@ -65,12 +74,7 @@ impl Dimension {
     pub fn pow(self, exponent: f64) -> Option<Dimension> {
         let mut powers = [0; 5];
         for (power, old) in powers.iter_mut().zip(self.0) {
-            let new = f64::from(old) * exponent;
-            let rounded = new.round();
-            if new.is_nan() || rounded.abs() > f64::from(100 * PARTS) || (new - rounded).abs() > 1e-6 {
-                return None;
-            }
-            *power = rounded as i16;
+            *power = whole_twelfths(f64::from(old) * exponent)?;
         }
         Some(Dimension(powers))
     }
@@ -90,6 +94,13 @@ impl Dimension {
         }
         (None, self)
     }
+}
+
+/// The number as twelfths are kept; None if it is none, or beyond 100.
+fn whole_twelfths(x: f64) -> Option<i16> {
+    let rounded = x.round();
+    let fits = !x.is_nan() && rounded.abs() <= f64::from(100 * PARTS) && (x - rounded).abs() <= 1e-5;
+    fits.then_some(rounded as i16)
 }
 
 impl fmt::Display for Dimension {

@@ -1,0 +1,339 @@
+//! Whether what a spec adds, compares and equates measures the same, and which units its coefficients have.
+//!
+//! Units that are written are known; a constant or state without one has an unknown dimension, the same wherever it stands, and every
+//! expression says something about the unknowns ([`unknowns`]). Number literals take whatever unit fits, each for itself. Should the unknowns
+//! contradict each other, then the constants without a unit are taken as literals are: a spec is refused only for units that it states.
+
+mod form;
+mod quantity;
+mod unknowns;
+mod words;
+
+use crate::constants::record_constants;
+use crate::spec::{
+    ConstantSpec, CsvSpec, DataSpec, DeriveSpec, InputSpec, NoiseSpec, SensorSpec, SensorValue, Spec,
+    SyntheticSpec, Text,
+};
+use crate::unit::{Dimension, Unit};
+use crate::{Diagnostic, SourceId};
+use form::Form;
+use phisindy_expr::{Ast, parse};
+use quantity::{Conflict, Measure, Quantity, infer};
+use std::collections::{HashMap, HashSet};
+use unknowns::Unknowns;
+use words::Words;
+
+/// In which SI units the coefficient of a term comes out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct CoefficientUnit {
+    /// Of the coefficient; None if any fits.
+    pub(crate) coefficient: Option<Dimension>,
+    /// Of the coefficient times the inertia, where the spec states an inertia that is not part of the term.
+    pub(crate) force: Option<Dimension>,
+}
+
+/// Checks a spec in which all names are known. Returns the unit of each coefficient, in the order of the spec.
+///
+/// # Errors
+/// What does not fit.
+pub(crate) fn dimensions(spec: &Spec, source: SourceId) -> Result<Vec<CoefficientUnit>, Vec<Diagnostic>> {
+    let with = |shared| {
+        let mut survey = Survey::new(spec, source, shared);
+        let units = survey.all();
+        if survey.mistakes.is_empty() { Ok(units) } else { Err(survey.mistakes) }
+    };
+    with(true).or_else(|_| with(false))
+}
+
+/// A walk through a spec.
+struct Survey<'s> {
+    spec: &'s Spec,
+    words: Words,
+    /// Whether what has no unit has one unknown unit everywhere, or any at each place.
+    shared: bool,
+    unknowns: Unknowns,
+    names: HashMap<&'s str, Quantity>,
+    mistakes: Vec<Diagnostic>,
+}
+
+impl<'s> Survey<'s> {
+    fn new(spec: &'s Spec, source: SourceId, shared: bool) -> Self {
+        let (unknowns, names) = (Unknowns::default(), HashMap::new());
+        Survey { spec, words: Words::new(source), shared, unknowns, names, mistakes: vec![] }
+    }
+
+    fn all(&mut self) -> Vec<CoefficientUnit> {
+        let spec = self.spec;
+        // Where no state has a unit, time need not be in seconds either.
+        let bare = spec.states.iter().all(|(_, unit)| unit.value.trim().is_empty());
+        let time = if bare { self.declared(None) } else { Measure::Fixed(Form::known(Dimension::SECOND)) };
+        self.names.insert("t", Quantity::varying(time));
+        for (name, unit) in spec.states.iter().chain(&spec.inputs) {
+            let measure = self.declared(Some(unit));
+            self.names.insert(&name.value, Quantity::varying(measure));
+        }
+        self.constants();
+        for (name, text) in &spec.known {
+            self.rate(name, text, "its rate");
+        }
+        for text in spec.inertia.iter().map(|(_, text)| text).chain(&spec.contacts) {
+            self.measure(text);
+        }
+        let products = self.products();
+        for data in &spec.data {
+            match data {
+                DataSpec::Csv(csv) => self.csv(csv),
+                DataSpec::Synthetic(synthetic) => self.synthetic(synthetic),
+            }
+        }
+        // Only now is known all that the spec says.
+        products.iter().map(|(name, product, inertia)| self.coefficient(name, product, inertia)).collect()
+    }
+
+    /// What a declaration says; no unit means that any fits.
+    fn declared(&mut self, unit: Option<&Text>) -> Measure {
+        match unit.filter(|u| !u.value.trim().is_empty()).and_then(|u| Unit::parse(&u.value).ok()) {
+            Some(unit) => Measure::Fixed(Form::known(unit.dimension)),
+            None if self.shared => Measure::Fixed(self.unknowns.add()),
+            None => Measure::Loose(None),
+        }
+    }
+
+    fn constants(&mut self) {
+        let spec = self.spec;
+        let of_records = || spec.data.iter().flat_map(record_constants);
+        let overridden: HashSet<&str> = of_records().map(|(name, _)| name.value.as_str()).collect();
+        let mut pending = Vec::new();
+        for (name, constant) in spec.constants.iter().chain(of_records()) {
+            match constant {
+                ConstantSpec::Expression(text) => pending.push((name, text)),
+                _ => {
+                    let value = match constant {
+                        ConstantSpec::Number { value, unit } if !overridden.contains(name.value.as_str()) => {
+                            let factor = unit.as_ref().and_then(|u| Unit::parse(&u.value).ok());
+                            Some(value.value * factor.map_or(1.0, |u| u.factor))
+                        }
+                        _ => None,
+                    };
+                    let measure = self.stated(constant);
+                    self.define(name, Quantity { value, ..Quantity::constant(measure) });
+                }
+            }
+        }
+        // Each once all that it names are done; circles were refused before.
+        while let Some(k) = pending.iter().position(|(_, text)| {
+            let waits = |ast: &Ast| ast.names().any(|(n, _)| pending.iter().any(|(p, _)| p.value == n));
+            !parse(&text.value).as_ref().is_ok_and(waits)
+        }) {
+            let (name, text) = pending.remove(k);
+            let found = self.quantity(text);
+            let value = found.value.filter(|_| !overridden.contains(name.value.as_str()));
+            self.define(name, Quantity { value, ..Quantity::constant(found.measure) });
+        }
+    }
+
+    fn stated(&mut self, constant: &ConstantSpec) -> Measure {
+        match constant {
+            ConstantSpec::Number { unit, .. } => self.declared(unit.as_ref()),
+            ConstantSpec::Movable(movable) => self.declared(movable.unit.as_ref()),
+            ConstantSpec::Find(find) => self.declared(find.unit.as_ref()),
+            ConstantSpec::MaxAbs(input) => {
+                self.names.get(input.value.as_str()).map_or(Measure::Loose(None), |q| q.measure.clone())
+            }
+            ConstantSpec::Expression(_) => Measure::Loose(None),
+        }
+    }
+
+    /// A constant may be defined again by each record: always in the same dimension.
+    fn define(&mut self, name: &'s Text, quantity: Quantity) {
+        let Some(first) = self.names.get(name.value.as_str()) else {
+            self.names.insert(&name.value, quantity);
+            return;
+        };
+        match (&first.measure, &quantity.measure) {
+            (Measure::Fixed(here), Measure::Fixed(there)) if !self.unknowns.equate(here, there) => {
+                self.mistakes.push(self.words.defined_otherwise(name, there, here));
+                // Said once is enough.
+                self.names.insert(&name.value, Quantity::constant(Measure::Loose(None)));
+            }
+            (Measure::Loose(_), Measure::Fixed(_)) => {
+                self.names.insert(&name.value, quantity);
+            }
+            _ => {}
+        }
+    }
+
+    /// The rate of a state, per second.
+    fn rate_of(&self, state: &str) -> Measure {
+        let second = Measure::Fixed(Form::known(Dimension::SECOND));
+        self.names.get(state).map_or(Measure::Loose(None), |q| q.measure.times(&second, -1.0))
+    }
+
+    fn rate(&mut self, state: &Text, text: &Text, what: &str) {
+        let found = self.measure(text);
+        if let Some((due, is)) = self.differ(&self.rate_of(&state.value), &found) {
+            let declared = self.spec.states.iter().find(|(name, _)| name.value == state.value);
+            let missing = self.suggestion(&due, &is);
+            let unit = declared.map(|(_, unit)| unit);
+            self.mistakes.push(self.words.rate(state, unit, text, what, [&due, &is], missing));
+        }
+    }
+
+    /// The factor times the candidate of each term, and whether an inertia turns its coefficient into a force.
+    fn products(&mut self) -> Vec<(&'s str, Measure, Option<Measure>)> {
+        let spec = self.spec;
+        let mut products = Vec::new();
+        for (name, unknown) in &spec.unknown {
+            let factor = unknown.factor.as_ref().map_or(Measure::number(), |text| self.measure(text));
+            let inertia = spec.inertia.iter().find(|(n, _)| n.value == name.value).map(|(_, text)| text);
+            for candidate in &unknown.candidates {
+                let inside = inertia.is_some_and(|inertia| {
+                    let own = names(inertia);
+                    let term = unknown.factor.iter().chain([candidate]).flat_map(names);
+                    own.is_empty() || term.into_iter().any(|name| own.contains(&name))
+                });
+                let product = factor.times(&self.measure(candidate), 1.0);
+                // Said once already, if something is wrong with it.
+                let outside = inertia.filter(|_| !inside).map(|text| self.quietly(text));
+                products.push((name.value.as_str(), product, outside));
+            }
+        }
+        products
+    }
+
+    fn coefficient(&self, state: &str, product: &Measure, inertia: &Option<Measure>) -> CoefficientUnit {
+        let unit = |measure: Measure| self.unknowns.resolved(measure.plainly()?).dimension();
+        let coefficient = self.rate_of(state).times(product, -1.0);
+        let force = inertia.as_ref().and_then(|inertia| unit(coefficient.times(inertia, 1.0)));
+        CoefficientUnit { coefficient: unit(coefficient), force }
+    }
+
+    fn csv(&mut self, csv: &'s CsvSpec) {
+        self.derived(&csv.derive);
+        self.sensors(&csv.sensors);
+    }
+
+    fn synthetic(&mut self, data: &'s SyntheticSpec) {
+        for (state, text) in &data.truth {
+            self.rate(state, text, "the truth's part of it");
+        }
+        self.derived(&data.derive);
+        for (name, input) in &data.inputs {
+            if let InputSpec::Formula(text) = input {
+                let found = self.measure(text);
+                if let Some((due, is)) = self.differ(&self.of(name), &found) {
+                    let missing = self.suggestion(&due, &is);
+                    self.mistakes.push(self.words.formula(name, text, [&due, &is], missing));
+                }
+            }
+        }
+        self.sensors(&data.sensors);
+        if let NoiseSpec::Sensor(columns) = &data.noise {
+            for (name, (_, unit)) in columns {
+                self.stated_as(&format!("the noise of `{}`", name.value), self.of(name), unit.as_ref());
+            }
+        }
+    }
+
+    fn of(&self, name: &Text) -> Measure {
+        self.names.get(name.value.as_str()).map_or(Measure::Loose(None), |q| q.measure.clone())
+    }
+
+    fn derived(&mut self, derive: &'s [(Text, DeriveSpec)]) {
+        for (name, DeriveSpec::Derivative(of)) in derive {
+            if let Some((due, is)) = self.differ(&self.rate_of(&of.value), &self.of(name)) {
+                let declared = self.spec.inputs.iter().find(|(n, _)| n.value == name.value).map(|(_, u)| u);
+                self.mistakes.push(self.words.derivative(name, of, declared, [&due, &is]));
+            }
+        }
+    }
+
+    fn sensors(&mut self, sensors: &'s [(Text, SensorSpec)]) {
+        let unit = |value: &'s Option<SensorValue>| match value {
+            Some(SensorValue::Find(find)) => find.unit.as_ref(),
+            _ => None,
+        };
+        for (name, sensor) in sensors {
+            let column = &name.value;
+            let second = Measure::Fixed(Form::known(Dimension::SECOND));
+            self.stated_as(&format!("the offset of `{column}`"), self.of(name), unit(&sensor.offset));
+            self.stated_as(&format!("the delay of `{column}`"), second, unit(&sensor.delay));
+            self.stated_as(
+                &format!("the gain of `{column}`"),
+                Measure::Fixed(Form::none()),
+                unit(&sensor.gain),
+            );
+        }
+    }
+
+    /// A unit that is written where only one dimension has a meaning.
+    fn stated_as(&mut self, what: &str, due: Measure, unit: Option<&Text>) {
+        let Some(unit) = unit else { return };
+        let is = self.declared(Some(unit));
+        if let Some((due, is)) = self.differ(&due, &is) {
+            self.mistakes.push(self.words.unit(what, unit, [&due, &is]));
+        }
+    }
+
+    /// Both dimensions, if they cannot be the same.
+    fn differ(&mut self, due: &Measure, is: &Measure) -> Option<(Form, Form)> {
+        match (due, is) {
+            (Measure::Fixed(due), Measure::Fixed(is)) if !self.unknowns.equate(due, is) => {
+                Some((due.clone(), is.clone()))
+            }
+            _ => None,
+        }
+    }
+
+    fn measure(&mut self, text: &Text) -> Measure {
+        self.quantity(text).measure
+    }
+
+    fn quietly(&mut self, text: &Text) -> Measure {
+        let said = self.mistakes.len();
+        let measure = self.measure(text);
+        self.mistakes.truncate(said);
+        measure
+    }
+
+    /// What an expression measures; its own mistakes are noted.
+    fn quantity(&mut self, text: &Text) -> Quantity {
+        let Ok(ast) = parse(&text.value) else { return Quantity::varying(Measure::Loose(None)) };
+        let mut conflicts = Vec::new();
+        let names = &self.names;
+        let found = infer(&ast, |name| names.get(name).cloned(), &mut self.unknowns, &mut conflicts);
+        for conflict in conflicts {
+            let missing = match &conflict {
+                Conflict::Operands { left: (_, due), right: (_, is), .. } => self.suggestion(due, is),
+                Conflict::Argument { form, .. }
+                | Conflict::Exponent { form, .. }
+                | Conflict::Base { form, .. } => self.suggestion(&Form::none(), form),
+            };
+            self.mistakes.push(self.words.conflict(text.span, &conflict, missing));
+        }
+        found
+    }
+
+    /// Constants that would make up for the difference: a factor `W`, a division by `m`.
+    fn suggestion(&self, due: &Form, is: &Form) -> Option<String> {
+        let missing = due.over(is);
+        let like = |form: &Form| {
+            let own = |name: &str| match self.names.get(name).map(|q| &q.measure) {
+                Some(Measure::Fixed(own)) => own.over(form).is_none(),
+                _ => false,
+            };
+            let constants = self.spec.constants.iter().filter(|(name, _)| own(&name.value));
+            let few: Vec<String> = constants.map(|(name, _)| format!("`{}`", name.value)).take(3).collect();
+            (!few.is_empty()).then(|| few.join(" or "))
+        };
+        let factor = like(&missing).map(|names| format!("a factor {names}"));
+        factor.or_else(|| like(&missing.pow(-1.0)).map(|names| format!("a division by {names}")))
+    }
+}
+
+fn names(text: &Text) -> HashSet<String> {
+    parse(&text.value).map(|ast| ast.names().map(|(name, _)| name.to_owned()).collect()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests;
