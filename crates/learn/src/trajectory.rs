@@ -157,8 +157,10 @@ fn structure<'a>(context: &Context<'a>, fit: Fit<'a>, all: &[usize]) -> Selectio
     let mut found = select(context, fit, all);
     for _ in 0..4 {
         let terms = found.fit.problem.terms.clone();
-        found = select(context, found.fit, all);
-        if found.fit.problem.terms == terms {
+        let joined = context.joined(&found.fit);
+        let same = joined.is_none();
+        found = select(context, joined.unwrap_or(found.fit), all);
+        if same && found.fit.problem.terms == terms {
             break;
         }
     }
