@@ -59,8 +59,9 @@ impl<'a> Context<'a> {
             }
         };
         for &pieces in &stages {
-            let problem =
+            let mut problem =
                 Problem::new(self.system, terms, &self.records, &vec![pieces; self.records.len()]).ok()?;
+            problem.budget = before.as_ref().map(|(_, fit)| fit.budget(fit.most_pieces().div_ceil(pieces)));
             let mut x = problem.guess(&values, parameters.as_deref(), &self.smooth);
             if let Some((_, fit)) = &before {
                 carry(&fit.problem, &fit.x, &problem, &mut x);
@@ -110,9 +111,9 @@ impl<'a> Context<'a> {
         for tighter in TIGHTER {
             chain.continuity = Some(jumps.iter().map(|j| tighter * j).collect());
             let limits = Limits { iterations: 12, gain: 1e-4 };
-            let r = minimise(&mut x, &chain.bounds, limits, |x| chain.normal(x, &cut.weights).ok());
+            minimise(&mut x, &chain.bounds, limits, |x| chain.normal(x, &cut.weights).ok())?;
         }
-        let single =
+        let mut single =
             Problem::new(self.system, &cut.problem.terms, &self.records, &vec![1; self.records.len()])
                 .ok()?;
         let mut y = single.guess(&x[..cut.problem.terms.len()], None, &self.smooth);
@@ -123,6 +124,7 @@ impl<'a> Context<'a> {
                 y[segment.start + k] = x[first.start + k];
             }
         }
+        single.budget = Some(cut.budget(cut.most_pieces()));
         let joined = self.settle(single, y, cut.noise.clone(), 3)?;
         (self.misfit(&joined)? <= DRIFT * self.misfit(cut)?).then_some(joined)
     }
@@ -179,8 +181,7 @@ impl<'a> Context<'a> {
     pub(crate) fn problem(&self, terms: &[usize], like: &Fit<'a>) -> Option<Problem<'a>> {
         let mut problem = Problem::new(self.system, terms, &self.records, &like.pieces).ok()?;
         problem.continuity = like.problem.continuity.clone();
-        // What takes many times the steps of a good model is a bad one, and slow to find out about.
-        problem.budget = Some(1_000 + 4 * like.problem.steps(&like.x));
+        problem.budget = Some(like.budget(1));
         Some(problem)
     }
 
@@ -311,6 +312,17 @@ impl Fit<'_> {
     /// Whether nothing but noise is left.
     pub(crate) fn is_white(&self) -> bool {
         self.effective > WHITE * self.samples as f64 || self.excess < EXCESS
+    }
+
+    /// Steps that a simulation of such a model may take over segments so many times as `long`: what takes many times the steps of a good model is a bad
+    /// one, and slow to find out about.
+    fn budget(&self, long: usize) -> usize {
+        1_000 + 4 * long * self.problem.steps(&self.x)
+    }
+
+    /// Segments of the record that has most.
+    fn most_pieces(&self) -> usize {
+        self.pieces.iter().copied().max().unwrap_or(1)
     }
 
     /// By how much correlated residuals overstate what is known: 1 for white noise.
