@@ -6,6 +6,9 @@ use phisindy_phys::Record;
 /// A motion counts as periodic if its best periodic prediction misses less than this part of it.
 const PERIODIC: f64 = 0.2;
 
+/// Successive differences of cycles more alike than this are a trend: those of independent cycles are anticorrelated (-1/2), those of a transient all point one way.
+const TREND: f64 = 0.4;
+
 /// The repeatability of one column of a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Repeat {
@@ -43,8 +46,7 @@ pub fn repeatability(record: &Record, column: &[f64]) -> Option<Repeat> {
     }
     let (_, period) = best?;
     let (rms, trend) = scatter(column, period)?;
-    // Differences of independent cycles are anticorrelated (-1/2); those of a slow transient all point one way.
-    (rms < PERIODIC * deviation && trend < 0.0)
+    (rms < PERIODIC * deviation && trend < TREND)
         .then_some(Repeat { period: period * step, nrmse: rms / deviation, rms })
 }
 

@@ -18,6 +18,8 @@ const WORTH: f64 = 10.0;
 const SIMPLER: f64 = 3.0;
 /// An effect that leaves more than this part of the gap on Validate records explains nothing of note.
 const SHRINK: f64 = 0.98;
+/// A richer law must lower the gap on Validate records to this part, where something is left that is not noise.
+const RICHER: f64 = 0.95;
 /// In the race a model that is this many times worse than the best is out.
 const RACE: f64 = 3.0;
 
@@ -116,7 +118,12 @@ impl Search<'_> {
     fn round(&mut self, draft: &Draft, now: &Fitted, found: &Screening, candidates: usize) -> Option<(Fitted, Round)> {
         let before = draft.effects.len();
         let mut vetoed: Vec<(String, String)> = Vec::new();
-        let singles = self.fitted(draft, self.seeded(draft, singles(found)), candidates);
+        let added = |lists: Vec<Vec<Effect>>| -> Vec<Draft> {
+            lists.iter().filter_map(|list| list.iter().try_fold(draft.clone(), |d, e| d.with(e)).ok()).collect()
+        };
+        let mut drafts = added(self.seeded(draft, singles(found)));
+        drafts.extend(self.richer(draft, now));
+        let singles = self.fitted(drafts, candidates);
         let singles = self.allowed(singles, before, &mut vetoed);
         let best = preferred(&singles, candidates).filter(|best| self.worth(now, best, candidates)).cloned();
         // A law of many parameters may stand for two simple ones.
@@ -129,7 +136,7 @@ impl Search<'_> {
         let pairs: Vec<Vec<Effect>> =
             found.pairs(price, BEST).into_iter().map(|(a, b)| vec![a.effect, b.effect]).collect();
         (self.hear)(0.1 + 0.8 * (before as f64 + 0.5) / EFFECTS as f64, "fitting the best pairs");
-        let pairs = self.fitted(draft, pairs, candidates);
+        let pairs = self.fitted(added(pairs), candidates);
         let pairs = self.allowed(pairs, before, &mut vetoed);
         let pair = preferred(&pairs, candidates).filter(|p| self.worth(now, p, candidates)).cloned();
         let all: Vec<Fitted> = singles.into_iter().chain(pairs).collect();
@@ -163,6 +170,21 @@ impl Search<'_> {
         gain > WORTH && carries
     }
 
+    /// The model with each of its effects replaced by a law that contains it.
+    fn richer(&self, draft: &Draft, now: &Fitted) -> Vec<Draft> {
+        let effects = current(now);
+        let Some(base) = without_effects(draft) else { return vec![] };
+        let mut all = Vec::new();
+        for k in 0..effects.len() {
+            for entry in self.catalogue.iter().filter(|e| e.law.simpler.contains(&effects[k].entry.id) && e.law.internal.is_empty()) {
+                let mut list = effects.clone();
+                list[k] = relative(&effects[k], entry);
+                all.extend(list.iter().try_fold(base.clone(), |d, e| d.with(e)).ok());
+            }
+        }
+        all
+    }
+
     /// Each law from the best of its starts, by a glance.
     fn seeded(&self, draft: &Draft, laws: Vec<&Candidate>) -> Vec<Vec<Effect>> {
         laws.into_par_iter()
@@ -183,11 +205,7 @@ impl Search<'_> {
     }
 
     /// Fits what is left of a race; failures drop out.
-    fn fitted(&self, draft: &Draft, effects: Vec<Vec<Effect>>, candidates: usize) -> Vec<Fitted> {
-        let drafts: Vec<Draft> = effects
-            .iter()
-            .filter_map(|list| list.iter().try_fold(draft.clone(), |d, e| d.with(e)).ok())
-            .collect();
+    fn fitted(&self, drafts: Vec<Draft>, candidates: usize) -> Vec<Fitted> {
         let looks: Vec<f64> = drafts
             .par_iter()
             .map(|d| {
@@ -233,15 +251,16 @@ impl Search<'_> {
             .collect()
     }
 
+    /// Whether a simpler model does as well. Where neither leaves noise alone, a richer law must carry over: lower the gap on Validate records by more than a twentieth.
+    fn as_good(&self, simple: &Fitted, rich: &Fitted, candidates: usize) -> bool {
+        let by = Measure::of([simple, rich], candidates);
+        by.score(simple) - by.score(rich) < SIMPLER || carries_no_further(simple, rich)
+    }
+
     /// Drops each effect, or puts a simpler relative in its place, as long as nothing of note is lost.
     fn simplified(&self, mut now: Fitted, candidates: usize) -> Fitted {
         'again: loop {
-            let effects: Vec<Effect> = now
-                .draft
-                .effects
-                .iter()
-                .map(|(e, names, _)| Effect { start: values(&now, names, &e.start), ..e.clone() })
-                .collect();
+            let effects = current(&now);
             let base = match without_effects(&now.draft) {
                 Some(base) => base,
                 None => return now,
@@ -281,9 +300,9 @@ impl Search<'_> {
                     let Some(draft) = list.iter().try_fold(base.clone(), |d, e| d.with(e)).ok() else { continue };
                     let Ok(simple) = Fitted::new(draft, self.noise, Effort::Plain) else { continue };
                     let carries = simple.validate.zip(now.validate).is_none_or(|(a, b)| a < 1.02 * b);
-                    let by = Measure::of([&simple, &now], candidates);
-                    let lost = by.score(&simple) - by.score(&now);
-                    if lost < SIMPLER && carries && (simple.is_white() || !now.is_white()) {
+                    let same = self.as_good(&simple, &now, candidates);
+                    let carries = simple.validate.zip(now.validate).is_none_or(|(a, b)| a < 1.02 * b) || !now.is_white();
+                    if same && carries && (simple.is_white() || !now.is_white()) {
                         now = simple;
                         continue 'again;
                     }
@@ -317,15 +336,27 @@ fn preferred(all: &[Fitted], candidates: usize) -> Option<&Fitted> {
     let by = Measure::of(all, candidates);
     let best = all.iter().min_by(|a, b| by.score(a).total_cmp(&by.score(b)))?;
     let size = |f: &Fitted| f.draft.effects.iter().map(|(e, ..)| e.entry.law.parameters.len()).sum::<usize>();
-    let near = |f: &&Fitted| by.score(f) - by.score(best) < SIMPLER;
+    let near = |f: &&Fitted| by.score(f) - by.score(best) < SIMPLER || carries_no_further(f, best);
     let least = all.iter().filter(near).map(size).min()?;
     let carried = |f: &&Fitted| f.validate.unwrap_or(0.0);
     all.iter().filter(near).filter(|f| size(f) == least).min_by(|a, b| carried(a).total_cmp(&carried(b)))
 }
 
+/// Whether, of two models that both leave more than noise, the second predicts Validate records no better than the first.
+fn carries_no_further(simple: &Fitted, rich: &Fitted) -> bool {
+    let further = simple.validate.zip(rich.validate).is_none_or(|(a, b)| b < RICHER * a);
+    !rich.is_white() && !simple.is_white() && !further
+}
+
 /// The draft with none of its effects.
 fn without_effects(draft: &Draft) -> Option<Draft> {
     draft.base.as_ref().map(|b| (**b).clone())
+}
+
+/// The effects of a fitted model, from where its fit ended.
+fn current(now: &Fitted) -> Vec<Effect> {
+    let of = |(e, names, _): &(Effect, Vec<String>, String)| Effect { start: values(now, names, &e.start), ..e.clone() };
+    now.draft.effects.iter().map(of).collect()
 }
 
 /// The values that a fit found for an effect's parameters.
@@ -344,13 +375,17 @@ pub(crate) fn values(fitted: &Fitted, names: &[String], otherwise: &[f64]) -> Ve
 
 /// A simpler law in the place of another, started from its first level.
 fn relative(effect: &Effect, entry: &Entry) -> Effect {
+    let level = effect.start.first().copied().unwrap_or(0.0);
+    let first = entry.law.parameters.first().map_or("", |(_, p)| p.unit.as_str());
+    // Levels start at the level; what may have either sign, at nothing; a speed at a small one.
     let start = entry
         .law
         .parameters
         .iter()
-        .map(|(_, p)| {
-            let level = effect.start.first().copied().unwrap_or(0.0);
-            level.clamp(p.within.0, p.within.1)
+        .map(|(_, p)| match (p.unit == first && p.within.0 >= 0.0, p.within.0 < 0.0) {
+            (true, _) => level.clamp(p.within.0, p.within.1),
+            (_, true) => 0.0,
+            _ => (p.within.0.max(1e-9) * p.within.1.min(1.0)).sqrt(),
         })
         .collect();
     Effect { entry: entry.clone(), place: effect.place.clone(), mirror: false, load: effect.load.clone(), start }

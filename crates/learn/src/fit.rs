@@ -14,6 +14,9 @@ const STAGES: [usize; 3] = [20, 5, 1];
 /// A single run whose residual is this many times that of five segments is not trusted.
 const DRIFT: f64 = 3.0;
 
+/// By how much the joints of a chain of segments are tightened, in turn, in units of how much they jump if free.
+const TIGHTER: [f64; 3] = [0.3, 0.03, 0.003];
+
 /// A fitted model.
 pub(crate) struct Fit<'a> {
     pub(crate) problem: Problem<'a>,
@@ -56,8 +59,9 @@ impl<'a> Context<'a> {
             }
         };
         for &pieces in &stages {
-            let problem =
+            let mut problem =
                 Problem::new(self.system, terms, &self.records, &vec![pieces; self.records.len()]).ok()?;
+            problem.budget = before.as_ref().map(|(_, fit)| fit.budget(fit.most_pieces().div_ceil(pieces)));
             let mut x = problem.guess(&values, parameters.as_deref(), &self.smooth);
             if let Some((_, fit)) = &before {
                 carry(&fit.problem, &fit.x, &problem, &mut x);
@@ -91,6 +95,38 @@ impl<'a> Context<'a> {
         let (_, fit) = before?;
         let Fit { problem, x, noise, .. } = fit;
         self.settle(problem, x, noise, 3)
+    }
+
+    /// A fit of cut records as one run for each. A model that lacks a term drifts, and is cut; once the term is found the cuts only waste what the
+    /// record says. `None` if there is nothing to join, or the single run drifts still.
+    pub(crate) fn joined(&self, cut: &Fit<'a>) -> Option<Fit<'a>> {
+        if self.segments != SegmentsSpec::Auto || cut.pieces.iter().all(|&p| p == 1) {
+            return None;
+        }
+        // The joints are tightened by and by: a run over many events has side minima, a chain of short ones that may still give way has few.
+        let mut chain = self.problem(&cut.problem.terms, cut)?;
+        let mut x = cut.x.clone();
+        chain.continuity = None;
+        let jumps = chain.jumps(&x).ok()?;
+        for tighter in TIGHTER {
+            chain.continuity = Some(jumps.iter().map(|j| tighter * j).collect());
+            let limits = Limits { iterations: 12, gain: 1e-4 };
+            minimise(&mut x, &chain.bounds, limits, |x| chain.normal(x, &cut.weights).ok())?;
+        }
+        let mut single =
+            Problem::new(self.system, &cut.problem.terms, &self.records, &vec![1; self.records.len()])
+                .ok()?;
+        let mut y = single.guess(&x[..cut.problem.terms.len()], None, &self.smooth);
+        carry(&chain, &x, &single, &mut y);
+        for segment in &single.segments {
+            let first = chain.segments.iter().find(|s| s.record == segment.record)?;
+            for k in 0..self.system.states.len() {
+                y[segment.start + k] = x[first.start + k];
+            }
+        }
+        single.budget = Some(cut.budget(cut.most_pieces()));
+        let joined = self.settle(single, y, cut.noise.clone(), 3)?;
+        (self.misfit(&joined)? <= DRIFT * self.misfit(cut)?).then_some(joined)
     }
 
     /// How well a guess predicts over many short segments, without fitting anything.
@@ -145,8 +181,7 @@ impl<'a> Context<'a> {
     pub(crate) fn problem(&self, terms: &[usize], like: &Fit<'a>) -> Option<Problem<'a>> {
         let mut problem = Problem::new(self.system, terms, &self.records, &like.pieces).ok()?;
         problem.continuity = like.problem.continuity.clone();
-        // What takes many times the steps of a good model is a bad one, and slow to find out about.
-        problem.budget = Some(1_000 + 4 * like.problem.steps(&like.x));
+        problem.budget = Some(like.budget(1));
         Some(problem)
     }
 
@@ -277,6 +312,17 @@ impl Fit<'_> {
     /// Whether nothing but noise is left.
     pub(crate) fn is_white(&self) -> bool {
         self.effective > WHITE * self.samples as f64 || self.excess < EXCESS
+    }
+
+    /// Steps that a simulation of such a model may take over segments so many times as `long`: what takes many times the steps of a good model is a bad
+    /// one, and slow to find out about.
+    fn budget(&self, long: usize) -> usize {
+        1_000 + 4 * long * self.problem.steps(&self.x)
+    }
+
+    /// Segments of the record that has most.
+    fn most_pieces(&self) -> usize {
+        self.pieces.iter().copied().max().unwrap_or(1)
     }
 
     /// By how much correlated residuals overstate what is known: 1 for white noise.

@@ -18,6 +18,9 @@ use std::ops::ControlFlow;
 const CORRELATED: f64 = 0.95;
 /// ... if one of the two is known worse than to this part of itself.
 const VAGUE: f64 = 0.02;
+/// The coefficients of more terms than this keep the quadratic interval: each end of a profile costs some evaluations of the whole fit, and a model
+/// with so many terms was asked for, not selected.
+const PROFILED: usize = 12;
 /// Effective samples below this part of all samples are told in words.
 const WHITE: f64 = 0.5;
 
@@ -157,8 +160,10 @@ fn structure<'a>(context: &Context<'a>, fit: Fit<'a>, all: &[usize]) -> Selectio
     let mut found = select(context, fit, all);
     for _ in 0..4 {
         let terms = found.fit.problem.terms.clone();
-        found = select(context, found.fit, all);
-        if found.fit.problem.terms == terms {
+        let joined = context.joined(&found.fit);
+        let same = joined.is_none();
+        found = select(context, joined.unwrap_or(found.fit), all);
+        if same && found.fit.problem.terms == terms {
             break;
         }
     }
@@ -211,9 +216,18 @@ fn report(
     let inflation = fit.inflation();
     let cov = robust_covariance(&fit);
     let error = |k: usize| (cov[(k, k)] * inflation).sqrt();
+    let bread = covariance(&fit.normal.matrix);
+    let estimate = |k: usize| Estimate {
+        value: fit.x[k],
+        std_error: error(k),
+        ci95: crate::profile::interval(&fit, k, error(k), bread[(k, k)].sqrt()),
+    };
     let t = problem.terms.len();
     let terms: Vec<FoundTerm> = (0..t)
-        .map(|k| FoundTerm { term: problem.terms[k], coefficient: Estimate::normal(fit.x[k], error(k)) })
+        .map(|k| {
+            let coefficient = if t > PROFILED { Estimate::normal(fit.x[k], error(k)) } else { estimate(k) };
+            FoundTerm { term: problem.terms[k], coefficient }
+        })
         .collect();
     let fit_indices: Vec<usize> = (0..records.len()).filter(|&r| records[r].role == Role::Fit).collect();
     let mut parameters = Vec::new();
@@ -230,7 +244,7 @@ fn report(
         })
         .collect();
     for (k, meaning) in problem.meanings().into_iter().enumerate() {
-        if let Some(found) = found(system, problem, &fit, k, meaning, &fit_indices, records, error(k)) {
+        if let Some(found) = found(system, problem, &fit, k, meaning, &fit_indices, records, &estimate) {
             names.push((k, found.name.clone()));
             parameters.push(found);
         }
@@ -330,7 +344,7 @@ pub(crate) fn found(
     meaning: Meaning,
     fit_indices: &[usize],
     records: &[Record],
-    error: f64,
+    estimate: &dyn Fn(usize) -> Estimate,
 ) -> Option<FoundParameter> {
     let bounds = problem.bounds[k];
     let value = fit.x[k];
@@ -362,7 +376,7 @@ pub(crate) fn found(
         factor: Unit::parse(&unit).map_or(1.0, |u| u.factor),
         name,
         unit,
-        estimate: Estimate { value, std_error: error, ci95: crate::profile::interval(fit, k, error) },
+        estimate: estimate(k),
         bounds,
         at_bound: value <= bounds.0 || value >= bounds.1,
         parameter,
