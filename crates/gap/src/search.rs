@@ -299,7 +299,6 @@ impl Search<'_> {
                 for list in trials {
                     let Some(draft) = list.iter().try_fold(base.clone(), |d, e| d.with(e)).ok() else { continue };
                     let Ok(simple) = Fitted::new(draft, self.noise, Effort::Plain) else { continue };
-                    let carries = simple.validate.zip(now.validate).is_none_or(|(a, b)| a < 1.02 * b);
                     let same = self.as_good(&simple, &now, candidates);
                     let carries = simple.validate.zip(now.validate).is_none_or(|(a, b)| a < 1.02 * b) || !now.is_white();
                     if same && carries && (simple.is_white() || !now.is_white()) {

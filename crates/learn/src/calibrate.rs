@@ -2,7 +2,8 @@
 
 use crate::assess::assess;
 use crate::fit::{Fit, carry};
-use crate::identified::{FoundParameter, RecordFit};
+use crate::identified::{Estimate, FoundParameter, RecordFit};
+use faer::Mat;
 use crate::least_squares::{Limits, minimise};
 use crate::noise::ColumnNoise;
 use crate::problem::{Noise, Problem};
@@ -104,18 +105,26 @@ pub fn calibrate(
         (0..fitted.len()).map(|r| problem.segments.iter().filter(|s| s.record == r).count()).collect();
     let segments = pieces.iter().copied().max().unwrap_or(1);
     let fit = Fit { problem, x, noise, weights, normal, samples, effective, excess: 1.0, pieces };
-    let error: Vec<f64> = if effort == Effort::Errors {
-        let (cov, inflation) = (robust_covariance(&fit), fit.inflation());
-        (0..fit.x.len()).map(|k| (cov[(k, k)] * inflation).sqrt()).collect()
+    let (cov, bread) = if effort == Effort::Errors {
+        (robust_covariance(&fit), crate::linear::covariance(&fit.normal.matrix))
     } else {
-        vec![f64::NAN; fit.x.len()]
+        (Mat::zeros(0, 0), Mat::zeros(0, 0))
+    };
+    let inflation = fit.inflation();
+    let estimate = |k: usize| {
+        let value = fit.x[k];
+        if effort != Effort::Errors {
+            return Estimate { value, std_error: f64::NAN, ci95: fit.problem.bounds[k] };
+        }
+        let (error, curvature) = ((cov[(k, k)] * inflation).sqrt(), bread[(k, k)].sqrt());
+        Estimate { value, std_error: error, ci95: crate::profile::interval(&fit, k, error, curvature) }
     };
     let parameters: Vec<FoundParameter> = fit
         .problem
         .meanings()
         .into_iter()
         .enumerate()
-        .filter_map(|(k, meaning)| found(system, &fit.problem, &fit, k, meaning, &of, records, error[k]))
+        .filter_map(|(k, meaning)| found(system, &fit.problem, &fit, k, meaning, &of, records, &estimate))
         .collect();
     let mut solved = solution(system, records, &fit, &of);
     let replays = assess(system, records, smooth, &mut solved);
