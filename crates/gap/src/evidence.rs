@@ -11,6 +11,9 @@ const GIVES: f64 = 0.3;
 
 /// Why an effect cannot be, although it fits; `None` if nothing speaks against it.
 pub(crate) fn against(fitted: &Fitted, effect: &Effect) -> Option<String> {
+    if let Some(why) = feeds(fitted, effect) {
+        return Some(why);
+    }
     if effect.entry.law.internal.is_empty() || effect.entry.law.family != "friction" {
         return None;
     }
@@ -56,5 +59,23 @@ pub(crate) fn against(fitted: &Fitted, effect: &Effect) -> Option<String> {
         format!(
             "in {stops} stops the mass moves with the force on the contact by {slope:.2} of what this law asks for: the contact does not give way"
         )
+    })
+}
+
+/// A dashpot may be weaker than the model thought, but what is left of it may not feed the motion.
+fn feeds(fitted: &Fitted, effect: &Effect) -> Option<String> {
+    if effect.entry.id != "viscous" {
+        return None;
+    }
+    let Site::Force { acts, .. } = &effect.place.site else { return None };
+    let system = &fitted.draft.case.system;
+    let &(v, _) = acts.first()?;
+    let mut graph = system.graph.clone();
+    let slope = graph.gradient(system.known[v], &[system.states[v].node])[0];
+    let record = fitted.draft.records.first()?;
+    let motion = Motion::new(system, record, fitted.draft.smooth.first()?, 0, &fitted.cal);
+    let mean = crate::screen::mean_along(system, &graph, slope, &motion)?;
+    (mean > 0.0).then(|| {
+        "with it the damping of the body is negative in total: it would feed the motion".to_owned()
     })
 }

@@ -69,6 +69,14 @@ impl Fitted {
         Ok(Fitted { draft, cal, fit, validate, colour })
     }
 
+    /// Whether its runs come to rest for more than a moment.
+    pub(crate) fn rests(&self) -> bool {
+        self.cal.records.iter().filter_map(|r| r.run.as_ref()).any(|run| {
+            let still = run.modes.iter().filter(|m| **m == 0).count();
+            50 * still > run.modes.len().max(1)
+        })
+    }
+
     pub(crate) fn is_white(&self) -> bool {
         self.colour < COLOURED
     }

@@ -50,6 +50,44 @@ pub fn repeatability(record: &Record, column: &[f64]) -> Option<Repeat> {
         .then_some(Repeat { period: period * step, nrmse: rms / deviation, rms })
 }
 
+/// How well the mean cycle of a column predicts the column that continues it: the best that a model without knowledge of the rig can do.
+pub fn prediction(before: &Record, column: &[f64], after: &Record, continued: &[f64]) -> Option<Repeat> {
+    let own = repeatability(before, column)?;
+    let n = column.len();
+    let step = (before.time[n - 1] - before.time[0]) / (n - 1) as f64;
+    let mean = continued.iter().sum::<f64>() / continued.len() as f64;
+    let deviation = (continued.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / continued.len() as f64).sqrt();
+    let mut best: Option<(f64, f64)> = None;
+    for k in -10..=10 {
+        let period = own.period * (1.0 + 0.0002 * f64::from(k));
+        let cells = (period / step).round() as usize;
+        let cell = |t: f64| (((t - before.time[0]) / period).fract() * cells as f64) as usize % cells.max(1);
+        let (mut sums, mut counts) = (vec![0.0; cells], vec![0usize; cells]);
+        for (t, v) in before.time.iter().zip(column) {
+            sums[cell(*t)] += v;
+            counts[cell(*t)] += 1;
+        }
+        let missed = |from: &[f64], values: &[f64]| -> f64 {
+            let (mut sum, mut count) = (0.0, 0usize);
+            for (t, v) in from.iter().zip(values) {
+                let c = cell(*t);
+                if counts[c] > 0 {
+                    sum += (v - sums[c] / counts[c] as f64).powi(2);
+                    count += 1;
+                }
+            }
+            (sum / count.max(1) as f64).sqrt()
+        };
+        // The period is chosen on what is known beforehand.
+        let known = missed(&before.time, column);
+        if best.is_none_or(|(least, _)| known < least) {
+            best = Some((known, missed(&after.time, continued)));
+        }
+    }
+    let (_, rms) = best?;
+    Some(Repeat { period: own.period, nrmse: rms / deviation, rms })
+}
+
 /// rms by which a cycle differs from the one before, over root 2; and the correlation of successive differences.
 fn scatter(column: &[f64], period: f64) -> Option<(f64, f64)> {
     let n = column.len();

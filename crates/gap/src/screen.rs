@@ -881,3 +881,11 @@ fn smoothed(values: &[f64], period: f64) -> Vec<f64> {
         })
         .collect()
 }
+
+/// The mean of an expression along a motion.
+pub(crate) fn mean_along(system: &System, graph: &phisindy_expr::Graph, node: Id, motion: &Motion) -> Option<f64> {
+    let tape = Tape::compile(graph, &inputs(system), &[node]).ok()?;
+    let values = evaluated(&tape, motion, &[], &[]);
+    let mean = values[0].iter().sum::<f64>() / values[0].len().max(1) as f64;
+    mean.is_finite().then_some(mean)
+}

@@ -5,7 +5,7 @@ use crate::effect::{Effect, Entry};
 use crate::fitted::Fitted;
 use crate::place::Site;
 use crate::screen::{Candidate, Screening, excludes, screen};
-use phisindy_learn::{Effort, glance};
+use phisindy_learn::{Effort, approach, glance};
 use rayon::prelude::*;
 
 /// Effects in one model at most.
@@ -121,7 +121,11 @@ impl Search<'_> {
         let added = |lists: Vec<Vec<Effect>>| -> Vec<Draft> {
             lists.iter().filter_map(|list| list.iter().try_fold(draft.clone(), |d, e| d.with(e)).ok()).collect()
         };
-        let mut drafts = added(self.seeded(draft, singles(found)));
+        let mut drafts = if now.rests() {
+            added(self.approached(draft, found))
+        } else {
+            added(self.seeded(draft, singles(found)))
+        };
         drafts.extend(self.richer(draft, now));
         let singles = self.fitted(drafts, candidates);
         let singles = self.allowed(singles, before, &mut vetoed);
@@ -133,8 +137,10 @@ impl Search<'_> {
             return Some((best.clone(), round(before, &best, &singles, vetoed, candidates)));
         }
         let price = (now.cal.samples as f64).ln();
+        // Two at once where greed could go wrong from the start; later rounds have their friction already.
+        let wanted = if before == 0 { BEST } else { 0 };
         let pairs: Vec<Vec<Effect>> =
-            found.pairs(price, BEST).into_iter().map(|(a, b)| vec![a.effect, b.effect]).collect();
+            found.pairs(price, wanted).into_iter().map(|(a, b)| vec![a.effect, b.effect]).collect();
         (self.hear)(0.1 + 0.8 * (before as f64 + 0.5) / EFFECTS as f64, "fitting the best pairs");
         let pairs = self.fitted(added(pairs), candidates);
         let pairs = self.allowed(pairs, before, &mut vetoed);
@@ -168,6 +174,24 @@ impl Search<'_> {
             _ => true,
         };
         gain > WORTH && carries
+    }
+
+    /// The best laws for a model that comes to rest, each tried by a few steps of the fit itself: a linear response knows nothing of stops.
+    fn approached(&self, draft: &Draft, found: &Screening) -> Vec<Vec<Effect>> {
+        let mut all: Vec<(f64, Effect)> = found
+            .candidates
+            .par_iter()
+            .filter_map(|c| {
+                let starts = [&c.effect].into_iter().chain(&c.others).map(neutral);
+                let looked = starts.filter_map(|e| {
+                    let d = draft.with(&e).ok()?;
+                    Some((approach(&d.case.system, &d.records, &d.smooth, self.noise)?, e))
+                });
+                looked.min_by(|a, b| a.0.total_cmp(&b.0))
+            })
+            .collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        all.into_iter().take(BEST).map(|(_, e)| vec![e]).collect()
     }
 
     /// The model with each of its effects replaced by a law that contains it.
@@ -370,6 +394,21 @@ pub(crate) fn values(fitted: &Fitted, names: &[String], otherwise: &[f64]) -> Ve
             found.map_or(*other, |p| p.estimate.value)
         })
         .collect()
+}
+
+/// The effect from where it does next to nothing: a fit goes on from the model without it.
+fn neutral(effect: &Effect) -> Effect {
+    let law = &effect.entry.law;
+    let small = |(v, (_, p)): (&f64, &(String, phisindy_phys::LawParameter))| {
+        let force = phisindy_phys::unit::Unit::parse(&p.unit).is_ok_and(|u| u.dimension.powers()[0] != 0.0);
+        if force { (0.05 * v).clamp(p.within.0, p.within.1) } else { *v }
+    };
+    let start = match law.sensor.as_deref() {
+        Some("gain") => vec![1.0],
+        Some(_) => vec![0.0],
+        None => effect.start.iter().zip(&law.parameters).map(small).collect(),
+    };
+    Effect { start, ..effect.clone() }
 }
 
 /// A simpler law in the place of another, started from its first level.

@@ -5,7 +5,7 @@ use crate::effect::{Effect, Entry};
 use crate::evidence::against;
 use crate::fitted::{Fitted, noise};
 use crate::region::{Region, regions};
-use crate::repeat::{Repeat, repeatability};
+use crate::repeat::{Repeat, prediction, repeatability};
 use crate::search::{Measure, Search, Searched};
 use phisindy_learn::{Effort, FoundParameter};
 use phisindy_phys::spec::Role;
@@ -190,7 +190,17 @@ fn floor(case: &Case, records: &[Record], noise: &[Vec<f64>]) -> (Vec<(String, S
         for (k, column) in record.columns.iter().enumerate() {
             let Some(column) = column else { continue };
             let counts = !validates || record.role == Role::Validate;
-            match repeatability(record, column) {
+            // The larger of the scatter within a record and of the step from one half to the next.
+            let own = repeatability(record, column);
+            let carried = record.continues.and_then(|before| {
+                let earlier = records[before].columns[k].as_ref()?;
+                prediction(&records[before], earlier, record, column)
+            });
+            let larger = match (own, carried) {
+                (Some(a), Some(b)) => Some(if a.rms > b.rms { a } else { b }),
+                (own, _) => own,
+            };
+            match larger {
                 Some(found) => {
                     if counts {
                         sum += (found.rms / noise[r][k]).powi(2) * column.len() as f64;

@@ -205,6 +205,19 @@ pub fn glance(system: &System, records: &[Record], smooth: &[Record], noise: &[V
     Some(normal.cost / samples.max(1) as f64)
 }
 
+/// As [`glance`], but in single runs from where `smooth` starts: for a model that is near already, and whose stops a cut would lose.
+pub fn approach(system: &System, records: &[Record], smooth: &[Record], noise: &[Vec<f64>]) -> Option<f64> {
+    let Setup { fitted, noise, smooth: starts, .. } = Setup::new(records, smooth, noise);
+    let problem = Problem::new(system, &[], &fitted, &vec![1; fitted.len()]).ok()?;
+    let mut x = problem.guess(&[], None, &starts);
+    let weights = problem.weights(&noise, None);
+    let bounds = problem.bounds.clone();
+    let limits = Limits { iterations: 4, gain: 1e-3 };
+    let normal = minimise(&mut x, &bounds, limits, |x| problem.normal(x, &weights).ok())?;
+    let samples: usize = fitted.iter().map(|r| r.len() * r.columns.iter().flatten().count()).sum();
+    Some(normal.cost / samples.max(1) as f64)
+}
+
 /// The Fit records with their noise.
 struct Setup<'a> {
     fitted: Vec<&'a Record>,

@@ -21,7 +21,7 @@ mod sweep;
 mod train;
 mod trajectory;
 
-pub use calibrate::{Calibration, Effort, calibrate, glance};
+pub use calibrate::{Calibration, Effort, approach, calibrate, glance};
 pub use identified::{
     Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict,
 };
