@@ -11,6 +11,7 @@ mod csvfile;
 mod datafile;
 mod draw;
 mod equation;
+mod hidden;
 mod identified_spec;
 mod interrupt;
 mod json;

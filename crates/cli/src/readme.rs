@@ -6,7 +6,7 @@ mod seeds;
 use crate::args::{Options, TableArgs, TableKind};
 use crate::command::print;
 use crate::outdir::replace_file;
-use crate::{draw, interrupt};
+use crate::{draw, hidden, interrupt};
 use anyhow::{Context, Result, bail};
 use phisindy_phys::Sources;
 use std::path::PathBuf;
@@ -42,10 +42,14 @@ const PRINTED: &[Printed] = &[
 
 /// Makes a table, prints it, and puts it into a file if asked to.
 pub(crate) fn command(args: &TableArgs, options: &Options) -> Result<u8> {
+    if args.kind == TableKind::Hidden {
+        return hidden::make(args, options);
+    }
     let cases = chosen(args)?;
     let (name, made) = match args.kind {
         TableKind::Paper => ("paper", paper::table(&cases, options)?),
         TableKind::Sweep => ("sweep", seeds::table(&cases, args, options)?),
+        TableKind::Hidden => ("hidden", None),
     };
     let Some(table) = made else { return Ok(interrupt::CODE) };
     print(&table)?;
