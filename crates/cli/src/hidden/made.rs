@@ -8,7 +8,7 @@ use super::place::{Place, places};
 use super::rig::{Constant, Drive, Extra, Line, Rig};
 use super::rivals::{Judgement, Seen, along, judge, largest, only_column};
 use super::truth::{Gaps, Hidden, Placed, Truth};
-use super::wish::{Kind, Wish};
+use super::wish::{HOLDING, Kind, Wish};
 use phisindy_sim::{Noise, Streams, add_noise};
 
 /// Draws before giving up.
@@ -21,6 +21,10 @@ const MARGIN: f64 = 20.0;
 const VISIBLE: f64 = 200.0;
 /// What the catalogue must leave of an effect outside of it, in units of the noise.
 const REMAINDER: f64 = 0.4;
+
+/// A start known to this part of the noise must predict the record to that part of it, or the gap cannot end below 1.05.
+const START_ERROR: f64 = 0.1;
+const STEADY: f64 = 0.25;
 
 /// A record as it is handed over.
 pub(super) struct Shown {
@@ -62,7 +66,7 @@ pub(super) fn made(wish: &Wish, dice: &mut Dice) -> Result<Made, String> {
 
 fn attempt(wish: &Wish, dice: &mut Dice) -> Result<Made, &'static str> {
     let friction = match &wish.kind {
-        Kind::Laws(laws) => laws.iter().any(|l| holding(l)),
+        Kind::Laws(laws) => laws.iter().any(|l| HOLDING.contains(l)),
         Kind::Outside(kind) => kind.ends_with("friction"),
         Kind::Nothing => false,
     };
@@ -174,6 +178,9 @@ fn attempt(wish: &Wish, dice: &mut Dice) -> Result<Made, &'static str> {
             return Err("a rival is too near");
         }
     }
+    if !steady(&rig, &effects, &courses, &truth, before, wish.noise) {
+        return Err("the motion is too sensitive to its start");
+    }
     let samples = if records.len() == 1 {
         [split, records[0].times.len() - split]
     } else {
@@ -216,14 +223,6 @@ fn attempt(wish: &Wish, dice: &mut Dice) -> Result<Made, &'static str> {
         && records[0].lines.len() == 1
         && records[0].lines != records[1].lines;
     Ok(Made { rig, measured, records, split, own_amplitude, truth })
-}
-
-/// Whether a law can hold a mass.
-fn holding(law: &str) -> bool {
-    matches!(
-        law,
-        "coulomb" | "asymmetric-coulomb" | "stribeck" | "dieterich-ruina" | "position-dependent-friction"
-    )
 }
 
 /// In some sets a stiffness or a damping is only known within bounds - never that which the hidden law is about.
@@ -369,6 +368,29 @@ fn effects(
     }
     // A column that is not there cannot be late; decided before what is measured, so it may drop out later.
     Ok(out)
+}
+
+/// Whether a start that is only known as well as noisy data tell it still predicts the record: no workflow can explain a chaotic motion.
+fn steady(
+    rig: &Rig,
+    effects: &[Effect],
+    courses: &[Course],
+    truth: &[Motion],
+    before: f64,
+    noise: f64,
+) -> bool {
+    courses.iter().zip(truth).all(|(course, exact)| {
+        let deviations: Vec<f64> = exact.readings.iter().map(|y| noise * spread(y)).collect();
+        let mut off = course.clone();
+        for (k, (x, s)) in off.start.iter_mut().zip(&deviations).enumerate() {
+            *x += START_ERROR * s * if k % 2 == 0 { 1.0 } else { -1.0 };
+        }
+        let Ok(motion) = motion(rig, effects, &off, before) else { return false };
+        motion.readings.iter().zip(&exact.readings).zip(&deviations).all(|((a, b), s)| {
+            let rms = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64;
+            rms.sqrt() <= STEADY * s
+        })
+    })
 }
 
 /// What each law needs to be seen at all: it must be entered and left.

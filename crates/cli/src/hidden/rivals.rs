@@ -376,7 +376,11 @@ impl Comparison<'_> {
                 .remainder
                 .min((left / (columns.first().map_or(1, Vec::len) * self.every) as f64).sqrt());
             let list: Named = named.into_iter().collect();
-            if left < SAME && own <= freedom + usize::from(asymmetric) {
+            // Coulomb and offset in one law, and as two: which of them is simpler is a matter of taste.
+            let as_simple = own == freedom
+                || (asymmetric && own == freedom + 1)
+                || (own < freedom && list.iter().any(|(law, _)| law == "asymmetric-coulomb"));
+            if left < SAME && as_simple {
                 if !judgement.same.contains(&list) {
                     judgement.same.push(list);
                 }

@@ -1,4 +1,4 @@
-//! What a set is to hold: a deck of wishes that every forty sets go through once, shuffled.
+//! What a set is to hold: a deck of wishes that every few dozen sets go through once, shuffled.
 
 use super::dice::Dice;
 use super::outside;
@@ -69,10 +69,14 @@ const PAIRS: &[[&str; 2]] = &[
     ["harmonic-force", "coulomb"],
 ];
 
-/// Sets in a deck: all laws, and as many of the others.
-const DECK: usize = 40;
-const NOTHING: usize = 9;
-const TWO: usize = 6;
+/// Those that can hold a mass: once in a deck they do, once they never do.
+pub(super) const HOLDING: &[&str] =
+    &["coulomb", "asymmetric-coulomb", "stribeck", "dieterich-ruina", "position-dependent-friction"];
+
+/// Sets in a deck: all laws, those that hold a second time, and as many of the others.
+const DECK: usize = 48;
+const NOTHING: usize = 10;
+const TWO: usize = 7;
 
 /// The wish of a set. `only` holds it to one law, or to `nothing`, `two`, `outside`.
 ///
@@ -88,6 +92,7 @@ pub(super) fn wish(seed: u64, index: usize, only: Option<&str>) -> Result<Wish, 
     let mut dice = Dice::new(seed, &format!("wish {index}"));
     let pair = |dice: &mut Dice| Kind::Laws(dice.pick(PAIRS).to_vec());
     let beyond = |dice: &mut Dice| Kind::Outside(dice.pick::<&str>(outside::KINDS));
+    let singles = LAWS.len() + HOLDING.len();
     let kind = match (only, deck[place]) {
         (Some("nothing"), _) => Kind::Nothing,
         (Some("two"), _) => pair(&mut dice),
@@ -105,17 +110,19 @@ pub(super) fn wish(seed: u64, index: usize, only: Option<&str>) -> Result<Wish, 
             }
         }
         (None, k) if k < LAWS.len() => Kind::Laws(vec![LAWS[k]]),
-        (None, k) if k < LAWS.len() + NOTHING => Kind::Nothing,
-        (None, k) if k < LAWS.len() + NOTHING + TWO => pair(&mut dice),
+        (None, k) if k < singles => Kind::Laws(vec![HOLDING[k - LAWS.len()]]),
+        (None, k) if k < singles + NOTHING => Kind::Nothing,
+        (None, k) if k < singles + NOTHING + TWO => pair(&mut dice),
         (None, _) => beyond(&mut dice),
     };
     let twice = matches!(&kind, Kind::Laws(laws) if laws.len() == 2 && laws[0] == laws[1]);
-    Ok(Wish {
-        kind,
-        noise: *dice.pick(&[0.01, 0.02, 0.05]),
-        two_masses: twice || dice.chance(0.4),
-        holds: dice.chance(0.5),
-    })
+    let holds = match (&kind, only) {
+        (Kind::Laws(laws), None) if laws.len() == 1 && HOLDING.contains(&laws[0]) => {
+            deck[place] >= LAWS.len()
+        }
+        _ => dice.chance(0.5),
+    };
+    Ok(Wish { kind, noise: *dice.pick(&[0.01, 0.02, 0.05]), two_masses: twice || dice.chance(0.4), holds })
 }
 
 #[cfg(test)]
@@ -126,7 +133,8 @@ mod tests {
     fn a_deck_holds_every_law_once_and_a_fifth_of_nothing() {
         let kinds: Vec<Kind> = (0..DECK).map(|k| wish(5, k, None).expect("a wish").kind).collect();
         for law in LAWS {
-            assert_eq!(kinds.iter().filter(|k| **k == Kind::Laws(vec![law])).count(), 1, "{law}");
+            let times = 1 + usize::from(HOLDING.contains(law));
+            assert_eq!(kinds.iter().filter(|k| **k == Kind::Laws(vec![law])).count(), times, "{law}");
         }
         assert!(kinds.iter().filter(|k| **k == Kind::Nothing).count() * 5 >= DECK);
         assert!(wish(0, 0, Some("nonsense")).is_err());

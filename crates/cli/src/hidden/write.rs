@@ -159,7 +159,11 @@ fn spec(index: usize, made: &Made, files: &[&str], style: &Style) -> String {
     let _ = writeln!(text, "    states: {{ {} }},", pairs(&states));
     let inputs: Vec<(String, String)> =
         inputs(rig).into_iter().map(|(n, u)| (n.to_owned(), u.to_owned())).collect();
-    let _ = writeln!(text, "    inputs: {{ {} }},", pairs(&inputs));
+    if inputs.is_empty() {
+        text += "    inputs: {},\n";
+    } else {
+        let _ = writeln!(text, "    inputs: {{ {} }},", pairs(&inputs));
+    }
     let drive = if matches!(rig.drive, Drive::Force(_)) { "F".to_owned() } else { force(&rig.lines) };
     text += "    known: {\n";
     rig.x.iter().zip(&rig.v).for_each(|(x, v)| text += &format!("        \"{x}\": \"{v}\",\n"));
@@ -212,8 +216,9 @@ fn record(made: &Made, files: &[&str], style: &Style, role: usize) -> String {
     }
     if files.len() == 1 {
         let times = &made.records[0].times;
-        let half = |k: usize| number(0.5 * (times[k - 1] + times[k]));
-        let end = number(times[times.len() - 1] + 0.5 * times[1]);
+        let neat = |t: f64| number((t * 1e7).round() / 1e7);
+        let half = |k: usize| neat(0.5 * (times[k - 1] + times[k]));
+        let end = neat(times[times.len() - 1] + 0.5 * times[1]);
         let window = if role == 0 {
             format!("0.0, {}", half(made.split))
         } else {
