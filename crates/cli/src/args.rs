@@ -146,6 +146,9 @@ pub(crate) struct TableArgs {
     /// Sets of `hidden` with this law only (or nothing, two, outside)
     #[arg(long, value_name = "LAW")]
     pub(crate) only: Option<String>,
+    /// Run the sets of `score` again that have a result already
+    #[arg(long)]
+    pub(crate) again: bool,
     /// Only these cases, as in 1a,7
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub(crate) cases: Vec<String>,
@@ -160,6 +163,8 @@ pub(crate) enum TableKind {
     Sweep,
     /// Data sets with a hidden effect, into --out.
     Hidden,
+    /// What the gap workflow makes of the sets in --out.
+    Score,
 }
 
 /// How to do it; every subcommand takes all of these.

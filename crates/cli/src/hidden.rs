@@ -10,11 +10,14 @@ mod dice;
 mod effect;
 mod linear;
 mod made;
+mod mark;
 mod motion;
 mod outside;
 mod place;
 mod rig;
 mod rivals;
+mod score;
+mod tally;
 mod truth;
 mod wish;
 mod write;
@@ -27,6 +30,16 @@ use crate::progress::Progress;
 use anyhow::{Result, anyhow};
 use dice::Dice;
 use std::path::PathBuf;
+
+pub(crate) use score::Score;
+
+/// Scores the sets; none if the user stopped it.
+///
+/// # Errors
+/// There are no sets, or files cannot be read or written.
+pub(crate) fn score(args: &TableArgs, options: &Options) -> Result<Option<Score>> {
+    score::score(&folder(options)?, options, args.again)
+}
 
 /// Makes the sets.
 ///

@@ -26,6 +26,10 @@ pub(super) fn write(folder: &OutDir, index: usize, made: &Made, dice: &mut Dice)
     };
     let files: &[&str] =
         if made.records.len() == 1 { &["data.csv"] } else { &["data_fit.csv", "data_validate.csv"] };
+    // Files of an earlier set of this number would be taken for its own.
+    for old in ["data.csv", "data_fit.csv", "data_validate.csv", "result.json", "gap.log"] {
+        let _ = std::fs::remove_file(folder.path().join(old));
+    }
     for (name, record) in files.iter().zip(&made.records) {
         folder.write(name, &csv(made, record, &style))?;
     }
