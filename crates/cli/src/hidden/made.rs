@@ -10,6 +10,7 @@ use super::rivals::{Judgement, Seen, along, judge, largest, only_column};
 use super::truth::{Gaps, Hidden, Placed, Truth};
 use super::wish::{HOLDING, Kind, Wish};
 use phisindy_sim::{Noise, Streams, add_noise};
+use std::f64::consts::TAU;
 
 /// Draws before giving up.
 const TRIES: usize = 2000;
@@ -194,7 +195,7 @@ fn attempt(wish: &Wish, dice: &mut Dice) -> Result<Made, &'static str> {
             Kind::Outside(_) => "outside",
         }
         .to_owned(),
-        alternatives: alternatives(&effects, &judgement, measured.len(), &measured[0].1),
+        alternatives: alternatives(&effects, &judgement, &rig, &measured),
         effects: effects.iter().map(hidden).collect(),
         noise: wish.noise,
         sticks: stuck > 0.0,
@@ -257,7 +258,7 @@ fn movables(rig: &mut Rig, wish: &Wish, dice: &mut Dice) {
 
 /// One long run that is split at a sample, or two runs.
 fn courses(rig: &Rig, dice: &mut Dice) -> (Vec<Course>, usize) {
-    let period = 6.283 / rig.natural;
+    let period = TAU / rig.natural;
     let (periods, samples) = (dice.between(10.0, 40.0), dice.whole(2000, 6000));
     let a_period = (samples as f64 / periods).max(60.0);
     let digits = 10f64.powf(2.0 - (period / a_period).log10().floor());
@@ -280,7 +281,7 @@ fn courses(rig: &Rig, dice: &mut Dice) -> (Vec<Course>, usize) {
             let factor = dice.between(0.75, 1.15);
             for line in &mut lines {
                 line.amplitude = rounded(line.amplitude * factor);
-                line.phase = rounded(dice.between(0.0, 6.28));
+                line.phase = rounded(dice.between(0.0, TAU));
             }
         }
         _ => {}
@@ -449,7 +450,14 @@ fn visible(seen: &Seen<'_>) -> Result<(), &'static str> {
     Ok(())
 }
 
-fn alternatives(effects: &[Effect], judgement: &Judgement, columns: usize, column: &str) -> Vec<Vec<Placed>> {
+fn alternatives(
+    effects: &[Effect],
+    judgement: &Judgement,
+    rig: &Rig,
+    measured: &[(usize, String)],
+) -> Vec<Vec<Placed>> {
+    let (columns, column) = (measured.len(), measured[0].1.as_str());
+    let base = matches!(rig.drive, Drive::Base { .. });
     let mut all: Vec<Vec<Placed>> = judgement
         .same
         .iter()
@@ -471,6 +479,10 @@ fn alternatives(effects: &[Effect], judgement: &Judgement, columns: usize, colum
         let mut more = Vec::new();
         if e.law == "asymmetric-coulomb" {
             more.push(put(k, vec![placed("coulomb", &e.at), placed("offset", &e.at)]));
+        }
+        // A push that does not feel what moves is the same from the wall that moves.
+        if base && matches!(e.law.as_str(), "offset" | "harmonic-force") && !e.at.contains('-') {
+            more.push(put(k, vec![placed(&e.law, &format!("{}-du", e.at))]));
         }
         // All columns are one column.
         if only_column(e, columns) {

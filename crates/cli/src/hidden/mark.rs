@@ -167,8 +167,10 @@ mod tests {
     use super::super::truth::Gaps;
     use super::*;
 
-    fn truth(kind: &str, effects: &[(&str, &str, &[(&str, f64)])]) -> Truth {
-        let hidden = |(law, at, parameters): &(&str, &str, &[(&str, f64)])| Hidden {
+    type Told<'a> = (&'a str, &'a str, &'a [(&'a str, f64)]);
+
+    fn truth(kind: &str, effects: &[Told<'_>]) -> Truth {
+        let hidden = |(law, at, parameters): &Told<'_>| Hidden {
             law: (*law).to_owned(),
             at: (*at).to_owned(),
             parameters: parameters.iter().map(|(n, x)| ((*n).to_owned(), *x)).collect(),

@@ -1,6 +1,7 @@
 //! The part of a model that is known: one mass, or two in a chain, on springs and dampers, and what drives it.
 
 use super::dice::{Dice, rounded};
+use std::f64::consts::TAU;
 
 /// A cosine `amplitude * cos(frequency * t + phase)`.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,8 +76,8 @@ impl Rig {
     pub(super) fn draw(dice: &mut Dice, two: bool, slow: bool) -> Rig {
         let (scale, mass, natural, size) = match dice.whole(0, 9) {
             0..=3 => ("unit", *dice.pick(&[1.0, 1.0, 1.3, 2.0]), dice.log(0.7, 3.0), dice.log(0.3, 2.0)),
-            4..=8 => ("laboratory", dice.log(0.5, 8.0), 6.283 * dice.log(1.5, 15.0), dice.log(3e-4, 5e-3)),
-            _ => ("heavy", dice.log(200.0, 3000.0), 6.283 * dice.log(0.4, 2.0), dice.log(5e-3, 5e-2)),
+            4..=8 => ("laboratory", dice.log(0.5, 8.0), TAU * dice.log(1.5, 15.0), dice.log(3e-4, 5e-3)),
+            _ => ("heavy", dice.log(200.0, 3000.0), TAU * dice.log(0.4, 2.0), dice.log(5e-3, 5e-2)),
         };
         let count = if two { 2 } else { 1 };
         let inertia = two || mass != 1.0 || dice.chance(0.5);
@@ -170,7 +171,7 @@ impl Rig {
             lines.push(Line {
                 amplitude: 1.0,
                 frequency: rounded(self.natural * ratio),
-                phase: rounded(dice.between(0.0, 6.28)),
+                phase: rounded(dice.between(0.0, TAU)),
             });
         }
         let share = (several as f64).sqrt();

@@ -6,8 +6,8 @@
 use super::effect::{Action, Effect, Property};
 use super::linear::Linear;
 use super::motion::{Course, Motion};
-use super::place::{Place, places, same_place};
-use super::rig::{Drive, Rig};
+use super::place::{Place, places};
+use super::rig::Rig;
 use std::collections::BTreeSet;
 
 /// Rows of the comparison for each column of data; every kept sample stands for those between.
@@ -222,7 +222,7 @@ impl Comparison<'_> {
             self.columns.push(column);
         }
         let columns = (first..self.columns.len()).collect();
-        self.rivals.push(Rival { law, at: same_place(&place.at), friction, freedom, columns });
+        self.rivals.push(Rival { law, at: place.at.clone(), friction, freedom, columns });
     }
 
     /// All forces of the catalogue at a place.
@@ -309,20 +309,20 @@ impl Comparison<'_> {
     }
 
     fn sensors(&mut self) {
-        // A released motion times any factor is one too, and would explain itself: there the gain is that of the known part's motion.
-        let free = self.seen.rig.drive == Drive::Free;
-        let motion = if free { self.seen.base } else { self.seen.motion };
+        // A gain multiplies the motion of the model, and the factor of a hidden force takes it too. The true motion in its place would explain itself, by
+        // a gain without bounds.
+        let (motion, base) = (self.seen.motion, self.seen.base);
         let names: Vec<(usize, String)> = self.seen.columns.iter().map(|(k, n, _)| (*k, n.clone())).collect();
         let mut all: Vec<(&'static str, String, Vec<f64>)> = Vec::new();
         let slope = |k: usize| motion.rates[k].iter().map(|r| -r).collect::<Vec<f64>>();
         for (own, name) in &names {
             let one = |f: &dyn Fn(usize) -> Vec<f64>| self.rows(&|k| (k == *own).then(|| f(k)));
             all.push(("sensor-delay", name.clone(), one(&slope)));
-            all.push(("sensor-gain", name.clone(), one(&|k| motion.states[k].clone())));
+            all.push(("sensor-gain", name.clone(), one(&|k| base.states[k].clone())));
             all.push(("sensor-offset", name.clone(), one(&|k| vec![1.0; motion.states[k].len()])));
         }
         all.push(("sensor-delay", "motion".to_owned(), self.rows(&|k| Some(slope(k)))));
-        all.push(("sensor-gain", "motion".to_owned(), self.rows(&|k| Some(motion.states[k].clone()))));
+        all.push(("sensor-gain", "motion".to_owned(), self.rows(&|k| Some(base.states[k].clone()))));
         for (law, at, column) in all {
             self.rivals.push(Rival {
                 law,
@@ -344,12 +344,12 @@ impl Comparison<'_> {
         let loads: Vec<f64> = columns.iter().map(|a| dot(a, target)).collect();
         let total = dot(target, target);
         let truth: BTreeSet<(String, String)> =
-            self.seen.effects.iter().map(|e| (e.law.clone(), same_place(&e.at))).collect();
+            self.seen.effects.iter().map(|e| (e.law.clone(), e.at.clone())).collect();
         let effects = self.seen.effects;
         let freedom = effects.iter().map(Effect::freedom).sum::<usize>() + effects.len() - 1;
         let asymmetric = effects.iter().any(|e| e.law == "asymmetric-coulomb");
         let sticking: BTreeSet<String> = if self.held.iter().flatten().any(|h| *h) {
-            effects.iter().filter(|e| e.is_friction()).map(|e| same_place(&e.at)).collect()
+            effects.iter().filter(|e| e.is_friction()).map(|e| e.at.clone()).collect()
         } else {
             BTreeSet::new()
         };
