@@ -6,8 +6,10 @@
 //! DIR/NNN --run--> result.json --scored, with truth.json--> marks --tally--> table
 //! ```
 
+mod course;
 mod dice;
 mod effect;
+mod fair;
 mod linear;
 mod made;
 mod mark;
@@ -18,6 +20,7 @@ mod rig;
 mod rivals;
 mod score;
 mod tally;
+mod told;
 mod truth;
 mod wish;
 mod write;

@@ -1,16 +1,18 @@
 //! One set: drawn until it is fair.
 
+use super::course::{courses, cut_course, cut_motion};
 use super::dice::{Dice, rounded};
-use super::effect::{Action, Effect, Scales, draw, draw_sensor};
+use super::effect::{Effect, Scales, draw, draw_sensor};
+use super::fair::{spread, steady, visible};
 use super::motion::{Course, Motion, earlier, motion};
 use super::outside;
 use super::place::{Place, places};
 use super::rig::{Constant, Drive, Extra, Line, Rig};
-use super::rivals::{Judgement, Seen, along, judge, largest, only_column};
-use super::truth::{Gaps, Hidden, Placed, Truth};
+use super::rivals::{Judgement, Seen, along, judge, largest};
+use super::told::{alternatives, described, hidden};
+use super::truth::{Gaps, Truth};
 use super::wish::{HOLDING, Kind, Wish};
 use phisindy_sim::{Noise, Streams, add_noise};
-use std::f64::consts::TAU;
 
 /// Draws before giving up.
 const TRIES: usize = 2000;
@@ -22,10 +24,6 @@ const MARGIN: f64 = 20.0;
 const VISIBLE: f64 = 200.0;
 /// What the catalogue must leave of an effect outside of it, in units of the noise.
 const REMAINDER: f64 = 0.4;
-
-/// A start known to this part of the noise must predict the record to that part of it, or the gap cannot end below 1.05.
-const START_ERROR: f64 = 0.1;
-const STEADY: f64 = 0.25;
 
 /// A record as it is handed over.
 pub(super) struct Shown {
@@ -256,55 +254,6 @@ fn movables(rig: &mut Rig, wish: &Wish, dice: &mut Dice) {
     }
 }
 
-/// One long run that is split at a sample, or two runs.
-fn courses(rig: &Rig, dice: &mut Dice) -> (Vec<Course>, usize) {
-    let period = TAU / rig.natural;
-    let (periods, samples) = (dice.between(10.0, 40.0), dice.whole(2000, 6000));
-    let a_period = (samples as f64 / periods).max(60.0);
-    let digits = 10f64.powf(2.0 - (period / a_period).log10().floor());
-    let step = (period / a_period * digits).round() / digits;
-    let split = (0.6 * samples as f64) as usize;
-    let grid = |n: usize| (0..n).map(|k| (k as f64 * step * 1e9).round() / 1e9).collect::<Vec<f64>>();
-    let first =
-        Course { start: start(rig, dice), lines: rig.lines.clone(), times: grid(samples), second: false };
-    // The end of a release is nothing but noise: another release shows more.
-    if rig.drive != Drive::Free && dice.chance(0.5) {
-        return (vec![first], split);
-    }
-    let mut lines = rig.lines.clone();
-    match rig.drive {
-        // What stands in `known` is the same in both records, but for an amplitude that is a constant of each.
-        Drive::Explicit(_) if lines.len() == 1 && dice.chance(0.5) => {
-            lines[0].amplitude = rounded(lines[0].amplitude * dice.between(0.7, 1.15));
-        }
-        Drive::Force(_) | Drive::Base { .. } => {
-            let factor = dice.between(0.75, 1.15);
-            for line in &mut lines {
-                line.amplitude = rounded(line.amplitude * factor);
-                line.phase = rounded(dice.between(0.0, TAU));
-            }
-        }
-        _ => {}
-    }
-    let second = Course { start: start(rig, dice), lines, times: grid(samples - split), second: true };
-    (vec![Course { times: grid(split), ..first }, second], split)
-}
-
-fn start(rig: &Rig, dice: &mut Dice) -> Vec<f64> {
-    let count = rig.count();
-    let rest = rig.drive != Drive::Free && dice.chance(0.4);
-    let mut start = vec![0.0; 2 * count];
-    if rest {
-        return start;
-    }
-    let size = if rig.drive == Drive::Free { 3.0 } else { 0.6 } * rig.size;
-    for k in 0..count {
-        start[k] = rounded(dice.sign() * dice.between(0.5, 1.0) * size);
-        start[count + k] = rounded(dice.between(-0.5, 0.5) * size * rig.natural);
-    }
-    start
-}
-
 fn effects(
     rig: &Rig,
     wish: &Wish,
@@ -369,198 +318,4 @@ fn effects(
     }
     // A column that is not there cannot be late; decided before what is measured, so it may drop out later.
     Ok(out)
-}
-
-/// Whether a start that is only known as well as noisy data tell it still predicts the record: no workflow can explain a chaotic motion.
-fn steady(
-    rig: &Rig,
-    effects: &[Effect],
-    courses: &[Course],
-    truth: &[Motion],
-    before: f64,
-    noise: f64,
-) -> bool {
-    courses.iter().zip(truth).all(|(course, exact)| {
-        let deviations: Vec<f64> = exact.readings.iter().map(|y| noise * spread(y)).collect();
-        let mut off = course.clone();
-        for (k, (x, s)) in off.start.iter_mut().zip(&deviations).enumerate() {
-            *x += START_ERROR * s * if k % 2 == 0 { 1.0 } else { -1.0 };
-        }
-        let Ok(motion) = motion(rig, effects, &off, before) else { return false };
-        motion.readings.iter().zip(&exact.readings).zip(&deviations).all(|((a, b), s)| {
-            let rms = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64;
-            rms.sqrt() <= STEADY * s
-        })
-    })
-}
-
-/// What each law needs to be seen at all: it must be entered and left.
-fn visible(seen: &Seen<'_>) -> Result<(), &'static str> {
-    for effect in seen.effects {
-        if let Action::Sensor { column: Some(column), .. } = effect.action
-            && !seen.columns.iter().any(|(k, _, _)| *k == column)
-        {
-            return Err("the column is not measured");
-        }
-        let Action::Force { place, force, .. } = &effect.action else { continue };
-        let (x, v) = along(seen, place);
-        let n = x.len() as f64;
-        let share = |f: &dyn Fn(usize) -> bool| (0..x.len()).filter(|&i| f(i)).count() as f64 / n;
-        let p = |name: &str| effect.parameter(name).unwrap_or(0.0);
-        let far = |w: f64, from: f64| (w - from).abs() * seen.course.times[x.len() - 1] > 9.0;
-        let lines = || seen.course.lines.iter().map(|l| l.frequency);
-        let fair = match effect.law.as_str() {
-            "dead-zone" => (0.05..0.95).contains(&share(&|i| x[i].abs() > p("gap"))),
-            "one-sided-stop" => {
-                let side = if force.starts_with("(-") { -1.0 } else { 1.0 };
-                (0.03..0.6).contains(&share(&|i| side * x[i] > p("gap")))
-            }
-            "stribeck" => {
-                let moves = |i: usize| !seen.motion.stuck[i];
-                share(&|i| moves(i) && v[i].abs() < p("vs")) > 0.03
-                    && share(&|i| v[i].abs() > 2.0 * p("vs")) > 0.1
-            }
-            "dieterich-ruina" => {
-                let top = 1.5 * largest(&v);
-                let level = |s: f64| {
-                    p("F") + p("a") * ((s + 1e-6) / 0.003).ln() + p("b") * (0.022 + 0.003 / (s + 1e-6)).ln()
-                };
-                (0..60).all(|k| level(top * 0.75f64.powi(k)) > 0.1 * p("F"))
-            }
-            "position-dependent-friction" => {
-                let top = 1.3 * largest(&x);
-                (-20..=20).all(|k| {
-                    let at = top * f64::from(k) / 20.0;
-                    p("F0") + p("F1") * at + p("F2") * at * at > 0.1 * p("F0")
-                })
-            }
-            "presliding" => {
-                let z = &seen.motion.states[2 * seen.rig.count()];
-                let d = p("Fc") / p("kt");
-                (0.04..0.9).contains(&share(&|i| z[i].abs() < 0.9 * d))
-            }
-            "harmonic-force" => lines().all(|w| far(p("w"), w)),
-            "parametric-stiffness" => lines().all(|w| far(p("w"), w) && far(p("w"), 2.0 * w)),
-            _ => true,
-        };
-        if !fair {
-            return Err("its range is not visited");
-        }
-    }
-    Ok(())
-}
-
-fn alternatives(
-    effects: &[Effect],
-    judgement: &Judgement,
-    rig: &Rig,
-    measured: &[(usize, String)],
-) -> Vec<Vec<Placed>> {
-    let (columns, column) = (measured.len(), measured[0].1.as_str());
-    let base = matches!(rig.drive, Drive::Base { .. });
-    let mut all: Vec<Vec<Placed>> = judgement
-        .same
-        .iter()
-        .map(|set| set.iter().map(|(law, at)| Placed { law: law.clone(), at: at.clone() }).collect())
-        .collect();
-    let put = |k: usize, with: Vec<Placed>| {
-        let mut set: Vec<Placed> = Vec::new();
-        for (i, e) in effects.iter().enumerate() {
-            if i == k {
-                set.extend(with.clone())
-            } else {
-                set.push(Placed { law: e.law.clone(), at: e.at.clone() })
-            }
-        }
-        set
-    };
-    for (k, e) in effects.iter().enumerate() {
-        let placed = |law: &str, at: &str| Placed { law: law.to_owned(), at: at.to_owned() };
-        let mut more = Vec::new();
-        if e.law == "asymmetric-coulomb" {
-            more.push(put(k, vec![placed("coulomb", &e.at), placed("offset", &e.at)]));
-        }
-        // A push that does not feel what moves is the same from the wall that moves.
-        if base && matches!(e.law.as_str(), "offset" | "harmonic-force") && !e.at.contains('-') {
-            more.push(put(k, vec![placed(&e.law, &format!("{}-du", e.at))]));
-        }
-        // All columns are one column.
-        if only_column(e, columns) {
-            more.push(put(k, vec![placed(&e.law, if e.at == "motion" { column } else { "motion" })]));
-        }
-        all.extend(more);
-    }
-    let mut unique: Vec<Vec<Placed>> = Vec::new();
-    for mut set in all {
-        set.sort();
-        if !unique.contains(&set) {
-            unique.push(set);
-        }
-    }
-    unique
-}
-
-fn hidden(effect: &Effect) -> Hidden {
-    let expression = match &effect.action {
-        Action::Force { force, internal, place } => {
-            let own = |text: &str| {
-                let text = super::effect::substitute(text, "X", &place.x);
-                super::effect::substitute(&text, "Y", &place.v)
-            };
-            match internal {
-                Some((name, rate)) => format!("{} with d{name}/dt = {}", own(force), own(rate)),
-                None => own(force),
-            }
-        }
-        Action::Sensor { property, .. } => format!("{property:?}").to_lowercase(),
-        Action::Factor { factor, .. } => format!("rate times {factor}"),
-    };
-    let mut parameters: std::collections::BTreeMap<String, f64> =
-        effect.parameters.iter().map(|(n, x)| ((*n).to_owned(), *x)).collect();
-    if let Some(second) = effect.second_phase
-        && effect.parameter("phase") != Some(second)
-    {
-        // Not one number any more.
-        parameters.remove("phase");
-    }
-    Hidden { law: effect.law.clone(), at: effect.at.clone(), parameters, expression }
-}
-
-fn described(rig: &Rig, records: usize) -> String {
-    let drive = match rig.drive {
-        Drive::Explicit(on) => format!("{} cosines on mass {} in `known`", rig.lines.len(), on + 1),
-        Drive::Force(on) => format!("measured force of {} cosines on mass {}", rig.lines.len(), on + 1),
-        Drive::Base { derived } => {
-            format!(
-                "wall moved by {} cosines, du {}",
-                rig.lines.len(),
-                if derived { "derived" } else { "measured" }
-            )
-        }
-        Drive::Free => "released".to_owned(),
-    };
-    let how = if records == 1 { "one run in two windows" } else { "two runs" };
-    format!("{} scale, {} masses, {drive}; {how}", rig.scale, rig.count())
-}
-
-fn cut_course(course: &Course, split: usize) -> Course {
-    Course { times: course.times[..split].to_vec(), ..course.clone() }
-}
-
-fn cut_motion(motion: &Motion, split: usize) -> Motion {
-    let cut = |columns: &[Vec<f64>]| columns.iter().map(|c| c[..split].to_vec()).collect();
-    Motion {
-        n: motion.n,
-        states: cut(&motion.states),
-        rates: cut(&motion.rates),
-        stuck: motion.stuck[..split].to_vec(),
-        readings: cut(&motion.readings),
-    }
-}
-
-/// Standard deviation.
-fn spread(x: &[f64]) -> f64 {
-    let n = x.len() as f64;
-    let mean = x.iter().sum::<f64>() / n;
-    (x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt()
 }
