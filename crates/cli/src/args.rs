@@ -181,6 +181,15 @@ pub(crate) struct TableArgs {
     /// Folder of the specs
     #[arg(long, value_name = "DIR", default_value = "specs")]
     pub(crate) specs: PathBuf,
+    /// Number of sets of `hidden`
+    #[arg(id = "count", long = "sets", value_name = "N", default_value_t = 40)]
+    pub(crate) sets: usize,
+    /// Sets of `hidden` with this law only (or nothing, two, outside)
+    #[arg(long, value_name = "LAW")]
+    pub(crate) only: Option<String>,
+    /// Run the sets of `score` again that have a result already
+    #[arg(long)]
+    pub(crate) again: bool,
     /// Only these cases, as in 1a,7
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub(crate) cases: Vec<String>,
@@ -193,6 +202,10 @@ pub(crate) enum TableKind {
     Paper,
     /// Many seeds of each case.
     Sweep,
+    /// Data sets with a hidden effect, into --out.
+    Hidden,
+    /// What the gap workflow makes of the sets in --out.
+    Score,
 }
 
 /// How to do it; every subcommand takes all of these.

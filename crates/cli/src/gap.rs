@@ -27,10 +27,8 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
     };
     let beside = spec.parent().map(|p| p.join("laws")).filter(|p| p.is_dir());
     let folders: Vec<&Path> = beside.as_deref().into_iter().chain(options.laws.as_deref()).collect();
-    let catalogue: Vec<Entry> = laws::catalogue(&folders)?
-        .into_iter()
-        .map(|e| Entry { id: e.id, law: Arc::new(e.law) })
-        .collect();
+    let catalogue: Vec<Entry> =
+        laws::catalogue(&folders)?.into_iter().map(|e| Entry { id: e.id, law: Arc::new(e.law) }).collect();
     let folder = match &options.out {
         Some(out) => outdir::folders(out, &[spec.to_path_buf()])?.pop(),
         None => None,
@@ -38,7 +36,6 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
     let found = {
         let mut progress = Progress::new(&loaded.spec, options.quiet);
         gap(&loaded.text, loaded.case.clone(), loaded.records.clone(), &catalogue, &mut |fraction, what| {
-            eprintln!("TRACE {:.2} {fraction:.2} {what}", begin.elapsed().as_secs_f64());
             progress.doing(what);
             progress.at(fraction);
             if interrupt::asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -177,17 +174,33 @@ fn as_text(found: &Gap, seconds: f64) -> String {
     out.push(format!("  {:>8}  {}  the model as it is", short(before), bar(before, before)));
     for s in found.steps.iter().chain(&found.partial) {
         let after = s.validate.map_or(s.fit.1, |v| v.1);
-        out.push(format!("  {:>8}  {}  + {} at {}", short(after), bar(after, before), s.effect.entry.law.name.to_lowercase(), s.effect.place.at));
+        out.push(format!(
+            "  {:>8}  {}  + {} at {}",
+            short(after),
+            bar(after, before),
+            s.effect.entry.law.name.to_lowercase(),
+            s.effect.place.at
+        ));
     }
     out.push(String::new());
     if let Some(first) = found.located.first()
         && found.status != Status::NothingMissing
     {
-        let share = if found.located.len() > 1 { format!(" ({:.0} % of the gap)", 100.0 * first.share) } else { String::new() };
+        let share = if found.located.len() > 1 {
+            format!(" ({:.0} % of the gap)", 100.0 * first.share)
+        } else {
+            String::new()
+        };
         out.push(format!("where: in {}{share}, {}", first.column, first.region));
     }
     for (k, s) in found.steps.iter().enumerate() {
-        out.push(format!("{}. {} at {}: {}", k + 1, s.effect.entry.law.name, s.effect.place.at, s.expression));
+        out.push(format!(
+            "{}. {} at {}: {}",
+            k + 1,
+            s.effect.entry.law.name,
+            s.effect.place.at,
+            s.expression
+        ));
         out.extend(details(s));
     }
     if !found.partial.is_empty() {
@@ -198,7 +211,11 @@ fn as_text(found: &Gap, seconds: f64) -> String {
         }
     }
     for (record, column, r) in &found.repeat {
-        out.push(format!("{record}: {column} repeats from cycle to cycle ({} s) to NRMSE {:.3}", short(r.period), r.nrmse));
+        out.push(format!(
+            "{record}: {column} repeats from cycle to cycle ({} s) to NRMSE {:.3}",
+            short(r.period),
+            r.nrmse
+        ));
     }
     for (record, role, column, a, b) in &found.nrmse {
         let role = if *role == Role::Fit { "fit" } else { "validate" };
@@ -206,11 +223,21 @@ fn as_text(found: &Gap, seconds: f64) -> String {
     }
     let last = shown(found.after);
     out.push(match found.status {
-        Status::NothingMissing => format!("nothing-missing: the model explains the data to their noise (gap {})", short(last)),
-        Status::Explained => format!("explained: the gap on data not used went from {} to {}", short(before), short(last)),
+        Status::NothingMissing => {
+            format!("nothing-missing: the model explains the data to their noise (gap {})", short(last))
+        }
+        Status::Explained => {
+            format!("explained: the gap on data not used went from {} to {}", short(before), short(last))
+        }
         Status::Unexplained => {
-            let place = found.left.first().map_or(String::new(), |r| format!(", mostly in {}, {}", r.column, r.region));
-            format!("unexplained: something is missing that no law here explains: a gap of {} is left{place}", short(last))
+            let place = found
+                .left
+                .first()
+                .map_or(String::new(), |r| format!(", mostly in {}, {}", r.column, r.region));
+            format!(
+                "unexplained: something is missing that no law here explains: a gap of {} is left{place}",
+                short(last)
+            )
         }
     });
     out.push(format!("{seconds:.1} s"));
@@ -220,10 +247,22 @@ fn as_text(found: &Gap, seconds: f64) -> String {
 fn details(s: &Step) -> Vec<String> {
     let mut out = Vec::new();
     for p in &s.parameters {
-        out.push(format!("     {} = {} {} [{}, {}]", p.constant, short(p.value), p.unit, short(p.ci95.0), short(p.ci95.1)));
+        out.push(format!(
+            "     {} = {} {} [{}, {}]",
+            p.constant,
+            short(p.value),
+            p.unit,
+            short(p.ci95.0),
+            short(p.ci95.1)
+        ));
     }
     for r in s.rivals.iter().filter(|r| r.delta_bic < 10.0) {
-        out.push(format!("     not excluded: {} at {} (criterion {} worse)", r.law, r.at, short(r.delta_bic)));
+        out.push(format!(
+            "     not excluded: {} at {} (criterion {} worse)",
+            r.law,
+            r.at,
+            short(r.delta_bic)
+        ));
     }
     for (law, why) in &s.vetoed {
         out.push(format!("     {law} is ruled out: {why}"));
@@ -238,4 +277,3 @@ fn bar(value: f64, whole: f64) -> String {
     let cells = (part * BAR as f64).round() as usize;
     format!("{}{}", "█".repeat(cells), "·".repeat(BAR - cells))
 }
-

@@ -3,8 +3,8 @@
 mod builtin;
 
 use crate::table::{aligned, short};
-use phisindy_phys::Law;
 use anyhow::{Context, Result, anyhow};
+use phisindy_phys::Law;
 use std::path::Path;
 
 /// A law and where it comes from.

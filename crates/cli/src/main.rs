@@ -12,6 +12,7 @@ mod datafile;
 mod draw;
 mod equation;
 mod gap;
+mod hidden;
 mod identified_spec;
 mod interrupt;
 mod json;

@@ -6,7 +6,7 @@ mod seeds;
 use crate::args::{Options, TableArgs, TableKind};
 use crate::command::print;
 use crate::outdir::replace_file;
-use crate::{draw, interrupt};
+use crate::{draw, hidden, interrupt};
 use anyhow::{Context, Result, bail};
 use phisindy_phys::Sources;
 use std::path::PathBuf;
@@ -42,13 +42,31 @@ const PRINTED: &[Printed] = &[
 
 /// Makes a table, prints it, and puts it into a file if asked to.
 pub(crate) fn command(args: &TableArgs, options: &Options) -> Result<u8> {
+    if args.kind == TableKind::Hidden {
+        return hidden::make(args, options);
+    }
+    let mut failures = String::new();
     let cases = chosen(args)?;
     let (name, made) = match args.kind {
         TableKind::Paper => ("paper", paper::table(&cases, options)?),
         TableKind::Sweep => ("sweep", seeds::table(&cases, args, options)?),
+        TableKind::Score => {
+            let scored = hidden::score(args, options)?;
+            (
+                "score",
+                scored.map(|s| {
+                    failures = s.failures;
+                    s.tables
+                }),
+            )
+        }
+        TableKind::Hidden => ("hidden", None),
     };
     let Some(table) = made else { return Ok(interrupt::CODE) };
     print(&table)?;
+    if !failures.is_empty() {
+        print(&format!("\n{failures}"))?;
+    }
     if let Some(path) = &args.write {
         let shown = path.display();
         let text = std::fs::read_to_string(path).with_context(|| format!("cannot read `{shown}`"))?;
@@ -88,7 +106,7 @@ fn between_marks(text: &str, name: &str, table: &str) -> Result<String> {
 }
 
 /// A Markdown table.
-fn markdown(head: &[&str], rows: &[Vec<String>]) -> String {
+pub(crate) fn markdown(head: &[&str], rows: &[Vec<String>]) -> String {
     let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
     // A bar would end the cell.
     let clean = |cell: &String| cell.replace('|', "\\|");

@@ -94,7 +94,8 @@ impl Effect {
             let start = self.start[k].clamp(p.within.0, p.within.1);
             let unit = if unit.is_empty() { String::new() } else { format!(", unit: \"{unit}\"") };
             let each = if p.each { ", each: true" } else { "" };
-            let value = format!("Find(start: {start:?}{unit}, within: ({:?}, {:?}){each})", p.within.0, p.within.1);
+            let value =
+                format!("Find(start: {start:?}{unit}, within: ({:?}, {:?}){each})", p.within.0, p.within.1);
             text = set(&text, &format!("constants.{}", names[k]), &value)?;
         }
         match &self.place.site {
@@ -128,7 +129,8 @@ impl Effect {
         for (name, inner) in &law.internal {
             let state = free(name, &self.place.at, taken);
             with.push((name.clone(), state.clone()));
-            text = set(&text, &format!("states.{state}"), &format!("\"{}\"", self.unit(&inner.unit, system)))?;
+            text =
+                set(&text, &format!("states.{state}"), &format!("\"{}\"", self.unit(&inner.unit, system)))?;
             internal.push(state);
         }
         for ((_, inner), state) in law.internal.iter().zip(&internal) {
@@ -247,11 +249,7 @@ fn product(parts: &[(&str, f64)]) -> String {
 /// The name that a law gives to displacement (`x`) or velocity (`v`): by the unit of the role.
 fn role(law: &Law, which: char) -> Option<String> {
     let of = |unit: &str| Unit::parse(unit).map(|u| u.dimension).ok();
-    let wanted = if which == 'x' {
-        Dimension::METRE
-    } else {
-        Dimension::METRE.div(Dimension::SECOND)
-    };
+    let wanted = if which == 'x' { Dimension::METRE } else { Dimension::METRE.div(Dimension::SECOND) };
     law.roles.iter().find(|(_, unit)| of(unit) == Some(wanted)).map(|(name, _)| name.clone())
 }
 
@@ -265,8 +263,7 @@ pub(crate) fn fits(law: &Law, place: &Place) -> bool {
             None => false,
         },
         Site::Force { displacement, .. } => {
-            law.sensor.is_none()
-                && (role(law, 'x').is_none() || displacement.is_some())
+            law.sensor.is_none() && (role(law, 'x').is_none() || displacement.is_some())
         }
     }
 }

@@ -75,7 +75,6 @@ fn feeds(fitted: &Fitted, effect: &Effect) -> Option<String> {
     let record = fitted.draft.records.first()?;
     let motion = Motion::new(system, record, fitted.draft.smooth.first()?, 0, &fitted.cal);
     let mean = crate::screen::mean_along(system, &graph, slope, &motion)?;
-    (mean > 0.0).then(|| {
-        "with it the damping of the body is negative in total: it would feed the motion".to_owned()
-    })
+    (mean > 0.0)
+        .then(|| "with it the damping of the body is negative in total: it would feed the motion".to_owned())
 }

@@ -38,9 +38,7 @@ pub(crate) struct Fitted {
 impl Fitted {
     /// Calibrates a draft.
     pub(crate) fn new(draft: Draft, noise: &[Vec<f64>], effort: Effort) -> Result<Fitted, String> {
-        let clock = std::time::Instant::now();
         let cal = calibrate(&draft.case.system, &draft.records, &draft.smooth, noise, effort)?;
-        eprintln!("TRACE   calibrate {:?} {:.2}s chi2/n {:.3} segments {}", draft.effects.iter().map(|(e,..)| format!("{}@{}", e.entry.id, e.place.at)).collect::<Vec<_>>(), clock.elapsed().as_secs_f64(), cal.chi2/cal.samples as f64, cal.segments);
         let gap = |role: Role| -> Option<f64> {
             let (mut sum, mut count) = (0.0, 0usize);
             for (r, record) in cal.records.iter().enumerate().filter(|(_, f)| f.role == role) {

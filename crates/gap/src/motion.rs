@@ -26,7 +26,13 @@ pub(crate) struct Motion {
 
 impl Motion {
     /// The motion of a record, in a system whose parameters were fitted.
-    pub(crate) fn new(system: &System, record: &Record, smooth: &Record, index: usize, fitted: &Calibration) -> Motion {
+    pub(crate) fn new(
+        system: &System,
+        record: &Record,
+        smooth: &Record,
+        index: usize,
+        fitted: &Calibration,
+    ) -> Motion {
         let n = system.states.len();
         let mut numbers: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();
         let mut sensors: Vec<(f64, f64)> =

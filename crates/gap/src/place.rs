@@ -92,9 +92,7 @@ pub fn places(system: &System, plans: &[RecordPlan], own: &[String]) -> Vec<Plac
     }
     let measured: Vec<usize> =
         (0..states.len()).filter(|&k| plans.iter().any(|p| is_measured(p, &states[k].name, k))).collect();
-    all.extend(
-        measured.iter().map(|&k| Place { at: states[k].name.clone(), site: Site::Sensor(vec![k]) }),
-    );
+    all.extend(measured.iter().map(|&k| Place { at: states[k].name.clone(), site: Site::Sensor(vec![k]) }));
     if measured.len() > 1 {
         all.push(Place { at: "motion".into(), site: Site::Sensor(measured) });
     }

@@ -90,9 +90,9 @@ impl Recipe {
             Some(load) => Some(lower(load, &[], &mut graph)?),
             None => None,
         };
-        let symbol = |name: &str, lower: &mut dyn FnMut(&str, &[(String, String)], &mut Graph) -> Option<Id>, graph: &mut Graph| {
-            lower(&hidden(name), &[], graph)
-        };
+        let symbol = |name: &str,
+                      lower: &mut dyn FnMut(&str, &[(String, String)], &mut Graph) -> Option<Id>,
+                      graph: &mut Graph| { lower(&hidden(name), &[], graph) };
         let mut recipe = if let Some(screen) = &law.screen {
             let mut columns = Vec::new();
             for text in &screen.columns {
@@ -108,9 +108,19 @@ impl Recipe {
                 }
                 _ => None,
             };
-            let grid = screen.grid.iter().map(|(name, unit)| (scale(unit), self::negative(law, name))).collect();
+            let grid =
+                screen.grid.iter().map(|(name, unit)| (scale(unit), self::negative(law, name))).collect();
             let back = Back::Formulas(formulas(law, screen)?);
-            Recipe { graph, symbols, columns, internal, displacement: place_displacement, velocity: place_velocity, grid, back }
+            Recipe {
+                graph,
+                symbols,
+                columns,
+                internal,
+                displacement: place_displacement,
+                velocity: place_velocity,
+                grid,
+                back,
+            }
         } else {
             if !law.internal.is_empty() {
                 return None;
@@ -131,7 +141,8 @@ impl Recipe {
                 }
             }
             let tried: Vec<usize> = (0..parameters.len()).filter(|k| !linear.contains(k)).collect();
-            let grid = tried.iter().map(|&k| (scale(&law.parameters[k].1.unit), law.parameters[k].1.within.0 < 0.0));
+            let grid =
+                tried.iter().map(|&k| (scale(&law.parameters[k].1.unit), law.parameters[k].1.within.0 < 0.0));
             let of = |k: usize| match linear.iter().position(|&l| l == k) {
                 Some(column) => Ok(column),
                 None => Err(tried.iter().position(|&l| l == k).unwrap_or(0)),

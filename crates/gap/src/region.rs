@@ -24,7 +24,12 @@ struct Cut {
 }
 
 /// The map of the residuals of the Fit records, column by column, largest first.
-pub(crate) fn regions(system: &System, records: &[Record], fitted: &Calibration, noise: &[Vec<f64>]) -> Vec<Region> {
+pub(crate) fn regions(
+    system: &System,
+    records: &[Record],
+    fitted: &Calibration,
+    noise: &[Vec<f64>],
+) -> Vec<Region> {
     let n = system.states.len();
     let mut all: Vec<(String, f64, String)> = Vec::new();
     for k in 0..n {
@@ -58,8 +63,15 @@ pub(crate) fn regions(system: &System, records: &[Record], fitted: &Calibration,
                 (0..m)
                     .map(|i| {
                         let stuck = switches > 0 && run.modes[i * switches..(i + 1) * switches].contains(&0);
-                        let switching = run.events.iter().any(|e| (e.time - record.time[i]).abs() < 0.05 * near);
-                        if stuck { 2.0 } else if switching { 1.0 } else { 0.0 }
+                        let switching =
+                            run.events.iter().any(|e| (e.time - record.time[i]).abs() < 0.05 * near);
+                        if stuck {
+                            2.0
+                        } else if switching {
+                            1.0
+                        } else {
+                            0.0
+                        }
                     })
                     .collect(),
             );

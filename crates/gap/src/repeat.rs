@@ -46,8 +46,11 @@ pub fn repeatability(record: &Record, column: &[f64]) -> Option<Repeat> {
     }
     let (_, period) = best?;
     let (rms, trend) = scatter(column, period)?;
-    (rms < PERIODIC * deviation && trend < TREND)
-        .then_some(Repeat { period: period * step, nrmse: rms / deviation, rms })
+    (rms < PERIODIC * deviation && trend < TREND).then_some(Repeat {
+        period: period * step,
+        nrmse: rms / deviation,
+        rms,
+    })
 }
 
 /// How well the mean cycle of a column predicts the column that continues it: the best that a model without knowledge of the rig can do.
@@ -56,7 +59,8 @@ pub fn prediction(before: &Record, column: &[f64], after: &Record, continued: &[
     let n = column.len();
     let step = (before.time[n - 1] - before.time[0]) / (n - 1) as f64;
     let mean = continued.iter().sum::<f64>() / continued.len() as f64;
-    let deviation = (continued.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / continued.len() as f64).sqrt();
+    let deviation =
+        (continued.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / continued.len() as f64).sqrt();
     let mut best: Option<(f64, f64)> = None;
     for k in -10..=10 {
         let period = own.period * (1.0 + 0.0002 * f64::from(k));
@@ -148,9 +152,8 @@ mod tests {
         let noisy: Vec<f64> = (0..n).map(|i| (0.0503 * i as f64).sin() + 0.1 * jitter()).collect();
         let found = repeatability(&record(n), &noisy).expect("periodic");
         assert!((found.rms - 0.1 / 12f64.sqrt()).abs() < 0.006, "{found:?}");
-        let decaying: Vec<f64> = (0..n)
-            .map(|i| (0.0503 * i as f64).sin() * (1.0 + 0.3 * (-0.001 * i as f64).exp()))
-            .collect();
+        let decaying: Vec<f64> =
+            (0..n).map(|i| (0.0503 * i as f64).sin() * (1.0 + 0.3 * (-0.001 * i as f64).exp())).collect();
         assert_eq!(repeatability(&record(n), &decaying), None);
     }
 }

@@ -55,7 +55,9 @@ impl Linear {
             for (row, out) in rest[..n].iter_mut().enumerate() {
                 let at = row * n..(row + 1) * n;
                 let dot = |m: &[f64], v: &[f64]| m.iter().zip(v).map(|(a, b)| a * b).sum::<f64>();
-                *out = dot(&step.phi[at.clone()], before) + dot(&step.first[at.clone()], g0) + dot(&step.second[at], g1);
+                *out = dot(&step.phi[at.clone()], before)
+                    + dot(&step.first[at.clone()], g0)
+                    + dot(&step.second[at], g1);
             }
         }
         x
@@ -72,9 +74,7 @@ fn step(a: &[f64], n: usize, h: f64) -> Step {
         _ => 0.0,
     });
     let e = exponential(&big);
-    let block = |j0: usize| -> Vec<f64> {
-        (0..n * n).map(|k| e[(k / n, j0 * n + k % n)]).collect()
-    };
+    let block = |j0: usize| -> Vec<f64> { (0..n * n).map(|k| e[(k / n, j0 * n + k % n)]).collect() };
     let (phi, ramp0, second) = (block(0), block(1), block(2));
     let first = ramp0.iter().zip(&second).map(|(a, b)| a - b).collect();
     Step { h, phi, first, second }

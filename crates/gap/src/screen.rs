@@ -78,13 +78,16 @@ struct Ground {
 }
 
 /// Screens the catalogue in a fitted model.
-pub(crate) fn screen(draft: &Draft, fitted: &Calibration, catalogue: &[Entry], noise: &[Vec<f64>]) -> Option<Screening> {
+pub(crate) fn screen(
+    draft: &Draft,
+    fitted: &Calibration,
+    catalogue: &[Entry],
+    noise: &[Vec<f64>],
+) -> Option<Screening> {
     let system = &draft.case.system;
     let of: Vec<usize> = (0..draft.records.len()).filter(|&r| draft.records[r].role == Role::Fit).collect();
-    let total: usize = of
-        .iter()
-        .map(|&r| draft.records[r].len() * draft.records[r].columns.iter().flatten().count())
-        .sum();
+    let total: usize =
+        of.iter().map(|&r| draft.records[r].len() * draft.records[r].columns.iter().flatten().count()).sum();
     let stride = total.div_ceil(ROWS).max(1);
     let all_places = places(system, &draft.case.records, &draft.internal);
     let base = Base::new(system)?;
@@ -125,11 +128,7 @@ pub(crate) fn screen(draft: &Draft, fitted: &Calibration, catalogue: &[Entry], n
     let gram = gram * faer::Scale(stride as f64);
     let (gram, kept) = projected(&gram, fixed.len());
     let samples = (rows * stride) as f64;
-    let mut screening = Screening {
-        candidates: vec![],
-        gram,
-        recipes: made.iter().map(|_| None).collect(),
-    };
+    let mut screening = Screening { candidates: vec![], gram, recipes: made.iter().map(|_| None).collect() };
     let mut best: Vec<Vec<Candidate>> = vec![vec![]; effects.len()];
     let price = |size: usize| size as f64 * samples.ln();
     for (trial, at) in candidates {
@@ -142,8 +141,15 @@ pub(crate) fn screen(draft: &Draft, fitted: &Calibration, catalogue: &[Entry], n
         let recipe = made[trial.recipe].0.as_ref();
         let Some(effect) = seeded(&trial.effect, recipe, &coefficients, &trial.grid) else { continue };
         let size = trial.effect.entry.law.parameters.len();
-        let candidate =
-            Candidate { effect, gain, size, others: vec![], columns: at, grid: trial.grid.clone(), recipe: trial.recipe };
+        let candidate = Candidate {
+            effect,
+            gain,
+            size,
+            others: vec![],
+            columns: at,
+            grid: trial.grid.clone(),
+            recipe: trial.recipe,
+        };
         best[trial.recipe].push(candidate);
     }
     screening.recipes = made.into_iter().map(|(r, _)| r).collect();
@@ -175,7 +181,9 @@ impl Screening {
                 distinct.dedup();
                 let Some((gain, coefficients)) = solve(&self.gram, &at) else { continue };
                 let (left, right) = coefficients.split_at(a.columns.len());
-                let (Some(one), Some(two)) = (self.reseeded(a, left), self.reseeded(b, right)) else { continue };
+                let (Some(one), Some(two)) = (self.reseeded(a, left), self.reseeded(b, right)) else {
+                    continue;
+                };
                 all.push((gain - price * (a.size + b.size) as f64, one, two));
             }
         }
@@ -228,7 +236,8 @@ fn effects(draft: &Draft, catalogue: &[Entry], places: &[Place]) -> Vec<Effect> 
     let mut all = Vec::new();
     for entry in catalogue {
         for place in places.iter().filter(|p| fits(&entry.law, p)) {
-            let start = entry.law.parameters.iter().map(|(_, p)| 0.0_f64.clamp(p.within.0, p.within.1)).collect();
+            let start =
+                entry.law.parameters.iter().map(|(_, p)| 0.0_f64.clamp(p.within.0, p.within.1)).collect();
             let plain =
                 Effect { entry: entry.clone(), place: place.clone(), mirror: false, load: None, start };
             if draft.effects.iter().any(|(e, ..)| excludes(e, &plain)) {
@@ -395,9 +404,12 @@ impl Base {
             let least = ((0.04 * motion.period / (span / samples as f64)) as usize).clamp(5, samples);
             let rests = resting(&speed, rest_threshold(&speed), least);
             // Friction that is in the model already holds with what force it needs.
-            let own = draft.case.system.contacts.iter().any(|c| {
-                c.text.replace([' ', '(', ')'], "") == velocity.replace([' ', '(', ')'], "")
-            });
+            let own = draft
+                .case
+                .system
+                .contacts
+                .iter()
+                .any(|c| c.text.replace([' ', '(', ')'], "") == velocity.replace([' ', '(', ')'], ""));
             if own {
                 let inertia = |k: usize, i: usize| values[n + n * n + n * self.parameters + k][i];
                 for i in (0..samples).filter(|&i| rests[i]) {
@@ -415,7 +427,8 @@ impl Base {
             still.push((place.at.clone(), rests));
         }
         // A body at rest forgets; so must its linear stand-in, or errors made before a stop are carried past it.
-        let forgets = still.iter().any(|(_, s): &(String, Vec<bool>)| s.iter().filter(|s| **s).count() * 50 > samples);
+        let forgets =
+            still.iter().any(|(_, s): &(String, Vec<bool>)| s.iter().filter(|s| **s).count() * 50 > samples);
         let left = shift(&a, n, span).max(if forgets { FORGET / motion.period } else { 0.0 });
         (0..n).for_each(|k| a[k * n + k] -= left);
         let bracket: Vec<f64> = (0..samples)
@@ -423,9 +436,7 @@ impl Base {
                 let x = &motion.states[i * n..(i + 1) * n];
                 let rates = &rates;
                 let a = &a;
-                (0..n).map(move |row| {
-                    rates[i * n + row] - (0..n).map(|k| a[row * n + k] * x[k]).sum::<f64>()
-                })
+                (0..n).map(move |row| rates[i * n + row] - (0..n).map(|k| a[row * n + k] * x[k]).sum::<f64>())
             })
             .collect();
         let rows = (0..n)
@@ -520,7 +531,10 @@ impl Base {
             for k in 0..n {
                 let s = &draft.records[of[r]].sensors[k];
                 for (which, p) in [&s.offset, &s.gain, &s.delay].into_iter().enumerate() {
-                    if p.within.is_some() && p.shared.is_none() && ground.rows.iter().any(|(state, ..)| *state == k) {
+                    if p.within.is_some()
+                        && p.shared.is_none()
+                        && ground.rows.iter().any(|(state, ..)| *state == k)
+                    {
                         let rows = ground.sensor(&[k], which);
                         let mut column = vec![0.0; total];
                         column[before..before + rows.len()].copy_from_slice(&rows);
@@ -557,7 +571,9 @@ impl Ground {
             let (gain, offset) = self.motion.sensors[*k];
             let offset = if whole { offset } else { 0.0 };
             out.extend(
-                (0..self.motion.samples()).step_by(self.stride).map(|i| weight * (gain * states[i * n + k] + offset)),
+                (0..self.motion.samples())
+                    .step_by(self.stride)
+                    .map(|i| weight * (gain * states[i * n + k] + offset)),
             );
         }
         out
@@ -595,7 +611,9 @@ impl Ground {
         let n = system.states.len();
         for contact in contacts {
             let Some(k) = system.states.iter().position(|s| s.node == contact.node) else { continue };
-            let Some((_, still)) = self.still.iter().find(|(at, _)| *at == system.states[k].name) else { continue };
+            let Some((_, still)) = self.still.iter().find(|(at, _)| *at == system.states[k].name) else {
+                continue;
+            };
             still.iter().enumerate().filter(|(_, s)| **s).for_each(|(i, _)| g[i * n + k] = 0.0);
         }
     }
@@ -712,7 +730,8 @@ fn force_trials(
         for ground in grounds {
             let samples = ground.motion.samples();
             let z = inner.as_ref().map(|tape| remembered(tape, &ground.motion, &grid));
-            let values = evaluated(&tape, &ground.motion, &grid, &z.iter().map(Vec::as_slice).collect::<Vec<_>>());
+            let values =
+                evaluated(&tape, &ground.motion, &grid, &z.iter().map(Vec::as_slice).collect::<Vec<_>>());
             let still = ground.still.iter().find(|(at, _)| *at == effect.place.at).map(|(_, s)| s);
             let rests = |i: usize| sticks && still.is_some_and(|s| s[i]);
             for (c, column) in columns.iter_mut().enumerate() {
@@ -824,9 +843,15 @@ fn grids(
             let fine = 2.0 * std::f64::consts::PI / span;
             // In a motion of one period every periodic lack can be written as forces at its multiples: they would explain anything.
             let own = 2.0 * std::f64::consts::PI / ground.motion.period;
-            let echo = |w: f64| ground.motion.periodic && (w / own - (w / own).round()).abs() * own < 2.0 * fine;
+            let echo =
+                |w: f64| ground.motion.periodic && (w / own - (w / own).round()).abs() * own < 2.0 * fine;
             for line in lines(&smoothed(&lack, ground.motion.period / step), step, 8) {
-                frequencies.extend([-0.5, -0.25, 0.0, 0.25, 0.5].map(|d| line + d * fine).into_iter().filter(|w| *w > 0.0 && !echo(*w)));
+                frequencies.extend(
+                    [-0.5, -0.25, 0.0, 0.25, 0.5]
+                        .map(|d| line + d * fine)
+                        .into_iter()
+                        .filter(|w| *w > 0.0 && !echo(*w)),
+                );
             }
         }
     }
@@ -838,7 +863,8 @@ fn grids(
     let speeds = sorted(speeds);
     let signed = sorted(places.clone());
     let sizes = sorted(places.iter().map(|x| x.abs()).collect());
-    let quantile = |v: &[f64], q: f64| v.get(((v.len().max(1) - 1) as f64 * q) as usize).copied().unwrap_or(0.0);
+    let quantile =
+        |v: &[f64], q: f64| v.get(((v.len().max(1) - 1) as f64 * q) as usize).copied().unwrap_or(0.0);
     let axis = |(scale, negative): &(Scale, bool)| -> Vec<f64> {
         match scale {
             Scale::Speed => {
@@ -849,9 +875,10 @@ fn grids(
                 let top = quantile(&sizes, 0.99);
                 [0.001, 0.003, 0.01, 0.02, 0.04, 0.08, 0.15, 0.3, 0.6].iter().map(|q| q * top).collect()
             }
-            Scale::Displacement if *negative => {
-                (1..20).map(|k| quantile(&signed, f64::from(k) / 20.0)).chain([0.98, 0.99].map(|q| quantile(&signed, q))).collect()
-            }
+            Scale::Displacement if *negative => (1..20)
+                .map(|k| quantile(&signed, f64::from(k) / 20.0))
+                .chain([0.98, 0.99].map(|q| quantile(&signed, q)))
+                .collect(),
             Scale::Displacement => [0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95]
                 .iter()
                 .map(|q| quantile(&sizes, 0.99) * q)
@@ -863,7 +890,8 @@ fn grids(
     let mut all: Vec<Vec<f64>> = vec![vec![]];
     for of in &recipe.grid {
         let values = axis(of);
-        all = all.iter().flat_map(|g| values.iter().map(|v| g.iter().copied().chain([*v]).collect())).collect();
+        all =
+            all.iter().flat_map(|g| values.iter().map(|v| g.iter().copied().chain([*v]).collect())).collect();
         all.truncate(GRID);
     }
     all
@@ -883,7 +911,12 @@ fn smoothed(values: &[f64], period: f64) -> Vec<f64> {
 }
 
 /// The mean of an expression along a motion.
-pub(crate) fn mean_along(system: &System, graph: &phisindy_expr::Graph, node: Id, motion: &Motion) -> Option<f64> {
+pub(crate) fn mean_along(
+    system: &System,
+    graph: &phisindy_expr::Graph,
+    node: Id,
+    motion: &Motion,
+) -> Option<f64> {
     let tape = Tape::compile(graph, &inputs(system), &[node]).ok()?;
     let values = evaluated(&tape, motion, &[], &[]);
     let mean = values[0].iter().sum::<f64>() / values[0].len().max(1) as f64;

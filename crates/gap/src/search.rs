@@ -105,7 +105,6 @@ impl Search<'_> {
             let draft = now.settled()?;
             let Some(found) = screen(&draft, &now.cal, self.catalogue, self.noise) else { break };
             candidates = candidates.max(found.candidates.len());
-            for c in found.candidates.iter().take(12) { eprintln!("TRACE   cand {}@{} gain {:.1} size {} {:?} load {:?}", c.effect.entry.id, c.effect.place.at, c.gain, c.size, c.effect.start, c.effect.load); }
             (self.hear)(part + 0.03, "fitting the best of them");
             let Some((next, round)) = self.round(&draft, &now, &found, candidates) else { break };
             rounds.push(round);
@@ -115,11 +114,20 @@ impl Search<'_> {
     }
 
     /// One round: the best single, or the best pair, or nothing.
-    fn round(&mut self, draft: &Draft, now: &Fitted, found: &Screening, candidates: usize) -> Option<(Fitted, Round)> {
+    fn round(
+        &mut self,
+        draft: &Draft,
+        now: &Fitted,
+        found: &Screening,
+        candidates: usize,
+    ) -> Option<(Fitted, Round)> {
         let before = draft.effects.len();
         let mut vetoed: Vec<(String, String)> = Vec::new();
         let added = |lists: Vec<Vec<Effect>>| -> Vec<Draft> {
-            lists.iter().filter_map(|list| list.iter().try_fold(draft.clone(), |d, e| d.with(e)).ok()).collect()
+            lists
+                .iter()
+                .filter_map(|list| list.iter().try_fold(draft.clone(), |d, e| d.with(e)).ok())
+                .collect()
         };
         let mut drafts = if now.rests() {
             added(self.approached(draft, found))
@@ -131,7 +139,8 @@ impl Search<'_> {
         let singles = self.allowed(singles, before, &mut vetoed);
         let best = preferred(&singles, candidates).filter(|best| self.worth(now, best, candidates)).cloned();
         // A law of many parameters may stand for two simple ones.
-        let plain = |f: &Fitted| f.draft.effects[before..].iter().all(|(e, ..)| e.entry.law.parameters.len() < 3);
+        let plain =
+            |f: &Fitted| f.draft.effects[before..].iter().all(|(e, ..)| e.entry.law.parameters.len() < 3);
         if let Some(best) = best.as_ref().filter(|b| b.is_white() && plain(b)) {
             let best = self.simplified(best.clone(), candidates);
             return Some((best.clone(), round(before, &best, &singles, vetoed, candidates)));
@@ -200,7 +209,11 @@ impl Search<'_> {
         let Some(base) = without_effects(draft) else { return vec![] };
         let mut all = Vec::new();
         for k in 0..effects.len() {
-            for entry in self.catalogue.iter().filter(|e| e.law.simpler.contains(&effects[k].entry.id) && e.law.internal.is_empty()) {
+            for entry in self
+                .catalogue
+                .iter()
+                .filter(|e| e.law.simpler.contains(&effects[k].entry.id) && e.law.internal.is_empty())
+            {
                 let mut list = effects.clone();
                 list[k] = relative(&effects[k], entry);
                 all.extend(list.iter().try_fold(base.clone(), |d, e| d.with(e)).ok());
@@ -232,17 +245,11 @@ impl Search<'_> {
     fn fitted(&self, drafts: Vec<Draft>, candidates: usize) -> Vec<Fitted> {
         let looks: Vec<f64> = drafts
             .par_iter()
-            .map(|d| {
-                glance(&d.case.system, &d.records, &d.smooth, self.noise).unwrap_or(f64::INFINITY)
-            })
+            .map(|d| glance(&d.case.system, &d.records, &d.smooth, self.noise).unwrap_or(f64::INFINITY))
             .collect();
         let least = looks.iter().copied().fold(f64::INFINITY, f64::min);
-        let kept: Vec<Draft> = drafts
-            .into_iter()
-            .zip(looks)
-            .filter(|(_, look)| *look <= RACE * least)
-            .map(|(d, _)| d)
-            .collect();
+        let kept: Vec<Draft> =
+            drafts.into_iter().zip(looks).filter(|(_, look)| *look <= RACE * least).map(|(d, _)| d).collect();
         let mut all: Vec<Fitted> =
             kept.into_par_iter().filter_map(|d| Fitted::new(d, self.noise, Effort::Plain).ok()).collect();
         let by = Measure::of(&all, candidates);
@@ -261,7 +268,8 @@ impl Search<'_> {
     fn allowed(&self, all: Vec<Fitted>, before: usize, vetoed: &mut Vec<(String, String)>) -> Vec<Fitted> {
         all.into_iter()
             .filter(|f| {
-                let against = f.draft.effects[before..].iter().find_map(|(e, ..)| Some((e, (self.veto)(f, e)?)));
+                let against =
+                    f.draft.effects[before..].iter().find_map(|(e, ..)| Some((e, (self.veto)(f, e)?)));
                 match against {
                     Some((effect, why)) => {
                         if !vetoed.iter().any(|(law, _)| *law == effect.entry.id) {
@@ -292,7 +300,9 @@ impl Search<'_> {
             for k in 0..effects.len() {
                 let mut trials: Vec<Vec<Effect>> = Vec::new();
                 if effects.len() > 1 {
-                    trials.push(effects.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, e)| e.clone()).collect());
+                    trials.push(
+                        effects.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, e)| e.clone()).collect(),
+                    );
                 }
                 for simpler in &effects[k].entry.law.simpler {
                     let Some(entry) = self.catalogue.iter().find(|e| e.id == *simpler) else { continue };
@@ -306,7 +316,8 @@ impl Search<'_> {
                 }
                 // Two effects that are one law by another name.
                 for entry in self.catalogue.iter().filter(|e| e.law.same_as.len() == 2) {
-                    let j = (0..effects.len()).find(|&j| j != k && effects[j].entry.id == entry.law.same_as[1]);
+                    let j =
+                        (0..effects.len()).find(|&j| j != k && effects[j].entry.id == entry.law.same_as[1]);
                     let Some(j) = j.filter(|_| effects[k].entry.id == entry.law.same_as[0]) else { continue };
                     let bodies = |e: &Effect| match &e.place.site {
                         Site::Force { acts, .. } => acts.iter().map(|a| a.0).collect(),
@@ -315,16 +326,23 @@ impl Search<'_> {
                     if bodies(&effects[k]) != bodies(&effects[j]) {
                         continue;
                     }
-                    let mut list: Vec<Effect> =
-                        effects.iter().enumerate().filter(|(i, _)| *i != k && *i != j).map(|(_, e)| e.clone()).collect();
+                    let mut list: Vec<Effect> = effects
+                        .iter()
+                        .enumerate()
+                        .filter(|(i, _)| *i != k && *i != j)
+                        .map(|(_, e)| e.clone())
+                        .collect();
                     list.push(relative(&effects[k], entry));
                     trials.push(list);
                 }
                 for list in trials {
-                    let Some(draft) = list.iter().try_fold(base.clone(), |d, e| d.with(e)).ok() else { continue };
+                    let Some(draft) = list.iter().try_fold(base.clone(), |d, e| d.with(e)).ok() else {
+                        continue;
+                    };
                     let Ok(simple) = Fitted::new(draft, self.noise, Effort::Plain) else { continue };
                     let same = self.as_good(&simple, &now, candidates);
-                    let carries = simple.validate.zip(now.validate).is_none_or(|(a, b)| a < 1.02 * b) || !now.is_white();
+                    let carries = simple.validate.zip(now.validate).is_none_or(|(a, b)| a < 1.02 * b)
+                        || !now.is_white();
                     if same && carries && (simple.is_white() || !now.is_white()) {
                         now = simple;
                         continue 'again;
@@ -343,7 +361,8 @@ fn singles(found: &Screening) -> Vec<&Candidate> {
     for (rank, leader) in leaders.iter().enumerate() {
         let law = &leader.effect.entry.law;
         for other in &found.candidates {
-            let here = other.effect.place.at == leader.effect.place.at && other.effect.load == leader.effect.load;
+            let here =
+                other.effect.place.at == leader.effect.place.at && other.effect.load == leader.effect.load;
             let relative = law.simpler.contains(&other.effect.entry.id)
                 || (rank < 3 && !law.family.is_empty() && other.effect.entry.law.family == law.family);
             if here && relative && !chosen.iter().any(|c| c.effect.same(&other.effect)) {
@@ -378,7 +397,10 @@ fn without_effects(draft: &Draft) -> Option<Draft> {
 
 /// The effects of a fitted model, from where its fit ended.
 fn current(now: &Fitted) -> Vec<Effect> {
-    let of = |(e, names, _): &(Effect, Vec<String>, String)| Effect { start: values(now, names, &e.start), ..e.clone() };
+    let of = |(e, names, _): &(Effect, Vec<String>, String)| Effect {
+        start: values(now, names, &e.start),
+        ..e.clone()
+    };
     now.draft.effects.iter().map(of).collect()
 }
 
@@ -388,9 +410,10 @@ pub(crate) fn values(fitted: &Fitted, names: &[String], otherwise: &[f64]) -> Ve
         .iter()
         .zip(otherwise)
         .map(|(name, other)| {
-            let found = fitted.cal.parameters.iter().find(|p| {
-                p.parameter.is_some_and(|k| fitted.draft.case.system.parameters[k].name == *name)
-            });
+            let found =
+                fitted.cal.parameters.iter().find(|p| {
+                    p.parameter.is_some_and(|k| fitted.draft.case.system.parameters[k].name == *name)
+                });
             found.map_or(*other, |p| p.estimate.value)
         })
         .collect()
@@ -426,10 +449,22 @@ fn relative(effect: &Effect, entry: &Entry) -> Effect {
             _ => (p.within.0.max(1e-9) * p.within.1.min(1.0)).sqrt(),
         })
         .collect();
-    Effect { entry: entry.clone(), place: effect.place.clone(), mirror: false, load: effect.load.clone(), start }
+    Effect {
+        entry: entry.clone(),
+        place: effect.place.clone(),
+        mirror: false,
+        load: effect.load.clone(),
+        start,
+    }
 }
 
-fn round(before: usize, chosen: &Fitted, all: &[Fitted], vetoed: Vec<(String, String)>, candidates: usize) -> Round {
+fn round(
+    before: usize,
+    chosen: &Fitted,
+    all: &[Fitted],
+    vetoed: Vec<(String, String)>,
+    candidates: usize,
+) -> Round {
     let own: Vec<(&str, &str)> = label(chosen, 0);
     let by = Measure::of(all.iter().chain([chosen]), candidates);
     let mut rivals: Vec<Rival> = all

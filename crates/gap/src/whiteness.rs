@@ -113,7 +113,8 @@ mod tests {
             .map(|_| {
                 let mut sum = 0.0;
                 for _ in 0..12 {
-                    state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                    state =
+                        state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
                     sum += (state >> 11) as f64 / (1u64 << 53) as f64;
                 }
                 sum - 6.0

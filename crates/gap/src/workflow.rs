@@ -167,16 +167,17 @@ pub fn gap(
     }
     let mut warnings = Vec::new();
     if !case.system.terms.is_empty() {
-        warnings.push("`unknown` has candidates: `gap` leaves them out and searches the catalogue instead".to_owned());
+        warnings.push(
+            "`unknown` has candidates: `gap` leaves them out and searches the catalogue instead".to_owned(),
+        );
     }
     let noise = noise(&records);
     let (repeat, floor) = floor(&case, &records, &noise);
     let mut hear = |part: f64, what: &str| observe(part, what).is_break();
-    let mut search =
-        Search { catalogue, noise: &noise, floor, hear: &mut hear, veto: &against };
-    let searched = search.run(Draft::base(text, case, records)).map_err(|e| {
-        GapError::Numerics(format!("the model as it is cannot be simulated: {e}"))
-    })?;
+    let mut search = Search { catalogue, noise: &noise, floor, hear: &mut hear, veto: &against };
+    let searched = search
+        .run(Draft::base(text, case, records))
+        .map_err(|e| GapError::Numerics(format!("the model as it is cannot be simulated: {e}")))?;
     finished(searched, &noise, repeat, floor, warnings, &mut hear)
 }
 
@@ -309,8 +310,14 @@ fn finished(
     let system = &last.draft.case.system;
     let columns: Vec<(String, f64)> = (0..base.draft.case.system.states.len())
         .filter_map(|k| {
-            let of: Vec<f64> =
-                base.draft.records.iter().zip(noise).filter(|(r, _)| r.columns[k].is_some()).map(|(_, n)| n[k]).collect();
+            let of: Vec<f64> = base
+                .draft
+                .records
+                .iter()
+                .zip(noise)
+                .filter(|(r, _)| r.columns[k].is_some())
+                .map(|(_, n)| n[k])
+                .collect();
             let mean = (of.iter().map(|s| s * s).sum::<f64>() / of.len().max(1) as f64).sqrt();
             (!of.is_empty()).then(|| (system.states[k].name.clone(), mean))
         })
@@ -345,9 +352,11 @@ fn parameters(last: &Fitted, effect: &Effect, names: &[String]) -> Vec<StepParam
     let labels = effect.labels();
     let mut out = Vec::new();
     for (name, label) in names.iter().zip(labels) {
-        let found = last.cal.parameters.iter().find(|p| {
-            p.parameter.is_some_and(|k| last.draft.case.system.parameters[k].name == *name)
-        });
+        let found = last
+            .cal
+            .parameters
+            .iter()
+            .find(|p| p.parameter.is_some_and(|k| last.draft.case.system.parameters[k].name == *name));
         if let Some(p) = found {
             let f = p.factor;
             out.push(StepParameter {

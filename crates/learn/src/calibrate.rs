@@ -3,11 +3,11 @@
 use crate::assess::assess;
 use crate::fit::{Fit, carry};
 use crate::identified::{Estimate, FoundParameter, RecordFit};
-use faer::Mat;
 use crate::least_squares::{Limits, minimise};
 use crate::noise::ColumnNoise;
 use crate::problem::{Noise, Problem};
 use crate::trajectory::{found, robust_covariance, solution};
+use faer::Mat;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Record, System, effective_samples};
 
@@ -128,7 +128,15 @@ pub fn calibrate(
         .collect();
     let mut solved = solution(system, records, &fit, &of);
     let replays = assess(system, records, smooth, &mut solved);
-    Ok(Calibration { chi2, samples, effective, moved: parameters.len(), parameters, records: replays, segments })
+    Ok(Calibration {
+        chi2,
+        samples,
+        effective,
+        moved: parameters.len(),
+        parameters,
+        records: replays,
+        segments,
+    })
 }
 
 /// A misfit above this is worth another start.
@@ -137,7 +145,13 @@ const MISFIT: f64 = 1.2;
 const RESTARTS: u32 = 4;
 
 /// Fits once more from another start, if that promises something, and keeps the better end. A run through stops has side minima: one stop more or less, and the cost jumps.
-fn again(problem: &Problem<'_>, x: &mut Vec<f64>, weights: &[Vec<Vec<f64>>], samples: usize, start: Vec<f64>) {
+fn again(
+    problem: &Problem<'_>,
+    x: &mut Vec<f64>,
+    weights: &[Vec<Vec<f64>>],
+    samples: usize,
+    start: Vec<f64>,
+) {
     let Ok(now) = problem.normal(x, weights) else { return };
     if now.cost < MISFIT * samples as f64 {
         return;
@@ -171,7 +185,8 @@ fn nearby(
     let cov = crate::linear::covariance(&normal.matrix);
     let moved = x.iter().enumerate().map(|(k, v)| {
         let error = (cov[(k, k)] * ratio).sqrt();
-        let sign = if (k as u32).wrapping_mul(2_654_435_769).rotate_left(attempt * 7) & 1 == 0 { 1.0 } else { -1.0 };
+        let sign =
+            if (k as u32).wrapping_mul(2_654_435_769).rotate_left(attempt * 7) & 1 == 0 { 1.0 } else { -1.0 };
         let sign = if attempt.is_multiple_of(2) { sign } else { -sign };
         let reach = f64::from(1 + attempt / 2) * 2.0;
         let step = if error.is_finite() { reach * sign * error } else { 0.0 };

@@ -26,6 +26,6 @@ pub use identified::{
     Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict,
 };
 pub use identify::{LearnOptions, identify};
-pub use sweep::{SweepRun, Truth, bound, project, sweep_one};
 pub use initial::smoothed;
+pub use sweep::{SweepRun, Truth, bound, project, sweep_one};
 pub use train::{StepFit, StepOptions, train};

@@ -408,7 +408,12 @@ fn inseparable(cov: &Mat<f64>, names: &[(usize, String)], values: &[f64]) -> Vec
 }
 
 /// The numbers of a fit, by record; Validate records take those of the record that they continue, or of the first fitted one.
-pub(crate) fn solution(system: &System, records: &[Record], fit: &Fit<'_>, fit_indices: &[usize]) -> Solution {
+pub(crate) fn solution(
+    system: &System,
+    records: &[Record],
+    fit: &Fit<'_>,
+    fit_indices: &[usize],
+) -> Solution {
     let problem = &fit.problem;
     let t = problem.terms.len();
     let base: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();

@@ -1,0 +1,96 @@
+//! What a draw must show to be a fair test.
+
+use super::effect::{Action, Effect};
+use super::motion::{Course, Motion, motion};
+use super::rig::Rig;
+use super::rivals::{Seen, along, largest};
+
+/// A start known to this part of the noise must predict the record to that part of it, or the gap cannot end below 1.05.
+const START_ERROR: f64 = 0.1;
+const STEADY: f64 = 0.25;
+
+/// What each law needs to be seen at all: it must be entered and left.
+pub(super) fn visible(seen: &Seen<'_>) -> Result<(), &'static str> {
+    for effect in seen.effects {
+        if let Action::Sensor { column: Some(column), .. } = effect.action
+            && !seen.columns.iter().any(|(k, _, _)| *k == column)
+        {
+            return Err("the column is not measured");
+        }
+        let Action::Force { place, force, .. } = &effect.action else { continue };
+        let (x, v) = along(seen, place);
+        let n = x.len() as f64;
+        let share = |f: &dyn Fn(usize) -> bool| (0..x.len()).filter(|&i| f(i)).count() as f64 / n;
+        let p = |name: &str| effect.parameter(name).unwrap_or(0.0);
+        let far = |w: f64, from: f64| (w - from).abs() * seen.course.times[x.len() - 1] > 9.0;
+        let lines = || seen.course.lines.iter().map(|l| l.frequency);
+        let fair = match effect.law.as_str() {
+            "dead-zone" => (0.05..0.95).contains(&share(&|i| x[i].abs() > p("gap"))),
+            "one-sided-stop" => {
+                let side = if force.starts_with("(-") { -1.0 } else { 1.0 };
+                (0.03..0.6).contains(&share(&|i| side * x[i] > p("gap")))
+            }
+            "stribeck" => {
+                let moves = |i: usize| !seen.motion.stuck[i];
+                share(&|i| moves(i) && v[i].abs() < p("vs")) > 0.03
+                    && share(&|i| v[i].abs() > 2.0 * p("vs")) > 0.1
+            }
+            "dieterich-ruina" => {
+                let top = 1.5 * largest(&v);
+                let level = |s: f64| {
+                    p("F") + p("a") * ((s + 1e-6) / 0.003).ln() + p("b") * (0.022 + 0.003 / (s + 1e-6)).ln()
+                };
+                (0..60).all(|k| level(top * 0.75f64.powi(k)) > 0.1 * p("F"))
+            }
+            "position-dependent-friction" => {
+                let top = 1.3 * largest(&x);
+                (-20..=20).all(|k| {
+                    let at = top * f64::from(k) / 20.0;
+                    p("F0") + p("F1") * at + p("F2") * at * at > 0.1 * p("F0")
+                })
+            }
+            "presliding" => {
+                let z = &seen.motion.states[2 * seen.rig.count()];
+                let d = p("Fc") / p("kt");
+                (0.04..0.9).contains(&share(&|i| z[i].abs() < 0.9 * d))
+            }
+            "harmonic-force" => lines().all(|w| far(p("w"), w)),
+            "parametric-stiffness" => lines().all(|w| far(p("w"), w) && far(p("w"), 2.0 * w)),
+            _ => true,
+        };
+        if !fair {
+            return Err("its range is not visited");
+        }
+    }
+    Ok(())
+}
+
+/// Whether a start that is only known as well as noisy data tell it still predicts the record: no workflow can explain a chaotic motion.
+pub(super) fn steady(
+    rig: &Rig,
+    effects: &[Effect],
+    courses: &[Course],
+    truth: &[Motion],
+    before: f64,
+    noise: f64,
+) -> bool {
+    courses.iter().zip(truth).all(|(course, exact)| {
+        let deviations: Vec<f64> = exact.readings.iter().map(|y| noise * spread(y)).collect();
+        let mut off = course.clone();
+        for (k, (x, s)) in off.start.iter_mut().zip(&deviations).enumerate() {
+            *x += START_ERROR * s * if k % 2 == 0 { 1.0 } else { -1.0 };
+        }
+        let Ok(motion) = motion(rig, effects, &off, before) else { return false };
+        motion.readings.iter().zip(&exact.readings).zip(&deviations).all(|((a, b), s)| {
+            let rms = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64;
+            rms.sqrt() <= STEADY * s
+        })
+    })
+}
+
+/// Standard deviation.
+pub(super) fn spread(x: &[f64]) -> f64 {
+    let n = x.len() as f64;
+    let mean = x.iter().sum::<f64>() / n;
+    (x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt()
+}

@@ -1,0 +1,474 @@
+//! Whether a hidden effect can be told from others at all, judged without running the workflow.
+//!
+//! What is missing along the true motion drives the known part, which is linear: its response is exactly what the known part alone leaves unexplained. A
+//! rival that fits this response with no more freedom than the truth is the same effect in that record, or the set is too hard to be fair.
+
+use super::effect::{Action, Effect, Property};
+use super::linear::Linear;
+use super::motion::{Course, Motion};
+use super::place::{Place, places};
+use super::rig::Rig;
+use std::collections::BTreeSet;
+
+/// Rows of the comparison for each column of data; every kept sample stands for those between.
+const ROWS: usize = 500;
+/// Less than this, in units of noise variance, no record can show.
+const SAME: f64 = 1.0;
+
+/// Laws and places of a description.
+pub(super) type Named = Vec<(String, String)>;
+
+/// What is seen of a true motion.
+pub(super) struct Seen<'a> {
+    pub(super) rig: &'a Rig,
+    pub(super) effects: &'a [Effect],
+    pub(super) course: &'a Course,
+    pub(super) motion: &'a Motion,
+    /// The motion of the known part alone.
+    pub(super) base: &'a Motion,
+    /// Indices of the measured states, their names and noise.
+    pub(super) columns: &'a [(usize, String, f64)],
+}
+
+/// What came of the comparison.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Judgement {
+    /// By how much (chi square, less what freedom buys) the truth beats the nearest rival with no more freedom.
+    pub(super) margin: f64,
+    /// What start states and constants that may move leave of the effect (chi square).
+    pub(super) visible: f64,
+    /// That rival.
+    pub(super) nearest: String,
+    /// Rivals that are the same in this record.
+    pub(super) same: Vec<Named>,
+    /// What the best rival leaves, rms in units of the noise.
+    pub(super) remainder: f64,
+}
+
+/// A rival law at a place with its inner parameters given.
+struct Rival {
+    law: &'static str,
+    at: String,
+    friction: bool,
+    freedom: usize,
+    columns: Vec<usize>,
+}
+
+struct Comparison<'a> {
+    seen: &'a Seen<'a>,
+    linear: Linear,
+    /// For each mass, where its force is the reaction of a contact that sticks.
+    held: Vec<Vec<bool>>,
+    every: usize,
+    columns: Vec<Vec<f64>>,
+    rivals: Vec<Rival>,
+}
+
+/// Compares the truth with all singles and pairs of the catalogue.
+pub(super) fn judge(seen: &Seen<'_>) -> Judgement {
+    let step = seen.course.times[1] - seen.course.times[0];
+    let samples = seen.course.times.len();
+    let mut c = Comparison {
+        seen,
+        linear: Linear::new(seen.rig, step),
+        held: held(seen),
+        every: (samples / ROWS).max(1),
+        columns: vec![],
+        rivals: vec![],
+    };
+    let mut nuisance = c.nuisance();
+    let mut target = c.target();
+    for place in places(seen.rig) {
+        c.at(&place);
+    }
+    c.sensors();
+    // Start states and constants that may move absorb what they can.
+    orthonormal(&mut nuisance);
+    nuisance.iter().for_each(|z| remove(&mut target, z));
+    let mut columns = std::mem::take(&mut c.columns);
+    for column in &mut columns {
+        let before = dot(column, column);
+        nuisance.iter().for_each(|z| remove(column, z));
+        let after = dot(column, column);
+        let scale = if after > 1e-12 * before && after > 0.0 { 1.0 / after.sqrt() } else { 0.0 };
+        column.iter_mut().for_each(|x| *x *= scale);
+    }
+    c.verdict(&columns, &target)
+}
+
+/// Samples in which a mass is held by a friction of the truth.
+fn held(seen: &Seen<'_>) -> Vec<Vec<bool>> {
+    let samples = seen.course.times.len();
+    let mut held = vec![vec![false; samples]; seen.rig.count()];
+    for effect in seen.effects.iter().filter(|e| e.is_friction()) {
+        let Action::Force { place, .. } = &effect.action else { continue };
+        let (_, v) = along(seen, place);
+        let top = largest(&v);
+        for i in (0..samples).filter(|&i| seen.motion.stuck[i] && v[i].abs() <= 1e-6 * top) {
+            place.parts.iter().for_each(|&(mass, _)| held[mass][i] = true);
+        }
+    }
+    held
+}
+
+/// Displacement and velocity of a place along the true motion.
+pub(super) fn along(seen: &Seen<'_>, place: &Place) -> (Vec<f64>, Vec<f64>) {
+    let (masses, states) = (seen.rig.count(), &seen.motion.states);
+    let sum = |shift: usize, wall: &dyn Fn(f64) -> f64| -> Vec<f64> {
+        let one = |(i, &t): (usize, &f64)| {
+            place.parts.iter().map(|&(mass, f)| f * states[shift + mass][i]).sum::<f64>()
+                + place.wall * wall(t)
+        };
+        seen.course.times.iter().enumerate().map(one).collect()
+    };
+    let lines = &seen.course.lines;
+    (sum(0, &|t| Rig::drive_at(lines, t).0), sum(masses, &|t| Rig::drive_at(lines, t).1))
+}
+
+pub(super) fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |m, x| m.max(x.abs()))
+}
+
+impl Comparison<'_> {
+    /// Samples of the columns as one vector in units of the noise.
+    fn rows(&self, states: &dyn Fn(usize) -> Option<Vec<f64>>) -> Vec<f64> {
+        let weight = (self.every as f64).sqrt();
+        let samples = self.seen.course.times.len();
+        let mut rows = Vec::new();
+        for (state, _, noise) in self.seen.columns {
+            match states(*state) {
+                Some(values) => rows.extend(values.iter().step_by(self.every).map(|y| y * weight / noise)),
+                None => rows.extend(std::iter::repeat_n(0.0, samples.div_ceil(self.every))),
+            }
+        }
+        rows
+    }
+
+    fn states(&self, states: &[Vec<f64>]) -> Vec<f64> {
+        self.rows(&|k| Some(states[k].clone()))
+    }
+
+    /// The response to a force at a place; a mass that is held does not feel it.
+    fn force(&self, parts: &[(usize, f64)], values: &[f64]) -> Vec<f64> {
+        let mut sum: Option<Vec<f64>> = None;
+        for &(mass, sign) in parts {
+            let free: Vec<f64> =
+                values.iter().zip(&self.held[mass]).map(|(f, h)| if *h { 0.0 } else { *f }).collect();
+            let rows = self.states(&self.linear.response(&[(mass, sign)], &free));
+            sum = Some(match sum {
+                Some(sum) => sum.iter().zip(&rows).map(|(a, b)| a + b).collect(),
+                None => rows,
+            });
+        }
+        sum.unwrap_or_default()
+    }
+
+    fn nuisance(&self) -> Vec<Vec<f64>> {
+        let (seen, rig) = (self.seen, self.seen.rig);
+        let samples = seen.course.times.len();
+        let mut all: Vec<Vec<f64>> =
+            (0..2 * rig.count()).map(|k| self.states(&self.linear.start(k, samples))).collect();
+        for place in places(rig) {
+            let (x, v) = along(seen, &place);
+            for (letter, values) in [("k", &x), ("c", &v)] {
+                // A spring and its damper stand at the same place.
+                let number = match (place.at.contains(&rig.v[0]), place.parts.len()) {
+                    (_, 2) => 1,
+                    (true, _) => 0,
+                    (false, _) => 2,
+                };
+                let name = rig.named(letter, number);
+                if place.spring.is_some()
+                    && rig.constants.iter().any(|c| c.name == name && c.movable.is_some())
+                {
+                    all.push(self.force(&place.parts, values));
+                }
+            }
+        }
+        all
+    }
+
+    /// What the known part does not explain.
+    fn target(&self) -> Vec<f64> {
+        let (seen, rig) = (self.seen, self.seen.rig);
+        let masses = rig.count();
+        let motion = seen.motion;
+        let mut missing = vec![Vec::new(); masses];
+        for (i, &t) in seen.course.times.iter().enumerate() {
+            let state = |k: usize| motion.states[k][i];
+            let known = rig.acceleration(&state, Rig::drive_at(&seen.course.lines, t));
+            (0..masses).for_each(|m| missing[m].push((motion.rates[masses + m][i] - known[m]) * rig.mass[m]));
+        }
+        let mut target = self
+            .rows(&|k| Some(motion.readings[k].iter().zip(&motion.states[k]).map(|(y, x)| y - x).collect()));
+        for (mass, values) in missing.iter().enumerate() {
+            let rows = self.force(&[(mass, 1.0)], values);
+            target.iter_mut().zip(&rows).for_each(|(t, r)| *t += r);
+        }
+        target
+    }
+
+    fn push(
+        &mut self,
+        law: &'static str,
+        place: &Place,
+        freedom: usize,
+        friction: bool,
+        values: Vec<Vec<f64>>,
+    ) {
+        let first = self.columns.len();
+        for values in &values {
+            let column = self.force(&place.parts, values);
+            self.columns.push(column);
+        }
+        let columns = (first..self.columns.len()).collect();
+        self.rivals.push(Rival { law, at: place.at.clone(), friction, freedom, columns });
+    }
+
+    /// All forces of the catalogue at a place.
+    fn at(&mut self, place: &Place) {
+        let (x, v) = along(self.seen, place);
+        let (top, speed) = (largest(&x), largest(&v));
+        let of =
+            |f: &dyn Fn(f64, f64) -> f64| -> Vec<f64> { x.iter().zip(&v).map(|(&x, &v)| f(x, v)).collect() };
+        let sign = |v: f64| {
+            if v > 0.0 {
+                1.0
+            } else if v < 0.0 {
+                -1.0
+            } else {
+                0.0
+            }
+        };
+        type Shape<'s> = (&'static str, &'s dyn Fn(f64, f64) -> f64);
+        let simple: [Shape<'_>; 5] = [
+            ("viscous", &|_, v| v),
+            ("stiffness", &|x, _| x),
+            ("quadratic-drag", &|_, v| v * v.abs()),
+            ("cubic-stiffness", &|x, _| x * x * x),
+            ("quadratic-stiffness", &|x, _| x * x),
+        ];
+        for (law, f) in simple {
+            self.push(law, place, 1, false, vec![of(f)]);
+        }
+        self.push("van-der-pol", place, 2, false, vec![of(&|_, v| v), of(&|x, v| x * x * v)]);
+        self.push("coulomb", place, 1, true, vec![of(&|_, v| sign(v))]);
+        self.push("asymmetric-coulomb", place, 2, true, vec![of(&|_, v| sign(v)), of(&|_, _| 1.0)]);
+        let varies = vec![of(&|_, v| sign(v)), of(&|x, v| x * sign(v)), of(&|x, v| x * x * sign(v))];
+        self.push("position-dependent-friction", place, 3, true, varies);
+        let ruina = vec![
+            of(&|_, v| sign(v)),
+            of(&|_, v| ((v.abs() + 1e-6) / 0.003).ln() * sign(v)),
+            of(&|_, v| (0.022 + 0.003 / (v.abs() + 1e-6)).ln() * sign(v)),
+        ];
+        self.push("dieterich-ruina", place, 3, true, ruina);
+        for share in [0.03, 0.06, 0.1, 0.15, 0.25, 0.4, 0.6, 0.9] {
+            let vs = share * speed;
+            let falls = of(&|_, v| (-(v / vs).powi(2)).exp() * sign(v));
+            self.push("stribeck", place, 3, true, vec![of(&|_, v| sign(v)), falls]);
+        }
+        for share in [0.01, 0.03, 0.08, 0.2, 0.4] {
+            self.push("presliding", place, 2, true, vec![play(&x, share * top)]);
+        }
+        for share in [0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7] {
+            let gap = share * top;
+            let inside = of(&|x, _| if x.abs() > gap { -gap * sign(x) } else { -x });
+            self.push("dead-zone", place, 2, false, vec![inside]);
+        }
+        for share in [0.2, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95] {
+            let gap = share * top;
+            self.push("one-sided-stop", place, 2, false, vec![of(&|x, _| (x - gap).max(0.0))]);
+            self.push("one-sided-stop", place, 2, false, vec![of(&|x, _| (-x - gap).max(0.0))]);
+        }
+        let times = &self.seen.course.times;
+        for w in self.frequencies() {
+            let (c, s): (Vec<f64>, Vec<f64>) = times.iter().map(|t| ((w * t).cos(), (w * t).sin())).unzip();
+            let swings = [&c, &s].map(|g| g.iter().zip(&x).map(|(g, x)| g * x).collect::<Vec<f64>>());
+            if place.wall == 0.0 {
+                self.push("harmonic-force", place, 3, false, vec![c, s]);
+            }
+            self.push("parametric-stiffness", place, 3, false, swings.into());
+        }
+        if place.wall == 0.0 {
+            self.push("offset", place, 1, false, vec![of(&|_, _| 1.0)]);
+        }
+    }
+
+    /// Those of the drive, their multiples, and of the truth.
+    fn frequencies(&self) -> Vec<f64> {
+        let lines = &self.seen.course.lines;
+        let mut all: Vec<f64> = lines.iter().take(2).map(|l| l.frequency).collect();
+        if let Some(first) = lines.first() {
+            all.extend([2.0 * first.frequency, 3.0 * first.frequency]);
+        }
+        if lines.is_empty() {
+            all.push(self.seen.rig.natural);
+        }
+        all.extend(self.seen.effects.iter().filter_map(|e| e.parameter("w")));
+        all
+    }
+
+    fn sensors(&mut self) {
+        // A gain multiplies the motion of the model, and the factor of a hidden force takes it too. The true motion in its place would explain itself, by
+        // a gain without bounds.
+        let (motion, base) = (self.seen.motion, self.seen.base);
+        let names: Vec<(usize, String)> = self.seen.columns.iter().map(|(k, n, _)| (*k, n.clone())).collect();
+        let mut all: Vec<(&'static str, String, Vec<f64>)> = Vec::new();
+        let slope = |k: usize| motion.rates[k].iter().map(|r| -r).collect::<Vec<f64>>();
+        for (own, name) in &names {
+            let one = |f: &dyn Fn(usize) -> Vec<f64>| self.rows(&|k| (k == *own).then(|| f(k)));
+            all.push(("sensor-delay", name.clone(), one(&slope)));
+            all.push(("sensor-gain", name.clone(), one(&|k| base.states[k].clone())));
+            all.push(("sensor-offset", name.clone(), one(&|k| vec![1.0; motion.states[k].len()])));
+        }
+        all.push(("sensor-delay", "motion".to_owned(), self.rows(&|k| Some(slope(k)))));
+        all.push(("sensor-gain", "motion".to_owned(), self.rows(&|k| Some(base.states[k].clone()))));
+        for (law, at, column) in all {
+            self.rivals.push(Rival {
+                law,
+                at,
+                friction: false,
+                freedom: 1,
+                columns: vec![self.columns.len()],
+            });
+            self.columns.push(column);
+        }
+    }
+
+    fn verdict(&self, columns: &[Vec<f64>], target: &[f64]) -> Judgement {
+        let products: Vec<Vec<f64>> = columns
+            .iter()
+            .enumerate()
+            .map(|(i, a)| columns[..=i].iter().map(|b| dot(a, b)).collect())
+            .collect();
+        let loads: Vec<f64> = columns.iter().map(|a| dot(a, target)).collect();
+        let total = dot(target, target);
+        let truth: BTreeSet<(String, String)> =
+            self.seen.effects.iter().map(|e| (e.law.clone(), e.at.clone())).collect();
+        let effects = self.seen.effects;
+        let freedom = effects.iter().map(Effect::freedom).sum::<usize>() + effects.len() - 1;
+        let asymmetric = effects.iter().any(|e| e.law == "asymmetric-coulomb");
+        let sticking: BTreeSet<String> = if self.held.iter().flatten().any(|h| *h) {
+            effects.iter().filter(|e| e.is_friction()).map(|e| e.at.clone()).collect()
+        } else {
+            BTreeSet::new()
+        };
+        let mut judgement = Judgement {
+            margin: f64::INFINITY,
+            remainder: f64::INFINITY,
+            visible: total,
+            ..Judgement::default()
+        };
+        let mut try_one = |members: &[&Rival]| {
+            let holds = |at: &String| members.iter().any(|r| r.friction && r.at == *at);
+            if !sticking.iter().all(holds) {
+                return;
+            }
+            let named: BTreeSet<(String, String)> =
+                members.iter().map(|r| (r.law.to_owned(), r.at.clone())).collect();
+            if named == truth {
+                return;
+            }
+            let chosen: Vec<usize> = members.iter().flat_map(|r| r.columns.iter().copied()).collect();
+            let left = (total - explained(&products, &loads, &chosen)).max(0.0);
+            let own = members.iter().map(|r| r.freedom).sum::<usize>() + members.len() - 1;
+            judgement.remainder = judgement
+                .remainder
+                .min((left / (columns.first().map_or(1, Vec::len) * self.every) as f64).sqrt());
+            let list: Named = named.into_iter().collect();
+            // Coulomb and offset in one law, and as two: which of them is simpler is a matter of taste.
+            let as_simple = own == freedom
+                || (asymmetric && own == freedom + 1)
+                || (own < freedom && list.iter().any(|(law, _)| law == "asymmetric-coulomb"));
+            if left < SAME && as_simple {
+                if !judgement.same.contains(&list) {
+                    judgement.same.push(list);
+                }
+            } else if own <= freedom {
+                let margin = left - 9.0 * (freedom - own) as f64;
+                if margin < judgement.margin {
+                    judgement.margin = margin;
+                    let words: Vec<String> = list.iter().map(|(law, at)| format!("{law} at {at}")).collect();
+                    judgement.nearest = words.join(" + ");
+                }
+            }
+        };
+        for (i, a) in self.rivals.iter().enumerate() {
+            try_one(&[a]);
+            for b in &self.rivals[..i] {
+                // Two frictions at one place are one friction.
+                if a.at != b.at || (a.law != b.law && !(a.friction && b.friction)) {
+                    try_one(&[a, b]);
+                }
+            }
+        }
+        judgement
+    }
+}
+
+/// The deflection of an elastic contact that gives way over `d` along a displacement.
+fn play(x: &[f64], d: f64) -> Vec<f64> {
+    let mut z = 0.0;
+    let mut out = vec![0.0];
+    for pair in x.windows(2) {
+        let step = pair[1] - pair[0];
+        let end = d * step.signum();
+        z = end + (z - end) * (-step.abs() / d).exp();
+        out.push(z);
+    }
+    out
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn remove(from: &mut [f64], direction: &[f64]) {
+    let share = dot(from, direction);
+    from.iter_mut().zip(direction).for_each(|(x, d)| *x -= share * d);
+}
+
+/// Gram and Schmidt; what is nothing new becomes zero.
+fn orthonormal(columns: &mut [Vec<f64>]) {
+    for k in 0..columns.len() {
+        let (done, rest) = columns.split_at_mut(k);
+        let before = dot(&rest[0], &rest[0]);
+        // Twice is enough.
+        for _ in 0..2 {
+            done.iter().for_each(|d| remove(&mut rest[0], d));
+        }
+        let after = dot(&rest[0], &rest[0]);
+        let scale = if after > 1e-14 * before && after > 0.0 { 1.0 / after.sqrt() } else { 0.0 };
+        rest[0].iter_mut().for_each(|x| *x *= scale);
+    }
+}
+
+/// How much of the target's square some columns explain, from products of columns of length one. Columns that add nothing new are left out.
+fn explained(products: &[Vec<f64>], loads: &[f64], chosen: &[usize]) -> f64 {
+    let n = chosen.len();
+    let mut factor = vec![0.0; n * n];
+    let mut sum = 0.0;
+    let mut solved = vec![0.0; n];
+    for i in 0..n {
+        let mut load = loads[chosen[i]];
+        for j in 0..=i {
+            let (high, low) = (chosen[i].max(chosen[j]), chosen[i].min(chosen[j]));
+            let mut entry = products[high][low];
+            entry -= (0..j).map(|k| factor[i * n + k] * factor[j * n + k]).sum::<f64>();
+            if j < i {
+                factor[i * n + j] = if factor[j * n + j] > 0.0 { entry / factor[j * n + j] } else { 0.0 };
+                load -= factor[i * n + j] * solved[j];
+            } else if entry > 1e-9 {
+                factor[i * n + i] = entry.sqrt();
+                solved[i] = load / factor[i * n + i];
+                sum += solved[i] * solved[i];
+            }
+        }
+    }
+    sum
+}
+
+/// Whether a property of one column is one of all columns.
+pub(super) fn only_column(effect: &Effect, columns: usize) -> bool {
+    matches!(effect.action, Action::Sensor { property, .. } if property != Property::Offset) && columns == 1
+}
