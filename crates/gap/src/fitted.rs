@@ -93,7 +93,13 @@ impl Fitted {
         let size: usize = effects.iter().map(|e| e.entry.law.parameters.len()).sum();
         let sensors = effects.iter().filter(|e| e.entry.law.sensor.is_some()).count();
         let price = size as f64 * (n * independent).max(2.0).ln();
-        cost * independent + price + 2.0 * ln_choose(candidates, effects.len()) + 6.0 * sensors as f64
+        // A sensor may be late; one that is early is a worse story.
+        let early = self.draft.effects.iter().filter(|(e, names, _)| {
+            e.entry.law.sensor.as_deref() == Some("delay")
+                && crate::search::values(self, names, &e.start).iter().any(|v| *v < 0.0)
+        });
+        let odd = 6.0 * sensors as f64 + 4.0 * early.count() as f64;
+        cost * independent + price + 2.0 * ln_choose(candidates, effects.len()) + odd
     }
 
     /// The part of the samples that counts as independent.

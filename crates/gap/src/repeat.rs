@@ -54,7 +54,12 @@ pub fn repeatability(record: &Record, column: &[f64]) -> Option<Repeat> {
 }
 
 /// How well the mean cycle of a column predicts the column that continues it: the best that a model without knowledge of the rig can do.
-pub fn prediction(before: &Record, column: &[f64], after: &Record, continued: &[f64]) -> Option<Repeat> {
+pub(crate) fn prediction(
+    before: &Record,
+    column: &[f64],
+    after: &Record,
+    continued: &[f64],
+) -> Option<Repeat> {
     let own = repeatability(before, column)?;
     let n = column.len();
     let step = (before.time[n - 1] - before.time[0]) / (n - 1) as f64;

@@ -254,13 +254,18 @@ impl Search<'_> {
             kept.into_par_iter().filter_map(|d| Fitted::new(d, self.noise, Effort::Plain).ok()).collect();
         let by = Measure::of(&all, candidates);
         all.sort_by(|a, b| by.score(a).total_cmp(&by.score(b)));
-        // The best, if it is near but not there, is worth more starts.
-        if let Some(first) = all.first().filter(|f| !f.is_white())
-            && let Ok(better) = Fitted::new(first.draft.clone(), self.noise, Effort::Thorough)
-            && better.fit < first.fit
-        {
-            all[0] = better;
-        }
+        // Those that are near but not there are worth more starts: a run through stops has side minima.
+        let least = all.iter().map(|f| f.fit).fold(f64::INFINITY, f64::min);
+        all.par_iter_mut().take(4).filter(|f| f.fit < 2.0 * least || f.fit < 2.0).for_each(|f| {
+            let thorough = Fitted::new(f.draft.clone(), self.noise, Effort::Thorough);
+            if let Ok(better) = thorough
+                && better.fit < f.fit
+            {
+                *f = better;
+            }
+        });
+        let by = Measure::of(&all, candidates);
+        all.sort_by(|a, b| by.score(a).total_cmp(&by.score(b)));
         all
     }
 
@@ -469,7 +474,7 @@ fn round(
     let by = Measure::of(all.iter().chain([chosen]), candidates);
     let mut rivals: Vec<Rival> = all
         .iter()
-        .filter(|f| label(f, 0) != own)
+        .filter(|f| label(f, 0) != own && f.draft.effects.len() > before)
         .map(|f| {
             let names = label(f, before);
             Rival {

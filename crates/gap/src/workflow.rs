@@ -16,6 +16,8 @@ use std::ops::ControlFlow;
 const EXPLAINED: f64 = 1.1;
 /// ... or below this many times what the motion itself repeats to.
 const REPEATS: f64 = 1.25;
+/// A motion whose cycles differ by more than this many times the noise has a scatter of its own.
+const SCATTERS: f64 = 2.0;
 /// What is left when an effect is kept although something else is missing too: it must have brought the gap down by this factor.
 const SUBSTANTIAL: f64 = 3.0;
 
@@ -214,7 +216,8 @@ fn floor(case: &Case, records: &[Record], noise: &[Vec<f64>]) -> (Vec<(String, S
         }
     }
     let gap = if periodic && count > 0 { (sum / count as f64).sqrt() } else { 0.0 };
-    (all, gap)
+    // Near the noise it is the noise that does not repeat, not the rig.
+    (all, if gap > SCATTERS { gap } else { 0.0 })
 }
 
 fn finished(
@@ -281,7 +284,7 @@ fn finished(
         .collect();
     let end = last.validate.unwrap_or(last.fit);
     let white = last.is_white() && end < EXPLAINED;
-    let repeats = floor > EXPLAINED && end <= REPEATS * floor;
+    let repeats = floor > 0.0 && end <= REPEATS * floor;
     let status = match (white || repeats, steps.is_empty()) {
         (true, true) => Status::NothingMissing,
         (true, false) => Status::Explained,
