@@ -6,6 +6,8 @@ use phisindy_phys::Record;
 /// A motion counts as periodic if its best periodic prediction misses less than this part of it.
 const PERIODIC: f64 = 0.2;
 
+/// Scatter in one half of a record beyond this many times that in the other is a transient.
+const STEADY: f64 = 1.7;
 /// Successive differences of cycles more alike than this are a trend: those of independent cycles are anticorrelated (-1/2), those of a transient all point one way.
 const TREND: f64 = 0.4;
 
@@ -45,6 +47,17 @@ pub fn repeatability(record: &Record, column: &[f64]) -> Option<Repeat> {
         }
     }
     let (_, period) = best?;
+    // A transient dies out; scatter stays.
+    let middle = n / 2;
+    let (early, late) = (scatter(&column[..middle], period), scatter(&column[middle..], period));
+    if let (Some((a, _)), Some((b, _))) = (early, late)
+        && (a > STEADY * b || b > STEADY * a)
+    {
+        return None;
+    }
+    if (n as f64) < 4.0 * period {
+        return None;
+    }
     let (rms, trend) = scatter(column, period)?;
     (rms < PERIODIC * deviation && trend < TREND).then_some(Repeat {
         period: period * step,
@@ -100,7 +113,7 @@ pub(crate) fn prediction(
 /// rms by which a cycle differs from the one before, over root 2; and the correlation of successive differences.
 fn scatter(column: &[f64], period: f64) -> Option<(f64, f64)> {
     let n = column.len();
-    if (n as f64) < 4.0 * period || period < 8.0 {
+    if (n as f64) < 2.2 * period || period < 8.0 {
         return None;
     }
     let at = |t: f64| {

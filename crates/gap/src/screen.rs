@@ -922,3 +922,54 @@ pub(crate) fn mean_along(
     let mean = values[0].iter().sum::<f64>() / values[0].len().max(1) as f64;
     mean.is_finite().then_some(mean)
 }
+
+/// A law started from the force that a fitted sibling at the same place has: its columns regressed on that force along the motion. `None` where that gives nothing within the law's
+/// bounds.
+pub(crate) fn imitated(
+    draft: &Draft,
+    fitted: &Calibration,
+    sibling: &Effect,
+    entry: &Entry,
+) -> Option<Effect> {
+    let system = &draft.case.system;
+    let r = draft.records.iter().position(|r| r.role == Role::Fit)?;
+    let motion = Motion::new(system, &draft.records[r], &draft.smooth[r], r, fitted);
+    let start = entry.law.parameters.iter().map(|_| 0.0).collect();
+    let wanted = Effect { entry: entry.clone(), start, mirror: false, ..sibling.clone() };
+    let (own, other) = (Recipe::new(sibling, system)?, Recipe::new(&wanted, system)?);
+    let along = |recipe: &Recipe, grid: &[f64]| -> Option<Vec<Vec<f64>>> {
+        let mut all = inputs(system);
+        all.extend(&recipe.symbols);
+        let tape = Tape::compile(&recipe.graph, &all, &recipe.columns).ok()?;
+        Some(evaluated(&tape, &motion, grid, &[]))
+    };
+    let (coefficients, grid) = own.direct(&sibling.start)?;
+    let columns = along(&own, &grid)?;
+    let samples = motion.samples();
+    let force: Vec<f64> =
+        (0..samples).map(|i| columns.iter().zip(&coefficients).map(|(c, k)| c[i] * k).sum()).collect();
+    let speeds: Vec<f64> = speed(system, &motion, &sibling.place)?;
+    let top = speeds.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let slip = |i: &usize| speeds[*i].abs() > 0.002 * top;
+    let tried: Vec<Vec<f64>> = match other.grid.len() {
+        0 => vec![vec![]],
+        1 => [0.01, 0.03, 0.1, 0.3].iter().map(|q| vec![q * top]).collect(),
+        _ => return None,
+    };
+    let mut best: Option<(f64, Effect)> = None;
+    for grid in tried {
+        let columns = along(&other, &grid)?;
+        let n = columns.len() + 1;
+        let value = |k: usize, i: usize| if k == 0 { force[i] } else { columns[k - 1][i] };
+        let gram = Mat::from_fn(n, n, |a, b| {
+            (0..samples).filter(slip).map(|i| value(a, i) * value(b, i)).sum::<f64>()
+        });
+        let at: Vec<usize> = (1..n).collect();
+        let Some((gain, found)) = solve(&gram, &at) else { continue };
+        let Some(effect) = seeded(&wanted, Some(&other), &found, &grid) else { continue };
+        if best.as_ref().is_none_or(|(g, _)| gain > *g) {
+            best = Some((gain, effect));
+        }
+    }
+    best.map(|(_, e)| e)
+}

@@ -4,7 +4,7 @@ use crate::draft::Draft;
 use crate::effect::{Effect, Entry};
 use crate::fitted::Fitted;
 use crate::place::Site;
-use crate::screen::{Candidate, Screening, excludes, screen};
+use crate::screen::{Candidate, Screening, excludes, imitated, screen};
 use phisindy_learn::{Effort, approach, glance};
 use rayon::prelude::*;
 
@@ -135,7 +135,9 @@ impl Search<'_> {
             added(self.seeded(draft, singles(found)))
         };
         drafts.extend(self.richer(draft, now));
-        let singles = self.fitted(drafts, candidates);
+        let mut singles = self.fitted(drafts, candidates);
+        let more = self.fitted(self.siblings(draft, &singles), candidates);
+        singles.extend(more);
         let singles = self.allowed(singles, before, &mut vetoed);
         let best = preferred(&singles, candidates).filter(|best| self.worth(now, best, candidates)).cloned();
         // A law of many parameters may stand for two simple ones.
@@ -201,6 +203,25 @@ impl Search<'_> {
             .collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         all.into_iter().take(BEST).map(|(_, e)| vec![e]).collect()
+    }
+
+    /// Every law of the family of the leading friction, started from what the leader found: one slow curve is hard to reach from a regression, easy from its neighbour.
+    fn siblings(&self, draft: &Draft, singles: &[Fitted]) -> Vec<Draft> {
+        let Some(leader) = singles.first() else { return vec![] };
+        let Some((effect, names, _)) = leader.draft.effects.last() else { return vec![] };
+        let law = &effect.entry.law;
+        if law.family.is_empty()
+            || !law.internal.is_empty()
+            || leader.draft.effects.len() != draft.effects.len() + 1
+        {
+            return vec![];
+        }
+        let found = Effect { start: values(leader, names, &effect.start), ..effect.clone() };
+        self.catalogue
+            .iter()
+            .filter(|e| e.law.family == law.family && e.law.internal.is_empty() && e.id != effect.entry.id)
+            .filter_map(|e| draft.with(&imitated(draft, &leader.cal, &found, e)?).ok())
+            .collect()
     }
 
     /// The model with each of its effects replaced by a law that contains it.

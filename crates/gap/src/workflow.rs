@@ -7,9 +7,10 @@ use crate::fitted::{Fitted, noise};
 use crate::region::{Region, regions};
 use crate::repeat::{Repeat, prediction, repeatability};
 use crate::search::{Measure, Search, Searched};
+use phisindy_expr::{Scratch, Tape};
 use phisindy_learn::{Effort, FoundParameter};
 use phisindy_phys::spec::Role;
-use phisindy_phys::{Case, Record};
+use phisindy_phys::{Case, Record, System};
 use std::ops::ControlFlow;
 
 /// An explained record ends below this many times its noise.
@@ -194,7 +195,7 @@ fn floor(case: &Case, records: &[Record], noise: &[Vec<f64>]) -> (Vec<(String, S
             let Some(column) = column else { continue };
             let counts = !validates || record.role == Role::Validate;
             // The larger of the scatter within a record and of the step from one half to the next.
-            let own = repeatability(record, column);
+            let own = repeatability(record, column).filter(|r| driven_alike(&case.system, record, r.period));
             let carried = record.continues.and_then(|before| {
                 let earlier = records[before].columns[k].as_ref()?;
                 prediction(&records[before], earlier, record, column)
@@ -218,6 +219,39 @@ fn floor(case: &Case, records: &[Record], noise: &[Vec<f64>]) -> (Vec<(String, S
     let gap = if periodic && count > 0 { (sum / count as f64).sqrt() } else { 0.0 };
     // Near the noise it is the noise that does not repeat, not the rig.
     (all, if gap > SCATTERS { gap } else { 0.0 })
+}
+
+/// Whether what drives a record repeats with a period: a motion under two tones scatters from cycle to cycle for a reason.
+fn driven_alike(system: &System, record: &Record, period: f64) -> bool {
+    let mut all = vec![system.time];
+    all.extend(system.inputs.iter().map(|u| u.node));
+    all.extend(system.states.iter().map(|s| s.node));
+    all.extend(system.parameters.iter().map(|p| p.node));
+    all.extend(system.record_constants.iter().map(|&(_, node)| node));
+    let Ok(tape) = Tape::compile(&system.graph, &all, &system.known) else { return false };
+    let mut scratch = Scratch::<1>::new(&tape);
+    let (first, last) = (record.time[0], record.time[record.len() - 1]);
+    let mut rates = |t: f64| -> Vec<f64> {
+        let inputs = record.inputs.iter().map(|u| u.value(t));
+        let still = system.states.iter().map(|_| 0.0);
+        let numbers = system.parameters.iter().map(|p| p.start).chain(record.constants.iter().copied());
+        let values = [t].into_iter().chain(inputs).chain(still).chain(numbers);
+        values.enumerate().for_each(|(k, v)| scratch.input(k)[0] = v);
+        scratch.run();
+        (0..system.known.len()).map(|k| scratch.output(k)[0]).collect()
+    };
+    const TIMES: usize = 400;
+    let (mut size, mut apart) = (0.0, 0.0);
+    for i in 0..TIMES {
+        let t = first + (last - first - period) * i as f64 / TIMES as f64;
+        for (a, b) in rates(t).into_iter().zip(rates(t + period)) {
+            if a.is_finite() && b.is_finite() {
+                size += a * a;
+                apart += (a - b) * (a - b);
+            }
+        }
+    }
+    apart <= 0.05 * 0.05 * size
 }
 
 fn finished(

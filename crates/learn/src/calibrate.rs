@@ -51,7 +51,8 @@ pub fn calibrate(
     let mut best: Option<(Problem<'_>, Vec<f64>)> = None;
     let mut trouble = String::new();
     for pieces in STAGES {
-        let problem = Problem::new(system, &[], &fitted, &vec![pieces; fitted.len()])?;
+        let mut problem = Problem::new(system, &[], &fitted, &vec![pieces; fitted.len()])?;
+        problem.budget = Some(budget(&problem));
         let mut x = problem.guess(&[], None, &starts);
         if let Some((before, at)) = &best {
             carry(before, at, &problem, &mut x);
@@ -139,6 +140,12 @@ pub fn calibrate(
     })
 }
 
+/// Steps that a trial may take: friction that strengthens with speed near rest creeps without end, and is wrong.
+fn budget(problem: &Problem<'_>) -> usize {
+    let longest = problem.segments.iter().map(|s| s.samples.1 - s.samples.0).max().unwrap_or(0);
+    1_000 + 6 * longest
+}
+
 /// A misfit above this is worth another start.
 const MISFIT: f64 = 1.2;
 /// Starts round an end that misses.
@@ -210,7 +217,8 @@ pub enum Effort {
 /// race: what is far behind here need not be fitted in full.
 pub fn glance(system: &System, records: &[Record], smooth: &[Record], noise: &[Vec<f64>]) -> Option<f64> {
     let Setup { fitted, noise, smooth: starts, .. } = Setup::new(records, smooth, noise);
-    let problem = Problem::new(system, &[], &fitted, &vec![STAGES[0]; fitted.len()]).ok()?;
+    let mut problem = Problem::new(system, &[], &fitted, &vec![STAGES[0]; fitted.len()]).ok()?;
+    problem.budget = Some(budget(&problem));
     let mut x = problem.guess(&[], None, &starts);
     let weights = problem.weights(&noise, None);
     let bounds = problem.bounds.clone();
@@ -223,7 +231,8 @@ pub fn glance(system: &System, records: &[Record], smooth: &[Record], noise: &[V
 /// As [`glance`], but in single runs from where `smooth` starts: for a model that is near already, and whose stops a cut would lose.
 pub fn approach(system: &System, records: &[Record], smooth: &[Record], noise: &[Vec<f64>]) -> Option<f64> {
     let Setup { fitted, noise, smooth: starts, .. } = Setup::new(records, smooth, noise);
-    let problem = Problem::new(system, &[], &fitted, &vec![1; fitted.len()]).ok()?;
+    let mut problem = Problem::new(system, &[], &fitted, &vec![1; fitted.len()]).ok()?;
+    problem.budget = Some(budget(&problem));
     let mut x = problem.guess(&[], None, &starts);
     let weights = problem.weights(&noise, None);
     let bounds = problem.bounds.clone();
