@@ -220,7 +220,7 @@ impl Search<'_> {
         self.catalogue
             .iter()
             .filter(|e| e.law.family == law.family && e.law.internal.is_empty() && e.id != effect.entry.id)
-            .filter_map(|e| draft.with(&imitated(draft, &leader.cal, &found, e)?).ok())
+            .filter_map(|e| draft.with(&imitated(&leader.draft, &leader.cal, &found, e)?).ok())
             .collect()
     }
 
