@@ -7,7 +7,7 @@ use phisindy_phys::Record;
 const PERIODIC: f64 = 0.2;
 
 /// Scatter in one half of a record beyond this many times that in the other is a transient.
-const STEADY: f64 = 1.7;
+const STEADY: f64 = 3.0;
 /// Successive differences of cycles more alike than this are a trend: those of independent cycles are anticorrelated (-1/2), those of a transient all point one way.
 const TREND: f64 = 0.4;
 

@@ -422,7 +422,7 @@ fn without_effects(draft: &Draft) -> Option<Draft> {
 }
 
 /// The effects of a fitted model, from where its fit ended.
-fn current(now: &Fitted) -> Vec<Effect> {
+pub(crate) fn current(now: &Fitted) -> Vec<Effect> {
     let of = |(e, names, _): &(Effect, Vec<String>, String)| Effect {
         start: values(now, names, &e.start),
         ..e.clone()

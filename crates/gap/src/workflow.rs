@@ -19,6 +19,8 @@ const EXPLAINED: f64 = 1.1;
 const REPEATS: f64 = 1.25;
 /// A motion whose cycles differ by more than this many times the noise has a scatter of its own.
 const SCATTERS: f64 = 2.0;
+/// Samples of the Fit records that a search looks at.
+const LOOK: usize = 6_000;
 /// What is left when an effect is kept although something else is missing too: it must have brought the gap down by this factor.
 const SUBSTANTIAL: f64 = 3.0;
 
@@ -178,10 +180,46 @@ pub fn gap(
     let (repeat, floor) = floor(&case, &records, &noise);
     let mut hear = |part: f64, what: &str| observe(part, what).is_break();
     let mut search = Search { catalogue, noise: &noise, floor, hear: &mut hear, veto: &against };
-    let searched = search
-        .run(Draft::base(text, case, records))
-        .map_err(|e| GapError::Numerics(format!("the model as it is cannot be simulated: {e}")))?;
+    let cannot = |e: String| GapError::Numerics(format!("the model as it is cannot be simulated: {e}"));
+    let whole = Draft::base(text, case.clone(), records.clone());
+    // A look needs no more samples than this; the numbers come from all of them.
+    let short = shortened(&records);
+    let searched = match &short {
+        Some(short) => {
+            let mut found = search.run(Draft::base(text, case, short.clone())).map_err(cannot)?;
+            found.base = Fitted::new(whole.clone(), &noise, Effort::Plain).map_err(cannot)?;
+            let effects = crate::search::current(&found.last);
+            let full = effects
+                .iter()
+                .try_fold(whole, |d, e| d.with(e))
+                .and_then(|d| Fitted::new(d, &noise, Effort::Plain));
+            found.last = full.unwrap_or_else(|_| found.base.clone());
+            found
+        }
+        None => search.run(whole).map_err(cannot)?,
+    };
     finished(searched, &noise, repeat, floor, warnings, &mut hear)
+}
+
+/// The beginnings of long records, for the search; `None` if none is long.
+fn shortened(records: &[Record]) -> Option<Vec<Record>> {
+    let fits = records.iter().filter(|r| r.role == Role::Fit).count().max(1);
+    let most = LOOK / fits;
+    let long = records.iter().any(|r| r.len() > most + most / 2);
+    long.then(|| {
+        records
+            .iter()
+            .map(|r| {
+                let n = r.len().min(most);
+                let mut out = r.clone();
+                out.time = r.time[..n].into();
+                out.columns = r.columns.iter().map(|c| c.as_ref().map(|c| c[..n].to_vec())).collect();
+                // Cut off from the run that it continued.
+                out.continues = None;
+                out
+            })
+            .collect()
+    })
 }
 
 /// Repeatability of every column, and the gap that it stands for on the Validate records (on all if there are none); 0 where the motion is not periodic.

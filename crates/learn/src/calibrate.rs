@@ -81,11 +81,12 @@ pub fn calibrate(
     let samples: usize = fitted.iter().map(|r| r.len() * r.columns.iter().flatten().count()).sum();
     if single {
         // Where the spec starts may be better than where the segments led: after an earlier fit it is.
-        again(&problem, &mut x, &weights, samples, problem.guess(&[], None, &starts));
+        let start = problem.guess(&[], None, &starts);
+        again(&problem, &mut x, &weights, samples, start, 1.0);
         if effort != Effort::Plain {
             for attempt in 0..RESTARTS {
                 match nearby(&problem, &x, &weights, samples, attempt) {
-                    Some(start) => again(&problem, &mut x, &weights, samples, start),
+                    Some(start) => again(&problem, &mut x, &weights, samples, start, 30.0),
                     None => break,
                 }
             }
@@ -151,13 +152,14 @@ const MISFIT: f64 = 1.2;
 /// Starts round an end that misses.
 const RESTARTS: u32 = 4;
 
-/// Fits once more from another start, if that promises something, and keeps the better end. A run through stops has side minima: one stop more or less, and the cost jumps.
+/// Fits once more from another start, if its cost is within `promise` times the present one, and keeps the better end. A run through stops has side minima: one stop more or less, and the cost jumps.
 fn again(
     problem: &Problem<'_>,
     x: &mut Vec<f64>,
     weights: &[Vec<Vec<f64>>],
     samples: usize,
     start: Vec<f64>,
+    promise: f64,
 ) {
     let Ok(now) = problem.normal(x, weights) else { return };
     if now.cost < MISFIT * samples as f64 {
@@ -165,7 +167,7 @@ fn again(
     }
     let mut other = start;
     match problem.normal(&other, weights) {
-        Ok(there) if there.cost < 30.0 * now.cost => {}
+        Ok(there) if there.cost < promise * now.cost => {}
         _ => return,
     }
     let limits = Limits { iterations: 25, gain: 1e-5 };
