@@ -37,6 +37,9 @@ pub(crate) struct Recipe {
     back: Back,
 }
 
+/// Text to a node of the graph, some names replaced.
+type Lower<'a> = dyn FnMut(&str, &[(String, String)], &mut Graph) -> Option<Id> + 'a;
+
 /// From coefficients and grid to parameters.
 enum Back {
     /// Each parameter is a coefficient (by index) or a number of the grid.
@@ -90,9 +93,7 @@ impl Recipe {
             Some(load) => Some(lower(load, &[], &mut graph)?),
             None => None,
         };
-        let symbol = |name: &str,
-                      lower: &mut dyn FnMut(&str, &[(String, String)], &mut Graph) -> Option<Id>,
-                      graph: &mut Graph| { lower(&hidden(name), &[], graph) };
+        let symbol = |name: &str, lower: &mut Lower<'_>, graph: &mut Graph| lower(&hidden(name), &[], graph);
         let mut recipe = if let Some(screen) = &law.screen {
             let mut columns = Vec::new();
             for text in &screen.columns {

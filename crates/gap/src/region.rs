@@ -32,7 +32,7 @@ pub(crate) fn regions(
 ) -> Vec<Region> {
     let n = system.states.len();
     let mut all: Vec<(String, f64, String)> = Vec::new();
-    for k in 0..n {
+    for (k, state) in system.states.iter().enumerate() {
         let mut total = 0.0;
         // Quantity, value, power, of every sample.
         let mut axes: Vec<(String, Vec<f64>)> = Vec::new();
@@ -51,8 +51,8 @@ pub(crate) fn regions(
             };
             let m = residual.len();
             put("time".into(), (0..m).map(|i| (record.time[i] - record.time[0]) / span).collect());
-            for (s, state) in system.states.iter().enumerate() {
-                put(state.name.clone(), (0..m).map(|i| run.states[i * n + s]).collect());
+            for (s, other) in system.states.iter().enumerate() {
+                put(other.name.clone(), (0..m).map(|i| run.states[i * n + s]).collect());
             }
             for (u, input) in system.inputs.iter().enumerate() {
                 put(input.name.clone(), (0..m).map(|i| record.inputs[u].value(record.time[i])).collect());
@@ -87,7 +87,7 @@ pub(crate) fn regions(
             Some(cut) if cut.surplus > 0.15 => format!("{} ({:.0} % of it)", cut.text, 100.0 * cut.power),
             _ => "everywhere alike".to_owned(),
         };
-        all.push((system.states[k].name.clone(), total, text));
+        all.push((state.name.clone(), total, text));
     }
     let sum: f64 = all.iter().map(|(_, t, _)| t).sum();
     let mut out: Vec<Region> = all

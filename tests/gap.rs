@@ -1,0 +1,88 @@
+//! `phisindy gap` from start to end: the missing effect is named at its place with its value, and nothing is named where nothing is missing.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("a folder for the test");
+    folder
+}
+
+/// A forced oscillator whose truth holds one force more; two records, one to fit, one to validate.
+fn spec(truth: &str, noise: f64) -> String {
+    let record = |x: f64, seed: u32, role: &str| {
+        format!(
+            "Synthetic(truth: {{ {truth} }}, start: {{ \"x\": {x:?}, \"v\": 0.0 }}, duration: 40.0, step: 0.02, noise: Additive({noise:?}), seed: {seed}, role: {role})"
+        )
+    };
+    format!(
+        "(title: \"gap\", constants: {{ \"m\": (1.0, \"kg\"), \"c\": (0.1, \"N*s/m\"), \"k\": (1.0, \"N/m\"), \"F0\": (1.0, \"N\"), \"W\": (0.7, \"rad/s\") }},\n \
+         states: {{ \"x\": \"m\", \"v\": \"m/s\" }}, known: {{ \"x\": \"v\", \"v\": \"(-c*v - k*x + F0*cos(W*t))/m\" }}, inertia: {{ \"v\": \"m\" }}, unknown: {{}},\n \
+         data: [{}, {}])",
+        record(0.0, 1, "Fit"),
+        record(0.5, 2, "Validate")
+    )
+}
+
+fn gap(folder: &Path, spec: &str) -> (Value, i32) {
+    let path = folder.join("spec.ron");
+    std::fs::write(&path, spec).expect("the spec can be written");
+    let out = Command::new(env!("CARGO_BIN_EXE_phisindy"))
+        .args(["gap", "--format", "json", "--out"])
+        .arg(folder.join("out"))
+        .arg(&path)
+        .output()
+        .expect("the program runs");
+    let text = String::from_utf8_lossy(&out.stdout);
+    let value = serde_json::from_str(&text)
+        .unwrap_or_else(|e| panic!("{e}: {text}{}", String::from_utf8_lossy(&out.stderr)));
+    (value, out.status.code().unwrap_or(-1))
+}
+
+fn named(found: &Value) -> Vec<(String, String)> {
+    let text = |v: &Value| v.as_str().unwrap_or("").to_owned();
+    found["steps"].as_array().into_iter().flatten().map(|s| (text(&s["law"]), text(&s["at"]))).collect()
+}
+
+#[test]
+fn a_hardening_spring_is_named_and_the_completed_spec_runs() {
+    let folder = folder("gap-cubic");
+    let (found, code) = gap(&folder, &spec("\"v\": \"-0.3*x^3\"", 0.02));
+    assert_eq!((found["status"].as_str(), code), (Some("explained"), 0), "{found}");
+    assert_eq!(named(&found), [("cubic-stiffness".to_owned(), "v".to_owned())]);
+    let k3 = &found["steps"][0]["parameters"]["k3"];
+    assert!((k3["value"].as_f64().unwrap_or(0.0) - 0.3).abs() < 0.01, "{k3}");
+    assert!(found["final"]["validate"].as_f64().is_some_and(|g| g < 1.06), "{}", found["final"]);
+    let run = Command::new(env!("CARGO_BIN_EXE_phisindy"))
+        .args(["check", "--quiet"])
+        .arg(folder.join("out/completed.ron"))
+        .output()
+        .expect("the program runs");
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+}
+
+#[test]
+fn friction_that_sticks_is_coulomb_and_not_one_of_its_supersets() {
+    let (found, code) = gap(&folder("gap-coulomb"), &spec("\"v\": \"-0.4*sgn(v)\"", 0.02));
+    assert_eq!(code, 0);
+    assert_eq!(named(&found), [("coulomb".to_owned(), "v".to_owned())], "{found}");
+    let level = found["steps"][0]["parameters"]["Fc"]["value"].as_f64().unwrap_or(0.0);
+    assert!((level - 0.4).abs() < 0.005, "{level}");
+}
+
+#[test]
+fn nothing_is_found_where_nothing_is_hidden() {
+    let (found, code) = gap(&folder("gap-nothing"), &spec("", 0.05));
+    assert_eq!((found["status"].as_str(), code), (Some("nothing-missing"), 0), "{found}");
+    assert!(named(&found).is_empty());
+}
+
+#[test]
+fn a_force_that_no_law_describes_is_unexplained() {
+    let (found, code) = gap(&folder("gap-outside"), &spec("\"v\": \"-0.3*sin(9*x)\"", 0.02));
+    assert_eq!((found["status"].as_str(), code), (Some("unexplained"), 1), "{found}");
+    assert!(found["left"].as_array().is_some_and(|l| !l.is_empty()));
+}
