@@ -18,7 +18,7 @@ const EXPLAINED: f64 = 1.1;
 /// ... or below this many times what the motion itself repeats to.
 const REPEATS: f64 = 1.25;
 /// A motion whose cycles differ by more than this many times the noise has a scatter of its own.
-const SCATTERS: f64 = 2.0;
+const SCATTERS: f64 = 5.0;
 /// Samples of the Fit records that a search looks at.
 const LOOK: usize = 6_000;
 /// What is left when an effect is kept although something else is missing too: it must have brought the gap down by this factor.
