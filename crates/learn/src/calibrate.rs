@@ -82,7 +82,7 @@ pub fn calibrate(
     if single {
         // Where the spec starts may be better than where the segments led: after an earlier fit it is.
         let start = problem.guess(&[], None, &starts);
-        again(&problem, &mut x, &weights, samples, start, 1.0);
+        again(&problem, &mut x, &weights, samples, start, 30.0);
         if effort != Effort::Plain {
             for attempt in 0..RESTARTS {
                 match nearby(&problem, &x, &weights, samples, attempt) {
