@@ -80,12 +80,17 @@ impl Tape {
                 }
                 Node::Unary(op, a) => code.push(Code::Unary { op, a: slot[a.index()], out }),
                 Node::Binary(op, a, b) => {
-                    // x^2 is x*x: the commonest power, without a call.
-                    if op == Binary::Pow && graph.value(b) == Some(2.0) {
-                        let a = slot[a.index()];
-                        code.push(Code::Binary { op: Binary::Mul, a, b: a, out });
-                    } else {
-                        code.push(Code::Binary { op, a: slot[a.index()], b: slot[b.index()], out });
+                    let (left, right) = (slot[a.index()], slot[b.index()]);
+                    match power(op, graph.value(b)) {
+                        // x^2 is x*x, x^3 is x*x*x: the commonest powers, without a call.
+                        Some(2) => code.push(Code::Binary { op: Binary::Mul, a: left, b: left, out }),
+                        Some(_) => {
+                            let square = slots;
+                            slots += 1;
+                            code.push(Code::Binary { op: Binary::Mul, a: left, b: left, out: square });
+                            code.push(Code::Binary { op: Binary::Mul, a: square, b: left, out });
+                        }
+                        None => code.push(Code::Binary { op, a: left, b: right, out }),
                     }
                 }
                 Node::Symbol(_) => {}
@@ -156,10 +161,22 @@ impl<const N: usize> Scratch<N> {
 
     /// Evaluates every output from the inputs.
     pub fn run(&mut self) {
-        let tape = self.tape.clone();
         let slots = self.slots.as_mut_slice();
-        for code in &tape.0.code {
+        for code in &self.tape.0.code {
             match *code {
+                // One sample: operands are copied, which is cheaper than proving that slots differ.
+                Code::Unary { op, a, out } if N == 1 => {
+                    let a = [slots[a as usize][0]];
+                    let mut value = [0.0];
+                    op.lanes(&a, &mut value);
+                    slots[out as usize][0] = value[0];
+                }
+                Code::Binary { op, a, b, out } if N == 1 => {
+                    let (a, b) = ([slots[a as usize][0]], [slots[b as usize][0]]);
+                    let mut value = [0.0];
+                    op.lanes(&a, &b, &mut value);
+                    slots[out as usize][0] = value[0];
+                }
                 Code::Unary { op, a, out } => {
                     let [a, out] = disjoint(slots, [a, out]);
                     op.lanes(a, out);
@@ -174,6 +191,15 @@ impl<const N: usize> Scratch<N> {
                 }
             }
         }
+    }
+}
+
+/// The exponent of a square or a cube.
+fn power(op: Binary, exponent: Option<f64>) -> Option<u32> {
+    match exponent {
+        Some(2.0) if op == Binary::Pow => Some(2),
+        Some(3.0) if op == Binary::Pow => Some(3),
+        _ => None,
     }
 }
 

@@ -75,6 +75,11 @@ impl Fitted {
         })
     }
 
+    /// Whether other starts are worth a try: what is left is more than noise, and not so much that the model is simply wrong.
+    pub(crate) fn may_gain(&self) -> bool {
+        phisindy_learn::RESTARTED.contains(&(self.fit * self.fit))
+    }
+
     pub(crate) fn is_white(&self) -> bool {
         self.colour < COLOURED
     }

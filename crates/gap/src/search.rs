@@ -20,6 +20,10 @@ const SIMPLER: f64 = 3.0;
 const SHRINK: f64 = 0.98;
 /// A richer law must lower the gap on Validate records to this part, where something is left that is not noise.
 const RICHER: f64 = 0.95;
+/// A round that leaves more than this part of a gap that is far above the noise is a weak one; after two of them nothing in the catalogue helps.
+const FAR: f64 = 0.9;
+/// ... where a gap is that is above this.
+const LITTLE: f64 = 5.0;
 /// In the race a model that is this many times worse than the best is out.
 const RACE: f64 = 3.0;
 
@@ -92,7 +96,7 @@ impl Search<'_> {
         let mut now = base.clone();
         let mut rounds = Vec::new();
         let mut candidates = 1;
-        let mut stopped = false;
+        let (mut stopped, mut weak) = (false, 0);
         while now.draft.effects.len() < EFFECTS && !now.is_white() {
             if now.validate.is_some_and(|v| v <= self.floor) {
                 break;
@@ -108,7 +112,11 @@ impl Search<'_> {
             (self.hear)(part + 0.03, "fitting the best of them");
             let Some((next, round)) = self.round(&draft, &now, &found, candidates) else { break };
             rounds.push(round);
+            weak += usize::from(next.fit > LITTLE.max(FAR * now.fit));
             now = next;
+            if weak > 1 {
+                break;
+            }
         }
         Ok(Searched { base, last: now, rounds, candidates, stopped })
     }
@@ -277,8 +285,9 @@ impl Search<'_> {
         all.sort_by(|a, b| by.score(a).total_cmp(&by.score(b)));
         // Those that are near but not there are worth more starts: a run through stops has side minima.
         let least = all.iter().map(|f| f.fit).fold(f64::INFINITY, f64::min);
-        all.par_iter_mut().take(4).filter(|f| f.fit < 2.0 * least || f.fit < 2.0).for_each(|f| {
-            let thorough = Fitted::new(f.draft.clone(), self.noise, Effort::Thorough);
+        let near = |f: &&mut Fitted| (f.fit < 2.0 * least || f.fit < 2.0) && f.may_gain();
+        all.par_iter_mut().take(4).filter(near).for_each(|f| {
+            let thorough = f.settled().and_then(|d| Fitted::new(d, self.noise, Effort::Thorough));
             if let Ok(better) = thorough
                 && better.fit < f.fit
             {
@@ -365,6 +374,11 @@ impl Search<'_> {
                     let Some(draft) = list.iter().try_fold(base.clone(), |d, e| d.with(e)).ok() else {
                         continue;
                     };
+                    // What is far behind after a few steps need not be fitted in full.
+                    let look = glance(&draft.case.system, &draft.records, &draft.smooth, self.noise);
+                    if look.is_none_or(|look| look > RACE * now.fit.powi(2).max(1.0)) {
+                        continue;
+                    }
                     let Ok(simple) = Fitted::new(draft, self.noise, Effort::Plain) else { continue };
                     let same = self.as_good(&simple, &now, candidates);
                     let carries = simple.validate.zip(now.validate).is_none_or(|(a, b)| a < 1.02 * b)

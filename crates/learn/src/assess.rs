@@ -98,8 +98,8 @@ fn one(
     } else {
         started(problem, &mut x, solution, r, record).and_then(|(problem, segment)| {
             solution.starts[r] = Some(x[segment.start..].to_vec());
-            let run = problem.trajectory(&whole, &x);
-            run.map(|run| (readings(&problem, &x, &run), x[segment.start..].to_vec(), run))
+            let seen = problem.trajectory(&whole, &x);
+            seen.map(|seen| (problem.readings(0, &x, &seen), x[segment.start..].to_vec(), seen.run))
         })
     };
     let (readings, start, run) = match run {
@@ -127,10 +127,6 @@ fn one(
 }
 
 type Run = (Vec<Vec<f64>>, Vec<f64>, Trajectory);
-
-fn readings(problem: &Problem<'_>, x: &[f64], run: &Trajectory) -> Vec<Vec<f64>> {
-    problem.readings(0, x, run)
-}
 
 /// Fits the start state (and, on a Validate record of its own, what only that record can tell), everything else held.
 fn started<'a>(
@@ -191,7 +187,9 @@ fn continued(
     let parameters = problem.model_parameters(0, x);
     let drive = Drive { inputs: &record.inputs, parameters: &parameters };
     let options = Options { scale: problem.scale.clone(), diverged: 1e4, ..Default::default() };
-    let t0 = before.time[before.len() - 1];
-    let run = simulate(&problem.automaton, &drive, t0, &start, &record.time, &options)?;
-    Ok((problem.readings(0, x, &run), run.states[..n].to_vec(), run))
+    // The run before ended where its columns looked last.
+    let looks = problem.looks(&problem.segments[0], x);
+    let t0 = before.time[before.len() - 1] + (looks.first() - record.time[0]);
+    let seen = looks.seen(simulate(&problem.automaton, &drive, t0, &start, &looks.times, &options)?);
+    Ok((problem.readings(0, x, &seen), seen.run.states[..n].to_vec(), seen.run))
 }

@@ -5,7 +5,7 @@ use crate::fit::{Fit, carry};
 use crate::identified::{Estimate, FoundParameter, RecordFit};
 use crate::least_squares::{Limits, minimise};
 use crate::noise::ColumnNoise;
-use crate::problem::{Noise, Problem};
+use crate::problem::{Noise, Problem, TOLERANCE};
 use crate::trajectory::{found, robust_covariance, solution};
 use faer::Mat;
 use phisindy_phys::spec::Role;
@@ -47,12 +47,18 @@ pub fn calibrate(
     noise: &[Vec<f64>],
     effort: Effort,
 ) -> Result<Calibration, String> {
-    let Setup { fitted, of, noise, smooth: starts } = Setup::new(records, smooth, noise);
+    let levels = noise;
+    let Setup { fitted, of, noise, smooth: starts } = Setup::new(records, smooth, levels);
     let mut best: Option<(Problem<'_>, Vec<f64>)> = None;
     let mut trouble = String::new();
-    for pieces in STAGES {
+    // From a first guess the horizon grows; where a fit ended the next one begins.
+    let stages: &[usize] = if effort == Effort::Plain { &STAGES } else { &STAGES[STAGES.len() - 1..] };
+    for &pieces in stages {
         let mut problem = Problem::new(system, &[], &fitted, &vec![pieces; fitted.len()])?;
         problem.budget = Some(budget(&problem));
+        if effort == Effort::Plain {
+            problem.tolerance = tolerance(&problem, &noise);
+        }
         let mut x = problem.guess(&[], None, &starts);
         if let Some((before, at)) = &best {
             carry(before, at, &problem, &mut x);
@@ -75,15 +81,21 @@ pub fn calibrate(
             best = Some((problem, x));
         }
     }
-    let (problem, mut x) = best.ok_or(trouble)?;
+    let (problem, mut x) = match best {
+        Some(best) => best,
+        // No single run can be simulated: in segments, then.
+        None if effort != Effort::Plain => return calibrate(system, records, smooth, levels, Effort::Plain),
+        None => return Err(trouble),
+    };
     let weights = problem.weights(&noise, None);
     let single = problem.segments.len() == fitted.len();
     let samples: usize = fitted.iter().map(|r| r.len() * r.columns.iter().flatten().count()).sum();
     if single {
-        // Where the spec starts may be better than where the segments led: after an earlier fit it is.
-        let start = problem.guess(&[], None, &starts);
-        again(&problem, &mut x, &weights, samples, start, 30.0);
-        if effort != Effort::Plain {
+        if effort == Effort::Plain {
+            // Where the spec starts may be better than where the segments led: after an earlier fit it is.
+            let start = problem.guess(&[], None, &starts);
+            again(&problem, &mut x, &weights, samples, start, 30.0);
+        } else {
             for attempt in 0..RESTARTS {
                 match nearby(&problem, &x, &weights, samples, attempt) {
                     Some(start) => again(&problem, &mut x, &weights, samples, start, 30.0),
@@ -147,8 +159,19 @@ fn budget(problem: &Problem<'_>) -> usize {
     1_000 + 6 * longest
 }
 
+/// Local error of the simulations of a trial: small against the noise, also where it adds up over a record.
+fn tolerance(problem: &Problem<'_>, noise: &Noise) -> f64 {
+    let parts = problem.records.iter().zip(noise).flat_map(|(record, noise)| {
+        let of = |k: usize| record.columns[k].as_ref().map(|_| noise[k].additive / problem.scale[k]);
+        (0..noise.len()).filter_map(of)
+    });
+    (1e-4 * parts.fold(f64::INFINITY, f64::min)).clamp(TOLERANCE, 1e-5)
+}
+
 /// A misfit above this is worth another start.
 const MISFIT: f64 = 1.2;
+/// chi^2 per sample of a fit that [`Effort::Thorough`] tries other starts for: below it there is nothing to gain, above it the model is wrong.
+pub const RESTARTED: std::ops::Range<f64> = MISFIT..30.0;
 /// Starts round an end that misses.
 const RESTARTS: u32 = 4;
 
@@ -188,7 +211,7 @@ fn nearby(
 ) -> Option<Vec<f64>> {
     let normal = problem.normal(x, weights).ok()?;
     let ratio = normal.cost / samples.max(1) as f64;
-    if !(MISFIT..30.0).contains(&ratio) {
+    if !RESTARTED.contains(&ratio) {
         return None;
     }
     let cov = crate::linear::covariance(&normal.matrix);
@@ -207,11 +230,11 @@ fn nearby(
 /// How hard to try.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
-    /// One fit.
+    /// One fit, through shorter segments to single runs.
     Plain,
-    /// From several starts, if the first end leaves more than noise.
+    /// From where the model starts and from round it, if the first end leaves more than noise: for a model that was fitted before.
     Thorough,
-    /// One fit, and 95 % intervals.
+    /// The same, and 95 % intervals.
     Errors,
 }
 
@@ -221,6 +244,7 @@ pub fn glance(system: &System, records: &[Record], smooth: &[Record], noise: &[V
     let Setup { fitted, noise, smooth: starts, .. } = Setup::new(records, smooth, noise);
     let mut problem = Problem::new(system, &[], &fitted, &vec![STAGES[0]; fitted.len()]).ok()?;
     problem.budget = Some(budget(&problem));
+    problem.tolerance = tolerance(&problem, &noise);
     let mut x = problem.guess(&[], None, &starts);
     let weights = problem.weights(&noise, None);
     let bounds = problem.bounds.clone();
@@ -235,6 +259,7 @@ pub fn approach(system: &System, records: &[Record], smooth: &[Record], noise: &
     let Setup { fitted, noise, smooth: starts, .. } = Setup::new(records, smooth, noise);
     let mut problem = Problem::new(system, &[], &fitted, &vec![1; fitted.len()]).ok()?;
     problem.budget = Some(budget(&problem));
+    problem.tolerance = tolerance(&problem, &noise);
     let mut x = problem.guess(&[], None, &starts);
     let weights = problem.weights(&noise, None);
     let bounds = problem.bounds.clone();

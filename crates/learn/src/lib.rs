@@ -10,6 +10,7 @@ mod identify;
 mod initial;
 mod least_squares;
 mod linear;
+mod looks;
 mod noise;
 mod onestep;
 mod problem;
@@ -21,7 +22,7 @@ mod sweep;
 mod train;
 mod trajectory;
 
-pub use calibrate::{Calibration, Effort, approach, calibrate, glance};
+pub use calibrate::{Calibration, Effort, RESTARTED, approach, calibrate, glance};
 pub use identified::{
     Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict,
 };

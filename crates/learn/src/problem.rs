@@ -4,14 +4,15 @@
 //! start state for each of its segments.
 
 use crate::least_squares::Normal;
+use crate::looks::{Looks, Seen};
 use crate::noise::ColumnNoise;
 use faer::Mat;
 use phisindy_phys::{Record, Sensor, System};
-use phisindy_sim::{Automaton, Drive, Options, SimError, Trajectory, simulate};
+use phisindy_sim::{Automaton, Drive, Options, SimError, simulate};
 use rayon::prelude::*;
 
-/// Local error of the simulations inside a fit: far below the noise of any sensor.
-const TOLERANCE: f64 = 1e-7;
+/// Local error of the simulations inside a fit, relative to the size of each state: far below the noise of any sensor.
+pub(crate) const TOLERANCE: f64 = 1e-7;
 
 /// The three sensor parameters, in the order of the unknowns.
 const OFFSET: usize = 0;
@@ -59,6 +60,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) continuity: Option<Vec<f64>>,
     /// Steps that a simulation may take; `None` for a generous guess.
     pub(crate) budget: Option<usize>,
+    /// Local error of the simulations, relative to the size of each state.
+    pub(crate) tolerance: f64,
 }
 
 /// What an unknown is.
@@ -165,6 +168,7 @@ impl<'a> Problem<'a> {
             deviations,
             continuity: None,
             budget: None,
+            tolerance: TOLERANCE,
         };
         problem.scale = problem.scales();
         Ok(problem)
@@ -266,7 +270,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Simulates one segment; with the derivatives by everything that is unknown in it.
-    fn run(&self, segment: &Segment, x: &[f64], derivatives: bool) -> Result<Trajectory, SimError> {
+    fn run(&self, segment: &Segment, x: &[f64], derivatives: bool) -> Result<Seen, SimError> {
         let record = self.records[segment.record];
         let (first, last) = segment.samples;
         let parameters = self.model_parameters(segment.record, x);
@@ -276,17 +280,20 @@ impl<'a> Problem<'a> {
             .filter(|&k| matches!(self.model[segment.record][k], Source::Unknown(_)))
             .collect();
         let options = Options {
-            tolerance: TOLERANCE,
+            tolerance: self.tolerance,
             scale: self.scale.clone(),
             sensitivities: derivatives.then_some(free),
             // A model that needs many more is on its way to nowhere: fail, and try another.
             max_steps: self.budget.unwrap_or(2_000 + 16 * (last - first)),
             diverged: 1e4,
         };
-        let mut times = self.sample_times(segment, x);
+        let mut looks = self.looks(segment, x);
         // One more sample, where the next segment takes over. (An early sensor can ask for later times than that.)
-        times.extend(self.next(segment).map(|_| record.time[last].max(times[times.len() - 1])));
-        simulate(&self.automaton, &drive, record.time[first], start, &times, &options)
+        if self.next(segment).is_some() {
+            looks.then(record.time[last]);
+        }
+        simulate(&self.automaton, &drive, record.time[first], start, &looks.times, &options)
+            .map(|run| looks.seen(run))
     }
 
     /// The segment that goes on where this one ends, if they are softly joined.
@@ -302,7 +309,7 @@ impl<'a> Problem<'a> {
         let (mut sums, mut count) = (vec![0.0; n], 0usize);
         for segment in &self.segments {
             let Some(next) = self.next(segment) else { continue };
-            let run = self.run(segment, x, false)?;
+            let run = self.run(segment, x, false)?.run;
             let end = &run.states[run.states.len() - n..];
             (0..n).for_each(|k| sums[k] += (end[k] - x[next.start + k]).powi(2));
             count += 1;
@@ -311,39 +318,36 @@ impl<'a> Problem<'a> {
         Ok(sums.into_iter().map(|s| (s / count.max(1) as f64).sqrt()).collect())
     }
 
-    /// Times at which the states are asked for: the samples, earlier by the common delay of all columns. (Columns with different delays are
-    /// read off along the rates, which is exact to first order in the difference.)
-    fn sample_times(&self, segment: &Segment, x: &[f64]) -> Vec<f64> {
-        let delay = self.common_delay(segment.record, x);
-        self.records[segment.record].time[segment.samples.0..segment.samples.1]
-            .iter()
-            .map(|t| t - delay)
-            .collect()
+    /// When the columns of a segment look at the motion, each late by its own delay.
+    pub(crate) fn looks(&self, segment: &Segment, x: &[f64]) -> Looks {
+        let record = self.records[segment.record];
+        let sensors = &self.sensors[segment.record];
+        let delays: Vec<f64> = sensors.iter().map(|s| Self::value(s[DELAY], x)).collect();
+        let first = record.columns.iter().position(Option::is_some).unwrap_or(0);
+        // What has no column looks with the first that has one.
+        let delays: Vec<f64> =
+            (0..delays.len()).map(|k| delays[if record.columns[k].is_some() { k } else { first }]).collect();
+        Looks::new(&record.time[segment.samples.0..segment.samples.1], &delays, first)
     }
 
-    fn common_delay(&self, record: usize, x: &[f64]) -> f64 {
-        let measured = (0..self.system.states.len()).find(|&k| self.records[record].columns[k].is_some());
-        measured.map_or(0.0, |k| Self::value(self.sensors[record][k][DELAY], x))
-    }
-
-    /// The prediction of a column at a sample from the state and its rate.
-    fn reading(&self, record: usize, state: usize, x: &[f64], value: f64, rate: f64) -> (f64, f64, f64) {
-        let [offset, gain, delay] = self.sensors[record][state].map(|s| Self::value(s, x));
-        let late = delay - self.common_delay(record, x);
-        let seen = value - late * rate;
-        (offset + gain * seen, gain, seen)
+    /// The prediction of a column from the value of its state where it looks; and its gain.
+    fn reading(&self, record: usize, state: usize, x: &[f64], value: f64) -> (f64, f64) {
+        let [offset, gain, _] = self.sensors[record][state].map(|s| Self::value(s, x));
+        (offset + gain * value, gain)
     }
 
     /// The most steps that a segment takes at `x`, tries included.
     pub(crate) fn steps(&self, x: &[f64]) -> usize {
-        let runs =
-            self.segments.par_iter().map(|s| self.run(s, x, false).map_or(0, |run| run.steps + run.rejected));
+        let runs = self
+            .segments
+            .par_iter()
+            .map(|s| self.run(s, x, false).map_or(0, |s| s.run.steps + s.run.rejected));
         runs.max().unwrap_or(0)
     }
 
     /// Residuals of every column of every record in the unit of the column, from a simulation of all segments.
     pub(crate) fn residuals(&self, x: &[f64]) -> Result<Vec<Vec<ColumnResidual>>, SimError> {
-        let runs: Vec<Trajectory> =
+        let runs: Vec<Seen> =
             self.segments.par_iter().map(|s| self.run(s, x, false)).collect::<Result<_, _>>()?;
         let n = self.system.states.len();
         let mut out = vec![vec![ColumnResidual::default(); n]; self.records.len()];
@@ -351,8 +355,7 @@ impl<'a> Problem<'a> {
             for (i, sample) in (segment.samples.0..segment.samples.1).enumerate() {
                 for (k, column) in self.records[segment.record].columns.iter().enumerate() {
                     let Some(column) = column else { continue };
-                    let (prediction, _, _) =
-                        self.reading(segment.record, k, x, run.states[i * n + k], run.rates[i * n + k]);
+                    let (prediction, _) = self.reading(segment.record, k, x, run.value(i, k).0);
                     out[segment.record][k].residual.push(column[sample] - prediction);
                     out[segment.record][k].prediction.push(prediction);
                 }
@@ -362,19 +365,16 @@ impl<'a> Problem<'a> {
     }
 
     /// The free run of the first segment of a record.
-    pub(crate) fn trajectory(&self, segment: &Segment, x: &[f64]) -> Result<Trajectory, SimError> {
+    pub(crate) fn trajectory(&self, segment: &Segment, x: &[f64]) -> Result<Seen, SimError> {
         self.run(segment, x, false)
     }
 
     /// Readings of the sensors along a run of a record, by state.
-    pub(crate) fn readings(&self, record: usize, x: &[f64], run: &Trajectory) -> Vec<Vec<f64>> {
+    pub(crate) fn readings(&self, record: usize, x: &[f64], seen: &Seen) -> Vec<Vec<f64>> {
         let n = self.system.states.len();
+        let samples = seen.run.states.len() / n;
         (0..n)
-            .map(|k| {
-                (0..run.states.len() / n)
-                    .map(|i| self.reading(record, k, x, run.states[i * n + k], run.rates[i * n + k]).0)
-                    .collect()
-            })
+            .map(|k| (0..samples).map(|i| self.reading(record, k, x, seen.value(i, k).0).0).collect())
             .collect()
     }
 
@@ -424,7 +424,8 @@ impl<'a> Problem<'a> {
         weights: &[Vec<Vec<f64>>],
         meat: bool,
     ) -> Result<Share, SimError> {
-        let run = self.run(segment, x, true)?;
+        let seen = self.run(segment, x, true)?;
+        let run = &seen.run;
         let (n, m, r) = (run.n, run.m, segment.record);
         // Columns of the sensitivities: start states, then the unknown ones among the model's parameters.
         let mut at: Vec<usize> = (segment.start..segment.start + n).collect();
@@ -465,20 +466,20 @@ impl<'a> Problem<'a> {
         for (i, sample) in (segment.samples.0..segment.samples.1).enumerate() {
             for (k, column) in self.records[r].columns.iter().enumerate() {
                 let Some(column) = column else { continue };
-                let (value, rate) = (run.states[i * n + k], run.rates[i * n + k]);
-                let (prediction, gain, seen) = self.reading(r, k, x, value, rate);
+                let (value, rate) = seen.value(i, k);
+                let (prediction, gain) = self.reading(r, k, x, value);
                 let weight = weights[r][k][sample].sqrt();
                 let e = weight * (prediction - column[sample]);
                 cost += e * e;
                 row.fill(0.0);
-                let s = &run.sensitivities[(i * n + k) * m..(i * n + k + 1) * m];
+                let s = seen.sensitivities(i, k);
                 row.iter_mut().zip(s).for_each(|(j, s)| *j = weight * gain * s);
                 let [offset_at, gain_at, delay_at] = sensor_slots[k];
                 if offset_at != usize::MAX {
                     row[offset_at] += weight;
                 }
                 if gain_at != usize::MAX {
-                    row[gain_at] += weight * seen;
+                    row[gain_at] += weight * value;
                 }
                 if delay_at != usize::MAX {
                     row[delay_at] -= weight * gain * rate;
@@ -488,8 +489,7 @@ impl<'a> Problem<'a> {
         }
         if let (Some(next), Some(tau)) = (next, &self.continuity) {
             let i = segment.samples.1 - segment.samples.0;
-            let late = self.sample_times(segment, x)[i - 1].max(self.records[r].time[segment.samples.1])
-                - self.records[r].time[segment.samples.1];
+            let late = seen.end - self.records[r].time[segment.samples.1];
             for k in 0..n {
                 let weight = 1.0 / tau[k].max(f64::MIN_POSITIVE);
                 let end = run.states[i * n + k] - late * run.rates[i * n + k];

@@ -18,7 +18,7 @@ pub(crate) fn term_sizes(fit: &Fit<'_>) -> Option<Vec<f64>> {
     let (mut sums, mut count) = (vec![0.0; outputs.len()], 0usize);
     let n = system.states.len();
     for segment in &problem.segments {
-        let run = problem.trajectory(segment, &fit.x).ok()?;
+        let run = problem.trajectory(segment, &fit.x).ok()?.run;
         let record = problem.records[segment.record];
         let parameters = problem.model_parameters(segment.record, &fit.x);
         for (i, sample) in (segment.samples.0..segment.samples.1).enumerate() {

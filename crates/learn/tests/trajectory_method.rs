@@ -2,7 +2,8 @@
 mod common;
 
 use phisindy_learn::{Identified, LearnOptions, Verdict, identify, project};
-use phisindy_phys::{Case, Record};
+use phisindy_phys::spec::Role;
+use phisindy_phys::{Case, Record, SensorParameter};
 use std::ops::ControlFlow;
 
 fn run(case: &Case, records: &[Record]) -> Identified {
@@ -254,4 +255,37 @@ fn what_the_user_orders() {
     let found = run(&case, &records);
     assert_found(&case, &found, &[("y:1", 0.5)], &[], 0.01);
     assert!(found.selection[0].terms == 6 && found.selection.last().unwrap().terms == 1);
+}
+
+/// The displacement is read a quarter of a radian late, the velocity is not; the second window goes on where the first ends.
+#[test]
+fn a_late_sensor() {
+    let text = oscillator(
+        r#""k": 1.0"#,
+        r#"(factor: "-sgn(v)", candidates: ["1", "x", "v"])"#,
+        r#"["v"]"#,
+        &record("-0.4*sgn(v)", "", 13),
+    );
+    let (case, records) = common::load_text(&text, &[]);
+    let (late, step) = (12, 0.02);
+    let whole = &records[0];
+    let part = |from: usize, to: usize, role: Role| {
+        let cut = |c: &Option<Vec<f64>>, back: usize| c.as_ref().map(|c| c[from - back..to - back].to_vec());
+        let mut part = whole.clone();
+        part.time = whole.time[from..to].into();
+        part.columns = vec![cut(&whole.columns[0], late), cut(&whole.columns[1], 0)];
+        part.sensors[0].delay = SensorParameter { within: Some((0.0, 0.5)), ..SensorParameter::held(0.0) };
+        part.start = vec![None; 2];
+        part.role = role;
+        part
+    };
+    let mut records = vec![part(100, 1400, Role::Fit), part(1400, 2000, Role::Validate)];
+    records[1].continues = Some(0);
+    let found = run(&case, &records);
+    assert_found(&case, &found, &[("v:1", 0.4)], &[], 0.02);
+    let delay = found.parameters.iter().find(|p| p.name.contains("delay")).unwrap();
+    assert!((delay.estimate.value - late as f64 * step).abs() < 0.005, "{delay:?}");
+    for fit in &found.records {
+        assert!(fit.nrmse.iter().all(|(_, e)| (0.015..0.025).contains(e)), "{}: {:?}", fit.name, fit.nrmse);
+    }
 }

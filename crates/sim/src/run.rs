@@ -63,11 +63,19 @@ pub fn simulate(
     Ok(run.out)
 }
 
-/// `w` and `dw/dt` of all switches at a point.
+/// By how much a step may change the speed of a contact whose friction has a shape near rest, as a ratio, where that shape is felt: the derivatives of the run see the slope of the
+/// friction, which is singular at rest, and not the friction, which is not.
+const SPEED_RATIO: f64 = 4.0;
+
+/// A shape is felt where friction changes within a step by this part of the acceleration.
+const FELT: f64 = 1e-3;
+
+/// `w`, `dw/dt` and `d(dw/dt)/ds` of all switches at a point.
 #[derive(Default)]
 pub(crate) struct Surfaces {
     pub(crate) w: Vec<f64>,
     pub(crate) rate: Vec<f64>,
+    pub(crate) grip: Vec<f64>,
 }
 
 impl Surfaces {
@@ -78,6 +86,8 @@ impl Surfaces {
         self.w.extend((0..field.switches()).map(|c| field.w(c)));
         self.rate.clear();
         self.rate.extend((0..field.switches()).map(|c| field.w_rate(c)));
+        self.grip.clear();
+        self.grip.extend((0..field.switches()).map(|c| field.influence(c, c)));
     }
 }
 
@@ -99,6 +109,8 @@ pub(crate) struct Run<'a> {
     h: f64,
     /// The longest step.
     longest: f64,
+    /// Contacts whose shape near rest was felt in the last step.
+    paced: Vec<bool>,
     /// Length of the whole run.
     pub(crate) span: f64,
     /// Times at which an input jumps or turns a corner, in falling order: a step ends there.
@@ -152,6 +164,7 @@ impl<'a> Run<'a> {
             there: Surfaces::default(),
             h: 0.0,
             longest,
+            paced: vec![false; c],
             span,
             breaks: breaks(drive, t0, t0 + span),
             sensitivity,
@@ -213,13 +226,16 @@ impl<'a> Run<'a> {
                 return Err(SimError::TooManySteps { time: self.t });
             }
             let mut h = self.h.min(self.longest);
+            h = h.min(self.paced());
             if target - self.t - h < 1e-3 * h {
                 h = target - self.t;
             }
             self.step.advance(h, |t, x, out| self.field.rates(t, x, out));
             self.there.look(&mut self.field, self.t + h, self.step.end());
             let error = self.error();
-            if error <= 1.0 {
+            if let Some(shorter) = (error <= 1.0).then(|| self.too_far()).flatten() {
+                self.h = shorter;
+            } else if error <= 1.0 {
                 match self.first_event() {
                     Search::None => {
                         let growth = if error > 0.0 { (0.9 * error.powf(-0.2)).clamp(0.2, 5.0) } else { 5.0 };
@@ -255,6 +271,53 @@ impl<'a> Run<'a> {
                 return Err(self.collapsed());
             }
         }
+    }
+
+    /// If the step just tried passes over the shape of some friction near rest: the length of a step that does not.
+    fn too_far(&mut self) -> Option<f64> {
+        let h = self.step.h;
+        let mut shorter: Option<f64> = None;
+        for c in (0..self.field.switches()).filter(|&c| self.field.automaton.switches[c].shaped) {
+            if self.field.stuck[c] {
+                continue;
+            }
+            let (mode, least) = (self.field.modes[c], self.field.least_speed(c));
+            let (start, end) = (mode * self.here.w[c], mode * self.there.w[c]);
+            let (from, to) = (start.max(least), end.max(least));
+            let change = (self.here.grip[c] - self.there.grip[c]).abs();
+            let felt = change > FELT * self.here.rate[c].abs().min(self.there.rate[c].abs());
+            self.paced[c] = felt;
+            let ratio = if to < from { from / to } else { to / from };
+            if !felt || ratio <= 1.2 * SPEED_RATIO {
+                continue;
+            }
+            let reach = if to < from { from / SPEED_RATIO - start } else { SPEED_RATIO * from - start };
+            let length = (h * reach / (end - start)).clamp(0.03 * h, 0.9 * h);
+            shorter = Some(shorter.map_or(length, |s| s.min(length)));
+        }
+        shorter
+    }
+
+    /// The longest step that keeps the speeds of contacts whose shape was felt in the last one within the ratio.
+    fn paced(&self) -> f64 {
+        (0..self.field.switches())
+            .filter(|&c| self.paced[c] && !self.field.stuck[c])
+            .map(|c| {
+                let (mode, least) = (self.field.modes[c], self.field.least_speed(c));
+                let (speed, rate) = (mode * self.here.w[c], mode * self.here.rate[c]);
+                let from = speed.max(least);
+                if rate < 0.0 {
+                    // Below the smallest speed that counts nothing changes: the surface may be reached.
+                    if speed <= SPEED_RATIO * least {
+                        f64::INFINITY
+                    } else {
+                        (from / SPEED_RATIO - speed) / rate
+                    }
+                } else {
+                    (SPEED_RATIO * from - speed) / rate
+                }
+            })
+            .fold(f64::INFINITY, f64::min)
     }
 
     fn collapsed(&self) -> SimError {

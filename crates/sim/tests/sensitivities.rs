@@ -203,3 +203,32 @@ fn grazing_stays_finite() {
         assert!((run.states[2] - 1.0).abs() < 1e-3);
     }
 }
+
+/// The slope of this friction is singular at rest, and every crossing passes it in a moment: derivatives must be right at the tolerance of a fit too, where the
+/// state alone would allow to step over it.
+#[test]
+fn fast_crossings_of_a_steep_shape() {
+    let law = "(F + a*ln((|v|+eps)/V) + b*ln(c0 + V/(|v|+eps)))*sgn(v)";
+    let rate = format!("-c*v - k*x + F0*cos(W*t) - {law}");
+    let numbers = [("c", 0.12), ("k", 5.6), ("F0", 1.2), ("W", 2.8), ("F", 0.15), ("a", 0.042), ("b", 0.056)];
+    let parameters = [&numbers[..], &[("V", 0.003), ("c0", 0.022), ("eps", 1e-6)]].concat();
+    let case = Case::new(&[("x", 0.15, "v"), ("v", 0.13, &rate)], &parameters);
+    let times = grid(54.0, 10);
+    let expected = differences(&case.clone().tolerance(1e-11), &times);
+    for tolerance in [1e-6, 1e-7] {
+        let run = case.clone().tolerance(tolerance).run_with_sensitivities(&times);
+        for (column, expected) in expected.iter().enumerate() {
+            let size = expected.iter().fold(1e-3_f64, |a, b| a.max(b.abs()));
+            // Of the displacement: the velocity has a corner at each crossing.
+            for (i, want) in expected.iter().enumerate().step_by(2) {
+                let got = run.sensitivities[i * run.m + column];
+                assert!(
+                    (got - want).abs() < 2e-3 * size,
+                    "{tolerance:e}: column {column} is {got}, differences say {want}"
+                );
+            }
+        }
+        // Some 48 crossings, each in a score of steps.
+        assert!(run.steps < 2500, "{} steps", run.steps);
+    }
+}
