@@ -8,7 +8,7 @@ use phisindy_expr::Span;
 use phisindy_phys::spec::{ColumnSpec, CsvSpec, InputSpec, Role, Text};
 use phisindy_phys::{
     Case, Diagnostic, Interpolation, Origin, Record, RecordPlan, Severity, Signal, SourceId, Sources,
-    link_continuations, unit::Unit,
+    link_continuations, suspicions, unit::Unit,
 };
 use phisindy_sim::{SyntheticError, Trajectory, synthesize};
 use std::path::Path;
@@ -235,6 +235,9 @@ impl Loader<'_> {
             record.notes.extend(done);
             Ok(record)
         });
+        if let Ok(record) = &record {
+            suspicions(&case.system, record).into_iter().for_each(|s| self.push(Diagnostic::warning(s)));
+        }
         record.map(Some).map_err(|mistakes| {
             mistakes.into_iter().for_each(|d| self.push(d));
             Refusal::Input

@@ -14,6 +14,7 @@ mod draft;
 mod effect;
 mod evidence;
 mod fitted;
+mod mistaken;
 mod motion;
 mod place;
 mod recipe;

@@ -4,6 +4,7 @@ use crate::draft::Draft;
 use crate::effect::{Effect, Entry};
 use crate::evidence::against;
 use crate::fitted::{Fitted, noise};
+use crate::mistaken::mistaken;
 use crate::region::{Region, regions};
 use crate::repeat::{Repeat, prediction, repeatability};
 use crate::search::{Measure, Search, Searched};
@@ -301,6 +302,7 @@ fn finished(
     hear: &mut dyn FnMut(f64, &str) -> bool,
 ) -> Result<Gap, GapError> {
     let Searched { base, last, rounds, candidates, stopped } = searched;
+    warnings.extend(mistaken(&base));
     hear(0.92, "error bars");
     let count = last.draft.effects.len();
     let settled = last.settled().map_err(GapError::Numerics)?;

@@ -5,7 +5,7 @@ use crate::fit::{Fit, carry};
 use crate::identified::{Estimate, FoundParameter, RecordFit};
 use crate::least_squares::{Limits, minimise};
 use crate::noise::ColumnNoise;
-use crate::problem::{Noise, Problem, TOLERANCE};
+use crate::problem::{Noise, Problem, Segment, TOLERANCE};
 use crate::trajectory::{found, robust_covariance, solution};
 use faer::Mat;
 use phisindy_phys::spec::Role;
@@ -62,6 +62,15 @@ pub fn calibrate(
         let mut x = problem.guess(&[], None, &starts);
         if let Some((before, at)) = &best {
             carry(before, at, &problem, &mut x);
+            // Start states too: short segments find them near the data, whatever run the guess came from.
+            for segment in &problem.segments {
+                let same = |s: &&Segment| s.record == segment.record && s.samples.0 == segment.samples.0;
+                if let Some(earlier) = before.segments.iter().find(same) {
+                    let n = system.states.len();
+                    x[segment.start..segment.start + n]
+                        .copy_from_slice(&at[earlier.start..earlier.start + n]);
+                }
+            }
         }
         let weights = problem.weights(&noise, None);
         let last = pieces == 1;

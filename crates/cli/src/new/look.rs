@@ -1,6 +1,6 @@
 //! What the numbers of one column look like.
 
-use phisindy_phys::{Line, automatic, noise_level, strongest_line};
+use phisindy_phys::{Line, automatic, clipped, noise_level, strongest_line};
 use std::ops::Range;
 
 /// Noise and stops are estimated on at most so many rows.
@@ -75,30 +75,6 @@ fn few_values(values: &[f64]) -> Option<Vec<f64>> {
     }
     seen.sort_by(f64::total_cmp);
     Some(seen)
-}
-
-/// Samples in runs at exactly the least or greatest value into which the signal does not come to rest but is cut: the step before is
-/// large, and the run is longer than those in which the column repeats values anyway (a coarse sensor, a slow one).
-fn clipped(values: &[f64], min: f64, max: f64) -> usize {
-    let steps = values.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>() / values.len().max(2) as f64;
-    let usual = steps.sqrt();
-    let (mut inner, mut outer, mut k) = (vec![], vec![], 0);
-    while k < values.len() {
-        let x = values[k];
-        let end = (k..values.len()).find(|&j| values[j] != x).unwrap_or(values.len());
-        if x != min && x != max {
-            inner.push(end - k);
-        } else if k > 0 && (x - values[k - 1]).abs() > 0.3 * usual {
-            outer.push(end - k);
-        }
-        k = end;
-    }
-    inner.sort_unstable();
-    // Of hundreds of runs a few are long by chance.
-    let common = inner.get(inner.len() * 98 / 100).copied().unwrap_or(0);
-    let cut = outer.iter().filter(|n| **n > 2 * common.max(1));
-    let (total, runs) = cut.fold((0, 0), |(total, runs), n| (total + n, runs + 1));
-    if runs >= 3 || total >= 20 { total } else { 0 }
 }
 
 /// Where a motion stands still.

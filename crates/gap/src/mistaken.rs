@@ -1,0 +1,58 @@
+//! Mistakes in a file that no missing effect explains: columns of two bodies exchanged, a unit that is off by a factor.
+
+use crate::fitted::Fitted;
+
+/// A column that is this many times what the model gives, in its very shape, has the wrong unit.
+const SCALE: f64 = 5.0;
+/// Correlation above which two curves have one shape.
+const ALIKE: f64 = 0.95;
+
+/// What the records of a fitted model look like, in words with what to do.
+pub(crate) fn mistaken(base: &Fitted) -> Vec<String> {
+    let states = &base.draft.case.system.states;
+    let mut found = Vec::new();
+    for (record, fit) in base.draft.records.iter().zip(&base.cal.records) {
+        let simulated = |k: usize| -> Option<Vec<f64>> {
+            let column = record.columns[k].as_ref()?;
+            let residual = &fit.residuals[k];
+            (residual.len() == column.len())
+                .then(|| column.iter().zip(residual).map(|(y, e)| y - e).collect())
+        };
+        let all: Vec<(usize, &Vec<f64>, Vec<f64>)> =
+            (0..states.len()).filter_map(|k| Some((k, record.columns[k].as_ref()?, simulated(k)?))).collect();
+        for (i, (a, measured, own)) in all.iter().enumerate() {
+            let (slope, alike) = agreement(own, measured);
+            if alike > ALIKE && !(1.0 / SCALE..SCALE).contains(&slope) {
+                found.push(format!(
+                    "{}: `{}` has the shape that the model gives, but {slope:.3} times its size: are the units of the column, and of the forces, right?",
+                    record.name, states[*a].name
+                ));
+            }
+            for (b, other, theirs) in all[i + 1..].iter().filter(|(b, ..)| states[*b].unit == states[*a].unit)
+            {
+                let now = alike.min(agreement(theirs, other).1);
+                let swapped = agreement(own, other).1.min(agreement(theirs, measured).1);
+                if swapped > ALIKE && now < 0.8 {
+                    found.push(format!(
+                        "{}: `{}` fits what the model gives for `{}`, and the other way round: the two columns are probably swapped",
+                        record.name, states[*a].name, states[*b].name
+                    ));
+                }
+            }
+        }
+    }
+    found
+}
+
+/// Slope of `y` against `x`, and their correlation, both about their means.
+fn agreement(x: &[f64], y: &[f64]) -> (f64, f64) {
+    let n = x.len().max(1) as f64;
+    let (mx, my) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    for (x, y) in x.iter().zip(y) {
+        xx += (x - mx).powi(2);
+        xy += (x - mx) * (y - my);
+        yy += (y - my).powi(2);
+    }
+    if xx > 0.0 && yy > 0.0 { (xy / xx, xy / (xx * yy).sqrt()) } else { (1.0, 0.0) }
+}

@@ -1,0 +1,252 @@
+//! What is odd about a record before any model is fitted: holes in time, cut peaks, columns that stand still, spikes, and a velocity that is not the rate of its displacement.
+
+use crate::{Record, System, noise_level};
+
+/// A step in time that is this many times the usual one is a hole.
+const HOLE: f64 = 5.0;
+/// A single sample this many noise levels away from both neighbours, which agree, is a spike.
+const SPIKE: f64 = 25.0;
+/// A scale between a displacement and its velocity beyond this is a mistake in a unit and not a sensor out of tune.
+const SCALE: f64 = 3.0;
+
+/// Oddities of a record, in words with what to do; empty if there are none. None of them stops anything.
+pub fn suspicions(system: &System, record: &Record) -> Vec<String> {
+    let mut found = Vec::new();
+    holes(record, &mut found);
+    for (state, column) in system.states.iter().zip(&record.columns) {
+        if let Some(column) = column {
+            still(record, &state.name, column, &mut found);
+            cut(record, &state.name, column, &mut found);
+            spikes(record, &state.name, column, &mut found);
+        }
+    }
+    for (input, signal) in system.inputs.iter().zip(&record.inputs) {
+        cut(record, &input.name, signal.values(), &mut found);
+    }
+    rates(system, record, &mut found);
+    found
+}
+
+fn holes(record: &Record, found: &mut Vec<String>) {
+    let mut steps: Vec<f64> = record.time.windows(2).map(|w| w[1] - w[0]).collect();
+    let after = |k: usize| (record.time[k], record.time[k + 1]);
+    steps.sort_by(f64::total_cmp);
+    let usual = steps.get(steps.len() / 2).copied().unwrap_or(0.0);
+    let all: Vec<usize> =
+        (0..record.len().saturating_sub(1)).filter(|&k| after(k).1 - after(k).0 > HOLE * usual).collect();
+    // Of samples at all sorts of times none is a hole.
+    if let (Some(&first), true) = (all.first(), all.len() * 50 <= record.len()) {
+        let (a, b) = after(first);
+        let more = if all.len() > 1 { format!(" ({} such holes)", all.len()) } else { String::new() };
+        found.push(format!(
+            "{}: no samples from {a:.6} s to {b:.6} s, {:.0} times the usual step{more}: inputs are interpolated across it, and noise and smoothing count samples as if there were none; cut the record there with `window`",
+            record.name,
+            (b - a) / usual
+        ));
+    }
+}
+
+fn still(record: &Record, name: &str, column: &[f64], found: &mut Vec<String>) {
+    let (min, max) = bounds(column);
+    if min == max {
+        found.push(format!(
+            "{}: `{name}` is {min} in all {} samples: is the sensor connected?",
+            record.name,
+            column.len()
+        ));
+    }
+}
+
+fn cut(record: &Record, name: &str, column: &[f64], found: &mut Vec<String>) {
+    let (min, max) = bounds(column);
+    let samples = if min < max { clipped(column, min, max) } else { 0 };
+    if samples > 0 {
+        found.push(format!(
+            "{}: `{name}` is cut off at {min:.6} or {max:.6} in {samples} samples: the sensor was at the end of its range, and what it hides is fitted as if it were motion",
+            record.name
+        ));
+    }
+}
+
+fn spikes(record: &Record, name: &str, column: &[f64], found: &mut Vec<String>) {
+    let noise = noise_level(column);
+    if noise <= 0.0 {
+        return;
+    }
+    let apart = |k: usize| {
+        let (a, b, c) = (column[k - 1], column[k], column[k + 1]);
+        (b - a).abs().min((b - c).abs()) > SPIKE * noise.max(2.0 * (c - a).abs() / SPIKE)
+            && (b - a) * (b - c) > 0.0
+    };
+    let all: Vec<usize> = (1..column.len().saturating_sub(1)).filter(|&k| apart(k)).collect();
+    if let (Some(&first), true) = (all.first(), all.len() * 200 <= column.len()) {
+        let more = if all.len() > 1 { format!(" (and in {} more)", all.len() - 1) } else { String::new() };
+        found.push(format!(
+            "{}: `{name}` jumps to {:.6} and back in the sample at {:.6} s{more}: a spike of the sensor weighs as much as a hundred good samples; repair or cut it",
+            record.name, column[first], record.time[first]
+        ));
+    }
+}
+
+/// Compares each measured velocity with the rate of its measured displacement.
+fn rates(system: &System, record: &Record, found: &mut Vec<String>) {
+    for (k, state) in system.states.iter().enumerate() {
+        let Some(v) = state.velocity else { continue };
+        let (Some(x), Some(y)) = (&record.columns[k], &record.columns[v]) else { continue };
+        let other = &system.states[v].name;
+        let (straight, crossed) = (agreement(record, x, y), agreement(record, y, x));
+        let Some((slope, correlation)) = straight else { continue };
+        if correlation > 0.9 && !(1.0 / SCALE..SCALE).contains(&slope) {
+            found.push(format!(
+                "{}: `{}` moves at {} the rate that `{other}` gives: is the unit of one of them right?",
+                record.name,
+                state.name,
+                factor(slope)
+            ));
+        } else if let Some((slope, better)) = crossed
+            && correlation < 0.5
+            && better > 0.9
+            && (1.0 / SCALE..SCALE).contains(&slope)
+        {
+            found.push(format!(
+                "{}: `{}` is the rate of `{other}`, and not the other way round: the two columns are probably swapped",
+                record.name, state.name
+            ));
+        } else if correlation < -0.9 {
+            found.push(format!(
+                "{}: `{other}` has the opposite sign of the rate of `{}`: one of the two sensors is mounted the other way round",
+                record.name, state.name
+            ));
+        }
+    }
+}
+
+/// Slope and correlation of the rate of `x` against `y`, both as differences over a stretch long enough that noise does not count.
+fn agreement(record: &Record, x: &[f64], y: &[f64]) -> Option<(f64, f64)> {
+    let deviation = |c: &[f64]| {
+        let mean = c.iter().sum::<f64>() / c.len() as f64;
+        (c.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / c.len() as f64).sqrt()
+    };
+    let (noise, size) = (noise_level(x), deviation(x));
+    if !(size > 0.0 && deviation(y) > 0.0) || x.len() < 64 || noise > 0.2 * size {
+        return None;
+    }
+    // The mean of the velocity over a stretch is the difference of the displacement over it.
+    let mut sums = vec![0.0];
+    for (w, t) in y.windows(2).zip(record.time.windows(2)) {
+        sums.push(sums[sums.len() - 1] + 0.5 * (w[0] + w[1]) * (t[1] - t[0]));
+    }
+    // As long as it takes to move well beyond the noise, and no longer.
+    let mut stretch = 1;
+    while stretch < x.len() / 8 {
+        let moved = (0..x.len() - stretch).map(|i| (x[i + stretch] - x[i]).powi(2)).sum::<f64>();
+        if (moved / (x.len() - stretch) as f64).sqrt() > (10.0 * noise).min(0.5 * size) {
+            break;
+        }
+        stretch += 1 + stretch / 8;
+    }
+    let pairs = (0..x.len() - stretch).map(|i| (sums[i + stretch] - sums[i], x[i + stretch] - x[i]));
+    let (mut aa, mut ab, mut bb) = (0.0, 0.0, 0.0);
+    for (a, b) in pairs {
+        aa += a * a;
+        ab += a * b;
+        bb += b * b;
+    }
+    (aa > 0.0 && bb > 0.0).then(|| (ab / aa, ab / (aa * bb).sqrt()))
+}
+
+/// A factor in words; near a power of ten as that.
+fn factor(value: f64) -> String {
+    let power = value.abs().log10().round();
+    let round = (value.abs() / 10f64.powf(power) - 1.0).abs() < 0.15;
+    match (round, power > 0.0) {
+        (true, true) => format!("{:.0} times", 10f64.powf(power)),
+        (true, false) => format!("1/{:.0} of", 10f64.powf(-power)),
+        _ => format!("{value:.3} times"),
+    }
+}
+
+fn bounds(values: &[f64]) -> (f64, f64) {
+    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)))
+}
+
+/// Samples in runs at exactly the least or greatest value into which the signal does not come to rest but is cut: the step before is
+/// large, and the run is longer than those in which the column repeats values anyway (a coarse sensor, a slow one).
+pub fn clipped(values: &[f64], min: f64, max: f64) -> usize {
+    let steps = values.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>() / values.len().max(2) as f64;
+    let usual = steps.sqrt();
+    let (mut inner, mut outer, mut k) = (vec![], vec![], 0);
+    while k < values.len() {
+        let x = values[k];
+        let end = (k..values.len()).find(|&j| values[j] != x).unwrap_or(values.len());
+        if x != min && x != max {
+            inner.push(end - k);
+        } else if k > 0 && (x - values[k - 1]).abs() > 0.3 * usual {
+            outer.push(end - k);
+        }
+        k = end;
+    }
+    inner.sort_unstable();
+    // Of hundreds of runs a few are long by chance.
+    let common = inner.get(inner.len() * 98 / 100).copied().unwrap_or(0);
+    let cut = outer.iter().filter(|n| **n > 2 * common.max(1));
+    let (total, runs) = cut.fold((0, 0), |(total, runs), n| (total + n, runs + 1));
+    if runs >= 3 || total >= 20 { total } else { 0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sine(n: usize, phase: f64) -> Vec<f64> {
+        // A little uneven, so that the noise level is not zero.
+        (0..n).map(|i| (0.05 * i as f64 + phase).sin() + 1e-4 * (7.3 * (i * i % 97) as f64).sin()).collect()
+    }
+
+    fn record(x: Vec<f64>, v: Vec<f64>) -> (System, Record) {
+        let text = r#"(states: {"x": "m", "v": "m/s"}, known: {"x": "v", "v": "-x"}, unknown: {},
+            data: [Csv(path: "a.csv", name: "a", time: "t", columns: {"x": ("x", "m"), "v": ("v", "m/s")})])"#;
+        let mut sources = crate::Sources::default();
+        let id = sources.add("spec", text);
+        let (spec, _) = crate::spec::read(text, id).unwrap();
+        let (case, _) = crate::check(&spec, id).unwrap();
+        let time = (0..x.len()).map(|i| 0.05 * i as f64).collect();
+        let table = crate::Table { time, columns: vec![x, v], lines: vec![], extent: None };
+        let record = Record::from_table(&case.records[0], &table, &case.system, id).unwrap();
+        (case.system, record)
+    }
+
+    fn told(x: Vec<f64>, v: Vec<f64>) -> String {
+        let (system, record) = record(x, v);
+        suspicions(&system, &record).join("; ")
+    }
+
+    #[test]
+    fn a_good_record_is_not_suspected() {
+        assert_eq!(told(sine(2000, 0.0), sine(2000, 1.5708)), "");
+    }
+
+    #[test]
+    fn what_is_wrong_is_told() {
+        let (x, v) = (sine(2000, 0.0), sine(2000, 1.5708));
+        let thousand = |c: &[f64]| c.iter().map(|v| 1000.0 * v).collect::<Vec<f64>>();
+        let minus = |c: &[f64]| c.iter().map(|v| -v).collect::<Vec<f64>>();
+        assert!(told(thousand(&x), v.clone()).contains("moves at 1000 times the rate"));
+        assert!(told(x.clone(), thousand(&v)).contains("1/1000 of the rate"));
+        assert!(told(v.clone(), x.clone()).contains("swapped"));
+        assert!(told(x.clone(), minus(&v)).contains("opposite sign"));
+        assert!(told(x.iter().map(|v| v.clamp(-0.8, 0.8)).collect(), v.clone()).contains("cut off"));
+        assert!(told(vec![0.3; 2000], v.clone()).contains("connected"));
+        let mut spiked = x.clone();
+        spiked[700] = 3.0;
+        assert!(told(spiked, v.clone()).contains("at 35.000000 s"));
+    }
+
+    #[test]
+    fn a_hole_in_time_is_told() {
+        let (system, mut record) = record(sine(2000, 0.0), sine(2000, 1.5708));
+        record.time =
+            record.time.iter().enumerate().map(|(i, t)| if i < 500 { *t } else { t + 3.0 }).collect();
+        assert!(suspicions(&system, &record)[0].contains("no samples from 24.950000 s to 28.000000 s"));
+    }
+}
