@@ -257,17 +257,62 @@ fn details(s: &Step) -> Vec<String> {
         ));
     }
     for r in s.rivals.iter().filter(|r| r.delta_bic < 10.0) {
-        out.push(format!(
-            "     not excluded: {} at {} (criterion {} worse)",
-            r.law,
-            r.at,
-            short(r.delta_bic)
-        ));
+        // A richer description may fit better and still not be preferred: what it adds does not carry over to data not used.
+        let by = if r.delta_bic < 0.0 {
+            format!(
+                "fits better, criterion {}, but says little more about data not used",
+                short(-r.delta_bic)
+            )
+        } else {
+            format!("criterion {} worse", short(r.delta_bic))
+        };
+        out.push(format!("     not excluded: {} at {} ({by})", r.law, r.at));
+        out.extend(deciding(s, &r.law).map(|what| format!("       {what} would decide")));
     }
     for (law, why) in &s.vetoed {
         out.push(format!("     {law} is ruled out: {why}"));
     }
     out
+}
+
+/// The measurement that tells a law from its rival, where one does.
+fn deciding(s: &Step, rival: &str) -> Option<&'static str> {
+    let own = s.effect.entry.id.as_str();
+    let pair = |a: &str, b: &str| (own == a && rival == b) || (own == b && rival == a);
+    let friction = |id: &str| {
+        matches!(
+            id,
+            "coulomb"
+                | "asymmetric-coulomb"
+                | "stribeck"
+                | "dieterich-ruina"
+                | "position-dependent-friction"
+                | "presliding"
+        )
+    };
+    Some(match () {
+        () if pair("stribeck", "dieterich-ruina") => {
+            "a slower run, with speeds well below those of this record,"
+        }
+        () if pair("asymmetric-coulomb", "coulomb + offset") || pair("coulomb", "offset") => {
+            "a run that sticks"
+        }
+        () if pair("offset", "sensor-offset") => "a second displacement, or the same sensor at another zero,",
+        () if own.starts_with("sensor") || rival.starts_with("sensor") => {
+            "the same motion read by a second sensor"
+        }
+        () if pair("dead-zone", "cubic-stiffness") || pair("one-sided-stop", "cubic-stiffness") => {
+            "a run at a larger and one at a smaller amplitude"
+        }
+        () if pair("harmonic-force", "parametric-stiffness") => "a run about another mean position",
+        () if pair("viscous", "quadratic-drag") || pair("viscous", "van-der-pol") => {
+            "a run at another amplitude"
+        }
+        () if friction(own) && rival == "presliding" => "a close look at the displacement in the stops",
+        () if friction(own) && friction(rival) => "runs at other speeds and amplitudes",
+        () if rival.contains(" + ") => return None,
+        () => "a run at another amplitude",
+    })
 }
 
 /// A gap as a bar on a logarithmic scale from 1 to the first one.

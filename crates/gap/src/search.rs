@@ -21,9 +21,11 @@ const SHRINK: f64 = 0.98;
 /// A richer law must lower the gap on Validate records to this part, where something is left that is not noise.
 const RICHER: f64 = 0.95;
 /// A round that leaves more than this part of a gap that is far above the noise is a weak one; after two of them nothing in the catalogue helps.
-const FAR: f64 = 0.9;
+const FAR: f64 = 0.8;
 /// ... where a gap is that is above this.
 const LITTLE: f64 = 5.0;
+/// Of the segments that a glance looks at, the part that tells the starts of one law apart: every third.
+const SEEDED: usize = 3;
 /// In the race a model that is this many times worse than the best is out.
 const RACE: f64 = 3.0;
 
@@ -257,7 +259,7 @@ impl Search<'_> {
             .map(|c| {
                 let look = |e: &Effect| {
                     let d = draft.with(e).ok()?;
-                    glance(&d.case.system, &d.records, &d.smooth, self.noise)
+                    glance(&d.case.system, &d.records, &d.smooth, self.noise, SEEDED)
                 };
                 let starts: Vec<&Effect> = [&c.effect].into_iter().chain(&c.others).collect();
                 if starts.len() == 1 {
@@ -274,7 +276,7 @@ impl Search<'_> {
     fn fitted(&self, drafts: Vec<Draft>, candidates: usize) -> Vec<Fitted> {
         let looks: Vec<f64> = drafts
             .par_iter()
-            .map(|d| glance(&d.case.system, &d.records, &d.smooth, self.noise).unwrap_or(f64::INFINITY))
+            .map(|d| glance(&d.case.system, &d.records, &d.smooth, self.noise, 1).unwrap_or(f64::INFINITY))
             .collect();
         let least = looks.iter().copied().fold(f64::INFINITY, f64::min);
         let kept: Vec<Draft> =
@@ -375,7 +377,7 @@ impl Search<'_> {
                         continue;
                     };
                     // What is far behind after a few steps need not be fitted in full.
-                    let look = glance(&draft.case.system, &draft.records, &draft.smooth, self.noise);
+                    let look = glance(&draft.case.system, &draft.records, &draft.smooth, self.noise, 1);
                     if look.is_none_or(|look| look > RACE * now.fit.powi(2).max(1.0)) {
                         continue;
                     }

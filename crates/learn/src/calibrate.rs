@@ -165,7 +165,7 @@ pub fn calibrate(
 /// Steps that a trial may take: friction that strengthens with speed near rest creeps without end, and is wrong.
 fn budget(problem: &Problem<'_>) -> usize {
     let longest = problem.segments.iter().map(|s| s.samples.1 - s.samples.0).max().unwrap_or(0);
-    1_000 + 6 * longest
+    1_000 + 12 * longest
 }
 
 /// Local error of the simulations of a trial: small against the noise, also where it adds up over a record.
@@ -248,33 +248,43 @@ pub enum Effort {
 }
 
 /// How well a model predicts the Fit records over many short segments after a few steps of a fit: chi^2 per sample. `None` if it cannot be simulated. For a
-/// race: what is far behind here need not be fitted in full.
-pub fn glance(system: &System, records: &[Record], smooth: &[Record], noise: &[Vec<f64>]) -> Option<f64> {
+/// race: what is far behind here need not be fitted in full. Only every `stride`-th segment is looked at: 1 for all of them.
+pub fn glance(
+    system: &System,
+    records: &[Record],
+    smooth: &[Record],
+    noise: &[Vec<f64>],
+    stride: usize,
+) -> Option<f64> {
     let Setup { fitted, noise, smooth: starts, .. } = Setup::new(records, smooth, noise);
     let mut problem = Problem::new(system, &[], &fitted, &vec![STAGES[0]; fitted.len()]).ok()?;
-    problem.budget = Some(budget(&problem));
-    problem.tolerance = tolerance(&problem, &noise);
-    let mut x = problem.guess(&[], None, &starts);
-    let weights = problem.weights(&noise, None);
-    let bounds = problem.bounds.clone();
-    let limits = Limits { iterations: 4, gain: 1e-2 };
-    let normal = minimise(&mut x, &bounds, limits, |x| problem.normal(x, &weights).ok())?;
-    let samples: usize = fitted.iter().map(|r| r.len() * r.columns.iter().flatten().count()).sum();
-    Some(normal.cost / samples.max(1) as f64)
+    let mut k = 0;
+    problem.segments.retain(|_| {
+        k += 1;
+        (k - 1) % stride.max(1) == 0
+    });
+    looked(problem, &noise, &starts, 1e-2)
 }
 
 /// As [`glance`], but in single runs from where `smooth` starts: for a model that is near already, and whose stops a cut would lose.
 pub fn approach(system: &System, records: &[Record], smooth: &[Record], noise: &[Vec<f64>]) -> Option<f64> {
     let Setup { fitted, noise, smooth: starts, .. } = Setup::new(records, smooth, noise);
-    let mut problem = Problem::new(system, &[], &fitted, &vec![1; fitted.len()]).ok()?;
+    let problem = Problem::new(system, &[], &fitted, &vec![1; fitted.len()]).ok()?;
+    looked(problem, &noise, &starts, 1e-3)
+}
+
+/// chi^2 per sample after a few steps.
+fn looked(mut problem: Problem<'_>, noise: &Noise, starts: &[Record], gain: f64) -> Option<f64> {
     problem.budget = Some(budget(&problem));
-    problem.tolerance = tolerance(&problem, &noise);
-    let mut x = problem.guess(&[], None, &starts);
-    let weights = problem.weights(&noise, None);
+    problem.tolerance = tolerance(&problem, noise);
+    let mut x = problem.guess(&[], None, starts);
+    let weights = problem.weights(noise, None);
     let bounds = problem.bounds.clone();
-    let limits = Limits { iterations: 4, gain: 1e-3 };
+    let limits = Limits { iterations: 4, gain };
     let normal = minimise(&mut x, &bounds, limits, |x| problem.normal(x, &weights).ok())?;
-    let samples: usize = fitted.iter().map(|r| r.len() * r.columns.iter().flatten().count()).sum();
+    let columns = |r: usize| problem.records[r].columns.iter().flatten().count();
+    let samples: usize =
+        problem.segments.iter().map(|s| (s.samples.1 - s.samples.0) * columns(s.record)).sum();
     Some(normal.cost / samples.max(1) as f64)
 }
 
