@@ -23,6 +23,9 @@ pub(crate) fn noise(records: &[Record]) -> Vec<Vec<f64>> {
     records.iter().map(|r| r.columns.iter().map(of).collect()).collect()
 }
 
+/// The price of a sensor that is early.
+const EARLY: f64 = 15.0;
+
 /// A calibrated draft.
 #[derive(Clone, Debug)]
 pub(crate) struct Fitted {
@@ -98,12 +101,12 @@ impl Fitted {
         let size: usize = effects.iter().map(|e| e.entry.law.parameters.len()).sum();
         let sensors = effects.iter().filter(|e| e.entry.law.sensor.is_some()).count();
         let price = size as f64 * (n * independent).max(2.0).ln();
-        // A sensor may be late; one that is early is a worse story.
+        // A sensor may be late; one that is early is a worse story: of a motion without a clock of its own both are the same.
         let early = self.draft.effects.iter().filter(|(e, names, _)| {
             e.entry.law.sensor.as_deref() == Some("delay")
                 && crate::search::values(self, names, &e.start).iter().any(|v| *v < 0.0)
         });
-        let odd = 6.0 * sensors as f64 + 4.0 * early.count() as f64;
+        let odd = 6.0 * sensors as f64 + EARLY * early.count() as f64;
         cost * independent + price + 2.0 * ln_choose(candidates, effects.len()) + odd
     }
 

@@ -4,7 +4,7 @@ use crate::whiteness::lines;
 use phisindy_phys::Record;
 
 /// A motion counts as periodic if its best periodic prediction misses less than this part of it.
-const PERIODIC: f64 = 0.2;
+const PERIODIC: f64 = 0.1;
 
 /// Scatter in one half of a record beyond this many times that in the other is a transient.
 const STEADY: f64 = 3.0;

@@ -100,7 +100,9 @@ impl Search<'_> {
         let mut candidates = 1;
         let (mut stopped, mut weak) = (false, 0);
         while now.draft.effects.len() < EFFECTS && !now.is_white() {
-            if now.validate.is_some_and(|v| v <= self.floor) {
+            // Below what the rig repeats to only an effect that leaves nothing but noise shows that it was none of the rig's scatter.
+            let below = now.validate.is_some_and(|v| v <= self.floor);
+            if below && !rounds.is_empty() {
                 break;
             }
             let part = 0.1 + 0.8 * (rounds.len() as f64 / EFFECTS as f64);
@@ -113,6 +115,9 @@ impl Search<'_> {
             candidates = candidates.max(found.candidates.len());
             (self.hear)(part + 0.03, "fitting the best of them");
             let Some((next, round)) = self.round(&draft, &now, &found, candidates) else { break };
+            if below && !next.is_white() {
+                break;
+            }
             rounds.push(round);
             weak += usize::from(next.fit > LITTLE.max(FAR * now.fit));
             now = next;
@@ -377,7 +382,12 @@ impl Search<'_> {
                         continue;
                     };
                     // What is far behind after a few steps need not be fitted in full.
-                    let look = glance(&draft.case.system, &draft.records, &draft.smooth, self.noise, 1);
+                    let (system, records, smooth) = (&draft.case.system, &draft.records, &draft.smooth);
+                    let look = if now.rests() {
+                        approach(system, records, smooth, self.noise)
+                    } else {
+                        glance(system, records, smooth, self.noise, 1)
+                    };
                     if look.is_none_or(|look| look > RACE * now.fit.powi(2).max(1.0)) {
                         continue;
                     }

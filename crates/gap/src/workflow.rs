@@ -304,30 +304,26 @@ fn finished(
     let Searched { base, last, rounds, candidates, stopped } = searched;
     warnings.extend(mistaken(&base));
     hear(0.92, "error bars");
+    // Each effect's part: the models on the way.
+    let mut way = way(&base, &last, noise);
+    // An effect that the model does as well without does not belong to it.
+    let mut last = last;
+    while let [.., before] = &way[..]
+        && way.len() > 1
+        && {
+            let by = Measure::of([before, &last], candidates);
+            by.score(before) <= by.score(&last) && (before.is_white() || !last.is_white())
+        }
+    {
+        last = before.clone();
+        way.pop();
+    }
     let count = last.draft.effects.len();
     let settled = last.settled().map_err(GapError::Numerics)?;
     let last = match Fitted::new(settled, noise, Effort::Errors) {
         Ok(fitted) => fitted,
         Err(_) => last,
     };
-    // Each effect's part: the models on the way.
-    let mut way: Vec<Fitted> = vec![base.clone()];
-    let plain = last.draft.base.clone();
-    for k in 1..count {
-        let start = |f: &Fitted, names: &[String], other: &[f64]| crate::search::values(f, names, other);
-        let draft = plain.as_ref().map(|b| (**b).clone()).and_then(|b| {
-            last.draft.effects[..k]
-                .iter()
-                .try_fold(b, |d, (e, names, _)| {
-                    d.with(&Effect { start: start(&last, names, &e.start), ..e.clone() })
-                })
-                .ok()
-        });
-        match draft.and_then(|d| Fitted::new(d, noise, Effort::Plain).ok()) {
-            Some(fitted) => way.push(fitted),
-            None => way.push(way[way.len() - 1].clone()),
-        }
-    }
     if count > 0 {
         way.push(last.clone());
     }
@@ -422,6 +418,26 @@ fn finished(
         warnings,
         stopped,
     })
+}
+
+/// The model as it was, with the first effect, with the first two, and so on, but for the last.
+fn way(base: &Fitted, last: &Fitted, noise: &[Vec<f64>]) -> Vec<Fitted> {
+    let mut way = vec![base.clone()];
+    let plain = last.draft.base.clone();
+    for k in 1..last.draft.effects.len() {
+        let draft = plain.as_ref().map(|b| (**b).clone()).and_then(|b| {
+            last.draft.effects[..k]
+                .iter()
+                .try_fold(b, |d, (e, names, _)| {
+                    d.with(&Effect { start: crate::search::values(last, names, &e.start), ..e.clone() })
+                })
+                .ok()
+        });
+        let fitted = draft.and_then(|d| Fitted::new(d, noise, Effort::Plain).ok());
+        let before = way[way.len() - 1].clone();
+        way.push(fitted.unwrap_or(before));
+    }
+    way
 }
 
 /// The numbers of an effect in the final model.

@@ -42,6 +42,8 @@ impl Solution {
 
 /// What part of a Validate record its start state may be fitted on.
 const START_PART: usize = 10;
+/// ... and its start state together with numbers that only it can tell.
+const OWN_PART: usize = 2;
 
 /// Runs every record freely. `filled` are the records with samples (or derived samples) of every state, to start from.
 pub(crate) fn assess(
@@ -152,7 +154,10 @@ fn started<'a>(
         }
     }
     if record.role == Role::Validate {
-        problem.segments[0].samples.1 = (record.len() / START_PART).max(10).min(record.len());
+        // A number of its own, such as a phase, needs more of the record than its start does.
+        let own = problem.meanings().iter().any(|m| matches!(m, Meaning::Parameter(_, Some(_))));
+        let part = record.len() / if own { OWN_PART } else { START_PART };
+        problem.segments[0].samples.1 = part.max(10).min(record.len());
     }
     let part = problem.segments[0];
     let weight = |k: usize| 1.0 / problem.deviations[0][k].powi(2).max(f64::MIN_POSITIVE);

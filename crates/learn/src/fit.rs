@@ -5,7 +5,7 @@
 
 use crate::least_squares::{Limits, Normal, minimise};
 use crate::noise::ColumnNoise;
-use crate::problem::{Meaning, Noise, Problem};
+use crate::problem::{ColumnResidual, Meaning, Noise, Problem};
 use phisindy_phys::spec::SegmentsSpec;
 use phisindy_phys::{Record, System, effective_samples, noise_level};
 
@@ -194,12 +194,12 @@ impl<'a> Context<'a> {
     /// Minimises and re-estimates the noise in turn. `None` if the model cannot be simulated from `x`.
     pub(crate) fn settle(
         &self,
-        problem: Problem<'a>,
+        mut problem: Problem<'a>,
         mut x: Vec<f64>,
         mut noise: Noise,
         rounds: usize,
     ) -> Option<Fit<'a>> {
-        let found = settled(&problem, &mut x, &mut noise, rounds)?;
+        let found = settled(&mut problem, &mut x, &mut noise, rounds)?;
         let pieces = (0..self.records.len())
             .map(|r| problem.segments.iter().filter(|s| s.record == r).count())
             .collect();
@@ -208,9 +208,9 @@ impl<'a> Context<'a> {
     }
 
     /// A fit with its own noise: after a selection it still has that of the fit it came from.
-    pub(crate) fn resettle(&self, fit: Fit<'a>) -> Fit<'a> {
+    pub(crate) fn resettle(&self, mut fit: Fit<'a>) -> Fit<'a> {
         let (mut x, mut noise) = (fit.x.clone(), fit.noise.clone());
-        match settled(&fit.problem, &mut x, &mut noise, 3) {
+        match settled(&mut fit.problem, &mut x, &mut noise, 3) {
             Some(Settled { weights, normal, samples, effective, excess }) => {
                 Fit { x, noise, weights, normal, samples, effective, excess, ..fit }
             }
@@ -259,35 +259,58 @@ struct Settled {
     excess: f64,
 }
 
-fn settled(problem: &Problem<'_>, x: &mut [f64], noise: &mut Noise, rounds: usize) -> Option<Settled> {
-    let bounds = &problem.bounds;
+fn settled(problem: &mut Problem<'_>, x: &mut [f64], noise: &mut Noise, rounds: usize) -> Option<Settled> {
+    let bounds = problem.bounds.clone();
     let mut weights = problem.weights(noise, problem.residuals(x).ok().as_deref());
     let limits =
         Limits { iterations: if rounds == 1 { 12 } else { 20 }, gain: if rounds == 1 { 1e-4 } else { 1e-9 } };
-    let mut normal = minimise(x, bounds, limits, |x| problem.normal(x, &weights).ok())?;
+    let mut normal = minimise(x, &bounds, limits, |x| problem.normal(x, &weights).ok())?;
     for _ in 1..rounds {
         let residuals = problem.residuals(x).ok()?;
         *noise = problem.noise(&residuals);
         weights = problem.weights(noise, Some(&residuals));
-        normal = minimise(x, bounds, limits, |x| problem.normal(x, &weights).ok())?;
+        problem.belief = inflation(&tally(noise, &residuals));
+        normal = minimise(x, &bounds, limits, |x| problem.normal(x, &weights).ok())?;
     }
     let residuals = problem.residuals(x).ok()?;
     if rounds == 1 {
         *noise = problem.noise(&residuals);
     }
-    let (mut samples, mut effective, mut power, mut noise_power) = (0, 0.0, 0.0, 0.0);
+    let tally = tally(noise, &residuals);
+    let excess = if tally.noise > 0.0 { tally.power / tally.noise } else { f64::INFINITY };
+    Some(Settled { weights, normal, samples: tally.samples, effective: tally.effective, excess })
+}
+
+/// What residuals amount to in units of their noise.
+struct Tally {
+    samples: usize,
+    /// How many of them are independent.
+    effective: f64,
+    /// Sum of their squares, and of those of their white part.
+    power: f64,
+    noise: f64,
+}
+
+fn tally(noise: &Noise, residuals: &[Vec<ColumnResidual>]) -> Tally {
+    let mut tally = Tally { samples: 0, effective: 0.0, power: 0.0, noise: 0.0 };
     for (r, columns) in residuals.iter().enumerate() {
         for (k, c) in columns.iter().enumerate().filter(|(_, c)| !c.residual.is_empty()) {
             let scaled = |(e, p): (&f64, &f64)| e / noise[r][k].variance(*p).sqrt();
             let white: Vec<f64> = c.residual.iter().zip(&c.prediction).map(scaled).collect();
-            samples += white.len();
-            effective += effective_samples(&white);
-            power += white.iter().map(|e| e * e).sum::<f64>();
-            noise_power += noise_level(&white).powi(2) * white.len() as f64;
+            tally.samples += white.len();
+            tally.effective += effective_samples(&white);
+            tally.power += white.iter().map(|e| e * e).sum::<f64>();
+            tally.noise += noise_level(&white).powi(2) * white.len() as f64;
         }
     }
-    let excess = if noise_power > 0.0 { power / noise_power } else { f64::INFINITY };
-    Some(Settled { weights, normal, samples, effective, excess })
+    tally
+}
+
+/// By how much the scatter of an estimate is larger than independent samples would make it.
+fn inflation(tally: &Tally) -> f64 {
+    let f = tally.samples as f64 / tally.effective.max(1.0);
+    // The estimate itself scatters round 1.
+    if f < 1.3 { 1.0 } else { f }
 }
 
 /// Takes over whatever means the same in another problem, but for start states.
@@ -327,8 +350,6 @@ impl Fit<'_> {
 
     /// By how much correlated residuals overstate what is known: 1 for white noise.
     pub(crate) fn inflation(&self) -> f64 {
-        let f = self.samples as f64 / self.effective.max(1.0);
-        // The estimate itself scatters round 1.
-        if f < 1.3 { 1.0 } else { f }
+        inflation(&Tally { samples: self.samples, effective: self.effective, power: 0.0, noise: 0.0 })
     }
 }

@@ -48,6 +48,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) bounds: Vec<(f64, f64)>,
     /// Belief beforehand: unknown, centre, standard deviation.
     priors: Vec<(usize, f64, f64)>,
+    /// What the priors weigh beside the data: 1, or more where samples that are not independent would outvote them.
+    pub(crate) belief: f64,
     /// For each record, the parameters of the model.
     model: Vec<Vec<Source>>,
     /// For each record and state: offset, gain, delay.
@@ -162,6 +164,7 @@ impl<'a> Problem<'a> {
             unknowns: bounds.len(),
             bounds,
             priors,
+            belief: 1.0,
             model: models,
             sensors,
             scale: vec![],
@@ -409,9 +412,9 @@ impl<'a> Problem<'a> {
         }
         for &(k, centre, sigma) in &self.priors {
             let r = (x[k] - centre) / sigma;
-            total.cost += r * r;
-            total.matrix[(k, k)] += 1.0 / (sigma * sigma);
-            total.gradient[k] += r / sigma;
+            total.cost += self.belief * r * r;
+            total.matrix[(k, k)] += self.belief / (sigma * sigma);
+            total.gradient[k] += self.belief * r / sigma;
         }
         Ok(total)
     }
