@@ -223,7 +223,9 @@ fn what_is_missing_repeated_or_dead_is_said() {
         ],
     );
     holds(&said.err, &["values are missing"]);
-    checked(&scratch, &text);
+    let check = phisindy(&["check", &scratch.path("rig.ron")]);
+    assert_eq!(check.code, 0, "{text}");
+    holds(&check.err, &["no samples from 5.000000 s to 8.010000 s"]);
     // Trials that nothing tells apart: a spec, and what to do before it can run.
     let file = table("time_s,x_mm", 400, |k, _| {
         format!("{:.3},{:.4}", 0.01 * (k % 200) as f64, (0.1 * k as f64).sin())

@@ -140,3 +140,30 @@ fn too_many_samples_are_refused_with_the_way_out() {
     assert_eq!(check(", decimate: 100").code, 0);
     assert_eq!(check(", window: (10.0, 5000.0)").code, 0);
 }
+
+/// What is odd about a record is told, and nothing is told about a good one.
+#[test]
+fn odd_records_are_told_of() {
+    let columns = "time: \"t\", columns: { \"x\": (\"x\", \"m\"), \"v\": (\"v\", \"m/s\") }";
+    let odd = |name: &str, content: String, unit: &str| {
+        let columns = columns.replace("(\"x\", \"m\")", unit);
+        run(name, &[("a.csv", content)], &format!("Csv(path: \"a.csv\", {columns})")).0.err
+    };
+    let good = swing(0.01, 2000, 0.0, 0.0);
+    let said = odd("good", good.clone(), "(\"x\", \"m\")");
+    assert!(
+        !said.contains("swapped") && !said.contains("unit of one") && !said.contains("no samples"),
+        "{said}"
+    );
+    assert!(
+        odd("thousand", good.clone(), "(\"x\", \"mm\")").contains("at 1/1000 of the rate that `v` gives")
+    );
+    let swapped = good.replace("t,x,v", "t,v,x");
+    assert!(odd("swapped", swapped, "(\"x\", \"m\")").contains("probably swapped"));
+    let hole: String = good
+        .lines()
+        .enumerate()
+        .filter(|(k, _)| !(700..900).contains(k))
+        .fold(String::new(), |all, (_, l)| all + l + "\n");
+    assert!(odd("hole", hole, "(\"x\", \"m\")").contains("no samples from"));
+}

@@ -94,7 +94,8 @@ rows are read."
 Examples:
   phisindy laws
   phisindy laws dieterich-ruina
-  phisindy laws --laws my-laws/")]
+  phisindy laws --laws my-laws/
+  phisindy laws --out docs/laws                       a picture of each, and a page of them")]
     Laws {
         /// Id of a law
         #[arg(value_name = "NAME")]

@@ -204,7 +204,19 @@ fn check(specs: &[PathBuf], options: &Options) -> u8 {
 
 fn laws(name: Option<&str>, options: &Options) -> Result<u8> {
     let folders: Vec<&Path> = options.laws.as_deref().into_iter().collect();
-    let all = laws::catalogue(&folders)?;
+    let mut all = laws::catalogue(&folders)?;
+    if let Some(out) = &options.out {
+        if let Some(name) = name {
+            all.retain(|e| e.id == name);
+        }
+        let folder = OutDir::create(out)?;
+        for entry in &all {
+            if let Some(svg) = laws::picture(entry)? {
+                folder.write(&format!("{}.svg", entry.id), &svg)?;
+            }
+        }
+        folder.write("README.md", &laws::gallery(&all))?;
+    }
     let Some(name) = name else {
         print(&laws::list(&all))?;
         return Ok(0);

@@ -1,6 +1,9 @@
 //! The catalogue of laws: built in, beside the spec, and in the folder of `--laws`.
 
 mod builtin;
+mod picture;
+
+pub(crate) use picture::picture;
 
 use crate::table::{aligned, short};
 use anyhow::{Context, Result, anyhow};
@@ -74,4 +77,57 @@ pub(crate) fn shown(entry: &Entry) -> String {
     lines.push(format!("laws/{}.ron:", entry.id));
     lines.extend(entry.text.lines().map(|l| format!("    {l}").trim_end().to_owned()));
     lines.join("\n") + "\n"
+}
+
+/// All laws with their pictures, as a page of Markdown.
+pub(crate) fn gallery(all: &[Entry]) -> String {
+    let mut out = String::from(
+        "# The catalogue of laws\n\nWritten by `phisindy laws --out docs/laws` from the files in `specs/laws`. Each picture is drawn along the motion `x = sin t`, `v = cos t`, with example\nnumbers; a law of your own gets one by a line `sketch: (over: \"v\", with: { ... })`.\n",
+    );
+    for e in all {
+        let law = &e.law;
+        out += &format!("\n## {} (`{}`)\n\n{}\n", law.name, e.id, law.about);
+        if law.sketch.is_some() {
+            out += &format!("\n![{}]({}.svg)\n", law.name, e.id);
+        }
+        out.push('\n');
+        out += &law.acts().iter().map(|l| format!("- {}\n", code(l))).collect::<String>();
+        for (name, p) in &law.parameters {
+            let unit = if p.unit.is_empty() { "no unit" } else { p.unit.as_str() };
+            let each = if p.each { ", one for each record" } else { "" };
+            out += &format!("- `{name}`: {unit}, {} to {}{each}\n", short(p.within.0), short(p.within.1));
+        }
+        if !law.reference.is_empty() {
+            out += &format!("\n{}\n", law.reference);
+        }
+    }
+    out
+}
+
+/// What stands behind the colon as code.
+fn code(line: &str) -> String {
+    line.split_once(": ").map_or_else(|| line.to_owned(), |(what, text)| format!("{what}: `{text}`"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every law has a picture, and the page in `docs/laws` is what the program writes.
+    #[test]
+    fn the_gallery_is_current() {
+        let all = catalogue(&[]).unwrap();
+        let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/laws");
+        assert_eq!(std::fs::read_to_string(docs.join("README.md")).unwrap(), gallery(&all));
+        for entry in &all {
+            let svg = picture(entry).unwrap().unwrap_or_else(|| panic!("no sketch of {}", entry.id));
+            assert!(svg.contains("<polyline"), "{}", entry.id);
+            assert_eq!(
+                std::fs::read_to_string(docs.join(format!("{}.svg", entry.id))).unwrap(),
+                svg,
+                "{}",
+                entry.id
+            );
+        }
+    }
 }

@@ -306,6 +306,17 @@ impl Search<'_> {
         all
     }
 
+    /// A model that starts near where it should end. Through stops the way over short segments may lead astray: then also straight from where it starts.
+    fn refitted(&self, draft: Draft, rests: bool) -> Option<Fitted> {
+        let straight =
+            if rests { Fitted::new(draft.clone(), self.noise, Effort::Thorough).ok() } else { None };
+        let long = Fitted::new(draft, self.noise, Effort::Plain).ok();
+        match (straight, long) {
+            (Some(a), Some(b)) => Some(if a.fit < b.fit { a } else { b }),
+            (a, b) => a.or(b),
+        }
+    }
+
     /// Without the models that evidence speaks against.
     fn allowed(&self, all: Vec<Fitted>, before: usize, vetoed: &mut Vec<(String, String)>) -> Vec<Fitted> {
         all.into_iter()
@@ -391,7 +402,7 @@ impl Search<'_> {
                     if look.is_none_or(|look| look > RACE * now.fit.powi(2).max(1.0)) {
                         continue;
                     }
-                    let Ok(simple) = Fitted::new(draft, self.noise, Effort::Plain) else { continue };
+                    let Some(simple) = self.refitted(draft, now.rests()) else { continue };
                     let same = self.as_good(&simple, &now, candidates);
                     let carries = simple.validate.zip(now.validate).is_none_or(|(a, b)| a < 1.02 * b)
                         || !now.is_white();

@@ -48,6 +48,20 @@ pub struct Law {
     /// How `gap` looks for it at a glance; without it the parameters that stand linearly are solved for, and the others tried on a grid.
     #[serde(default)]
     pub screen: Option<Screen>,
+    /// How its picture is drawn.
+    #[serde(default)]
+    pub sketch: Option<Sketch>,
+}
+
+/// A picture of a law: its force along the motion `x = sin t`, `v = cos t`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sketch {
+    /// What it is drawn over: a displacement `x`, a velocity `v`, or time `t`.
+    pub over: String,
+    /// Example values of the parameters.
+    #[serde(deserialize_with = "ordered")]
+    pub with: Vec<(String, f64)>,
 }
 
 /// How a law is screened: a sum of columns, their coefficients free.

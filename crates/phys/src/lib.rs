@@ -36,7 +36,7 @@ pub use constants::Value;
 pub use derivative::{Differentiated, Differentiator, automatic, differentiate};
 pub use diagnostic::{Diagnostic, Label, Severity, Source, SourceId, Sources};
 pub use interpolate::{Interpolation, Signal, SignalError};
-pub use law::{Internal, Law, LawParameter, Screen};
+pub use law::{Internal, Law, LawParameter, Screen, Sketch};
 pub use model::Model;
 pub use noise_level::{effective_samples, noise_level};
 pub use plan::{Origin, RecordPlan, Sensor, SensorParameter, Synthetic, SyntheticInput};

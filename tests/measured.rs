@@ -1,0 +1,134 @@
+//! Other people's measurements, wherever their folder is given by `PHISINDY_DATA`; the files are no part of the repository.
+#![allow(missing_docs)]
+
+#[allow(dead_code)]
+mod common;
+
+use common::{Scratch, phisindy, top};
+use serde_json::Value;
+use std::path::PathBuf;
+
+/// The folder of the data; `None`, and a word about it, where there is none.
+#[allow(clippy::print_stderr)]
+fn data(file: &str) -> Option<PathBuf> {
+    let folder = std::env::var_os("PHISINDY_DATA").map(PathBuf::from).map(|p| top().join(p));
+    let found = folder.filter(|f| f.join(file).is_file());
+    if found.is_none() {
+        eprintln!("skipped: no `{file}` in the folder PHISINDY_DATA");
+    }
+    found
+}
+
+fn run(spec: &str, data: &std::path::Path) -> Value {
+    let data = data.to_str().expect("UTF-8");
+    let said = phisindy(&["run", spec, "--data", data, "--format", "json", "--quiet"]);
+    serde_json::from_str(&said.out).unwrap_or_else(|e| panic!("{e}: {}{}", said.out, said.err))
+}
+
+/// Coefficient of a candidate, or value of a parameter.
+#[track_caller]
+fn number(result: &Value, name: &str) -> f64 {
+    let terms = result["equations"]
+        .as_array()
+        .into_iter()
+        .flatten()
+        .flat_map(|e| e["terms"].as_array().into_iter().flatten());
+    let term = terms.filter(|t| t["candidate"] == name).find_map(|t| t["coefficient"].as_f64());
+    let parameters = result["parameters"].as_array().into_iter().flatten();
+    let parameter = parameters.filter(|p| p["name"] == name).find_map(|p| p["value"].as_f64());
+    term.or(parameter).unwrap_or_else(|| panic!("no {name} in {result}"))
+}
+
+fn worst_validation(result: &Value) -> f64 {
+    let records = result["records"].as_array().into_iter().flatten().filter(|r| r["role"] == "validate");
+    records
+        .flat_map(|r| r["nrmse"].as_object().into_iter().flatten())
+        .filter_map(|(_, v)| v.as_f64())
+        .fold(0.0, f64::max)
+}
+
+#[track_caller]
+fn near(value: f64, published: f64, part: f64) {
+    assert!((value / published - 1.0).abs() < part, "{value} is not within {part} of {published}");
+}
+
+/// Mass, damping, friction and offset of a drive, from position and force.
+#[test]
+fn a_drive() {
+    let Some(data) = data("emps_train.csv") else { return };
+    let found = run("specs/emps.ron", &data);
+    for (name, published) in [("M", 95.1089), ("v", 203.5034), ("sgn(v)", 20.3935), ("1", -3.1648)] {
+        near(number(&found, name), published, 0.02);
+    }
+}
+
+/// The same file in millimetres and kilonewtons says the same.
+#[test]
+fn a_drive_in_other_units() {
+    let Some(data) = data("emps_train.csv") else { return };
+    let text = std::fs::read_to_string(data.join("emps_train.csv")).expect("a file");
+    let mut lines = text.lines();
+    let heading: Vec<&str> = lines.next().expect("a heading").split(',').collect();
+    let column = |name: &str| heading.iter().position(|h| *h == name).expect("a column");
+    let (t, q, f) = (column("time_s"), column("q_m"), column("F_motor_N"));
+    // The decimal point moves, no digit changes: 1.5e-3 m is 1.5e0 mm.
+    let scaled = |field: &str, by: i32| {
+        let (digits, exponent) = field.split_once(['e', 'E']).unwrap_or((field, "0"));
+        format!("{digits}e{}", exponent.parse::<i32>().expect("an exponent") + by)
+    };
+    let mut other = "time_s,q_mm,F_kN\n".to_owned();
+    for line in lines {
+        let fields: Vec<&str> = line.split(',').collect();
+        other += &format!("{},{},{}\n", fields[t], scaled(fields[q], 3), scaled(fields[f], -3));
+    }
+    let scratch = Scratch::new("units");
+    std::fs::write(scratch.path("emps_train.csv"), other).expect("a file");
+    let spec = std::fs::read_to_string(top().join("specs/emps.ron")).expect("a spec");
+    let spec = spec
+        .replace("(\"q_m\", \"m\")", "(\"q_mm\", \"mm\")")
+        .replace("(\"F_motor_N\", \"N\")", "(\"F_kN\", \"kN\")");
+    std::fs::write(scratch.path("emps.ron"), spec).expect("a file");
+    let (one, two) = (run("specs/emps.ron", &data), run(&scratch.path("emps.ron"), &scratch.0));
+    for name in ["M", "v", "sgn(v)", "1"] {
+        // As printed, five digits and more: what differs is the last bit of a few samples.
+        near(number(&two, name), number(&one, name), 1e-9);
+    }
+}
+
+/// A pendulum that swings until it stops.
+#[test]
+fn a_pendulum() {
+    let Some(data) = data("pendulum_free_1.csv") else { return };
+    let found = run("specs/pendulum.ron", &data);
+    near(number(&found, "gl"), 30.99, 0.005);
+    near(number(&found, "sgn(w)"), 0.1825, 0.1);
+    assert!(worst_validation(&found) < 0.06, "{found}");
+    // Where it stops: the last sample at which the free run still moves; it really stopped at 71.4 s.
+    let scratch = Scratch::new("pendulum");
+    let folder = data.to_str().expect("UTF-8").to_owned();
+    phisindy(&[
+        "run",
+        "specs/pendulum.ron",
+        "--data",
+        &folder,
+        "--quiet",
+        "--out",
+        scratch.0.to_str().expect("UTF-8"),
+    ]);
+    let said = phisindy(&["simulate", &scratch.path("identified.ron"), "--data", &folder]);
+    let rows = said.out.lines().skip(1).map(|l| l.split(',').collect::<Vec<_>>());
+    let moving = rows.filter(|r| r[r.len() - 1].parse::<f64>().is_ok_and(|w| w != 0.0));
+    let last = moving.filter_map(|r| r[1].parse::<f64>().ok()).fold(0.0, f64::max);
+    assert!((last - 71.4).abs() < 1.0, "it stops at {last} s");
+}
+
+/// One friction coefficient for two loads, with a delay between the lasers.
+#[test]
+fn a_frame_under_two_loads() {
+    let Some(data) = data("frame_stickslip_250g.csv") else { return };
+    let found = run("specs/frame_mu.ron", &data);
+    let mu = number(&found, "1");
+    assert!((0.26..0.34).contains(&mu), "mu {mu}");
+    assert!(worst_validation(&found) < 0.08, "{found}");
+    assert!(number(&found, "late") < 0.0, "the base is late");
+}
