@@ -90,8 +90,8 @@ fn a_drive_in_other_units() {
     std::fs::write(scratch.path("emps.ron"), spec).expect("a file");
     let (one, two) = (run("specs/emps.ron", &data), run(&scratch.path("emps.ron"), &scratch.0));
     for name in ["M", "v", "sgn(v)", "1"] {
-        // As printed, five digits and more: what differs is the last bit of a few samples.
-        near(number(&two, name), number(&one, name), 1e-9);
+        // More digits than are printed: a factor of a thousand moves the last bit of some samples, and the descent stops a step earlier or later.
+        near(number(&two, name), number(&one, name), 1e-7);
     }
 }
 
