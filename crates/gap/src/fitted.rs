@@ -135,7 +135,12 @@ impl Fitted {
             }
         }
         let mut draft = self.draft.rebuilt(text, self.draft.effects.clone(), self.draft.internal.clone())?;
-        // The fitted start too: the next fit begins where this one ended.
+        self.starts(&mut draft);
+        Ok(draft)
+    }
+
+    /// Lets a draft of the same records start where this fit started its runs.
+    pub(crate) fn starts(&self, draft: &mut Draft) {
         for (smooth, record) in draft.smooth.iter_mut().zip(&self.cal.records) {
             for (column, start) in smooth.columns.iter_mut().zip(&record.start) {
                 if let (Role::Fit, Some(column)) = (record.role, column) {
@@ -143,7 +148,6 @@ impl Fitted {
                 }
             }
         }
-        Ok(draft)
     }
 }
 

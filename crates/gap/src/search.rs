@@ -389,9 +389,10 @@ impl Search<'_> {
                     trials.push(list);
                 }
                 for list in trials {
-                    let Some(draft) = list.iter().try_fold(base.clone(), |d, e| d.with(e)).ok() else {
+                    let Some(mut draft) = list.iter().try_fold(base.clone(), |d, e| d.with(e)).ok() else {
                         continue;
                     };
+                    now.starts(&mut draft);
                     // What is far behind after a few steps need not be fitted in full.
                     let (system, records, smooth) = (&draft.case.system, &draft.records, &draft.smooth);
                     let look = if now.rests() {
