@@ -99,22 +99,15 @@ fn a_drive_in_other_units() {
 #[test]
 fn a_pendulum() {
     let Some(data) = data("pendulum_free_1.csv") else { return };
-    let found = run("specs/pendulum.ron", &data);
+    let (scratch, folder) = (Scratch::new("pendulum"), data.to_str().expect("UTF-8").to_owned());
+    let out = scratch.0.to_str().expect("UTF-8");
+    phisindy(&["run", "specs/pendulum.ron", "--data", &folder, "--quiet", "--out", out]);
+    let found = std::fs::read_to_string(scratch.path("result.json")).expect("a result");
+    let found: Value = serde_json::from_str(&found).expect("JSON");
     near(number(&found, "gl"), 30.99, 0.005);
     near(number(&found, "sgn(w)"), 0.1825, 0.1);
     assert!(worst_validation(&found) < 0.06, "{found}");
     // Where it stops: the last sample at which the free run still moves; it really stopped at 71.4 s.
-    let scratch = Scratch::new("pendulum");
-    let folder = data.to_str().expect("UTF-8").to_owned();
-    phisindy(&[
-        "run",
-        "specs/pendulum.ron",
-        "--data",
-        &folder,
-        "--quiet",
-        "--out",
-        scratch.0.to_str().expect("UTF-8"),
-    ]);
     let said = phisindy(&["simulate", &scratch.path("identified.ron"), "--data", &folder]);
     let rows = said.out.lines().skip(1).map(|l| l.split(',').collect::<Vec<_>>());
     let moving = rows.filter(|r| r[r.len() - 1].parse::<f64>().is_ok_and(|w| w != 0.0));

@@ -8,6 +8,7 @@ use crate::table::short;
 use crate::{interrupt, laws, outdir};
 use anyhow::Result;
 use phisindy_gap::{Entry, Gap, GapError, Status, Step, gap};
+use phisindy_phys::Law;
 use phisindy_phys::spec::Role;
 use serde_json::{Map, Value, json};
 use std::ops::ControlFlow;
@@ -57,7 +58,7 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
     }
     let seconds = begin.elapsed().as_secs_f64();
     let object = as_json(&loaded, &found, seconds);
-    let text = as_text(&found, seconds);
+    let text = as_text(&found, &catalogue, seconds);
     if let Some(folder) = &folder {
         folder.write("result.json", &format!("{object:#}\n"))?;
         folder.write("gap.txt", &text)?;
@@ -165,7 +166,7 @@ fn as_json(loaded: &Loaded, found: &Gap, seconds: f64) -> Value {
 }
 
 /// For people: a line and a bar for each step.
-fn as_text(found: &Gap, seconds: f64) -> String {
+fn as_text(found: &Gap, catalogue: &[Entry], seconds: f64) -> String {
     let mut out: Vec<String> = Vec::new();
     let shown = |(fit, validate): (f64, Option<f64>)| validate.unwrap_or(fit);
     let before = shown(found.before);
@@ -201,13 +202,13 @@ fn as_text(found: &Gap, seconds: f64) -> String {
             s.effect.place.at,
             s.expression
         ));
-        out.extend(details(s));
+        out.extend(details(s, catalogue));
     }
     if !found.partial.is_empty() {
         out.push("helps, but does not explain:".into());
         for s in &found.partial {
             out.push(format!("  {} at {}: {}", s.effect.entry.law.name, s.effect.place.at, s.expression));
-            out.extend(details(s));
+            out.extend(details(s, catalogue));
         }
     }
     for (record, column, r) in &found.repeat {
@@ -244,7 +245,7 @@ fn as_text(found: &Gap, seconds: f64) -> String {
     out.join("\n") + "\n"
 }
 
-fn details(s: &Step) -> Vec<String> {
+fn details(s: &Step, catalogue: &[Entry]) -> Vec<String> {
     let mut out = Vec::new();
     for p in &s.parameters {
         out.push(format!(
@@ -267,7 +268,8 @@ fn details(s: &Step) -> Vec<String> {
             format!("criterion {} worse", short(r.delta_bic))
         };
         out.push(format!("     not excluded: {} at {} ({by})", r.law, r.at));
-        out.extend(deciding(s, &r.law).map(|what| format!("       {what} would decide")));
+        let what = deciding(&s.effect.entry.law, &s.effect.entry.id, &r.law, catalogue);
+        out.extend(what.map(|what| format!("       {what} would decide")));
     }
     for (law, why) in &s.vetoed {
         out.push(format!("     {law} is ruled out: {why}"));
@@ -275,43 +277,33 @@ fn details(s: &Step) -> Vec<String> {
     out
 }
 
+/// Pairs of laws, and the measurement that tells one from the other.
+const DECIDING: &[(&str, &str, &str)] = &[
+    ("stribeck", "dieterich-ruina", "a slower run, with speeds well below those of this record,"),
+    ("asymmetric-coulomb", "coulomb + offset", "a run that sticks"),
+    ("coulomb", "offset", "a run that sticks"),
+    ("offset", "sensor-offset", "a second displacement, or the same sensor at another zero,"),
+    ("dead-zone", "cubic-stiffness", "a run at a larger and one at a smaller amplitude"),
+    ("one-sided-stop", "cubic-stiffness", "a run at a larger and one at a smaller amplitude"),
+    ("harmonic-force", "parametric-stiffness", "a run about another mean position"),
+];
+
 /// The measurement that tells a law from its rival, where one does.
-fn deciding(s: &Step, rival: &str) -> Option<&'static str> {
-    let own = s.effect.entry.id.as_str();
-    let pair = |a: &str, b: &str| (own == a && rival == b) || (own == b && rival == a);
-    let friction = |id: &str| {
-        matches!(
-            id,
-            "coulomb"
-                | "asymmetric-coulomb"
-                | "stribeck"
-                | "dieterich-ruina"
-                | "position-dependent-friction"
-                | "presliding"
-        )
-    };
-    Some(match () {
-        () if pair("stribeck", "dieterich-ruina") => {
-            "a slower run, with speeds well below those of this record,"
-        }
-        () if pair("asymmetric-coulomb", "coulomb + offset") || pair("coulomb", "offset") => {
-            "a run that sticks"
-        }
-        () if pair("offset", "sensor-offset") => "a second displacement, or the same sensor at another zero,",
-        () if own.starts_with("sensor") || rival.starts_with("sensor") => {
-            "the same motion read by a second sensor"
-        }
-        () if pair("dead-zone", "cubic-stiffness") || pair("one-sided-stop", "cubic-stiffness") => {
-            "a run at a larger and one at a smaller amplitude"
-        }
-        () if pair("harmonic-force", "parametric-stiffness") => "a run about another mean position",
-        () if pair("viscous", "quadratic-drag") || pair("viscous", "van-der-pol") => {
-            "a run at another amplitude"
-        }
-        () if friction(own) && rival == "presliding" => "a close look at the displacement in the stops",
-        () if friction(own) && friction(rival) => "runs at other speeds and amplitudes",
-        () if rival.contains(" + ") => return None,
-        () => "a run at another amplitude",
+fn deciding(own: &Law, id: &str, rival: &str, catalogue: &[Entry]) -> Option<&'static str> {
+    let same = |&&(a, b, _): &&(&str, &str, &str)| (id == a && rival == b) || (id == b && rival == a);
+    if let Some((.., what)) = DECIDING.iter().find(same) {
+        return Some(what);
+    }
+    if own.sensor.is_some() || rival.starts_with("sensor") {
+        return Some("the same motion read by a second sensor");
+    }
+    // Laws joined by ` + ` are no entry of the catalogue.
+    let other = &catalogue.iter().find(|e| e.id == rival)?.law;
+    let both = own.family == "friction" && other.family == "friction";
+    Some(match (both, other.internal.is_empty()) {
+        (true, false) => "a close look at the displacement in the stops",
+        (true, true) => "runs at other speeds and amplitudes",
+        (false, _) => "a run at another amplitude",
     })
 }
 

@@ -3,7 +3,7 @@
 
 use crate::load::Loaded;
 use anyhow::Result;
-use phisindy_phys::{Origin, Record, System};
+use phisindy_phys::{Origin, Record, System, standard_deviation};
 use phisindy_sim::{Automaton, Drive, Options, Trajectory, simulate};
 use std::io::Write;
 
@@ -74,10 +74,7 @@ fn predicted(system: &System, record: &Record) -> Result<Run, String> {
 
 /// Standard deviation of the samples of a state; 0 without any.
 fn size(record: &Record, state: usize) -> f64 {
-    let Some(column) = &record.columns[state] else { return 0.0 };
-    let n = column.len() as f64;
-    let mean = column.iter().sum::<f64>() / n;
-    (column.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt()
+    record.columns[state].as_ref().map_or(0.0, |column| standard_deviation(column))
 }
 
 /// What the sensor of a state would read along a run; the state itself where there is none.

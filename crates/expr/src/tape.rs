@@ -81,16 +81,16 @@ impl Tape {
                 Node::Unary(op, a) => code.push(Code::Unary { op, a: slot[a.index()], out }),
                 Node::Binary(op, a, b) => {
                     let (left, right) = (slot[a.index()], slot[b.index()]);
-                    match power(op, graph.value(b)) {
+                    match graph.value(b).filter(|_| op == Binary::Pow) {
                         // x^2 is x*x, x^3 is x*x*x: the commonest powers, without a call.
-                        Some(2) => code.push(Code::Binary { op: Binary::Mul, a: left, b: left, out }),
-                        Some(_) => {
+                        Some(2.0) => code.push(Code::Binary { op: Binary::Mul, a: left, b: left, out }),
+                        Some(3.0) => {
                             let square = slots;
                             slots += 1;
                             code.push(Code::Binary { op: Binary::Mul, a: left, b: left, out: square });
                             code.push(Code::Binary { op: Binary::Mul, a: square, b: left, out });
                         }
-                        None => code.push(Code::Binary { op, a: left, b: right, out }),
+                        _ => code.push(Code::Binary { op, a: left, b: right, out }),
                     }
                 }
                 Node::Symbol(_) => {}
@@ -191,15 +191,6 @@ impl<const N: usize> Scratch<N> {
                 }
             }
         }
-    }
-}
-
-/// The exponent of a square or a cube.
-fn power(op: Binary, exponent: Option<f64>) -> Option<u32> {
-    match exponent {
-        Some(2.0) if op == Binary::Pow => Some(2),
-        Some(3.0) if op == Binary::Pow => Some(3),
-        _ => None,
     }
 }
 

@@ -42,6 +42,19 @@ impl Draft {
         self.rebuilt(text, effects, internal)
     }
 
+    /// This model with several more, in their order.
+    ///
+    /// # Errors
+    /// In words: the spec cannot hold one of them.
+    pub fn with_all(&self, effects: &[Effect]) -> Result<Draft, String> {
+        effects.iter().try_fold(self.clone(), |draft, effect| draft.with(effect))
+    }
+
+    /// This model with none of its effects.
+    pub fn without_effects(&self) -> Draft {
+        self.base.as_ref().map_or_else(|| self.clone(), |base| (**base).clone())
+    }
+
     /// The same records under another text.
     ///
     /// # Errors

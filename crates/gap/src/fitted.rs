@@ -5,7 +5,7 @@ use crate::effect::Effect;
 use crate::whiteness::{COLOURED, score};
 use phisindy_learn::{Calibration, Effort, calibrate};
 use phisindy_phys::spec::Role;
-use phisindy_phys::{Record, noise_level, splice};
+use phisindy_phys::{Record, noise_level, splice, standard_deviation};
 
 /// A clean column still counts as known to this part of its standard deviation: the simulation itself is not better.
 const CLEAN: f64 = 1e-5;
@@ -13,12 +13,9 @@ const CLEAN: f64 = 1e-5;
 /// The noise of every column by record and state: from the spectrum above the motion, so that no model is needed.
 pub(crate) fn noise(records: &[Record]) -> Vec<Vec<f64>> {
     let of = |column: &Option<Vec<f64>>| {
-        column.as_ref().map_or(1.0, |c| {
-            let n = c.len().max(1) as f64;
-            let mean = c.iter().sum::<f64>() / n;
-            let deviation = (c.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
-            noise_level(c).max(CLEAN * deviation).max(f64::MIN_POSITIVE)
-        })
+        column
+            .as_ref()
+            .map_or(1.0, |c| noise_level(c).max(CLEAN * standard_deviation(c)).max(f64::MIN_POSITIVE))
     };
     records.iter().map(|r| r.columns.iter().map(of).collect()).collect()
 }

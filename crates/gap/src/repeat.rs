@@ -1,7 +1,7 @@
 //! How well the motion itself repeats: no model of a rig can be asked to be better than the rig.
 
 use crate::whiteness::lines;
-use phisindy_phys::Record;
+use phisindy_phys::{Record, standard_deviation};
 
 /// A motion counts as periodic if its best periodic prediction misses less than this part of it.
 const PERIODIC: f64 = 0.1;
@@ -31,8 +31,7 @@ pub fn repeatability(record: &Record, column: &[f64]) -> Option<Repeat> {
     if !uniform {
         return None;
     }
-    let mean = column.iter().sum::<f64>() / n as f64;
-    let deviation = (column.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n as f64).sqrt();
+    let deviation = standard_deviation(column);
     // The fundamental may lie below the strongest line; the period that predicts best decides.
     let guess = 2.0 * std::f64::consts::PI / first / step;
     let mut best: Option<(f64, f64)> = None;
@@ -76,9 +75,7 @@ pub(crate) fn prediction(
     let own = repeatability(before, column)?;
     let n = column.len();
     let step = (before.time[n - 1] - before.time[0]) / (n - 1) as f64;
-    let mean = continued.iter().sum::<f64>() / continued.len() as f64;
-    let deviation =
-        (continued.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / continued.len() as f64).sqrt();
+    let deviation = standard_deviation(continued);
     let mut best: Option<(f64, f64)> = None;
     for k in -10..=10 {
         let period = own.period * (1.0 + 0.0002 * f64::from(k));

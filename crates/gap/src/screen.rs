@@ -86,8 +86,7 @@ pub(crate) fn screen(
 ) -> Option<Screening> {
     let system = &draft.case.system;
     let of: Vec<usize> = (0..draft.records.len()).filter(|&r| draft.records[r].role == Role::Fit).collect();
-    let total: usize =
-        of.iter().map(|&r| draft.records[r].len() * draft.records[r].columns.iter().flatten().count()).sum();
+    let total: usize = of.iter().map(|&r| draft.records[r].readings()).sum();
     let stride = total.div_ceil(ROWS).max(1);
     let all_places = places(system, &draft.case.records, &draft.internal);
     let base = Base::new(system)?;
@@ -231,7 +230,6 @@ pub(crate) fn excludes(a: &Effect, b: &Effect) -> bool {
 
 /// Laws at places, with their mirror images and loads, that the model does not hold yet.
 fn effects(draft: &Draft, catalogue: &[Entry], places: &[Place]) -> Vec<Effect> {
-    let system = &draft.case.system;
     let loads = loads(draft);
     let mut all = Vec::new();
     for entry in catalogue {
@@ -252,7 +250,6 @@ fn effects(draft: &Draft, catalogue: &[Entry], places: &[Place]) -> Vec<Effect> 
             all.push(plain);
         }
     }
-    let _ = system;
     all
 }
 
@@ -368,7 +365,7 @@ impl Base {
         }
         let one = graph.constant(1.0);
         outputs.extend(system.inertia.iter().map(|m| m.unwrap_or(one)));
-        let tape = Tape::compile(&graph, &inputs(system), &outputs).ok()?;
+        let tape = Tape::compile(&graph, &system.arguments(), &outputs).ok()?;
         Some(Base { tape, n, parameters: parameters.len() })
     }
 
@@ -501,7 +498,7 @@ impl Base {
             for (r, ground) in grounds.iter().enumerate() {
                 let mut rows = responses[r][p].clone();
                 let sensors = &draft.records[of[r]].sensors;
-                for (which, pick) in [(0, 0usize), (1, 1), (2, 2)] {
+                for which in 0..3 {
                     let states: Vec<usize> = (0..n)
                         .filter(|&k| {
                             let s = &sensors[k];
@@ -509,7 +506,7 @@ impl Base {
                         })
                         .collect();
                     if !states.is_empty() {
-                        let own = ground.sensor(&states, pick);
+                        let own = ground.sensor(&states, which);
                         rows.iter_mut().zip(own).for_each(|(a, b)| *a += b);
                     }
                 }
@@ -619,16 +616,6 @@ impl Ground {
     }
 }
 
-/// Time, states, inputs, parameters, constants of the records: the inputs of every tape here.
-fn inputs(system: &System) -> Vec<Id> {
-    let mut all = vec![system.time];
-    all.extend(system.states.iter().map(|s| s.node));
-    all.extend(system.inputs.iter().map(|u| u.node));
-    all.extend(system.parameters.iter().map(|p| p.node));
-    all.extend(system.record_constants.iter().map(|&(_, node)| node));
-    all
-}
-
 /// All outputs of a tape along a motion; `grid` are further inputs, and `series` further inputs that vary.
 fn evaluated(tape: &Tape, motion: &Motion, grid: &[f64], series: &[&[f64]]) -> Vec<Vec<f64>> {
     const LANES: usize = 64;
@@ -713,7 +700,7 @@ fn force_trials(
     }
     outputs.push(recipe.velocity);
     outputs.push(recipe.displacement.unwrap_or(recipe.velocity));
-    let mut all = inputs(system);
+    let mut all = system.arguments();
     all.extend(&recipe.symbols);
     let internal = recipe.internal.map(|(z, rate)| (z, rate, graph.gradient(rate, &[z])[0]));
     all.extend(internal.iter().map(|(z, ..)| *z));
@@ -917,7 +904,7 @@ pub(crate) fn mean_along(
     node: Id,
     motion: &Motion,
 ) -> Option<f64> {
-    let tape = Tape::compile(graph, &inputs(system), &[node]).ok()?;
+    let tape = Tape::compile(graph, &system.arguments(), &[node]).ok()?;
     let values = evaluated(&tape, motion, &[], &[]);
     let mean = values[0].iter().sum::<f64>() / values[0].len().max(1) as f64;
     mean.is_finite().then_some(mean)
@@ -938,7 +925,7 @@ pub(crate) fn imitated(
     let wanted = Effect { entry: entry.clone(), start, mirror: false, ..sibling.clone() };
     let (own, other) = (Recipe::new(sibling, system)?, Recipe::new(&wanted, system)?);
     let along = |recipe: &Recipe, grid: &[f64]| -> Option<Vec<Vec<f64>>> {
-        let mut all = inputs(system);
+        let mut all = system.arguments();
         all.extend(&recipe.symbols);
         let tape = Tape::compile(&recipe.graph, &all, &recipe.columns).ok()?;
         Some(evaluated(&tape, &motion, grid, &[]))

@@ -139,10 +139,7 @@ impl Search<'_> {
         let before = draft.effects.len();
         let mut vetoed: Vec<(String, String)> = Vec::new();
         let added = |lists: Vec<Vec<Effect>>| -> Vec<Draft> {
-            lists
-                .iter()
-                .filter_map(|list| list.iter().try_fold(draft.clone(), |d, e| d.with(e)).ok())
-                .collect()
+            lists.iter().filter_map(|list| draft.with_all(list).ok()).collect()
         };
         let mut drafts = if now.rests() {
             added(self.approached(draft, found))
@@ -242,7 +239,7 @@ impl Search<'_> {
     /// The model with each of its effects replaced by a law that contains it.
     fn richer(&self, draft: &Draft, now: &Fitted) -> Vec<Draft> {
         let effects = current(now);
-        let Some(base) = without_effects(draft) else { return vec![] };
+        let base = draft.without_effects();
         let mut all = Vec::new();
         for k in 0..effects.len() {
             for entry in self
@@ -252,7 +249,7 @@ impl Search<'_> {
             {
                 let mut list = effects.clone();
                 list[k] = relative(&effects[k], entry);
-                all.extend(list.iter().try_fold(base.clone(), |d, e| d.with(e)).ok());
+                all.extend(base.with_all(&list).ok());
             }
         }
         all
@@ -346,10 +343,7 @@ impl Search<'_> {
     fn simplified(&self, mut now: Fitted, candidates: usize) -> Fitted {
         'again: loop {
             let effects = current(&now);
-            let base = match without_effects(&now.draft) {
-                Some(base) => base,
-                None => return now,
-            };
+            let base = now.draft.without_effects();
             for k in 0..effects.len() {
                 let mut trials: Vec<Vec<Effect>> = Vec::new();
                 if effects.len() > 1 {
@@ -389,9 +383,7 @@ impl Search<'_> {
                     trials.push(list);
                 }
                 for list in trials {
-                    let Some(mut draft) = list.iter().try_fold(base.clone(), |d, e| d.with(e)).ok() else {
-                        continue;
-                    };
+                    let Ok(mut draft) = base.with_all(&list) else { continue };
                     now.starts(&mut draft);
                     // What is far behind after a few steps need not be fitted in full.
                     let (system, records, smooth) = (&draft.case.system, &draft.records, &draft.smooth);
@@ -452,11 +444,6 @@ fn preferred(all: &[Fitted], candidates: usize) -> Option<&Fitted> {
 fn carries_no_further(simple: &Fitted, rich: &Fitted) -> bool {
     let further = simple.validate.zip(rich.validate).is_none_or(|(a, b)| b < RICHER * a);
     !rich.is_white() && !simple.is_white() && !further
-}
-
-/// The draft with none of its effects.
-fn without_effects(draft: &Draft) -> Option<Draft> {
-    draft.base.as_ref().map(|b| (**b).clone())
 }
 
 /// The effects of a fitted model, from where its fit ended.

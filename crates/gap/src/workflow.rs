@@ -7,7 +7,7 @@ use crate::fitted::{Fitted, noise};
 use crate::mistaken::mistaken;
 use crate::region::{Region, regions};
 use crate::repeat::{Repeat, prediction, repeatability};
-use crate::search::{Measure, Search, Searched};
+use crate::search::{Measure, Search, Searched, current};
 use phisindy_expr::{Scratch, Tape};
 use phisindy_learn::{Effort, FoundParameter};
 use phisindy_phys::spec::Role;
@@ -189,11 +189,8 @@ pub fn gap(
         Some(short) => {
             let mut found = search.run(Draft::base(text, case, short.clone())).map_err(cannot)?;
             found.base = Fitted::new(whole.clone(), &noise, Effort::Plain).map_err(cannot)?;
-            let effects = crate::search::current(&found.last);
-            let full = effects
-                .iter()
-                .try_fold(whole, |d, e| d.with(e))
-                .and_then(|d| Fitted::new(d, &noise, Effort::Plain));
+            let full =
+                whole.with_all(&current(&found.last)).and_then(|d| Fitted::new(d, &noise, Effort::Plain));
             found.last = full.unwrap_or_else(|_| found.base.clone());
             found
         }
@@ -262,19 +259,14 @@ fn floor(case: &Case, records: &[Record], noise: &[Vec<f64>]) -> (Vec<(String, S
 
 /// Whether what drives a record repeats with a period: a motion under two tones scatters from cycle to cycle for a reason.
 fn driven_alike(system: &System, record: &Record, period: f64) -> bool {
-    let mut all = vec![system.time];
-    all.extend(system.inputs.iter().map(|u| u.node));
-    all.extend(system.states.iter().map(|s| s.node));
-    all.extend(system.parameters.iter().map(|p| p.node));
-    all.extend(system.record_constants.iter().map(|&(_, node)| node));
-    let Ok(tape) = Tape::compile(&system.graph, &all, &system.known) else { return false };
+    let Ok(tape) = Tape::compile(&system.graph, &system.arguments(), &system.known) else { return false };
     let mut scratch = Scratch::<1>::new(&tape);
     let (first, last) = (record.time[0], record.time[record.len() - 1]);
     let mut rates = |t: f64| -> Vec<f64> {
         let inputs = record.inputs.iter().map(|u| u.value(t));
         let still = system.states.iter().map(|_| 0.0);
         let numbers = system.parameters.iter().map(|p| p.start).chain(record.constants.iter().copied());
-        let values = [t].into_iter().chain(inputs).chain(still).chain(numbers);
+        let values = [t].into_iter().chain(still).chain(inputs).chain(numbers);
         values.enumerate().for_each(|(k, v)| scratch.input(k)[0] = v);
         scratch.run();
         (0..system.known.len()).map(|k| scratch.output(k)[0]).collect()
@@ -372,12 +364,10 @@ fn finished(
     } else {
         (steps, vec![])
     };
-    if rounds.iter().any(|r| !r.vetoed.is_empty()) {
-        for (law, why) in rounds.iter().flat_map(|r| &r.vetoed) {
-            let text = format!("{law} fits, but evidence speaks against it: {why}");
-            if !warnings.contains(&text) {
-                warnings.push(text);
-            }
+    for (law, why) in rounds.iter().flat_map(|r| &r.vetoed) {
+        let text = format!("{law} fits, but evidence speaks against it: {why}");
+        if !warnings.contains(&text) {
+            warnings.push(text);
         }
     }
     let system = &last.draft.case.system;
@@ -423,17 +413,9 @@ fn finished(
 /// The model as it was, with the first effect, with the first two, and so on, but for the last.
 fn way(base: &Fitted, last: &Fitted, noise: &[Vec<f64>]) -> Vec<Fitted> {
     let mut way = vec![base.clone()];
-    let plain = last.draft.base.clone();
-    for k in 1..last.draft.effects.len() {
-        let draft = plain.as_ref().map(|b| (**b).clone()).and_then(|b| {
-            last.draft.effects[..k]
-                .iter()
-                .try_fold(b, |d, (e, names, _)| {
-                    d.with(&Effect { start: crate::search::values(last, names, &e.start), ..e.clone() })
-                })
-                .ok()
-        });
-        let fitted = draft.and_then(|d| Fitted::new(d, noise, Effort::Plain).ok());
+    let (plain, effects) = (last.draft.without_effects(), current(last));
+    for k in 1..effects.len() {
+        let fitted = plain.with_all(&effects[..k]).and_then(|d| Fitted::new(d, noise, Effort::Plain));
         let before = way[way.len() - 1].clone();
         way.push(fitted.unwrap_or(before));
     }

@@ -4,7 +4,7 @@ use crate::identified::RecordFit;
 use crate::least_squares::{Limits, minimise};
 use crate::problem::{Meaning, Problem, Segment};
 use phisindy_phys::spec::Role;
-use phisindy_phys::{Record, System, noise_level};
+use phisindy_phys::{Record, System, noise_level, standard_deviation};
 use phisindy_sim::{Drive, Options, SimError, Trajectory, simulate};
 
 /// A model with all its numbers: what a fit leaves behind.
@@ -117,8 +117,7 @@ fn one(
         let name = system.states[k].name.clone();
         let residual: Vec<f64> = column.iter().zip(&readings[k]).map(|(y, p)| y - p).collect();
         let n = residual.len() as f64;
-        let mean = column.iter().sum::<f64>() / n;
-        let deviation = (column.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / n).sqrt();
+        let deviation = standard_deviation(column);
         let rms = (residual.iter().map(|e| e * e).sum::<f64>() / n).sqrt();
         fit.nrmse.push((name.clone(), if deviation > 0.0 { rms / deviation } else { f64::INFINITY }));
         fit.noise.push((name, noise_level(column)));

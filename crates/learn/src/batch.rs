@@ -7,7 +7,7 @@ use crate::onestep::OneStep;
 use crate::train::StepOptions;
 use phisindy_expr::{Id, Scratch, Tape};
 use phisindy_phys::spec::Crossings;
-use phisindy_phys::{Record, System};
+use phisindy_phys::{Record, System, standard_deviation};
 use rayon::prelude::*;
 
 /// Samples per block.
@@ -40,9 +40,8 @@ pub(crate) fn deviations(system: &System, records: &[&Record]) -> Vec<f64> {
         .map(|k| {
             let all: Vec<f64> =
                 records.iter().filter_map(|r| r.columns[k].as_ref()).flatten().copied().collect();
-            let mean = all.iter().sum::<f64>() / all.len().max(1) as f64;
-            let variance = all.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / all.len().max(1) as f64;
-            if variance > 0.0 { variance.sqrt() } else { 1.0 }
+            let deviation = standard_deviation(&all);
+            if deviation > 0.0 { deviation } else { 1.0 }
         })
         .collect()
 }

@@ -1,7 +1,7 @@
 //! A model in which only parameters move, fitted to records whose noise is known: what the gap workflow asks for again and again.
 
 use crate::assess::assess;
-use crate::fit::{Fit, carry};
+use crate::fit::{Fit, Tally, carry, tally};
 use crate::identified::{Estimate, FoundParameter, RecordFit};
 use crate::least_squares::{Limits, minimise};
 use crate::noise::ColumnNoise;
@@ -9,7 +9,7 @@ use crate::problem::{Noise, Problem, Segment, TOLERANCE};
 use crate::trajectory::{found, robust_covariance, solution};
 use faer::Mat;
 use phisindy_phys::spec::Role;
-use phisindy_phys::{Record, System, effective_samples};
+use phisindy_phys::{Record, System};
 
 /// Segments of the stages of a fit.
 const STAGES: [usize; 3] = [20, 5, 1];
@@ -48,6 +48,7 @@ pub fn calibrate(
     effort: Effort,
 ) -> Result<Calibration, String> {
     let levels = noise;
+    let samples: usize = records.iter().filter(|r| r.role == Role::Fit).map(Record::readings).sum();
     let Setup { fitted, of, noise, smooth: starts } = Setup::new(records, smooth, levels);
     let mut best: Option<(Problem<'_>, Vec<f64>)> = None;
     let mut trouble = String::new();
@@ -75,7 +76,6 @@ pub fn calibrate(
         let weights = problem.weights(&noise, None);
         let last = pieces == 1;
         // A gain of a hundredth in the logarithm of the likelihood is none.
-        let samples: usize = fitted.iter().map(|r| r.len() * r.columns.iter().flatten().count()).sum();
         let least = 0.01 / samples.max(1) as f64;
         let limits = Limits { iterations: if last { 40 } else { 10 }, gain: if last { least } else { 1e-3 } };
         let bounds = problem.bounds.clone();
@@ -98,16 +98,15 @@ pub fn calibrate(
     };
     let weights = problem.weights(&noise, None);
     let single = problem.segments.len() == fitted.len();
-    let samples: usize = fitted.iter().map(|r| r.len() * r.columns.iter().flatten().count()).sum();
     if single {
         if effort == Effort::Plain {
             // Where the spec starts may be better than where the segments led: after an earlier fit it is.
             let start = problem.guess(&[], None, &starts);
-            again(&problem, &mut x, &weights, samples, start, 30.0);
+            again(&problem, &mut x, &weights, samples, start);
         } else {
             for attempt in 0..RESTARTS {
                 match nearby(&problem, &x, &weights, samples, attempt) {
-                    Some(start) => again(&problem, &mut x, &weights, samples, start, 30.0),
+                    Some(start) => again(&problem, &mut x, &weights, samples, start),
                     None => break,
                 }
             }
@@ -115,15 +114,7 @@ pub fn calibrate(
     }
     let normal = problem.normal(&x, &weights).map_err(|e| e.to_string())?;
     let residuals = problem.residuals(&x).map_err(|e| e.to_string())?;
-    let (mut chi2, mut samples, mut effective) = (0.0, 0, 0.0);
-    for (r, columns) in residuals.iter().enumerate() {
-        for (k, c) in columns.iter().enumerate().filter(|(_, c)| !c.residual.is_empty()) {
-            let white: Vec<f64> = c.residual.iter().map(|e| e / noise[r][k].additive).collect();
-            chi2 += white.iter().map(|e| e * e).sum::<f64>();
-            samples += white.len();
-            effective += effective_samples(&white);
-        }
-    }
+    let Tally { samples, effective, power: chi2 } = tally(&noise, &residuals);
     let pieces: Vec<usize> =
         (0..fitted.len()).map(|r| problem.segments.iter().filter(|s| s.record == r).count()).collect();
     let segments = pieces.iter().copied().max().unwrap_or(1);
@@ -184,14 +175,16 @@ pub const RESTARTED: std::ops::Range<f64> = MISFIT..30.0;
 /// Starts round an end that misses.
 const RESTARTS: u32 = 4;
 
-/// Fits once more from another start, if its cost is within `promise` times the present one, and keeps the better end. A run through stops has side minima: one stop more or less, and the cost jumps.
+/// Another start whose cost is more than this many times the present one promises nothing.
+const PROMISE: f64 = 30.0;
+
+/// Fits once more from another start, if that promises something, and keeps the better end. A run through stops has side minima: one stop more or less, and the cost jumps.
 fn again(
     problem: &Problem<'_>,
     x: &mut Vec<f64>,
     weights: &[Vec<Vec<f64>>],
     samples: usize,
     start: Vec<f64>,
-    promise: f64,
 ) {
     let Ok(now) = problem.normal(x, weights) else { return };
     if now.cost < MISFIT * samples as f64 {
@@ -199,7 +192,7 @@ fn again(
     }
     let mut other = start;
     match problem.normal(&other, weights) {
-        Ok(there) if there.cost < promise * now.cost => {}
+        Ok(there) if there.cost < PROMISE * now.cost => {}
         _ => return,
     }
     let limits = Limits { iterations: 25, gain: 1e-5 };

@@ -269,46 +269,54 @@ fn settled(problem: &mut Problem<'_>, x: &mut [f64], noise: &mut Noise, rounds: 
         let residuals = problem.residuals(x).ok()?;
         *noise = problem.noise(&residuals);
         weights = problem.weights(noise, Some(&residuals));
-        problem.belief = inflation(&tally(noise, &residuals));
+        if problem.has_priors() {
+            let Tally { samples, effective, .. } = tally(noise, &residuals);
+            problem.belief = inflation(samples, effective);
+        }
         normal = minimise(x, &bounds, limits, |x| problem.normal(x, &weights).ok())?;
     }
     let residuals = problem.residuals(x).ok()?;
     if rounds == 1 {
         *noise = problem.noise(&residuals);
     }
-    let tally = tally(noise, &residuals);
-    let excess = if tally.noise > 0.0 { tally.power / tally.noise } else { f64::INFINITY };
-    Some(Settled { weights, normal, samples: tally.samples, effective: tally.effective, excess })
+    let Tally { samples, effective, power } = tally(noise, &residuals);
+    let white: f64 = whitened(noise, &residuals).map(|w| noise_level(&w).powi(2) * w.len() as f64).sum();
+    let excess = if white > 0.0 { power / white } else { f64::INFINITY };
+    Some(Settled { weights, normal, samples, effective, excess })
 }
 
 /// What residuals amount to in units of their noise.
-struct Tally {
-    samples: usize,
+pub(crate) struct Tally {
+    pub(crate) samples: usize,
     /// How many of them are independent.
-    effective: f64,
-    /// Sum of their squares, and of those of their white part.
-    power: f64,
-    noise: f64,
+    pub(crate) effective: f64,
+    /// Sum of their squares.
+    pub(crate) power: f64,
 }
 
-fn tally(noise: &Noise, residuals: &[Vec<ColumnResidual>]) -> Tally {
-    let mut tally = Tally { samples: 0, effective: 0.0, power: 0.0, noise: 0.0 };
-    for (r, columns) in residuals.iter().enumerate() {
-        for (k, c) in columns.iter().enumerate().filter(|(_, c)| !c.residual.is_empty()) {
-            let scaled = |(e, p): (&f64, &f64)| e / noise[r][k].variance(*p).sqrt();
-            let white: Vec<f64> = c.residual.iter().zip(&c.prediction).map(scaled).collect();
-            tally.samples += white.len();
-            tally.effective += effective_samples(&white);
-            tally.power += white.iter().map(|e| e * e).sum::<f64>();
-            tally.noise += noise_level(&white).powi(2) * white.len() as f64;
-        }
+pub(crate) fn tally(noise: &Noise, residuals: &[Vec<ColumnResidual>]) -> Tally {
+    let mut tally = Tally { samples: 0, effective: 0.0, power: 0.0 };
+    for white in whitened(noise, residuals) {
+        tally.samples += white.len();
+        tally.effective += effective_samples(&white);
+        tally.power += white.iter().map(|e| e * e).sum::<f64>();
     }
     tally
 }
 
+/// The residuals of each measured column in units of its noise.
+fn whitened(noise: &Noise, residuals: &[Vec<ColumnResidual>]) -> impl Iterator<Item = Vec<f64>> {
+    residuals.iter().zip(noise).flat_map(|(columns, noise)| columns.iter().zip(noise)).filter_map(
+        |(c, noise)| {
+            let scaled = |(e, p): (&f64, &f64)| e / noise.variance(*p).sqrt();
+            (!c.residual.is_empty()).then(|| c.residual.iter().zip(&c.prediction).map(scaled).collect())
+        },
+    )
+}
+
 /// By how much the scatter of an estimate is larger than independent samples would make it.
-fn inflation(tally: &Tally) -> f64 {
-    let f = tally.samples as f64 / tally.effective.max(1.0);
+fn inflation(samples: usize, effective: f64) -> f64 {
+    let f = samples as f64 / effective.max(1.0);
     // The estimate itself scatters round 1.
     if f < 1.3 { 1.0 } else { f }
 }
@@ -350,6 +358,6 @@ impl Fit<'_> {
 
     /// By how much correlated residuals overstate what is known: 1 for white noise.
     pub(crate) fn inflation(&self) -> f64 {
-        inflation(&Tally { samples: self.samples, effective: self.effective, power: 0.0, noise: 0.0 })
+        inflation(self.samples, self.effective)
     }
 }

@@ -143,11 +143,7 @@ struct Values {
 
 /// Known rates, terms and velocities of contacts at every sample.
 fn evaluate(system: &System, terms: &[usize], record: &Record, parameters: &[f64]) -> Option<Values> {
-    let mut inputs: Vec<Id> = vec![system.time];
-    inputs.extend(system.states.iter().map(|s| s.node));
-    inputs.extend(system.inputs.iter().map(|u| u.node));
-    inputs.extend(system.parameters.iter().map(|q| q.node));
-    inputs.extend(system.record_constants.iter().map(|&(_, node)| node));
+    let inputs = system.arguments();
     let mut outputs = system.known.clone();
     outputs.extend(terms.iter().map(|&k| system.terms[k].value));
     let signs: Vec<Id> = system

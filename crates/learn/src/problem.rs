@@ -7,7 +7,7 @@ use crate::least_squares::Normal;
 use crate::looks::{Looks, Seen};
 use crate::noise::ColumnNoise;
 use faer::Mat;
-use phisindy_phys::{Record, Sensor, System};
+use phisindy_phys::{Record, Sensor, System, standard_deviation};
 use phisindy_sim::{Automaton, Drive, Options, SimError, simulate};
 use rayon::prelude::*;
 
@@ -147,13 +147,9 @@ impl<'a> Problem<'a> {
                 bounds.extend(vec![free; n]);
             }
         }
-        let deviation = |values: &[f64]| {
-            let mean = values.iter().sum::<f64>() / values.len() as f64;
-            (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
-        };
         let deviations: Vec<Vec<f64>> = records
             .iter()
-            .map(|r| r.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| deviation(c))).collect())
+            .map(|r| r.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| standard_deviation(c))).collect())
             .collect();
         let mut problem = Problem {
             system,
@@ -297,6 +293,11 @@ impl<'a> Problem<'a> {
         }
         simulate(&self.automaton, &drive, record.time[first], start, &looks.times, &options)
             .map(|run| looks.seen(run))
+    }
+
+    /// Whether the spec says anything about parameters beforehand.
+    pub(crate) fn has_priors(&self) -> bool {
+        !self.priors.is_empty()
     }
 
     /// The segment that goes on where this one ends, if they are softly joined.

@@ -7,13 +7,8 @@ use phisindy_expr::{Scratch, Tape};
 pub(crate) fn term_sizes(fit: &Fit<'_>) -> Option<Vec<f64>> {
     let problem = &fit.problem;
     let system = problem.system;
-    let mut inputs = vec![system.time];
-    inputs.extend(system.states.iter().map(|s| s.node));
-    inputs.extend(system.inputs.iter().map(|u| u.node));
-    inputs.extend(system.parameters.iter().map(|p| p.node));
-    inputs.extend(system.record_constants.iter().map(|&(_, node)| node));
     let outputs: Vec<_> = problem.terms.iter().map(|&t| system.terms[t].value).collect();
-    let tape = Tape::compile(&system.graph, &inputs, &outputs).ok()?;
+    let tape = Tape::compile(&system.graph, &system.arguments(), &outputs).ok()?;
     let mut scratch = Scratch::<1>::new(&tape);
     let (mut sums, mut count) = (vec![0.0; outputs.len()], 0usize);
     let n = system.states.len();

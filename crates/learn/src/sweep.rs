@@ -37,12 +37,8 @@ pub fn project(case: &Case, records: &[Record]) -> Result<Truth, String> {
     let system = &case.system;
     // The truth lives in its own graph, which grew from the system's: the same handles mean the same.
     let graph = &synthetic.truth.graph;
-    let mut inputs: Vec<Id> = vec![system.time];
-    inputs.extend(system.states.iter().map(|s| s.node));
-    inputs.extend(system.inputs.iter().map(|u| u.node));
-    let spread = inputs.len();
-    inputs.extend(system.parameters.iter().map(|p| p.node));
-    inputs.extend(system.record_constants.iter().map(|&(_, node)| node));
+    let inputs = system.arguments();
+    let spread = 1 + system.states.len() + system.inputs.len();
     let fixed: Vec<f64> =
         system.parameters.iter().map(|p| p.start).chain(record.constants.iter().copied()).collect();
     let mut outputs: Vec<Id> = synthetic.extra.clone();

@@ -60,6 +60,11 @@ impl Record {
         self.time.is_empty()
     }
 
+    /// Number of measured values: samples of all columns of states.
+    pub fn readings(&self) -> usize {
+        self.len() * self.columns.iter().flatten().count()
+    }
+
     /// Builds a record from the rows of a file: units, window, derived inputs.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! What is odd about a record before any model is fitted: holes in time, cut peaks, columns that stand still, spikes, and a velocity that is not the rate of its displacement.
 
-use crate::{Record, System, noise_level};
+use crate::{Record, System, noise_level, standard_deviation};
 
 /// A step in time that is this many times the usual one is a hole.
 const HOLE: f64 = 5.0;
@@ -127,12 +127,8 @@ fn rates(system: &System, record: &Record, found: &mut Vec<String>) {
 
 /// Slope and correlation of the rate of `x` against `y`, both as differences over a stretch long enough that noise does not count.
 fn agreement(record: &Record, x: &[f64], y: &[f64]) -> Option<(f64, f64)> {
-    let deviation = |c: &[f64]| {
-        let mean = c.iter().sum::<f64>() / c.len() as f64;
-        (c.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / c.len() as f64).sqrt()
-    };
-    let (noise, size) = (noise_level(x), deviation(x));
-    if !(size > 0.0 && deviation(y) > 0.0) || x.len() < 64 || noise > 0.2 * size {
+    let (noise, size) = (noise_level(x), standard_deviation(x));
+    if !(size > 0.0 && standard_deviation(y) > 0.0) || x.len() < 64 || noise > 0.2 * size {
         return None;
     }
     // The mean of the velocity over a stretch is the difference of the displacement over it.

@@ -146,6 +146,15 @@ impl System {
         }
     }
 
+    /// What the system's expressions depend on, in one order for every tape: time, states, inputs, parameters, constants of the records.
+    pub fn arguments(&self) -> Vec<Id> {
+        let states = self.states.iter().map(|s| s.node);
+        let inputs = self.inputs.iter().map(|u| u.node);
+        let parameters = self.parameters.iter().map(|p| p.node);
+        let constants = self.record_constants.iter().map(|&(_, node)| node);
+        [self.time].into_iter().chain(states).chain(inputs).chain(parameters).chain(constants).collect()
+    }
+
     /// Index of a state by name.
     pub fn state(&self, name: &str) -> Option<usize> {
         self.states.iter().position(|s| s.name == name)

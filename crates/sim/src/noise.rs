@@ -1,5 +1,6 @@
 //! Seeded random streams, one per purpose, and the noise of sensors.
 
+use phisindy_phys::standard_deviation;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
@@ -97,16 +98,6 @@ pub fn add_noise(values: &mut [f64], noise: Noise, rng: &mut Pcg64) {
 
 fn normal(rng: &mut Pcg64) -> f64 {
     StandardNormal.sample(rng)
-}
-
-/// Root of the mean squared deviation from the mean (divided by n); 0 for nothing.
-fn standard_deviation(values: &[f64]) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()
 }
 
 #[cfg(test)]

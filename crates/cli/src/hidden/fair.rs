@@ -4,6 +4,7 @@ use super::effect::{Action, Effect};
 use super::motion::{Course, Motion, motion};
 use super::rig::Rig;
 use super::rivals::{Seen, along, largest};
+use phisindy_phys::standard_deviation;
 
 /// A start known to this part of the noise must predict the record to that part of it, or the gap cannot end below 1.05.
 const START_ERROR: f64 = 0.1;
@@ -75,7 +76,7 @@ pub(super) fn steady(
     noise: f64,
 ) -> bool {
     courses.iter().zip(truth).all(|(course, exact)| {
-        let deviations: Vec<f64> = exact.readings.iter().map(|y| noise * spread(y)).collect();
+        let deviations: Vec<f64> = exact.readings.iter().map(|y| noise * standard_deviation(y)).collect();
         let mut off = course.clone();
         for (k, (x, s)) in off.start.iter_mut().zip(&deviations).enumerate() {
             *x += START_ERROR * s * if k % 2 == 0 { 1.0 } else { -1.0 };
@@ -86,11 +87,4 @@ pub(super) fn steady(
             rms.sqrt() <= STEADY * s
         })
     })
-}
-
-/// Standard deviation.
-pub(super) fn spread(x: &[f64]) -> f64 {
-    let n = x.len() as f64;
-    let mean = x.iter().sum::<f64>() / n;
-    (x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt()
 }

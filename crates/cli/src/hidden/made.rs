@@ -3,7 +3,7 @@
 use super::course::{courses, cut_course, cut_motion};
 use super::dice::{Dice, rounded};
 use super::effect::{Effect, Scales, draw, draw_sensor};
-use super::fair::{spread, steady, visible};
+use super::fair::{steady, visible};
 use super::motion::{Course, Motion, earlier, motion};
 use super::outside;
 use super::place::{Place, places};
@@ -12,6 +12,7 @@ use super::rivals::{Judgement, Seen, along, judge, largest};
 use super::told::{alternatives, described, hidden};
 use super::truth::{Gaps, Truth};
 use super::wish::{HOLDING, Kind, Wish};
+use phisindy_phys::standard_deviation;
 use phisindy_sim::{Noise, Streams, add_noise};
 
 /// Draws before giving up.
@@ -121,7 +122,7 @@ fn attempt(wish: &Wish, dice: &mut Dice) -> Result<Made, &'static str> {
         let mut columns = Vec::new();
         for (k, (state, name)) in measured.iter().enumerate() {
             let exact = &motion.readings[*state];
-            let deviation = wish.noise * spread(exact);
+            let deviation = wish.noise * standard_deviation(exact);
             if deviation <= 0.0 || !deviation.is_finite() {
                 return Err("nothing moves");
             }

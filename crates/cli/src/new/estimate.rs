@@ -1,6 +1,6 @@
 //! First numbers for the constants: a regression on smoothed derivatives. Only good enough to start from.
 
-use phisindy_phys::automatic;
+use phisindy_phys::{automatic, standard_deviation};
 
 /// More rows say no more about a start value.
 const MOST: usize = 20_000;
@@ -77,7 +77,7 @@ impl Motion {
                 // A free motion that comes back has a spring; a driven one may have none.
                 if k > 0.0 && (better || self.force.is_none()) {
                     let rest = if self.swing || self.base.is_some() { middle } else { c[2] / k };
-                    let near = (rest - mean).abs() < 10.0 * spread(x);
+                    let near = (rest - mean).abs() < 10.0 * standard_deviation(x);
                     let rest = if self.base.is_some() || !near { mean } else { rest };
                     return Estimate { spring: Some(k), damper: c[0], force: forced(&c), rest };
                 }
@@ -91,13 +91,6 @@ impl Motion {
             (None, _) => poor,
         }
     }
-}
-
-/// Standard deviation.
-pub(crate) fn spread(values: &[f64]) -> f64 {
-    let n = values.len().max(1) as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt()
 }
 
 /// Coefficients and the sum of squares that is left, by the normal equations of the scaled columns; none if they are dependent.

@@ -1,6 +1,6 @@
 //! What the numbers of one column look like.
 
-use phisindy_phys::{Line, automatic, clipped, noise_level, strongest_line};
+use phisindy_phys::{Line, automatic, clipped, noise_level, standard_deviation, strongest_line};
 use std::ops::Range;
 
 /// Noise and stops are estimated on at most so many rows.
@@ -33,9 +33,7 @@ impl Look {
     /// Statistics of `values` over `time`, of which `run` is one stretch without a jump.
     pub(crate) fn at(time: &[f64], values: &[f64], run: Range<usize>) -> Look {
         let good: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
-        let n = good.len().max(1) as f64;
-        let mean = good.iter().sum::<f64>() / n;
-        let std = (good.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt();
+        let std = standard_deviation(&good);
         let (min, max) =
             good.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
         let run = run.start..run.end.min(run.start + LONGEST);

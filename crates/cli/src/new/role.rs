@@ -4,7 +4,7 @@ use super::clock::{Clock, is_counter};
 use super::heading::{Heading, Kind, factor};
 use super::look::Look;
 use super::survey::Survey;
-use phisindy_phys::automatic;
+use phisindy_phys::{automatic, standard_deviation};
 use std::ops::Range;
 
 const PLACES: &[&str] = &[
@@ -390,12 +390,9 @@ impl Guess<'_> {
         let (time, x) = (self.piece(self.clock.column), self.piece(a));
         let Ok(slope) = automatic(&time, &x) else { return false };
         let y = self.piece(b);
-        let spread = |v: &[f64]| {
-            let mean = v.iter().sum::<f64>() / v.len() as f64;
-            (v.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / v.len() as f64).sqrt()
-        };
-        let ratio = spread(&y)
-            / (spread(&slope.derivative) / factor(self.heading(self.clock.column).unit.as_deref()));
+        let ratio = standard_deviation(&y)
+            / (standard_deviation(&slope.derivative)
+                / factor(self.heading(self.clock.column).unit.as_deref()));
         correlation(&slope.derivative, &y) > 0.9
             && [1e-3, 1.0, 1e3, std::f64::consts::PI / 180.0, 180.0 / std::f64::consts::PI]
                 .iter()

@@ -1,0 +1,15 @@
+//! How far samples scatter about their mean.
+
+/// Root of the mean squared deviation from the mean (divided by n); 0 for nothing.
+///
+/// ```
+/// assert_eq!(phisindy_phys::standard_deviation(&[1.0, 3.0]), 1.0);
+/// ```
+pub fn standard_deviation(values: &[f64]) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()
+}
