@@ -32,7 +32,17 @@ pub enum Node {
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
+    traits: Vec<Traits>,
     index: HashMap<Node, Id>,
+}
+
+/// What a node is made of, as far as derivatives must know.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Traits {
+    /// There is a gate in it: where that is closed, a factor may be 0 for good.
+    pub(crate) gated: bool,
+    /// It may be infinite or no number where its symbols are finite (`ln`, a quotient, a power, ...).
+    pub(crate) singular: bool,
 }
 
 impl Graph {
@@ -52,10 +62,37 @@ impl Graph {
     }
 
     pub(crate) fn intern(&mut self, node: Node) -> Id {
-        *self.index.entry(node).or_insert_with(|| {
-            self.nodes.push(node);
-            Id((self.nodes.len() - 1) as u32)
-        })
+        if let Some(&id) = self.index.get(&node) {
+            return id;
+        }
+        let id = Id(self.nodes.len() as u32);
+        self.traits.push(self.traits_of(node));
+        self.nodes.push(node);
+        self.index.insert(node, id);
+        id
+    }
+
+    pub(crate) fn traits(&self, id: Id) -> Traits {
+        self.traits[id.index()]
+    }
+
+    fn traits_of(&self, node: Node) -> Traits {
+        let (a, b, own) = match node {
+            Node::Constant(_) | Node::Symbol(_) => return Traits::default(),
+            Node::Unary(op, a) => (a, a, Traits { gated: false, singular: op.row().singular }),
+            Node::Binary(op, a, b) => {
+                let gated = matches!(op, Binary::Gate | Binary::Masked);
+                let singular = match op {
+                    // Divided by a number, raised to one that is whole and positive.
+                    Binary::Div => self.value(b).is_none(),
+                    Binary::Pow => self.value(b).is_none_or(|n| n < 0.0 || n.fract() != 0.0),
+                    _ => false,
+                };
+                (a, b, Traits { gated, singular })
+            }
+        };
+        let (a, b) = (self.traits(a), self.traits(b));
+        Traits { gated: own.gated | a.gated | b.gated, singular: own.singular | a.singular | b.singular }
     }
 
     /// A number; minus zero is zero.

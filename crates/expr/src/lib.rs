@@ -30,6 +30,7 @@
 //! ```
 
 mod ast;
+mod elementary;
 mod graph;
 mod lower;
 mod names;
@@ -51,4 +52,4 @@ pub use parser::{ParseError, ParseErrorKind, parse};
 pub use print::latex_name;
 pub use print::latex_number;
 pub use span::Span;
-pub use tape::{Scratch, Tape, Unbound};
+pub use tape::{Scratch, Tape, Unbound, wide};

@@ -2,10 +2,10 @@
 //! order, the printers, the parser and the operation tests all read these rows.
 //!
 //! Derivatives at a kink are a decision, written down once: `d|x| = sgn(x)`, `sgn(0) = 0`, `d sgn = d step = 0`, and so `1/2` for `pos` and
-//! `dead` at their corners. `gate` is the one operation that hides what it leaves out, NaN too, in its value and in every derivative; of a
-//! side with slope 0 all others demand that it be finite (0 times infinity is NaN).
+//! `dead` at their corners. `gate` is the one operation that hides what it leaves out, NaN too, in its value and in every derivative (which
+//! `masked` products carry past infinite slopes); of a side with slope 0 all others demand that it be finite (0 times infinity is NaN).
 
-use crate::{Graph, Id};
+use crate::{Graph, Id, elementary};
 
 /// How an operation is written in LaTeX; `#1`, `#2` stand for the operands.
 pub type Latex = &'static str;
@@ -22,6 +22,8 @@ pub struct UnaryRow {
     pub slope: fn(&mut Graph, Id, Id) -> Id,
     /// Where value or slope jumps.
     pub kinks: &'static [f64],
+    /// Whether the value can be infinite or no number where x is finite.
+    pub singular: bool,
     /// How it prints.
     pub latex: Latex,
     /// One line for the language reference.
@@ -51,7 +53,7 @@ pub struct BinaryRow {
 }
 
 macro_rules! unary_table {
-    ($($op:ident $name:literal |$x:ident| $value:expr; |$g:ident, $gx:ident, $gy:ident| $slope:expr; $kinks:expr; $latex:literal $about:literal)*) => {
+    ($($op:ident $name:literal |$x:ident| $value:expr; |$g:ident, $gx:ident, $gy:ident| $slope:expr; $kinks:expr; $singular:literal $latex:literal $about:literal)*) => {
         /// A function of one argument.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
         #[repr(u8)]
@@ -64,6 +66,7 @@ macro_rules! unary_table {
             value: |$x| $value,
             slope: |$g, $gx, $gy| { let _ = (&$g, $gx, $gy); $slope },
             kinks: &$kinks,
+            singular: $singular,
             latex: $latex,
             about: $about,
         },)*];
@@ -75,9 +78,14 @@ macro_rules! unary_table {
             }
 
             /// `out[i] = op(a[i])`: one dispatch for all lanes, so that the loop inside vectorises.
-            #[inline]
+            #[inline(always)]
+            #[allow(unreachable_patterns)] // sines and cosines have a loop of their own, and a row
             pub(crate) fn lanes<const N: usize>(self, a: &[f64; N], out: &mut [f64; N]) {
-                match self { $(Unary::$op => for i in 0..N { let $x = a[i]; out[i] = $value; },)* }
+                match self {
+                    Unary::Sin => elementary::angles(0, a, out),
+                    Unary::Cos => elementary::angles(1, a, out),
+                    $(Unary::$op => for i in 0..N { let $x = a[i]; out[i] = $value; },)*
+                }
             }
         }
     };
@@ -111,7 +119,7 @@ macro_rules! binary_table {
             }
 
             /// `out[i] = op(a[i], b[i])`: one dispatch for all lanes, so that the loop inside vectorises.
-            #[inline]
+            #[inline(always)]
             pub(crate) fn lanes<const N: usize>(self, a: &[f64; N], b: &[f64; N], out: &mut [f64; N]) {
                 match self { $(Binary::$op => for i in 0..N { let ($a, $b) = (a[i], b[i]); out[i] = $value; },)* }
             }
@@ -120,19 +128,19 @@ macro_rules! binary_table {
 }
 
 unary_table! {
-    Neg  ""     |x| -x;            |g, x, y| g.constant(-1.0); []; "-#1" "minus x"
-    Abs  "abs"  |x| x.abs();       |g, x, y| g.unary(Unary::Sgn, x); [0.0]; "\\left|#1\\right|" "size of x, also written |x|"
-    Sgn  "sgn"  |x| sign(x);       |g, x, y| g.constant(0.0); [0.0]; "\\operatorname{sgn}(#1)" "-1, 0 or 1 with the sign of x"
-    Step "step" |x| 0.5 + 0.5 * sign(x); |g, x, y| g.constant(0.0); [0.0]; "\\operatorname{step}(#1)" "(1 + sgn x)/2: 0 before zero, 1 after"
-    Pos  "pos"  |x| if x <= 0.0 { 0.0 } else { x }; |g, x, y| g.unary(Unary::Step, x); [0.0]; "\\operatorname{pos}(#1)" "max(x, 0)"
-    Ln   "ln"   |x| x.ln();        |g, x, y| { let one = g.constant(1.0); g.binary(Binary::Div, one, x) }; []; "\\ln(#1)" "natural logarithm"
-    Exp  "exp"  |x| x.exp();       |g, x, y| y; []; "\\exp(#1)" "exponential"
-    Sqrt "sqrt" |x| x.sqrt();      |g, x, y| { let half = g.constant(0.5); g.binary(Binary::Div, half, y) }; []; "\\sqrt{#1}" "square root"
-    Sin  "sin"  |x| x.sin();       |g, x, y| g.unary(Unary::Cos, x); []; "\\sin(#1)" "sine (radians)"
-    Cos  "cos"  |x| x.cos();       |g, x, y| { let s = g.unary(Unary::Sin, x); g.unary(Unary::Neg, s) }; []; "\\cos(#1)" "cosine (radians)"
-    Tan  "tan"  |x| x.tan();       |g, x, y| one_plus_square(g, y, Binary::Add); []; "\\tan(#1)" "tangent (radians)"
-    Tanh "tanh" |x| x.tanh();      |g, x, y| one_plus_square(g, y, Binary::Sub); []; "\\tanh(#1)" "hyperbolic tangent"
-    Atan "atan" |x| x.atan();      |g, x, y| { let one = g.constant(1.0); let d = one_plus_square(g, x, Binary::Add); g.binary(Binary::Div, one, d) }; []; "\\arctan(#1)" "inverse tangent"
+    Neg  ""     |x| -x;            |g, x, y| g.constant(-1.0); []; false "-#1" "minus x"
+    Abs  "abs"  |x| x.abs();       |g, x, y| g.unary(Unary::Sgn, x); [0.0]; false "\\left|#1\\right|" "size of x, also written |x|"
+    Sgn  "sgn"  |x| sign(x);       |g, x, y| g.constant(0.0); [0.0]; false "\\operatorname{sgn}(#1)" "-1, 0 or 1 with the sign of x"
+    Step "step" |x| 0.5 + 0.5 * sign(x); |g, x, y| g.constant(0.0); [0.0]; false "\\operatorname{step}(#1)" "(1 + sgn x)/2: 0 before zero, 1 after"
+    Pos  "pos"  |x| if x <= 0.0 { 0.0 } else { x }; |g, x, y| g.unary(Unary::Step, x); [0.0]; false "\\operatorname{pos}(#1)" "max(x, 0)"
+    Ln   "ln"   |x| elementary::ln(x);        |g, x, y| { let one = g.constant(1.0); g.binary(Binary::Div, one, x) }; []; true "\\ln(#1)" "natural logarithm"
+    Exp  "exp"  |x| elementary::exp(x);       |g, x, y| y; []; true "\\exp(#1)" "exponential"
+    Sqrt "sqrt" |x| x.sqrt();      |g, x, y| { let half = g.constant(0.5); g.binary(Binary::Div, half, y) }; []; true "\\sqrt{#1}" "square root"
+    Sin  "sin"  |x| elementary::sin(x);       |g, x, y| g.unary(Unary::Cos, x); []; false "\\sin(#1)" "sine (radians)"
+    Cos  "cos"  |x| elementary::cos(x);       |g, x, y| { let s = g.unary(Unary::Sin, x); g.unary(Unary::Neg, s) }; []; false "\\cos(#1)" "cosine (radians)"
+    Tan  "tan"  |x| x.tan();       |g, x, y| one_plus_square(g, y, Binary::Add); []; true "\\tan(#1)" "tangent (radians)"
+    Tanh "tanh" |x| x.tanh();      |g, x, y| one_plus_square(g, y, Binary::Sub); []; false "\\tanh(#1)" "hyperbolic tangent"
+    Atan "atan" |x| x.atan();      |g, x, y| { let one = g.constant(1.0); let d = one_plus_square(g, x, Binary::Add); g.binary(Binary::Div, one, d) }; []; false "\\arctan(#1)" "inverse tangent"
 }
 
 binary_table! {
@@ -150,6 +158,7 @@ binary_table! {
         |a, b| if b < 0.0 { (a.abs() - b).min(a.abs()) } else { (a.abs() - b).abs() }; "\\operatorname{dead}(#1, #2)" "x outside +-g, less g; 0 inside"
     Gate "gate" 0 |a, b| if b > 0.0 { a } else { 0.0 }; |g, a, b, y| { let one = g.constant(1.0); g.binary(Binary::Gate, one, b) },
         g.constant(0.0); |_, b| b.abs(); "\\operatorname{gate}(#1, #2)" "a where b > 0, else 0, whatever a is"
+    Masked "masked" 0 |a, b| if a == 0.0 || b == 0.0 { 0.0 } else { a * b }; |g, a, b, y| b, a; |_, _| f64::INFINITY; "\\operatorname{masked}(#1, #2)" "product in which zero wins, even over infinity; in derivatives below a gate"
 }
 
 /// Sign with `sgn(0) = 0`; NaN stays NaN.
@@ -201,7 +210,7 @@ fn outside(g: &mut Graph, x: Id, gap: Id) -> Id {
     step_between(g, gap, size)
 }
 
-/// A function by its name in the language. `gate` is internal and not offered.
+/// A function by its name in the language. `gate` and `masked` are internal and not offered.
 pub fn function(name: &str) -> Option<Function> {
     let unary =
         UNARY.iter().filter(|r| !r.name.is_empty()).find(|r| r.name == name).map(|r| Function::One(r.op));
@@ -214,7 +223,7 @@ pub fn function_names() -> impl Iterator<Item = &'static str> {
 }
 
 fn named_binary() -> impl Iterator<Item = &'static BinaryRow> {
-    BINARY.iter().filter(|r| r.precedence == 0 && r.op != Binary::Gate)
+    BINARY.iter().filter(|r| r.precedence == 0 && !matches!(r.op, Binary::Gate | Binary::Masked))
 }
 
 /// What a function name stands for.

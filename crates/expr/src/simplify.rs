@@ -53,7 +53,10 @@ pub(crate) fn binary(g: &mut Graph, op: Binary, a: Id, b: Id) -> Option<Id> {
         Binary::Mul if y == one => Some(a),
         Binary::Mul if y.is_some() => Some(g.mul(b, a)),
         Binary::Mul if x == Some(-1.0) => Some(g.neg(b)),
-        Binary::Mul => product(g, a, b),
+        Binary::Mul => product(g, op, a, b),
+        // By a number it is the ordinary product.
+        Binary::Masked if x.is_some() || y.is_some() => Some(g.mul(a, b)),
+        Binary::Masked => product(g, op, a, b),
         Binary::Div if y == one => Some(a),
         Binary::Div if x == zero => Some(a),
         Binary::Div => quotient(g, a, b),
@@ -78,24 +81,24 @@ fn negated(g: &mut Graph, e: Id) -> Option<Id> {
     }
 }
 
-/// Signs and numbers move to the front of a product.
-fn product(g: &mut Graph, a: Id, b: Id) -> Option<Id> {
+/// Signs and numbers move to the front of a product (`op`: an ordinary or a masked one).
+fn product(g: &mut Graph, op: Binary, a: Id, b: Id) -> Option<Id> {
     match (g.node(a), g.node(b)) {
         (Node::Unary(Unary::Neg, a), _) => {
-            let p = g.mul(a, b);
+            let p = g.binary(op, a, b);
             Some(g.neg(p))
         }
         (_, Node::Unary(Unary::Neg, b)) => {
-            let p = g.mul(a, b);
+            let p = g.binary(op, a, b);
             Some(g.neg(p))
         }
         (_, Node::Binary(Binary::Mul, c, d)) if g.value(c).is_some() => {
             let front = if g.value(a).is_some() { folded(g, Binary::Mul, c, a)? } else { c };
-            let rest = if g.value(a).is_some() { d } else { g.mul(a, d) };
+            let rest = if g.value(a).is_some() { d } else { g.binary(op, a, d) };
             Some(g.mul(front, rest))
         }
         (Node::Binary(Binary::Mul, c, d), _) if g.value(c).is_some() => {
-            let rest = g.mul(d, b);
+            let rest = g.binary(op, d, b);
             Some(g.mul(c, rest))
         }
         _ => None,

@@ -4,10 +4,6 @@
 use crate::{Binary, Graph, Id, Node};
 use std::collections::HashMap;
 
-/// What reaches each node from the roots, one sum for each gate it came through. A gate is applied last, at the end of the way: closed in
-/// between, its 0 would still meet the infinite slopes below it (`gate(ln(y), y)` at y = 0), and 0 times infinity is NaN.
-type Adjoint = HashMap<Id, Vec<(Option<Id>, Id)>>;
-
 impl Graph {
     /// Vector-Jacobian product: for roots `f_i` and seeds `s_i`, the nodes of `sum_i s_i df_i/dw_j`, one for each `w_j` of `wrt`
     /// (any nodes: what lies below them is held constant).
@@ -18,43 +14,43 @@ impl Graph {
         assert_eq!(roots.len(), seeds.len(), "one seed for each root");
         let order = self.reachable_above(roots, wrt);
         let active = self.dependence(&order, wrt);
-        let mut adjoint = Adjoint::new();
+        let mut adjoint: HashMap<Id, Id> = HashMap::new();
         for (&root, &seed) in roots.iter().zip(seeds) {
-            self.accumulate(&mut adjoint, root, None, seed);
+            self.accumulate(&mut adjoint, root, seed);
         }
         for &id in order.iter().rev() {
             if !active[id.index()] || wrt.contains(&id) {
                 continue;
             }
-            for (gate, bar) in adjoint.remove(&id).unwrap_or_default() {
-                match self.node(id) {
-                    Node::Constant(_) | Node::Symbol(_) => {}
-                    Node::Unary(op, a) => {
-                        let slope = (op.row().slope)(self, a, id);
-                        let share = self.mul(bar, slope);
-                        self.accumulate(&mut adjoint, a, gate, share);
+            let Some(bar) = adjoint.remove(&id) else { continue };
+            match self.node(id) {
+                Node::Constant(_) | Node::Symbol(_) => {}
+                Node::Unary(op, a) => {
+                    let slope = (op.row().slope)(self, a, id);
+                    let share = self.share(bar, slope);
+                    self.accumulate(&mut adjoint, a, share);
+                }
+                Node::Binary(Binary::Gate, a, condition) => {
+                    let share = self.binary(Binary::Gate, bar, condition);
+                    self.accumulate(&mut adjoint, a, share);
+                }
+                Node::Binary(op, a, b) => {
+                    // Only the sides that matter: the other may be singular (ln of a negative base in x^2).
+                    if active[a.index()] {
+                        let slope = (op.row().slope_a)(self, a, b, id);
+                        let share = self.share(bar, slope);
+                        self.accumulate(&mut adjoint, a, share);
                     }
-                    Node::Binary(Binary::Gate, a, condition) => {
-                        let both = gate.map_or(condition, |g| self.binary(Binary::Min, g, condition));
-                        self.accumulate(&mut adjoint, a, Some(both), bar);
-                    }
-                    Node::Binary(op, a, b) => {
-                        // Only the sides that matter: the other may be singular (ln of a negative base in x^2).
-                        if active[a.index()] {
-                            let slope = (op.row().slope_a)(self, a, b, id);
-                            let share = self.mul(bar, slope);
-                            self.accumulate(&mut adjoint, a, gate, share);
-                        }
-                        if active[b.index()] {
-                            let slope = (op.row().slope_b)(self, a, b, id);
-                            let share = self.mul(bar, slope);
-                            self.accumulate(&mut adjoint, b, gate, share);
-                        }
+                    if active[b.index()] {
+                        let slope = (op.row().slope_b)(self, a, b, id);
+                        let share = self.share(bar, slope);
+                        self.accumulate(&mut adjoint, b, share);
                     }
                 }
             }
         }
-        wrt.iter().map(|w| self.total(adjoint.get(w).map_or(&[], Vec::as_slice))).collect()
+        let zero = self.constant(0.0);
+        wrt.iter().map(|w| adjoint.get(w).copied().unwrap_or(zero)).collect()
     }
 
     /// The derivatives of one expression with respect to nodes.
@@ -71,19 +67,16 @@ impl Graph {
         self.vjp(&[root], &[one], wrt)
     }
 
-    fn accumulate(&mut self, adjoint: &mut Adjoint, id: Id, gate: Option<Id>, share: Id) {
-        let parts = adjoint.entry(id).or_default();
-        match parts.iter_mut().find(|part| part.0 == gate) {
-            Some(part) => part.1 = self.add(part.1, share),
-            None => parts.push((gate, share)),
-        }
+    fn accumulate(&mut self, adjoint: &mut HashMap<Id, Id>, id: Id, share: Id) {
+        let sum = adjoint.get(&id).map_or(share, |&bar| self.add(bar, share));
+        adjoint.insert(id, sum);
     }
 
-    fn total(&mut self, parts: &[(Option<Id>, Id)]) -> Id {
-        let zero = self.constant(0.0);
-        parts.iter().fold(zero, |sum, &(gate, bar)| {
-            let part = gate.map_or(bar, |g| self.binary(Binary::Gate, bar, g));
-            self.add(sum, part)
-        })
+    /// `bar * slope`. What a closed gate stopped is 0 and stays so, though slopes below the gate may be infinite there
+    /// (`gate(ln(y), y)` at y = 0): where both can meet, the product is one in which zero wins.
+    fn share(&mut self, bar: Id, slope: Id) -> Id {
+        let traits = [bar, slope].map(|id| self.traits(id));
+        let meet = traits.iter().any(|t| t.gated) && traits.iter().any(|t| t.singular);
+        if meet { self.binary(Binary::Masked, bar, slope) } else { self.mul(bar, slope) }
     }
 }

@@ -1,14 +1,16 @@
 //! The one-step loss over all samples: data laid out once, evaluated many times, on all cores.
 //!
 //! What does not depend on the coefficients is evaluated once, when the batch is made: a loss tape then runs on the border between data and
-//! coefficients. Sums run over fixed blocks in a fixed order, so that the number of threads does not change a bit.
+//! coefficients, in blocks that stay in the first cache. Sums are kept for each lane and run over fixed blocks in a fixed order, so that
+//! the number of threads does not change a bit.
 
 use crate::onestep::OneStep;
 use crate::train::StepOptions;
-use phisindy_expr::{Id, Scratch, Tape};
+use phisindy_expr::{Id, Scratch, Tape, wide};
 use phisindy_phys::spec::Crossings;
 use phisindy_phys::{Record, System, standard_deviation};
 use rayon::prelude::*;
+use std::sync::Mutex;
 
 /// Samples per block.
 pub(crate) const LANES: usize = 64;
@@ -29,9 +31,29 @@ pub(crate) struct Batch {
 
 enum Kind {
     /// One step: what depends on data alone is in `border`, blocks of as many lanes as the tapes have inputs before the parameters.
-    Single { border: Vec<Lane>, inputs: usize, blocks: usize, loss: Tape, jacobian: Tape, states: usize },
+    Single { border: Vec<Lane>, inputs: usize, loss: Bench, jacobian: Bench, states: usize },
     /// Several steps, rolled out.
     Rollout(Box<crate::rollout::Rollout>),
+}
+
+/// A tape and a scratch for each thread, kept from epoch to epoch.
+struct Bench {
+    tape: Tape,
+    scratches: Vec<Mutex<Scratch<LANES>>>,
+}
+
+impl Bench {
+    fn new(tape: Tape) -> Bench {
+        let scratches =
+            (0..rayon::current_num_threads()).map(|_| Mutex::new(Scratch::new(&tape))).collect();
+        Bench { tape, scratches }
+    }
+
+    /// The scratch of this thread; nobody else wants it, so that the lock is free.
+    fn with<R>(&self, work: impl FnOnce(&mut Scratch<LANES>) -> R) -> R {
+        let mine = rayon::current_thread_index().unwrap_or(0) % self.scratches.len();
+        work(&mut self.scratches[mine].lock().unwrap_or_else(|poisoned| poisoned.into_inner()))
+    }
 }
 
 /// Standard deviation of each state over all records: the unit of its error.
@@ -46,10 +68,11 @@ pub(crate) fn deviations(system: &System, records: &[&Record]) -> Vec<f64> {
         .collect()
 }
 
-/// One row of data for a step: time, length, states, inputs at start, middle, end. `from` and `to` are neighbouring samples; going backward
+/// One row of data for a step: time, length, its half and sixth, states, inputs at start, middle, end. `from` and `to` are neighbouring samples; going backward
 /// the length is negative. Between samples an input is what its interpolation says (`Linear` is the paper's average of the two).
 pub(crate) fn step_row(record: &Record, from: usize, to: usize) -> Vec<f64> {
-    let mut row = vec![record.time[from], record.time[to] - record.time[from]];
+    let h = record.time[to] - record.time[from];
+    let mut row = vec![record.time[from], h, 0.5 * h, h / 6.0];
     row.extend(record.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| c[from])));
     row.extend(record.inputs.iter().map(|u| u.values()[from]));
     let middle = 0.5 * (record.time[from] + record.time[to]);
@@ -81,7 +104,7 @@ impl Batch {
             return Batch { kind: Kind::Rollout(Box::new(rollout)), parameters: free, residuals };
         }
         let mut step = step.clone();
-        let (errors, targets, mask) = step.residuals(&weights);
+        let (errors, targets, scales) = step.residuals();
         let graph = &mut step.graph;
         let (free, given) = step.parameters.split_at(free);
         let mut total = graph.constant(0.0);
@@ -100,7 +123,7 @@ impl Batch {
         let mut inputs = step.data.clone();
         inputs.extend(given);
         inputs.extend(&targets);
-        inputs.push(mask);
+        inputs.extend(&scales);
         let prologue = compile(&step, &inputs, &border);
         let mut rest = border.clone();
         rest.extend(free);
@@ -114,7 +137,7 @@ impl Batch {
                 let mut row = step_row(record, from, to);
                 row.extend(&record.constants);
                 row.extend(record.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| c[to])));
-                row.push(1.0);
+                row.extend(&weights);
                 rows.push(row);
             }
         }
@@ -123,26 +146,27 @@ impl Batch {
         let mut scratch = Scratch::<LANES>::new(&prologue);
         for block in rows.chunks(LANES) {
             for lane in 0..LANES {
-                // The last block repeats its last row with mask zero.
+                // The last block repeats its last row with weights zero.
                 let row = &block[lane.min(block.len() - 1)];
                 for (k, &value) in row.iter().enumerate() {
                     scratch.input(k)[lane] = value;
                 }
                 if lane >= block.len() {
-                    scratch.input(row.len() - 1)[lane] = 0.0;
+                    (row.len() - n..row.len()).for_each(|k| scratch.input(k)[lane] = 0.0);
                 }
             }
             scratch.run();
             lanes.extend((0..border.len()).map(|k| *scratch.output(k)));
         }
-        let kind = Kind::Single { border: lanes, inputs: border.len(), blocks, loss, jacobian, states: n };
+        let (loss, jacobian) = (Bench::new(loss), Bench::new(jacobian));
+        let kind = Kind::Single { border: lanes, inputs: border.len(), loss, jacobian, states: n };
         Batch { kind, parameters: free.len(), residuals }
     }
 
     /// Operations of the loss tape per sample and direction.
     pub(crate) fn operations(&self) -> usize {
         match &self.kind {
-            Kind::Single { loss, .. } => loss.operations(),
+            Kind::Single { loss, .. } => loss.tape.operations(),
             Kind::Rollout(rollout) => rollout.operations(),
         }
     }
@@ -154,7 +178,8 @@ impl Batch {
             Kind::Rollout(rollout) => rollout.loss(parameters),
             Kind::Single { loss, .. } => self.sum(loss, parameters, 1 + p, |scratch, sums| {
                 for (k, sum) in sums.iter_mut().enumerate() {
-                    *sum += scratch.output(k).iter().sum::<f64>();
+                    let out = scratch.output(k);
+                    (0..LANES).for_each(|l| sum[l] += out[l]);
                 }
             }),
         };
@@ -182,37 +207,30 @@ impl Batch {
     /// Runs a tape over all blocks and sums what `add` takes from each: threads take fixed chunks, chunks are summed in order.
     fn sum(
         &self,
-        tape: &Tape,
+        bench: &Bench,
         parameters: &[f64],
         size: usize,
-        add: impl Fn(&Scratch<LANES>, &mut [f64]) + Sync,
+        add: impl Fn(&Scratch<LANES>, &mut [Lane]) + Sync,
     ) -> Vec<f64> {
-        let Kind::Single { border, inputs, blocks, .. } = &self.kind else { return vec![0.0; size] };
-        let chunks = blocks.div_ceil(CHUNK);
-        let partial: Vec<Vec<f64>> = (0..chunks)
-            .into_par_iter()
-            .map_init(
-                || {
-                    let mut scratch = Scratch::<LANES>::new(tape);
-                    for (k, &value) in parameters[..self.parameters].iter().enumerate() {
-                        *scratch.input(inputs + k) = [value; LANES];
-                    }
-                    scratch
-                },
-                |scratch, chunk| {
-                    let mut sums = vec![0.0; size];
-                    for block in chunk * CHUNK..((chunk + 1) * CHUNK).min(*blocks) {
-                        for k in 0..*inputs {
-                            *scratch.input(k) = border[block * inputs + k];
-                        }
-                        scratch.run();
-                        add(scratch, &mut sums);
-                    }
-                    sums
-                },
-            )
-            .collect();
-        in_order(partial, size)
+        let Kind::Single { border, inputs, .. } = &self.kind else { return vec![0.0; size] };
+        let chunk = |blocks: &[Lane]| {
+            bench.with(|scratch| {
+                for (k, &value) in parameters[..self.parameters].iter().enumerate() {
+                    *scratch.input(inputs + k) = [value; LANES];
+                }
+                let mut sums = vec![[0.0; LANES]; size];
+                for block in blocks.chunks_exact(*inputs) {
+                    block.iter().enumerate().for_each(|(k, lane)| *scratch.input(k) = *lane);
+                    scratch.run();
+                    wide(
+                        #[inline(always)]
+                        || add(scratch, &mut sums),
+                    );
+                }
+                sums.iter().map(|lane| lane.iter().sum()).collect()
+            })
+        };
+        in_order(border.par_chunks(CHUNK * inputs).map(chunk).collect(), size)
     }
 }
 
@@ -251,19 +269,25 @@ fn window_starts(contacts: &[Vec<f64>], samples: usize, options: &StepOptions) -
         .collect()
 }
 
-/// Adds one residual lane to `[loss, triangle of J^T J, J^T e]`.
-pub(crate) fn accumulate<'a>(error: &Lane, column: impl Fn(usize) -> &'a Lane, p: usize, sums: &mut [f64]) {
-    let dot = |a: &Lane, b: &Lane| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-    sums[0] += dot(error, error);
+/// Adds one residual lane to `[loss, triangle of J^T J, J^T e]`, lane by lane.
+#[inline(always)]
+pub(crate) fn accumulate<'a>(
+    error: &Lane,
+    column: impl Fn(usize) -> &'a Lane,
+    p: usize,
+    sums: &mut [Lane],
+) {
+    let dot = |a: &Lane, b: &Lane, sum: &mut Lane| (0..LANES).for_each(|l| sum[l] += a[l] * b[l]);
+    dot(error, error, &mut sums[0]);
     let mut at = 1;
     for i in 0..p {
         for j in i..p {
-            sums[at] += dot(column(i), column(j));
+            dot(column(i), column(j), &mut sums[at]);
             at += 1;
         }
     }
     for i in 0..p {
-        sums[at + i] += dot(column(i), error);
+        dot(column(i), error, &mut sums[at + i]);
     }
 }
 

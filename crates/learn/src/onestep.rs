@@ -5,12 +5,15 @@ use phisindy_expr::{Binary, Graph, Id, Names, Unary};
 use phisindy_phys::{Model, System};
 use std::collections::HashMap;
 
+/// Where the states stand in [`OneStep::data`].
+pub(crate) const FIRST_STATE: usize = 4;
+
 /// A step of the classical Runge-Kutta method as nodes of a graph.
 #[derive(Clone, Debug)]
 pub(crate) struct OneStep {
     pub(crate) graph: Graph,
     pub(crate) names: Names,
-    /// What a step starts from, in this order: time, step length, states, inputs at the start, in the middle, at the end.
+    /// What a step starts from, in this order: time; step length, its half, its sixth; states; inputs at the start, in the middle, at the end.
     pub(crate) data: Vec<Id>,
     /// Coefficients and movable constants.
     pub(crate) parameters: Vec<Id>,
@@ -32,13 +35,12 @@ impl OneStep {
             let symbol = names.intern(&name);
             graph.symbol(symbol)
         };
-        let h = fresh(&mut graph, "step length".into());
+        let [h, half, sixth] = ["step length", "half of it", "a sixth of it"]
+            .map(|name| fresh(&mut graph, name.into()));
         let middle: Vec<Id> =
             (0..model.inputs.len()).map(|k| fresh(&mut graph, format!("middle {k}"))).collect();
         let end: Vec<Id> = (0..model.inputs.len()).map(|k| fresh(&mut graph, format!("end {k}"))).collect();
 
-        let half = graph.constant(0.5);
-        let half_step = graph.mul(half, h);
         let states = &model.states;
         let stage = |graph: &mut Graph, ahead: Option<Id>, inputs: &[Id], slopes: &[Id]| -> Vec<Id> {
             let Some(ahead) = ahead else { return rates.clone() };
@@ -52,24 +54,23 @@ impl OneStep {
             graph.replace(&rates, &with)
         };
         let k1 = stage(&mut graph, None, &[], &[]);
-        let k2 = stage(&mut graph, Some(half_step), &middle, &k1);
+        let k2 = stage(&mut graph, Some(half), &middle, &k1);
         // Stage 3 starts from stage 2; the published two-mass notebook takes stage 1 again.
-        let k3 = stage(&mut graph, Some(half_step), &middle, &k2);
+        let k3 = stage(&mut graph, Some(half), &middle, &k2);
         let k4 = stage(&mut graph, Some(h), &end, &k3);
-        let (two, sixth) = (graph.constant(2.0), graph.constant(1.0 / 6.0));
-        let weight = graph.mul(sixth, h);
+        let two = graph.constant(2.0);
         let next = (0..states.len())
             .map(|i| {
                 let inner = graph.add(k2[i], k3[i]);
                 let inner = graph.mul(two, inner);
                 let outer = graph.add(k1[i], k4[i]);
                 let sum = graph.add(outer, inner);
-                let change = graph.mul(weight, sum);
+                let change = graph.mul(sixth, sum);
                 graph.add(states[i], change)
             })
             .collect();
         let contacts = system.contacts.iter().map(|c| c.node).collect();
-        let mut data = vec![model.time, h];
+        let mut data = vec![model.time, h, half, sixth];
         data.extend(states.iter().chain(&model.inputs).chain(&middle).chain(&end));
         OneStep {
             graph,
@@ -82,22 +83,20 @@ impl OneStep {
         }
     }
 
-    /// `(next_i - target_i) * weight_i * mask`, with fresh symbols for targets and mask: returns residuals, targets and mask.
-    pub(crate) fn residuals(&mut self, weights: &[f64]) -> (Vec<Id>, Vec<Id>, Id) {
-        let mask = self.names.intern("mask");
-        let mask = self.graph.symbol(mask);
-        let mut targets = Vec::new();
-        let mut residuals = Vec::new();
-        for (i, &weight) in weights.iter().enumerate() {
-            let target = self.names.intern(&format!("target {i}"));
-            let target = self.graph.symbol(target);
-            let weight = self.graph.constant(weight);
-            let weight = self.graph.mul(weight, mask);
-            let miss = self.graph.sub(self.next[i], target);
-            residuals.push(self.graph.mul(weight, miss));
-            targets.push(target);
-        }
-        (residuals, targets, mask)
+    /// `(next_i - target_i) * weight_i`, with fresh symbols for targets and weights: returns residuals, targets and weights.
+    pub(crate) fn residuals(&mut self) -> (Vec<Id>, Vec<Id>, Vec<Id>) {
+        let mut fresh = |name: String| {
+            let symbol = self.names.intern(&name);
+            self.graph.symbol(symbol)
+        };
+        let n = self.next.len();
+        let targets: Vec<Id> = (0..n).map(|i| fresh(format!("target {i}"))).collect();
+        let weights: Vec<Id> = (0..n).map(|i| fresh(format!("weight {i}"))).collect();
+        let misses = (0..n).map(|i| {
+            let miss = self.graph.sub(self.next[i], targets[i]);
+            self.graph.mul(weights[i], miss)
+        });
+        (misses.collect(), targets, weights)
     }
 }
 

@@ -2,7 +2,7 @@
 //! horizon; memory is one state per step.
 
 use crate::batch::{LANES, accumulate, compile, in_order, step_row};
-use crate::onestep::OneStep;
+use crate::onestep::{FIRST_STATE, OneStep};
 use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::Record;
 use rayon::prelude::*;
@@ -98,14 +98,17 @@ impl Rollout {
             for k in (0..self.horizon).rev() {
                 for (i, bar) in cotangent.iter_mut().enumerate() {
                     let error = self.error(block, &states, k, i);
-                    sums[0] += error.iter().map(|e| e * e).sum::<f64>();
+                    (0..LANES).for_each(|l| sums[0][l] += error[l] * error[l]);
                     bar.iter_mut().zip(&error).for_each(|(bar, e)| *bar += 2.0 * self.weights[i] * e);
                 }
                 let data = self.load(block, k, &states[k], parameters, &mut adjoint);
                 (0..n).for_each(|i| *adjoint.input(data + i) = cotangent[i]);
                 adjoint.run();
                 (0..n).for_each(|i| cotangent[i] = *adjoint.output(i));
-                (0..p).for_each(|j| sums[1 + j] += adjoint.output(n + j).iter().sum::<f64>());
+                for (j, sum) in sums[1..].iter_mut().enumerate() {
+                    let share = adjoint.output(n + j);
+                    (0..LANES).for_each(|l| sum[l] += share[l]);
+                }
             }
         })
     }
@@ -153,7 +156,7 @@ impl Rollout {
     fn forward(&self, block: &[Window], parameters: &[f64], next: &mut Scratch<LANES>) -> Vec<Vec<Lane>> {
         let n = self.weights.len();
         let first =
-            (0..n).map(|i| std::array::from_fn(|l| block[l.min(block.len() - 1)].rows[0][2 + i])).collect();
+            (0..n).map(|i| std::array::from_fn(|l| block[l.min(block.len() - 1)].rows[0][FIRST_STATE + i])).collect();
         let mut states: Vec<Vec<Lane>> = vec![first];
         for k in 0..self.horizon {
             self.load(block, k, &states[k], parameters, next);
@@ -175,8 +178,8 @@ impl Rollout {
         let n = self.weights.len();
         let width = block[0].rows[0].len();
         for at in 0..width {
-            *scratch.input(at) = if (2..2 + n).contains(&at) {
-                states[at - 2]
+            *scratch.input(at) = if (FIRST_STATE..FIRST_STATE + n).contains(&at) {
+                states[at - FIRST_STATE]
             } else {
                 std::array::from_fn(|l| block[l.min(block.len() - 1)].rows[k][at])
             };
@@ -197,14 +200,14 @@ impl Rollout {
         })
     }
 
-    fn over_blocks(&self, size: usize, each: impl Fn(&[Window], &mut [f64]) + Sync) -> Vec<f64> {
+    fn over_blocks(&self, size: usize, each: impl Fn(&[Window], &mut [Lane]) + Sync) -> Vec<f64> {
         let partial: Vec<Vec<f64>> = self
             .windows
             .par_chunks(LANES)
             .map(|block| {
-                let mut sums = vec![0.0; size];
+                let mut sums = vec![[0.0; LANES]; size];
                 each(block, &mut sums);
-                sums
+                sums.iter().map(|lane| lane.iter().sum()).collect()
             })
             .collect();
         in_order(partial, size)

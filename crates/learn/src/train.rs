@@ -11,6 +11,9 @@ use phisindy_phys::{Record, System};
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 
+/// Epochs between two looks at the user.
+const UNOBSERVED: u32 = 16;
+
 /// How the step method learns; the defaults are the paper's (Table 4).
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepOptions {
@@ -111,14 +114,19 @@ pub fn train(
                 _ => Descent::radam(values.len()),
             };
             let mut gradient = vec![0.0; values.len()];
-            for _ in 0..options.epochs[stage] {
-                batch.loss(&values, &mut gradient);
-                descent.update(&mut values, &gradient, options.rates[stage]);
-                done += 1;
-                if done % 16 == 0 && observe(f64::from(done) / f64::from(total)).is_break() {
-                    fit.stopped = true;
-                    break;
-                }
+            let mut left = options.epochs[stage];
+            while left > 0 && !fit.stopped {
+                let now = left.min(UNOBSERVED);
+                // Inside of the pool its threads stay awake from epoch to epoch.
+                rayon::scope(|_| {
+                    for _ in 0..now {
+                        batch.loss(&values, &mut gradient);
+                        descent.update(&mut values, &gradient, options.rates[stage]);
+                    }
+                });
+                left -= now;
+                done += now;
+                fit.stopped = observe(f64::from(done) / f64::from(total)).is_break();
             }
             batch.loss(&values, &mut gradient)
         };

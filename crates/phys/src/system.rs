@@ -124,14 +124,23 @@ impl System {
         let (mut graph, mut names) = (self.graph.clone(), self.names.clone());
         let mut rates = self.known.clone();
         let mut parameters = Vec::new();
+        // factor * (sum of coefficient * candidate): the factor is multiplied once, not once for each term.
+        let mut sums: Vec<Option<(Id, Id)>> = vec![None; rates.len()];
         for &k in terms {
             let term = &self.terms[k];
             // A space keeps the name out of reach of any spec.
             let symbol = names.intern(&format!("coefficient {k}"));
             let coefficient = graph.symbol(symbol);
-            let share = graph.mul(coefficient, term.value);
-            rates[term.state] = graph.add(rates[term.state], share);
+            let share = graph.mul(coefficient, term.bare);
+            let sum = sums[term.state].map_or(share, |(_, sum)| graph.add(sum, share));
+            sums[term.state] = Some((term.factor, sum));
             parameters.push(coefficient);
+        }
+        for (rate, sum) in rates.iter_mut().zip(sums) {
+            if let Some((factor, sum)) = sum {
+                let unknown = graph.mul(factor, sum);
+                *rate = graph.add(*rate, unknown);
+            }
         }
         parameters.extend(self.parameters.iter().map(|p| p.node));
         parameters.extend(self.record_constants.iter().map(|&(_, node)| node));

@@ -153,7 +153,7 @@ pub fn dual_binary<D: num_dual::DualNum<Primitive = f64> + Copy>(op: Binary, a: 
         Binary::Mul => a * b,
         Binary::Div => a / b,
         Binary::Pow => a.powd(b),
-        Binary::Min | Binary::Max | Binary::Dead | Binary::Gate => return None,
+        Binary::Min | Binary::Max | Binary::Dead | Binary::Gate | Binary::Masked => return None,
     })
 }
 
@@ -161,11 +161,11 @@ pub fn steps(step: impl Strategy<Value = Step>, most: usize) -> impl Strategy<Va
     prop::collection::vec(step, 1..most).prop_map(|rest| (0..3).map(Step::Symbol).chain(rest).collect())
 }
 
-/// Any operation and number; `gate` too if asked for (it has no name in the language).
+/// Any operation and number; `gate` and `masked` too if asked for (they have no name in the language).
 pub fn any_step(gate: bool, numbers: BoxedStrategy<f64>) -> impl Strategy<Value = Step> {
     let unary = (0..UNARY.len(), 0usize..8).prop_map(|(op, a)| Step::Unary(UNARY[op].op, a));
     let binary = (0..BINARY.len(), 0usize..8, 0usize..8).prop_map(move |(op, a, b)| match BINARY[op].op {
-        Binary::Gate if !gate => Step::Binary(Binary::Mul, a, b),
+        Binary::Gate | Binary::Masked if !gate => Step::Binary(Binary::Mul, a, b),
         op => Step::Binary(op, a, b),
     });
     prop_oneof![2 => numbers.prop_map(Step::Number), 1 => (0usize..3).prop_map(Step::Symbol), 3 => unary, 6 => binary]

@@ -1,7 +1,7 @@
 //! The loss over all samples against a plain loop, its derivatives against differences and against a tape that is unrolled.
 
 use super::{Batch, compile, deviations, step_row};
-use crate::onestep::OneStep;
+use crate::onestep::{FIRST_STATE, OneStep};
 use crate::onestep::tests::{TOLERANCE, Twin, common, one_mass, runge_kutta};
 use crate::train::{StepOptions, lay_out};
 use phisindy_expr::{Graph, Id, Names, Scratch};
@@ -164,9 +164,9 @@ fn the_adjoint_is_that_of_an_unrolled_tape() {
     for k in 0..3 {
         let mut with: HashMap<Id, Id> = HashMap::new();
         for (i, &d) in step.data.iter().enumerate() {
-            let state = (2..2 + n).contains(&i);
+            let state = (FIRST_STATE..FIRST_STATE + n).contains(&i);
             if state {
-                with.insert(d, now[i - 2]);
+                with.insert(d, now[i - FIRST_STATE]);
             } else if k > 0 {
                 let symbol = fresh(&mut graph, format!("unrolled {k} {i}"));
                 with.insert(d, symbol);
@@ -201,7 +201,7 @@ fn the_adjoint_is_that_of_an_unrolled_tape() {
             let mut row = step_row(record, at[0], at[1]);
             for k in 1..3 {
                 let rest = step_row(record, at[k], at[k + 1]);
-                row.extend(rest.iter().enumerate().filter(|(i, _)| !(2..2 + n).contains(i)).map(|(_, v)| v));
+                row.extend(rest.iter().enumerate().filter(|(i, _)| !(FIRST_STATE..FIRST_STATE + n).contains(i)).map(|(_, v)| v));
             }
             row.extend(twin.free.iter().chain(&record.constants));
             (1..4).for_each(|k| row.extend(state(record, at[k])));

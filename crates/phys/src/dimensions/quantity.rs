@@ -147,7 +147,7 @@ impl Rules<'_> {
     fn binary(&mut self, op: Binary, left: (Span, Quantity), right: (Span, Quantity)) -> Measure {
         let (at, a) = (left.0, left.1.measure);
         match op {
-            Binary::Mul => a.times(&right.1.measure, 1.0),
+            Binary::Mul | Binary::Masked => a.times(&right.1.measure, 1.0),
             Binary::Div => a.times(&right.1.measure, -1.0),
             Binary::Pow => self.power(at, a, right.0, right.1),
             Binary::Gate => a,
