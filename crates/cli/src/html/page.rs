@@ -1,0 +1,138 @@
+//! The page: what stands round the sections, and how it is written.
+
+use super::data;
+use crate::chart::{self, Chart};
+use crate::load::Loaded;
+use crate::markup::{Element, element};
+use crate::outdir::OutDir;
+use anyhow::Result;
+
+const STYLE: &str = include_str!("style.css");
+
+/// How a result sounds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Tone {
+    /// It can be used.
+    Good,
+    /// It cannot.
+    Bad,
+    /// Something is open.
+    Open,
+}
+
+impl Tone {
+    /// Class and sign: not told by colour alone.
+    fn look(self) -> (&'static str, &'static str) {
+        match self {
+            Tone::Good => ("good", "✓"),
+            Tone::Bad => ("bad", "✕"),
+            Tone::Open => ("open", "?"),
+        }
+    }
+}
+
+/// The result in a few words.
+pub(crate) struct Banner {
+    pub(crate) tone: Tone,
+    pub(crate) headline: String,
+    pub(crate) text: String,
+}
+
+/// A report that is being put together.
+pub(crate) struct Page {
+    title: String,
+    spec: String,
+    banner: Banner,
+    sections: Vec<Element>,
+    charts: Vec<Chart>,
+}
+
+impl Page {
+    /// A page about a spec.
+    pub(crate) fn new(loaded: &Loaded, banner: Banner) -> Page {
+        let title = &loaded.case.system.title;
+        let title = if title.is_empty() { loaded.spec.clone() } else { title.clone() };
+        Page { title, spec: loaded.spec.clone(), banner, sections: vec![], charts: vec![] }
+    }
+
+    /// With a section; none without content.
+    pub(crate) fn section(&mut self, heading: &str, content: impl IntoIterator<Item = Element>) {
+        let content: Vec<Element> = content.into_iter().collect();
+        if !content.is_empty() {
+            let id: String = heading.to_lowercase().replace(|c: char| !c.is_ascii_alphanumeric(), "-");
+            let heading = element("h2").with("id", &id).text(heading);
+            self.sections.push(element("section").with("aria-labelledby", &id).add(heading).all(content));
+        }
+    }
+
+    /// With a section of lines; none without any.
+    pub(crate) fn list(&mut self, heading: &str, lines: &[String]) {
+        let items = lines.iter().map(|line| element("li").text(line));
+        let list = element("ul").all(items);
+        self.section(heading, (!lines.is_empty()).then_some(list));
+    }
+
+    /// With a section of figures and their captions; none without any.
+    pub(crate) fn figures(&mut self, heading: &str, charts: Vec<(Chart, String)>) {
+        let figures: Vec<Element> = charts.into_iter().map(|(chart, caption)| self.figure(chart, &caption)).collect();
+        self.section(heading, figures);
+    }
+
+    /// A chart with its caption, as an element; its file is written with the page.
+    pub(crate) fn figure(&mut self, chart: Chart, caption: &str) -> Element {
+        let group = element("div").class("scroll").with("tabindex", 0).with("role", "group");
+        let drawn = group.with("aria-label", &chart.title).add(chart.inline());
+        self.charts.push(chart);
+        element("figure").add(drawn).add(element("figcaption").text(caption))
+    }
+
+    /// Writes the page and the figures.
+    pub(crate) fn write(&self, folder: &OutDir) -> Result<()> {
+        if !self.charts.is_empty() {
+            let figures = OutDir::create(&folder.path().join("figures"))?;
+            for chart in &self.charts {
+                figures.write(&format!("{}.svg", chart.name), &chart.file())?;
+            }
+        }
+        folder.write("report.html", &self.html())
+    }
+
+    fn html(&self) -> String {
+        let (class, sign) = self.banner.tone.look();
+        let meta = |name: &str, content: &str| element("meta").with("name", name).with("content", content);
+        let head = element("head")
+            .add(element("meta").with("charset", "utf-8"))
+            .add(meta("viewport", "width=device-width, initial-scale=1"))
+            .add(meta("color-scheme", "light dark"))
+            .add(meta("generator", concat!("phisindy ", env!("CARGO_PKG_VERSION"))))
+            .add(element("title").text(format!("{}: {}", self.title, self.banner.headline.to_lowercase())))
+            .add(element("style").raw(format!("{STYLE}{}", chart::STYLE)));
+        let banner = element("div")
+            .class(format!("banner {class}"))
+            .add(element("span").class("sign").with("aria-hidden", "true").text(sign))
+            .add(
+                element("div")
+                    .add(element("p").class("verdict").text(&self.banner.headline))
+                    .add(element("p").text(&self.banner.text)),
+            );
+        let top = element("header")
+            .add(element("p").class("kind").text("phisindy report"))
+            .add(element("h1").text(&self.title))
+            .add(element("p").class("spec").add(element("code").text(&self.spec)))
+            .add(banner);
+        let body = element("body").add(element("main").add(top).all(self.sections.iter().cloned()));
+        let html = element("html").with("lang", "en").add(head).add(body);
+        format!("<!DOCTYPE html>\n{html}\n")
+    }
+}
+
+/// A paragraph.
+pub(crate) fn paragraph(text: &str) -> Element {
+    element("p").text(text)
+}
+
+/// Warnings and what was done to the data, each in its section.
+pub(crate) fn add_remarks(page: &mut Page, warnings: &[String], loaded: &Loaded) {
+    page.list("Warnings", warnings);
+    page.list("What was done to the data", &data::notes(loaded));
+}
