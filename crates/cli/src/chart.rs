@@ -27,6 +27,9 @@ pub(crate) const STYLE: &str = include_str!("chart/chart.css");
 /// The width of a picture that fills its page, in its own units (about pixels).
 pub(crate) const WIDTH: f64 = 760.0;
 
+/// Below this width the words of a picture are too small.
+const LEAST: f64 = 580.0;
+
 /// A picture, with what it says for those who do not see it.
 #[derive(Clone, Debug)]
 pub(crate) struct Chart {
@@ -83,6 +86,8 @@ impl Chart {
             .with("viewBox", format!("0 0 {} {}", self.width, self.height))
             .with("width", self.width)
             .with("height", self.height)
+            // A narrow page scrolls a wide picture: smaller, its words could not be read.
+            .with("style", format!("min-width:{}px", at(self.width.min(LEAST.max(0.8 * self.width)))))
     }
 }
 
@@ -99,5 +104,5 @@ pub(crate) fn word(class: &str, x: f64, y: f64, text: &str) -> Element {
 
 /// About how wide a word is at the size of labels.
 pub(crate) fn width_of(text: &str) -> f64 {
-    6.6 * text.chars().count() as f64
+    7.0 * text.chars().count() as f64
 }

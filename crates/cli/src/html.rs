@@ -8,6 +8,7 @@ mod correlation;
 mod data;
 mod friction;
 mod gap;
+mod map;
 mod mathml;
 mod motion;
 mod page;
@@ -24,11 +25,16 @@ use crate::load::Loaded;
 use crate::outdir::OutDir;
 use crate::report::Report;
 use anyhow::Result;
-use page::{Banner, Page, Tone};
+use page::{Banner, Page, Tone, add_remarks};
 use phisindy_gap::{Entry, Gap};
 
 /// Writes what `run` found.
-pub(crate) fn write_run(report: &Report<'_>, loaded: &Loaded, options: &Options, folder: &OutDir) -> Result<()> {
+pub(crate) fn write_run(
+    report: &Report<'_>,
+    loaded: &Loaded,
+    options: &Options,
+    folder: &OutDir,
+) -> Result<()> {
     run::page(report, loaded, options).write(folder)
 }
 
@@ -48,7 +54,7 @@ pub(crate) fn write_gap(
 pub(crate) fn write_failure(why: &str, loaded: &Loaded, options: &Options, folder: &OutDir) -> Result<()> {
     let banner = Banner { tone: Tone::Bad, headline: "Failed".to_owned(), text: why.to_owned() };
     let mut page = Page::new(loaded, banner);
-    page.list("What was done to the data", &data::notes(loaded));
+    add_remarks(&mut page, &[], &data::notes(loaded));
     let seen = data::measured(loaded);
     page.figures("Measured", motion::charts(&seen));
     repeat::add(&mut page, loaded, options);

@@ -121,7 +121,7 @@ mod tests {
         assert_eq!(std::fs::read_to_string(docs.join("README.md")).unwrap(), gallery(&all));
         for entry in &all {
             let svg = picture(entry).unwrap().unwrap_or_else(|| panic!("no sketch of {}", entry.id));
-            assert!(svg.contains("<polyline"), "{}", entry.id);
+            assert!(svg.contains("class=\"model\""), "{}", entry.id);
             assert_eq!(
                 std::fs::read_to_string(docs.join(format!("{}.svg", entry.id))).unwrap(),
                 svg,

@@ -83,6 +83,11 @@ impl Display for Element {
     }
 }
 
+/// A text as markup that shows it.
+pub(crate) fn escaped(text: &str) -> String {
+    Escaped(text).to_string()
+}
+
 /// A text in which nothing reads as markup.
 struct Escaped<'a>(&'a str);
 

@@ -7,6 +7,8 @@ use phisindy_sim::Trajectory;
 
 /// Points of a curve.
 const POINTS: usize = 401;
+/// Rows of a run that are looked at, about: more would not show in a picture.
+const ROWS: usize = 10_000;
 /// Half of a 95 % interval, in standard errors.
 const REACH: f64 = 1.959_963_984_540_054;
 
@@ -28,7 +30,7 @@ pub struct UnknownPart {
 pub enum Course {
     /// A function of one velocity, over those visited: one for all records, or one for each with its name.
     Curves(Vec<(Option<String>, Curve)>),
-    /// It depends on more: velocity and value at the samples of each record's run.
+    /// It depends on more: velocity and value along each record's run.
     Cloud(Vec<(String, Vec<(f64, f64)>)>),
 }
 
@@ -81,8 +83,7 @@ impl<'a> Part<'a> {
         let roots: Vec<Id> = terms.iter().map(|t| t.1).collect();
         let contacts = system.contacts.iter().map(|c| c.node);
         let own = [system.states[state].node].into_iter();
-        let velocity =
-            contacts.chain(own).find(|v| graph.reachable_above(&roots, &[*v]).contains(v))?;
+        let velocity = contacts.chain(own).find(|v| graph.reachable_above(&roots, &[*v]).contains(v))?;
         let rest = graph.reachable_above(&roots, &[velocity]);
         let moving = system.states.iter().map(|s| s.node).chain(system.inputs.iter().map(|u| u.node));
         let alone = moving.chain([system.time]).all(|id| id == velocity || !rest.contains(&id));
@@ -145,7 +146,7 @@ impl<'a> Part<'a> {
         values
     }
 
-    /// The arguments of the system at each sample of a run.
+    /// The arguments of the system along a run.
     fn arguments(&self, record: &Record, found: &Identified, r: usize, run: &Trajectory) -> Vec<Vec<f64>> {
         let numbers = self.numbers(record, found, r);
         let row = |(i, states): (usize, &[f64])| {
@@ -153,7 +154,8 @@ impl<'a> Part<'a> {
             let inputs = record.inputs.iter().map(|u| u.value(t));
             [t].into_iter().chain(states.iter().copied()).chain(inputs).chain(numbers.clone()).collect()
         };
-        run.states.chunks_exact(run.n).take(record.len()).enumerate().map(row).collect()
+        let every = record.len().div_ceil(ROWS).max(1);
+        run.states.chunks_exact(run.n).take(record.len()).enumerate().step_by(every).map(row).collect()
     }
 
     /// A node along a run.

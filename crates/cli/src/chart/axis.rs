@@ -47,7 +47,15 @@ impl Axis {
             let reach = if from == 0.0 { 1.0 } else { 0.1 * from.abs() };
             (from - reach, from + reach)
         };
-        Axis { name: name.to_owned(), unit: unit.to_owned(), scale: Scale::Linear, from, to, whole: false, bare: false }
+        Axis {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            scale: Scale::Linear,
+            from,
+            to,
+            whole: false,
+            bare: false,
+        }
     }
 
     /// From 0 to 1, without ticks.
@@ -107,9 +115,10 @@ impl Axis {
             Scale::Linear => self.even(count),
             Scale::Log => self.decades(count, self.from),
             Scale::FromZero => {
-                let mut ticks = self.decades(count, 1.0_f64.min(self.to));
-                ticks.insert(0, (0.0, "0".to_owned()));
-                ticks
+                let above = self.decades(count, 1.0_f64.min(self.to));
+                // Near zero there is no room for both.
+                let above = above.into_iter().filter(|(v, _)| self.place(*v) > 0.07);
+                [(0.0, "0".to_owned())].into_iter().chain(above).collect()
             }
         }
     }
@@ -117,7 +126,10 @@ impl Axis {
     fn even(&self, count: usize) -> Vec<Tick> {
         let rough = (self.to - self.from) / count.max(1) as f64;
         let size = 10f64.powf(rough.log10().floor());
-        let step = size * [1.0, 2.0, 5.0, 10.0].into_iter().find(|s| s * size >= rough).unwrap_or(10.0);
+        // The round step whose number of ticks is nearest to that asked for.
+        let apart = |s: &f64| (s * size / rough).ln().abs();
+        let nearest = [1.0, 2.0, 5.0, 10.0].into_iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
+        let step = size * nearest.unwrap_or(1.0);
         let step = if self.whole { step.max(1.0) } else { step };
         let unit = 10f64.powi(self.power());
         let decimals = (-(step / unit).log10().floor()).max(0.0) as usize;
@@ -136,7 +148,7 @@ impl Axis {
         let powers = (first..=last).filter(|p| p.rem_euclid(every) == 0);
         let values = powers.flat_map(|p| steps.iter().map(move |s| (s * 10f64.powi(p), *s as i32, p)));
         let seen = values.filter(|(v, ..)| *v >= from * (1.0 - 1e-9) && *v <= self.to * (1.0 + 1e-9));
-        seen.map(|(v, s, p)| (v, if (-3..5).contains(&p) { plain(v) } else { scientific(s, p) })).collect()
+        seen.map(|(v, s, p)| (v, if (-3..4).contains(&p) { plain(v) } else { scientific(s, p) })).collect()
     }
 }
 
@@ -197,7 +209,7 @@ mod tests {
         assert_eq!(labels(&Axis::between("g", "", 1.0, 40.0).on(Scale::Log), 5), ["1", "2", "5", "10", "20"]);
         assert_eq!(
             labels(&Axis::between("c", "", 0.0, 3e6).on(Scale::FromZero), 5),
-            ["0", "1", "100", "10000", "10⁶"]
+            ["0", "100", "10⁴", "10⁶"]
         );
     }
 

@@ -7,7 +7,13 @@ use crate::markup::element;
 const FULL: f64 = 0.6;
 
 /// The matrix with its names at the left and, numbered, at the top.
-pub(crate) fn heatmap(name: &str, title: &str, description: &str, names: &[String], values: &[Vec<f64>]) -> Chart {
+pub(crate) fn heatmap(
+    name: &str,
+    title: &str,
+    description: &str,
+    names: &[String],
+    values: &[Vec<f64>],
+) -> Chart {
     let n = names.len();
     let left = names.iter().map(|name| width_of(name)).fold(40.0, f64::max) + 44.0;
     let cell = (620.0 / n as f64).clamp(34.0, 62.0);

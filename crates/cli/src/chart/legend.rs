@@ -22,9 +22,7 @@ pub(crate) fn legend(entries: &[Entry], mut x: f64, y: f64) -> Vec<Element> {
     let mut out = Vec::new();
     for (class, swatch, text) in entries {
         out.push(match swatch {
-            Swatch::Line => {
-                element("path").class(class).with("d", format!("M{} {}h26", at(x), at(y - 4.5)))
-            }
+            Swatch::Line => element("path").class(class).with("d", format!("M{} {}h26", at(x), at(y - 4.5))),
             Swatch::Box => element("rect")
                 .class(class)
                 .with("x", at(x + 3.0))
@@ -38,7 +36,7 @@ pub(crate) fn legend(entries: &[Entry], mut x: f64, y: f64) -> Vec<Element> {
                 .with("r", 4),
         });
         out.push(word("legend", x + 32.0, y, text));
-        x += 32.0 + width_of(text) + 22.0;
+        x += 32.0 + width_of(text) + 26.0;
     }
     out
 }

@@ -1,7 +1,7 @@
 //! What is drawn on the axes of a panel.
 
-use super::axis::Axis;
 use super::at;
+use super::axis::Axis;
 use super::decimate::decimated;
 use super::panel::Place;
 use crate::markup::{Element, element};
@@ -18,7 +18,7 @@ pub(crate) enum Mark {
     Dots { class: &'static str, points: Points, radius: f64 },
     /// The area between two values at each x.
     Band { class: &'static str, points: Vec<(f64, f64, f64)> },
-    /// A stretch of the x axis, over the whole height, with words at its top.
+    /// A stretch of the x axis, over the whole height, with words above it.
     Span { from: f64, to: f64, words: &'static str },
     /// A level.
     Level { class: &'static str, y: f64 },
@@ -44,6 +44,18 @@ impl Ground<'_> {
         self.place.y + self.place.height * (1.0 - self.y.place(y))
     }
 
+    /// Cut off at the edges: an inner picture hides what lies outside of it.
+    fn clipped(&self, content: Vec<Element>) -> Element {
+        let Place { x, y, width, height } = self.place;
+        let inner = element("svg")
+            .with("x", at(x))
+            .with("y", at(y))
+            .with("width", at(width))
+            .with("height", at(height));
+        let view = format!("{} {} {} {}", at(x), at(y), at(width), at(height));
+        inner.with("viewBox", view).all(content)
+    }
+
     fn path(&self, points: &[(f64, f64)]) -> String {
         let columns = self.place.width as usize;
         let mut out = String::new();
@@ -62,7 +74,7 @@ impl Mark {
         let Place { x: left, y: top, width, height } = ground.place;
         let path = |class: &str, d: String| vec![element("path").class(class).with("d", d)];
         match self {
-            Mark::Line { class, points } => path(class, ground.path(points)),
+            Mark::Line { class, points } => vec![ground.clipped(path(class, ground.path(points)))],
             Mark::Dots { class, points, radius } => {
                 // One path of small circles is a tenth of so many elements.
                 let r = at(*radius);
@@ -78,7 +90,7 @@ impl Mark {
                 let (mut low, high) = (side(|p| (p.0, p.1)), side(|p| (p.0, p.2)));
                 low.reverse();
                 let d = ground.path(&high) + &ground.path(&low).replacen('M', "L", 1) + "Z";
-                path(class, if points.is_empty() { String::new() } else { d })
+                vec![ground.clipped(path(class, if points.is_empty() { String::new() } else { d }))]
             }
             Mark::Span { from, to, words } => {
                 let (a, b) = (ground.x(*from).max(left), ground.x(*to).min(left + width));
@@ -86,7 +98,10 @@ impl Mark {
                 let area = area.with("width", at((b - a).max(0.0))).with("height", at(height));
                 let edge = element("line").class("edge").with("x1", at(a)).with("x2", at(a));
                 let edge = edge.with("y1", at(top)).with("y2", at(top + height));
-                vec![area, edge, super::word("small", a + 6.0, top + 14.0, words)]
+                // Above the area, where nothing is drawn; to the left where there is no room to the right.
+                let fits = a + super::width_of(words) <= left + width;
+                let (class, x) = if fits { ("small", a + 1.0) } else { ("small end", b - 1.0) };
+                vec![area, edge, super::word(class, x, top - 6.0, words)]
             }
             Mark::Level { class, y } => {
                 let y = at(ground.y(*y));

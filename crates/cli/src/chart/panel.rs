@@ -62,11 +62,11 @@ impl Panel {
         let label = self.y.label();
         // A label longer than the axis would run into its neighbours: it stands above instead of beside.
         if width_of(&label) <= height + 24.0 {
-            let (x, y) = (at(left - 50.0), at(top + 0.5 * height));
+            let (x, y) = (at(left - 56.0), at(top + 0.5 * height));
             let turned = word("label middle", 0.0, 0.0, &label);
             words.push(turned.with("transform", format!("translate({x} {y}) rotate(-90)")));
         } else {
-            words.push(word("label", left - 50.0, top - 10.0, &label));
+            words.push(word("label", left - 56.0, top - 10.0, &label));
         }
         let path = |class: &str, d: String| element("path").class(class).with("d", d);
         let frame = format!("M{} {}V{}H{}", at(left), at(top), at(bottom), at(right));

@@ -21,7 +21,12 @@ pub(crate) fn chart(system: &System, found: &Identified) -> Option<(Chart, Strin
     let pairs = (0..names.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
     let strongest = pairs.filter(|&(i, j)| values[i][j].is_finite());
     let (i, j) = strongest.max_by(|a, b| values[a.0][a.1].abs().total_cmp(&values[b.0][b.1].abs()))?;
-    let said = format!("The strongest correlation is {} between {} and {}.", digits(values[i][j], 2), names[j], names[i]);
+    let said = format!(
+        "The strongest correlation is {} between {} and {}.",
+        digits(values[i][j], 2),
+        names[j],
+        names[i]
+    );
     let title = "Correlations of the estimates";
     let chart = heatmap("correlation", title, &said, &names, &values);
     Some((chart, format!("{title}: near ±1 two numbers cannot be told apart. {said}")))

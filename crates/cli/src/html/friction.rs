@@ -1,5 +1,6 @@
 //! The identified part of a rate against velocity, with its band and, for synthetic data, the truth.
 
+use super::table::unit as unit_words;
 use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Swatch, WIDTH, digits, legend};
 use phisindy_learn::{Course, Curve, Identified, UnknownPart, unknown_parts};
 use phisindy_phys::unit::{Dimension, Unit};
@@ -42,12 +43,13 @@ fn part_charts(case: &Case, part: &UnknownPart) -> Vec<(Chart, String)> {
         (false, _) => rate(&state.unit).map_or(String::new(), |d| d.to_string()),
         (true, None) => String::new(),
     };
-    let unit = if unit == "1" { String::new() } else { unit };
+    let unit = unit_words(&unit);
     let what = if part.force { "resisting force" } else { "resistance" };
     let axes = Axes { unit, what, part, state: &state.name, velocity: velocity_unit(case, &part.velocity) };
     match &part.course {
         Course::Curves(curves) => {
-            let of = |(k, (name, curve)): (usize, &(Option<String>, Curve))| axes.curve(k, name.as_deref(), curve);
+            let of =
+                |(k, (name, curve)): (usize, &(Option<String>, Curve))| axes.curve(k, name.as_deref(), curve);
             curves.iter().enumerate().map(of).collect()
         }
         Course::Cloud(cloud) => vec![axes.cloud(cloud)],
@@ -61,7 +63,7 @@ fn velocity_unit(case: &Case, velocity: &str) -> String {
         let state = case.system.state(word).map(|k| case.system.states[k].unit.as_str());
         let unit = state.or(case.system.input(word).map(|k| case.system.inputs[k].unit.as_str()))?;
         // Curves are in SI.
-        Unit::parse(unit).ok().map(|u| u.dimension.to_string()).filter(|text| text != "1")
+        Unit::parse(unit).ok().map(|u| unit_words(&u.dimension.to_string())).filter(|text| !text.is_empty())
     };
     words.into_iter().find_map(unit).unwrap_or_default()
 }
@@ -87,7 +89,7 @@ impl Axes<'_> {
             k => format!("friction-{}-{}", self.state, k + 1),
         };
         let mut chart = Chart::new(&name, title, said, (WIDTH, HIGH + 106.0));
-        chart.draw(legend(entries, LEFT, 20.0));
+        chart.draw(legend(entries, 20.0, 20.0));
         chart.draw(panel.drawn(Place { x: LEFT, y: 44.0, width: WIDTH - LEFT - 14.0, height: HIGH }));
         chart
     }
@@ -125,12 +127,14 @@ impl Axes<'_> {
         let last = curve.velocity.len() - 1;
         let half = curve.velocity.partition_point(|v| *v < 0.5 * curve.velocity[last]).min(last);
         let value = |k: usize| {
-            let band = curve.band.as_ref().map_or(String::new(), |b| {
-                format!(" [{}, {}]", digits(b[k].0, 3), digits(b[k].1, 3))
-            });
-            let truth = curve.truth.as_ref().map_or(String::new(), |t| format!(", truth {}", digits(t[k], 3)));
+            let band = curve
+                .band
+                .as_ref()
+                .map_or(String::new(), |b| format!(" [{}, {}]", digits(b[k].0, 4), digits(b[k].1, 4)));
+            let truth =
+                curve.truth.as_ref().map_or(String::new(), |t| format!(", truth {}", digits(t[k], 4)));
             let at = format!("{} = {}", self.part.velocity, digits(curve.velocity[k], 2));
-            format!("{}{band} at {at}{truth}", digits(curve.value[k], 3))
+            format!("{}{band} at {at}{truth}", digits(curve.value[k], 4))
         };
         let unit = if self.unit.is_empty() { String::new() } else { format!(" in {}", self.unit) };
         format!(

@@ -1,9 +1,9 @@
 //! The report of `gap`.
 
-use super::data::{Model, Seen};
+use super::data::{Model, Seen, notes};
 use super::page::{Banner, Page, Tone, add_remarks, paragraph};
-use super::table::{Cell, code, parameters, table, text, unit};
-use super::{mathml, motion, repeat, residual, shrink};
+use super::table::{Cell, code, in_unit, parameters, table, text};
+use super::{map, mathml, motion, repeat, residual, shrink};
 use crate::args::Options;
 use crate::chart::digits;
 use crate::equation::equations;
@@ -13,6 +13,9 @@ use crate::load::Loaded;
 use crate::markup::{Element, element};
 use phisindy_gap::{Entry, Gap, Region, Status, Step};
 use phisindy_phys::{SourceId, check_names, spec};
+
+/// A gap beyond this is more than noise.
+const NOISE: f64 = 1.1;
 
 /// The page.
 pub(crate) fn page(
@@ -30,14 +33,16 @@ pub(crate) fn page(
         model: Some(Model::new(&now.system, &[], &now.records)),
     };
     let mut page = Page::new(loaded, banner(found, seconds));
-    add_remarks(&mut page, &found.warnings, loaded);
+    add_remarks(&mut page, &found.warnings, &notes(loaded));
     page.figures("The gap", vec![shrink::chart(found)]);
     let step = |(k, s)| shown(Some(k + 1), s, catalogue);
     page.section("What is missing", found.steps.iter().enumerate().flat_map(step));
     let helps = found.partial.iter().flat_map(|s| shown(None, s, catalogue));
     page.section("What helps, but does not explain", helps);
     page.section("The completed equation", completed(found));
-    page.section("Where the gap sits", located(found));
+    let maps: Vec<Element> =
+        map::charts(&seen, &found.noise).into_iter().map(|(chart, said)| page.figure(chart, &said)).collect();
+    page.section("Where the gap sits", located(found).into_iter().chain(maps));
     page.figures("Measured against simulated", motion::charts(&seen));
     page.section("Records", [records(found), repeatability(found)].into_iter().flatten());
     page.figures("What is left", residual::charts(&seen));
@@ -55,11 +60,14 @@ fn banner(found: &Gap, seconds: f64) -> Banner {
     // The headline has said the first word.
     let words = ending(found);
     let words = words.split_once(": ").map_or(words.as_str(), |(_, rest)| rest);
+    let last = found.after.1.unwrap_or(found.after.0);
+    let repeats =
+        if tone == Tone::Good && last > NOISE { ": about what the motion itself repeats to" } else { "" };
     let stopped = if found.stopped { ", stopped by the user" } else { "" };
     Banner {
         tone,
         headline: headline.to_owned(),
-        text: format!("{}. {} s{stopped}.", capital(words), digits(seconds, 2)),
+        text: format!("{}{repeats}. {} s{stopped}.", capital(words), digits(seconds, 2)),
     }
 }
 
@@ -72,7 +80,8 @@ fn capital(words: &str) -> String {
 fn shown(number: Option<usize>, s: &Step, catalogue: &[Entry]) -> Vec<Element> {
     let number = number.map_or(String::new(), |k| format!("{k}. "));
     let name = &s.effect.entry.law.name;
-    let heading = element("h3").text(format!("{number}{name} at ")).add(element("code").text(&s.effect.place.at));
+    let heading =
+        element("h3").text(format!("{number}{name} at ")).add(element("code").text(&s.effect.place.at));
     let added = element("p").text("Added: ").add(element("code").text(&s.expression));
     let load = s.effect.load.as_ref().map(|load| paragraph(&format!("Its levels scale with {load}.")));
     let gains = [("fitted records", Some(s.fit)), ("validate records", s.validate)];
@@ -86,14 +95,14 @@ fn shown(number: Option<usize>, s: &Step, catalogue: &[Entry]) -> Vec<Element> {
             code(&p.constant),
             Cell::Number(p.value),
             Cell::Interval(p.ci95.0, p.ci95.1),
-            text(unit(&p.unit)),
+            in_unit(&p.unit),
         ]
     };
     let head = ["parameter", "constant of the spec", "value", "95 % interval", "unit"];
     let numbers = table(&format!("Numbers of {name}"), &head, s.parameters.iter().map(row).collect());
-    let others = rivals(s, catalogue).into_iter().map(|(rival, what)| {
-        capital(&rival) + &what.map_or(String::new(), |what| format!("; {what}")) + "."
-    });
+    let others = rivals(s, catalogue)
+        .into_iter()
+        .map(|(rival, what)| capital(&rival) + &what.map_or(String::new(), |what| format!("; {what}")) + ".");
     let said: Vec<Element> =
         others.chain(vetoes(s).map(|v| capital(&v) + ".")).map(|line| element("li").text(line)).collect();
     let said = (!said.is_empty()).then(|| element("ul").all(said));
@@ -102,7 +111,9 @@ fn shown(number: Option<usize>, s: &Step, catalogue: &[Entry]) -> Vec<Element> {
 
 /// The equations of the completed spec.
 fn completed(found: &Gap) -> Vec<Element> {
-    let checked = spec::read(&found.completed, SourceId(0)).ok().and_then(|(spec, _)| check_names(&spec, SourceId(0)).ok());
+    let checked = spec::read(&found.completed, SourceId(0))
+        .ok()
+        .and_then(|(spec, _)| check_names(&spec, SourceId(0)).ok());
     let Some((case, _)) = checked else { return vec![] };
     equations(&case, &[], &found.parameters).iter().map(|e| mathml::equation(&e.latex)).collect()
 }

@@ -1,6 +1,6 @@
 //! Equations as MathML, broken into lines where they are long.
 
-use crate::markup::{Element, element};
+use crate::markup::{Element, element, escaped};
 use pulldown_latex::{Parser, RenderConfig, Storage, config::DisplayMode, push_mathml};
 
 /// About how many symbols a line holds.
@@ -10,16 +10,20 @@ const LINE: usize = 62;
 pub(crate) fn equation(latex: &str) -> Element {
     let block = element("div").class("equation scroll").with("tabindex", 0).with("role", "group");
     let block = block.with("aria-label", "equation");
-    match mathml(&broken(latex)) {
+    match mathml(&broken(latex), latex) {
         Some(math) => block.raw(math),
         None => block.add(element("code").text(latex)),
     }
 }
 
-fn mathml(latex: &str) -> Option<String> {
+/// `plain` is the same LaTeX on one line, for whoever copies or hears it.
+fn mathml(latex: &str, plain: &str) -> Option<String> {
     let storage = Storage::new();
     let events: Vec<_> = Parser::new(latex, &storage).collect::<Result<_, _>>().ok()?;
-    let config = RenderConfig { display_mode: DisplayMode::Block, annotation: Some(latex), ..Default::default() };
+    // The annotation is written as it is given.
+    let plain = escaped(plain);
+    let config =
+        RenderConfig { display_mode: DisplayMode::Block, annotation: Some(&plain), ..Default::default() };
     let mut out = String::new();
     push_mathml(&mut out, events.into_iter().map(Ok::<_, std::convert::Infallible>), config).ok()?;
     Some(out)
@@ -85,7 +89,9 @@ mod tests {
 
     #[test]
     fn an_equation_is_set() {
-        let set = equation(r"\dot{y}_{1} = -0.2\,y_{1} + \cos\left(0.6\,t\right) - 0.3\,\operatorname{sgn}(y_{1})").to_string();
+        let set =
+            equation(r"\dot{y}_{1} = -0.2\,y_{1} + \cos\left(0.6\,t\right) - 0.3\,\operatorname{sgn}(y_{1})")
+                .to_string();
         for part in ["<math", "sgn", "0.3", "cos"] {
             assert!(set.contains(part), "{part}: {set}");
         }
@@ -97,6 +103,6 @@ mod tests {
         assert_eq!(pieces(r"-a + \left(b - c\right) - d"), ["-a", r" + \left(b - c\right)", " - d"]);
         let long = format!("\\dot{{x}} = {}", ["\\frac{a}{b}\\left(c + d\\right)"; 30].join(" + "));
         let broken = broken(&long);
-        assert!(broken.matches("\\\\").count() >= 2 && mathml(&broken).is_some(), "{broken}");
+        assert!(broken.matches("\\\\").count() >= 2 && mathml(&broken, &long).is_some(), "{broken}");
     }
 }

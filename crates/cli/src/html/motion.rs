@@ -2,6 +2,7 @@
 
 use super::data::{Column, Model, Seen};
 use super::regimes;
+use super::table::unit;
 use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Swatch, WIDTH, digits, legend};
 
 const LEFT: f64 = 70.0;
@@ -37,7 +38,7 @@ fn chart(seen: &Seen<'_>, chain: &[usize], number: usize) -> (Chart, String) {
     );
     let name = format!("motion-{number}");
     let mut chart = Chart::new(&name, &format!("{what}: {names}"), &description, size);
-    chart.draw(legend(&entries(seen, chain, !strips.is_empty()), LEFT, 20.0));
+    chart.draw(legend(&entries(seen, chain, !strips.is_empty()), 20.0, 20.0));
     let mut y = top;
     for (k, column) in columns.iter().enumerate() {
         let last = k + 1 == columns.len() && strips.is_empty();
@@ -53,7 +54,7 @@ fn chart(seen: &Seen<'_>, chain: &[usize], number: usize) -> (Chart, String) {
             chart.draw(below_labels(&time, Place { x: LEFT, y: y - 8.0, width, height: 0.0 }));
         }
     }
-    let caption = format!("{names}. {}", said.join(" "));
+    let caption = format!("{names}. {}{rests}", said.join(" "));
     (chart, caption)
 }
 
@@ -84,15 +85,11 @@ fn panel(seen: &Seen<'_>, chain: &[usize], column: &Column<'_>, time: &Axis, lab
     let measured = along(&|_, samples: &[f64]| Some(samples.to_vec()));
     let model = seen.model.as_ref().map(simulated).unwrap_or_default();
     let was = seen.was.as_ref().map(simulated).unwrap_or_default();
+    let (low, high) = Axis::around("", "", measured.iter().map(|p| p.1)).ends();
     // A model that runs away does not squeeze what was measured.
-    let values = measured.iter().chain(&model).map(|p| p.1);
-    let y = Axis::around(column.name, column.unit, values);
-    let (low, high) = y.ends();
-    let room = 0.5 * (high - low);
-    let near = |points: Vec<(f64, f64)>| -> Vec<(f64, f64)> {
-        let cut = |(t, v): (f64, f64)| (t, if (low - room..=high + room).contains(&v) { v } else { f64::NAN });
-        points.into_iter().map(cut).collect()
-    };
+    let room = 0.3 * (high - low);
+    let shown = model.iter().chain(&was).map(|p| p.1.clamp(low - room, high + room));
+    let y = Axis::around(column.name, &unit(column.unit), measured.iter().map(|p| p.1).chain(shown));
     let unfitted = seen.unfitted(chain).into_iter();
     let mut marks: Vec<Mark> =
         unfitted.map(|(from, to)| Mark::Span { from, to, words: "validate: not fitted" }).collect();
@@ -101,7 +98,7 @@ fn panel(seen: &Seen<'_>, chain: &[usize], column: &Column<'_>, time: &Axis, lab
     } else {
         Mark::Line { class: "measured", points: measured }
     });
-    let lines = [("before", near(was)), ("model", model)].into_iter().filter(|(_, p)| !p.is_empty());
+    let lines = [("before", was), ("model", model)].into_iter().filter(|(_, p)| !p.is_empty());
     marks.extend(lines.map(|(class, points)| Mark::Line { class, points }));
     Panel { heading: String::new(), x: time.clone(), y, marks, labelled }
 }
@@ -119,7 +116,7 @@ fn entries(seen: &Seen<'_>, chain: &[usize], rests: bool) -> Vec<Entry> {
     }
     if rests {
         out.push(("stick", Swatch::Box, "sticks".to_owned()));
-        out.push(("slip", Swatch::Box, "slips (+ above, − below)".to_owned()));
+        out.push(("slip", Swatch::Box, "slips (+ up, − down)".to_owned()));
     }
     out
 }
@@ -138,7 +135,8 @@ fn described(seen: &Seen<'_>, column: &Column<'_>) -> String {
             Some(format!("{before}{after} ({})", crate::json::role(seen.records[*r].role)))
         })
         .collect();
-    let range = format!("{} runs from {} to {} {}", column.name, digits(low, 3), digits(high, 3), column.unit);
+    let range =
+        format!("{} runs from {} to {} {}", column.name, digits(low, 3), digits(high, 3), unit(column.unit));
     let errors = if errors.is_empty() { String::new() } else { format!(", NRMSE {}", errors.join(", ")) };
     format!("{}{errors}.", range.trim_end())
 }

@@ -1,6 +1,5 @@
 //! The page: what stands round the sections, and how it is written.
 
-use super::data;
 use crate::chart::{self, Chart};
 use crate::load::Loaded;
 use crate::markup::{Element, element};
@@ -74,7 +73,8 @@ impl Page {
 
     /// With a section of figures and their captions; none without any.
     pub(crate) fn figures(&mut self, heading: &str, charts: Vec<(Chart, String)>) {
-        let figures: Vec<Element> = charts.into_iter().map(|(chart, caption)| self.figure(chart, &caption)).collect();
+        let figures: Vec<Element> =
+            charts.into_iter().map(|(chart, caption)| self.figure(chart, &caption)).collect();
         self.section(heading, figures);
     }
 
@@ -132,7 +132,56 @@ pub(crate) fn paragraph(text: &str) -> Element {
 }
 
 /// Warnings and what was done to the data, each in its section.
-pub(crate) fn add_remarks(page: &mut Page, warnings: &[String], loaded: &Loaded) {
+pub(crate) fn add_remarks(page: &mut Page, warnings: &[String], notes: &[String]) {
     page.list("Warnings", warnings);
-    page.list("What was done to the data", &data::notes(loaded));
+    page.list("What was done to the data", notes);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The colours of a block of the style sheet.
+    fn colours(block: &str) -> Vec<(&str, [f64; 3])> {
+        let pairs = block.split(';').filter_map(|line| line.trim().trim_start_matches('{').split_once(": #"));
+        let channel = |hex: &str, k: usize| {
+            f64::from(u8::from_str_radix(&hex[2 * k..2 * k + 2], 16).expect("two digits"))
+        };
+        let named = |(name, hex): (&'static str, &str)| (name, [0, 1, 2].map(|k| channel(hex, k) / 255.0));
+        let own: Vec<(&'static str, &str)> = NAMES
+            .iter()
+            .filter_map(|n| {
+                pairs.clone().find(|(name, _)| name.trim().ends_with(n)).map(|(_, hex)| (*n, hex))
+            })
+            .collect();
+        own.into_iter().map(named).collect()
+    }
+
+    const NAMES: [&str; 8] =
+        ["--page", "--panel", "--ink", "--soft", "--accent", "--good", "--bad", "--open"];
+
+    /// WCAG 2.1, relative luminance.
+    fn luminance(colour: [f64; 3]) -> f64 {
+        let linear = |c: f64| if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) };
+        let [r, g, b] = colour.map(linear);
+        0.2126 * r + 0.7152 * g + 0.0722 * b
+    }
+
+    #[test]
+    fn words_stand_out_from_what_is_behind_them() {
+        let blocks: Vec<&str> =
+            STYLE.split(":root {").skip(1).map(|b| b.split('}').next().unwrap_or("")).collect();
+        assert_eq!(blocks.len(), 2, "light and dark");
+        for block in blocks {
+            let all = colours(block);
+            assert_eq!(all.len(), NAMES.len(), "{block}");
+            for (behind, back) in &all[..2] {
+                for (word, front) in &all[2..] {
+                    let (a, b) = (luminance(*back), luminance(*front));
+                    let contrast = (a.max(b) + 0.05) / (a.min(b) + 0.05);
+                    assert!(contrast >= 4.5, "{word} on {behind}: {contrast:.2}");
+                }
+            }
+        }
+    }
 }

@@ -16,9 +16,12 @@ pub(crate) fn described(seen: &Seen<'_>, chain: &[usize]) -> String {
         let length = |s: &&(f64, f64, i8)| s.1 - s.0;
         let still: f64 = all.iter().filter(|s| s.2 == 0).map(|s| length(&s)).sum();
         let whole: f64 = all.iter().map(|s| length(&s)).sum();
-        let count = all.iter().filter(|s| s.2 == 0).count();
-        let part = 100.0 * still / whole.max(f64::MIN_POSITIVE);
-        format!(" The contact {name} sticks {count} times, {} % of the time.", digits(part, 2))
+        let part = digits(100.0 * still / whole.max(f64::MIN_POSITIVE), 2);
+        match all.iter().filter(|s| s.2 == 0).count() {
+            0 => format!(" The contact {name} never sticks."),
+            1 => format!(" The contact {name} sticks once, {part} % of the time."),
+            count => format!(" The contact {name} sticks {count} times, {part} % of the time."),
+        }
     };
     contacts(seen).into_iter().map(one).collect()
 }
@@ -37,7 +40,10 @@ fn marks(seen: &Seen<'_>, chain: &[usize], switch: usize) -> Vec<Mark> {
         of.map(|&(from, to, _)| (from, to, low, high)).collect::<Vec<_>>()
     };
     let slips = [boxes(1, 0.62, 1.0), boxes(-1, 0.0, 0.38)].concat();
-    vec![Mark::Boxes { class: "slip", boxes: slips }, Mark::Boxes { class: "stick", boxes: boxes(0, 0.0, 1.0) }]
+    vec![
+        Mark::Boxes { class: "slip", boxes: slips },
+        Mark::Boxes { class: "stick", boxes: boxes(0, 0.0, 1.0) },
+    ]
 }
 
 /// Stretches of one mode: from, to, mode.

@@ -1,7 +1,7 @@
 //! What it takes to repeat a result: what was held constant, the spec, the version, the command, the seed.
 
 use super::page::{Page, paragraph};
-use super::table::{Cell, code, table, text, unit};
+use super::table::{Cell, code, in_unit, table, text};
 use crate::args::Options;
 use crate::load::Loaded;
 use crate::markup::{Element, element};
@@ -12,7 +12,8 @@ use phisindy_phys::{Origin, Record, SourceId};
 /// Adds the sections at the end of every report.
 pub(crate) fn add(page: &mut Page, loaded: &Loaded, options: &Options) {
     page.section("Held constant", [constants(loaded), of_records(loaded)].into_iter().flatten());
-    let command: Vec<String> = std::env::args().skip(1).map(|word| quoted(&word)).collect();
+    let command: Vec<String> =
+        std::env::args_os().skip(1).map(|word| quoted(&word.to_string_lossy())).collect();
     let command = format!("phisindy {}", command.join(" "));
     let block = |text: &str, label: &str| {
         let pre = element("pre").class("scroll").with("tabindex", 0).with("role", "group");
@@ -58,7 +59,7 @@ fn constants(loaded: &Loaded) -> Option<Element> {
             _ => "",
         };
         let factor = Unit::parse(own).map_or(1.0, |u| u.factor);
-        vec![code(name), Cell::Number(value / factor), text(unit(own))]
+        vec![code(name), Cell::Number(value / factor), in_unit(own)]
     };
     let rows = loaded.case.system.constants.iter().map(row).collect();
     table("Constants", &["constant", "value", "unit"], rows)
@@ -69,9 +70,15 @@ fn of_records(loaded: &Loaded) -> Option<Element> {
     let names = &loaded.case.system.record_constants;
     let of = |r: &Record| {
         let pairs = names.iter().zip(r.constants.clone());
-        pairs.map(|((name, _), value)| vec![text(&r.name), code(name), Cell::Number(value)]).collect::<Vec<_>>()
+        pairs
+            .map(|((name, _), value)| vec![text(&r.name), code(name), Cell::Number(value)])
+            .collect::<Vec<_>>()
     };
-    table("Constants of the records (SI)", &["record", "constant", "value"], loaded.records.iter().flat_map(of).collect())
+    table(
+        "Constants of the records (SI)",
+        &["record", "constant", "value"],
+        loaded.records.iter().flat_map(of).collect(),
+    )
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! What is left: the residual over time within the noise, and its autocorrelation within the band of white noise.
 
 use super::data::{Column, Model, Seen};
+use super::table::unit;
 use crate::chart::{Axis, Chart, Mark, Panel, Place, Swatch, WIDTH, digits, legend};
 use phisindy_phys::autocorrelation;
 use phisindy_phys::spec::Role;
@@ -40,12 +41,12 @@ fn chart(seen: &Seen<'_>, model: &Model<'_>, chain: &[usize], number: usize) -> 
         ("model", Swatch::Line, "measured − simulated".to_owned()),
         ("limit", Swatch::Line, "95 % of the estimated noise; right: of white noise".to_owned()),
     ];
-    chart.draw(legend(&entries, LEFT, 20.0));
+    chart.draw(legend(&entries, 20.0, 20.0));
     let mut y = 48.0;
     for (column, parts) in &left {
         let place = Place { x: LEFT, y, width: MIDDLE - LEFT, height: HIGH };
         chart.draw(over_time(seen, model, chain, column, parts).drawn(place));
-        let place = Place { x: MIDDLE + 70.0, y, width: WIDTH - MIDDLE - 84.0, height: HIGH };
+        let place = Place { x: MIDDLE + 78.0, y, width: WIDTH - MIDDLE - 92.0, height: HIGH };
         chart.draw(correlogram(seen, shown(seen, parts)).drawn(place));
         y += HIGH + 62.0;
     }
@@ -72,7 +73,11 @@ fn over_time(
     });
     let largest = points.iter().map(|p| p.1.abs()).filter(|v| v.is_finite()).fold(0.0, f64::max);
     let limits = noise.filter(|v| *v < 50.0 * largest).map_or(vec![], |v| vec![-v, v]);
-    let y = Axis::around(&format!("residual of {}", column.name), column.unit, points.iter().map(|p| p.1).chain(limits.clone()));
+    let y = Axis::around(
+        &format!("residual of {}", column.name),
+        &unit(column.unit),
+        points.iter().map(|p| p.1).chain(limits.clone()),
+    );
     let unfitted = seen.unfitted(chain).into_iter();
     let mut marks: Vec<Mark> =
         unfitted.map(|(from, to)| Mark::Span { from, to, words: "validate: not fitted" }).collect();
@@ -93,13 +98,14 @@ fn correlogram(seen: &Seen<'_>, (record, residual): &(usize, Vec<f64>)) -> Panel
     let n = residual.len();
     let step = (time[n.min(time.len()) - 1] - time[0]) / (n - 1).max(1) as f64;
     let all = autocorrelation(residual);
-    // A twentieth of the record, thinned where that is long.
+    // From lag 1 on (at 0 it is 1) over a twentieth of the record, thinned where that is long.
     let most = (n / 20).clamp(20, n.saturating_sub(1).max(1));
     let every = most.div_ceil(LAGS);
-    let lags = (0..=most).step_by(every).filter(|&k| k < all.len());
+    let lags = (1..=most).step_by(every).filter(|&k| k < all.len());
     let points: Vec<(f64, f64)> = lags.map(|k| (k as f64 * step, all[k])).collect();
+    let values: Vec<f64> = points.iter().map(|p| p.1).collect();
     let white = REACH / (n as f64).sqrt();
-    let low = points.iter().map(|p| p.1).fold(-2.5 * white, f64::min);
+    let reach = [-3.0 * white, 3.0 * white];
     let marks = vec![
         Mark::Stems { class: "residual", points },
         Mark::Level { class: "zero", y: 0.0 },
@@ -107,21 +113,21 @@ fn correlogram(seen: &Seen<'_>, (record, residual): &(usize, Vec<f64>)) -> Panel
         Mark::Level { class: "limit", y: -white },
     ];
     let x = Axis::between("lag", "s", 0.0, most as f64 * step);
-    Panel { heading: String::new(), x, y: Axis::around("autocorrelation", "", [low, 1.0]), marks, labelled: true }
+    let y = Axis::around("autocorrelation", "", values.into_iter().chain(reach));
+    Panel { heading: String::new(), x, y, marks, labelled: true }
 }
 
 fn described(seen: &Seen<'_>, column: &Column<'_>, parts: &[(usize, Vec<f64>)]) -> String {
-    let (record, residual) = shown(seen, parts);
+    let (_, residual) = shown(seen, parts);
     let n = residual.len();
     let rms = (residual.iter().map(|e| e * e).sum::<f64>() / n.max(1) as f64).sqrt();
     let all = autocorrelation(residual);
     let first = all.get(1).copied().unwrap_or(0.0);
     format!(
-        "{}: rms {}{} in {}, autocorrelation at the first lag {} (95 % of white noise stays within ±{}).",
+        "{}: rms {} {}, autocorrelation at the first lag {} (95 % of white noise is within ±{}).",
         column.name,
         digits(rms, 3),
-        if column.unit.is_empty() { String::new() } else { format!(" {}", column.unit) },
-        seen.records[*record].name,
+        unit(column.unit),
         digits(first, 2),
         digits(REACH / (n.max(1) as f64).sqrt(), 2)
     )

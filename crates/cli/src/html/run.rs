@@ -2,7 +2,7 @@
 
 use super::data::{Model, Seen};
 use super::page::{Banner, Page, Tone, add_remarks, paragraph};
-use super::table::{Cell, code, estimate, parameters, table, text};
+use super::table::{Cell, code, estimate, in_unit, parameters, table, text, unit};
 use super::{correlation, friction, mathml, motion, repeat, residual, selection};
 use crate::args::Options;
 use crate::chart::digits;
@@ -22,7 +22,7 @@ pub(crate) fn page(report: &Report<'_>, loaded: &Loaded, options: &Options) -> P
     let seen = Seen { system: &case.system, records: &loaded.records, was: None, model: Some(model) };
 
     let mut page = Page::new(loaded, banner(report));
-    add_remarks(&mut page, &report.warnings, loaded);
+    add_remarks(&mut page, &report.warnings, &report.notes);
     page.section("Equation", equations(report));
     page.section("Coefficients", coefficients(report));
     page.section("Parameters", parameters(&found.parameters));
@@ -31,7 +31,10 @@ pub(crate) fn page(report: &Report<'_>, loaded: &Loaded, options: &Options) -> P
     page.section("Records", records(report));
     page.figures("What is left", residual::charts(&seen));
     page.figures("Choice of terms", selection::chart(found).into_iter().collect());
-    page.figures("What the data can tell apart", correlation::chart(&case.system, found).into_iter().collect());
+    page.figures(
+        "What the data can tell apart",
+        correlation::chart(&case.system, found).into_iter().collect(),
+    );
     repeat::add(&mut page, loaded, options);
     page
 }
@@ -81,12 +84,15 @@ fn coefficients(report: &Report<'_>) -> Option<Element> {
     let rows = report.found.terms.iter().map(|f| {
         let term = &system.terms[f.term];
         let state = &system.states[term.state].name;
-        let unit = term.unit.map_or("–".to_owned(), |unit| unit.to_string());
-        let mut row = vec![code(state), code(report.factor(state)), code(&term.candidate), text(unit)];
+        let dimension = term.unit.map_or(String::new(), |unit| unit.to_string());
+        let mut row =
+            vec![code(state), code(report.factor(state)), code(&term.candidate), in_unit(&dimension)];
         row.extend(estimate(&f.coefficient, 1.0));
         if forces {
             let force = report.force(f);
-            row.push(force.map_or(text("–"), |(value, unit)| text(format!("{} {unit}", digits(value, 5)))));
+            row.push(force.map_or(text("–"), |(value, dimension)| {
+                text(format!("{} {}", digits(value, 5), unit(&dimension.to_string())))
+            }));
         }
         row
     });
@@ -108,7 +114,7 @@ fn records(report: &Report<'_>) -> Option<Element> {
         for ((column, nrmse), (_, noise)) in record.nrmse.iter().zip(&record.noise) {
             let state = system.state(column).map(|k| &system.states[k]);
             let (factor, unit) = state.map_or((1.0, ""), |s| (s.factor, s.unit.as_str()));
-            row([code(column), Cell::Number(*nrmse), Cell::Number(noise / factor), text(unit)]);
+            row([code(column), Cell::Number(*nrmse), Cell::Number(noise / factor), in_unit(unit)]);
         }
     }
     let head = ["record", "role", "samples", "column", "NRMSE of the free run", "noise (std. dev.)", "unit"];

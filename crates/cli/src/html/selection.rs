@@ -24,15 +24,15 @@ pub(crate) fn chart(found: &Identified) -> Option<(Chart, String)> {
         points.iter().filter(|p| p.0 as usize == found.terms.len()).copied().collect();
     let highest = points.iter().map(|p| p.1).fold(0.0, f64::max);
     let said: Vec<String> =
-        points.iter().map(|(k, c)| format!("{k} terms: {}", digits(*c, 3))).collect();
+        points.iter().map(|(k, c)| format!("{}: {}", count(*k as usize), digits(*c, 3))).collect();
     let description = format!("Criterion above its least value, by number of terms. {}.", said.join("; "));
     let title = "Error against number of terms";
     let mut chart = Chart::new("selection", title, &description, (WIDTH, 300.0));
     let entries = [
         ("model", Swatch::Line, "criterion along the path".to_owned()),
-        ("chosen", Swatch::Dot, format!("chosen: {} terms", found.terms.len())),
+        ("chosen", Swatch::Dot, format!("chosen: {}", count(found.terms.len()))),
     ];
-    chart.draw(legend(&entries, 70.0, 20.0));
+    chart.draw(legend(&entries, 20.0, 20.0));
     let marks = vec![
         Mark::Line { class: "model", points: points.clone() },
         Mark::Dots { class: "model", points, radius: 3.5 },
@@ -42,6 +42,11 @@ pub(crate) fn chart(found: &Identified) -> Option<(Chart, String)> {
     let y = Axis::between("criterion above the least", "", 0.0, 1.6 * highest.max(1.0)).on(Scale::FromZero);
     let panel = Panel { heading: String::new(), x, y, marks, labelled: true };
     chart.draw(panel.drawn(Place { x: 70.0, y: 44.0, width: WIDTH - 84.0, height: 200.0 }));
-    let caption = format!("{title}: the criterion counts misfit and the price of each term. {}.", said.join("; "));
+    let caption =
+        format!("{title}: the criterion counts misfit and the price of each term. {}.", said.join("; "));
     Some((chart, caption))
+}
+
+fn count(terms: usize) -> String {
+    format!("{terms} {}", if terms == 1 { "term" } else { "terms" })
 }

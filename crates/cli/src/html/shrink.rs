@@ -9,9 +9,9 @@ const ROW: f64 = 46.0;
 /// The chart.
 pub(crate) fn chart(found: &Gap) -> (Chart, String) {
     let shown = |(fit, validate): (f64, Option<f64>)| validate.unwrap_or(fit);
-    let mut rows = vec![("the model as it is".to_owned(), shown(found.before))];
+    let mut rows = vec![("The model as it is".to_owned(), shown(found.before))];
     for s in found.steps.iter().chain(&found.partial) {
-        let name = format!("+ {} at {}", s.effect.entry.law.name.to_lowercase(), s.effect.place.at);
+        let name = format!("+ {} at {}", s.effect.entry.law.name, s.effect.place.at);
         rows.push((name, s.validate.map_or(s.fit.1, |v| v.1)));
     }
     let which = if found.before.1.is_some() { "on data not used" } else { "on the fitted data" };
@@ -36,13 +36,17 @@ pub(crate) fn chart(found: &Gap) -> (Chart, String) {
         class,
         boxes: of.map(|k| bar(k, rows[k].1.min(1.25 * most))).collect(),
     };
-    let marks = vec![boxes(0..1, "bar was"), boxes(1..rows.len(), "bar")];
+    let noise = Mark::Line { class: "limit", points: vec![(1.0, 0.0), (1.0, 1.0)] };
+    let marks = vec![boxes(0..1, "bar was"), boxes(1..rows.len(), "bar"), noise];
     let panel = Panel { heading: String::new(), x: x.clone(), y: Axis::bare(), marks, labelled: true };
     chart.draw(panel.drawn(place));
     for (k, (name, value)) in rows.iter().enumerate() {
         let y = place.y + ROW * k as f64;
         let end = place.x + place.width * x.place(value.min(1.25 * most));
-        chart.draw([word("label", LEFT + 8.0, y + 15.0, name), word("heading", end + 8.0, y + 32.0, &digits(*value, 3))]);
+        chart.draw([
+            word("label halo", LEFT + 8.0, y + 15.0, name),
+            word("heading", end + 8.0, y + 32.0, &digits(*value, 3)),
+        ]);
     }
     (chart, format!("{title}: {text}"))
 }
