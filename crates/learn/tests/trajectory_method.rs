@@ -297,7 +297,7 @@ fn a_late_sensor() {
 fn the_unknown_part_is_a_curve_over_velocity_with_its_band_and_the_truth() {
     let mass =
         [("constants.m", "(2.0, \"kg\")"), ("inertia", "{ \"y\": \"m\" }"), ("data.0.duration", "20.0")];
-    let (case, records) = load("case1a", &mass);
+    let (case, records) = common::load("case1a", &mass);
     let found = run(&case, &records);
     let parts = unknown_parts(&case, &records, &found, true);
     let [UnknownPart { velocity, force: true, course: Course::Curves(curves), .. }] = &parts[..] else {

@@ -1,7 +1,7 @@
 //! The report of `gap`.
 
 use super::data::{Model, Seen, notes};
-use super::page::{Banner, Page, Tone, add_remarks, paragraph};
+use super::page::{Banner, Page, Tone, add_remarks, capital, paragraph};
 use super::table::{Cell, code, in_unit, parameters, table, text};
 use super::{map, mathml, motion, repeat, residual, shrink};
 use crate::args::Options;
@@ -69,11 +69,6 @@ fn banner(found: &Gap, seconds: f64) -> Banner {
         headline: headline.to_owned(),
         text: format!("{}{repeats}. {} s{stopped}.", capital(words), digits(seconds, 2)),
     }
-}
-
-fn capital(words: &str) -> String {
-    let mut letters = words.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// A step: law, place, numbers, rivals, vetoes.

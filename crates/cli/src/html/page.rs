@@ -126,6 +126,12 @@ impl Page {
     }
 }
 
+/// The words with their first letter large.
+pub(crate) fn capital(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// A paragraph.
 pub(crate) fn paragraph(text: &str) -> Element {
     element("p").text(text)

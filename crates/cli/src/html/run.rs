@@ -1,7 +1,7 @@
 //! The report of `run`.
 
 use super::data::{Model, Seen};
-use super::page::{Banner, Page, Tone, add_remarks, paragraph};
+use super::page::{Banner, Page, Tone, add_remarks, capital, paragraph};
 use super::table::{Cell, code, estimate, in_unit, parameters, table, text, unit};
 use super::{correlation, friction, mathml, motion, repeat, residual, selection};
 use crate::args::Options;
@@ -60,9 +60,11 @@ fn banner(report: &Report<'_>) -> Banner {
             headline: "Identified".to_owned(),
             text: format!("The free runs follow the data: worst NRMSE {}. {how}", errors.join(", ")),
         },
-        Verdict::Rejected(why) => {
-            Banner { tone: Tone::Bad, headline: "Rejected".to_owned(), text: format!("{why}. {how}") }
-        }
+        Verdict::Rejected(why) => Banner {
+            tone: Tone::Bad,
+            headline: "Rejected".to_owned(),
+            text: format!("{}. {how}", capital(why)),
+        },
     }
 }
 

@@ -1,7 +1,9 @@
 //! The path of the selection: the criterion against the number of terms.
 
+use super::page::capital;
 use crate::chart::{Axis, Chart, Mark, Panel, Place, Scale, Swatch, WIDTH, digits, legend};
 use phisindy_learn::Identified;
+use phisindy_phys::spec::Method;
 
 /// The chart; none where there was nothing to choose.
 pub(crate) fn chart(found: &Identified) -> Option<(Chart, String)> {
@@ -14,22 +16,25 @@ pub(crate) fn chart(found: &Identified) -> Option<(Chart, String)> {
         }
     }
     path.sort_by_key(|p| p.0);
-    let (fewest, most) = (path.first()?.0 as f64, path.last()?.0 as f64);
-    let least = path.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
-    let points: Vec<(f64, f64)> = path.iter().map(|(k, c)| (*k as f64, c - least)).collect();
-    if points.len() < 2 {
+    if path.len() < 2 {
         return None;
     }
+    // Of the criterion differences count; the loss of method step is what it is.
+    let step = found.method == Method::Step;
+    let least = path.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
+    let base = if step { 0.0 } else { least };
+    let points: Vec<(f64, f64)> = path.iter().map(|(k, c)| (*k as f64, c - base)).collect();
     let chosen: Vec<(f64, f64)> =
         points.iter().filter(|p| p.0 as usize == found.terms.len()).copied().collect();
     let highest = points.iter().map(|p| p.1).fold(0.0, f64::max);
     let said: Vec<String> =
         points.iter().map(|(k, c)| format!("{}: {}", count(*k as usize), digits(*c, 3))).collect();
-    let description = format!("Criterion above its least value, by number of terms. {}.", said.join("; "));
+    let what = if step { "one-step loss" } else { "criterion above the least" };
+    let description = format!("{}, by number of terms. {}.", capital(what), said.join("; "));
     let title = "Error against number of terms";
     let mut chart = Chart::new("selection", title, &description, (WIDTH, 300.0));
     let entries = [
-        ("model", Swatch::Line, "criterion along the path".to_owned()),
+        ("model", Swatch::Line, format!("{what}, along the path")),
         ("chosen", Swatch::Dot, format!("chosen: {}", count(found.terms.len()))),
     ];
     chart.draw(legend(&entries, 20.0, 20.0));
@@ -38,12 +43,21 @@ pub(crate) fn chart(found: &Identified) -> Option<(Chart, String)> {
         Mark::Dots { class: "model", points, radius: 3.5 },
         Mark::Dots { class: "chosen", points: chosen, radius: 6.0 },
     ];
+    let (fewest, most) = (path[0].0 as f64, path[path.len() - 1].0 as f64);
     let x = Axis::between("number of terms", "", fewest - 0.4, most + 0.4).whole();
-    let y = Axis::between("criterion above the least", "", 0.0, 1.6 * highest.max(1.0)).on(Scale::FromZero);
+    let y = if step {
+        Axis::between(what, "", 0.0, 1.1 * highest)
+    } else {
+        Axis::between(what, "", 0.0, 1.6 * highest.max(1.0)).on(Scale::FromZero)
+    };
     let panel = Panel { heading: String::new(), x, y, marks, labelled: true };
     chart.draw(panel.drawn(Place { x: 70.0, y: 44.0, width: WIDTH - 84.0, height: 200.0 }));
-    let caption =
-        format!("{title}: the criterion counts misfit and the price of each term. {}.", said.join("; "));
+    let counts = if step {
+        "the loss at the end of each stage"
+    } else {
+        "the criterion counts misfit and the price of each term"
+    };
+    let caption = format!("{title}: {counts}. {}.", said.join("; "));
     Some((chart, caption))
 }
 
