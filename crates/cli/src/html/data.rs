@@ -51,14 +51,17 @@ pub(crate) struct Seen<'a> {
     pub(crate) model: Option<Model<'a>>,
 }
 
+/// The index of a record, and a number for each of its samples.
+pub(crate) type Part = (usize, Vec<f64>);
+
 /// A measured column along a chain of records.
 pub(crate) struct Column<'a> {
     /// Name of the state.
     pub(crate) name: &'a str,
     /// Its unit, in which the values are.
     pub(crate) unit: &'a str,
-    /// For each record of the chain: its index, and its samples.
-    pub(crate) parts: Vec<(usize, Vec<f64>)>,
+    /// For each record of the chain its samples.
+    pub(crate) parts: Vec<Part>,
 }
 
 impl Seen<'_> {

@@ -65,8 +65,11 @@ fn below_labels(time: &Axis, place: Place) -> Vec<crate::markup::Element> {
     panel.drawn(place)
 }
 
+/// What is drawn for a record, from its index and its samples.
+type Values<'v> = dyn Fn(usize, &[f64]) -> Option<Vec<f64>> + 'v;
+
 fn panel(seen: &Seen<'_>, chain: &[usize], column: &Column<'_>, time: &Axis, labelled: bool) -> Panel {
-    let along = |values: &dyn Fn(usize, &[f64]) -> Option<Vec<f64>>| -> Vec<(f64, f64)> {
+    let along = |values: &Values<'_>| -> Vec<(f64, f64)> {
         let mut points = Vec::new();
         for (r, samples) in &column.parts {
             let Some(values) = values(*r, samples) else { continue };

@@ -1,6 +1,6 @@
 //! What is left: the residual over time within the noise, and its autocorrelation within the band of white noise.
 
-use super::data::{Column, Model, Seen};
+use super::data::{Column, Model, Part, Seen};
 use super::table::unit;
 use crate::chart::{Axis, Chart, Mark, Panel, Place, Swatch, WIDTH, digits, legend};
 use phisindy_phys::autocorrelation;
@@ -23,7 +23,7 @@ pub(crate) fn charts(seen: &Seen<'_>) -> Vec<(Chart, String)> {
 
 fn chart(seen: &Seen<'_>, model: &Model<'_>, chain: &[usize], number: usize) -> Option<(Chart, String)> {
     let columns: Vec<Column<'_>> = seen.columns(chain);
-    let left: Vec<(&Column<'_>, Vec<(usize, Vec<f64>)>)> = columns
+    let left: Vec<(&Column<'_>, Vec<Part>)> = columns
         .iter()
         .map(|c| (c, c.parts.iter().filter_map(|(r, _)| Some((*r, model.residual(*r, c.name)?))).collect()))
         .filter(|(_, parts): &(_, Vec<_>)| !parts.is_empty())
@@ -58,7 +58,7 @@ fn over_time(
     model: &Model<'_>,
     chain: &[usize],
     column: &Column<'_>,
-    parts: &[(usize, Vec<f64>)],
+    parts: &[Part],
 ) -> Panel {
     let (from, to) = seen.span(chain);
     let mut points = Vec::new();
@@ -87,13 +87,13 @@ fn over_time(
 }
 
 /// The record whose autocorrelation is shown: the longest that was fitted, else the longest.
-fn shown<'p>(seen: &Seen<'_>, parts: &'p [(usize, Vec<f64>)]) -> &'p (usize, Vec<f64>) {
-    let rank = |p: &&(usize, Vec<f64>)| (seen.records[p.0].role == Role::Fit, p.1.len());
+fn shown<'p>(seen: &Seen<'_>, parts: &'p [Part]) -> &'p Part {
+    let rank = |p: &&Part| (seen.records[p.0].role == Role::Fit, p.1.len());
     // A residual has at least one part.
     parts.iter().max_by_key(rank).unwrap_or(&parts[0])
 }
 
-fn correlogram(seen: &Seen<'_>, (record, residual): &(usize, Vec<f64>)) -> Panel {
+fn correlogram(seen: &Seen<'_>, (record, residual): &Part) -> Panel {
     let time = &seen.records[*record].time;
     let n = residual.len();
     let step = (time[n.min(time.len()) - 1] - time[0]) / (n - 1).max(1) as f64;
@@ -117,7 +117,7 @@ fn correlogram(seen: &Seen<'_>, (record, residual): &(usize, Vec<f64>)) -> Panel
     Panel { heading: String::new(), x, y, marks, labelled: true }
 }
 
-fn described(seen: &Seen<'_>, column: &Column<'_>, parts: &[(usize, Vec<f64>)]) -> String {
+fn described(seen: &Seen<'_>, column: &Column<'_>, parts: &[Part]) -> String {
     let (_, residual) = shown(seen, parts);
     let n = residual.len();
     let rms = (residual.iter().map(|e| e * e).sum::<f64>() / n.max(1) as f64).sqrt();
