@@ -13,7 +13,7 @@ Examples:
   phisindy run specs/*.ron --format json --quiet        one JSON object per spec
   phisindy check case.ron                               only say what is wrong with a spec and its data
   phisindy simulate case.ron > data.csv                 the synthetic data of a spec
-  phisindy run case.ron --out case                      also result.json, equation.tex, identified.ron in folder case
+  phisindy run case.ron --out case                      also report.html, result.json, ... in folder case
   phisindy simulate case/identified.ron > model.csv     what the identified model predicts
   phisindy sweep case.ron --seeds 100 --out sweep       100 noise seeds in parallel: how often right, how accurate
   phisindy laws stribeck                                a law of the catalogue";
@@ -215,7 +215,8 @@ pub(crate) struct Options {
     /// Form of the result
     #[arg(long, global = true, value_enum, default_value_t = Format::Latex, value_name = "FORMAT")]
     pub(crate) format: Format,
-    /// Also write the results into this folder (made if needed): result.json, equation.tex, identified.ron, sweep.json; `new`: the spec's file
+    /// Also write the results into this folder (made if needed): report.html with its figures, result.json, equation.tex,
+    /// identified.ron, sweep.json; `new`: the spec's file
     #[arg(long, global = true, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Folder of the data files [else: PHISINDY_DATA, then beside the spec]

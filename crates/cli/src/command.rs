@@ -5,7 +5,7 @@ use crate::load::{Loaded, Purpose, Refusal, load};
 use crate::outdir::{self, OutDir};
 use crate::progress::Progress;
 use crate::report::Report;
-use crate::{draw, gap, identified_spec, interrupt, laws, new, readme, simulate, sweep};
+use crate::{draw, gap, html, identified_spec, interrupt, laws, new, readme, simulate, sweep};
 use anyhow::{Context, Result, anyhow};
 use phisindy_learn::{Identified, LearnError, LearnOptions, Verdict, identify};
 use phisindy_phys::{Diagnostic, Sources};
@@ -121,13 +121,15 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
     };
     let found = match identified(&loaded, options) {
         Ok(found) => found,
-        Err(LearnError::Data(why)) => {
-            complain(&format!("{}: {why}", loaded.spec));
-            return Ok(REJECTED);
-        }
-        Err(LearnError::Numerics(why)) => {
-            complain(&format!("{}: {why}", loaded.spec));
-            return Ok(NUMERICS);
+        Err(error) => {
+            complain(&format!("{}: {error}", loaded.spec));
+            if let Some(folder) = folder {
+                html::write_failure(&error.to_string(), &loaded, options, folder)?;
+            }
+            return Ok(match error {
+                LearnError::Data(_) => REJECTED,
+                LearnError::Numerics(_) => NUMERICS,
+            });
         }
     };
     let report = Report::new(&loaded, &found, begin.elapsed().as_secs_f64());
@@ -141,6 +143,7 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
             Ok(text) => folder.write("identified.ron", &text)?,
             Err(why) => complain(&format!("identified.ron cannot be written: {why}")),
         }
+        html::write_run(&report, &loaded, options, folder)?;
     }
     let blank = if follows && options.format != Format::Json { "\n" } else { "" };
     print(&format!("{blank}{}", report.written(options.format)))?;

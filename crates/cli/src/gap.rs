@@ -5,7 +5,7 @@ use crate::command::{NUMERICS, REJECTED, complain, loaded, print, remark};
 use crate::load::{Loaded, Purpose};
 use crate::progress::Progress;
 use crate::table::short;
-use crate::{interrupt, laws, outdir};
+use crate::{html, interrupt, laws, outdir};
 use anyhow::Result;
 use phisindy_gap::{Entry, Gap, GapError, Status, Step, gap};
 use phisindy_phys::Law;
@@ -44,13 +44,15 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
     };
     let found = match found {
         Ok(found) => found,
-        Err(GapError::Data(why)) => {
-            complain(&format!("{}: {why}", loaded.spec));
-            return Ok(REJECTED);
-        }
-        Err(GapError::Numerics(why)) => {
-            complain(&format!("{}: {why}", loaded.spec));
-            return Ok(NUMERICS);
+        Err(error) => {
+            complain(&format!("{}: {error}", loaded.spec));
+            if let Some(folder) = &folder {
+                html::write_failure(&error.to_string(), &loaded, options, folder)?;
+            }
+            return Ok(match error {
+                GapError::Data(_) => REJECTED,
+                GapError::Numerics(_) => NUMERICS,
+            });
         }
     };
     if !options.quiet {
@@ -63,6 +65,7 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
         folder.write("result.json", &format!("{object:#}\n"))?;
         folder.write("gap.txt", &text)?;
         folder.write("completed.ron", &completed(&loaded, &found))?;
+        html::write_gap(&found, &catalogue, &loaded, seconds, options, folder)?;
     }
     match options.format {
         Format::Json => print(&format!("{object}\n"))?,
@@ -222,8 +225,16 @@ fn as_text(found: &Gap, catalogue: &[Entry], seconds: f64) -> String {
         let role = if *role == Role::Fit { "fit" } else { "validate" };
         out.push(format!("{record} ({role}): NRMSE of {column} {a:.4} -> {b:.4}"));
     }
-    let last = shown(found.after);
-    out.push(match found.status {
+    out.push(ending(found));
+    out.push(format!("{seconds:.1} s"));
+    out.join("\n") + "\n"
+}
+
+/// How it ended, in words.
+pub(crate) fn ending(found: &Gap) -> String {
+    let shown = |(fit, validate): (f64, Option<f64>)| validate.unwrap_or(fit);
+    let (before, last) = (shown(found.before), shown(found.after));
+    match found.status {
         Status::NothingMissing => {
             format!("nothing-missing: the model explains the data to their noise (gap {})", short(last))
         }
@@ -240,9 +251,7 @@ fn as_text(found: &Gap, catalogue: &[Entry], seconds: f64) -> String {
                 short(last)
             )
         }
-    });
-    out.push(format!("{seconds:.1} s"));
-    out.join("\n") + "\n"
+    }
 }
 
 fn details(s: &Step, catalogue: &[Entry]) -> Vec<String> {
@@ -257,7 +266,18 @@ fn details(s: &Step, catalogue: &[Entry]) -> Vec<String> {
             short(p.ci95.1)
         ));
     }
-    for r in s.rivals.iter().filter(|r| r.delta_bic < 10.0) {
+    for (rival, what) in rivals(s, catalogue) {
+        out.push(format!("     {rival}"));
+        out.extend(what.map(|what| format!("       {what}")));
+    }
+    out.extend(vetoes(s).map(|veto| format!("     {veto}")));
+    out
+}
+
+/// What else would nearly do, and what would decide.
+pub(crate) fn rivals(s: &Step, catalogue: &[Entry]) -> Vec<(String, Option<String>)> {
+    let near = s.rivals.iter().filter(|r| r.delta_bic < 10.0);
+    let said = near.map(|r| {
         // A richer description may fit better and still not be preferred: what it adds does not carry over to data not used.
         let by = if r.delta_bic < 0.0 {
             format!(
@@ -267,14 +287,16 @@ fn details(s: &Step, catalogue: &[Entry]) -> Vec<String> {
         } else {
             format!("criterion {} worse", short(r.delta_bic))
         };
-        out.push(format!("     not excluded: {} at {} ({by})", r.law, r.at));
         let what = deciding(&s.effect.entry.law, &s.effect.entry.id, &r.law, catalogue);
-        out.extend(what.map(|what| format!("       {what} would decide")));
-    }
-    for (law, why) in &s.vetoed {
-        out.push(format!("     {law} is ruled out: {why}"));
-    }
-    out
+        let rival = format!("not excluded: {} at {} ({by})", r.law, r.at);
+        (rival, what.map(|what| format!("{what} would decide")))
+    });
+    said.collect()
+}
+
+/// What other evidence rules out.
+pub(crate) fn vetoes(s: &Step) -> impl Iterator<Item = String> {
+    s.vetoed.iter().map(|(law, why)| format!("{law} is ruled out: {why}"))
 }
 
 /// Pairs of laws, and the measurement that tells one from the other.

@@ -6,6 +6,7 @@
 //! ```
 
 mod args;
+mod chart;
 mod command;
 mod csvfile;
 mod datafile;
@@ -13,12 +14,14 @@ mod draw;
 mod equation;
 mod gap;
 mod hidden;
+mod html;
 mod identified_spec;
 mod interrupt;
 mod json;
 mod laws;
 mod linear_combination;
 mod load;
+mod markup;
 mod new;
 mod outdir;
 mod progress;

@@ -122,7 +122,7 @@ impl<'a> Report<'a> {
         for found in &self.found.terms {
             let term = &self.case.system.terms[found.term];
             let state = &self.case.system.states[term.state].name;
-            let factor = self.factors.iter().find(|(s, _)| s == state).map_or("1", |(_, factor)| factor);
+            let factor = self.factor(state);
             let unit = term.unit.map_or("-".to_owned(), |unit| unit.to_string());
             let mut row = vec![state.clone(), factor.to_owned(), term.candidate.clone(), unit];
             row.extend(estimate(&found.coefficient, 1.0));
@@ -130,6 +130,11 @@ impl<'a> Report<'a> {
             rows.push(row);
         }
         rows
+    }
+
+    /// What the candidates of a state are multiplied by.
+    pub(crate) fn factor(&self, state: &str) -> &str {
+        self.factors.iter().find(|(s, _)| s == state).map_or("1", |(_, factor)| factor)
     }
 
     /// The force behind a coefficient that is a rate, and its unit, where the spec states the inertia and it is one number.

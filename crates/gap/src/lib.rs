@@ -31,4 +31,4 @@ pub use effect::{Effect, Entry};
 pub use place::{Place, Site, places};
 pub use region::Region;
 pub use repeat::{Repeat, repeatability};
-pub use workflow::{Gap, GapError, Rival, Status, Step, StepParameter, gap};
+pub use workflow::{Gap, GapError, Rival, Simulated, Status, Step, StepParameter, gap};

@@ -9,7 +9,7 @@ use crate::region::{Region, regions};
 use crate::repeat::{Repeat, prediction, repeatability};
 use crate::search::{Measure, Search, Searched, current};
 use phisindy_expr::{Scratch, Tape};
-use phisindy_learn::{Effort, FoundParameter};
+use phisindy_learn::{Effort, FoundParameter, RecordFit};
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Case, Record, System};
 use std::ops::ControlFlow;
@@ -94,6 +94,21 @@ pub struct Step {
     pub vetoed: Vec<(String, String)>,
 }
 
+/// A model and what it makes of the records.
+#[derive(Clone, Debug)]
+pub struct Simulated {
+    /// The model; its states are in the order of its runs.
+    pub system: System,
+    /// In the order of the spec.
+    pub records: Vec<RecordFit>,
+}
+
+impl Simulated {
+    fn of(fitted: Fitted) -> Simulated {
+        Simulated { system: fitted.draft.case.system, records: fitted.cal.records }
+    }
+}
+
 /// What the workflow found.
 #[derive(Clone, Debug)]
 pub struct Gap {
@@ -123,6 +138,10 @@ pub struct Gap {
     pub parameters: Vec<FoundParameter>,
     /// The spec with the effects in it.
     pub completed: String,
+    /// The model as it was, running freely along the records.
+    pub was: Simulated,
+    /// The final model, running freely along the records.
+    pub simulated: Simulated,
     /// What a careful reader should know.
     pub warnings: Vec<String>,
     /// Whether it was stopped by the user.
@@ -405,6 +424,8 @@ fn finished(
         colour: (base.colour, last.colour),
         parameters: last.cal.parameters.clone(),
         completed: last.draft.text.clone(),
+        was: Simulated::of(base),
+        simulated: Simulated::of(last),
         warnings,
         stopped,
     })

@@ -121,6 +121,9 @@ pub struct Identified {
     pub noise_model: String,
     /// The path of the selection.
     pub selection: Vec<PathPoint>,
+    /// Covariance (SI) of the coefficients of `terms`, then of `parameters`, in their order; empty where the method does not tell. Infinite on the diagonal is
+    /// what the data say nothing about.
+    pub covariance: Vec<Vec<f64>>,
     /// What a careful reader should know, in words.
     pub warnings: Vec<String>,
     /// Whether to believe it.

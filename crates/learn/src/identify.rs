@@ -165,6 +165,7 @@ fn by_steps(
         records: fits,
         noise_model: "not used: every sample weighs the same".into(),
         selection,
+        covariance: vec![],
         warnings,
         verdict,
         stopped: fit.stopped,

@@ -21,6 +21,7 @@ mod shares;
 mod sweep;
 mod train;
 mod trajectory;
+mod unknown_part;
 
 pub use calibrate::{Calibration, Effort, RESTARTED, approach, calibrate, glance};
 pub use identified::{
@@ -30,3 +31,4 @@ pub use identify::{LearnOptions, identify};
 pub use initial::smoothed;
 pub use sweep::{SweepRun, Truth, bound, project, sweep_one};
 pub use train::{StepFit, StepOptions, train};
+pub use unknown_part::{Course, Curve, UnknownPart, unknown_parts};

@@ -253,6 +253,8 @@ fn report(
         records.iter().flat_map(|r| r.notes.iter().map(|n| format!("{}: {n}", r.name))).collect();
     warnings.extend(at_bounds(&parameters));
     warnings.extend(inseparable(&cov, &names, &fit.x));
+    let covariance =
+        names.iter().map(|(a, _)| names.iter().map(|(b, _)| cov[(*a, *b)] * inflation).collect()).collect();
     let white = fit.effective / fit.samples.max(1) as f64;
     if white < WHITE {
         warnings.push(format!(
@@ -308,6 +310,7 @@ fn report(
         records: fits,
         noise_model,
         selection: path,
+        covariance,
         warnings,
         verdict,
         stopped,

@@ -1,7 +1,10 @@
 //! Method `trajectory`: right terms and right numbers, from noise, whatever the form of the case.
 mod common;
 
-use phisindy_learn::{Identified, LearnOptions, Verdict, identify, project};
+use phisindy_learn::{
+    Course, Estimate, FoundTerm, Identified, LearnOptions, UnknownPart, Verdict, identify, project,
+    unknown_parts,
+};
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Case, Record, SensorParameter};
 use std::ops::ControlFlow;
@@ -288,4 +291,33 @@ fn a_late_sensor() {
     for fit in &found.records {
         assert!(fit.nrmse.iter().all(|(_, e)| (0.015..0.025).contains(e)), "{}: {:?}", fit.name, fit.nrmse);
     }
+}
+
+#[test]
+fn the_unknown_part_is_a_curve_over_velocity_with_its_band_and_the_truth() {
+    let mass =
+        [("constants.m", "(2.0, \"kg\")"), ("inertia", "{ \"y\": \"m\" }"), ("data.0.duration", "20.0")];
+    let (case, records) = common::load("case1a", &mass);
+    let found = run(&case, &records);
+    let parts = unknown_parts(&case, &records, &found, true);
+    let [UnknownPart { velocity, force: true, course: Course::Curves(curves), .. }] = &parts[..] else {
+        panic!("{parts:?}");
+    };
+    let (None, curve) = &curves[0] else { panic!("one curve for all records") };
+    assert_eq!((velocity.as_str(), curves.len()), ("y", 1));
+    let (Some(band), Some(truth)) = (&curve.band, &curve.truth) else { panic!("a band and a truth") };
+    for (k, v) in curve.velocity.iter().enumerate().filter(|(_, v)| **v != 0.0) {
+        // Half a newton for each kilogram, against the motion.
+        assert!((truth[k] - 2.0 * 0.5 * v.signum()).abs() < 1e-12, "{v}: {}", truth[k]);
+        assert!(band[k].0 < curve.value[k] && curve.value[k] < band[k].1 && band[k].1 - band[k].0 < 0.01);
+    }
+    assert!(curve.velocity[0] < -0.1 && curve.velocity.is_sorted());
+
+    // With a term that depends on more than the velocity it is a cloud along the run.
+    let mut richer = found.clone();
+    let x = case.system.terms.iter().position(|t| t.candidate == "x").expect("a candidate");
+    richer.terms.push(FoundTerm { term: x, coefficient: Estimate::normal(0.1, 0.01) });
+    let parts = unknown_parts(&case, &records, &richer, false);
+    let Course::Cloud(cloud) = &parts[0].course else { panic!("{parts:?}") };
+    assert_eq!(cloud[0].1.len(), records[0].len());
 }

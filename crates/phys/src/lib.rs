@@ -39,7 +39,7 @@ pub use diagnostic::{Diagnostic, Label, Severity, Source, SourceId, Sources};
 pub use interpolate::{Interpolation, Signal, SignalError};
 pub use law::{Internal, Law, LawParameter, Screen, Sketch};
 pub use model::Model;
-pub use noise_level::{effective_samples, noise_level};
+pub use noise_level::{autocorrelation, effective_samples, noise_level};
 pub use plan::{Origin, RecordPlan, Sensor, SensorParameter, Synthetic, SyntheticInput};
 pub use record::{Record, Table, derivation_note, link_continuations};
 pub use spectrum::{Line, strongest_line};

@@ -219,7 +219,7 @@ pub fn effective_samples(residual: &[f64]) -> f64 {
 
 /// Autocorrelations at lags 0 .. n-1 (mean removed, divided by n, so that the sequence is positive definite); empty if
 /// the values do not vary.
-fn autocorrelation(values: &[f64]) -> Vec<f64> {
+pub fn autocorrelation(values: &[f64]) -> Vec<f64> {
     let n = values.len();
     if n == 0 {
         return Vec::new();

@@ -1,73 +1,47 @@
 //! Pictures of laws: the force along the motion `x = sin t`, `v = cos t`, drawn over what the law depends on most.
 
 use super::Entry;
+use crate::chart::{Axis, Chart, Mark, Panel, Place};
 use anyhow::{Result, anyhow};
 use phisindy_expr::{Graph, Id, Names, Scratch, Tape, parse};
 use phisindy_phys::Sketch;
-use plotters::prelude::*;
 
 /// Points along the two periods of the motion that are drawn.
 const POINTS: usize = 1600;
 /// Steps between two points, for states of a law's own.
 const STEPS: usize = 8;
-const SIZE: (u32, u32) = (360, 240);
-const BLUE: RGBColor = RGBColor(0x1f, 0x5f, 0xa8);
-const GREY: RGBColor = RGBColor(0x88, 0x88, 0x88);
+const SIZE: (f64, f64) = (380.0, 250.0);
 
 /// The picture as SVG; `None` for a law that does not say how it is drawn.
 pub(crate) fn picture(entry: &Entry) -> Result<Option<String>> {
     let Some(sketch) = &entry.law.sketch else { return Ok(None) };
     let curve = curve(entry, sketch)?;
-    let reach = |f: fn(&(f64, f64)) -> f64| {
-        let (a, b) =
-            curve.iter().map(f).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
-        // A constant still needs a scale, and zero is always in the picture.
-        let (a, b) = (a.min(0.0), b.max(0.0));
-        let margin = 0.08 * (b - a).max(0.1);
-        (a - margin)..(b + margin)
+    let sensor = entry.law.sensor.is_some();
+    let what = if sensor {
+        "reading"
+    } else if entry.law.push.is_some() {
+        "push"
+    } else {
+        "force"
     };
-    let (across, up) = (reach(|p| p.0), reach(|p| p.1));
-    let mut svg = String::new();
-    {
-        let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        let wrong = |e: &dyn std::fmt::Display| anyhow!("cannot draw `{}`: {e}", entry.id);
-        let mut chart = ChartBuilder::on(&area)
-            .margin(8)
-            .x_label_area_size(34)
-            .y_label_area_size(44)
-            .build_cartesian_2d(across.clone(), up.clone())
-            .map_err(|e| wrong(&e))?;
-        let what = if entry.law.sensor.is_some() {
-            "reading"
-        } else if entry.law.push.is_some() {
-            "push"
-        } else {
-            "force"
-        };
-        chart
-            .configure_mesh()
-            .disable_mesh()
-            .axis_style(GREY)
-            .x_labels(5)
-            .y_labels(5)
-            .x_desc(&sketch.over)
-            .y_desc(what)
-            .label_style(("sans-serif", 12, &GREY))
-            .axis_desc_style(("sans-serif", 13, &GREY))
-            .draw()
-            .map_err(|e| wrong(&e))?;
-        let zero = [vec![(across.start, 0.0), (across.end, 0.0)], vec![(0.0, up.start), (0.0, up.end)]];
-        for line in zero {
-            chart.draw_series([PathElement::new(line, GREY.mix(0.5))]).map_err(|e| wrong(&e))?;
-        }
-        if entry.law.sensor.is_some() {
-            let truth = curve.iter().map(|(t, _)| (*t, t.sin()));
-            chart.draw_series(LineSeries::new(truth, GREY.stroke_width(1))).map_err(|e| wrong(&e))?;
-        }
-        chart.draw_series(LineSeries::new(curve, BLUE.stroke_width(2))).map_err(|e| wrong(&e))?;
-        area.present().map_err(|e| wrong(&e))?;
+    // Zero is always in the picture.
+    let across = Axis::around(&sketch.over, "", curve.iter().map(|p| p.0).chain([0.0]));
+    let up = Axis::around(what, "", curve.iter().map(|p| p.1).chain([0.0]));
+    let upright = [up.ends().0, up.ends().1].map(|y| (0.0, y)).to_vec();
+    let mut marks =
+        vec![Mark::Level { class: "zero", y: 0.0 }, Mark::Line { class: "zero", points: upright }];
+    if sensor {
+        marks.push(Mark::Line {
+            class: "measured",
+            points: curve.iter().map(|(t, _)| (*t, t.sin())).collect(),
+        });
     }
-    Ok(Some(svg))
+    marks.push(Mark::Line { class: "model", points: curve });
+    let panel = Panel { heading: String::new(), x: across, y: up, marks, labelled: true };
+    let description = format!("{what} over {} along the motion x = sin t, v = cos t", sketch.over);
+    let mut chart = Chart::new(&entry.id, &entry.law.name, &description, SIZE);
+    chart.draw(panel.drawn(Place { x: 70.0, y: 14.0, width: SIZE.0 - 82.0, height: SIZE.1 - 62.0 }));
+    Ok(Some(chart.file()))
 }
 
 /// The points of the picture.

@@ -1,0 +1,62 @@
+//! `report.html`: what a run or a gap found, in one file that needs no network and no script, and its figures as files of their own.
+//!
+//! ```text
+//! Report, Gap or a failure --> sections (tables, equations, figures) --> Page --> report.html, figures/*.svg
+//! ```
+
+mod correlation;
+mod data;
+mod friction;
+mod gap;
+mod map;
+mod mathml;
+mod motion;
+mod page;
+mod regimes;
+mod repeat;
+mod residual;
+mod run;
+mod selection;
+mod shrink;
+mod table;
+
+use crate::args::Options;
+use crate::load::Loaded;
+use crate::outdir::OutDir;
+use crate::report::Report;
+use anyhow::Result;
+use page::{Banner, Page, Tone, add_remarks};
+use phisindy_gap::{Entry, Gap};
+
+/// Writes what `run` found.
+pub(crate) fn write_run(
+    report: &Report<'_>,
+    loaded: &Loaded,
+    options: &Options,
+    folder: &OutDir,
+) -> Result<()> {
+    run::page(report, loaded, options).write(folder)
+}
+
+/// Writes what `gap` found.
+pub(crate) fn write_gap(
+    found: &Gap,
+    catalogue: &[Entry],
+    loaded: &Loaded,
+    seconds: f64,
+    options: &Options,
+    folder: &OutDir,
+) -> Result<()> {
+    gap::page(found, catalogue, loaded, seconds, options).write(folder)
+}
+
+/// Writes why there is no result, beside what was measured.
+pub(crate) fn write_failure(why: &str, loaded: &Loaded, options: &Options, folder: &OutDir) -> Result<()> {
+    let banner = Banner { tone: Tone::Bad, headline: "Failed".to_owned(), text: why.to_owned() };
+    let mut page = Page::new(loaded, banner);
+    add_remarks(&mut page, &[], &data::notes(loaded));
+    let seen = data::measured(loaded);
+    page.figures("Measured", motion::charts(&seen));
+    repeat::add(&mut page, loaded, options);
+    page.write(folder)
+}

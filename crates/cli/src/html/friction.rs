@@ -1,0 +1,171 @@
+//! The identified part of a rate against velocity, with its band and, for synthetic data, the truth.
+
+use super::table::unit as unit_words;
+use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Swatch, WIDTH, digits, legend};
+use phisindy_learn::{Course, Curve, Identified, UnknownPart, unknown_parts};
+use phisindy_phys::unit::{Dimension, Unit};
+use phisindy_phys::{Case, Record};
+
+const LEFT: f64 = 70.0;
+const HIGH: f64 = 250.0;
+/// Dots of a cloud at most.
+const DOTS: usize = 3000;
+
+/// What an inertia makes of a rate, by the unit of the rate.
+const FORCES: [(&str, &str); 2] = [("m/s^2", "N"), ("rad/s^2", "N*m")];
+
+/// A chart for each state whose rate has an identified part that depends on a velocity.
+pub(crate) fn charts(case: &Case, records: &[Record], found: &Identified) -> Vec<(Chart, String)> {
+    let scale = case.system.states.iter().any(|s| force_unit(&s.unit).is_some());
+    let parts = unknown_parts(case, records, found, scale);
+    parts.iter().flat_map(|part| part_charts(case, part)).collect()
+}
+
+/// The unit of the force behind the rate of a state.
+fn force_unit(state: &str) -> Option<&'static str> {
+    let rate = rate(state)?;
+    let of = |(unit, force): &(&str, &'static str)| {
+        Unit::parse(unit).is_ok_and(|u| u.dimension == rate).then_some(*force)
+    };
+    FORCES.iter().find_map(of)
+}
+
+fn rate(state: &str) -> Option<Dimension> {
+    let second = Unit::parse("s").ok()?.dimension;
+    Unit::parse(state).ok().map(|u| u.dimension.div(second))
+}
+
+/// One chart for each curve, so that no two bands cover each other; one for a cloud.
+fn part_charts(case: &Case, part: &UnknownPart) -> Vec<(Chart, String)> {
+    let state = &case.system.states[part.state];
+    let unit = match (part.force, force_unit(&state.unit)) {
+        (true, Some(force)) => force.to_owned(),
+        (false, _) => rate(&state.unit).map_or(String::new(), |d| d.to_string()),
+        (true, None) => String::new(),
+    };
+    let unit = unit_words(&unit);
+    let what = if part.force { "resisting force" } else { "resistance" };
+    let axes = Axes { unit, what, part, state: &state.name, velocity: velocity_unit(case, &part.velocity) };
+    match &part.course {
+        Course::Curves(curves) => {
+            let of =
+                |(k, (name, curve)): (usize, &(Option<String>, Curve))| axes.curve(k, name.as_deref(), curve);
+            curves.iter().enumerate().map(of).collect()
+        }
+        Course::Cloud(cloud) => vec![axes.cloud(cloud)],
+    }
+}
+
+/// The unit of the velocity, where it is a state; differences of velocities have that of the first.
+fn velocity_unit(case: &Case, velocity: &str) -> String {
+    let words = velocity.split(|c: char| !c.is_alphanumeric() && c != '_');
+    let unit = |word: &str| {
+        let state = case.system.state(word).map(|k| case.system.states[k].unit.as_str());
+        let unit = state.or(case.system.input(word).map(|k| case.system.inputs[k].unit.as_str()))?;
+        // Curves are in SI.
+        Unit::parse(unit).ok().map(|u| unit_words(&u.dimension.to_string())).filter(|text| !text.is_empty())
+    };
+    words.into_iter().find_map(unit).unwrap_or_default()
+}
+
+struct Axes<'a> {
+    unit: String,
+    what: &'a str,
+    part: &'a UnknownPart,
+    state: &'a str,
+    velocity: String,
+}
+
+impl Axes<'_> {
+    fn panel(&self, points: impl Iterator<Item = (f64, f64)> + Clone, marks: Vec<Mark>) -> Panel {
+        let x = Axis::around(&self.part.velocity, &self.velocity, points.clone().map(|p| p.0));
+        let y = Axis::around(self.what, &self.unit, points.map(|p| p.1).chain([0.0]));
+        Panel { heading: String::new(), x, y, marks, labelled: true }
+    }
+
+    fn chart(&self, number: usize, title: &str, said: &str, panel: &Panel, entries: &[Entry]) -> Chart {
+        let name = match number {
+            0 => format!("friction-{}", self.state),
+            k => format!("friction-{}-{}", self.state, k + 1),
+        };
+        let mut chart = Chart::new(&name, title, said, (WIDTH, HIGH + 106.0));
+        chart.draw(legend(entries, 20.0, 20.0));
+        chart.draw(panel.drawn(Place { x: LEFT, y: 44.0, width: WIDTH - LEFT - 14.0, height: HIGH }));
+        chart
+    }
+
+    fn curve(&self, number: usize, name: Option<&str>, curve: &Curve) -> (Chart, String) {
+        let along = |values: &[f64]| -> Vec<(f64, f64)> {
+            curve.velocity.iter().copied().zip(values.iter().copied()).collect()
+        };
+        let mut entries: Vec<Entry> = vec![("model", Swatch::Line, "identified".to_owned())];
+        let mut marks = Vec::new();
+        let mut points = along(&curve.value);
+        if let Some(band) = &curve.band {
+            let area = curve.velocity.iter().zip(band).map(|(v, (a, b))| (*v, *a, *b)).collect();
+            marks.push(Mark::Band { class: "band", points: area });
+            entries.push(("band", Swatch::Box, "95 % band".to_owned()));
+            points.extend(curve.velocity.iter().zip(band).flat_map(|(v, (a, b))| [(*v, *a), (*v, *b)]));
+        }
+        marks.push(Mark::Level { class: "zero", y: 0.0 });
+        marks.push(Mark::Line { class: "model", points: along(&curve.value) });
+        if let Some(truth) = &curve.truth {
+            marks.push(Mark::Line { class: "truth", points: along(truth) });
+            entries.push(("truth", Swatch::Line, "truth".to_owned()));
+            points.extend(along(truth));
+        }
+        let of = name.map_or(String::new(), |name| format!(", {name}"));
+        let title = format!("Identified {} in the equation of {}{of}", self.what, self.state);
+        let said = self.said(curve);
+        let panel = self.panel(points.into_iter(), marks);
+        let chart = self.chart(number, &title, &said, &panel, &entries);
+        (chart, format!("{title}. {said}"))
+    }
+
+    /// Values at both ends and at half the largest velocity.
+    fn said(&self, curve: &Curve) -> String {
+        let last = curve.velocity.len() - 1;
+        let half = curve.velocity.partition_point(|v| *v < 0.5 * curve.velocity[last]).min(last);
+        let value = |k: usize| {
+            let band = curve
+                .band
+                .as_ref()
+                .map_or(String::new(), |b| format!(" [{}, {}]", digits(b[k].0, 4), digits(b[k].1, 4)));
+            let truth =
+                curve.truth.as_ref().map_or(String::new(), |t| format!(", truth {}", digits(t[k], 4)));
+            let at = format!("{} = {}", self.part.velocity, digits(curve.velocity[k], 2));
+            format!("{}{band} at {at}{truth}", digits(curve.value[k], 4))
+        };
+        let unit = if self.unit.is_empty() { String::new() } else { format!(" in {}", self.unit) };
+        format!(
+            "Over the velocities visited; positive where it opposes the motion. Values{unit}: {}; {}; {}.",
+            value(0),
+            value(half),
+            value(last)
+        )
+    }
+
+    fn cloud(&self, cloud: &[(String, Vec<(f64, f64)>)]) -> (Chart, String) {
+        let all: Vec<(f64, f64)> = cloud.iter().flat_map(|(_, points)| points.iter().copied()).collect();
+        let every = all.len().div_ceil(DOTS).max(1);
+        let points: Vec<(f64, f64)> = all.iter().step_by(every).copied().collect();
+        let entries = [("model", Swatch::Dot, "identified, along the simulated motion".to_owned())];
+        let (low, high) =
+            all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.1), b.max(p.1)));
+        let title = format!("Identified {} in the equation of {}", self.what, self.state);
+        let said = format!(
+            "It depends on more than {}, so that it is a cloud: {} to {} {}.",
+            self.part.velocity,
+            digits(low, 3),
+            digits(high, 3),
+            self.unit
+        );
+        let marks = vec![
+            Mark::Level { class: "zero", y: 0.0 },
+            Mark::Dots { class: "model", points: points.clone(), radius: 1.4 },
+        ];
+        let panel = self.panel(points.into_iter(), marks);
+        let chart = self.chart(0, &title, &said, &panel, &entries);
+        (chart, format!("{title}. {said}"))
+    }
+}

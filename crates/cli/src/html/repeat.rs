@@ -1,0 +1,94 @@
+//! What it takes to repeat a result: what was held constant, the spec, the version, the command, the seed.
+
+use super::page::{Page, paragraph};
+use super::table::{Cell, code, in_unit, table, text};
+use crate::args::Options;
+use crate::load::Loaded;
+use crate::markup::{Element, element};
+use phisindy_phys::spec::{self, ConstantSpec};
+use phisindy_phys::unit::Unit;
+use phisindy_phys::{Origin, Record, SourceId};
+
+/// Adds the sections at the end of every report.
+pub(crate) fn add(page: &mut Page, loaded: &Loaded, options: &Options) {
+    page.section("Held constant", [constants(loaded), of_records(loaded)].into_iter().flatten());
+    let command: Vec<String> =
+        std::env::args_os().skip(1).map(|word| quoted(&word.to_string_lossy())).collect();
+    let command = format!("phisindy {}", command.join(" "));
+    let block = |text: &str, label: &str| {
+        let pre = element("pre").class("scroll").with("tabindex", 0).with("role", "group");
+        pre.with("aria-label", label).add(element("code").text(text))
+    };
+    let version = paragraph(concat!("Written by phisindy ", env!("CARGO_PKG_VERSION"), "."));
+    let after = if options.sets.is_empty() { "" } else { ", every --set in it" };
+    let spec = element("h3").text(format!("{}{after}", loaded.spec));
+    let mut content = vec![version, block(&command, "command")];
+    content.extend(seeds(loaded, options));
+    content.extend([spec, block(&loaded.text, "spec")]);
+    page.section("To repeat it", content);
+}
+
+/// A word as a shell reads it.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,+@%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
+
+/// The seeds of synthetic records.
+fn seeds(loaded: &Loaded, options: &Options) -> Option<Element> {
+    let own = loaded.case.records.iter().filter_map(|plan| match &plan.origin {
+        Origin::Synthetic(made) => Some(format!("{} of {}", made.seed, plan.name)),
+        Origin::Csv(_) => None,
+    });
+    let own: Vec<String> = own.collect();
+    let given = options.seed.map(|seed| format!("{seed}, given by --seed in place of the spec's"));
+    (!own.is_empty()).then(|| paragraph(&format!("Seed: {}.", given.unwrap_or_else(|| own.join(", ")))))
+}
+
+/// Constants of the spec that are plain numbers, in its units.
+fn constants(loaded: &Loaded) -> Option<Element> {
+    let written = spec::read(&loaded.text, SourceId(0)).map_or(vec![], |(spec, _)| spec.constants);
+    let row = |(name, value): &(String, f64)| {
+        let given = written.iter().find(|(n, _)| n.value == *name).map(|(_, c)| c);
+        let own = match given {
+            Some(ConstantSpec::Number { unit, .. }) => unit.as_ref().map_or("", |u| u.value.as_str()),
+            _ => "",
+        };
+        let factor = Unit::parse(own).map_or(1.0, |u| u.factor);
+        vec![code(name), Cell::Number(value / factor), in_unit(own)]
+    };
+    let rows = loaded.case.system.constants.iter().map(row).collect();
+    table("Constants", &["constant", "value", "unit"], rows)
+}
+
+/// Constants of the records, in SI.
+fn of_records(loaded: &Loaded) -> Option<Element> {
+    let names = &loaded.case.system.record_constants;
+    let of = |r: &Record| {
+        let pairs = names.iter().zip(r.constants.clone());
+        pairs
+            .map(|((name, _), value)| vec![text(&r.name), code(name), Cell::Number(value)])
+            .collect::<Vec<_>>()
+    };
+    table(
+        "Constants of the records (SI)",
+        &["record", "constant", "value"],
+        loaded.records.iter().flat_map(of).collect(),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::quoted;
+
+    #[test]
+    fn a_shell_reads_the_same_words() {
+        assert_eq!(quoted("specs/case7.ron"), "specs/case7.ron");
+        assert_eq!(quoted("unknown.y.candidates=[\"1\"]"), "'unknown.y.candidates=[\"1\"]'");
+        assert_eq!(quoted("it's"), "'it'\\''s'");
+    }
+}

@@ -1,0 +1,122 @@
+//! Tables. Numbers are shown with five digits and kept in full beside them, for whoever copies or checks them.
+
+use crate::markup::{Element, element};
+use crate::table::short;
+use phisindy_learn::{Estimate, FoundParameter};
+
+/// A cell.
+pub(crate) enum Cell {
+    /// Words.
+    Text(String),
+    /// Text in the language of the specs.
+    Code(String),
+    /// The same of one record.
+    CodeOf(String, String),
+    /// A number.
+    Number(f64),
+    /// An interval.
+    Interval(f64, f64),
+}
+
+/// Words in a cell.
+pub(crate) fn text(text: impl Into<String>) -> Cell {
+    Cell::Text(text.into())
+}
+
+/// Code in a cell.
+pub(crate) fn code(text: impl Into<String>) -> Cell {
+    Cell::Code(text.into())
+}
+
+/// A table with a caption for those who do not see it; nothing without rows.
+pub(crate) fn table(caption: &str, head: &[&str], rows: Vec<Vec<Cell>>) -> Option<Element> {
+    if rows.is_empty() {
+        return None;
+    }
+    let heads = head.iter().map(|h| element("th").with("scope", "col").text(h));
+    let body = rows.into_iter().map(|row| element("tr").all(row.into_iter().map(cell)));
+    let table = element("table")
+        .add(element("caption").text(caption))
+        .add(element("thead").add(element("tr").all(heads)))
+        .add(element("tbody").all(body));
+    Some(
+        element("div")
+            .class("scroll")
+            .with("tabindex", 0)
+            .with("role", "group")
+            .with("aria-label", caption)
+            .add(table),
+    )
+}
+
+fn cell(cell: Cell) -> Element {
+    let td = element("td");
+    match cell {
+        Cell::Text(text) => td.text(text),
+        Cell::Code(text) => td.add(element("code").text(text)),
+        Cell::CodeOf(name, record) => td.add(element("code").text(name)).text(format!(" of {record}")),
+        Cell::Number(x) => td.class("number").add(number(x)),
+        Cell::Interval(a, b) => {
+            td.class("number").text("[").add(number(a)).text(", ").add(number(b)).text("]")
+        }
+    }
+}
+
+/// A number with its value in full.
+fn number(x: f64) -> Element {
+    element("data").with("value", format!("{x:?}")).text(short(x).replace('-', "−"))
+}
+
+/// Value, standard error, interval.
+pub(crate) fn estimate(e: &Estimate, factor: f64) -> [Cell; 3] {
+    [
+        Cell::Number(e.value / factor),
+        Cell::Number(e.std_error / factor),
+        Cell::Interval(e.ci95.0 / factor, e.ci95.1 / factor),
+    ]
+}
+
+/// A table of parameters that moved.
+pub(crate) fn parameters(found: &[FoundParameter]) -> Option<Element> {
+    let bounded = found.iter().any(|p| p.at_bound);
+    let row = |p: &FoundParameter| {
+        let name = match p.name.strip_suffix(']').and_then(|name| name.split_once(" [")) {
+            Some((name, record)) => Cell::CodeOf(name.to_owned(), record.to_owned()),
+            None => code(&p.name),
+        };
+        let mut row = vec![name, in_unit(&p.unit)];
+        row.extend(estimate(&p.estimate, p.factor));
+        row.push(Cell::Interval(p.bounds.0 / p.factor, p.bounds.1 / p.factor));
+        if bounded {
+            row.push(text(if p.at_bound { "at its bound" } else { "" }));
+        }
+        row
+    };
+    let mut head = vec!["parameter", "unit", "value", "std. error", "95 % interval", "bounds"];
+    head.extend(bounded.then_some("remark"));
+    table("Parameters that were fitted", &head, found.iter().map(row).collect())
+}
+
+/// A unit as people write it; nothing for a plain number.
+pub(crate) fn unit(unit: &str) -> String {
+    const RAISED: [(&str, &str); 8] = [
+        ("^-1", "⁻¹"),
+        ("^-2", "⁻²"),
+        ("^-3", "⁻³"),
+        ("^2", "²"),
+        ("^3", "³"),
+        ("^4", "⁴"),
+        ("^5", "⁵"),
+        ("*", "·"),
+    ];
+    if unit == "1" {
+        return String::new();
+    }
+    RAISED.iter().fold(unit.to_owned(), |text, (plain, raised)| text.replace(plain, raised))
+}
+
+/// A unit in a cell; a dash for a plain number.
+pub(crate) fn in_unit(text: &str) -> Cell {
+    let unit = unit(text);
+    Cell::Text(if unit.is_empty() { "–".to_owned() } else { unit })
+}

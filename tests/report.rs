@@ -1,0 +1,356 @@
+//! `report.html` of `run` and `gap`: complete, well formed, of one piece, with the numbers of `result.json`; and, where there is a browser, readable in it.
+#![allow(missing_docs)]
+
+#[allow(dead_code)]
+mod common;
+
+use common::{Scratch, phisindy};
+use serde_json::Value;
+use std::path::Path;
+use std::process::Command;
+use std::sync::OnceLock;
+
+/// A report and what else is in its folder.
+struct Made {
+    scratch: Scratch,
+    code: i32,
+    html: String,
+}
+
+impl Made {
+    fn new(name: &str, arguments: &[&str]) -> Made {
+        let scratch = Scratch::new(name);
+        let said = phisindy(&[arguments, &["--quiet", "--out", &scratch.path("out")]].concat());
+        let html = std::fs::read_to_string(scratch.path("out/report.html"));
+        Made { html: html.unwrap_or_else(|e| panic!("{e}: {}", said.err)), code: said.code, scratch }
+    }
+
+    fn result(&self) -> Value {
+        let text = std::fs::read_to_string(self.scratch.path("out/result.json")).expect("result.json");
+        serde_json::from_str(&text).expect("JSON")
+    }
+
+    fn figures(&self) -> Vec<(String, String)> {
+        let entries = std::fs::read_dir(self.scratch.path("out/figures")).expect("figures");
+        let paths = entries.map(|e| e.expect("an entry").path());
+        let name = |p: &Path| p.file_stem().expect("a name").to_string_lossy().into_owned();
+        paths.map(|p| (name(&p), std::fs::read_to_string(&p).expect("a figure"))).collect()
+    }
+}
+
+/// Two masses, two contacts; each test looks at the same report.
+fn case7() -> &'static Made {
+    static MADE: OnceLock<Made> = OnceLock::new();
+    MADE.get_or_init(|| Made::new("report-run", &["run", "specs/case7.ron", "--set", "data.0.duration=30.0"]))
+}
+
+/// Friction and a hardening spring that the spec does not know.
+fn gap() -> &'static Made {
+    static MADE: OnceLock<Made> = OnceLock::new();
+    MADE.get_or_init(|| {
+        let record = |x: f64, seed: u32, role: &str| {
+            format!(
+                "Synthetic(truth: {{ \"v\": \"-0.4*sgn(v) - 0.3*x^3\" }}, start: {{ \"x\": {x:?}, \"v\": 0.0 }}, duration: 40.0, step: 0.02, \
+                 noise: Additive(0.02), seed: {seed}, role: {role})"
+            )
+        };
+        let spec = format!(
+            "(title: \"A & B <gap>\", constants: {{ \"m\": (1.0, \"kg\"), \"c\": (0.1, \"N*s/m\"), \"k\": (1.0, \"N/m\"), \"F0\": (1.0, \"N\") }},\n \
+             states: {{ \"x\": \"m\", \"v\": \"m/s\" }}, known: {{ \"x\": \"v\", \"v\": \"(-c*v - k*x + F0*cos(0.7*t))/m\" }}, inertia: {{ \"v\": \"m\" }},\n \
+             unknown: {{}}, data: [{}, {}])",
+            record(0.0, 1, "Fit"),
+            record(0.5, 2, "Validate")
+        );
+        let scratch = Scratch::new("report-gap-spec");
+        std::fs::write(scratch.path("spec.ron"), spec).expect("the spec can be written");
+        Made::new("report-gap", &["gap", &scratch.path("spec.ron")])
+    })
+}
+
+const REJECTED: &[&str] = &[
+    "run",
+    "specs/case1a.ron",
+    "--method",
+    "step",
+    "--set",
+    "data.0.truth={}",
+    "--set",
+    "data.0.noise=Relative(0)",
+    "--set",
+    "data.0.duration=20.0",
+    "--set",
+    "unknown.y.candidates=[\"1\",\"x\"]",
+    "--set",
+    "learn.optimiser=GaussNewton",
+];
+
+fn rejected() -> &'static Made {
+    static MADE: OnceLock<Made> = OnceLock::new();
+    MADE.get_or_init(|| Made::new("report-rejected", REJECTED))
+}
+
+/// The tags of a text with what stands between them; panics where one is not closed.
+#[track_caller]
+fn well_formed(text: &str) {
+    let (mut open, mut rest): (Vec<&str>, &str) = (Vec::new(), text);
+    while let Some(at) = rest.find('<') {
+        rest = &rest[at + 1..];
+        let end = rest.find('>').expect("a tag ends");
+        let (tag, after) = (&rest[..end], &rest[end + 1..]);
+        rest = after;
+        if tag.starts_with('!') || tag.ends_with('/') {
+            continue;
+        }
+        assert_eq!(tag.matches('"').count() % 2, 0, "quotes of <{tag}>");
+        match tag.strip_prefix('/') {
+            Some(name) => assert_eq!(open.pop(), Some(name), "</{name}> closes something else"),
+            None => open.push(tag.split_whitespace().next().expect("a name")),
+        }
+    }
+    assert!(open.is_empty(), "not closed: {open:?}");
+    let entities = ["amp;", "lt;", "gt;", "quot;", "#"];
+    let loose = text.split('&').skip(1).find(|after| !entities.iter().any(|e| after.starts_with(e)));
+    assert_eq!(loose, None, "a loose &");
+}
+
+/// What holds for every report.
+#[track_caller]
+fn sound(made: &Made) {
+    let html = &made.html;
+    well_formed(html);
+    for outside in ["http:", "https:", "src=", "@import", "url(", "<script", "<link", "<img", "<iframe"] {
+        assert!(!html.contains(outside), "{outside} leaves the page");
+    }
+    for inside in
+        ["lang=\"en\"", "name=\"viewport\"", "prefers-color-scheme: dark", "@media print", "To repeat it"]
+    {
+        assert!(html.contains(inside), "{inside}");
+    }
+    assert_eq!(html.matches("<h1>").count(), 1);
+    let first = |tag: &str| html.find(tag).unwrap_or(html.len());
+    assert!(first("<h1") < first("<h2") && first("<h2") < first("<h3"), "headings in order");
+    let mut ids: Vec<&str> = html.split(" id=\"").skip(1).filter_map(|s| s.split('"').next()).collect();
+    let all = ids.len();
+    ids.sort_unstable();
+    ids.dedup();
+    assert_eq!(ids.len(), all, "ids are unique");
+    let figures = made.figures();
+    for mark in ["<figure>", "<figcaption>", "role=\"img\""] {
+        assert_eq!(html.matches(mark).count(), figures.len(), "{mark} once for each file");
+    }
+    for (name, svg) in figures {
+        well_formed(&svg);
+        assert!(html.contains(&format!("aria-labelledby=\"{name}-title {name}-desc\"")), "{name}");
+        assert!(svg.contains("xmlns=") && svg.contains("<style>"), "{name} stands alone");
+        let description = svg.split("<desc>").nth(1).expect("a description");
+        assert!(
+            description.split('<').next().is_some_and(|d| d.contains(|c: char| c.is_ascii_digit())),
+            "{name} says numbers"
+        );
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "{name}");
+    }
+}
+
+fn names(made: &Made) -> Vec<String> {
+    let mut names: Vec<String> = made.figures().into_iter().map(|f| f.0).collect();
+    names.sort();
+    names
+}
+
+/// Every number of these is in the page in full.
+#[track_caller]
+fn holds(made: &Made, numbers: impl IntoIterator<Item = f64>) {
+    for x in numbers {
+        assert!(made.html.contains(&format!("value=\"{x:?}\"")), "{x} is missing");
+    }
+}
+
+#[test]
+fn a_run_is_told_in_full() {
+    let (made, result) = (case7(), case7().result());
+    assert_eq!(made.code, 0);
+    sound(made);
+    assert_eq!(
+        names(made),
+        ["correlation", "friction-y1", "friction-y2", "motion-1", "residual-1", "selection"]
+    );
+    let equations = result["equations"].as_array().expect("equations");
+    assert_eq!(made.html.matches("<math").count(), equations.len());
+    let terms: Vec<&Value> = equations.iter().flat_map(|e| e["terms"].as_array().expect("terms")).collect();
+    assert_eq!(terms.len(), 4);
+    for term in terms {
+        let ci = &term["ci95"];
+        holds(
+            made,
+            [&term["coefficient"], &term["std_error"], &ci[0], &ci[1]].map(|v| v.as_f64().expect("a number")),
+        );
+    }
+    for record in result["records"].as_array().expect("records") {
+        holds(
+            made,
+            record["nrmse"].as_object().expect("columns").values().map(|v| v.as_f64().expect("a number")),
+        );
+    }
+    for words in [
+        "Identified",
+        "truth",
+        "95 % band",
+        "sticks",
+        "Held constant",
+        "Seed: 42",
+        "phisindy run specs/case7.ron --set data.0.duration=30.0",
+    ] {
+        assert!(made.html.contains(words), "{words}");
+    }
+    assert!(made.html.len() < 600_000, "{}", made.html.len());
+}
+
+#[test]
+fn a_gap_is_told_in_full() {
+    let (made, result) = (gap(), gap().result());
+    assert_eq!(made.code, 0, "{result}");
+    sound(made);
+    assert_eq!(names(made), ["gap", "map-1", "map-2", "motion-1", "motion-2", "residual-1", "residual-2"]);
+    assert!(made.html.contains("<h1>A &amp; B &lt;gap&gt;</h1>"));
+    for step in result["steps"].as_array().expect("steps") {
+        assert!(made.html.contains(step["name"].as_str().expect("a name")), "{step}");
+        for p in step["parameters"].as_object().expect("parameters").values() {
+            holds(made, [&p["value"], &p["ci95"][0], &p["ci95"][1]].map(|v| v.as_f64().expect("a number")));
+        }
+    }
+    for record in result["records"].as_array().expect("records") {
+        let nrmse = &record["nrmse"];
+        holds(made, [&nrmse["before"], &nrmse["after"]].map(|v| v.as_f64().expect("a number")));
+    }
+    for words in ["Explained", "model as it was", "completed model", "validate: not fitted", "<math"] {
+        assert!(made.html.contains(words), "{words}");
+    }
+}
+
+#[test]
+fn a_rejected_model_says_why() {
+    let made = rejected();
+    assert_eq!(made.code, 1);
+    sound(made);
+    let reason = made.result()["reason"].as_str().expect("a reason").to_owned();
+    // Its first letter is large there.
+    assert!(made.html.contains("class=\"banner bad\"") && made.html.contains(&reason[1..]), "{reason}");
+}
+
+#[test]
+fn a_failed_run_shows_what_was_measured_and_a_long_record_is_drawn_short() {
+    let scratch = Scratch::new("report-long");
+    let rows: String = (0..150_000)
+        .map(|k| format!("{},{},0\n", f64::from(k) * 1e-3, (f64::from(k) * 0.013).sin()))
+        .collect();
+    std::fs::write(scratch.path("long.csv"), format!("t,x,v\n{rows}")).expect("the data can be written");
+    let spec = "(title: \"long\", states: { \"x\": \"m\", \"v\": \"m/s\" }, known: { \"x\": \"v\", \"v\": \"-x\" }, unknown: { \"v\": (candidates: [\"sgn(v)\"]) },\n \
+                data: [Csv(path: \"long.csv\", time: \"t\", columns: { \"x\": (\"x\", \"m\"), \"v\": (\"v\", \"m/s\") })])";
+    std::fs::write(scratch.path("spec.ron"), spec).expect("the spec can be written");
+    let made = Made::new("report-failed", &["run", &scratch.path("spec.ron")]);
+    assert_eq!(made.code, 1);
+    sound(&made);
+    assert!(made.html.contains("the column of v is constant"));
+    assert_eq!(names(&made), ["motion-1"]);
+    assert!(made.html.len() < 200_000, "{}", made.html.len());
+}
+
+/// A browser, if this machine has one.
+fn browser() -> Option<&'static str> {
+    let names = ["chromium", "chromium-browser", "google-chrome"];
+    names
+        .into_iter()
+        .find(|name| Command::new(name).arg("--version").output().is_ok_and(|o| o.status.success()))
+}
+
+/// Looks at a page of the folder with the browser; what it printed and what it complained of.
+fn look(browser: &str, made: &Made, page: &str, options: &[&str]) -> (String, String) {
+    let out = Command::new(browser)
+        .args([
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--disable-dev-shm-usage",
+            "--no-first-run",
+            "--disable-background-networking",
+        ])
+        .args(["--allow-file-access-from-files", "--virtual-time-budget=10000", "--enable-logging=stderr"])
+        .arg(format!("--user-data-dir={}", made.scratch.path("profile")))
+        .args(options)
+        .arg(format!("file://{}", made.scratch.path(&format!("out/{page}"))))
+        .output()
+        .expect("the browser starts");
+    (String::from_utf8_lossy(&out.stdout).into_owned(), String::from_utf8_lossy(&out.stderr).into_owned())
+}
+
+/// Shows the report in frames as wide as a phone and a desk, and says what it measures there.
+const PROBE: &str = r#"<!DOCTYPE html><html><body><script>
+const said = [];
+const measured = (frame) => {
+  const page = frame.contentDocument, view = frame.contentWindow;
+  const flat = (e) => { const box = e.getBoundingClientRect(); return box.width < 8 || box.height < 8; };
+  const all = (names) => [...page.querySelectorAll(names)];
+  return {
+    width: frame.clientWidth, needs: page.documentElement.scrollWidth,
+    pictures: all('svg[role=img]').length, formulas: all('math').length,
+    flat: all('svg[role=img], math, table, figcaption').filter(flat).length,
+    requests: view.performance.getEntriesByType('resource').length,
+    paper: view.getComputedStyle(page.documentElement).backgroundColor, ink: view.getComputedStyle(page.body).color,
+    sizes: all('.chart .label').length ? parseFloat(view.getComputedStyle(all('.chart .label')[0]).fontSize) * all('svg[role=img]')[0].getBoundingClientRect().width / all('svg[role=img]')[0].viewBox.baseVal.width : 0,
+  };
+};
+for (const width of [380, 1200]) {
+  const frame = document.createElement('iframe');
+  frame.style = `width:${width}px;height:900px;border:0`;
+  frame.onload = () => { said.push(measured(frame)); if (said.length == 2) document.body.innerHTML = '<pre>' + JSON.stringify(said) + '</pre>'; };
+  frame.src = 'report.html';
+  document.body.append(frame);
+}
+</script></body></html>"#;
+
+#[test]
+#[allow(clippy::print_stderr)] // a test that was skipped says so
+fn a_browser_shows_it_on_phone_and_desk_in_light_and_dark_and_on_paper() {
+    let Some(browser) = browser() else {
+        eprintln!("skipped: there is no chromium here");
+        return;
+    };
+    for made in [case7(), gap(), rejected()] {
+        std::fs::write(made.scratch.path("out/probe.html"), PROBE).expect("the probe can be written");
+        let mut papers = Vec::new();
+        for scheme in ["0", "1"] {
+            let setting = format!("--blink-settings=preferredColorScheme={scheme}");
+            let (dom, complaints) =
+                look(browser, made, "probe.html", &["--dump-dom", "--window-size=1300,1000", &setting]);
+            assert!(!complaints.contains("CONSOLE"), "{complaints}");
+            let json = dom
+                .split("<pre>")
+                .nth(1)
+                .and_then(|s| s.split("</pre>").next())
+                .unwrap_or_else(|| panic!("{dom}{complaints}"));
+            let said: Vec<Value> = serde_json::from_str(json).expect("JSON");
+            assert_eq!(said.len(), 2);
+            for page in &said {
+                assert!(page["needs"].as_f64() <= page["width"].as_f64(), "scrolls sideways: {page}");
+                assert_eq!((&page["flat"], &page["requests"]), (&0.into(), &0.into()), "{page}");
+                assert_eq!(page["pictures"].as_u64(), Some(made.figures().len() as u64), "{page}");
+                assert_eq!(
+                    page["formulas"].as_u64(),
+                    Some(made.html.matches("<math").count() as u64),
+                    "{page}"
+                );
+                assert!(
+                    page["sizes"].as_f64().is_some_and(|size| size >= 9.0),
+                    "words too small to read: {page}"
+                );
+                assert_ne!(page["paper"], page["ink"]);
+            }
+            papers.push(said[0]["paper"].clone());
+        }
+        assert_ne!(papers[0], papers[1], "dark is not light");
+        let pdf = made.scratch.path("report.pdf");
+        look(browser, made, "report.html", &[&format!("--print-to-pdf={pdf}")]);
+        let printed = std::fs::read(&pdf).expect("a PDF");
+        assert!(printed.starts_with(b"%PDF") && printed.len() > 20_000, "{}", printed.len());
+    }
+}
