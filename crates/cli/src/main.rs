@@ -7,11 +7,13 @@
 
 mod args;
 mod command;
+mod contribution;
 mod csvfile;
 mod datafile;
 mod draw;
 mod equation;
 mod gap;
+mod held;
 mod hidden;
 mod identified_spec;
 mod interrupt;

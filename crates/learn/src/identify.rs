@@ -1,6 +1,7 @@
 //! Identification from start to end, whatever the method.
 
 use crate::assess::{Solution, assess};
+use crate::contribution::contributions;
 use crate::identified::{
     Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict,
 };
@@ -41,6 +42,7 @@ pub fn identify(
         Method::Step => by_steps(case, records, observe),
         Method::Trajectory => by_trajectory(case, records, observe),
     }?;
+    contributions(&case.system, records, &mut found);
     remarks(&case.system, &mut found);
     Ok(found)
 }
@@ -52,14 +54,16 @@ const FINE: f64 = 0.05;
 
 /// What a careful reader should know of any result: terms that may as well be zero, validation that does not hold what the fit promises.
 fn remarks(system: &System, found: &mut Identified) {
-    for term in &found.terms {
-        let (low, high) = term.coefficient.ci95;
-        if low <= 0.0 && high >= 0.0 {
-            let term = &system.terms[term.term];
-            let state = &system.states[term.state].name;
-            found
-                .warnings
-                .push(format!("{} of {state}' may as well be zero: its interval holds it", term.candidate));
+    for found_term in &mut found.terms {
+        let term = &system.terms[found_term.term];
+        let name = format!("{} of {}'", term.candidate, system.states[term.state].name);
+        let Estimate { value, ci95: (low, high), .. } = &mut found_term.coefficient;
+        (*low, *high) = (low.max(term.within.0), high.min(term.within.1));
+        found_term.at_bound = *value <= term.within.0 || *value >= term.within.1;
+        if found_term.at_bound {
+            found.warnings.push(beyond_bound(&name, *value));
+        } else if *low <= 0.0 && *high >= 0.0 {
+            found.warnings.push(format!("{name} may as well be zero: its interval holds it"));
         }
     }
     let worst = |role: Role| {
@@ -139,10 +143,7 @@ fn by_steps(
         ));
     }
     let terms: Vec<FoundTerm> = (0..fit.terms.len())
-        .map(|k| FoundTerm {
-            term: fit.terms[k],
-            coefficient: Estimate::normal(fit.coefficients[k], fit.std_errors[k]),
-        })
+        .map(|k| FoundTerm::new(fit.terms[k], Estimate::normal(fit.coefficients[k], fit.std_errors[k])))
         .collect();
     let moved = options.optimiser == Optimiser::GaussNewton;
     let parameters = if moved {
@@ -207,14 +208,11 @@ fn found_parameters(system: &System, values: &[f64], std_errors: &[f64]) -> Vec<
 /// A warning for every parameter that ran into a bound.
 pub(crate) fn at_bounds(parameters: &[FoundParameter]) -> Vec<String> {
     let at = parameters.iter().filter(|p| p.at_bound);
-    at.map(|p| {
-        format!(
-            "{} ended at its bound {}: the data want to go beyond it",
-            p.name,
-            p.estimate.value / p.factor
-        )
-    })
-    .collect()
+    at.map(|p| beyond_bound(&p.name, p.estimate.value / p.factor)).collect()
+}
+
+fn beyond_bound(name: &str, value: f64) -> String {
+    format!("{name} ended at its bound {value}: the data want to go beyond it")
 }
 
 /// Rejected when nothing survives, a free run fails or misses, or the unknown part is no better than nothing.

@@ -3,6 +3,7 @@
 mod assess;
 mod batch;
 mod calibrate;
+mod contribution;
 mod descent;
 mod fit;
 mod identified;
@@ -24,7 +25,7 @@ mod trajectory;
 
 pub use calibrate::{Calibration, Effort, RESTARTED, approach, calibrate, glance};
 pub use identified::{
-    Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict,
+    Contribution, Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict,
 };
 pub use identify::{LearnOptions, identify};
 pub use initial::smoothed;

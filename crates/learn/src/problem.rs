@@ -107,7 +107,7 @@ impl<'a> Problem<'a> {
         let automaton = Automaton::new(&model).map_err(|e| e.message(&model.names))?;
         let n = system.states.len();
         let free = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut bounds = vec![free; terms.len()];
+        let mut bounds: Vec<_> = terms.iter().map(|&t| system.terms[t].within).collect();
         let mut priors = Vec::new();
         let mut unknown =
             |within: (f64, f64), centre: f64, sigma: Option<f64>, bounds: &mut Vec<(f64, f64)>| {
@@ -232,7 +232,9 @@ impl<'a> Problem<'a> {
         filled: &[Record],
     ) -> Vec<f64> {
         let mut x = vec![0.0; self.unknowns];
-        x[..coefficients.len()].copy_from_slice(coefficients);
+        for (k, c) in coefficients.iter().enumerate() {
+            x[k] = c.clamp(self.bounds[k].0, self.bounds[k].1);
+        }
         for (k, meaning) in self.meanings().into_iter().enumerate() {
             match meaning {
                 Meaning::Parameter(p, _) => {

@@ -93,14 +93,16 @@ pub fn train(
     loop {
         let batch = make(&terms, &moved);
         fit.operations = fit.operations.max(batch.operations());
+        let within = |k: usize| system.terms[terms[k]].within;
+        let bound = |values: &mut [f64]| {
+            values.iter_mut().enumerate().for_each(|(k, c)| *c = c.clamp(within(k).0, within(k).1));
+        };
         let mut values = coefficients.clone();
+        bound(&mut values);
         let loss = if gauss_newton {
             values.extend(&moved);
-            let bounds: Vec<(f64, f64)> = terms
-                .iter()
-                .map(|_| (f64::NEG_INFINITY, f64::INFINITY))
-                .chain(system.parameters.iter().map(|p| p.within))
-                .collect();
+            let bounds: Vec<(f64, f64)> =
+                (0..terms.len()).map(within).chain(system.parameters.iter().map(|p| p.within)).collect();
             let loss = solve(&batch, &mut values, &bounds);
             moved = values.split_off(terms.len());
             fit.stopped = observe((stage as f64 + 1.0) / (stage as f64 + 2.0)).is_break();
@@ -114,6 +116,7 @@ pub fn train(
             for _ in 0..options.epochs[stage] {
                 batch.loss(&values, &mut gradient);
                 descent.update(&mut values, &gradient, options.rates[stage]);
+                bound(&mut values);
                 done += 1;
                 if done % 16 == 0 && observe(f64::from(done) / f64::from(total)).is_break() {
                     fit.stopped = true;

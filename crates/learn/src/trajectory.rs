@@ -226,7 +226,7 @@ fn report(
     let terms: Vec<FoundTerm> = (0..t)
         .map(|k| {
             let coefficient = if t > PROFILED { Estimate::normal(fit.x[k], error(k)) } else { estimate(k) };
-            FoundTerm { term: problem.terms[k], coefficient }
+            FoundTerm::new(problem.terms[k], coefficient)
         })
         .collect();
     let fit_indices: Vec<usize> = (0..records.len()).filter(|&r| records[r].role == Role::Fit).collect();

@@ -116,6 +116,8 @@ pub struct UnknownSpec {
     pub factor: Option<Text>,
     /// Expressions, each with a coefficient to be found.
     pub candidates: Vec<Text>,
+    /// Bounds of the coefficients of some candidates, in SI, infinite where only the sign is bound.
+    pub within: Vec<(Text, (f64, f64))>,
     /// Names of laws of the catalogue.
     pub laws: Vec<Text>,
     /// The whole form.
