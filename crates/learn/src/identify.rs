@@ -2,10 +2,11 @@
 
 use crate::assess::{Solution, assess};
 use crate::contribution::contributions;
+use crate::differentiators::{Number, dependence};
 use crate::identified::{
     Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict,
 };
-use crate::train::{StepOptions, train};
+use crate::train::{StepFit, StepOptions, normal_of_steps, train};
 use crate::trajectory::by_trajectory;
 use phisindy_phys::spec::{Method, Optimiser, Role};
 use phisindy_phys::{Case, Record, System};
@@ -108,8 +109,9 @@ fn by_steps(
     let system = &case.system;
     let mut warnings = Vec::new();
     let mut filled: Vec<Record> = records.to_vec();
+    let how = case.learn.differentiator.unwrap_or_default();
     for record in &mut filled {
-        match record.fill_velocities(system) {
+        match record.fill_velocities(system, how) {
             Ok(notes) => warnings.extend(notes),
             Err(missing) => {
                 return Err(LearnError::Data(format!(
@@ -152,6 +154,19 @@ fn by_steps(
         vec![]
     };
     warnings.extend(at_bounds(&parameters));
+    let numbers = numbers_of_steps(system, &fit, moved);
+    let here = normal_of_steps(system, &fitted, &options, &fit);
+    warnings.extend(dependence(&numbers, &here, |how| {
+        let derives = |r: &&&Record| !r.derivations.is_empty() || r.columns.iter().any(Option::is_none);
+        let measured: Vec<&Record> = records.iter().filter(|r| r.role == Role::Fit).collect();
+        measured.iter().find(derives)?;
+        let other = |r: &&Record| {
+            let mut r = r.rederived(how)?;
+            r.fill_velocities(system, how).ok().map(|_| r)
+        };
+        let other: Vec<Record> = measured.iter().map(other).collect::<Option<_>>()?;
+        Some(normal_of_steps(system, &other.iter().collect::<Vec<_>>(), &options, &fit))
+    }));
     let mut solution = Solution::new(fit.terms.clone(), fit.coefficients.clone(), &fit.parameters, records);
     let fits = assess(system, records, &filled, &mut solution);
     let mut without = Solution::new(vec![], vec![], &fit.parameters, records);
@@ -170,6 +185,16 @@ fn by_steps(
         verdict,
         stopped: fit.stopped,
     })
+}
+
+/// What method step found, in the order of its unknowns.
+fn numbers_of_steps(system: &System, fit: &StepFit, moved: bool) -> Vec<Number> {
+    let term = |&t: &usize| {
+        format!("{} in {}'", system.terms[t].candidate, system.states[system.terms[t].state].name)
+    };
+    let parameters = system.parameters.iter().filter(|_| moved).map(|p| p.name.clone());
+    let names = fit.terms.iter().map(term).chain(parameters);
+    names.zip(&fit.std_errors).enumerate().map(|(k, (name, error))| (k, name, *error)).collect()
 }
 
 fn step_options(case: &Case) -> StepOptions {

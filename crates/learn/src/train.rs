@@ -163,6 +163,22 @@ pub fn train(
     fit
 }
 
+/// The normal equations of the loss where a fit ended, on the same or on other records.
+pub(crate) fn normal_of_steps(
+    system: &System,
+    records: &[&Record],
+    options: &StepOptions,
+    fit: &StepFit,
+) -> Normal {
+    let mut values = fit.coefficients.clone();
+    if options.optimiser == Optimiser::GaussNewton {
+        values.extend(&fit.parameters);
+    }
+    let (cost, triangle, gradient) =
+        lay_out(system, records, options, &fit.terms, &fit.parameters).normal(&values);
+    Normal { cost, matrix: symmetric(&triangle, values.len()), gradient }
+}
+
 /// The loss of some terms; `parameters` are the values of what is held.
 pub(crate) fn lay_out(
     system: &System,

@@ -255,7 +255,7 @@ impl<'s> Survey<'s> {
     }
 
     fn derived(&mut self, derive: &'s [(Text, DeriveSpec)]) {
-        for (name, DeriveSpec::Derivative(of)) in derive {
+        for (name, DeriveSpec::Derivative(of, _)) in derive {
             if let Some((due, is)) = self.differ(&self.rate_of(&of.value), &self.of(name)) {
                 let declared = self.spec.inputs.iter().find(|(n, _)| n.value == name.value).map(|(_, u)| u);
                 self.mistakes.push(self.words.derivative(name, of, declared, [&due, &is]));

@@ -41,7 +41,7 @@ pub use law::{Internal, Law, LawParameter, Screen, Sketch};
 pub use model::Model;
 pub use noise_level::{effective_samples, noise_level};
 pub use plan::{Origin, RecordPlan, Sensor, SensorParameter, Synthetic, SyntheticInput};
-pub use record::{Record, Table, derivation_note, link_continuations};
+pub use record::{Derivation, Record, Table, Units, derivation_note, link_continuations};
 pub use spectrum::{Line, strongest_line};
 pub use spread::standard_deviation;
 pub use suspicion::{clipped, suspicions};

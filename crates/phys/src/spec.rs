@@ -11,6 +11,7 @@ mod read;
 pub(crate) mod reader;
 mod record;
 
+pub use crate::derivative::Differentiator;
 pub use crate::interpolate::Interpolation;
 pub use read::read;
 
@@ -205,8 +206,8 @@ pub enum Detrend {
 /// How an input is computed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DeriveSpec {
-    /// `Derivative("u")`: with respect to time, of that input.
-    Derivative(Text),
+    /// `Derivative("u")` or `Derivative("u", Spline)`: with respect to time, of that input.
+    Derivative(Text, Option<Differentiator>),
 }
 
 /// How a sensor differs from the truth.
@@ -338,6 +339,8 @@ pub struct LearnSpec {
     pub horizon: Option<u32>,
     /// Into how many segments method trajectory cuts a record.
     pub segments: Option<SegmentsSpec>,
+    /// How the velocities that method step needs are made from displacements.
+    pub differentiator: Option<Differentiator>,
     /// Which method.
     pub method: Option<Method>,
 }

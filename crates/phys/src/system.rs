@@ -169,6 +169,17 @@ impl System {
         self.inputs.iter().position(|u| u.name == name)
     }
 
+    /// Name and unit of what a sensor measures: the states, then the inputs.
+    pub fn measured(&self, sensor: usize) -> (&str, &str) {
+        match self.states.get(sensor) {
+            Some(state) => (&state.name, &state.unit),
+            None => {
+                let input = &self.inputs[sensor - self.states.len()];
+                (&input.name, &input.unit)
+            }
+        }
+    }
+
     /// A node with numbers in the place of parameters, for printing.
     pub fn with_values(&self, graph: &mut Graph, node: Id, values: &[(Id, f64)]) -> Id {
         let map: HashMap<Id, Id> = values.iter().map(|&(id, v)| (id, graph.constant(v))).collect();

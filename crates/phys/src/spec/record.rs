@@ -2,8 +2,8 @@
 
 use super::reader::{Fields, Reader};
 use super::{
-    ColumnSpec, CsvSpec, DeriveSpec, Detrend, Interpolation, NoiseSpec, Number, Role, Spanned, SyntheticSpec,
-    Text,
+    ColumnSpec, CsvSpec, DeriveSpec, Detrend, Differentiator, Interpolation, NoiseSpec, Number, Role,
+    Spanned, SyntheticSpec, Text,
 };
 use crate::raw::{Node, Shape};
 
@@ -154,13 +154,24 @@ impl Reader<'_> {
 
     fn derive(&mut self, node: &Node) -> Option<DeriveSpec> {
         match (self.variant(node), node.name) {
-            (Some("Derivative"), Some(_)) => {
-                let input = self.argument(node, "the name of an input")?;
-                self.words(input).map(DeriveSpec::Derivative)
-            }
+            (Some("Derivative"), Some(_)) => match node.entries.as_slice() {
+                [of, how] if of.key.is_none() && how.key.is_none() => {
+                    let how = self.differentiator(&how.value);
+                    Some(DeriveSpec::Derivative(self.words(&of.value)?, Some(how?)))
+                }
+                _ => {
+                    let input =
+                        self.argument(node, "the name of an input, and perhaps how to differentiate it")?;
+                    self.words(input).map(|of| DeriveSpec::Derivative(of, None))
+                }
+            },
             (Some(_), Some(name)) => self.unknown_name("way to derive", name, &["Derivative"]),
             _ => self.expected(node, "`Derivative(\"u\")`", ""),
         }
+    }
+
+    pub(super) fn differentiator(&mut self, node: &Node) -> Option<Differentiator> {
+        self.choice(node, "differentiator", &Differentiator::ALL.map(|d| (d.name(), d)))
     }
 
     fn interpolation(&mut self, node: &Node) -> Option<Interpolation> {
