@@ -114,3 +114,27 @@ fn a_term_that_may_only_be_zero_is_not_selected() {
     let terms = result["equations"][0]["terms"].as_array().expect("terms");
     assert!(terms.iter().all(|t| t["candidate"] == "-x^2"), "{terms:?}");
 }
+
+#[test]
+fn the_verdict_says_which_runs_it_rests_on() {
+    let unknown = "factor: \"-1/m\", candidates: [\"y\"]";
+    let spec = oscillator(unknown, "-0.5*y/m", (0.2, 0.0), "");
+    let (result, text) = run("basis_fit", &spec, &[]);
+    assert!(text.contains("rests on the fitted records alone") && text.contains("role Validate"), "{text}");
+    assert_eq!(result["verdict"], "identified");
+    // Another record, which the model does not predict: never fitted, and yet it decides.
+    let (head, record) = spec.split_once("data: [").expect("data");
+    let other = record
+        .trim_end_matches("])")
+        .replace("-0.5*y/m", "-9.0*y/m")
+        .replace("seed: 1", "seed: 2, role: Validate, name: \"other\"");
+    let (result, text) =
+        run("basis_validate", &format!("{head}data: [{}, {other}])", record.trim_end_matches("])")), &[]);
+    assert_eq!(result["verdict"], "rejected", "{text}");
+    assert!(result["reason"].as_str().is_some_and(|why| why.contains("other")), "{}", result["reason"]);
+    assert!(result["basis"].as_str().is_some_and(|b| b.contains("a record that was not fitted: NRMSE up to") && b.contains("(other)")));
+    assert!(
+        result["equations"][0]["terms"][0]["coefficient"].as_f64().is_some_and(|c| (c - 0.5).abs() < 0.01),
+        "{text}"
+    );
+}

@@ -168,10 +168,22 @@ fn odd_records_are_told_of() {
     assert!(odd("hole", hole, "(\"x\", \"m\")").contains("no samples from"));
 }
 
+/// Scatter from -1 to 1 without a pattern.
+fn scatter(k: u64) -> f64 {
+    let mixed = (k + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    let mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    (mixed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+}
+
 #[test]
 fn a_differentiator_is_chosen_and_the_result_may_depend_on_it() {
     let scratch = Scratch::new("differentiators");
-    std::fs::write(scratch.path("a.csv"), swing(0.01, 800, 0.0, 0.0)).expect("a file");
+    let noisy = (0..800_u64).fold("t,x\n".to_owned(), |mut all, k| {
+        let t = 0.01 * k as f64;
+        let _ = writeln!(all, "{t},{:.7}", 0.1 * (3.0 * t).cos() + 1e-3 * scatter(k));
+        all
+    });
+    std::fs::write(scratch.path("a.csv"), noisy).expect("a file");
     let path = scratch.path("case.ron");
     std::fs::write(&path, spec("Csv(path: \"a.csv\", time: \"t\", columns: { \"x\": \"x\" })"))
         .expect("a file");
@@ -302,4 +314,77 @@ fn a_late_input_is_found_and_a_known_gain_undone() {
     let identified = scratch.path("out/identified.ron");
     let kept = std::fs::read_to_string(&identified).expect("identified.ron");
     assert!(kept.contains("delay: 0.03"), "{kept}");
+}
+
+/// What `check` says of a record whose file and columns these are.
+#[track_caller]
+fn refused(name: &str, content: &[u8], column: &str) -> String {
+    let scratch = Scratch::new(&format!("refused_{name}"));
+    std::fs::write(scratch.path("a.csv"), content).expect("a file");
+    let path = scratch.path("case.ron");
+    let record = format!("Csv(path: \"a.csv\", time: \"t\", columns: {{ \"x\": {column} }})");
+    std::fs::write(&path, spec(&record)).expect("a file");
+    let said = phisindy(&["run", &path, "--out", &scratch.path("out")]);
+    assert_eq!((said.code, said.out.as_str()), (2, ""), "{name}: {}", said.err);
+    // Nothing is half written.
+    let left = std::fs::read_dir(scratch.path("out")).map_or(0, Iterator::count);
+    assert_eq!(left, 0, "{name}");
+    said.err
+}
+
+#[test]
+fn bad_files_are_told_what_where_and_what_to_do() {
+    let good = swing(0.001, 10_000, 0.0, 0.0);
+    let changed = |line: usize, new: &dyn Fn(&str) -> String| -> Vec<u8> {
+        let change = |(k, old): (usize, &str)| if k + 1 == line { new(old) } else { format!("{old}\n") };
+        good.lines().enumerate().map(change).collect::<String>().into_bytes()
+    };
+    let cut = good.len() - 14;
+    let x = "(\"x\", \"m\")";
+    let cases: [(&str, Vec<u8>, &str, [&str; 3]); 8] = [
+        (
+            "text",
+            changed(8417, &|_| "8.415,overload,0\n".into()),
+            x,
+            ["holds the text `overload` in line 8417", "a.csv:8417:7", "correct or delete"],
+        ),
+        (
+            "back",
+            changed(5000, &|_| "1.0,0.1,0\n".into()),
+            x,
+            ["goes back from 4.997 to 1 in line 5000", "a.csv:", "run: 0"],
+        ),
+        (
+            "twice",
+            changed(77, &|l| format!("{l}\n{l}\n")),
+            x,
+            ["the time 0.075 stands twice", "lines 77 and 78", "delete or correct"],
+        ),
+        (
+            "cut",
+            good.as_bytes()[..cut].to_vec(),
+            x,
+            ["ends in the middle of line 10001", "a.csv:10001", "copy it again"],
+        ),
+        ("empty", vec![], x, ["is empty", "asked for here", "help"]),
+        (
+            "column",
+            good.clone().into(),
+            "(\"xx\", \"m\")",
+            ["no column `xx`", "asked for here", "did you mean `x`?"],
+        ),
+        (
+            "unit",
+            good.clone().into(),
+            "(\"x\", \"N\")",
+            ["`N` cannot be converted to `m`, the unit of `x`", "case.ron:", "columns"],
+        ),
+        ("binary", vec![0, 159, 146, 150, 10].repeat(40), x, ["not UTF-8", "a.csv", "help"]),
+    ];
+    for (name, content, column, expected) in cases {
+        let said = refused(name, &content, column);
+        for part in expected {
+            assert!(said.contains(part), "{name}: expected {part:?} in\n{said}");
+        }
+    }
 }

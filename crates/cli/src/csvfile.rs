@@ -38,7 +38,7 @@ pub(crate) fn read(
     sources: &mut Sources,
 ) -> Result<Table, Vec<Diagnostic>> {
     let mistakes = Mistakes { name, spec, sources };
-    let lines = Lines::open(path).map_err(|e| vec![mistakes.unreadable(csv.path.span, &e)])?;
+    let lines = Lines::open(path, csv.skip).map_err(|e| vec![mistakes.unreadable(csv.path.span, &e)])?;
     let mut reader = Reader {
         csv,
         time: units.time.scale(),
@@ -69,6 +69,9 @@ pub(crate) fn read(
         blocks: csv.decimate.as_ref().map(|d| Blocks::new(d.value as usize)),
         row: Vec::with_capacity(csv.columns.len()),
         last: None,
+        counted: 0,
+        run: 0,
+        clock: None,
     };
     // A second heading line that only holds units says nothing that the spec does not say.
     let second = second.filter(|line| !(has_header && is_units_row(&dialect, &line.text)));
@@ -84,6 +87,9 @@ pub(crate) fn read(
         };
         reader.row(line, &dialect, &names, &layout, &mut table, &mut kept).map_err(|d| vec![*d])?;
     }
+    if let Some(run) = csv.run.as_ref().filter(|run| run.value > kept.run) {
+        return Err(vec![reader.mistakes.no_run(run, kept.run + 1)]);
+    }
     // Too few in a window, or of `decimate`, is the business of the record.
     if table.time.len() < FEWEST && csv.window.is_none() && csv.decimate.is_none() {
         let rows = csv.rows.first().map(|(first, _)| first.span.to(csv.rows[csv.rows.len() - 1].1.span));
@@ -98,7 +104,8 @@ pub(crate) fn read(
 
 /// Where the needed columns stand in a line.
 struct Layout {
-    time: usize,
+    /// None where a rate takes its place.
+    time: Option<usize>,
     columns: Vec<usize>,
     rows: Vec<usize>,
 }
@@ -109,6 +116,11 @@ struct Kept {
     row: Vec<f64>,
     /// The last row inside of the window, its time, and where that stands.
     last: Option<(Line, f64, Range<usize>)>,
+    /// Rows so far that `rows` selects.
+    counted: u64,
+    /// Which run of the file the last row belongs to, and its time.
+    run: u64,
+    clock: Option<f64>,
 }
 
 struct Reader<'a> {
@@ -148,7 +160,7 @@ impl Reader<'_> {
             0
         };
         let layout = Layout {
-            time: find(&self.csv.time.header),
+            time: self.csv.rate.is_none().then(|| find(&self.csv.time.header)),
             columns: self.csv.columns.iter().map(|(_, c)| find(&c.header)).collect(),
             rows: self.csv.rows.iter().map(|(name, _)| find(name)).collect(),
         };
@@ -175,8 +187,22 @@ impl Reader<'_> {
                 return Ok(());
             }
         }
-        let place = fields[layout.time].clone();
-        let (time, seconds) = self.number(&line, dialect, &place, &names[layout.time], self.time)?;
+        let (place, (time, seconds)) = match (layout.time, &self.csv.rate) {
+            (Some(k), _) => {
+                (fields[k].clone(), self.number(&line, dialect, &fields[k], &names[k], self.time)?)
+            }
+            (None, rate) => {
+                let time = kept.counted as f64 / rate.as_ref().map_or(1.0, |rate| rate.value);
+                (0..0, (time, time))
+            }
+        };
+        kept.counted += 1;
+        if let Some(wanted) = &self.csv.run {
+            kept.run += u64::from(kept.clock.replace(time).is_some_and(|before| time < before));
+            if kept.run != wanted.value {
+                return Ok(());
+            }
+        }
         let extent = table.extent.get_or_insert((time, time));
         *extent = (extent.0.min(time), extent.1.max(time));
         // What lies outside of the window is not looked at: a record is often bad at its ends.

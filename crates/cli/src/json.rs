@@ -15,6 +15,8 @@ struct Outcome<'a> {
     method: &'a str,
     verdict: &'a str,
     reason: Option<&'a str>,
+    /// Which free runs the verdict rests on.
+    basis: String,
     equations: Vec<EquationOut<'a>>,
     parameters: Vec<ParameterOut<'a>>,
     held: &'a [Held],
@@ -136,6 +138,7 @@ pub(crate) fn line(report: &Report<'_>) -> String {
         method: method(found.method),
         verdict: if found.verdict == Verdict::Identified { "identified" } else { "rejected" },
         reason: if let Verdict::Rejected(why) = &found.verdict { Some(why) } else { None },
+        basis: report.basis(),
         equations: equations.collect(),
         parameters: parameters.collect(),
         held: &report.held,

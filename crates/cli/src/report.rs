@@ -7,8 +7,8 @@ use crate::held::{self, Held};
 use crate::json::{self, method, role};
 use crate::load::Loaded;
 use crate::table::{aligned, short};
-use phisindy_learn::{Estimate, FoundTerm, Identified, Verdict};
-use phisindy_phys::spec::{self, Text, UnknownSpec};
+use phisindy_learn::{Estimate, FoundTerm, Identified, RecordFit, Verdict};
+use phisindy_phys::spec::{self, Role, Text, UnknownSpec};
 use phisindy_phys::unit::Dimension;
 use phisindy_phys::{Case, SourceId};
 
@@ -92,6 +92,7 @@ impl<'a> Report<'a> {
         };
         let stopped = if found.stopped { ", stopped by the user" } else { "" };
         lines.push(format!("{verdict} (method {}, {:.1} s{stopped})", method(found.method), self.seconds));
+        lines.push(self.basis());
         let mut section = |rows: Vec<Vec<String>>| {
             if rows.len() > 1 {
                 lines.push(String::new());
@@ -112,6 +113,27 @@ impl<'a> Report<'a> {
             lines.extend(self.warnings.iter().flat_map(|w| w.lines()).map(|w| format!("warning: {w}")));
         }
         lines
+    }
+
+    /// Which free runs the verdict rests on.
+    pub(crate) fn basis(&self) -> String {
+        let validated: Vec<&RecordFit> =
+            self.found.records.iter().filter(|r| r.role == Role::Validate).collect();
+        let worst = |records: &[&RecordFit]| {
+            let worst = records.iter().max_by(|a, b| a.worst().total_cmp(&b.worst()));
+            worst.map_or(String::new(), |r| format!("NRMSE up to {} ({})", short(r.worst()), r.name))
+        };
+        match validated.len() {
+            0 => {
+                let fitted: Vec<&RecordFit> = self.found.records.iter().collect();
+                format!(
+                    "rests on the fitted records alone, run freely: {}; none has the role Validate",
+                    worst(&fitted)
+                )
+            }
+            1 => format!("rests on the free run of a record that was not fitted: {}", worst(&validated)),
+            n => format!("rests on the free runs of {n} records that were not fitted: {}", worst(&validated)),
+        }
     }
 
     fn coefficients(&self) -> Vec<Vec<String>> {

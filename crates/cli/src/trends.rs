@@ -20,7 +20,8 @@ impl Trends {
         for (name, kind) in &csv.detrend {
             // That there is one was checked when the spec was read.
             let Some(k) = csv.columns.iter().position(|(n, _)| n.value == name.value) else { continue };
-            let rows = csv.rows.iter().map(|(n, v)| (n.value.clone(), v.value)).collect();
+            let run = csv.run.iter().map(|run| ("run".to_owned(), run.value as f64));
+            let rows = csv.rows.iter().map(|(n, v)| (n.value.clone(), v.value)).chain(run).collect();
             let key = (csv.path.value.clone(), rows, csv.columns[k].1.header.value.clone(), *kind);
             let values = &mut table.columns[k];
             let known = self.found.iter().find(|(other, _)| *other == key).map(|(_, trend)| *trend);

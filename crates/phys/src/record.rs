@@ -252,7 +252,8 @@ pub fn link_continuations(records: &mut [Record], plans: &[RecordPlan]) {
                 .rows
                 .iter()
                 .map(|(n, v)| (&n.value, v.value))
-                .eq(b.rows.iter().map(|(n, v)| (&n.value, v.value)));
+                .eq(b.rows.iter().map(|(n, v)| (&n.value, v.value)))
+                && a.run.as_ref().map(|run| run.value) == b.run.as_ref().map(|run| run.value);
             let gap = records[k].time[0] - records[j].time[records[j].len() - 1];
             let step =
                 (records[j].time[records[j].len() - 1] - records[j].time[0]) / (records[j].len() - 1) as f64;

@@ -160,8 +160,10 @@ pub struct CsvSpec {
     pub path: Text,
     /// What the record is called in reports.
     pub name: Option<Text>,
-    /// The column of time.
+    /// The column of time; its heading is empty where a rate is given.
     pub time: ColumnSpec,
+    /// `Rate(1000.0)` in the place of a column of time: rows per second.
+    pub rate: Option<Number>,
     /// States and inputs, and the columns that measure them.
     pub columns: Vec<(Text, ColumnSpec)>,
     /// Inputs that are computed.
@@ -182,6 +184,10 @@ pub struct CsvSpec {
     pub decimal: Option<Spanned<char>>,
     /// Whether there is a heading line; None: found out.
     pub header: Option<bool>,
+    /// Lines before the heading that are no part of the table.
+    pub skip: usize,
+    /// Which of the runs that follow each other in the file, from 0: a new one begins wherever time goes back.
+    pub run: Option<Spanned<u64>>,
     /// How inputs go between samples.
     pub interpolate: Vec<(Text, Interpolation)>,
     /// Constants of this record.
