@@ -1,7 +1,8 @@
 //! A record: sampled data of one run, in SI, checked against the system.
 
 use crate::derivative::{Differentiated, Differentiator, differentiate};
-use crate::plan::{Origin, RecordPlan, Sensor};
+use crate::plan::{Origin, RecordPlan};
+use crate::sensor::Sensor;
 use crate::spec::{ColumnSpec, CsvSpec, Role, Text};
 use crate::system::System;
 use crate::unit::Unit;
