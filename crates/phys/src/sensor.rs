@@ -12,7 +12,7 @@ pub struct SensorParameter {
     pub within: Option<(f64, f64)>,
     /// Belief beforehand.
     pub sigma: Option<f64>,
-    /// The parameter of the system that it is (index into [`System::parameters`]): one value wherever it is named.
+    /// The parameter of the system that it is (index into [`crate::System::parameters`]): one value wherever it is named.
     pub shared: Option<usize>,
 }
 
