@@ -226,15 +226,60 @@ fn what_is_missing_repeated_or_dead_is_said() {
     let check = phisindy(&["check", &scratch.path("rig.ron")]);
     assert_eq!(check.code, 0, "{text}");
     holds(&check.err, &["no samples from 5.000000 s to 8.010000 s"]);
-    // Trials that nothing tells apart: a spec, and what to do before it can run.
+    // Runs that no column tells apart are counted.
     let file = table("time_s,x_mm", 400, |k, _| {
         format!("{:.3},{:.4}", 0.01 * (k % 200) as f64, (0.1 * k as f64).sin())
     });
     let (scratch, text, said) = made("untold", file.as_bytes());
     holds(&said.err, &["time goes back at line 202", "no column tells them apart"]);
-    let check = phisindy(&["check", &scratch.path("rig.ron")]);
-    assert_eq!(check.code, 2, "{text}");
-    holds(&check.err, &["goes back from 1.99 to 0"]);
+    holds(&text, &["name: \"run 0\"", "run: 0,", "name: \"run 1\"", "run: 1,", "role: Validate"]);
+    checked(&scratch, &text);
+}
+
+#[test]
+fn lines_before_the_heading_are_skipped() {
+    let body = table("Time [s];Position [mm]", 400, |_, t| format!("{t:.2};{:.4}", 10.0 * (9.0 * t).cos()));
+    for (name, before, skip) in [
+        ("one", "Rig 7\n", "skip: 1"),
+        ("many", "Logger; version 2\nSampling rate: 100 Hz\n\nChannel 1;Channel 2\n", "skip: 4"),
+    ] {
+        let (scratch, text, _) = made(&format!("preamble_{name}"), format!("{before}{body}").as_bytes());
+        holds(&text, &[skip, "(\"Position [mm]\", \"mm\")"]);
+        checked(&scratch, &text);
+        let run = phisindy(&["check", &scratch.path("rig.ron"), "--set", "data.0.run=1"]);
+        holds(&run.err, &["has 1 runs, so none has the number 1", "counted from 0"]);
+    }
+    let (_, text, _) = made("no_preamble", body.as_bytes());
+    assert!(!text.contains("skip:"), "{text}");
+}
+
+#[test]
+fn a_file_without_time_asks_for_its_rate() {
+    let file =
+        table("x_mm;F [N]", 400, |_, t| format!("{:.4};{:.3}", 10.0 * (9.0 * t).cos(), (2.0 * t).sin()));
+    let (scratch, text, _) = made("no_time", file.as_bytes());
+    holds(&text, &["time: Rate(100.0)", "EDIT: no column is time: how many rows per second?"]);
+    checked(&scratch, &text);
+    // Twice the rate is half the time.
+    let check = phisindy(&[
+        "check",
+        &scratch.path("rig.ron"),
+        "--set",
+        "data.0.time=Rate(200.0)",
+        "--set",
+        "data.0.window=(2.5, 5.0)",
+    ]);
+    holds(&check.err, &["runs from 0 to 1.995"]);
+}
+
+#[test]
+fn inches_and_gravities_are_units() {
+    let file = table("time (s),disp (in),acc (g)", 400, |_, t| {
+        format!("{t:.2},{:.5},{:.5}", 0.4 * (9.0 * t).cos(), 0.01 * t.sin())
+    });
+    let (scratch, text, _) = made("imperial", file.as_bytes());
+    holds(&text, &["(\"disp (in)\", \"in\")", "an acceleration, not used"]);
+    checked(&scratch, &text);
 }
 
 #[test]
@@ -274,11 +319,6 @@ fn bad_files_are_refused_with_the_place_and_what_to_do() {
             &["`x_mm` holds the text `overload` in line 8417", "rig.csv:8417", "not a number"],
         ),
         (
-            "timeless",
-            table("x_mm,y_mm", 50, |_, t| format!("{},{}", (9.0 * t).sin(), (7.0 * t).cos())).into(),
-            &["none of them is time", "time_s"],
-        ),
-        (
             "dates",
             table("time,x_mm", 50, |k, t| format!("12:00:{k},{}", t.sin())).into(),
             &["`time` should be time", "number of seconds"],
@@ -293,7 +333,6 @@ fn bad_files_are_refused_with_the_place_and_what_to_do() {
             table("time_s,a [m/s^2]", 50, |_, t| format!("{t},{}", (9.0 * t).sin())).into(),
             &["is an acceleration"],
         ),
-        ("preamble", format!("Rig 7\n{good}").into(), &["before the heading", "#"]),
         (
             "marks",
             table("t;x", 50, |k, t| {

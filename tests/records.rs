@@ -167,3 +167,224 @@ fn odd_records_are_told_of() {
         .fold(String::new(), |all, (_, l)| all + l + "\n");
     assert!(odd("hole", hole, "(\"x\", \"m\")").contains("no samples from"));
 }
+
+/// Scatter from -1 to 1 without a pattern.
+fn scatter(k: u64) -> f64 {
+    let mixed = (k + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    let mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    (mixed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+}
+
+#[test]
+fn a_differentiator_is_chosen_and_the_result_may_depend_on_it() {
+    let scratch = Scratch::new("differentiators");
+    let noisy = (0..800_u64).fold("t,x\n".to_owned(), |mut all, k| {
+        let t = 0.01 * k as f64;
+        let _ = writeln!(all, "{t},{:.7}", 0.1 * (3.0 * t).cos() + 1e-3 * scatter(k));
+        all
+    });
+    std::fs::write(scratch.path("a.csv"), noisy).expect("a file");
+    let path = scratch.path("case.ron");
+    std::fs::write(&path, spec("Csv(path: \"a.csv\", time: \"t\", columns: { \"x\": \"x\" })"))
+        .expect("a file");
+    let run = |how: &str, method: &str| {
+        let set = format!("learn=(optimiser: GaussNewton, differentiator: {how})");
+        phisindy(&["run", &path, "--method", method, "--set", &set])
+    };
+    let local = run("SavitzkyGolay", "step");
+    assert!(local.err.contains("v is the derivative of x (local cubics"), "{}", local.err);
+    assert!(
+        run("Spline", "step").err.contains("v is the derivative of x (smoothing spline"),
+        "the choice is not heard"
+    );
+    // One step ahead the error of the derivative is that of the stiffness, and its interval does not know; a whole run needs no derivative.
+    assert!(local.err.contains("depends on how columns are differentiated"), "{}", local.err);
+    let whole = run("SavitzkyGolay", "trajectory");
+    assert!(!whole.err.contains("depends on how"), "{}", whole.err);
+    assert!(
+        phisindy(&["check", &path, "--set", "learn.differentiator=Splines"])
+            .err
+            .contains("did you mean `Spline`?")
+    );
+}
+
+#[test]
+fn an_input_is_differentiated_as_the_spec_says() {
+    let scratch = Scratch::new("derive_how");
+    std::fs::write(scratch.path("a.csv"), late_base(0.0, 1.0, 0.0)).expect("a file");
+    let path = scratch.path("case.ron");
+    let spec = "(constants: { \"k\": (20.0, \"1/s^2\"), \"c\": (value: 0.5, unit: \"1/s\", within: (0.0, 5.0)) },
+        states: { \"x\": \"m\", \"v\": \"m/s\" }, inputs: { \"u\": \"m\", \"du\": \"m/s\" },
+        known: { \"x\": \"v\", \"v\": \"-c*(v-du) - k*(x-u)\" },
+        data: [Csv(path: \"a.csv\", time: \"t\", columns: { \"x\": \"x\", \"u\": \"u\" }, derive: { \"du\": Derivative(\"u\", Spectral) })])";
+    std::fs::write(&path, spec).expect("a file");
+    let said = phisindy(&["run", &path]);
+    assert!(
+        said.err.contains("du is the derivative of u, and u is smoothed with it: Fourier"),
+        "{}",
+        said.err
+    );
+    assert_eq!(said.code, 0, "{}", said.out);
+}
+
+/// A whole number with its decimal point so many places from the right.
+fn with_point(n: i64, places: usize) -> String {
+    let digits = format!("{:0>width$}", n.abs(), width = places + 1);
+    let (whole, part) = digits.split_at(digits.len() - places);
+    format!("{}{whole}.{part}", if n < 0 { "-" } else { "" })
+}
+
+#[test]
+fn millimetres_and_metres_give_the_same_bits() {
+    let rows = |length: usize, time: usize| {
+        (0..600_i64).fold("t;x;v\n".to_owned(), |mut all, k| {
+            let t = 0.01 * k as f64;
+            let scatter = 2e-4 * (((k * 7919) % 101) as f64 / 50.0 - 1.0);
+            let digits = |x: f64| (x * 1e9).round() as i64;
+            let (x, v) = (digits(0.1 * (3.0 * t).cos() + scatter), digits(-0.3 * (3.0 * t).sin() + scatter));
+            let t = with_point(k * 1_000_000, time);
+            let _ = writeln!(all, "{t};{};{}", with_point(x, length), with_point(v, length));
+            all
+        })
+    };
+    let numbers = |name: &str, content: String, units: [&str; 3]| {
+        let [s, m, speed] = units;
+        let records = format!(
+            "Csv(path: \"a.csv\", name: \"a\", time: (\"t\", \"{s}\"), columns: {{ \"x\": (\"x\", \"{m}\"), \"v\": (\"v\", \"{speed}\") }}, \
+             sensors: {{ \"x\": (offset: Find(start: 0.0, unit: \"m\", within: (-0.1, 0.1))) }}, detrend: {{ \"v\": Mean }})"
+        );
+        let (said, mut result) = run(name, &[("a.csv", content)], &records);
+        assert_eq!(said.code, 0, "{}", said.err);
+        for own in ["seconds", "spec", "warnings"] {
+            result[own] = Value::Null;
+        }
+        result
+    };
+    let si = numbers("in_m", rows(9, 8), ["s", "m", "m/s"]);
+    assert_eq!(si, numbers("in_mm", rows(6, 5), ["ms", "mm", "mm/s"]));
+    assert_eq!(si, numbers("in_km", rows(12, 8), ["s", "km", "m/ms"]));
+}
+
+/// The steady motion of a mass on a spring (20 1/s^2) and damper (0.8 1/s) whose base moves as two cosines; the base is read late, too large and
+/// with a zero error.
+fn late_base(delay: f64, gain: f64, offset: f64) -> String {
+    let (k, c) = (20.0, 0.8);
+    let lines = [(0.01, 3.0), (0.004, 7.3)];
+    let base = |t: f64| lines.iter().map(|(a, w)| a * (w * t).cos()).sum::<f64>();
+    let mass = |t: f64| {
+        let line = |&(a, w): &(f64, f64)| {
+            // (k + i c w) / (k - w^2 + i c w)
+            let size = f64::hypot(k, c * w) / f64::hypot(k - w * w, c * w);
+            let phase = f64::atan2(c * w, k) - f64::atan2(c * w, k - w * w);
+            a * size * (w * t + phase).cos()
+        };
+        lines.iter().map(line).sum::<f64>()
+    };
+    (0..1500).fold("t,x,u\n".to_owned(), |mut all, i| {
+        let t = 0.01 * f64::from(i);
+        let scatter = 1e-5 * (f64::from((i * 7919) % 101) / 50.0 - 1.0);
+        let _ = writeln!(all, "{t},{:.8},{:.8}", mass(t) + scatter, offset + gain * base(t - delay));
+        all
+    })
+}
+
+#[test]
+fn a_late_input_is_found_and_a_known_gain_undone() {
+    let scratch = Scratch::new("late_input");
+    std::fs::write(scratch.path("a.csv"), late_base(0.0371, 2.0, 0.005)).expect("a file");
+    let spec = "(constants: { \"k\": (20.0, \"1/s^2\"), \"c\": (value: 0.5, unit: \"1/s\", within: (0.0, 5.0)) },
+        states: { \"x\": \"m\", \"v\": \"m/s\" }, inputs: { \"u\": \"m\", \"du\": \"m/s\" },
+        known: { \"x\": \"v\", \"v\": \"-c*(v-du) - k*(x-u)\" },
+        data: [Csv(path: \"a.csv\", time: \"t\", columns: { \"x\": (\"x\", \"m\"), \"u\": (\"u\", \"m\") }, derive: { \"du\": Derivative(\"u\") },
+        sensors: { \"u\": (gain: 2.0, offset: 0.005, delay: Find(start: 0.01, unit: \"s\", within: (-0.1, 0.1))) })])";
+    let path = scratch.path("case.ron");
+    std::fs::write(&path, spec).expect("a file");
+    let said = phisindy(&["run", &path, "--format", "json", "--out", &scratch.path("out")]);
+    let result: Value = serde_json::from_str(&said.out).unwrap_or_else(|e| panic!("{e}: {}", said.err));
+    let parameters = result["parameters"].as_array().expect("parameters");
+    let value = |name: &str| {
+        let found = parameters.iter().find(|p| p["name"] == name).unwrap_or_else(|| panic!("{}", said.out));
+        (found["value"].as_f64().expect("a number"), found["std_error"].as_f64().expect("a number"))
+    };
+    // A tenth of the step; differentiating u leaves more than the noise of x.
+    assert!((value("u.delay").0 - 0.0371).abs() < 1e-3, "{:?}", value("u.delay"));
+    assert!((value("c").0 - 0.8).abs() < 0.03, "{:?}", value("c"));
+    assert!(value("u.delay").1 > 0.0 && value("u.delay").1 < 1e-3, "{:?}", value("u.delay"));
+    // What was found is held in identified.ron, which predicts with it.
+    let identified = scratch.path("out/identified.ron");
+    let kept = std::fs::read_to_string(&identified).expect("identified.ron");
+    assert!(kept.contains("delay: 0.03"), "{kept}");
+}
+
+/// What `check` says of a record whose file and columns these are.
+#[track_caller]
+fn refused(name: &str, content: &[u8], column: &str) -> String {
+    let scratch = Scratch::new(&format!("refused_{name}"));
+    std::fs::write(scratch.path("a.csv"), content).expect("a file");
+    let path = scratch.path("case.ron");
+    let record = format!("Csv(path: \"a.csv\", time: \"t\", columns: {{ \"x\": {column} }})");
+    std::fs::write(&path, spec(&record)).expect("a file");
+    let said = phisindy(&["run", &path, "--out", &scratch.path("out")]);
+    assert_eq!((said.code, said.out.as_str()), (2, ""), "{name}: {}", said.err);
+    // Nothing is half written.
+    let left = std::fs::read_dir(scratch.path("out")).map_or(0, Iterator::count);
+    assert_eq!(left, 0, "{name}");
+    said.err
+}
+
+#[test]
+fn bad_files_are_told_what_where_and_what_to_do() {
+    let good = swing(0.001, 10_000, 0.0, 0.0);
+    let changed = |line: usize, new: &dyn Fn(&str) -> String| -> Vec<u8> {
+        let change = |(k, old): (usize, &str)| if k + 1 == line { new(old) } else { format!("{old}\n") };
+        good.lines().enumerate().map(change).collect::<String>().into_bytes()
+    };
+    let cut = good.len() - 14;
+    let x = "(\"x\", \"m\")";
+    let cases: [(&str, Vec<u8>, &str, [&str; 3]); 8] = [
+        (
+            "text",
+            changed(8417, &|_| "8.415,overload,0\n".into()),
+            x,
+            ["holds the text `overload` in line 8417", "a.csv:8417:7", "correct or delete"],
+        ),
+        (
+            "back",
+            changed(5000, &|_| "1.0,0.1,0\n".into()),
+            x,
+            ["goes back from 4.997 to 1 in line 5000", "a.csv:", "run: 0"],
+        ),
+        (
+            "twice",
+            changed(77, &|l| format!("{l}\n{l}\n")),
+            x,
+            ["the time 0.075 stands twice", "lines 77 and 78", "delete or correct"],
+        ),
+        (
+            "cut",
+            good.as_bytes()[..cut].to_vec(),
+            x,
+            ["ends in the middle of line 10001", "a.csv:10001", "copy it again"],
+        ),
+        ("empty", vec![], x, ["is empty", "asked for here", "help"]),
+        (
+            "column",
+            good.clone().into(),
+            "(\"xx\", \"m\")",
+            ["no column `xx`", "asked for here", "did you mean `x`?"],
+        ),
+        (
+            "unit",
+            good.clone().into(),
+            "(\"x\", \"N\")",
+            ["`N` cannot be converted to `m`, the unit of `x`", "case.ron:", "columns"],
+        ),
+        ("binary", [0, 159, 146, 150, 10].repeat(40), x, ["not UTF-8", "a.csv", "help"]),
+    ];
+    for (name, content, column, expected) in cases {
+        let said = refused(name, &content, column);
+        for part in expected {
+            assert!(said.contains(part), "{name}: expected {part:?} in\n{said}");
+        }
+    }
+}

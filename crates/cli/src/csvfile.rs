@@ -14,7 +14,9 @@ pub(crate) use lines::{Line, Lines};
 pub(crate) use mistake::Mistakes;
 use phisindy_expr::Span;
 use phisindy_phys::spec::{CsvSpec, Text};
-use phisindy_phys::{Blocks, Diagnostic, SourceId, Sources, Table};
+use phisindy_phys::unit::{Scale, Unit};
+use phisindy_phys::{Blocks, Diagnostic, SourceId, Sources, Table, Units};
+use std::borrow::Cow;
 use std::ops::Range;
 use std::path::Path;
 
@@ -23,20 +25,29 @@ const FEWEST: usize = 10;
 /// Most samples of a record: a fit looks at each of them a thousand times.
 const MOST: usize = 2_000_000;
 
-/// Reads what `csv` needs from the file at `path`; `name` is what the user calls that file.
+/// Reads what `csv` needs from the file at `path`, whose columns are in `units`; `name` is what the user calls that file.
 ///
 /// # Errors
 /// Everything that is wrong with the heading, or the first thing that is wrong in the rows, with the line of the file.
 pub(crate) fn read(
     csv: &CsvSpec,
+    units: &Units,
     path: &Path,
     name: &str,
     spec: SourceId,
     sources: &mut Sources,
 ) -> Result<Table, Vec<Diagnostic>> {
     let mistakes = Mistakes { name, spec, sources };
-    let lines = Lines::open(path).map_err(|e| vec![mistakes.unreadable(csv.path.span, &e)])?;
-    let mut reader = Reader { csv, mistakes, lines, seen_point: None, seen_comma: None };
+    let lines = Lines::open(path, csv.skip).map_err(|e| vec![mistakes.unreadable(csv.path.span, &e)])?;
+    let mut reader = Reader {
+        csv,
+        time: units.time.scale(),
+        columns: units.columns.iter().map(|u| u.scale()).collect(),
+        mistakes,
+        lines,
+        seen_point: None,
+        seen_comma: None,
+    };
     let Some(first) = reader.next_line().map_err(|d| vec![*d])? else {
         return Err(vec![reader.mistakes.empty(csv.path.span)]);
     };
@@ -58,6 +69,9 @@ pub(crate) fn read(
         blocks: csv.decimate.as_ref().map(|d| Blocks::new(d.value as usize)),
         row: Vec::with_capacity(csv.columns.len()),
         last: None,
+        counted: 0,
+        run: 0,
+        clock: None,
     };
     // A second heading line that only holds units says nothing that the spec does not say.
     let second = second.filter(|line| !(has_header && is_units_row(&dialect, &line.text)));
@@ -73,6 +87,9 @@ pub(crate) fn read(
         };
         reader.row(line, &dialect, &names, &layout, &mut table, &mut kept).map_err(|d| vec![*d])?;
     }
+    if let Some(run) = csv.run.as_ref().filter(|run| run.value > kept.run) {
+        return Err(vec![reader.mistakes.no_run(run, kept.run + 1)]);
+    }
     // Too few in a window, or of `decimate`, is the business of the record.
     if table.time.len() < FEWEST && csv.window.is_none() && csv.decimate.is_none() {
         let rows = csv.rows.first().map(|(first, _)| first.span.to(csv.rows[csv.rows.len() - 1].1.span));
@@ -87,7 +104,8 @@ pub(crate) fn read(
 
 /// Where the needed columns stand in a line.
 struct Layout {
-    time: usize,
+    /// None where a rate takes its place.
+    time: Option<usize>,
     columns: Vec<usize>,
     rows: Vec<usize>,
 }
@@ -98,10 +116,18 @@ struct Kept {
     row: Vec<f64>,
     /// The last row inside of the window, its time, and where that stands.
     last: Option<(Line, f64, Range<usize>)>,
+    /// Rows so far that `rows` selects.
+    counted: u64,
+    /// Which run of the file the last row belongs to, and its time.
+    run: u64,
+    clock: Option<f64>,
 }
 
 struct Reader<'a> {
     csv: &'a CsvSpec,
+    /// How the time and each column become SI.
+    time: Scale,
+    columns: Vec<Scale>,
     mistakes: Mistakes<'a>,
     lines: Lines,
     /// A number with a decimal point, and one with a decimal comma, if any was met.
@@ -134,7 +160,7 @@ impl Reader<'_> {
             0
         };
         let layout = Layout {
-            time: find(&self.csv.time.header),
+            time: self.csv.rate.is_none().then(|| find(&self.csv.time.header)),
             columns: self.csv.columns.iter().map(|(_, c)| find(&c.header)).collect(),
             rows: self.csv.rows.iter().map(|(name, _)| find(name)).collect(),
         };
@@ -156,13 +182,27 @@ impl Reader<'_> {
             return Err(Box::new(self.mistakes.ragged(&line, fields.len(), names.len(), self.csv.header)));
         }
         for (k, (_, wanted)) in layout.rows.iter().zip(&self.csv.rows) {
-            let x = self.number(&line, dialect, &fields[*k], &names[*k])?;
+            let (x, _) = self.number(&line, dialect, &fields[*k], &names[*k], Unit::ONE.scale())?;
             if (x - wanted.value).abs() > 1e-9 * wanted.value.abs() {
                 return Ok(());
             }
         }
-        let place = fields[layout.time].clone();
-        let time = self.number(&line, dialect, &place, &names[layout.time])?;
+        let (place, (time, seconds)) = match (layout.time, &self.csv.rate) {
+            (Some(k), _) => {
+                (fields[k].clone(), self.number(&line, dialect, &fields[k], &names[k], self.time)?)
+            }
+            (None, rate) => {
+                let time = kept.counted as f64 / rate.as_ref().map_or(1.0, |rate| rate.value);
+                (0..0, (time, time))
+            }
+        };
+        kept.counted += 1;
+        if let Some(wanted) = &self.csv.run {
+            kept.run += u64::from(kept.clock.replace(time).is_some_and(|before| time < before));
+            if kept.run != wanted.value {
+                return Ok(());
+            }
+        }
         let extent = table.extent.get_or_insert((time, time));
         *extent = (extent.0.min(time), extent.1.max(time));
         // What lies outside of the window is not looked at: a record is often bad at its ends.
@@ -170,8 +210,9 @@ impl Reader<'_> {
             return Ok(());
         }
         kept.row.clear();
-        for k in &layout.columns {
-            kept.row.push(self.number(&line, dialect, &fields[*k], &names[*k])?);
+        for (j, &k) in layout.columns.iter().enumerate() {
+            let (_, x) = self.number(&line, dialect, &fields[k], &names[k], self.columns[j])?;
+            kept.row.push(x);
         }
         if let Some((before, earlier, there)) = kept.last.as_ref().filter(|(_, earlier, _)| time <= *earlier)
         {
@@ -187,8 +228,8 @@ impl Reader<'_> {
             return Err(Box::new(d));
         }
         let row = match &mut kept.blocks {
-            Some(blocks) => blocks.push(time, &kept.row),
-            None => Some((time, kept.row.as_slice())),
+            Some(blocks) => blocks.push(seconds, &kept.row),
+            None => Some((seconds, kept.row.as_slice())),
         };
         if let Some((time, row)) = row {
             if table.time.len() == MOST {
@@ -203,24 +244,30 @@ impl Reader<'_> {
         Ok(())
     }
 
+    /// A field as it stands there, and in SI.
     fn number(
         &mut self,
         line: &Line,
         dialect: &Dialect,
         field: &Range<usize>,
         column: &str,
-    ) -> Result<f64, Box<Diagnostic>> {
+        scale: Scale,
+    ) -> Result<(f64, f64), Box<Diagnostic>> {
         let text = dialect.unquoted(&line.text, field);
         let comma = text.contains(',');
-        let parsed = match (comma, dialect.decimal) {
+        let plain = match (comma, dialect.decimal) {
             (true, Some('.')) => None,
             (true, _) if text.contains('.') || dialect.separator == Some(',') => None,
-            (true, _) => text.replacen(',', ".", 1).parse::<f64>().ok(),
+            (true, _) => Some(Cow::from(text.replacen(',', ".", 1))),
             (false, Some(',')) if text.contains('.') => None,
-            (false, _) => text.parse::<f64>().ok(),
+            (false, _) => Some(Cow::from(&text)),
         };
+        let parsed = plain.and_then(|plain| {
+            let x = plain.parse::<f64>().ok()?;
+            Some((x, if x.is_finite() { scale.si(&plain)? } else { x }))
+        });
         match parsed {
-            Some(x) if x.is_finite() => {}
+            Some((x, si)) if x.is_finite() && si.is_finite() => {}
             Some(_) => return Err(Box::new(self.mistakes.not_finite(line, field.clone(), column, &text))),
             None => {
                 return Err(Box::new(self.mistakes.not_a_number(
@@ -242,7 +289,7 @@ impl Reader<'_> {
                 return Err(Box::new(self.mistakes.two_marks(line, field.clone(), a, b)));
             }
         }
-        Ok(parsed.unwrap_or(f64::NAN))
+        Ok(parsed.unwrap_or((f64::NAN, f64::NAN)))
     }
 }
 

@@ -213,8 +213,13 @@ mod tests {
 
     fn spliced(known: &str, factor: Option<&str>, terms: &[(f64, &str)]) -> String {
         let text = |t: &str| phisindy_phys::spec::Text { value: t.to_owned(), span: Span::new(0, 0) };
-        let unknown =
-            UnknownSpec { factor: factor.map(text), candidates: vec![], laws: vec![], span: Span::new(0, 0) };
+        let unknown = UnknownSpec {
+            factor: factor.map(text),
+            candidates: vec![],
+            within: vec![],
+            laws: vec![],
+            span: Span::new(0, 0),
+        };
         let rate = rate(known, &unknown, terms);
         assert!(parse(&rate).is_ok(), "{rate}");
         rate

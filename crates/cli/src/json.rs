@@ -1,5 +1,7 @@
 //! A result as JSON: the keys are a contract with users (DESIGN.md section 4). Numbers that are not finite become null.
 
+use crate::contribution::{Contribution, contribution};
+use crate::held::Held;
 use crate::report::Report;
 use phisindy_learn::{Estimate, Verdict};
 use phisindy_phys::spec::{Method, Role};
@@ -13,8 +15,11 @@ struct Outcome<'a> {
     method: &'a str,
     verdict: &'a str,
     reason: Option<&'a str>,
+    /// Which free runs the verdict rests on.
+    basis: String,
     equations: Vec<EquationOut<'a>>,
     parameters: Vec<ParameterOut<'a>>,
+    held: &'a [Held],
     records: Vec<RecordOut<'a>>,
     noise_model: &'a str,
     selection: Vec<PointOut>,
@@ -40,8 +45,13 @@ struct TermOut<'a> {
     unit: String,
     std_error: f64,
     ci95: [f64; 2],
+    /// What the spec allows; null where it sets no bound.
+    bounds: [f64; 2],
+    at_bound: bool,
     /// The force behind a coefficient that is a rate.
     force: Option<ForceOut>,
+    /// What it does along the motion.
+    contribution: Option<Contribution>,
 }
 
 #[derive(Serialize)]
@@ -92,7 +102,10 @@ pub(crate) fn line(report: &Report<'_>) -> String {
                 unit: system.terms[f.term].unit.map_or(String::new(), |unit| unit.to_string()),
                 std_error,
                 ci95: [ci95.0, ci95.1],
+                bounds: system.terms[f.term].within.into(),
+                at_bound: f.at_bound,
                 force: report.force(f).map(|(value, unit)| ForceOut { value, unit: unit.to_string() }),
+                contribution: contribution(system, f),
             }
         });
         let state = &system.states[equation.state].name;
@@ -125,8 +138,10 @@ pub(crate) fn line(report: &Report<'_>) -> String {
         method: method(found.method),
         verdict: if found.verdict == Verdict::Identified { "identified" } else { "rejected" },
         reason: if let Verdict::Rejected(why) = &found.verdict { Some(why) } else { None },
+        basis: report.basis(),
         equations: equations.collect(),
         parameters: parameters.collect(),
+        held: &report.held,
         records: records.collect(),
         noise_model: &found.noise_model,
         selection: selection.collect(),

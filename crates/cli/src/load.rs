@@ -7,7 +7,7 @@ use crate::trends::Trends;
 use phisindy_expr::Span;
 use phisindy_phys::spec::{ColumnSpec, CsvSpec, InputSpec, Role, Text};
 use phisindy_phys::{
-    Case, Diagnostic, Interpolation, Origin, Record, RecordPlan, Severity, Signal, SourceId, Sources,
+    Case, Diagnostic, Interpolation, Origin, Record, RecordPlan, Severity, Signal, SourceId, Sources, Units,
     link_continuations, suspicions, unit::Unit,
 };
 use phisindy_sim::{SyntheticError, Trajectory, synthesize};
@@ -228,13 +228,15 @@ impl Loader<'_> {
             }
         };
         let shown = path.display().to_string();
-        let record = csvfile::read(csv, &path, &shown, self.source, self.sources).and_then(|mut table| {
-            let done = self.trends.take_off(csv, &mut table);
-            let mut record = Record::from_table(plan, &table, &case.system, self.source)?;
-            record.notes.extend(decimation(csv));
-            record.notes.extend(done);
-            Ok(record)
-        });
+        let units = Units::of(csv, &case.system);
+        let record =
+            csvfile::read(csv, &units, &path, &shown, self.source, self.sources).and_then(|mut table| {
+                let done = self.trends.take_off(csv, &units, &mut table);
+                let mut record = Record::from_table(plan, &table, &case.system, self.source)?;
+                record.notes.extend(decimation(csv));
+                record.notes.extend(done);
+                Ok(record)
+            });
         if let Ok(record) = &record {
             suspicions(&case.system, record).into_iter().for_each(|s| self.push(Diagnostic::warning(s)));
         }
@@ -302,12 +304,10 @@ fn input_file(
     };
     let found = folders.find(&path.value, source, path.span).map_err(|m| vec![m.diagnostic()])?;
     let csv = column_of(path, time, column);
-    let table = csvfile::read(&csv, &found, &found.display().to_string(), source, sources)?;
-    let factor =
-        |c: &ColumnSpec| c.unit.as_ref().and_then(|u| Unit::parse(&u.value).ok()).map_or(1.0, |u| u.factor);
-    let (per_time, per_value) = (factor(time), factor(column));
-    let times = table.time.iter().map(|t| t * per_time).collect();
-    let values = table.columns.iter().flatten().map(|x| x * per_value).collect();
+    let unit = |c: &ColumnSpec| c.unit.as_ref().and_then(|u| Unit::parse(&u.value).ok()).unwrap_or(Unit::ONE);
+    let units = Units { time: unit(time), columns: vec![unit(column)] };
+    let table = csvfile::read(&csv, &units, &found, &found.display().to_string(), source, sources)?;
+    let (times, values) = (table.time.into(), table.columns.concat());
     Signal::new(times, values, Interpolation::Cubic).map_err(|e| {
         vec![Diagnostic::error(format!("`{}` is no input: {e}", path.value)).at(source, path.span, "")]
     })
@@ -319,6 +319,7 @@ fn column_of(path: &Text, time: &ColumnSpec, column: &ColumnSpec) -> CsvSpec {
         path: path.clone(),
         name: None,
         time: time.clone(),
+        rate: None,
         columns: vec![(column.header.clone(), column.clone())],
         derive: vec![],
         sensors: vec![],
@@ -329,6 +330,8 @@ fn column_of(path: &Text, time: &ColumnSpec, column: &ColumnSpec) -> CsvSpec {
         separator: None,
         decimal: None,
         header: None,
+        skip: 0,
+        run: None,
         interpolate: vec![],
         constants: vec![],
         decimate: None,

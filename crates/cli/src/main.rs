@@ -8,11 +8,13 @@
 mod args;
 mod chart;
 mod command;
+mod contribution;
 mod csvfile;
 mod datafile;
 mod draw;
 mod equation;
 mod gap;
+mod held;
 mod hidden;
 mod html;
 mod identified_spec;

@@ -1,12 +1,14 @@
 //! A result for people: equations as LaTeX (the rest as comments) or as plain text.
 
 use crate::args::Format;
+use crate::contribution;
 use crate::equation::{Equation, equations, names_of_records};
+use crate::held::{self, Held};
 use crate::json::{self, method, role};
 use crate::load::Loaded;
 use crate::table::{aligned, short};
-use phisindy_learn::{Estimate, FoundTerm, Identified, Verdict};
-use phisindy_phys::spec::{self, Text, UnknownSpec};
+use phisindy_learn::{Estimate, FoundTerm, Identified, RecordFit, Verdict};
+use phisindy_phys::spec::{self, Role, Text, UnknownSpec};
 use phisindy_phys::unit::Dimension;
 use phisindy_phys::{Case, SourceId};
 
@@ -22,6 +24,8 @@ pub(crate) struct Report<'a> {
     pub(crate) equations: Vec<Equation>,
     /// States and what their candidates are multiplied by, as the spec writes it: the coefficients of the table stand before both.
     factors: Vec<(String, String)>,
+    /// What the fit did not move.
+    pub(crate) held: Vec<Held>,
     /// What a careful reader should know.
     pub(crate) warnings: Vec<String>,
     /// What was done to the data.
@@ -47,10 +51,12 @@ impl<'a> Report<'a> {
             if warning.contains(" is the derivative of ") { &mut notes } else { &mut warnings }
                 .push(warning.clone());
         }
-        let unknown = spec::read(&loaded.text, SourceId(0)).map_or(vec![], |(spec, _)| spec.unknown);
+        let spec = spec::read(&loaded.text, SourceId(0)).ok();
+        let held = spec.as_ref().map_or(vec![], |(spec, _)| held::held(loaded, spec, found));
+        let unknown = spec.map_or(vec![], |(spec, _)| spec.unknown);
         let factor = |(state, u): (Text, UnknownSpec)| Some((state.value, u.factor?.value));
         let factors = unknown.into_iter().filter_map(factor).collect();
-        Report { spec: &loaded.spec, case, found, equations, factors, warnings, notes, seconds }
+        Report { spec: &loaded.spec, case, found, equations, factors, held, warnings, notes, seconds }
     }
 
     /// The result in one of its forms, with an end of line.
@@ -86,6 +92,7 @@ impl<'a> Report<'a> {
         };
         let stopped = if found.stopped { ", stopped by the user" } else { "" };
         lines.push(format!("{verdict} (method {}, {:.1} s{stopped})", method(found.method), self.seconds));
+        lines.push(self.basis());
         let mut section = |rows: Vec<Vec<String>>| {
             if rows.len() > 1 {
                 lines.push(String::new());
@@ -93,8 +100,10 @@ impl<'a> Report<'a> {
             }
         };
         section(self.coefficients());
+        section(contribution::rows(&self.case.system, found));
         section(self.parameters());
         section(self.records());
+        lines.extend(held::line(&self.held));
         let own = names_of_records(&self.case.system, &self.equations);
         if !own.is_empty() {
             lines.push(format!("{}: each record has its own", own.join(", ")));
@@ -104,6 +113,27 @@ impl<'a> Report<'a> {
             lines.extend(self.warnings.iter().flat_map(|w| w.lines()).map(|w| format!("warning: {w}")));
         }
         lines
+    }
+
+    /// Which free runs the verdict rests on.
+    pub(crate) fn basis(&self) -> String {
+        let validated: Vec<&RecordFit> =
+            self.found.records.iter().filter(|r| r.role == Role::Validate).collect();
+        let worst = |records: &[&RecordFit]| {
+            let worst = records.iter().max_by(|a, b| a.worst().total_cmp(&b.worst()));
+            worst.map_or(String::new(), |r| format!("NRMSE up to {} ({})", short(r.worst()), r.name))
+        };
+        match validated.len() {
+            0 => {
+                let fitted: Vec<&RecordFit> = self.found.records.iter().collect();
+                format!(
+                    "rests on the fitted records alone, run freely: {}; none has the role Validate",
+                    worst(&fitted)
+                )
+            }
+            1 => format!("rests on the free run of a record that was not fitted: {}", worst(&validated)),
+            n => format!("rests on the free runs of {n} records that were not fitted: {}", worst(&validated)),
+        }
     }
 
     fn coefficients(&self) -> Vec<Vec<String>> {
@@ -126,6 +156,9 @@ impl<'a> Report<'a> {
             let unit = term.unit.map_or("-".to_owned(), |unit| unit.to_string());
             let mut row = vec![state.clone(), factor.to_owned(), term.candidate.clone(), unit];
             row.extend(estimate(&found.coefficient, 1.0));
+            if found.at_bound {
+                row[6].push_str(" at its bound");
+            }
             row.extend(self.force(found).map(|(force, unit)| format!("{} {unit}", short(force))));
             rows.push(row);
         }

@@ -3,7 +3,7 @@
 
 use crate::load::Loaded;
 use anyhow::Result;
-use phisindy_phys::{Origin, Record, System, standard_deviation};
+use phisindy_phys::{Differentiator, Origin, Record, System, standard_deviation};
 use phisindy_sim::{Automaton, Drive, Options, Trajectory, simulate};
 use std::io::Write;
 
@@ -47,7 +47,7 @@ fn synthetic(origin: &Origin) -> bool {
 fn predicted(system: &System, record: &Record) -> Result<Run, String> {
     let mut filled = record.clone();
     // A state that cannot be derived is asked for below, unless the spec states where it starts.
-    let _ = filled.fill_velocities(system);
+    let _ = filled.fill_velocities(system, Differentiator::default());
     let start = system.states.iter().enumerate().map(|(k, state)| {
         let sensor = &record.sensors[k];
         let first = filled.columns[k].as_ref().map(|c| {

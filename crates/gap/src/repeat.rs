@@ -152,6 +152,7 @@ mod tests {
             sensors: vec![],
             start: vec![],
             continues: None,
+            derivations: vec![],
             notes: vec![],
         }
     }

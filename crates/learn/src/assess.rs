@@ -5,7 +5,7 @@ use crate::least_squares::{Limits, minimise};
 use crate::problem::{Meaning, Problem, Segment};
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Record, System, noise_level, standard_deviation};
-use phisindy_sim::{Drive, Options, SimError, Trajectory, simulate};
+use phisindy_sim::{Options, SimError, Trajectory};
 
 /// A model with all its numbers: what a fit leaves behind.
 #[derive(Clone, Debug)]
@@ -188,12 +188,10 @@ fn continued(
 ) -> Result<Run, SimError> {
     let n = record.columns.len();
     let start = fit.run.as_ref().map_or(vec![0.0; n], |run| run.states[run.states.len() - n..].to_vec());
-    let parameters = problem.model_parameters(0, x);
-    let drive = Drive { inputs: &record.inputs, parameters: &parameters };
     let options = Options { scale: problem.scale.clone(), diverged: 1e4, ..Default::default() };
     // The run before ended where its columns looked last.
     let looks = problem.looks(&problem.segments[0], x);
     let t0 = before.time[before.len() - 1] + (looks.first() - record.time[0]);
-    let seen = looks.seen(simulate(&problem.automaton, &drive, t0, &start, &looks.times, &options)?);
+    let seen = looks.seen(problem.simulated(0, x, (t0, &start), &looks.times, &options)?);
     Ok((problem.readings(0, x, &seen), seen.run.states[..n].to_vec(), seen.run))
 }

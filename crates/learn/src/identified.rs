@@ -1,5 +1,6 @@
 //! What identification returns: terms with error bars, parameters, the fit of every record, a verdict.
 
+use phisindy_phys::System;
 use phisindy_phys::spec::{Method, Role};
 use phisindy_sim::Trajectory;
 
@@ -29,6 +30,30 @@ pub struct FoundTerm {
     pub term: usize,
     /// Its coefficient.
     pub coefficient: Estimate,
+    /// Whether the coefficient ended at a bound of the spec.
+    pub at_bound: bool,
+    /// What it does along the motion; `None` where a Fit record could not be run freely.
+    pub contribution: Option<Contribution>,
+}
+
+impl FoundTerm {
+    /// A term of which only the coefficient is known yet.
+    pub fn new(term: usize, coefficient: Estimate) -> FoundTerm {
+        FoundTerm { term, coefficient, at_bound: false, contribution: None }
+    }
+}
+
+/// What a term does along the free runs of the Fit records. Forces where the spec states the inertia of the state, else rates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contribution {
+    /// Root mean square of the term (SI); a contact that sticks counts as zero.
+    pub rms: f64,
+    /// That over the root mean square of all terms of the state together: above 1 where terms work against each other.
+    pub share: f64,
+    /// Energy that it takes out of the motion of its state per second (SI), negative if it feeds the motion; `None` if the state is no velocity.
+    pub power: Option<f64>,
+    /// The same per cycle; `None` where the motion has no main frequency.
+    pub per_cycle: Option<f64>,
 }
 
 /// A parameter that was allowed to move.
@@ -130,6 +155,19 @@ pub struct Identified {
     pub verdict: Verdict,
     /// Whether it was stopped by the user before the end.
     pub stopped: bool,
+}
+
+impl Identified {
+    /// The values of [`System::parameters`] in a record, as far as they were found; the others as the spec starts them.
+    pub fn parameters_of(&self, system: &System, record: usize) -> Vec<f64> {
+        let mut values: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();
+        for p in self.parameters.iter().filter(|p| p.record.is_none_or(|r| r == record)) {
+            if let Some(k) = p.parameter {
+                values[k] = p.estimate.value;
+            }
+        }
+        values
+    }
 }
 
 /// Why nothing could be identified at all.

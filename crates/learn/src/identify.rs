@@ -1,10 +1,12 @@
 //! Identification from start to end, whatever the method.
 
 use crate::assess::{Solution, assess};
+use crate::contribution::contributions;
+use crate::differentiators::{Number, dependence};
 use crate::identified::{
     Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict,
 };
-use crate::train::{StepOptions, train};
+use crate::train::{StepFit, StepOptions, normal_of_steps, train};
 use crate::trajectory::by_trajectory;
 use phisindy_phys::spec::{Method, Optimiser, Role};
 use phisindy_phys::{Case, Record, System};
@@ -41,6 +43,7 @@ pub fn identify(
         Method::Step => by_steps(case, records, observe),
         Method::Trajectory => by_trajectory(case, records, observe),
     }?;
+    contributions(&case.system, records, &mut found);
     remarks(&case.system, &mut found);
     Ok(found)
 }
@@ -52,14 +55,16 @@ const FINE: f64 = 0.05;
 
 /// What a careful reader should know of any result: terms that may as well be zero, validation that does not hold what the fit promises.
 fn remarks(system: &System, found: &mut Identified) {
-    for term in &found.terms {
-        let (low, high) = term.coefficient.ci95;
-        if low <= 0.0 && high >= 0.0 {
-            let term = &system.terms[term.term];
-            let state = &system.states[term.state].name;
-            found
-                .warnings
-                .push(format!("{} of {state}' may as well be zero: its interval holds it", term.candidate));
+    for found_term in &mut found.terms {
+        let term = &system.terms[found_term.term];
+        let name = format!("{} of {}'", term.candidate, system.states[term.state].name);
+        let Estimate { value, ci95: (low, high), .. } = &mut found_term.coefficient;
+        (*low, *high) = (low.max(term.within.0), high.min(term.within.1));
+        found_term.at_bound = *value <= term.within.0 || *value >= term.within.1;
+        if found_term.at_bound {
+            found.warnings.push(beyond_bound(&name, *value));
+        } else if *low <= 0.0 && *high >= 0.0 {
+            found.warnings.push(format!("{name} may as well be zero: its interval holds it"));
         }
     }
     let worst = |role: Role| {
@@ -104,8 +109,9 @@ fn by_steps(
     let system = &case.system;
     let mut warnings = Vec::new();
     let mut filled: Vec<Record> = records.to_vec();
+    let how = case.learn.differentiator.unwrap_or_default();
     for record in &mut filled {
-        match record.fill_velocities(system) {
+        match record.fill_velocities(system, how) {
             Ok(notes) => warnings.extend(notes),
             Err(missing) => {
                 return Err(LearnError::Data(format!(
@@ -139,10 +145,7 @@ fn by_steps(
         ));
     }
     let terms: Vec<FoundTerm> = (0..fit.terms.len())
-        .map(|k| FoundTerm {
-            term: fit.terms[k],
-            coefficient: Estimate::normal(fit.coefficients[k], fit.std_errors[k]),
-        })
+        .map(|k| FoundTerm::new(fit.terms[k], Estimate::normal(fit.coefficients[k], fit.std_errors[k])))
         .collect();
     let moved = options.optimiser == Optimiser::GaussNewton;
     let parameters = if moved {
@@ -151,6 +154,19 @@ fn by_steps(
         vec![]
     };
     warnings.extend(at_bounds(&parameters));
+    let numbers = numbers_of_steps(system, &fit, moved);
+    let here = normal_of_steps(system, &fitted, &options, &fit);
+    warnings.extend(dependence(&numbers, &here, |how| {
+        let derives = |r: &&&Record| !r.derivations.is_empty() || r.columns.iter().any(Option::is_none);
+        let measured: Vec<&Record> = records.iter().filter(|r| r.role == Role::Fit).collect();
+        measured.iter().find(derives)?;
+        let other = |r: &&Record| {
+            let mut r = r.rederived(how)?;
+            r.fill_velocities(system, how).ok().map(|_| r)
+        };
+        let other: Vec<Record> = measured.iter().map(other).collect::<Option<_>>()?;
+        Some(normal_of_steps(system, &other.iter().collect::<Vec<_>>(), &options, &fit))
+    }));
     let mut solution = Solution::new(fit.terms.clone(), fit.coefficients.clone(), &fit.parameters, records);
     let fits = assess(system, records, &filled, &mut solution);
     let mut without = Solution::new(vec![], vec![], &fit.parameters, records);
@@ -170,6 +186,16 @@ fn by_steps(
         verdict,
         stopped: fit.stopped,
     })
+}
+
+/// What method step found, in the order of its unknowns.
+fn numbers_of_steps(system: &System, fit: &StepFit, moved: bool) -> Vec<Number> {
+    let term = |&t: &usize| {
+        format!("{} in {}'", system.terms[t].candidate, system.states[system.terms[t].state].name)
+    };
+    let parameters = system.parameters.iter().filter(|_| moved).map(|p| p.name.clone());
+    let names = fit.terms.iter().map(term).chain(parameters);
+    names.zip(&fit.std_errors).enumerate().map(|(k, (name, error))| (k, name, *error)).collect()
 }
 
 fn step_options(case: &Case) -> StepOptions {
@@ -208,14 +234,11 @@ fn found_parameters(system: &System, values: &[f64], std_errors: &[f64]) -> Vec<
 /// A warning for every parameter that ran into a bound.
 pub(crate) fn at_bounds(parameters: &[FoundParameter]) -> Vec<String> {
     let at = parameters.iter().filter(|p| p.at_bound);
-    at.map(|p| {
-        format!(
-            "{} ended at its bound {}: the data want to go beyond it",
-            p.name,
-            p.estimate.value / p.factor
-        )
-    })
-    .collect()
+    at.map(|p| beyond_bound(&p.name, p.estimate.value / p.factor)).collect()
+}
+
+fn beyond_bound(name: &str, value: f64) -> String {
+    format!("{name} ended at its bound {value}: the data want to go beyond it")
 }
 
 /// Rejected when nothing survives, a free run fails or misses, or the unknown part is no better than nothing.

@@ -34,6 +34,8 @@ pub(crate) struct Regression {
     pub(crate) singular: Vec<usize>,
     triangle: Vec<f64>,
     right: Vec<f64>,
+    /// Bounds of each coefficient.
+    within: Vec<(f64, f64)>,
     p: usize,
 }
 
@@ -42,8 +44,13 @@ impl Regression {
     pub(crate) fn new(system: &System, smooth: &[Record], parameters: &[f64]) -> Regression {
         let terms: Vec<usize> = (0..system.terms.len()).collect();
         let p = terms.len();
-        let mut out =
-            Regression { singular: vec![], triangle: vec![0.0; p * (p + 1) / 2], right: vec![0.0; p], p };
+        let mut out = Regression {
+            singular: vec![],
+            triangle: vec![0.0; p * (p + 1) / 2],
+            right: vec![0.0; p],
+            within: system.terms.iter().map(|t| t.within).collect(),
+            p,
+        };
         for record in smooth {
             let Some(values) = evaluate(system, &terms, record, parameters) else { continue };
             let bad = |k: &usize| values.terms[*k].iter().any(|v| !v.is_finite());
@@ -83,20 +90,48 @@ impl Regression {
         self.triangle[i * self.p - i * (i + 1) / 2 + j]
     }
 
-    /// Coefficients of a subset; all zero where the equations cannot be solved.
+    /// Coefficients of a subset; all zero where the equations cannot be solved. What would leave its bounds stays at them while the others are
+    /// solved again.
     pub(crate) fn solve(&self, terms: &[usize]) -> Vec<f64> {
-        let n = terms.len();
+        let mut held: Vec<Option<f64>> = vec![None; terms.len()];
+        loop {
+            let free: Vec<usize> = (0..terms.len()).filter(|&k| held[k].is_none()).collect();
+            let found = self.solve_beside(terms, &free, &held);
+            let mut beyond = false;
+            for (&k, x) in free.iter().zip(&found) {
+                let (low, high) = self.within[terms[k]];
+                if *x < low || *x > high {
+                    held[k] = Some(x.clamp(low, high));
+                    beyond = true;
+                }
+            }
+            if !beyond {
+                free.into_iter().zip(found).for_each(|(k, x)| held[k] = Some(x));
+                return held.into_iter().map(Option::unwrap_or_default).collect();
+            }
+        }
+    }
+
+    /// Coefficients of the free ones among `terms`, beside those that are held.
+    fn solve_beside(&self, terms: &[usize], free: &[usize], held: &[Option<f64>]) -> Vec<f64> {
+        let n = free.len();
         let triangle: Vec<f64> = (0..n)
             .flat_map(|i| (i..n).map(move |j| (i, j)))
-            .map(|(i, j)| self.at(terms[i], terms[j]))
+            .map(|(i, j)| self.at(terms[free[i]], terms[free[j]]))
             .collect();
-        let right: Vec<f64> = terms.iter().map(|&t| self.right[t]).collect();
+        let taken = |k: usize| -> f64 {
+            held.iter().zip(terms).map(|(h, &t)| h.map_or(0.0, |x| x * self.at(terms[k], t))).sum()
+        };
+        let right: Vec<f64> = free.iter().map(|&k| self.right[terms[k]] - taken(k)).collect();
         solve_damped(&symmetric(&triangle, n), &right, RIDGE).unwrap_or_else(|| vec![0.0; n])
     }
 
     /// What a subset explains: the fall of the sum of squares.
     fn explained(&self, terms: &[usize]) -> f64 {
-        self.solve(terms).iter().zip(terms).map(|(x, &t)| x * self.right[t]).sum()
+        let x = self.solve(terms);
+        let rise =
+            |i: usize| (0..terms.len()).map(|j| x[i] * x[j] * self.at(terms[i], terms[j])).sum::<f64>();
+        (0..terms.len()).map(|i| 2.0 * x[i] * self.right[terms[i]] - rise(i)).sum()
     }
 
     /// The `rank`-th best single term of each equation (the last one where there are fewer).

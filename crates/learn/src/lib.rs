@@ -3,11 +3,14 @@
 mod assess;
 mod batch;
 mod calibrate;
+mod contribution;
 mod descent;
+mod differentiators;
 mod fit;
 mod identified;
 mod identify;
 mod initial;
+mod late;
 mod least_squares;
 mod linear;
 mod looks;
@@ -25,7 +28,7 @@ mod unknown_part;
 
 pub use calibrate::{Calibration, Effort, RESTARTED, approach, calibrate, glance};
 pub use identified::{
-    Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict,
+    Contribution, Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict,
 };
 pub use identify::{LearnOptions, identify};
 pub use initial::smoothed;

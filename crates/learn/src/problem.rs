@@ -3,12 +3,13 @@
 //! The unknowns are one vector: coefficients, shared parameters, then for each record its own parameters, its free sensor parameters, and a
 //! start state for each of its segments.
 
+use crate::late::LateInputs;
 use crate::least_squares::Normal;
 use crate::looks::{Looks, Seen};
 use crate::noise::ColumnNoise;
 use faer::Mat;
 use phisindy_phys::{Record, Sensor, System, standard_deviation};
-use phisindy_sim::{Automaton, Drive, Options, SimError, simulate};
+use phisindy_sim::{Automaton, Drive, Options, SimError, Trajectory, simulate};
 use rayon::prelude::*;
 
 /// Local error of the simulations inside a fit, relative to the size of each state: far below the noise of any sensor.
@@ -52,8 +53,9 @@ pub(crate) struct Problem<'a> {
     pub(crate) belief: f64,
     /// For each record, the parameters of the model.
     model: Vec<Vec<Source>>,
-    /// For each record and state: offset, gain, delay.
+    /// For each record, offset, gain and delay of each state, then of each input.
     sensors: Vec<Vec<[Source; 3]>>,
+    late: LateInputs,
     /// The size of each state, for the accuracy of the simulation.
     pub(crate) scale: Vec<f64>,
     /// Standard deviation of each measured column, by record and state.
@@ -72,7 +74,7 @@ pub(crate) enum Meaning {
     Coefficient(usize),
     /// Index into the system's parameters; the record for those that each has.
     Parameter(usize, Option<usize>),
-    /// Record, state, which of offset, gain, delay.
+    /// Record, state (or, beyond them, input), which of offset, gain, delay.
     Sensor(usize, usize, usize),
     Start,
 }
@@ -104,10 +106,12 @@ impl<'a> Problem<'a> {
         pieces: &[usize],
     ) -> Result<Problem<'a>, String> {
         let model = system.model(terms);
+        let late = late_inputs(system, records);
+        let model = late.model(model);
         let automaton = Automaton::new(&model).map_err(|e| e.message(&model.names))?;
         let n = system.states.len();
         let free = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut bounds = vec![free; terms.len()];
+        let mut bounds: Vec<_> = terms.iter().map(|&t| system.terms[t].within).collect();
         let mut priors = Vec::new();
         let mut unknown =
             |within: (f64, f64), centre: f64, sigma: Option<f64>, bounds: &mut Vec<(f64, f64)>| {
@@ -129,7 +133,7 @@ impl<'a> Problem<'a> {
             sources.extend(record.constants.iter().map(|&c| Source::Number(c)));
             let mut of_states = Vec::new();
             for k in 0..n {
-                let Sensor { offset, gain, delay } = &record.sensors[k];
+                let Sensor { offset, gain, delay, .. } = &record.sensors[k];
                 of_states.push([offset, gain, delay].map(|s| match (s.shared, s.within) {
                     (Some(p), _) => sources[terms.len() + p],
                     (None, Some(within)) if record.columns[k].is_some() => {
@@ -137,6 +141,20 @@ impl<'a> Problem<'a> {
                     }
                     _ => Source::Number(s.start),
                 }));
+            }
+            // Offset and gain of an input are held.
+            for sensor in &record.sensors[n..] {
+                let [offset, gain] = [&sensor.offset, &sensor.gain].map(|s| Source::Number(s.start));
+                let d = &sensor.delay;
+                let delay = match (sensor.follows, d.shared, d.within) {
+                    (None, Some(p), _) => sources[terms.len() + p],
+                    (None, None, Some(within)) => unknown(within, d.start, d.sigma, &mut bounds),
+                    _ => Source::Number(d.start),
+                };
+                of_states.push([offset, gain, delay]);
+            }
+            for (k, of) in record.sensors[n..].iter().enumerate().filter_map(|(k, s)| Some((k, s.follows?))) {
+                of_states[n + k][DELAY] = of_states[n + of][DELAY];
             }
             models.push(sources);
             sensors.push(of_states);
@@ -163,6 +181,7 @@ impl<'a> Problem<'a> {
             belief: 1.0,
             model: models,
             sensors,
+            late,
             scale: vec![],
             deviations,
             continuity: None,
@@ -216,7 +235,9 @@ impl<'a> Problem<'a> {
                     if let Source::Unknown(k) = *source
                         && all[k] == Meaning::Start
                     {
-                        all[k] = Meaning::Sensor(r, state, which);
+                        let n = self.system.states.len();
+                        let own = self.records[r].sensors[state].follows.map_or(state, |of| n + of);
+                        all[k] = Meaning::Sensor(r, own, which);
                     }
                 }
             }
@@ -232,7 +253,9 @@ impl<'a> Problem<'a> {
         filled: &[Record],
     ) -> Vec<f64> {
         let mut x = vec![0.0; self.unknowns];
-        x[..coefficients.len()].copy_from_slice(coefficients);
+        for (k, c) in coefficients.iter().enumerate() {
+            x[k] = c.clamp(self.bounds[k].0, self.bounds[k].1);
+        }
         for (k, meaning) in self.meanings().into_iter().enumerate() {
             match meaning {
                 Meaning::Parameter(p, _) => {
@@ -268,16 +291,47 @@ impl<'a> Problem<'a> {
         self.model[record].iter().map(|&s| Self::value(s, x)).collect()
     }
 
+    /// How much earlier than its samples say each late input of a record is read, beside what the record has undone already.
+    fn delays(&self, record: usize, x: &[f64]) -> Vec<f64> {
+        let n = self.system.states.len();
+        let own = |&j: &usize| {
+            let start = self.records[record].sensors[n + j].delay.start;
+            Self::value(self.sensors[record][n + j][DELAY], x) - start
+        };
+        self.late.inputs.iter().map(own).collect()
+    }
+
+    /// Where each parameter of a run comes from: those of the model, then the delays of late inputs.
+    fn sources(&self, record: usize) -> impl Iterator<Item = Source> {
+        let n = self.system.states.len();
+        let delays = self.late.inputs.iter().map(move |j| self.sensors[record][n + j][DELAY]);
+        self.model[record].iter().copied().chain(delays)
+    }
+
+    /// A run of a record from any state, with its inputs as they are at `x`.
+    pub(crate) fn simulated(
+        &self,
+        record: usize,
+        x: &[f64],
+        start: (f64, &[f64]),
+        times: &[f64],
+        options: &Options,
+    ) -> Result<Trajectory, SimError> {
+        let mut parameters = self.model_parameters(record, x);
+        // The delays are in the signals.
+        parameters.resize(parameters.len() + self.late.inputs.len(), 0.0);
+        let inputs = self.late.signals(self.records[record], record, &self.delays(record, x));
+        let drive = Drive { inputs: &inputs, parameters: &parameters };
+        simulate(&self.automaton, &drive, start.0, start.1, times, options)
+    }
+
     /// Simulates one segment; with the derivatives by everything that is unknown in it.
     fn run(&self, segment: &Segment, x: &[f64], derivatives: bool) -> Result<Seen, SimError> {
         let record = self.records[segment.record];
         let (first, last) = segment.samples;
-        let parameters = self.model_parameters(segment.record, x);
-        let drive = Drive { inputs: &record.inputs, parameters: &parameters };
         let start = &x[segment.start..segment.start + self.system.states.len()];
-        let free = (0..parameters.len())
-            .filter(|&k| matches!(self.model[segment.record][k], Source::Unknown(_)))
-            .collect();
+        let unknown = |(k, source): (usize, Source)| matches!(source, Source::Unknown(_)).then_some(k);
+        let free = self.sources(segment.record).enumerate().filter_map(unknown).collect();
         let options = Options {
             tolerance: self.tolerance,
             scale: self.scale.clone(),
@@ -291,7 +345,7 @@ impl<'a> Problem<'a> {
         if self.next(segment).is_some() {
             looks.then(record.time[last]);
         }
-        simulate(&self.automaton, &drive, record.time[first], start, &looks.times, &options)
+        self.simulated(segment.record, x, (record.time[first], start), &looks.times, &options)
             .map(|run| looks.seen(run))
     }
 
@@ -325,7 +379,7 @@ impl<'a> Problem<'a> {
     /// When the columns of a segment look at the motion, each late by its own delay.
     pub(crate) fn looks(&self, segment: &Segment, x: &[f64]) -> Looks {
         let record = self.records[segment.record];
-        let sensors = &self.sensors[segment.record];
+        let sensors = &self.sensors[segment.record][..self.system.states.len()];
         let delays: Vec<f64> = sensors.iter().map(|s| Self::value(s[DELAY], x)).collect();
         let first = record.columns.iter().position(Option::is_some).unwrap_or(0);
         // What has no column looks with the first that has one.
@@ -433,11 +487,9 @@ impl<'a> Problem<'a> {
         let (n, m, r) = (run.n, run.m, segment.record);
         // Columns of the sensitivities: start states, then the unknown ones among the model's parameters.
         let mut at: Vec<usize> = (segment.start..segment.start + n).collect();
-        at.extend(
-            self.model[r].iter().filter_map(|s| if let Source::Unknown(k) = s { Some(*k) } else { None }),
-        );
+        at.extend(self.sources(r).filter_map(|s| if let Source::Unknown(k) = s { Some(k) } else { None }));
         let mut sensor_slots = vec![[usize::MAX; 3]; n];
-        for (k, sensor) in self.sensors[r].iter().enumerate() {
+        for (k, sensor) in self.sensors[r][..n].iter().enumerate() {
             for (which, source) in sensor.iter().enumerate() {
                 if let Source::Unknown(unknown) = *source {
                     sensor_slots[k][which] = at.iter().position(|&u| u == unknown).unwrap_or(at.len());
@@ -548,4 +600,11 @@ impl<'a> Problem<'a> {
             _ => "delay",
         }
     }
+}
+
+/// The inputs whose delay is to be found in some record.
+fn late_inputs(system: &System, records: &[&Record]) -> LateInputs {
+    let n = system.states.len();
+    let late = |&j: &usize| records.iter().any(|r| r.sensors[n + j].delay.within.is_some());
+    LateInputs::new((0..system.inputs.len()).filter(late).collect(), records)
 }

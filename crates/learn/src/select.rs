@@ -207,6 +207,11 @@ fn scores<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<u
         .iter()
         .map(|&c| normal.gradient[c] - old.iter().zip(&shift).map(|(&o, s)| a[(o, c)] * s).sum::<f64>())
         .collect();
+    // What would enter with a coefficient that it may not have does not bring what the quadratic model promises.
+    let reaches = |k: usize, step: f64| {
+        let (low, high) = context.system.terms[outside[k]].within;
+        (low..=high).contains(&step)
+    };
     let mut out = Vec::new();
     for i in 0..new.len() {
         let ii = left(i, i);
@@ -214,14 +219,19 @@ fn scores<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<u
         if ii.is_nan() || ii <= 1e-12 * own {
             continue;
         }
-        out.push((vec![outside[i]], g[i] * g[i] / ii));
+        if reaches(i, -g[i] / ii) {
+            out.push((vec![outside[i]], g[i] * g[i] / ii));
+        }
         for j in 0..i {
             let same = context.system.terms[outside[i]].state == context.system.terms[outside[j]].state;
             let (jj, ij) = (left(j, j), left(i, j));
             let det = ii * jj - ij * ij;
             if same && det > 1e-10 * ii * jj {
                 let fall = (jj * g[i] * g[i] - 2.0 * ij * g[i] * g[j] + ii * g[j] * g[j]) / det;
-                out.push((vec![outside[j], outside[i]], fall));
+                let steps = [(j, (ij * g[i] - ii * g[j]) / det), (i, (ij * g[j] - jj * g[i]) / det)];
+                if steps.into_iter().all(|(k, step)| reaches(k, step)) {
+                    out.push((vec![outside[j], outside[i]], fall));
+                }
             }
         }
     }

@@ -96,14 +96,16 @@ pub fn train(
     loop {
         let batch = make(&terms, &moved);
         fit.operations = fit.operations.max(batch.operations());
+        let within = |k: usize| system.terms[terms[k]].within;
+        let bound = |values: &mut [f64]| {
+            values.iter_mut().enumerate().for_each(|(k, c)| *c = c.clamp(within(k).0, within(k).1));
+        };
         let mut values = coefficients.clone();
+        bound(&mut values);
         let loss = if gauss_newton {
             values.extend(&moved);
-            let bounds: Vec<(f64, f64)> = terms
-                .iter()
-                .map(|_| (f64::NEG_INFINITY, f64::INFINITY))
-                .chain(system.parameters.iter().map(|p| p.within))
-                .collect();
+            let bounds: Vec<(f64, f64)> =
+                (0..terms.len()).map(within).chain(system.parameters.iter().map(|p| p.within)).collect();
             let loss = solve(&batch, &mut values, &bounds);
             moved = values.split_off(terms.len());
             fit.stopped = observe((stage as f64 + 1.0) / (stage as f64 + 2.0)).is_break();
@@ -122,6 +124,7 @@ pub fn train(
                     for _ in 0..now {
                         batch.loss(&values, &mut gradient);
                         descent.update(&mut values, &gradient, options.rates[stage]);
+                        bound(&mut values);
                     }
                 });
                 left -= now;
@@ -166,6 +169,22 @@ pub fn train(
     fit.coefficients = coefficients;
     fit.parameters = moved;
     fit
+}
+
+/// The normal equations of the loss where a fit ended, on the same or on other records.
+pub(crate) fn normal_of_steps(
+    system: &System,
+    records: &[&Record],
+    options: &StepOptions,
+    fit: &StepFit,
+) -> Normal {
+    let mut values = fit.coefficients.clone();
+    if options.optimiser == Optimiser::GaussNewton {
+        values.extend(&fit.parameters);
+    }
+    let (cost, triangle, gradient) =
+        lay_out(system, records, options, &fit.terms, &fit.parameters).normal(&values);
+    Normal { cost, matrix: symmetric(&triangle, values.len()), gradient }
 }
 
 /// The loss of some terms; `parameters` are the values of what is held.

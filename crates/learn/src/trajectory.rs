@@ -1,6 +1,7 @@
 //! Method `trajectory`: the event-located simulation fitted to the records, terms selected, error bars.
 
 use crate::assess::{Solution, assess};
+use crate::differentiators::{Number, dependence, otherwise};
 use crate::fit::{Context, Fit};
 use crate::identified::{Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint};
 use crate::identify::{at_bounds, verdict};
@@ -64,10 +65,10 @@ pub(crate) fn by_trajectory(
         ));
     }
     let n = system.states.len();
-    let finds = |p: &phisindy_phys::Sensor| [&p.offset, &p.gain, &p.delay].iter().any(|s| s.within.is_some());
+    let finds = |p: &phisindy_phys::Sensor| [&p.offset, &p.gain].iter().any(|s| s.within.is_some());
     if fitted.iter().any(|r| r.sensors[n..].iter().any(finds)) {
         found.warnings.push(
-            "sensor parameters of inputs are held at their start values; give them to the states' columns"
+            "offset and gain of inputs are held at their start values (a delay is found): give them to the states' columns, or write them into the model"
                 .into(),
         );
     }
@@ -226,7 +227,7 @@ fn report(
     let terms: Vec<FoundTerm> = (0..t)
         .map(|k| {
             let coefficient = if t > PROFILED { Estimate::normal(fit.x[k], error(k)) } else { estimate(k) };
-            FoundTerm { term: problem.terms[k], coefficient }
+            FoundTerm::new(problem.terms[k], coefficient)
         })
         .collect();
     let fit_indices: Vec<usize> = (0..records.len()).filter(|&r| records[r].role == Role::Fit).collect();
@@ -255,6 +256,8 @@ fn report(
     warnings.extend(inseparable(&cov, &names, &fit.x));
     let covariance =
         names.iter().map(|(a, _)| names.iter().map(|(b, _)| cov[(*a, *b)] * inflation).collect()).collect();
+    let numbers: Vec<Number> = names.iter().map(|(k, name)| (*k, name.clone(), error(*k))).collect();
+    warnings.extend(dependence(&numbers, &fit.normal, |how| otherwise(&fit, how)));
     let white = fit.effective / fit.samples.max(1) as f64;
     if white < WHITE {
         warnings.push(format!(
@@ -362,12 +365,13 @@ pub(crate) fn found(
         }
         Meaning::Sensor(r, state, which) => {
             let record = fit_indices[r];
-            let mut name = format!("{}.{}", system.states[state].name, Problem::sensor_name(which));
+            let (column, own) = system.measured(state);
+            let mut name = format!("{column}.{}", Problem::sensor_name(which));
             if fit_indices.len() > 1 {
                 name = format!("{name} [{}]", records[record].name);
             }
             let unit = match Problem::sensor_name(which) {
-                "offset" => system.states[state].unit.clone(),
+                "offset" => own.to_owned(),
                 "delay" => "s".to_owned(),
                 _ => String::new(),
             };

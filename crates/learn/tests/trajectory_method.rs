@@ -316,7 +316,7 @@ fn the_unknown_part_is_a_curve_over_velocity_with_its_band_and_the_truth() {
     // With a term that depends on more than the velocity it is a cloud along the run.
     let mut richer = found.clone();
     let x = case.system.terms.iter().position(|t| t.candidate == "x").expect("a candidate");
-    richer.terms.push(FoundTerm { term: x, coefficient: Estimate::normal(0.1, 0.01) });
+    richer.terms.push(FoundTerm::new(x, Estimate::normal(0.1, 0.01)));
     let parts = unknown_parts(&case, &records, &richer, false);
     let Course::Cloud(cloud) = &parts[0].course else { panic!("{parts:?}") };
     assert_eq!(cloud[0].1.len(), records[0].len());

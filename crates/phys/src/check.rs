@@ -63,7 +63,7 @@ fn checked(
         match dimensions(spec, source) {
             Ok(units) => {
                 for (term, unit) in system.terms.iter_mut().zip(units) {
-                    (term.unit, term.force) = (unit.coefficient, unit.force);
+                    (term.unit, term.force, term.energy) = (unit.coefficient, unit.force, unit.energy);
                 }
             }
             Err(mut mistakes) => {
@@ -311,6 +311,10 @@ impl Checker {
                 .help
                 .push("write the law's expression as a candidate".into());
         }
+        let texts: Vec<&str> = unknown.candidates.iter().map(|c| c.value.as_str()).collect();
+        for (name, _) in unknown.within.iter().filter(|(name, _)| !texts.contains(&name.value.as_str())) {
+            self.unknown_name(&name.value, name.span, "candidate in `within`", &texts);
+        }
         let mut seen: HashMap<Id, Span> = HashMap::new();
         for candidate in &unknown.candidates {
             let (Some(factor), Some(bare)) = (factor, self.expression(candidate, allowed)) else { continue };
@@ -327,7 +331,10 @@ impl Checker {
             seen.insert(bare, candidate.span);
             let value = self.graph.mul(factor, bare);
             let candidate = candidate.value.clone();
-            terms.push(Term { state, candidate, factor, bare, value, unit: None, force: None });
+            let bounds = unknown.within.iter().find(|(name, _)| name.value == candidate);
+            let within = bounds.map_or((f64::NEG_INFINITY, f64::INFINITY), |(_, within)| *within);
+            let (unit, force, energy) = (None, None, None);
+            terms.push(Term { state, candidate, factor, bare, value, within, unit, force, energy });
         }
     }
 

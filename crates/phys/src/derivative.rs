@@ -30,6 +30,28 @@ pub enum Differentiator {
     Spline,
 }
 
+impl Differentiator {
+    /// All of them.
+    pub const ALL: [Differentiator; 3] =
+        [Differentiator::Spectral, Differentiator::SavitzkyGolay, Differentiator::Spline];
+
+    /// As a spec writes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Differentiator::Spectral => "Spectral",
+            Differentiator::SavitzkyGolay => "SavitzkyGolay",
+            Differentiator::Spline => "Spline",
+        }
+    }
+}
+
+impl Default for Differentiator {
+    /// [`Differentiator::SavitzkyGolay`], which works on any grid and keeps corners.
+    fn default() -> Self {
+        Differentiator::SavitzkyGolay
+    }
+}
+
 /// A column, smoothed and differentiated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Differentiated {
@@ -76,7 +98,7 @@ pub fn differentiate(
     }
 }
 
-/// Differentiates without being told how: [`Differentiator::SavitzkyGolay`], which works on any grid and keeps corners.
+/// Differentiates without being told how: by the default [`Differentiator`].
 ///
 /// # Errors
 /// As [`differentiate`].
@@ -89,7 +111,7 @@ pub fn differentiate(
 /// # Ok::<(), phisindy_phys::SignalError>(())
 /// ```
 pub fn automatic(time: &[f64], values: &[f64]) -> Result<Differentiated, SignalError> {
-    differentiate(time, values, Differentiator::SavitzkyGolay)
+    differentiate(time, values, Differentiator::default())
 }
 
 /// The step of a grid that is uniform to `tolerance` (a share of the step).

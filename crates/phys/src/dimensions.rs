@@ -30,6 +30,8 @@ pub(crate) struct CoefficientUnit {
     pub(crate) coefficient: Option<Dimension>,
     /// Of the coefficient times the inertia, where the spec states an inertia that is not part of the term.
     pub(crate) force: Option<Dimension>,
+    /// Of the work of the term on its state: inertia (if stated) times state squared.
+    pub(crate) energy: Option<Dimension>,
 }
 
 /// Checks a spec in which all names are known. Returns the unit of each coefficient, in the order of the spec.
@@ -43,6 +45,16 @@ pub(crate) fn dimensions(spec: &Spec, source: SourceId) -> Result<Vec<Coefficien
         if survey.mistakes.is_empty() { Ok(units) } else { Err(survey.mistakes) }
     };
     with(true).or_else(|_| with(false))
+}
+
+/// The factor times the candidate of a term.
+struct Product<'s> {
+    state: &'s str,
+    product: Measure,
+    /// Of its state, where the spec states one.
+    inertia: Option<Measure>,
+    /// Whether the term itself holds that inertia, so that its coefficient is a force already.
+    inside: bool,
 }
 
 /// A walk through a spec.
@@ -87,7 +99,7 @@ impl<'s> Survey<'s> {
             }
         }
         // Only now is known all that the spec says.
-        products.iter().map(|(name, product, inertia)| self.coefficient(name, product, inertia)).collect()
+        products.iter().map(|product| self.coefficient(product)).collect()
     }
 
     /// What a declaration says; no unit means that any fits.
@@ -179,13 +191,14 @@ impl<'s> Survey<'s> {
         }
     }
 
-    /// The factor times the candidate of each term, and whether an inertia turns its coefficient into a force.
-    fn products(&mut self) -> Vec<(&'s str, Measure, Option<Measure>)> {
+    fn products(&mut self) -> Vec<Product<'s>> {
         let spec = self.spec;
         let mut products = Vec::new();
         for (name, unknown) in &spec.unknown {
             let factor = unknown.factor.as_ref().map_or(Measure::number(), |text| self.measure(text));
             let inertia = spec.inertia.iter().find(|(n, _)| n.value == name.value).map(|(_, text)| text);
+            // Said once already, if something is wrong with it.
+            let measured = inertia.map(|text| self.quietly(text));
             for candidate in &unknown.candidates {
                 let inside = inertia.is_some_and(|inertia| {
                     let own = names(inertia);
@@ -193,19 +206,21 @@ impl<'s> Survey<'s> {
                     own.is_empty() || term.into_iter().any(|name| own.contains(&name))
                 });
                 let product = factor.times(&self.measure(candidate), 1.0);
-                // Said once already, if something is wrong with it.
-                let outside = inertia.filter(|_| !inside).map(|text| self.quietly(text));
-                products.push((name.value.as_str(), product, outside));
+                products.push(Product { state: &name.value, product, inertia: measured.clone(), inside });
             }
         }
         products
     }
 
-    fn coefficient(&self, state: &str, product: &Measure, inertia: &Option<Measure>) -> CoefficientUnit {
+    fn coefficient(&self, term: &Product<'_>) -> CoefficientUnit {
         let unit = |measure: Measure| self.unknowns.resolved(measure.plainly()?).dimension();
-        let coefficient = self.rate_of(state).times(product, -1.0);
-        let force = inertia.as_ref().and_then(|inertia| unit(coefficient.times(inertia, 1.0)));
-        CoefficientUnit { coefficient: unit(coefficient), force }
+        let coefficient = self.rate_of(term.state).times(&term.product, -1.0);
+        let outside = term.inertia.as_ref().filter(|_| !term.inside);
+        let force = outside.and_then(|inertia| unit(coefficient.times(inertia, 1.0)));
+        let state = self.names.get(term.state).map_or(Measure::Loose(None), |q| q.measure.clone());
+        let square = state.times(&state, 1.0);
+        let energy = unit(term.inertia.as_ref().map_or(square.clone(), |m| square.times(m, 1.0)));
+        CoefficientUnit { coefficient: unit(coefficient), force, energy }
     }
 
     fn csv(&mut self, csv: &'s CsvSpec) {
@@ -240,7 +255,7 @@ impl<'s> Survey<'s> {
     }
 
     fn derived(&mut self, derive: &'s [(Text, DeriveSpec)]) {
-        for (name, DeriveSpec::Derivative(of)) in derive {
+        for (name, DeriveSpec::Derivative(of, _)) in derive {
             if let Some((due, is)) = self.differ(&self.rate_of(&of.value), &self.of(name)) {
                 let declared = self.spec.inputs.iter().find(|(n, _)| n.value == name.value).map(|(_, u)| u);
                 self.mistakes.push(self.words.derivative(name, of, declared, [&due, &is]));

@@ -123,6 +123,11 @@ impl Signal {
         Ok(Self { time, values, slopes, kind })
     }
 
+    /// The same signal, each value so much earlier.
+    pub fn earlier(&self, by: f64) -> Signal {
+        Signal { time: self.time.iter().map(|t| t - by).collect(), ..self.clone() }
+    }
+
     /// The time grid.
     pub fn time(&self) -> &Arc<[f64]> {
         &self.time

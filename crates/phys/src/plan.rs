@@ -1,54 +1,17 @@
 //! What a record will be: its columns, constants, sensors; how synthetic data are made. Checked against the system.
 
-use crate::Interpolation;
 use crate::check::Checker;
 use crate::constants::{Value, record_constants};
 use crate::model::Model;
+use crate::sensor::{Sensor, SensorParameter};
 use crate::spec::{
     CsvSpec, DataSpec, DeriveSpec, InputSpec, NoiseSpec, Role, SensorSpec, SensorValue, Spec, SyntheticSpec,
     Text,
 };
 use crate::system::System;
+use crate::{Differentiator, Interpolation};
 use phisindy_expr::Id;
 use std::collections::HashMap;
-
-/// A sensor parameter: held, or found in the fit.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SensorParameter {
-    /// The value, or where the search starts (SI).
-    pub start: f64,
-    /// Bounds of the search; `None` for a value that is held.
-    pub within: Option<(f64, f64)>,
-    /// Belief beforehand.
-    pub sigma: Option<f64>,
-    /// The parameter of the system that it is (index into [`System::parameters`]): one value wherever it is named.
-    pub shared: Option<usize>,
-}
-
-impl SensorParameter {
-    /// A value that is known.
-    pub fn held(value: f64) -> SensorParameter {
-        SensorParameter { start: value, within: None, sigma: None, shared: None }
-    }
-}
-
-/// What a column says: `gain * quantity(t - delay) + offset`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Sensor {
-    /// Zero error.
-    pub offset: SensorParameter,
-    /// Scale error.
-    pub gain: SensorParameter,
-    /// Lateness in seconds.
-    pub delay: SensorParameter,
-}
-
-impl Default for Sensor {
-    fn default() -> Self {
-        let held = SensorParameter::held;
-        Sensor { offset: held(0.0), gain: held(1.0), delay: held(0.0) }
-    }
-}
 
 /// What all records have.
 #[derive(Clone, Debug)]
@@ -63,6 +26,8 @@ pub struct RecordPlan {
     pub sensors: Vec<Sensor>,
     /// For each input, the input whose derivative it is.
     pub derived: Vec<Option<usize>>,
+    /// For each input, how it is derived if it is.
+    pub differentiators: Vec<Differentiator>,
     /// For each input.
     pub interpolation: Vec<Interpolation>,
     /// Start values that the spec states.
@@ -150,7 +115,13 @@ impl Checker {
         values
     }
 
-    fn sensors(&mut self, sensors: &[(Text, SensorSpec)], system: &System) -> Vec<Sensor> {
+    /// The sensors of a record, in which `derived` inputs have those of the inputs that they are derived from.
+    fn sensors(
+        &mut self,
+        sensors: &[(Text, SensorSpec)],
+        derived: &[Option<usize>],
+        system: &System,
+    ) -> Vec<Sensor> {
         let mut all = vec![Sensor::default(); system.states.len() + system.inputs.len()];
         for (name, sensor) in sensors {
             let index =
@@ -186,6 +157,12 @@ impl Checker {
                     .expect("three sensor parameters") = parameter;
             }
         }
+        let n = system.states.len();
+        for (k, of) in derived.iter().enumerate().filter_map(|(k, of)| Some((k, (*of)?))) {
+            // A zero error has no derivative.
+            all[n + k] =
+                Sensor { offset: SensorParameter::held(0.0), follows: Some(of), ..all[n + of].clone() };
+        }
         all
     }
 
@@ -209,12 +186,20 @@ impl Checker {
         Some(SensorParameter { start: p.start, within: Some(p.within), sigma: None, shared: Some(shared) })
     }
 
-    fn derived(&mut self, derive: &[(Text, DeriveSpec)], system: &System) -> Vec<Option<usize>> {
+    /// For each input, what it is derived from, and how.
+    fn derived(
+        &mut self,
+        derive: &[(Text, DeriveSpec)],
+        system: &System,
+    ) -> (Vec<Option<usize>>, Vec<Differentiator>) {
         let names: Vec<&str> = system.inputs.iter().map(|u| u.name.as_str()).collect();
         let mut derived = vec![None; names.len()];
-        for (name, DeriveSpec::Derivative(of)) in derive {
+        let mut differentiators = vec![Differentiator::default(); names.len()];
+        for (name, DeriveSpec::Derivative(of, how)) in derive {
             match (system.input(&name.value), system.input(&of.value)) {
-                (Some(k), Some(u)) if k != u => derived[k] = Some(u),
+                (Some(k), Some(u)) if k != u => {
+                    (derived[k], differentiators[k]) = (Some(u), how.unwrap_or_default());
+                }
                 (Some(_), Some(_)) => {
                     self.error(format!("`{}` cannot be its own derivative", name.value), of.span, "");
                 }
@@ -222,7 +207,7 @@ impl Checker {
                 (_, None) => self.unknown_name(&of.value, of.span, "input", &names),
             }
         }
-        derived
+        (derived, differentiators)
     }
 
     fn interpolation(&mut self, given: &[(Text, Interpolation)], system: &System) -> Vec<Interpolation> {
@@ -291,7 +276,7 @@ impl Checker {
                 .help
                 .push(format!("give at least one of {} a column", names[..system.states.len()].join(", ")));
         }
-        let derived = self.derived(&csv.derive, system);
+        let (derived, differentiators) = self.derived(&csv.derive, system);
         for (k, input) in system.inputs.iter().enumerate() {
             if derived[k].is_none() && !csv.columns.iter().any(|(n, _)| n.value == input.name) {
                 self.error(format!("input `{}` has neither a column nor a derivation in this record", input.name), csv.path.span, "")
@@ -299,13 +284,17 @@ impl Checker {
                     .push(format!("add `\"{0}\": (\"header\", \"{1}\")` to `columns`, or `derive: {{ \"{0}\": Derivative(...) }}`", input.name, input.unit));
             }
         }
+        let measured = |k: usize| csv.columns.iter().any(|(n, _)| n.value == system.inputs[k].name);
+        let unmeasured: Vec<_> =
+            derived.iter().enumerate().map(|(k, of)| of.filter(|_| !measured(k))).collect();
         let constants = self.record_constants(&DataSpec::Csv(Box::new(csv.clone())), spec, system, &csv.path);
         let plan = RecordPlan {
             name: csv.name.as_ref().map_or(csv.path.value.clone(), |n| n.value.clone()),
             role: csv.role,
             constants,
-            sensors: self.sensors(&csv.sensors, system),
+            sensors: self.sensors(&csv.sensors, &unmeasured, system),
             derived,
+            differentiators,
             interpolation: self.interpolation(&csv.interpolate, system),
             start: self.start(&csv.start, system),
             origin: Origin::Csv(Box::new(csv.clone())),
@@ -333,7 +322,7 @@ impl Checker {
                 None => self.unknown_name(&name.value, name.span, "state in `truth`", &state_names),
             }
         }
-        let derived = self.derived(&data.derive, system);
+        let (derived, differentiators) = self.derived(&data.derive, system);
         let mut inputs = Vec::new();
         let input_names: Vec<&str> = system.inputs.iter().map(|u| u.name.as_str()).collect();
         for (name, _) in data.inputs.iter().filter(|(n, _)| system.input(&n.value).is_none()) {
@@ -362,6 +351,8 @@ impl Checker {
         let start = self.start(&data.start, system);
         let (measured_states, measured_inputs) = self.measured(data, system);
         let title = Text { value: format!("record {index}"), span: data.span };
+        let own = |k: usize| data.inputs.iter().any(|(n, _)| n.value == system.inputs[k].name);
+        let unexcited: Vec<_> = derived.iter().enumerate().map(|(k, of)| of.filter(|_| !own(k))).collect();
         let constants =
             self.record_constants(&DataSpec::Synthetic(Box::new(data.clone())), spec, system, &title);
         let truth = self.truth_model(system, &extra, &inputs);
@@ -369,8 +360,9 @@ impl Checker {
             name: data.name.as_ref().map_or(format!("synthetic {index}"), |n| n.value.clone()),
             role: data.role,
             constants,
-            sensors: self.sensors(&data.sensors, system),
+            sensors: self.sensors(&data.sensors, &unexcited, system),
             derived,
+            differentiators,
             interpolation: self.interpolation(&data.interpolate, system),
             start: vec![None; system.states.len()],
             origin: Origin::Synthetic(Box::new(Synthetic {

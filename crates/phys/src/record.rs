@@ -1,8 +1,9 @@
 //! A record: sampled data of one run, in SI, checked against the system.
 
-use crate::derivative::{Differentiated, automatic};
-use crate::plan::{Origin, RecordPlan, Sensor};
-use crate::spec::{CsvSpec, Role};
+use crate::derivative::{Differentiated, Differentiator, differentiate};
+use crate::plan::{Origin, RecordPlan};
+use crate::sensor::Sensor;
+use crate::spec::{ColumnSpec, CsvSpec, Role, Text};
 use crate::system::System;
 use crate::unit::Unit;
 use crate::{Diagnostic, Signal, SignalError, SourceId};
@@ -29,20 +30,60 @@ pub struct Record {
     pub start: Vec<Option<f64>>,
     /// Index of the record whose run this one continues.
     pub continues: Option<usize>,
+    /// The inputs that were derived from measured ones.
+    pub derivations: Vec<Derivation>,
     /// What was done to the data, in words.
     pub notes: Vec<String>,
+}
+
+/// An input that was derived from a measured one.
+#[derive(Clone, Debug)]
+pub struct Derivation {
+    /// The input.
+    pub input: usize,
+    /// What it is the derivative of.
+    pub of: usize,
+    /// The samples of that one, before they were smoothed (SI).
+    pub column: Vec<f64>,
+}
+
+/// The units in which a file holds the columns of a record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Units {
+    /// Of the time.
+    pub time: Unit,
+    /// Of the columns of `CsvSpec::columns`, in that order.
+    pub columns: Vec<Unit>,
+}
+
+impl Units {
+    /// As the record states them; a column that states none is in the unit of its state or input.
+    pub fn of(csv: &CsvSpec, system: &System) -> Units {
+        let states = system.states.iter().map(|s| (&s.name, &s.unit));
+        let own: Vec<_> = states.chain(system.inputs.iter().map(|u| (&u.name, &u.unit))).collect();
+        // What is no unit was refused when the spec was checked.
+        let unit = |text: &str| Unit::parse(text).unwrap_or(Unit::ONE);
+        let column = |(name, column): &(Text, ColumnSpec)| match &column.unit {
+            Some(stated) => unit(&stated.value),
+            None => own.iter().find(|(n, _)| **n == name.value).map_or(Unit::ONE, |(_, own)| unit(own)),
+        };
+        Units {
+            time: csv.time.unit.as_ref().map_or(Unit::ONE, |stated| unit(&stated.value)),
+            columns: csv.columns.iter().map(column).collect(),
+        }
+    }
 }
 
 /// Numbers read from a file: the rows that were selected (`rows`, `window`, `decimate`), the columns that are needed.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
-    /// The time column, as it stands in the file.
+    /// The time column (SI).
     pub time: Vec<f64>,
-    /// The columns of `CsvSpec::columns`, in that order, as they stand in the file.
+    /// The columns of `CsvSpec::columns`, in that order (SI).
     pub columns: Vec<Vec<f64>>,
     /// Line number of each row in the file; of several rows in one, that of the last.
     pub lines: Vec<usize>,
-    /// First and last time of `rows` in the file, inside of the window or not.
+    /// First and last time of `rows` in the file, inside of the window or not, as they stand there.
     pub extent: Option<(f64, f64)>,
 }
 
@@ -65,7 +106,7 @@ impl Record {
         self.len() * self.columns.iter().flatten().count()
     }
 
-    /// Builds a record from the rows of a file: units, window, derived inputs.
+    /// Builds a record from the rows of a file, with derived inputs.
     ///
     /// # Errors
     /// Diagnostics that point into the spec (a window outside the data, too few samples).
@@ -78,33 +119,29 @@ impl Record {
         let Origin::Csv(csv) = &plan.origin else {
             return Err(vec![Diagnostic::error("a synthetic record has no file")]);
         };
-        let rows = selected_rows(csv, table, spec).map_err(|d| vec![d])?;
-        let time_factor =
-            csv.time.unit.as_ref().and_then(|u| Unit::parse(&u.value).ok()).map_or(1.0, |u| u.factor);
-        let time: Arc<[f64]> = rows.iter().map(|&r| table.time[r] * time_factor).collect();
+        enough(csv, table, spec).map_err(|d| vec![d])?;
+        let time: Arc<[f64]> = table.time.as_slice().into();
         let column = |name: &str| -> Option<Vec<f64>> {
             let k = csv.columns.iter().position(|(n, _)| n.value == name)?;
-            let own = system
-                .state(name)
-                .map(|s| system.states[s].factor)
-                .or(system.input(name).map(|u| system.inputs[u].factor));
-            let unit =
-                csv.columns[k].1.unit.as_ref().and_then(|u| Unit::parse(&u.value).ok()).map(|u| u.factor);
-            let factor = unit.or(own).unwrap_or(1.0);
-            // Dividing by a power of ten rounds once; multiplying by its inverse rounds twice.
-            let inverse = (1.0 / factor).round();
-            let exact = factor < 1.0 && (1.0 / inverse - factor).abs() <= f64::EPSILON * factor;
-            let convert = |x: f64| if exact { x / inverse } else { x * factor };
-            Some(rows.iter().map(|&r| convert(table.columns[k][r])).collect())
+            Some(table.columns[k].clone())
         };
         let columns = system.states.iter().map(|s| column(&s.name)).collect();
-        let mut raw: Vec<Option<Vec<f64>>> = system.inputs.iter().map(|u| column(&u.name)).collect();
-        let mut notes = Vec::new();
+        let mut raw: Vec<Option<Vec<f64>>> = Vec::new();
+        for (k, input) in system.inputs.iter().enumerate() {
+            let sensor = &plan.sensors[system.states.len() + k];
+            let seen = |values| sensor.undone(&time, values, plan.interpolation[k]);
+            raw.push(
+                column(&input.name).map(seen).transpose().map_err(|e| vec![no_signal(&input.name, &e)])?,
+            );
+        }
+        let (mut notes, mut derivations) = (Vec::new(), Vec::new());
         for (k, of) in plan.derived.iter().enumerate().filter_map(|(k, of)| of.map(|of| (k, of))) {
             if let (None, Some(source)) = (&raw[k], &raw[of]) {
-                let d = differentiated(&time, source).map_err(|d| vec![d])?;
+                let d = differentiated(&time, source, plan.differentiators[k]).map_err(|d| vec![d])?;
                 notes.push(derivation_note(&system.inputs[k].name, &system.inputs[of].name, &d));
-                (raw[k], raw[of]) = (Some(d.derivative), Some(d.values));
+                let column = raw[of].replace(d.values).unwrap_or_default();
+                derivations.push(Derivation { input: k, of, column });
+                raw[k] = Some(d.derivative);
             }
         }
         let mut inputs = Vec::new();
@@ -113,7 +150,7 @@ impl Record {
             let values =
                 values.ok_or_else(|| vec![Diagnostic::error(format!("input `{name}` has no data"))])?;
             let signal = Signal::new(time.clone(), values, plan.interpolation[k]);
-            inputs.push(signal.map_err(|e| vec![Diagnostic::error(format!("input `{name}`: {e}"))])?);
+            inputs.push(signal.map_err(|e| vec![no_signal(name, &e)])?);
         }
         let constants = plan.constants.iter().filter_map(crate::check::number).collect();
         Ok(Record {
@@ -126,8 +163,21 @@ impl Record {
             sensors: plan.sensors.clone(),
             start: plan.start.clone(),
             continues: None,
+            derivations,
             notes,
         })
+    }
+
+    /// The record with its derived inputs differentiated otherwise; `None` if that cannot be done to them.
+    pub fn rederived(&self, how: Differentiator) -> Option<Record> {
+        let mut out = self.clone();
+        for Derivation { input, of, column } in &self.derivations {
+            let d = differentiate(&self.time, column, how).ok()?;
+            for (k, values) in [(*input, d.derivative), (*of, d.values)] {
+                out.inputs[k] = Signal::new(self.time.clone(), values, self.inputs[k].kind()).ok()?;
+            }
+        }
+        Some(out)
     }
 
     /// Adds, to each state without a column that is the velocity of a measured one, the derivative of that one (method `step` needs a sample
@@ -135,12 +185,16 @@ impl Record {
     ///
     /// # Errors
     /// Names of states that cannot be derived.
-    pub fn fill_velocities(&mut self, system: &System) -> Result<Vec<String>, Vec<String>> {
+    pub fn fill_velocities(
+        &mut self,
+        system: &System,
+        how: Differentiator,
+    ) -> Result<Vec<String>, Vec<String>> {
         let mut done = Vec::new();
         for (k, state) in system.states.iter().enumerate() {
             let (Some(v), Some(values)) = (state.velocity, &self.columns[k]) else { continue };
             if self.columns[v].is_none()
-                && let Ok(d) = differentiated(&self.time, values)
+                && let Ok(d) = differentiate(&self.time, values, how)
             {
                 done.push(format!(
                     "{}: {} is the derivative of {} ({})",
@@ -157,27 +211,30 @@ impl Record {
     }
 }
 
+fn no_signal(input: &str, error: &SignalError) -> Diagnostic {
+    Diagnostic::error(format!("input `{input}`: {error}"))
+}
+
 /// What was done to an input and its source, in words.
 pub fn derivation_note(name: &str, of: &str, d: &Differentiated) -> String {
     format!("{name} is the derivative of {of}, and {of} is smoothed with it: {}", d.description)
 }
 
-fn differentiated(time: &[f64], values: &[f64]) -> Result<Differentiated, Diagnostic> {
-    automatic(time, values).map_err(|e: SignalError| Diagnostic::error(format!("cannot differentiate: {e}")))
+fn differentiated(time: &[f64], values: &[f64], how: Differentiator) -> Result<Differentiated, Diagnostic> {
+    differentiate(time, values, how)
+        .map_err(|e: SignalError| Diagnostic::error(format!("cannot differentiate: {e}")))
 }
 
-/// The rows inside the window.
-fn selected_rows(csv: &CsvSpec, table: &Table, spec: SourceId) -> Result<Vec<usize>, Diagnostic> {
-    let inside =
-        |&r: &usize| csv.window.as_ref().is_none_or(|(a, b)| (a.value..=b.value).contains(&table.time[r]));
-    let rows: Vec<usize> = (0..table.time.len()).filter(inside).collect();
-    if rows.len() >= FEWEST {
-        return Ok(rows);
+/// Refuses what has too few rows to be a record.
+fn enough(csv: &CsvSpec, table: &Table, spec: SourceId) -> Result<(), Diagnostic> {
+    if table.time.len() >= FEWEST {
+        return Ok(());
     }
     let decimated = csv.decimate.as_ref().map(|d| d.span);
     let span = csv.window.as_ref().map_or(decimated.unwrap_or(csv.path.span), |(a, b)| a.span.to(b.span));
-    let mut d = Diagnostic::error(format!("only {} samples are left of `{}`", rows.len(), csv.path.value))
-        .at(spec, span, "");
+    let mut d =
+        Diagnostic::error(format!("only {} samples are left of `{}`", table.time.len(), csv.path.value))
+            .at(spec, span, "");
     if let Some((first, last)) = table.extent {
         d = d.help(format!("the file's time runs from {first} to {last}"));
     }
@@ -196,7 +253,8 @@ pub fn link_continuations(records: &mut [Record], plans: &[RecordPlan]) {
                 .rows
                 .iter()
                 .map(|(n, v)| (&n.value, v.value))
-                .eq(b.rows.iter().map(|(n, v)| (&n.value, v.value)));
+                .eq(b.rows.iter().map(|(n, v)| (&n.value, v.value)))
+                && a.run.as_ref().map(|run| run.value) == b.run.as_ref().map(|run| run.value);
             let gap = records[k].time[0] - records[j].time[records[j].len() - 1];
             let step =
                 (records[j].time[records[j].len() - 1] - records[j].time[0]) / (records[j].len() - 1) as f64;

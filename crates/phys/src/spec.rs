@@ -11,6 +11,7 @@ mod read;
 pub(crate) mod reader;
 mod record;
 
+pub use crate::derivative::Differentiator;
 pub use crate::interpolate::Interpolation;
 pub use read::read;
 
@@ -116,6 +117,8 @@ pub struct UnknownSpec {
     pub factor: Option<Text>,
     /// Expressions, each with a coefficient to be found.
     pub candidates: Vec<Text>,
+    /// Bounds of the coefficients of some candidates, in SI, infinite where only the sign is bound.
+    pub within: Vec<(Text, (f64, f64))>,
     /// Names of laws of the catalogue.
     pub laws: Vec<Text>,
     /// The whole form.
@@ -157,8 +160,10 @@ pub struct CsvSpec {
     pub path: Text,
     /// What the record is called in reports.
     pub name: Option<Text>,
-    /// The column of time.
+    /// The column of time; its heading is empty where a rate is given.
     pub time: ColumnSpec,
+    /// `Rate(1000.0)` in the place of a column of time: rows per second.
+    pub rate: Option<Number>,
     /// States and inputs, and the columns that measure them.
     pub columns: Vec<(Text, ColumnSpec)>,
     /// Inputs that are computed.
@@ -179,6 +184,10 @@ pub struct CsvSpec {
     pub decimal: Option<Spanned<char>>,
     /// Whether there is a heading line; None: found out.
     pub header: Option<bool>,
+    /// Lines before the heading that are no part of the table.
+    pub skip: usize,
+    /// Which of the runs that follow each other in the file, from 0: a new one begins wherever time goes back.
+    pub run: Option<Spanned<u64>>,
     /// How inputs go between samples.
     pub interpolate: Vec<(Text, Interpolation)>,
     /// Constants of this record.
@@ -203,8 +212,8 @@ pub enum Detrend {
 /// How an input is computed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DeriveSpec {
-    /// `Derivative("u")`: with respect to time, of that input.
-    Derivative(Text),
+    /// `Derivative("u")` or `Derivative("u", Spline)`: with respect to time, of that input.
+    Derivative(Text, Option<Differentiator>),
 }
 
 /// How a sensor differs from the truth.
@@ -336,6 +345,8 @@ pub struct LearnSpec {
     pub horizon: Option<u32>,
     /// Into how many segments method trajectory cuts a record.
     pub segments: Option<SegmentsSpec>,
+    /// How the velocities that method step needs are made from displacements.
+    pub differentiator: Option<Differentiator>,
     /// Which method.
     pub method: Option<Method>,
 }

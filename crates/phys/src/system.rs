@@ -46,11 +46,15 @@ pub struct Term {
     pub bare: Id,
     /// `factor * candidate`.
     pub value: Id,
+    /// Bounds of the coefficient (SI); infinite where the spec states none.
+    pub within: (f64, f64),
     /// SI unit of the coefficient; `None` where the spec does not determine it.
     pub unit: Option<Dimension>,
     /// SI unit of the coefficient times the inertia of the state, where that has one and neither factor nor candidate holds it: such a
     /// coefficient is a rate, and the product is the force behind it.
     pub force: Option<Dimension>,
+    /// SI unit of the work of the term on its state: energy where the spec states the inertia, else energy per inertia.
+    pub energy: Option<Dimension>,
 }
 
 /// A number of the model that may move in the fit.
@@ -172,6 +176,17 @@ impl System {
     /// Index of an input by name.
     pub fn input(&self, name: &str) -> Option<usize> {
         self.inputs.iter().position(|u| u.name == name)
+    }
+
+    /// Name and unit of what a sensor measures: the states, then the inputs.
+    pub fn measured(&self, sensor: usize) -> (&str, &str) {
+        match self.states.get(sensor) {
+            Some(state) => (&state.name, &state.unit),
+            None => {
+                let input = &self.inputs[sensor - self.states.len()];
+                (&input.name, &input.unit)
+            }
+        }
     }
 
     /// A node with numbers in the place of parameters, for printing.

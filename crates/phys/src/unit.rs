@@ -1,9 +1,11 @@
 //! Units of measurement: texts like `N*s/m` as a factor to SI and a dimension.
 
 mod dimension;
+mod scale;
 mod table;
 
 pub use dimension::Dimension;
+pub use scale::Scale;
 
 use phisindy_expr::{Span, nearest};
 use std::fmt;

@@ -63,7 +63,7 @@ fn the_frame_of_the_contract() {
     assert_eq!((first.role, second.role), (Role::Fit, Role::Validate));
     assert_eq!((first.time.header.value.as_str(), first.time.unit.is_none()), ("time_s", true));
     assert_eq!(find(&first.columns, "x").unit.as_ref().unwrap().value, "m");
-    let DeriveSpec::Derivative(of) = find(&first.derive, "du");
+    let DeriveSpec::Derivative(of, _) = find(&first.derive, "du");
     assert_eq!(of.value, "u");
     let Some(SensorValue::Find(offset)) = &find(&first.sensors, "x").offset else { panic!() };
     assert_eq!((offset.start.value, offset.within.0.value), (0.0, -1e-3));

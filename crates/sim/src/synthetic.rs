@@ -6,8 +6,8 @@ use crate::{Automaton, Drive, Options, SimError, Trajectory, simulate};
 use phisindy_expr::{Id, Scratch, Tape};
 use phisindy_phys::spec::{InputSpec, NoiseSpec};
 use phisindy_phys::{
-    Interpolation, Record, RecordPlan, Signal, Synthetic, SyntheticInput, System, Value, automatic,
-    derivation_note,
+    Derivation, Interpolation, Record, RecordPlan, Signal, Synthetic, SyntheticInput, System, Value,
+    derivation_note, differentiate,
 };
 use std::fmt;
 use std::sync::Arc;
@@ -153,13 +153,22 @@ pub fn synthesize(
             }
         })
         .collect();
+    for (k, values) in seen.iter_mut().enumerate() {
+        let sensor = &plan.sensors[system.states.len() + k];
+        *values = sensor
+            .undone(&seen_time, std::mem::take(values), plan.interpolation[k])
+            .map_err(|e| SyntheticError::Other(e.to_string()))?;
+    }
     // A derivative of a measured input is derived from what was measured, as it would be for a rig, and the input is smoothed with it.
-    let mut notes = Vec::new();
+    let (mut notes, mut derivations) = (Vec::new(), Vec::new());
     for (k, of) in plan.derived.iter().enumerate().filter_map(|(k, of)| of.map(|of| (k, of))) {
         if truth.measured_inputs[of] && !truth.measured_inputs[k] {
-            let d = automatic(&seen_time, &seen[of]).map_err(|e| SyntheticError::Other(e.to_string()))?;
+            let d = differentiate(&seen_time, &seen[of], plan.differentiators[k])
+                .map_err(|e| SyntheticError::Other(e.to_string()))?;
             notes.push(derivation_note(&system.inputs[k].name, &system.inputs[of].name, &d));
-            (seen[k], seen[of]) = (d.derivative, d.values);
+            let column = std::mem::replace(&mut seen[of], d.values);
+            derivations.push(Derivation { input: k, of, column });
+            seen[k] = d.derivative;
         }
     }
     let mut inputs = Vec::new();
@@ -176,6 +185,7 @@ pub fn synthesize(
         sensors: plan.sensors.clone(),
         start: vec![None; system.states.len()],
         continues: None,
+        derivations,
         notes,
     };
     Ok((record, run))

@@ -36,14 +36,16 @@ pub(crate) struct Lines {
     input: BufReader<File>,
     buffer: Vec<u8>,
     number: usize,
+    /// How many lines at the start are passed over.
+    skip: usize,
     /// Bytes read so far, and those of the whole file.
     read: u64,
     size: u64,
 }
 
 impl Lines {
-    /// Opens a file.
-    pub(crate) fn open(path: &Path) -> io::Result<Lines> {
+    /// Opens a file whose first `skip` lines are not looked at.
+    pub(crate) fn open(path: &Path, skip: usize) -> io::Result<Lines> {
         let file = File::open(path)?;
         let about = file.metadata()?;
         if about.is_dir() {
@@ -53,6 +55,7 @@ impl Lines {
             input: BufReader::with_capacity(1 << 16, file),
             buffer: vec![],
             number: 0,
+            skip,
             read: 0,
             size: about.len(),
         })
@@ -80,6 +83,9 @@ impl Lines {
                 if self.buffer.starts_with(b"\xEF\xBB\xBF") {
                     self.buffer.drain(..3);
                 }
+            }
+            if self.number <= self.skip {
+                continue;
             }
             let ended = self.buffer.last() == Some(&b'\n');
             if !ended && self.buffer.len() == LONGEST {

@@ -4,7 +4,7 @@ use super::dialect::Dialect;
 use super::lines::{Line, LineError};
 use super::span;
 use phisindy_expr::{Span, nearest};
-use phisindy_phys::spec::{CsvSpec, Text};
+use phisindy_phys::spec::{CsvSpec, Spanned, Text};
 use phisindy_phys::{Diagnostic, SourceId, Sources};
 use std::io;
 use std::ops::Range;
@@ -102,6 +102,13 @@ impl Mistakes<'_> {
             self.in_spec(format!("the data file `{}` has {count} of numbers", self.name), at)
         };
         d.help("a record needs at least 10 rows")
+    }
+
+    /// A run that the file does not have.
+    pub(crate) fn no_run(&self, wanted: &Spanned<u64>, runs: u64) -> Diagnostic {
+        let message = format!("`{}` has {runs} runs, so none has the number {}", self.name, wanted.value);
+        self.in_spec(message, wanted.span)
+            .help("runs are counted from 0; a new one begins where the time goes back")
     }
 
     /// More samples than a fit can use. `part` of the file was read, up to the time `extent.1`.
@@ -284,9 +291,9 @@ impl Mistakes<'_> {
             self.in_line(message, line, &place, "not later").also(source, at, "than this")
         };
         d = d.help("time must grow from row to row: delete or correct the row");
-        if whole_file {
+        if whole_file && time < earlier {
             d = d.help(
-                "if the file holds several runs, select one of them, for example `rows: { \"trial\": 0.0 }`",
+                "if the file holds several runs, take one of them: `run: 0`, or `rows: { \"trial\": 0.0 }` by a column that counts them",
             );
         }
         d

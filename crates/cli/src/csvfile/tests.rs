@@ -16,7 +16,11 @@ fn table(fields: &str, content: &[u8]) -> Result<Table, String> {
     let path =
         std::env::temp_dir().join(format!("phisindy_{}_{unique}_{}.csv", std::process::id(), content.len()));
     std::fs::write(&path, content).expect("a temporary file");
-    let read = super::read(csv, &path, "a.csv", id, &mut sources);
+    let unit = |c: &phisindy_phys::spec::ColumnSpec| {
+        c.unit.as_ref().map_or(Unit::ONE, |u| Unit::parse(&u.value).expect("a unit"))
+    };
+    let units = Units { time: unit(&csv.time), columns: csv.columns.iter().map(|(_, c)| unit(c)).collect() };
+    let read = super::read(csv, &units, &path, "a.csv", id, &mut sources);
     std::fs::remove_file(&path).expect("the temporary file");
     read.map_err(|all| {
         all.iter().map(|d| format!("{} | {}", d.message, d.help.join(" | "))).collect::<Vec<_>>().join("\n")

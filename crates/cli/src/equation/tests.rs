@@ -15,10 +15,7 @@ fn case(known: &str, unknown: &str, constants: &str) -> Case {
 }
 
 fn found(coefficients: &[(usize, f64)]) -> Vec<FoundTerm> {
-    coefficients
-        .iter()
-        .map(|&(term, value)| FoundTerm { term, coefficient: Estimate::normal(value, 0.01) })
-        .collect()
+    coefficients.iter().map(|&(term, value)| FoundTerm::new(term, Estimate::normal(value, 0.01))).collect()
 }
 
 fn of(case: &Case, coefficients: &[(usize, f64)], parameters: &[FoundParameter]) -> Equation {

@@ -42,11 +42,21 @@ pub(crate) struct Clock {
     pub(crate) backs: Vec<usize>,
     /// Why it may be another one: no name and no unit says that this is time.
     pub(crate) guessed: bool,
+    /// No column is time: it is counted, at a rate that is to be said.
+    pub(crate) counted: bool,
 }
 
+/// What is taken for the rows per second of a file that does not say.
+pub(crate) const RATE: f64 = 100.0;
+
 impl Clock {
-    /// The column that is time; why there is none.
-    pub(crate) fn find(survey: &Survey) -> Result<Clock, String> {
+    /// The column that is time, which a survey without one gets; why there is none.
+    pub(crate) fn find(survey: &mut Survey) -> Result<Clock, String> {
+        if !survey.columns.iter().any(|c| grows(c) || c.heading.kind == Kind::Time || c.heading.says(NAMES)) {
+            let column = survey.count_rows(RATE);
+            return Ok(Clock { counted: true, ..Clock::of(column, &survey.columns[column].values, false) });
+        }
+
         let growing: Vec<bool> = survey.columns.iter().map(grows).collect();
         let named = |c: &Column| c.heading.kind == Kind::Time || c.heading.says(NAMES);
         let counter = |c: &Column| c.heading.says(COUNTERS) && c.heading.kind != Kind::Time;
@@ -92,6 +102,7 @@ impl Clock {
             repeats: after(repeats),
             backs: after(backs),
             guessed,
+            counted: false,
         }
     }
 

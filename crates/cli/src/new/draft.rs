@@ -23,6 +23,8 @@ pub(crate) struct Part {
     pub(crate) name: String,
     /// Headings and values that select its rows.
     pub(crate) rows: Vec<(String, f64)>,
+    /// Which run of the file, where no column counts them.
+    pub(crate) run: Option<usize>,
     /// Times as the file has them.
     pub(crate) window: Option<(f64, f64)>,
     /// Whether it is fitted.
@@ -58,8 +60,8 @@ pub(crate) struct Draft {
 
 impl Draft {
     /// From the columns of a file.
-    pub(crate) fn of(survey: Survey) -> Result<Draft, Trouble> {
-        let clock = Clock::find(&survey).map_err(|message| Trouble {
+    pub(crate) fn of(mut survey: Survey) -> Result<Draft, Trouble> {
+        let clock = Clock::find(&mut survey).map_err(|message| Trouble {
             message,
             help: "add a column `time_s`, in seconds from the start, that grows from row to row".to_owned(),
             mistake: None,
@@ -135,17 +137,15 @@ impl Draft {
         if runs.len() > 1 && trials.is_none() {
             let line = self.survey.lines[runs[1].start];
             self.remarks.push(format!(
-                "EDIT: time goes back at line {line}{}: the file holds {} runs, and no column tells them apart. Give each run a file of its own, or \
-                 add a column that counts them and select with `rows: {{ \"run\": 0.0 }}`",
+                "EDIT: time goes back at line {line}{}: the file holds {} runs, and no column tells them apart. They are counted from 0: `run: 0`, \
+                 `run: 1`, ...; if it is one run, correct the times in the file",
                 if runs.len() > 2 { " and later" } else { "" },
                 runs.len()
             ));
         }
-        // Which of several runs is meant nobody can tell the reader, so the whole file it is.
-        let whole = 0..self.survey.rows();
-        let stretches = if runs.len() > 1 && trials.is_none() { std::slice::from_ref(&whole) } else { runs };
+        let counted = runs.len() > 1 && trials.is_none();
         let mut firsts = Vec::new();
-        for run in stretches.iter().take(MOST_TRIALS) {
+        for (k, run) in runs.iter().enumerate().take(MOST_TRIALS) {
             let chosen = self.chosen(run.clone());
             if chosen.len() < 20 {
                 continue;
@@ -157,40 +157,48 @@ impl Draft {
             if let Some(flag) = &self.roles.flag {
                 rows.push((self.raw(flag.column).to_owned(), flag.value));
             }
-            firsts.push((chosen, run.clone(), rows));
+            firsts.push((chosen, run.clone(), rows, counted.then_some(k)));
         }
-        if stretches.len() > MOST_TRIALS {
+        if runs.len() > MOST_TRIALS {
             self.remarks.push(format!(
                 "the file holds {} trials, of which the first {MOST_TRIALS} are written out",
-                stretches.len()
+                runs.len()
             ));
         }
         let Some((first, ..)) = firsts.first() else {
-            self.parts.push(Part { name: "all".to_owned(), rows: vec![], window: None, fit: true });
+            self.parts.push(Part {
+                name: "all".to_owned(),
+                rows: vec![],
+                run: None,
+                window: None,
+                fit: true,
+            });
             return;
         };
         let first = first.clone();
-        let broken = runs.len() > 1 && trials.is_none();
-        self.study(if broken { runs[0].clone() } else { first.clone() });
+        self.study(first);
         let several = firsts.len() > 1;
-        for (k, (chosen, run, rows)) in firsts.iter().enumerate() {
-            let moving = if broken { chosen.clone() } else { self.trimmed(chosen.clone()) };
+        for (k, (chosen, run, rows, number)) in firsts.iter().enumerate() {
+            let moving = self.trimmed(chosen.clone());
             let selected = self.selected(run.clone());
             let whole = selected.len() == moving.len();
             let time = |row: usize| self.time()[row.min(self.survey.rows() - 1)];
             let (a, b) = (time(moving.start), time(moving.end - 1));
             if several {
-                let name =
-                    rows.first().map_or(format!("trial {k}"), |(name, value)| format!("{name} {value}"));
+                let name = match (rows.first(), number) {
+                    (_, Some(run)) => format!("run {run}"),
+                    (Some((name, value)), None) => format!("{name} {value}"),
+                    (None, None) => format!("trial {k}"),
+                };
                 let window = (!whole).then_some((a, b));
-                self.parts.push(Part { name, rows: rows.clone(), window, fit: k + 1 < firsts.len() });
-            } else if broken {
-                self.parts.push(Part { name: "all".to_owned(), rows: vec![], window: None, fit: true });
+                let fit = k + 1 < firsts.len();
+                self.parts.push(Part { name, rows: rows.clone(), run: *number, window, fit });
             } else {
                 let middle = time(moving.start + moving.len() / 2);
                 let part = |name: &str, window, fit| Part {
                     name: name.to_owned(),
                     rows: rows.clone(),
+                    run: *number,
                     window: Some(window),
                     fit,
                 };

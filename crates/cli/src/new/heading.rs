@@ -48,18 +48,27 @@ impl Heading {
         let text = raw.trim();
         let found =
             bracketed(text).or_else(|| quotient(text)).or_else(|| spoken(text)).or_else(|| suffixed(text));
+        let found = found.or_else(|| gravities(text));
         let (name, unit) = found.unwrap_or((text, None));
         let name = name.trim().trim_end_matches(['_', '-', ',']).to_lowercase();
-        let kind = unit.as_deref().map_or(Kind::Unsaid, kind);
-        Heading { raw: raw.to_owned(), name, unit, kind }
+        let heading = Heading { raw: raw.to_owned(), name, unit, kind: Kind::Unsaid };
+        heading.understood()
     }
 
     /// The same column with the unit of a second heading line, if it has none of its own.
     pub(crate) fn with_unit(mut self, unit: &str) -> Heading {
         if self.unit.is_none() {
             self.unit = normal(unit.trim_matches(['[', ']', '(', ')', ' ']));
-            self.kind = self.unit.as_deref().map_or(Kind::Unsaid, kind);
         }
+        self.understood()
+    }
+
+    /// With the kind that its unit says; an acceleration in `g` is no mass in grams.
+    fn understood(mut self) -> Heading {
+        if self.unit.as_deref() == Some("g") && self.says(ACCELERATIONS) {
+            self.unit = Some("gn".to_owned());
+        }
+        self.kind = self.unit.as_deref().map_or(Kind::Unsaid, kind);
         self
     }
 
@@ -79,6 +88,9 @@ impl Heading {
 pub(crate) fn factor(unit: Option<&str>) -> f64 {
     unit.and_then(|u| Unit::parse(u).ok()).map_or(1.0, |u| u.factor)
 }
+
+/// Names of a column of accelerations.
+const ACCELERATIONS: &[&str] = &["a", "acc", "accel", "acceleration", "beschleunigung"];
 
 type Found<'t> = Option<(&'t str, Option<String>)>;
 
@@ -116,12 +128,19 @@ fn suffixed(text: &str) -> Found<'_> {
     })
 }
 
+/// `acc_g`: elsewhere a `g` at the end is a name, not a unit.
+fn gravities(text: &str) -> Found<'_> {
+    let name = text.strip_suffix("_g").or_else(|| text.strip_suffix(" g"))?;
+    let first = name.split(|c: char| !c.is_alphabetic()).next().unwrap_or_default().to_lowercase();
+    ACCELERATIONS.contains(&first.as_str()).then(|| (name, Some("g".to_owned())))
+}
+
 /// A unit that may stand without brackets: `x_t` is no mass in tonnes, `u_h` no hour.
 fn plain(text: &str) -> Option<String> {
     let unit = normal(text)?;
     let known = kind(&unit) != Kind::Other
         || matches!(unit.as_str(), "kg" | "K" | "Pa" | "kPa" | "MPa" | "bar" | "Hz" | "W");
-    (known && !matches!(text, "t" | "h" | "min" | "rev" | "1")).then_some(unit)
+    (known && !matches!(text, "t" | "h" | "min" | "rev" | "in" | "1")).then_some(unit)
 }
 
 /// The spelling of the specs, if the unit is known.
@@ -134,6 +153,9 @@ fn normal(text: &str) -> Option<String> {
         "meter" | "metre" | "meters" | "metres" => "m",
         "millimeter" | "millimetre" | "millimeters" | "millimetres" => "mm",
         "micron" | "microns" | "micrometer" | "micrometre" => "um",
+        "inch" | "inches" | "\"" => "in",
+        "feet" | "foot" => "ft",
+        "lbs" => "lbf",
         "newton" | "newtons" => "N",
         "volt" | "volts" => "V",
         "ampere" | "amp" | "amps" => "A",
@@ -200,6 +222,12 @@ mod tests {
             ("v_m_s", "v", Some("m/s"), Kind::Speed),
             ("a [m/s²]", "a", Some("m/s^2"), Kind::Acceleration),
             ("acc (m/s2)", "acc", Some("m/s^2"), Kind::Acceleration),
+            ("acc (g)", "acc", Some("gn"), Kind::Acceleration),
+            ("a_g", "a", Some("gn"), Kind::Acceleration),
+            ("load (g)", "load", Some("g"), Kind::Other),
+            ("disp (in)", "disp", Some("in"), Kind::Length),
+            ("x_inch", "x", Some("in"), Kind::Length),
+            ("u_in", "u_in", None, Kind::Unsaid),
             ("u_V", "u", Some("V"), Kind::Electric),
             ("q_ref_m", "q_ref", Some("m"), Kind::Length),
             ("load_raw", "load_raw", None, Kind::Unsaid),

@@ -39,6 +39,8 @@ pub(crate) struct Survey {
     pub(crate) comma: bool,
     /// Whether the file has a heading line.
     pub(crate) has_header: bool,
+    /// Lines before the heading.
+    pub(crate) skip: usize,
     /// The part of the file that was read, 1 for all.
     pub(crate) part: f64,
 }
@@ -55,7 +57,8 @@ impl Survey {
         sources: &mut Sources,
     ) -> Result<Survey, Box<Diagnostic>> {
         let mut mistakes = Mistakes { name, spec: source, sources };
-        let mut lines = Lines::open(path).map_err(|e| mistakes.unreadable(at, &e))?;
+        let skip = preamble(path);
+        let mut lines = Lines::open(path, skip).map_err(|e| mistakes.unreadable(at, &e))?;
         let next = |lines: &mut Lines, mistakes: &mut Mistakes<'_>| {
             lines.next().map_err(|e| Box::new(mistakes.bad_line(at, &e)))
         };
@@ -87,6 +90,7 @@ impl Survey {
             separator: dialect.separator,
             comma: false,
             has_header,
+            skip,
             part: 1.0,
         };
         let (mut point, most) = (false, MOST_ROWS.min(MOST_NUMBERS / width.max(1)));
@@ -164,9 +168,47 @@ impl Survey {
         Ok(survey)
     }
 
+    /// One more column, for a file without time: what the time would be at so many rows per second.
+    pub(crate) fn count_rows(&mut self, rate: f64) -> usize {
+        let values = (0..self.rows()).map(|k| k as f64 / rate).collect();
+        let heading = Heading { unit: Some("s".to_owned()), ..Heading::parse("row") };
+        self.columns.push(Column { heading, values, words: 0, mistake: None });
+        self.columns.len() - 1
+    }
+
     /// Number of rows that were read.
     pub(crate) fn rows(&self) -> usize {
         self.lines.len()
+    }
+}
+
+/// Of the lines at the start of a file this many are looked at for its heading.
+const START: usize = 100;
+
+/// How many lines stand before the heading: those before the last line of words above the first rows of numbers.
+fn preamble(path: &Path) -> usize {
+    let Ok(mut lines) = Lines::open(path, 0) else { return 0 };
+    let mut start: Vec<Line> = Vec::new();
+    while let (true, Ok(Some(line))) = (start.len() < START, lines.next()) {
+        start.push(line);
+    }
+    let [.., before, last] = start.as_slice() else { return 0 };
+    let dialect = Dialect::guess(None, None, &before.text, Some(&last.text));
+    let width = dialect.fields(&last.text).len();
+    let numbers = |line: &Line| {
+        let fields = dialect.fields(&line.text);
+        let good = fields.iter().filter(|f| looks_like_number(&dialect.unquoted(&line.text, f))).count();
+        fields.len() == width && 2 * good > width
+    };
+    // A preamble may hold numbers too, but not as many in a row as fill the rest of what was read.
+    let Some(words) = start.iter().rposition(|line| !numbers(line)) else { return 0 };
+    let units = words > 0 && is_units_row(&dialect, &start[words].text);
+    let heading = if units { words - 1 } else { words };
+    match dialect.fields(&start[heading].text).len() == width && words + 3 < start.len() {
+        true if heading > 0 => start[heading].number - 1,
+        // Numbers without a heading, below lines of words.
+        false if words + 3 < start.len() && width > 1 => start[words].number,
+        _ => 0,
     }
 }
 

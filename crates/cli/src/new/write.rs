@@ -373,7 +373,11 @@ fn record(draft: &Draft, words: &Words, part: &Part, file: &str, text: &mut Stri
         }
         Input::Force(c) | Input::Drive(c) => columns.push(format!("\"F\": {}", column(c))),
     }
-    let time = column(draft.clock.column);
+    let time = if draft.clock.counted {
+        format!("Rate({:?})", super::clock::RATE)
+    } else {
+        column(draft.clock.column)
+    };
     let _ = write!(
         text,
         "        Csv(path: {}, name: {}, time: {time}, columns: {{ {} }},",
@@ -382,12 +386,19 @@ fn record(draft: &Draft, words: &Words, part: &Part, file: &str, text: &mut Stri
         columns.join(", ")
     );
     text.push_str(
-        match (draft.clock.guessed, draft.survey.columns[draft.clock.column].heading.unit.is_some()) {
-            (true, _) => " // EDIT: no heading says which column is time, and in which unit (taken: s)\n",
-            (false, false) => {
+        match (
+            draft.clock.counted,
+            draft.clock.guessed,
+            draft.survey.columns[draft.clock.column].heading.unit.is_some(),
+        ) {
+            (true, ..) => " // EDIT: no column is time: how many rows per second?\n",
+            (false, true, _) => {
+                " // EDIT: no heading says which column is time, and in which unit (taken: s)\n"
+            }
+            (false, false, false) => {
                 " // EDIT: the heading gives no unit of time (taken: s; else `time: (\"t\", \"ms\")`)\n"
             }
-            (false, true) => "\n",
+            (false, false, true) => "\n",
         },
     );
     let mut written = Vec::new();
@@ -400,6 +411,7 @@ fn record(draft: &Draft, words: &Words, part: &Part, file: &str, text: &mut Stri
     written.extend(separator.map(|s| format!("separator: {s}")));
     written.extend(draft.survey.comma.then(|| "decimal: ','".to_owned()));
     written.extend((!draft.survey.has_header).then(|| "header: false".to_owned()));
+    written.extend((draft.survey.skip > 0).then(|| format!("skip: {}", draft.survey.skip)));
     if !written.is_empty() {
         fields.push(written.join(", "));
     }
@@ -415,6 +427,7 @@ fn record(draft: &Draft, words: &Words, part: &Part, file: &str, text: &mut Stri
             part.rows.iter().map(|(name, value)| format!("{}: {value:?}", literal(name))).collect();
         fields.push(format!("rows: {{ {} }}", rows.join(", ")));
     }
+    fields.extend(part.run.map(|run| format!("run: {run}")));
     if draft.decimate > 1 {
         fields.push(format!("decimate: {}", draft.decimate));
     }

@@ -16,6 +16,7 @@ impl Reader<'_> {
             "selection",
             "horizon",
             "segments",
+            "differentiator",
             "method",
         ];
         let optimisers =
@@ -48,6 +49,7 @@ impl Reader<'_> {
             selection: self.optional(&fields, "selection", Self::selection),
             horizon: self.optional(&fields, "horizon", Self::count).map(|horizon| horizon.value),
             segments: self.optional(&fields, "segments", Self::segments),
+            differentiator: self.optional(&fields, "differentiator", Self::differentiator),
             method: self.optional(&fields, "method", |r, n| r.choice(n, "method", &methods)),
         })
     }

@@ -3,7 +3,7 @@
 use super::reader::Reader;
 use super::{DataSpec, Spec, UnknownSpec};
 use crate::diagnostic::{Diagnostic, SourceId};
-use crate::raw::{Node, parse};
+use crate::raw::{Node, Shape, parse};
 
 /// Reads the text of a spec. With the spec come warnings; spans point into `text`.
 ///
@@ -71,10 +71,11 @@ impl Reader<'_> {
     }
 
     fn unknown(&mut self, node: &Node) -> Option<UnknownSpec> {
-        let fields = self.fields(node, "an unknown part", &["factor", "candidates", "laws"])?;
+        let fields = self.fields(node, "an unknown part", &["factor", "candidates", "within", "laws"])?;
         let factor = self.optional(&fields, "factor", Self::words);
         let mut texts = |name| self.optional(&fields, name, |r: &mut Self, n| r.list(n, Self::words));
         let (candidates, laws) = (texts("candidates"), texts("laws"));
+        let within = self.pairs(&fields, "within", Self::coefficient_bounds);
         let nothing = |name| fields.get(name).is_none_or(|list: &Node| list.entries.is_empty());
         if nothing("candidates") && nothing("laws") {
             let span = fields.get("candidates").map_or(node.span, |list| list.span);
@@ -87,7 +88,21 @@ impl Reader<'_> {
             );
         }
         let (candidates, laws) = (candidates.unwrap_or_default(), laws.unwrap_or_default());
-        Some(UnknownSpec { factor, candidates, laws, span: node.span })
+        Some(UnknownSpec { factor, candidates, within, laws, span: node.span })
+    }
+
+    /// `Positive`, `Negative` or `(0.0, 5.0)`.
+    fn coefficient_bounds(&mut self, node: &Node) -> Option<(f64, f64)> {
+        let signs = [("Positive", (0.0, f64::INFINITY)), ("Negative", (f64::NEG_INFINITY, 0.0))];
+        match node.shape {
+            Shape::Name => self.choice(node, "sign", &signs),
+            Shape::Group => self.bounds(node).map(|(low, high)| (low.value, high.value)),
+            _ => self.expected(
+                node,
+                "bounds of a coefficient",
+                "Positive, Negative or two numbers like (0.0, 5.0)",
+            ),
+        }
     }
 
     fn record(&mut self, node: &Node) -> Option<DataSpec> {

@@ -2,8 +2,8 @@
 
 use super::reader::{Fields, Reader};
 use super::{
-    ColumnSpec, CsvSpec, DeriveSpec, Detrend, Interpolation, NoiseSpec, Number, Role, Spanned, SyntheticSpec,
-    Text,
+    ColumnSpec, CsvSpec, DeriveSpec, Detrend, Differentiator, Interpolation, NoiseSpec, Number, Role,
+    Spanned, SyntheticSpec, Text,
 };
 use crate::raw::{Node, Shape};
 
@@ -26,6 +26,8 @@ impl Reader<'_> {
             "separator",
             "decimal",
             "header",
+            "skip",
+            "run",
             "interpolate",
             "constants",
             "decimate",
@@ -33,7 +35,7 @@ impl Reader<'_> {
         ];
         let fields = self.fields(node, "`Csv`", FIELDS)?;
         let path = self.required(&fields, "path", Self::words);
-        let time = self.required(&fields, "time", Self::column);
+        let time = self.required(&fields, "time", Self::time);
         let columns = self.required(&fields, "columns", |r, n| r.map(n, Self::column));
         let separator = self.optional(&fields, "separator", Self::character);
         let decimal = self.optional(&fields, "decimal", Self::character);
@@ -44,6 +46,8 @@ impl Reader<'_> {
         let rows = self.pairs(&fields, "rows", Self::number);
         let start = self.pairs(&fields, "start", Self::number);
         let header = self.optional(&fields, "header", Self::truth);
+        let skip = self.optional(&fields, "skip", Self::whole).map_or(0, |n| n.value as usize);
+        let run = self.optional(&fields, "run", Self::whole);
         let interpolate = self.pairs(&fields, "interpolate", Self::interpolation);
         let constants = self.pairs(&fields, "constants", Self::constant);
         let decimate = self.optional(&fields, "decimate", Self::count);
@@ -51,10 +55,12 @@ impl Reader<'_> {
         if let Some(columns) = &columns {
             self.measured(&detrend, columns);
         }
+        let (time, rate) = time?;
         Some(CsvSpec {
             path: path?,
             name,
-            time: time?,
+            time,
+            rate,
             columns: columns?,
             derive,
             sensors,
@@ -65,6 +71,8 @@ impl Reader<'_> {
             separator,
             decimal,
             header,
+            skip,
+            run,
             interpolate,
             constants,
             decimate,
@@ -141,6 +149,16 @@ impl Reader<'_> {
         self.optional(fields, "role", |r, n| r.choice(n, "role", &table)).unwrap_or_default()
     }
 
+    /// A column, or `Rate(1000.0)` where the file has none of time.
+    fn time(&mut self, node: &Node) -> Option<(ColumnSpec, Option<Number>)> {
+        if self.variant(node) != Some("Rate") {
+            return self.column(node).map(|column| (column, None));
+        }
+        let rate = self.argument(node, "the number of rows per second")?;
+        let header = Text { value: String::new(), span: node.span };
+        Some((ColumnSpec { header, unit: None }, Some(self.positive(rate)?)))
+    }
+
     /// `"time_s"` or `("x_mass_m", "m")`.
     pub(super) fn column(&mut self, node: &Node) -> Option<ColumnSpec> {
         if node.shape == Shape::Text {
@@ -154,13 +172,24 @@ impl Reader<'_> {
 
     fn derive(&mut self, node: &Node) -> Option<DeriveSpec> {
         match (self.variant(node), node.name) {
-            (Some("Derivative"), Some(_)) => {
-                let input = self.argument(node, "the name of an input")?;
-                self.words(input).map(DeriveSpec::Derivative)
-            }
+            (Some("Derivative"), Some(_)) => match node.entries.as_slice() {
+                [of, how] if of.key.is_none() && how.key.is_none() => {
+                    let how = self.differentiator(&how.value);
+                    Some(DeriveSpec::Derivative(self.words(&of.value)?, Some(how?)))
+                }
+                _ => {
+                    let input =
+                        self.argument(node, "the name of an input, and perhaps how to differentiate it")?;
+                    self.words(input).map(|of| DeriveSpec::Derivative(of, None))
+                }
+            },
             (Some(_), Some(name)) => self.unknown_name("way to derive", name, &["Derivative"]),
             _ => self.expected(node, "`Derivative(\"u\")`", ""),
         }
+    }
+
+    pub(super) fn differentiator(&mut self, node: &Node) -> Option<Differentiator> {
+        self.choice(node, "differentiator", &Differentiator::ALL.map(|d| (d.name(), d)))
     }
 
     fn interpolation(&mut self, node: &Node) -> Option<Interpolation> {

@@ -9,6 +9,8 @@ type Row = (&'static str, f64, [i8; 5], bool);
 #[rustfmt::skip]
 const UNITS: &[Row] = &[
     ("m",    1.0,          [0, 1, 0, 0, 0],   true),
+    ("in",   0.0254,       [0, 1, 0, 0, 0],   false),
+    ("ft",   0.3048,       [0, 1, 0, 0, 0],   false),
     ("g",    1e-3,         [1, 0, 0, 0, 0],   true),
     ("t",    1e3,          [1, 0, 0, 0, 0],   false),
     ("s",    1.0,          [0, 0, 1, 0, 0],   true),
@@ -24,6 +26,9 @@ const UNITS: &[Row] = &[
     ("rev",  2.0 * PI,     [0, 0, 0, 0, 0],   false),
     ("%",    1e-2,         [0, 0, 0, 0, 0],   false),
     ("N",    1.0,          [1, 1, -2, 0, 0],  true),
+    ("lbf",  4.448_221_615_260_5, [1, 1, -2, 0, 0], false),
+    // Standard gravity, in which accelerometers count; `g` is the gram.
+    ("gn",   9.806_65,     [0, 1, -2, 0, 0],  false),
     ("Pa",   1.0,          [1, -1, -2, 0, 0], true),
     ("bar",  1e5,          [1, -1, -2, 0, 0], true),
     ("J",    1.0,          [1, 2, -2, 0, 0],  true),
