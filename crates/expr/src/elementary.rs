@@ -12,7 +12,8 @@ const ROUND: f64 = 6_755_399_441_055_744.0;
 const LN2: (f64, f64) = (0.693_147_180_485_539_1, 7.440_617_110_012_397e-11);
 
 /// pi/2 in three parts; a whole number of up to 20 bits times each of the first two is exact.
-const HALF_PI: (f64, f64, f64) = (1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_795_950_6e-21);
+const HALF_PI: (f64, f64, f64) =
+    (1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_795_950_6e-21);
 
 /// Up to here (2^20 quarter turns) the reduction of angles is exact enough; beyond it the library's functions serve.
 const FAR: f64 = 1_647_099.0;
@@ -113,7 +114,7 @@ fn sine(x: f64, tail: f64) -> f64 {
     const S: [f64; 6] = [
         0.008_333_333_333_333_331,
         -0.000_198_412_698_412_650_6,
-        2.755_731_921_933_543_3e-6,
+        2.755_731_921_933_543e-6,
         -2.505_210_623_115_790_4e-8,
         1.605_853_141_458_901e-10,
         -7.586_685_070_091_267e-13,

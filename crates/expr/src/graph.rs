@@ -39,9 +39,9 @@ pub struct Graph {
 /// What a node is made of, as far as derivatives must know.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Traits {
-    /// There is a gate in it: where that is closed, a factor may be 0 for good.
-    pub(crate) gated: bool,
-    /// It may be infinite or no number where its symbols are finite (`ln`, a quotient, a power, ...).
+    /// It is zero where its gates are closed.
+    pub(crate) vanishing: bool,
+    /// It may be infinite or no number where its symbols are finite (`ln`, a quotient, a power, ...) and no gate hides that.
     pub(crate) singular: bool,
 }
 
@@ -77,22 +77,32 @@ impl Graph {
     }
 
     fn traits_of(&self, node: Node) -> Traits {
-        let (a, b, own) = match node {
-            Node::Constant(_) | Node::Symbol(_) => return Traits::default(),
-            Node::Unary(op, a) => (a, a, Traits { gated: false, singular: op.row().singular }),
+        match node {
+            Node::Constant(_) | Node::Symbol(_) => Traits::default(),
+            Node::Unary(op, a) => {
+                let of = self.traits(a);
+                let vanishing = of.vanishing && (op.row().value)(0.0) == 0.0;
+                Traits { vanishing, singular: of.singular || op.row().singular }
+            }
+            // Open, it hands on what would spoil the whole anyway; closed, nothing.
+            Node::Binary(Binary::Gate, ..) => Traits { vanishing: true, singular: false },
             Node::Binary(op, a, b) => {
-                let gated = matches!(op, Binary::Gate | Binary::Masked);
-                let singular = match op {
+                let (left, right) = (self.traits(a), self.traits(b));
+                let vanishing = match op {
+                    Binary::Mul | Binary::Masked => left.vanishing || right.vanishing,
+                    Binary::Add | Binary::Sub => left.vanishing && right.vanishing,
+                    Binary::Div => left.vanishing,
+                    _ => false,
+                };
+                let own = match op {
                     // Divided by a number, raised to one that is whole and positive.
                     Binary::Div => self.value(b).is_none(),
                     Binary::Pow => self.value(b).is_none_or(|n| n < 0.0 || n.fract() != 0.0),
                     _ => false,
                 };
-                (a, b, Traits { gated, singular })
+                Traits { vanishing, singular: own || left.singular || right.singular }
             }
-        };
-        let (a, b) = (self.traits(a), self.traits(b));
-        Traits { gated: own.gated | a.gated | b.gated, singular: own.singular | a.singular | b.singular }
+        }
     }
 
     /// A number; minus zero is zero.

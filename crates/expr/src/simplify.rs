@@ -121,6 +121,11 @@ fn quotient(g: &mut Graph, a: Id, b: Id) -> Option<Id> {
             let c = folded(g, Binary::Div, c, b)?;
             Some(g.mul(c, d))
         }
+        // The slope of ln(w/d) is d/w.
+        (Node::Constant(_), Node::Binary(Binary::Div, w, d)) if g.value(d).is_some() => {
+            let c = folded(g, Binary::Mul, a, d)?;
+            Some(g.div(c, w))
+        }
         _ => None,
     }
 }

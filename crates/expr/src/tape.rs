@@ -19,30 +19,62 @@ pub fn wide<R>(work: impl FnOnce() -> R) -> R {
 /// One instruction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Code {
-    Unary { op: Unary, a: u32, out: u32 },
-    Binary { op: Binary, a: u32, b: u32, out: u32 },
-    Fused { op: Fused, a: u32, b: u32, c: u32, out: u32 },
+    Unary {
+        op: Unary,
+        a: u32,
+        out: u32,
+    },
+    Binary {
+        op: Binary,
+        a: u32,
+        b: u32,
+        out: u32,
+    },
+    /// Products added to, or taken off, a value: `count` pairs of factors in [`Program::factors`], from `first` on.
+    Chain {
+        op: Chain,
+        count: u8,
+        first: u32,
+        start: u32,
+        out: u32,
+    },
 }
 
-/// A product and the sum that alone uses it, in one instruction: what a program does most. The product is rounded as if it stood alone (no
-/// fused rounding), so that the bits are those of the two operations, on every machine.
+/// Products and the sums that alone use them, in one instruction: what a program does most. Each product and each sum is rounded as if it
+/// stood alone (no fused rounding), so that the bits are those of the single operations, on every machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Fused {
-    /// `c + a b`
+enum Chain {
+    /// `c + a b + ...`
     Plus,
-    /// `c - a b`
+    /// `c - a b - ...`
     Minus,
-    /// `a b - c`
+    /// `a b - c`, one product only
     Less,
 }
 
-impl Fused {
+/// Products in one instruction at most.
+const LONGEST: usize = 4;
+
+impl Chain {
     #[inline(always)]
-    fn lanes<const N: usize>(self, a: &[f64; N], b: &[f64; N], c: &[f64; N], out: &mut [f64; N]) {
+    fn lanes<const N: usize, const K: usize>(
+        self,
+        factors: [[&[f64; N]; 2]; K],
+        start: &[f64; N],
+        out: &mut [f64; N],
+    ) {
         match self {
-            Fused::Plus => (0..N).for_each(|i| out[i] = c[i] + a[i] * b[i]),
-            Fused::Minus => (0..N).for_each(|i| out[i] = c[i] - a[i] * b[i]),
-            Fused::Less => (0..N).for_each(|i| out[i] = a[i] * b[i] - c[i]),
+            Chain::Plus => (0..N).for_each(|i| {
+                let mut sum = start[i];
+                (0..K).for_each(|k| sum += factors[k][0][i] * factors[k][1][i]);
+                out[i] = sum;
+            }),
+            Chain::Minus => (0..N).for_each(|i| {
+                let mut sum = start[i];
+                (0..K).for_each(|k| sum -= factors[k][0][i] * factors[k][1][i]);
+                out[i] = sum;
+            }),
+            Chain::Less => (0..N).for_each(|i| out[i] = factors[0][0][i] * factors[0][1][i] - start[i]),
         }
     }
 }
@@ -61,11 +93,16 @@ impl Unbound {
 #[derive(Debug)]
 struct Program {
     code: Vec<Code>,
+    factors: Vec<[u32; 2]>,
     constants: Vec<(u32, f64)>,
     inputs: usize,
     outputs: Vec<u32>,
     slots: usize,
 }
+
+mod lanes;
+
+use lanes::Lanes;
 
 /// A compiled program: immutable, cheap to clone, shared between threads. Its memory is a [`Scratch`], which belongs to one thread.
 #[derive(Clone, Debug)]
@@ -88,12 +125,13 @@ impl Tape {
         // Where each value is used last, so that its slot can serve again. Inputs, numbers and outputs are kept to the end.
         let mut last_use = vec![0usize; size];
         for (k, step) in steps.iter().enumerate() {
-            step.operands().for_each(|a| last_use[a.index()] = k);
+            step.operands().iter().for_each(|a| last_use[a.index()] = k);
         }
         inputs.iter().filter(|id| id.index() < size).for_each(|id| last_use[id.index()] = usize::MAX);
         outputs.iter().for_each(|id| last_use[id.index()] = usize::MAX);
 
-        let (mut code, mut constants, mut free) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut code, mut factors, mut constants, mut free) =
+            (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let mut slots = inputs.len() as u32;
         let mut fresh = || {
             slots += 1;
@@ -113,29 +151,37 @@ impl Tape {
         for (k, step) in steps.iter().enumerate() {
             let at = |id: Id| slot[id.index()];
             let out = free.pop().unwrap_or_else(&mut fresh);
-            match step.form {
-                Form::Unary(op, a) => code.push(Code::Unary { op, a: at(a), out }),
-                Form::Fused(op, [a, b, c]) => code.push(Code::Fused { op, a: at(a), b: at(b), c: at(c), out }),
+            match &step.form {
+                &Form::Unary(op, a) => code.push(Code::Unary { op, a: at(a), out }),
+                Form::Chain(op, pairs, start) => {
+                    let (count, first) = (pairs.len() as u8, factors.len() as u32);
+                    factors.extend(pairs.iter().map(|pair| pair.map(at)));
+                    code.push(Code::Chain { op: *op, count, first, start: at(*start), out });
+                }
                 // x^2 is x*x, x^3 is x*x*x: the commonest powers, without a call.
-                Form::Binary(Binary::Pow, a, n) if graph.value(n) == Some(2.0) => {
+                &Form::Binary(Binary::Pow, a, n) if graph.value(n) == Some(2.0) => {
                     code.push(Code::Binary { op: Binary::Mul, a: at(a), b: at(a), out });
                 }
-                Form::Binary(Binary::Pow, a, n) if graph.value(n) == Some(3.0) => {
+                &Form::Binary(Binary::Pow, a, n) if graph.value(n) == Some(3.0) => {
                     let (a, square) = (at(a), fresh());
                     code.push(Code::Binary { op: Binary::Mul, a, b: a, out: square });
                     code.push(Code::Binary { op: Binary::Mul, a: square, b: a, out });
                     free.push(square);
                 }
-                Form::Binary(op, a, b) => code.push(Code::Binary { op, a: at(a), b: at(b), out }),
+                &Form::Binary(op, a, b) => code.push(Code::Binary { op, a: at(a), b: at(b), out }),
             }
             slot[step.id.index()] = out;
-            let mut ended: Vec<Id> = step.operands().filter(|a| last_use[a.index()] == k).collect();
+            let mut ended: Vec<Id> =
+                step.operands().into_iter().filter(|a| last_use[a.index()] == k).collect();
             ended.sort_unstable();
             ended.dedup();
             free.extend(ended.iter().map(|a| slot[a.index()]));
         }
         let outputs = outputs.iter().map(|id| slot[id.index()]).collect();
-        Ok(Tape(Arc::new(Program { code, constants, inputs: inputs.len(), outputs, slots: slots as usize })))
+        let program =
+            Program { code, factors, constants, inputs: inputs.len(), outputs, slots: slots as usize };
+        program.assert_sound();
+        Ok(Tape(Arc::new(program)))
     }
 
     /// Number of instructions: what one sample costs.
@@ -151,6 +197,26 @@ impl Tape {
     /// Number of slots: what one lane of scratch memory holds.
     pub fn slots(&self) -> usize {
         self.0.slots
+    }
+}
+
+impl Program {
+    /// What `lanes` relies on.
+    fn assert_sound(&self) {
+        for code in &self.code {
+            let (reads, out) = match *code {
+                Code::Unary { a, out, .. } => (vec![a], out),
+                Code::Binary { a, b, out, .. } => (vec![a, b], out),
+                Code::Chain { count, first, start, out, .. } => {
+                    let pairs = &self.factors[first as usize..][..usize::from(count)];
+                    assert!((1..=LONGEST).contains(&pairs.len()));
+                    (pairs.iter().flatten().copied().chain([start]).collect(), out)
+                }
+            };
+            let slot = |k: u32| (k as usize) < self.slots;
+            assert!(reads.iter().all(|&k| slot(k) && k != out) && slot(out) && out as usize >= self.inputs);
+        }
+        assert!(self.outputs.iter().all(|&k| (k as usize) < self.slots));
     }
 }
 
@@ -207,14 +273,23 @@ impl<const N: usize> Scratch<N> {
 
     /// Evaluates every output from the inputs, with the widest vectors that this machine has.
     pub fn run(&mut self) {
+        self.run_on(&[]);
+    }
+
+    /// The same, with the first inputs read from where they lie instead of from the scratch.
+    ///
+    /// # Panics
+    /// If there are more than the tape has inputs.
+    pub fn run_on(&mut self, head: &[[f64; N]]) {
+        assert!(head.len() <= self.tape.0.inputs, "{} inputs of {}", head.len(), self.tape.0.inputs);
         let first = self.first();
-        let (code, slots) = (self.tape.0.code.as_slice(), self.memory[first..].as_chunks_mut::<N>().0);
+        let (program, slots) = (&*self.tape.0, self.memory[first..].as_chunks_mut::<N>().0);
         if N == 1 {
-            run_one(code, slots);
+            run(program, head, slots);
         } else {
             wide(
                 #[inline(always)]
-                || run_lanes(code, slots),
+                || run(program, head, slots),
             );
         }
     }
@@ -230,65 +305,29 @@ impl<const N: usize> Clone for Scratch<N> {
     }
 }
 
-/// One sample: operands are copied, which is cheaper than proving that slots differ.
+/// Each instruction is a loop over the lanes.
 #[inline(always)]
-fn run_one<const N: usize>(code: &[Code], slots: &mut [[f64; N]]) {
-    for code in code {
-        let value = |k: u32| [slots[k as usize][0]];
-        let mut result = [0.0];
-        let out = match *code {
-            Code::Unary { op, a, out } => {
-                op.lanes(&value(a), &mut result);
-                out
-            }
-            Code::Binary { op, a, b, out } => {
-                op.lanes(&value(a), &value(b), &mut result);
-                out
-            }
-            Code::Fused { op, a, b, c, out } => {
-                op.lanes(&value(a), &value(b), &value(c), &mut result);
-                out
-            }
-        };
-        slots[out as usize][0] = result[0];
-    }
-}
-
-/// Many samples: each instruction is a loop over the lanes.
-#[inline(always)]
-fn run_lanes<const N: usize>(code: &[Code], slots: &mut [[f64; N]]) {
-    for code in code {
+fn run<const N: usize>(program: &Program, head: &[[f64; N]], slots: &mut [[f64; N]]) {
+    let lanes = Lanes::new(program, head, slots);
+    for code in &program.code {
         match *code {
-            Code::Unary { op, a, out } => {
-                let [a, out] = disjoint(slots, [a, out]);
-                op.lanes(a, out);
-            }
-            Code::Binary { op, a, b, out } if a == b => {
-                let [a, out] = disjoint(slots, [a, out]);
-                op.lanes(a, a, out);
-            }
-            Code::Binary { op, a, b, out } => {
-                let [a, b, out] = disjoint(slots, [a, b, out]);
-                op.lanes(a, b, out);
-            }
-            // Operands of a fused instruction differ, or it was not fused.
-            Code::Fused { op, a, b, c, out } => {
-                let [a, b, c, out] = disjoint(slots, [a, b, c, out]);
-                op.lanes(a, b, c, out);
+            Code::Unary { op, a, out } => op.lanes(lanes.read(a), lanes.write(out)),
+            Code::Binary { op, a, b, out } => op.lanes(lanes.read(a), lanes.read(b), lanes.write(out)),
+            Code::Chain { op, count, first, start, out } => {
+                let (start, result) = (lanes.read(start), lanes.write(out));
+                let pair = |k: u32| lanes.factors(first + k);
+                match count {
+                    1 => op.lanes([pair(0)], start, result),
+                    2 => op.lanes([pair(0), pair(1)], start, result),
+                    3 => op.lanes([pair(0), pair(1), pair(2)], start, result),
+                    _ => op.lanes([pair(0), pair(1), pair(2), pair(3)], start, result),
+                }
             }
         }
     }
 }
 
-/// Slots of one instruction: the compiler gives the result a slot of its own, so they never overlap.
-#[inline(always)]
-fn disjoint<const N: usize, const M: usize>(slots: &mut [[f64; N]], at: [u32; M]) -> [&mut [f64; N]; M] {
-    slots
-        .get_disjoint_mut(at.map(|k| k as usize))
-        .expect("an instruction's operands and result have slots of their own")
-}
-
-/// A node to be computed, products fused into the sums that use them.
+/// A node to be computed, products joined to the sums that use them.
 struct Step {
     id: Id,
     form: Form,
@@ -297,63 +336,69 @@ struct Step {
 enum Form {
     Unary(Unary, Id),
     Binary(Binary, Id, Id),
-    Fused(Fused, [Id; 3]),
+    Chain(Chain, Vec<[Id; 2]>, Id),
 }
 
 impl Step {
-    fn operands(&self) -> impl Iterator<Item = Id> + use<> {
-        let (list, n) = match self.form {
-            Form::Unary(_, a) => ([a, a, a], 1),
-            Form::Binary(_, a, b) => ([a, b, b], 2),
-            Form::Fused(_, all) => (all, 3),
-        };
-        list.into_iter().take(n)
+    fn operands(&self) -> Vec<Id> {
+        match &self.form {
+            Form::Unary(_, a) => vec![*a],
+            Form::Binary(_, a, b) => vec![*a, *b],
+            Form::Chain(_, pairs, start) => pairs.iter().flatten().copied().chain([*start]).collect(),
+        }
     }
 }
 
 /// What is computed, in order.
 fn steps(graph: &Graph, order: &[Id], outputs: &[Id], given: &[bool]) -> Vec<Step> {
-    let size = order.last().map_or(0, |id| id.index() + 1);
-    let mut uses = vec![0u32; size];
+    let mut uses = vec![0u32; given.len()];
     outputs.iter().for_each(|id| uses[id.index()] += 1);
-    for &id in order.iter().filter(|&&id| !given[id.index()]) {
+    for &id in order.iter().filter(|id| !given[id.index()]) {
         graph.operands(id).for_each(|a| uses[a.index()] += 1);
     }
-    // A product that one sum alone uses, of factors that differ from each other and from the other summand.
-    let product = |id: Id, other: Id| match graph.node(id) {
-        Node::Binary(Binary::Mul, a, b)
-            if uses[id.index()] == 1 && !given[id.index()] && a != b && a != other && b != other =>
-        {
-            Some([a, b, other])
-        }
+    let alone = |id: Id| uses[id.index()] == 1 && !given[id.index()];
+    // The factors of a product that nobody else uses.
+    let product = |id: Id| match graph.node(id) {
+        Node::Binary(Binary::Mul, a, b) if alone(id) => Some([a, b]),
         _ => None,
     };
-    let mut fused = vec![false; size];
+    // A sum with a product: how, the product and its factors, the other summand.
+    let split = |id: Id| match graph.node(id) {
+        Node::Binary(Binary::Add, a, b) => product(b)
+            .map(|pair| (Chain::Plus, b, pair, a))
+            .or_else(|| product(a).map(|pair| (Chain::Plus, a, pair, b))),
+        Node::Binary(Binary::Sub, a, b) => product(b)
+            .map(|pair| (Chain::Minus, b, pair, a))
+            .or_else(|| product(a).map(|pair| (Chain::Less, a, pair, b))),
+        _ => None,
+    };
+    let mut inside = vec![false; given.len()];
     let mut steps = Vec::with_capacity(order.len());
     // From the end: whoever uses a product decides first.
-    for &id in order.iter().rev().filter(|&&id| !given[id.index()]) {
-        if fused[id.index()] {
+    for &id in order.iter().rev().filter(|id| !given[id.index()]) {
+        if inside[id.index()] {
             continue;
         }
-        let form = match graph.node(id) {
-            Node::Constant(_) | Node::Symbol(_) => continue,
-            Node::Unary(op, a) => Form::Unary(op, a),
-            Node::Binary(op, a, b) => {
-                let found = match op {
-                    Binary::Add => product(b, a).or_else(|| product(a, b)).map(|o| (Fused::Plus, o, o[2] == a)),
-                    Binary::Sub => product(b, a)
-                        .map(|o| (Fused::Minus, o, true))
-                        .or_else(|| product(a, b).map(|o| (Fused::Less, o, false))),
-                    _ => None,
-                };
-                match found {
-                    Some((op, operands, second)) => {
-                        fused[if second { b } else { a }.index()] = true;
-                        Form::Fused(op, operands)
-                    }
-                    None => Form::Binary(op, a, b),
+        let form = match (split(id), graph.node(id)) {
+            (_, Node::Constant(_) | Node::Symbol(_)) => continue,
+            (Some((op, within, pair, mut start)), _) => {
+                let mut pairs = vec![pair];
+                inside[within.index()] = true;
+                while let Some((more, within, pair, rest)) = split(start).filter(|_| alone(start))
+                    && more == op
+                    && op != Chain::Less
+                    && pairs.len() < LONGEST
+                {
+                    inside[start.index()] = true;
+                    inside[within.index()] = true;
+                    pairs.push(pair);
+                    start = rest;
                 }
+                pairs.reverse();
+                Form::Chain(op, pairs, start)
             }
+            (None, Node::Unary(op, a)) => Form::Unary(op, a),
+            (None, Node::Binary(op, a, b)) => Form::Binary(op, a, b),
         };
         steps.push(Step { id, form });
     }

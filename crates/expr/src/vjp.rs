@@ -75,8 +75,8 @@ impl Graph {
     /// `bar * slope`. What a closed gate stopped is 0 and stays so, though slopes below the gate may be infinite there
     /// (`gate(ln(y), y)` at y = 0): where both can meet, the product is one in which zero wins.
     fn share(&mut self, bar: Id, slope: Id) -> Id {
-        let traits = [bar, slope].map(|id| self.traits(id));
-        let meet = traits.iter().any(|t| t.gated) && traits.iter().any(|t| t.singular);
+        let (a, b) = (self.traits(bar), self.traits(slope));
+        let meet = (a.vanishing && b.singular) || (b.vanishing && a.singular);
         if meet { self.binary(Binary::Masked, bar, slope) } else { self.mul(bar, slope) }
     }
 }

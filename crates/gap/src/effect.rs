@@ -263,7 +263,9 @@ pub(crate) fn fits(law: &Law, place: &Place) -> bool {
             None => false,
         },
         Site::Force { displacement, .. } => {
-            law.sensor.is_none() && (role(law, 'x').is_none() || displacement.is_some())
+            // A push that asks for nothing of the place is the same against the wall as against the base.
+            let told_apart = !(law.roles.is_empty() && place.is_on_base());
+            law.sensor.is_none() && told_apart && (role(law, 'x').is_none() || displacement.is_some())
         }
     }
 }

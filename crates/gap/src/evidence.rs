@@ -4,6 +4,8 @@ use crate::effect::Effect;
 use crate::fitted::Fitted;
 use crate::motion::{Motion, rest_threshold, resting};
 use crate::place::Site;
+use crate::workflow::EXPLAINED;
+use phisindy_expr::{Graph, Id, Names, Scratch, Tape, parse};
 use phisindy_phys::spec::Role;
 
 /// A contact that gives way less than this part of what the law asks for does not give way.
@@ -13,6 +15,13 @@ const GIVES: f64 = 0.3;
 pub(crate) fn against(fitted: &Fitted, effect: &Effect) -> Option<String> {
     if let Some(why) = feeds(fitted, effect) {
         return Some(why);
+    }
+    if let Some(why) = lacks(fitted, effect) {
+        return Some(why);
+    }
+    // Of a model that leaves nothing but noise the stops, too, are as measured.
+    if fitted.is_white() && fitted.fit < EXPLAINED {
+        return None;
     }
     if effect.entry.law.internal.is_empty() || effect.entry.law.family != "friction" {
         return None;
@@ -60,6 +69,28 @@ pub(crate) fn against(fitted: &Fitted, effect: &Effect) -> Option<String> {
             "in {stops} stops the mass moves with the force on the contact by {slope:.2} of what this law asks for: the contact does not give way"
         )
     })
+}
+
+/// The condition of the law's file that its parameters do not fulfil.
+fn lacks(fitted: &Fitted, effect: &Effect) -> Option<String> {
+    let law = &effect.entry.law;
+    let need = law.needs.as_ref()?;
+    let (_, names, _) = fitted.draft.effects.iter().find(|(e, ..)| e.same(effect))?;
+    let (mut graph, mut known) = (Graph::default(), Names::default());
+    let inputs: Vec<Id> = law
+        .parameters
+        .iter()
+        .map(|(name, _)| {
+            let symbol = known.intern(name);
+            graph.symbol(symbol)
+        })
+        .collect();
+    let value = graph.lower(&parse(&need.positive).ok()?, |name| known.get(name)).ok()?;
+    let mut scratch = Scratch::<1>::new(&Tape::compile(&graph, &inputs, &[value]).ok()?);
+    let values = crate::search::values(fitted, names, &effect.start);
+    values.iter().enumerate().for_each(|(k, v)| scratch.input(k)[0] = *v);
+    scratch.run();
+    (scratch.output(0)[0] < 0.0).then(|| need.because.clone())
 }
 
 /// A dashpot may be weaker than the model thought, but what is left of it may not feed the motion.

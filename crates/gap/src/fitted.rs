@@ -39,20 +39,7 @@ impl Fitted {
     /// Calibrates a draft.
     pub(crate) fn new(draft: Draft, noise: &[Vec<f64>], effort: Effort) -> Result<Fitted, String> {
         let cal = calibrate(&draft.case.system, &draft.records, &draft.smooth, noise, effort)?;
-        let gap = |role: Role| -> Option<f64> {
-            let (mut sum, mut count) = (0.0, 0usize);
-            for (r, record) in cal.records.iter().enumerate().filter(|(_, f)| f.role == role) {
-                if record.run.is_none() {
-                    return Some(f64::INFINITY);
-                }
-                for (k, residual) in record.residuals.iter().enumerate() {
-                    sum += residual.iter().map(|e| (e / noise[r][k]).powi(2)).sum::<f64>();
-                    count += residual.len();
-                }
-            }
-            (count > 0).then(|| (sum / count as f64).sqrt())
-        };
-        let (fit, validate) = (gap(Role::Fit).unwrap_or(f64::INFINITY), gap(Role::Validate));
+        let (fit, validate) = gaps(&cal, noise);
         let mut colour = 0.0_f64;
         for (replay, record) in cal.records.iter().zip(&draft.records) {
             for (residual, column) in replay.residuals.iter().zip(&record.columns) {
@@ -67,12 +54,36 @@ impl Fitted {
         Ok(Fitted { draft, cal, fit, validate, colour })
     }
 
+    /// The noise as its residuals have it, by record and state: what a model that leaves nothing but noise shows better than the columns do, in which the motion
+    /// covers most of the spectrum.
+    pub(crate) fn noise(&self, noise: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let of = |residual: &Vec<f64>, noise: f64| {
+            if residual.is_empty() { noise } else { noise_level(residual).max(f64::MIN_POSITIVE) }
+        };
+        let record = |r: usize| {
+            let residuals = &self.cal.records[r].residuals;
+            noise[r].iter().enumerate().map(|(k, &s)| residuals.get(k).map_or(s, |e| of(e, s))).collect()
+        };
+        (0..noise.len()).map(record).collect()
+    }
+
+    /// Its gaps in units of this noise.
+    pub(crate) fn measured_by(mut self, noise: &[Vec<f64>]) -> Fitted {
+        (self.fit, self.validate) = gaps(&self.cal, noise);
+        self
+    }
+
     /// Whether its runs come to rest for more than a moment.
     pub(crate) fn rests(&self) -> bool {
         self.cal.records.iter().filter_map(|r| r.run.as_ref()).any(|run| {
             let still = run.modes.iter().filter(|m| **m == 0).count();
             50 * still > run.modes.len().max(1)
         })
+    }
+
+    /// Whether there is a clearance in it: a body that strikes a stop answers in a way that no linear response knows.
+    pub(crate) fn strikes(&self) -> bool {
+        self.draft.effects.iter().any(|(e, ..)| e.entry.law.has_clearance())
     }
 
     /// Whether other starts are worth a try: what is left is more than noise, and not so much that the model is simply wrong.
@@ -146,6 +157,24 @@ impl Fitted {
             }
         }
     }
+}
+
+/// rms of residual / noise over the Fit records, and over the Validate records; infinite where a run fails.
+fn gaps(cal: &Calibration, noise: &[Vec<f64>]) -> (f64, Option<f64>) {
+    let gap = |role: Role| -> Option<f64> {
+        let (mut sum, mut count) = (0.0, 0usize);
+        for (r, record) in cal.records.iter().enumerate().filter(|(_, f)| f.role == role) {
+            if record.run.is_none() {
+                return Some(f64::INFINITY);
+            }
+            for (k, residual) in record.residuals.iter().enumerate() {
+                sum += residual.iter().map(|e| (e / noise[r][k]).powi(2)).sum::<f64>();
+                count += residual.len();
+            }
+        }
+        (count > 0).then(|| (sum / count as f64).sqrt())
+    };
+    (gap(Role::Fit).unwrap_or(f64::INFINITY), gap(Role::Validate))
 }
 
 /// ln of the binomial coefficient.

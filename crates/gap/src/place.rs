@@ -34,6 +34,11 @@ impl Place {
     pub fn is_relative(&self) -> bool {
         self.at.contains('-')
     }
+
+    /// Whether a force acts between a body and an input.
+    pub fn is_on_base(&self) -> bool {
+        self.is_relative() && matches!(&self.site, Site::Force { acts, .. } if acts.len() == 1)
+    }
 }
 
 /// All places of a system, bodies first, then what lies between them, then sensors. `own` are states that belong to laws.

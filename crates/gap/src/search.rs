@@ -26,6 +26,12 @@ const FAR: f64 = 0.8;
 const LITTLE: f64 = 5.0;
 /// Of the segments that a glance looks at, the part that tells the starts of one law apart: every third.
 const SEEDED: usize = 3;
+/// A model above this many times the noise lacks more than one effect ...
+const FAR_OFF: f64 = 2.0;
+/// ... and one that brings the gap on Fit records to this part is on the way, whatever Validate records say.
+const HALF: f64 = 0.5;
+/// How often a family of friction laws is tried again from a new leader.
+const FAMILY: usize = 2;
 /// In the race a model that is this many times worse than the best is out.
 const RACE: f64 = 3.0;
 
@@ -141,16 +147,26 @@ impl Search<'_> {
         let added = |lists: Vec<Vec<Effect>>| -> Vec<Draft> {
             lists.iter().filter_map(|list| draft.with_all(list).ok()).collect()
         };
-        let mut drafts = if now.rests() {
+        let mut drafts = if now.rests() || now.strikes() {
             added(self.approached(draft, found))
         } else {
             added(self.seeded(draft, singles(found)))
         };
         drafts.extend(self.richer(draft, now));
-        let mut singles = self.fitted(drafts, candidates);
-        let more = self.fitted(self.siblings(draft, &singles), candidates);
-        singles.extend(more);
-        let singles = self.allowed(singles, before, &mut vetoed);
+        let mut singles = self.allowed(self.fitted(drafts, candidates), before, &mut vetoed);
+        // From each new leader its whole family once more: one slow curve is hard to reach from a regression, easy from its neighbour.
+        for _ in 0..FAMILY {
+            let Some(leader) = singles.first().map(named) else { break };
+            let more = self.fitted(self.siblings(draft, &singles), candidates);
+            let more = self.allowed(more, before, &mut vetoed);
+            let led = more.first().is_some_and(|f| named(f) != leader);
+            let by = Measure::of(singles.iter().chain(&more), candidates);
+            singles.extend(more);
+            singles.sort_by(|a, b| by.score(a).total_cmp(&by.score(b)));
+            if !led || named(&singles[0]) == leader {
+                break;
+            }
+        }
         let best = preferred(&singles, candidates).filter(|best| self.worth(now, best, candidates)).cloned();
         // A law of many parameters may stand for two simple ones.
         let plain =
@@ -174,7 +190,8 @@ impl Search<'_> {
                 let by = Measure::of([&single, &pair], candidates);
                 let better = by.score(&pair) + WORTH < by.score(&single);
                 // A pair that does not explain everything is taken only where it says much more than one of its parts: greed goes on otherwise.
-                let much = pair.validate.zip(single.validate).is_none_or(|(p, s)| p < 0.5 * s);
+                let much = pair.validate.zip(single.validate).is_none_or(|(p, s)| p < HALF * s)
+                    || on_the_way(&single, &pair);
                 if better && (pair.is_white() || much) { pair } else { single }
             }
             (Some(one), None) | (None, Some(one)) => one,
@@ -196,7 +213,7 @@ impl Search<'_> {
             (Some(before), Some(after)) => after < SHRINK * before || (next.is_white() && after < before),
             _ => true,
         };
-        gain > WORTH && carries
+        gain > WORTH && (carries || on_the_way(now, next))
     }
 
     /// The best laws for a model that comes to rest, each tried by a few steps of the fit itself: a linear response knows nothing of stops.
@@ -217,7 +234,7 @@ impl Search<'_> {
         all.into_iter().take(BEST).map(|(_, e)| vec![e]).collect()
     }
 
-    /// Every law of the family of the leading friction, started from what the leader found: one slow curve is hard to reach from a regression, easy from its neighbour.
+    /// Every law of the family of the leading friction, started from what the leader found.
     fn siblings(&self, draft: &Draft, singles: &[Fitted]) -> Vec<Draft> {
         let Some(leader) = singles.first() else { return vec![] };
         let Some((effect, names, _)) = leader.draft.effects.last() else { return vec![] };
@@ -443,7 +460,12 @@ fn preferred(all: &[Fitted], candidates: usize) -> Option<&Fitted> {
 /// Whether, of two models that both leave more than noise, the second predicts Validate records no better than the first.
 fn carries_no_further(simple: &Fitted, rich: &Fitted) -> bool {
     let further = simple.validate.zip(rich.validate).is_none_or(|(a, b)| b < RICHER * a);
-    !rich.is_white() && !simple.is_white() && !further
+    !rich.is_white() && !simple.is_white() && !further && !on_the_way(simple, rich)
+}
+
+/// Whether the second model is on the way to something: while much is missing Validate records are missed whatever is added, and the end of the search looks at them.
+fn on_the_way(from: &Fitted, to: &Fitted) -> bool {
+    to.fit > FAR_OFF && to.fit < HALF * from.fit
 }
 
 /// The effects of a fitted model, from where its fit ended.
@@ -534,6 +556,11 @@ fn round(
     rivals.dedup_by(|a, b| a.law == b.law && a.at == b.at);
     rivals.truncate(5);
     Round { before, rivals, vetoed }
+}
+
+/// Laws and places of a model.
+fn named(f: &Fitted) -> Vec<(String, String)> {
+    label(f, 0).into_iter().map(|(law, at)| (law.to_owned(), at.to_owned())).collect()
 }
 
 fn label(f: &Fitted, from: usize) -> Vec<(&str, &str)> {

@@ -15,7 +15,7 @@ use phisindy_phys::{Case, Record, System};
 use std::ops::ControlFlow;
 
 /// An explained record ends below this many times its noise.
-const EXPLAINED: f64 = 1.1;
+pub(crate) const EXPLAINED: f64 = 1.1;
 /// ... or below this many times what the motion itself repeats to.
 const REPEATS: f64 = 1.25;
 /// A motion whose cycles differ by more than this many times the noise has a scatter of its own.
@@ -313,6 +313,10 @@ fn finished(
     hear: &mut dyn FnMut(f64, &str) -> bool,
 ) -> Result<Gap, GapError> {
     let Searched { base, last, rounds, candidates, stopped } = searched;
+    // What a model that leaves nothing but noise leaves is the noise: a better estimate than the one from the columns.
+    let told = if last.is_white() { Some(last.noise(noise)) } else { None };
+    let noise = told.as_deref().unwrap_or(noise);
+    let (base, last) = (base.measured_by(noise), last.measured_by(noise));
     warnings.extend(mistaken(&base));
     hear(0.92, "error bars");
     // Each effect's part: the models on the way.

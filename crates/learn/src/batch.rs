@@ -14,8 +14,10 @@ use std::sync::Mutex;
 
 /// Samples per block.
 pub(crate) const LANES: usize = 64;
-/// Blocks that one thread takes at a time.
+/// Blocks of one sum: partial sums are added in the order of the data.
 const CHUNK: usize = 8;
+/// Steps whose lengths differ by less than this part are of one length: clocks are not better.
+const UNIFORM: f64 = 1e-9;
 
 type Lane = [f64; LANES];
 
@@ -30,10 +32,35 @@ pub(crate) struct Batch {
 }
 
 enum Kind {
-    /// One step: what depends on data alone is in `border`, blocks of as many lanes as the tapes have inputs before the parameters.
-    Single { border: Vec<Lane>, inputs: usize, loss: Bench, jacobian: Bench, states: usize },
+    /// One step: what depends on data alone is evaluated once.
+    Single(Box<Single>),
     /// Several steps, rolled out.
     Rollout(Box<crate::rollout::Rollout>),
+}
+
+/// Inputs of the tapes: columns that vary, columns that are one number in each course, parameters.
+struct Single {
+    courses: Vec<Course>,
+    varying: usize,
+    loss: Bench,
+    jacobian: Bench,
+    states: usize,
+}
+
+/// The steps of a record in one direction.
+struct Course {
+    /// Lanes of the varying columns, block by block; the last block repeats its last step.
+    lanes: Vec<Lane>,
+    /// The columns that are one number here.
+    uniform: Vec<f64>,
+    steps: usize,
+}
+
+impl Course {
+    /// Lanes of a block that are steps, the others are repetitions.
+    fn live(&self, block: usize) -> usize {
+        (self.steps - block * LANES).min(LANES)
+    }
 }
 
 /// A tape and a scratch for each thread, kept from epoch to epoch.
@@ -44,8 +71,7 @@ struct Bench {
 
 impl Bench {
     fn new(tape: Tape) -> Bench {
-        let scratches =
-            (0..rayon::current_num_threads()).map(|_| Mutex::new(Scratch::new(&tape))).collect();
+        let scratches = (0..rayon::current_num_threads()).map(|_| Mutex::new(Scratch::new(&tape))).collect();
         Bench { tape, scratches }
     }
 
@@ -68,10 +94,18 @@ pub(crate) fn deviations(system: &System, records: &[&Record]) -> Vec<f64> {
         .collect()
 }
 
+/// The length of a record's steps, if it is one.
+fn step_length(record: &Record) -> Option<f64> {
+    let n = record.len();
+    let mean = (record.time[n - 1] - record.time[0]) / (n.max(2) - 1) as f64;
+    record.time.windows(2).all(|t| (t[1] - t[0] - mean).abs() < UNIFORM * mean).then_some(mean)
+}
+
 /// One row of data for a step: time, length, its half and sixth, states, inputs at start, middle, end. `from` and `to` are neighbouring samples; going backward
 /// the length is negative. Between samples an input is what its interpolation says (`Linear` is the paper's average of the two).
-pub(crate) fn step_row(record: &Record, from: usize, to: usize) -> Vec<f64> {
-    let h = record.time[to] - record.time[from];
+pub(crate) fn step_row(record: &Record, from: usize, to: usize, length: Option<f64>) -> Vec<f64> {
+    let exact = record.time[to] - record.time[from];
+    let h = length.map_or(exact, |length| length.copysign(exact));
     let mut row = vec![record.time[from], h, 0.5 * h, h / 6.0];
     row.extend(record.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| c[from])));
     row.extend(record.inputs.iter().map(|u| u.values()[from]));
@@ -104,7 +138,7 @@ impl Batch {
             return Batch { kind: Kind::Rollout(Box::new(rollout)), parameters: free, residuals };
         }
         let mut step = step.clone();
-        let (errors, targets, scales) = step.residuals();
+        let (errors, targets) = step.residuals(&weights);
         let graph = &mut step.graph;
         let (free, given) = step.parameters.split_at(free);
         let mut total = graph.constant(0.0);
@@ -123,50 +157,46 @@ impl Batch {
         let mut inputs = step.data.clone();
         inputs.extend(given);
         inputs.extend(&targets);
-        inputs.extend(&scales);
-        let prologue = compile(&step, &inputs, &border);
-        let mut rest = border.clone();
-        rest.extend(free);
-        let loss = compile(&step, &rest, &outputs);
-        let jacobian = compile(&step, &rest, &matrix);
-
-        let mut rows: Vec<Vec<f64>> = Vec::with_capacity(2 * steps);
-        for (record, starts) in records.iter().zip(&starts) {
-            let pairs = starts.iter().map(|&k| (k, k + 1));
-            for (from, to) in pairs.clone().chain(pairs.map(|(a, b)| (b, a))) {
-                let mut row = step_row(record, from, to);
-                row.extend(&record.constants);
-                row.extend(record.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| c[to])));
-                row.extend(&weights);
-                rows.push(row);
+        let mut prologue = Scratch::new(&compile(&step, &inputs, &border));
+        let mut courses = Vec::new();
+        for (record, starts) in records.iter().zip(&starts).filter(|(_, starts)| !starts.is_empty()) {
+            for backward in [false, true] {
+                courses.push(course(record, starts, backward, &mut prologue, border.len()));
             }
         }
-        let blocks = rows.len().div_ceil(LANES);
-        let mut lanes = Vec::with_capacity(blocks * border.len());
-        let mut scratch = Scratch::<LANES>::new(&prologue);
-        for block in rows.chunks(LANES) {
-            for lane in 0..LANES {
-                // The last block repeats its last row with weights zero.
-                let row = &block[lane.min(block.len() - 1)];
-                for (k, &value) in row.iter().enumerate() {
-                    scratch.input(k)[lane] = value;
-                }
-                if lane >= block.len() {
-                    (row.len() - n..row.len()).for_each(|k| scratch.input(k)[lane] = 0.0);
-                }
-            }
-            scratch.run();
-            lanes.extend((0..border.len()).map(|k| *scratch.output(k)));
+        // Columns that are one number in every course are written once for each of them, not read for each step.
+        let uniform: Vec<bool> = (0..border.len())
+            .map(|k| {
+                courses.iter().all(|c| {
+                    c.lanes.iter().skip(k).step_by(border.len()).all(|l| *l == [c.lanes[k][0]; LANES])
+                })
+            })
+            .collect();
+        for course in &mut courses {
+            course.uniform = (0..border.len()).filter(|&k| uniform[k]).map(|k| course.lanes[k][0]).collect();
+            let mut k = 0;
+            course.lanes.retain(|_| {
+                k += 1;
+                !uniform[(k - 1) % border.len()]
+            });
         }
-        let (loss, jacobian) = (Bench::new(loss), Bench::new(jacobian));
-        let kind = Kind::Single { border: lanes, inputs: border.len(), loss, jacobian, states: n };
-        Batch { kind, parameters: free.len(), residuals }
+        let of =
+            |which: bool| border.iter().zip(&uniform).filter(move |(_, u)| **u == which).map(|(id, _)| *id);
+        let rest: Vec<Id> = of(false).chain(of(true)).chain(free.iter().copied()).collect();
+        let single = Single {
+            courses,
+            varying: of(false).count(),
+            loss: Bench::new(compile(&step, &rest, &outputs)),
+            jacobian: Bench::new(compile(&step, &rest, &matrix)),
+            states: n,
+        };
+        Batch { kind: Kind::Single(Box::new(single)), parameters: free.len(), residuals }
     }
 
     /// Operations of the loss tape per sample and direction.
     pub(crate) fn operations(&self) -> usize {
         match &self.kind {
-            Kind::Single { loss, .. } => loss.tape.operations(),
+            Kind::Single(single) => single.loss.tape.operations(),
             Kind::Rollout(rollout) => rollout.operations(),
         }
     }
@@ -176,7 +206,7 @@ impl Batch {
         let p = self.parameters;
         let sums = match &self.kind {
             Kind::Rollout(rollout) => rollout.loss(parameters),
-            Kind::Single { loss, .. } => self.sum(loss, parameters, 1 + p, |scratch, sums| {
+            Kind::Single(single) => single.sum(&single.loss, &parameters[..p], 1 + p, |scratch, sums| {
                 for (k, sum) in sums.iter_mut().enumerate() {
                     let out = scratch.output(k);
                     (0..LANES).for_each(|l| sum[l] += out[l]);
@@ -193,9 +223,9 @@ impl Batch {
         let size = 1 + p * (p + 1) / 2 + p;
         let sums = match &self.kind {
             Kind::Rollout(rollout) => rollout.normal(parameters),
-            Kind::Single { jacobian, states, .. } => self.sum(jacobian, parameters, size, |scratch, sums| {
-                for i in 0..*states {
-                    let column = |k: usize| scratch.output(states + i * p + k);
+            Kind::Single(single) => single.sum(&single.jacobian, &parameters[..p], size, |scratch, sums| {
+                for i in 0..single.states {
+                    let column = |k: usize| scratch.output(single.states + i * p + k);
                     accumulate(scratch.output(i), column, p, sums);
                 }
             }),
@@ -203,7 +233,9 @@ impl Batch {
         let (triangle, right) = sums[1..].split_at(p * (p + 1) / 2);
         (sums[0], triangle.to_vec(), right.to_vec())
     }
+}
 
+impl Single {
     /// Runs a tape over all blocks and sums what `add` takes from each: threads take fixed chunks, chunks are summed in order.
     fn sum(
         &self,
@@ -212,26 +244,63 @@ impl Batch {
         size: usize,
         add: impl Fn(&Scratch<LANES>, &mut [Lane]) + Sync,
     ) -> Vec<f64> {
-        let Kind::Single { border, inputs, .. } = &self.kind else { return vec![0.0; size] };
-        let chunk = |blocks: &[Lane]| {
+        let width = self.varying.max(1);
+        let chunks: Vec<(&Course, usize)> = self
+            .courses
+            .iter()
+            .flat_map(|c| (0..c.steps.div_ceil(LANES)).step_by(CHUNK).map(move |first| (c, first)))
+            .collect();
+        let chunk = |&(course, first): &(&Course, usize)| {
             bench.with(|scratch| {
-                for (k, &value) in parameters[..self.parameters].iter().enumerate() {
-                    *scratch.input(inputs + k) = [value; LANES];
-                }
+                let numbers = course.uniform.iter().chain(parameters);
+                numbers.enumerate().for_each(|(k, &value)| *scratch.input(self.varying + k) = [value; LANES]);
                 let mut sums = vec![[0.0; LANES]; size];
-                for block in blocks.chunks_exact(*inputs) {
-                    block.iter().enumerate().for_each(|(k, lane)| *scratch.input(k) = *lane);
-                    scratch.run();
+                for block in first..(first + CHUNK).min(course.steps.div_ceil(LANES)) {
+                    let lanes = if self.varying == 0 { &[] } else { &course.lanes[block * width..][..width] };
+                    scratch.run_on(lanes);
+                    let live = course.live(block);
+                    let before = if live < LANES { sums.clone() } else { vec![] };
                     wide(
                         #[inline(always)]
                         || add(scratch, &mut sums),
                     );
+                    // What the repetitions added is taken back.
+                    sums.iter_mut()
+                        .zip(before)
+                        .for_each(|(sum, before)| sum[live..].copy_from_slice(&before[live..]));
                 }
                 sums.iter().map(|lane| lane.iter().sum()).collect()
             })
         };
-        in_order(border.par_chunks(CHUNK * inputs).map(chunk).collect(), size)
+        // As few tasks as there are threads: each finds its part of the data in its own cache, epoch after epoch.
+        let share = chunks.len().div_ceil(rayon::current_num_threads()).max(1);
+        in_order(chunks.par_iter().with_min_len(share).map(chunk).collect(), size)
     }
+}
+
+/// The steps of a record in one direction, with every column of the border.
+fn course(
+    record: &Record,
+    starts: &[usize],
+    backward: bool,
+    prologue: &mut Scratch<LANES>,
+    border: usize,
+) -> Course {
+    let length = step_length(record);
+    let mut lanes = Vec::with_capacity(starts.len().div_ceil(LANES) * border);
+    for block in starts.chunks(LANES) {
+        for lane in 0..LANES {
+            let start = block[lane.min(block.len() - 1)];
+            let (from, to) = if backward { (start + 1, start) } else { (start, start + 1) };
+            let mut row = step_row(record, from, to, length);
+            row.extend(&record.constants);
+            row.extend(record.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| c[to])));
+            row.iter().enumerate().for_each(|(k, &value)| prologue.input(k)[lane] = value);
+        }
+        prologue.run();
+        lanes.extend((0..border).map(|k| *prologue.output(k)));
+    }
+    Course { lanes, uniform: vec![], steps: starts.len() }
 }
 
 /// Adds up what the threads summed, in the order of the data: the same bits for any number of threads.
@@ -252,7 +321,7 @@ fn step_contacts(step: &OneStep, free: usize, record: &Record) -> Vec<Vec<f64>> 
     let mut scratch = Scratch::<1>::new(&tape);
     let mut out = vec![Vec::with_capacity(record.len()); step.contacts.len()];
     for k in 0..record.len() {
-        let row = step_row(record, k, k);
+        let row = step_row(record, k, k, None);
         row.iter().chain(&record.constants).enumerate().for_each(|(i, &value)| scratch.input(i)[0] = value);
         scratch.run();
         out.iter_mut().enumerate().for_each(|(c, column)| column.push(scratch.output(c)[0]));
@@ -271,12 +340,7 @@ fn window_starts(contacts: &[Vec<f64>], samples: usize, options: &StepOptions) -
 
 /// Adds one residual lane to `[loss, triangle of J^T J, J^T e]`, lane by lane.
 #[inline(always)]
-pub(crate) fn accumulate<'a>(
-    error: &Lane,
-    column: impl Fn(usize) -> &'a Lane,
-    p: usize,
-    sums: &mut [Lane],
-) {
+pub(crate) fn accumulate<'a>(error: &Lane, column: impl Fn(usize) -> &'a Lane, p: usize, sums: &mut [Lane]) {
     let dot = |a: &Lane, b: &Lane, sum: &mut Lane| (0..LANES).for_each(|l| sum[l] += a[l] * b[l]);
     dot(error, error, &mut sums[0]);
     let mut at = 1;

@@ -35,8 +35,8 @@ impl OneStep {
             let symbol = names.intern(&name);
             graph.symbol(symbol)
         };
-        let [h, half, sixth] = ["step length", "half of it", "a sixth of it"]
-            .map(|name| fresh(&mut graph, name.into()));
+        let [h, half, sixth] =
+            ["step length", "half of it", "a sixth of it"].map(|name| fresh(&mut graph, name.into()));
         let middle: Vec<Id> =
             (0..model.inputs.len()).map(|k| fresh(&mut graph, format!("middle {k}"))).collect();
         let end: Vec<Id> = (0..model.inputs.len()).map(|k| fresh(&mut graph, format!("end {k}"))).collect();
@@ -83,20 +83,19 @@ impl OneStep {
         }
     }
 
-    /// `(next_i - target_i) * weight_i`, with fresh symbols for targets and weights: returns residuals, targets and weights.
-    pub(crate) fn residuals(&mut self) -> (Vec<Id>, Vec<Id>, Vec<Id>) {
-        let mut fresh = |name: String| {
-            let symbol = self.names.intern(&name);
-            self.graph.symbol(symbol)
-        };
-        let n = self.next.len();
-        let targets: Vec<Id> = (0..n).map(|i| fresh(format!("target {i}"))).collect();
-        let weights: Vec<Id> = (0..n).map(|i| fresh(format!("weight {i}"))).collect();
-        let misses = (0..n).map(|i| {
-            let miss = self.graph.sub(self.next[i], targets[i]);
-            self.graph.mul(weights[i], miss)
-        });
-        (misses.collect(), targets, weights)
+    /// `(next_i - target_i) * weight_i`, with fresh symbols for the targets: returns residuals and targets.
+    pub(crate) fn residuals(&mut self, weights: &[f64]) -> (Vec<Id>, Vec<Id>) {
+        let mut targets = Vec::new();
+        let mut residuals = Vec::new();
+        for (i, &weight) in weights.iter().enumerate() {
+            let target = self.names.intern(&format!("target {i}"));
+            let target = self.graph.symbol(target);
+            let miss = self.graph.sub(self.next[i], target);
+            let weight = self.graph.constant(weight);
+            residuals.push(self.graph.mul(weight, miss));
+            targets.push(target);
+        }
+        (residuals, targets)
     }
 }
 

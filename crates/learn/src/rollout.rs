@@ -65,7 +65,7 @@ impl Rollout {
                         record.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| c[k])).collect()
                     };
                     windows.push(Window {
-                        rows: (0..horizon).map(|k| step_row(record, at(k), at(k + 1))).collect(),
+                        rows: (0..horizon).map(|k| step_row(record, at(k), at(k + 1), None)).collect(),
                         targets: (1..=horizon).map(|k| state(at(k))).collect(),
                         constants: record.constants.clone(),
                     });
@@ -155,8 +155,9 @@ impl Rollout {
     /// States at the start and after each step; lanes beyond the block repeat its last window.
     fn forward(&self, block: &[Window], parameters: &[f64], next: &mut Scratch<LANES>) -> Vec<Vec<Lane>> {
         let n = self.weights.len();
-        let first =
-            (0..n).map(|i| std::array::from_fn(|l| block[l.min(block.len() - 1)].rows[0][FIRST_STATE + i])).collect();
+        let first = (0..n)
+            .map(|i| std::array::from_fn(|l| block[l.min(block.len() - 1)].rows[0][FIRST_STATE + i]))
+            .collect();
         let mut states: Vec<Vec<Lane>> = vec![first];
         for k in 0..self.horizon {
             self.load(block, k, &states[k], parameters, next);

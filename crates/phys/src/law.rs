@@ -45,12 +45,25 @@ pub struct Law {
     /// Laws of one family describe one thing: `gap` never puts two of them at one place.
     #[serde(default)]
     pub family: String,
+    /// What its parameters must fulfil to deserve its name.
+    #[serde(default)]
+    pub needs: Option<Need>,
     /// How `gap` looks for it at a glance; without it the parameters that stand linearly are solved for, and the others tried on a grid.
     #[serde(default)]
     pub screen: Option<Screen>,
     /// How its picture is drawn.
     #[serde(default)]
     pub sketch: Option<Sketch>,
+}
+
+/// A condition on the parameters of a law.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Need {
+    /// An expression of the parameters that is not negative.
+    pub positive: String,
+    /// Why, in words.
+    pub because: String,
 }
 
 /// A picture of a law: its force along the motion `x = sin t`, `v = cos t`.
@@ -127,6 +140,11 @@ impl Law {
     /// Whether it is a friction that can stick: its force holds the sign of the velocity.
     pub fn sticks(&self) -> bool {
         self.force.as_ref().is_some_and(|f| f.contains("sgn("))
+    }
+
+    /// Whether it has a clearance: its force has a corner at a displacement.
+    pub fn has_clearance(&self) -> bool {
+        self.force.as_ref().is_some_and(|f| f.contains("pos(") || f.contains("dead("))
     }
 
     /// What it does, in lines.

@@ -38,7 +38,7 @@ pub use constants::Value;
 pub use derivative::{Differentiated, Differentiator, automatic, differentiate};
 pub use diagnostic::{Diagnostic, Label, Severity, Source, SourceId, Sources};
 pub use interpolate::{Interpolation, Signal, SignalError};
-pub use law::{Internal, Law, LawParameter, Screen, Sketch};
+pub use law::{Internal, Law, LawParameter, Need, Screen, Sketch};
 pub use model::Model;
 pub use noise_level::{autocorrelation, effective_samples, noise_level};
 pub use plan::{Origin, RecordPlan, Synthetic, SyntheticInput};

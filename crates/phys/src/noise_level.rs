@@ -66,11 +66,15 @@ fn flat_level(power: &[f64]) -> Floor {
     let levels: Vec<f64> = power.rchunks(block).take(blocks).map(median_level).collect();
     // A median over m exponential powers scatters by 1.44/sqrt(m); neighbouring bins are correlated: 1.4 times more.
     let scatter = |bins: usize| 2.0 / (bins as f64).sqrt();
-    let mut flat = 1;
+    // The first comparison is with a part that is too small to be called flat, but large enough to have a level.
+    let mut flat = ((LEAST_FLAT / 2.0) * blocks as f64).ceil() as usize;
     while flat < blocks {
-        // 3.5: dozens of blocks are tested, and motion rises steeply enough to be seen all the same.
-        let allowed = 3.5 * (scatter(block).powi(2) + scatter(flat * block).powi(2)).sqrt();
-        if (levels[flat] / median_level(top(flat))).ln().abs() > allowed {
+        // 3: dozens of blocks are tested, and motion rises steeply enough to be seen all the same. It also goes on rising: a block that
+        // stands out alone does so by chance.
+        let allowed = 3.0 * (scatter(block).powi(2) + scatter(flat * block).powi(2)).sqrt();
+        let level = median_level(top(flat));
+        let off = |k: usize| levels.get(k).is_none_or(|l| (l / level).ln().abs() > allowed);
+        if off(flat) && off(flat + 1) {
             break;
         }
         flat += 1;

@@ -43,7 +43,8 @@ impl Double {
 
 const LN2: Double = Double(std::f64::consts::LN_2, 2.319_046_813_846_299_6e-17);
 /// pi/2 in three doubles.
-const HALF_PI: [f64; 3] = [std::f64::consts::FRAC_PI_2, 6.123_233_995_736_766e-17, -1.497_384_904_859_169_8e-33];
+const HALF_PI: [f64; 3] =
+    [std::f64::consts::FRAC_PI_2, 6.123_233_995_736_766e-17, -1.497_384_904_859_169_8e-33];
 
 /// `sum x^k / k!` over the given powers, for small `x`; `signs` alternate for angles.
 fn series(x: Double, first: u32, step: u32, sign: f64) -> Double {

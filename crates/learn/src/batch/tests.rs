@@ -1,8 +1,8 @@
 //! The loss over all samples against a plain loop, its derivatives against differences and against a tape that is unrolled.
 
 use super::{Batch, compile, deviations, step_row};
-use crate::onestep::{FIRST_STATE, OneStep};
 use crate::onestep::tests::{TOLERANCE, Twin, common, one_mass, runge_kutta};
+use crate::onestep::{FIRST_STATE, OneStep};
 use crate::train::{StepOptions, lay_out};
 use phisindy_expr::{Graph, Id, Names, Scratch};
 use phisindy_phys::Record;
@@ -198,10 +198,15 @@ fn the_adjoint_is_that_of_an_unrolled_tape() {
         for (start, backward) in windows(record, 3) {
             count += 1;
             let at: Vec<usize> = (0..4).map(|k| after(start, k, backward)).collect();
-            let mut row = step_row(record, at[0], at[1]);
+            let mut row = step_row(record, at[0], at[1], None);
             for k in 1..3 {
-                let rest = step_row(record, at[k], at[k + 1]);
-                row.extend(rest.iter().enumerate().filter(|(i, _)| !(FIRST_STATE..FIRST_STATE + n).contains(i)).map(|(_, v)| v));
+                let rest = step_row(record, at[k], at[k + 1], None);
+                row.extend(
+                    rest.iter()
+                        .enumerate()
+                        .filter(|(i, _)| !(FIRST_STATE..FIRST_STATE + n).contains(i))
+                        .map(|(_, v)| v),
+                );
             }
             row.extend(twin.free.iter().chain(&record.constants));
             (1..4).for_each(|k| row.extend(state(record, at[k])));

@@ -145,7 +145,11 @@ fn compare(twin: &Twin, contact: fn(&[f64]) -> f64) {
         let u = [&u[..m], &u[m..2 * m], &u[2 * m..]];
         let mut p = twin.free.clone();
         p.extend(&twin.records[0].constants);
-        let row = [t, h, 0.5 * h, h / 6.0].into_iter().chain(x.iter().copied()).chain(u.concat()).chain(p.iter().copied());
+        let row = [t, h, 0.5 * h, h / 6.0]
+            .into_iter()
+            .chain(x.iter().copied())
+            .chain(u.concat())
+            .chain(p.iter().copied());
         row.enumerate().for_each(|(k, v)| scratch.input(k)[0] = v);
         scratch.run();
         let by_hand = runge_kutta(twin, (t, h), &x, u, &p, 2);

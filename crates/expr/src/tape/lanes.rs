@@ -1,0 +1,62 @@
+//! Operands and results of instructions, found without checks: the one place of the project with `unsafe` code.
+//!
+//! A checked access costs as much as the arithmetic on 64 lanes, and the loss of the step method is nothing but such accesses. What is
+//! relied on is guaranteed by `Tape::compile` for every program, and asserted there: every operand, factor and result is a slot of the
+//! program, every factor pair of a chain exists, and no instruction writes a slot that it reads.
+
+#![allow(unsafe_code)]
+
+use super::Program;
+use std::marker::PhantomData;
+
+/// The memory of one run: the first inputs where the caller has them, all else in the slots.
+pub(super) struct Lanes<'a, const N: usize> {
+    head: *const [f64; N],
+    heads: usize,
+    slots: *mut [f64; N],
+    factors: *const [u32; 2],
+    memory: PhantomData<(&'a Program, &'a mut [[f64; N]])>,
+}
+
+impl<'a, const N: usize> Lanes<'a, N> {
+    /// # Panics
+    /// If there are fewer slots than the program has, or more given inputs than slots.
+    #[inline(always)]
+    pub(super) fn new(program: &'a Program, head: &'a [[f64; N]], slots: &'a mut [[f64; N]]) -> Self {
+        assert!(slots.len() >= program.slots && head.len() <= program.inputs);
+        Lanes {
+            head: head.as_ptr(),
+            heads: head.len(),
+            slots: slots.as_mut_ptr(),
+            factors: program.factors.as_ptr(),
+            memory: PhantomData,
+        }
+    }
+
+    /// An operand of an instruction of the program.
+    #[inline(always)]
+    pub(super) fn read(&self, k: u32) -> &'a [f64; N] {
+        let k = k as usize;
+        let base = if k < self.heads { self.head } else { self.slots.cast_const() };
+        // SAFETY: k is less than the number of slots (asserted by `Tape::compile` for every operand), of which there are enough, or less
+        // than the number of given inputs. Nothing writes there while the reference lives: it serves one instruction, whose result is
+        // another slot (asserted by `Tape::compile`).
+        unsafe { &*base.add(k) }
+    }
+
+    /// Where an instruction of the program writes its result.
+    #[inline(always)]
+    #[allow(clippy::mut_from_ref)]
+    pub(super) fn write(&self, k: u32) -> &'a mut [f64; N] {
+        // SAFETY: as for `read`; the result of an instruction is no input and none of its operands (asserted by `Tape::compile`).
+        unsafe { &mut *self.slots.add(k as usize) }
+    }
+
+    /// The factors of a product in a chain of the program.
+    #[inline(always)]
+    pub(super) fn factors(&self, k: u32) -> [&'a [f64; N]; 2] {
+        // SAFETY: every chain's pairs exist (asserted by `Tape::compile`).
+        let [a, b] = unsafe { *self.factors.add(k as usize) };
+        [self.read(a), self.read(b)]
+    }
+}
