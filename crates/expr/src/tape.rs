@@ -284,6 +284,10 @@ impl<const N: usize> Scratch<N> {
         assert!(head.len() <= self.tape.0.inputs, "{} inputs of {}", head.len(), self.tape.0.inputs);
         let first = self.first();
         let (program, slots) = (&*self.tape.0, self.memory[first..].as_chunks_mut::<N>().0);
+        // A given input that is an output too is read from the scratch.
+        for &k in program.outputs.iter().filter(|&&k| (k as usize) < head.len()) {
+            slots[k as usize] = head[k as usize];
+        }
         if N == 1 {
             run(program, head, slots);
         } else {

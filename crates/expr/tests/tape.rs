@@ -47,6 +47,32 @@ proptest! {
         }
     }
 
+    /// The vectors of this machine, chains of products, inputs that lie elsewhere: the same bits as each operation alone.
+    #[test]
+    fn the_fast_path_gives_the_same_bits(
+        steps in steps(any_step(true, plain_number()), 60),
+        points in prop::collection::vec(prop::array::uniform3(-3.0..3.0f64), 64),
+        elsewhere in 0usize..=3,
+    ) {
+        let mut bench = Bench::new();
+        let ids = bench.build(&steps);
+        // An input may be an output too.
+        let outputs: Vec<Id> = ids[ids.len().saturating_sub(4)..].iter().copied().chain([bench.xyz[0]]).collect();
+        let tape = Tape::compile(&bench.graph, &bench.xyz, &outputs).unwrap();
+        let mut scratch = Scratch::<64>::new(&tape);
+        let column = |k: usize| std::array::from_fn(|lane| points[lane][k]);
+        let head: Vec<[f64; 64]> = (0..elsewhere).map(column).collect();
+        (elsewhere..3).for_each(|k| *scratch.input(k) = column(k));
+        scratch.run_on(&head);
+        for lane in [0, 17, 63] {
+            let due = node_by_node(&bench, ids.len() - 1, &ids, points[lane]);
+            for (k, id) in outputs.iter().enumerate() {
+                let due = due[due.binary_search_by_key(id, |v| v.0).unwrap()].1;
+                prop_assert!(same(due, scratch.output(k)[lane]), "{} = {due}", bench.text(*id));
+            }
+        }
+    }
+
     /// Any nodes may be inputs: the tape above them gives the same bits as the whole.
     #[test]
     fn two_stages_equal_one(

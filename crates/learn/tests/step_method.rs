@@ -257,3 +257,15 @@ fn stops_when_it_is_told_to() {
     });
     assert!(found.stopped && heard == 1 && found.stages.len() == 1);
 }
+
+/// What an epoch costs, without a clock: instructions of the loss and its gradient for one step. A change that makes it dearer is seen here.
+#[test]
+fn the_loss_is_not_dearer_than_it_was() {
+    for (name, most) in [("case1a", 128), ("case1b", 156), ("case7", 860)] {
+        let (case, records) = common::load(name, &[]);
+        let records: Vec<&Record> = records.iter().collect();
+        let none = StepOptions { epochs: vec![0], ..Default::default() };
+        let fit = train(&case.system, &records, &none, &mut |_| ControlFlow::Continue(()));
+        assert!(fit.operations <= most, "{name}: {} instructions, {most} before", fit.operations);
+    }
+}
