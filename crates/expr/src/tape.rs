@@ -299,6 +299,18 @@ impl<const N: usize> Scratch<N> {
     }
 }
 
+impl Scratch<1> {
+    /// Evaluates every output at these values of the inputs, in their order.
+    ///
+    /// # Panics
+    /// If there are more values than inputs.
+    pub fn at(&mut self, inputs: impl IntoIterator<Item = f64>) -> &mut Self {
+        inputs.into_iter().enumerate().for_each(|(k, value)| self.input(k)[0] = value);
+        self.run();
+        self
+    }
+}
+
 impl<const N: usize> Clone for Scratch<N> {
     /// The copy lies elsewhere, so that its slots may begin at another place of its memory.
     fn clone(&self) -> Self {

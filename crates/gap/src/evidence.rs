@@ -87,9 +87,7 @@ fn lacks(fitted: &Fitted, effect: &Effect) -> Option<String> {
         .collect();
     let value = graph.lower(&parse(&need.positive).ok()?, |name| known.get(name)).ok()?;
     let mut scratch = Scratch::<1>::new(&Tape::compile(&graph, &inputs, &[value]).ok()?);
-    let values = crate::search::values(fitted, names, &effect.start);
-    values.iter().enumerate().for_each(|(k, v)| scratch.input(k)[0] = *v);
-    scratch.run();
+    scratch.at(crate::search::values(fitted, names, &effect.start));
     (scratch.output(0)[0] < 0.0).then(|| need.because.clone())
 }
 

@@ -91,7 +91,7 @@ impl Motion {
         }
         let step = (record.time[samples - 1] - record.time[0]) / (samples - 1).max(1) as f64;
         let measured = record.columns.iter().flatten().next();
-        let strongest = measured.and_then(|c| lines(c, step, 1).first().copied());
+        let strongest = measured.and_then(|c| lines(c, step, 1, 0).first().copied());
         let period = strongest.map_or(step * samples as f64, |w| 2.0 * std::f64::consts::PI / w);
         let repeat = measured.and_then(|c| repeatability(record, c));
         let (period, periodic) = repeat.map_or((period, false), |r| (r.period, true));

@@ -177,8 +177,7 @@ impl Recipe {
                 .collect(),
             Back::Formulas(tape) => {
                 let mut scratch = Scratch::<1>::new(tape);
-                coefficients.iter().chain(grid).enumerate().for_each(|(k, v)| scratch.input(k)[0] = *v);
-                scratch.run();
+                scratch.at(coefficients.iter().chain(grid).copied());
                 (0..self.outputs()).map(|k| scratch.output(k)[0]).collect()
             }
         };

@@ -27,7 +27,7 @@ pub fn repeatability(record: &Record, column: &[f64]) -> Option<Repeat> {
     let n = column.len();
     let step = (record.time[n - 1] - record.time[0]) / (n - 1) as f64;
     let uniform = record.time.windows(2).all(|t| (t[1] - t[0] - step).abs() < 0.01 * step);
-    let first = *lines(column, step, 1).first()?;
+    let first = *lines(column, step, 1, 0).first()?;
     if !uniform {
         return None;
     }

@@ -832,7 +832,11 @@ fn grids(
             let own = 2.0 * std::f64::consts::PI / ground.motion.period;
             let echo =
                 |w: f64| ground.motion.periodic && (w / own - (w / own).round()).abs() * own < 2.0 * fine;
-            for line in lines(&smoothed(&lack, ground.motion.period / step), step, 8) {
+            // Strong as a force, or far above the noise of a second derivative.
+            let lack = smoothed(&lack, ground.motion.period / step);
+            let strong = lines(&lack, step, 6, 0);
+            let clear = lines(&lack, step, 4, 4);
+            for line in strong.into_iter().chain(clear) {
                 frequencies.extend(
                     [-0.5, -0.25, 0.0, 0.25, 0.5]
                         .map(|d| line + d * fine)

@@ -76,13 +76,15 @@ fn periodogram(values: &[f64]) -> Vec<f64> {
     spectrum.iter().map(|z| z.norm_sqr()).collect()
 }
 
-/// The strongest frequencies (rad/s) of a uniformly sampled signal, refined between bins, strongest first.
-pub(crate) fn lines(values: &[f64], step: f64, count: usize) -> Vec<f64> {
+/// The strongest frequencies (rad/s) of a uniformly sampled signal, refined between bins, strongest first. The power of its noise is taken
+/// to rise with this power of the frequency: 4 for the second derivative of white noise.
+pub(crate) fn lines(values: &[f64], step: f64, count: usize, rise: i32) -> Vec<f64> {
     let n = values.len();
     if n < 16 {
         return vec![];
     }
-    let power = periodogram(values);
+    let power: Vec<f64> =
+        periodogram(values).iter().enumerate().map(|(k, p)| p / (k.max(1) as f64).powi(rise)).collect();
     let mut peaks: Vec<usize> =
         (1..power.len() - 1).filter(|&k| power[k] > power[k - 1] && power[k] >= power[k + 1]).collect();
     peaks.sort_unstable_by(|&a, &b| power[b].total_cmp(&power[a]));
@@ -137,7 +139,7 @@ mod tests {
     #[test]
     fn a_line_is_found_between_bins() {
         let x: Vec<f64> = (0..2000).map(|i| (0.1234 * f64::from(i)).cos()).collect();
-        let found = lines(&x, 0.1, 1);
+        let found = lines(&x, 0.1, 1, 0);
         assert!((found[0] - 1.234).abs() < 2e-3, "{found:?}");
     }
 }

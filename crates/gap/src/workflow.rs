@@ -286,8 +286,7 @@ fn driven_alike(system: &System, record: &Record, period: f64) -> bool {
         let still = system.states.iter().map(|_| 0.0);
         let numbers = system.parameters.iter().map(|p| p.start).chain(record.constants.iter().copied());
         let values = [t].into_iter().chain(still).chain(inputs).chain(numbers);
-        values.enumerate().for_each(|(k, v)| scratch.input(k)[0] = v);
-        scratch.run();
+        scratch.at(values);
         (0..system.known.len()).map(|k| scratch.output(k)[0]).collect()
     };
     const TIMES: usize = 400;

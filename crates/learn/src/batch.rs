@@ -322,8 +322,7 @@ fn step_contacts(step: &OneStep, free: usize, record: &Record) -> Vec<Vec<f64>> 
     let mut out = vec![Vec::with_capacity(record.len()); step.contacts.len()];
     for k in 0..record.len() {
         let row = step_row(record, k, k, None);
-        row.iter().chain(&record.constants).enumerate().for_each(|(i, &value)| scratch.input(i)[0] = value);
-        scratch.run();
+        scratch.at(row.into_iter().chain(record.constants.iter().copied()));
         out.iter_mut().enumerate().for_each(|(c, column)| column.push(scratch.output(c)[0]));
     }
     out

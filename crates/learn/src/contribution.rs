@@ -60,11 +60,7 @@ fn add(system: &System, r: usize, record: &Record, found: &Identified, sums: &mu
     let mut before = vec![0.0; terms.len()];
     for i in 0..record.len() {
         let states = &run.states[i * n..(i + 1) * n];
-        let given = record.inputs.iter().map(|u| u.values()[i]);
-        let arguments = [record.time[i]].into_iter().chain(states.iter().copied()).chain(given);
-        let arguments = arguments.chain(parameters.iter().copied()).chain(record.constants.iter().copied());
-        arguments.enumerate().for_each(|(k, x)| scratch.input(k)[0] = x);
-        scratch.run();
+        scratch.at(record.arguments_at(i, states.iter().copied(), &parameters));
         let modes = &run.modes[i * switches..(i + 1) * switches];
         let force = |k: usize| {
             // A contact that sticks does no work, and its force is whatever the others need.

@@ -196,15 +196,7 @@ fn evaluate(system: &System, terms: &[usize], record: &Record, parameters: &[f64
     let mut columns = vec![Vec::with_capacity(record.len()); outputs.len()];
     for i in 0..record.len() {
         let states = record.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| c[i]));
-        let given = record.inputs.iter().map(|u| u.values()[i]);
-        let all = [record.time[i]]
-            .into_iter()
-            .chain(states)
-            .chain(given)
-            .chain(parameters.iter().copied())
-            .chain(record.constants.iter().copied());
-        all.enumerate().for_each(|(k, v)| scratch.input(k)[0] = v);
-        scratch.run();
+        scratch.at(record.arguments_at(i, states, parameters));
         columns.iter_mut().enumerate().for_each(|(k, c)| c.push(scratch.output(k)[0]));
     }
     let contacts = columns.split_off(system.known.len() + terms.len());

@@ -12,19 +12,15 @@ pub(crate) fn term_sizes(fit: &Fit<'_>) -> Option<Vec<f64>> {
     let mut scratch = Scratch::<1>::new(&tape);
     let (mut sums, mut count) = (vec![0.0; outputs.len()], 0usize);
     let n = system.states.len();
+    // Behind the coefficients; the constants of the record are the record's to add.
+    let held = problem.terms.len()..problem.terms.len() + system.parameters.len();
     for segment in &problem.segments {
         let run = problem.trajectory(segment, &fit.x).ok()?.run;
         let record = problem.records[segment.record];
         let parameters = problem.model_parameters(segment.record, &fit.x);
         for (i, sample) in (segment.samples.0..segment.samples.1).enumerate() {
-            let given = record.inputs.iter().map(|u| u.values()[sample]);
-            let all = [record.time[sample]]
-                .into_iter()
-                .chain(run.states[i * n..(i + 1) * n].iter().copied())
-                .chain(given);
-            let all = all.chain(parameters[problem.terms.len()..].iter().copied());
-            all.enumerate().for_each(|(k, v)| scratch.input(k)[0] = v);
-            scratch.run();
+            let states = run.states[i * n..(i + 1) * n].iter().copied();
+            scratch.at(record.arguments_at(sample, states, &parameters[held.clone()]));
             for (k, sum) in sums.iter_mut().enumerate() {
                 *sum += (fit.x[k] * scratch.output(k)[0]).powi(2);
             }

@@ -163,8 +163,7 @@ impl<'a> Part<'a> {
         let tape = Tape::compile(&self.graph, &self.system.arguments(), &[node]).ok()?;
         let mut scratch = Scratch::<1>::new(&tape);
         let values = rows.iter().map(|row| {
-            row.iter().enumerate().for_each(|(k, v)| scratch.input(k)[0] = *v);
-            scratch.run();
+            scratch.at(row.iter().copied());
             scratch.output(0)[0]
         });
         Some(values.collect())
@@ -225,10 +224,8 @@ impl<'a> Part<'a> {
         let inputs: Vec<Id> = [self.velocity].into_iter().chain(parameters).chain(constants).collect();
         let tape = Tape::compile(graph, &inputs, roots).ok()?;
         let mut scratch = Scratch::<1>::new(&tape);
-        numbers.iter().enumerate().for_each(|(k, v)| scratch.input(1 + k)[0] = *v);
         let rows = velocity.iter().map(|&w| {
-            scratch.input(0)[0] = w;
-            scratch.run();
+            scratch.at([w].into_iter().chain(numbers.iter().copied()));
             (0..roots.len()).map(|k| scratch.output(k)[0]).collect()
         });
         Some(rows.collect())

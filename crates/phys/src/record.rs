@@ -101,6 +101,19 @@ impl Record {
         self.time.is_empty()
     }
 
+    /// What a system's expressions depend on at a sample, in the order of [`crate::System::arguments`]; states and parameters are the
+    /// caller's.
+    pub fn arguments_at<'a>(
+        &'a self,
+        sample: usize,
+        states: impl Iterator<Item = f64> + 'a,
+        parameters: &'a [f64],
+    ) -> impl Iterator<Item = f64> + 'a {
+        let inputs = self.inputs.iter().map(move |u| u.values()[sample]);
+        let rest = parameters.iter().chain(&self.constants).copied();
+        [self.time[sample]].into_iter().chain(states).chain(inputs).chain(rest)
+    }
+
     /// Number of measured values: samples of all columns of states.
     pub fn readings(&self) -> usize {
         self.len() * self.columns.iter().flatten().count()

@@ -84,8 +84,7 @@ fn curve(entry: &Entry, sketch: &Sketch) -> Result<Vec<(f64, f64)>> {
         .map_err(|e| anyhow!("the sketch of the law `{}`: {}", entry.id, e.message(&names)))?;
     let mut scratch = Scratch::<1>::new(&tape);
     let mut at = |t: f64, z: &[f64]| -> Vec<f64> {
-        [t.sin(), t.cos(), t].iter().chain(z).enumerate().for_each(|(k, v)| scratch.input(k)[0] = *v);
-        scratch.run();
+        scratch.at([t.sin(), t.cos(), t].iter().chain(z).copied());
         (0..outputs.len()).map(|k| scratch.output(k)[0]).collect()
     };
     let mut z: Vec<f64> = law.internal.iter().map(|(_, i)| i.start).collect();
