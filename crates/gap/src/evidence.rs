@@ -4,8 +4,9 @@ use crate::effect::Effect;
 use crate::fitted::Fitted;
 use crate::motion::{Motion, rest_threshold, resting};
 use crate::place::Site;
+use crate::recipe::compiled;
 use crate::workflow::EXPLAINED;
-use phisindy_expr::{Graph, Id, Names, Scratch, Tape, parse};
+use phisindy_expr::Scratch;
 use phisindy_phys::spec::Role;
 
 /// A contact that gives way less than this part of what the law asks for does not give way.
@@ -76,17 +77,8 @@ fn lacks(fitted: &Fitted, effect: &Effect) -> Option<String> {
     let law = &effect.entry.law;
     let need = law.needs.as_ref()?;
     let (_, names, _) = fitted.draft.effects.iter().find(|(e, ..)| e.same(effect))?;
-    let (mut graph, mut known) = (Graph::default(), Names::default());
-    let inputs: Vec<Id> = law
-        .parameters
-        .iter()
-        .map(|(name, _)| {
-            let symbol = known.intern(name);
-            graph.symbol(symbol)
-        })
-        .collect();
-    let value = graph.lower(&parse(&need.positive).ok()?, |name| known.get(name)).ok()?;
-    let mut scratch = Scratch::<1>::new(&Tape::compile(&graph, &inputs, &[value]).ok()?);
+    let of: Vec<String> = law.parameters.iter().map(|(name, _)| name.clone()).collect();
+    let mut scratch = Scratch::<1>::new(&compiled(&of, &[&need.positive])?);
     scratch.at(crate::search::values(fitted, names, &effect.start));
     (scratch.output(0)[0] < 0.0).then(|| need.because.clone())
 }

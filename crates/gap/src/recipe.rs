@@ -207,18 +207,22 @@ impl Recipe {
 
 /// The parameters, in the order of the law, as functions of c1, c2, ... and the grid.
 fn formulas(law: &phisindy_phys::Law, screen: &phisindy_phys::Screen) -> Option<Tape> {
+    let coefficients = (1..=screen.columns.len()).map(|k| format!("c{k}"));
+    let of: Vec<String> = coefficients.chain(screen.grid.iter().map(|(n, _)| n.clone())).collect();
+    let seed = |(name, _): &(String, _)| screen.seed.iter().find(|(n, _)| n == name).map(|(_, t)| t.as_str());
+    compiled(&of, &law.parameters.iter().map(seed).collect::<Option<Vec<_>>>()?)
+}
+
+/// Expressions of named numbers.
+pub(crate) fn compiled(of: &[String], texts: &[&str]) -> Option<Tape> {
     let (mut graph, mut names) = (Graph::default(), Names::default());
     let mut inputs = Vec::new();
-    let coefficients = (1..=screen.columns.len()).map(|k| format!("c{k}"));
-    for name in coefficients.chain(screen.grid.iter().map(|(n, _)| n.clone())) {
-        let symbol = names.intern(&name);
+    for name in of {
+        let symbol = names.intern(name);
         inputs.push(graph.symbol(symbol));
     }
-    let mut outputs = Vec::new();
-    for (name, _) in &law.parameters {
-        let (_, text) = screen.seed.iter().find(|(n, _)| n == name)?;
-        outputs.push(graph.lower(&parse(text).ok()?, |n| names.get(n)).ok()?);
-    }
+    let lowered = texts.iter().map(|text| graph.lower(&parse(text).ok()?, |n| names.get(n)).ok());
+    let outputs: Vec<Id> = lowered.collect::<Option<_>>()?;
     Tape::compile(&graph, &inputs, &outputs).ok()
 }
 

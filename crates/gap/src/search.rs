@@ -159,11 +159,10 @@ impl Search<'_> {
             let Some(leader) = singles.first().map(named) else { break };
             let more = self.fitted(self.siblings(draft, &singles), candidates);
             let more = self.allowed(more, before, &mut vetoed);
-            let led = more.first().is_some_and(|f| named(f) != leader);
             let by = Measure::of(singles.iter().chain(&more), candidates);
             singles.extend(more);
             singles.sort_by(|a, b| by.score(a).total_cmp(&by.score(b)));
-            if !led || named(&singles[0]) == leader {
+            if named(&singles[0]) == leader {
                 break;
             }
         }
