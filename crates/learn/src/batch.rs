@@ -244,7 +244,6 @@ impl Single {
         size: usize,
         add: impl Fn(&Scratch<LANES>, &mut [Lane]) + Sync,
     ) -> Vec<f64> {
-        let width = self.varying.max(1);
         let chunks: Vec<(&Course, usize)> = self
             .courses
             .iter()
@@ -256,8 +255,7 @@ impl Single {
                 numbers.enumerate().for_each(|(k, &value)| *scratch.input(self.varying + k) = [value; LANES]);
                 let mut sums = vec![[0.0; LANES]; size];
                 for block in first..(first + CHUNK).min(course.steps.div_ceil(LANES)) {
-                    let lanes = if self.varying == 0 { &[] } else { &course.lanes[block * width..][..width] };
-                    scratch.run_on(lanes);
+                    scratch.run_on(&course.lanes[block * self.varying..][..self.varying]);
                     let live = course.live(block);
                     let before = if live < LANES { sums.clone() } else { vec![] };
                     wide(
