@@ -288,10 +288,19 @@ pub(crate) fn rivals(s: &Step, catalogue: &[Entry]) -> Vec<(String, Option<Strin
             format!("criterion {} worse", short(r.delta_bic))
         };
         let what = deciding(&s.effect.entry.law, &s.effect.entry.id, &r.law, catalogue);
-        let rival = format!("not excluded: {} at {} ({by})", r.law, r.at);
+        let rival = format!("not excluded: {} ({by})", placed(&r.law, &r.at));
         (rival, what.map(|what| format!("{what} would decide")))
     });
     said.collect()
+}
+
+/// Laws joined by ` + ` with their places, which are joined by `, `; a place that all share is said once.
+fn placed(laws: &str, at: &str) -> String {
+    let places: Vec<&str> = at.split(", ").collect();
+    if places.iter().all(|p| *p == places[0]) {
+        return format!("{laws} at {}", places[0]);
+    }
+    laws.split(" + ").zip(places).map(|(law, at)| format!("{law} at {at}")).collect::<Vec<_>>().join(" + ")
 }
 
 /// What other evidence rules out.

@@ -23,6 +23,17 @@ struct Cut {
     power: f64,
 }
 
+/// A quantity in which the residuals may gather.
+struct Axis {
+    name: String,
+    /// As in the spec, empty for time and regime.
+    unit: String,
+    /// Factor from `unit` to SI.
+    factor: f64,
+    /// In SI, one for each sample.
+    values: Vec<f64>,
+}
+
 /// The map of the residuals of the Fit records, column by column, largest first.
 pub(crate) fn regions(
     system: &System,
@@ -34,8 +45,7 @@ pub(crate) fn regions(
     let mut all: Vec<(String, f64, String)> = Vec::new();
     for (k, state) in system.states.iter().enumerate() {
         let mut total = 0.0;
-        // Quantity, value, power, of every sample.
-        let mut axes: Vec<(String, Vec<f64>)> = Vec::new();
+        let mut axes: Vec<Axis> = Vec::new();
         let mut power: Vec<f64> = Vec::new();
         for (r, fit) in fitted.records.iter().enumerate().filter(|(_, f)| f.role == Role::Fit) {
             let (Some(run), residual) = (&fit.run, &fit.residuals[k]) else { continue };
@@ -45,21 +55,27 @@ pub(crate) fn regions(
             let record = &records[r];
             let span = record.time[record.len() - 1] - record.time[0];
             let switches = run.modes.len() / residual.len().max(1);
-            let mut put = |name: String, values: Vec<f64>| match axes.iter_mut().find(|(n, _)| *n == name) {
-                Some((_, all)) => all.extend(values),
-                None => axes.push((name, values)),
+            let mut put = |name: &str, unit: &str, factor: f64, values: Vec<f64>| {
+                match axes.iter_mut().find(|a| a.name == name) {
+                    Some(axis) => axis.values.extend(values),
+                    None => axes.push(Axis { name: name.to_owned(), unit: unit.to_owned(), factor, values }),
+                }
             };
             let m = residual.len();
-            put("time".into(), (0..m).map(|i| (record.time[i] - record.time[0]) / span).collect());
+            put("time", "", 1.0, (0..m).map(|i| (record.time[i] - record.time[0]) / span).collect());
             for (s, other) in system.states.iter().enumerate() {
-                put(other.name.clone(), (0..m).map(|i| run.states[i * n + s]).collect());
+                let values = (0..m).map(|i| run.states[i * n + s]).collect();
+                put(&other.name, &other.unit, other.factor, values);
             }
             for (u, input) in system.inputs.iter().enumerate() {
-                put(input.name.clone(), (0..m).map(|i| record.inputs[u].value(record.time[i])).collect());
+                let values = (0..m).map(|i| record.inputs[u].value(record.time[i])).collect();
+                put(&input.name, &input.unit, input.factor, values);
             }
             let near = 0.02 * span;
             put(
-                "regime".into(),
+                "regime",
+                "",
+                1.0,
                 (0..m)
                     .map(|i| {
                         let stuck = switches > 0 && run.modes[i * switches..(i + 1) * switches].contains(&0);
@@ -81,7 +97,7 @@ pub(crate) fn regions(
         if power.is_empty() {
             continue;
         }
-        let cuts = axes.iter().flat_map(|(name, values)| cuts(name, values, &power));
+        let cuts = axes.iter().flat_map(|axis| cuts(axis, &power));
         let best = cuts.max_by(|a, b| a.surplus.total_cmp(&b.surplus));
         let text = match best {
             Some(cut) if cut.surplus > 0.15 => format!("{} ({:.0} % of it)", cut.text, 100.0 * cut.power),
@@ -99,7 +115,8 @@ pub(crate) fn regions(
 }
 
 /// The upper and lower parts of a quantity, its middle and its ends; stick and switch for the regime.
-fn cuts(name: &str, values: &[f64], power: &[f64]) -> Vec<Cut> {
+fn cuts(axis: &Axis, power: &[f64]) -> Vec<Cut> {
+    let Axis { name, values, .. } = axis;
     let total: f64 = power.iter().sum();
     let count = power.len() as f64;
     let cut = |text: String, inside: &dyn Fn(f64) -> bool| {
@@ -135,10 +152,21 @@ fn cuts(name: &str, values: &[f64], power: &[f64]) -> Vec<Cut> {
     sizes.sort_unstable_by(f64::total_cmp);
     let size = |p: f64| sizes[((sizes.len() - 1) as f64 * p) as usize];
     let (high, low, large, small) = (q(0.75), q(0.25), size(0.75), size(0.25));
+    let told = |x: f64| format!("{} {}", rounded(x / axis.factor), axis.unit).trim_end().to_owned();
     vec![
-        cut(format!("at {name} above {high:.3e}"), &|v| v > high),
-        cut(format!("at {name} below {low:.3e}"), &|v| v < low),
-        cut(format!("at |{name}| above {large:.3e}"), &|v| v.abs() > large),
-        cut(format!("at |{name}| below {small:.3e}"), &|v| v.abs() < small),
+        cut(format!("at {name} above {}", told(high)), &|v| v > high),
+        cut(format!("at {name} below {}", told(low)), &|v| v < low),
+        cut(format!("at |{name}| above {}", told(large)), &|v| v.abs() > large),
+        cut(format!("at |{name}| below {}", told(small)), &|v| v.abs() < small),
     ]
+}
+
+/// Three digits are enough for a place.
+fn rounded(x: f64) -> String {
+    let scientific = format!("{x:.2e}");
+    match x.abs() {
+        1e-3..1e5 => scientific.parse::<f64>().map_or(scientific, |x| x.to_string()),
+        0.0 => "0".to_owned(),
+        _ => scientific,
+    }
 }

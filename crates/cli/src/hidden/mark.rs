@@ -32,6 +32,8 @@ pub(super) struct Mark {
     pub(super) named: String,
     /// Relative error of each value of the truth that was named right, by `law.parameter`.
     pub(super) errors: BTreeMap<String, f64>,
+    /// Whether the data tell all of them so closely: each 95 % interval ends within [`WITHIN`] of the value.
+    pub(super) told: bool,
     /// How many 95 % intervals there are, and how many hold the truth.
     pub(super) intervals: (usize, usize),
     /// The gap on the Validate record in the end.
@@ -75,6 +77,7 @@ pub(super) fn mark(truth: &Truth, result: &Value) -> Mark {
         status,
         named: result["error"].as_str().map_or_else(|| words(&named), str::to_owned),
         errors: BTreeMap::new(),
+        told: true,
         intervals: (0, 0),
         after: result["final"]["validate"].as_f64(),
         seconds: result["seconds"].as_f64(),
@@ -113,14 +116,15 @@ fn values(effect: &Hidden, step: &Value, mark: &mut Mark) {
         let cyclic = name == "phase";
         // Angles differ by whole turns.
         let off = if cyclic { turn(have - value) } else { have - value };
+        let size = if cyclic { 1.0 } else { value.abs().max(f64::MIN_POSITIVE) };
         if effect.law != "dead-zone" {
-            let size = if cyclic { 1.0 } else { value.abs().max(f64::MIN_POSITIVE) };
             mark.errors.insert(format!("{}.{name}", effect.law), off.abs() / size);
         }
         let ends = &step["parameters"][name]["ci95"];
         if let (Some(low), Some(high)) = (ends[0].as_f64(), ends[1].as_f64()) {
             let shift = value + off - have;
             mark.intervals.0 += 1;
+            mark.told &= effect.law == "dead-zone" || 0.5 * (high - low) <= WITHIN * size;
             mark.intervals.1 += usize::from((low + shift..=high + shift).contains(&value));
         }
     }
