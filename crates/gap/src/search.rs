@@ -177,8 +177,9 @@ impl Search<'_> {
         let price = (now.cal.samples as f64).ln();
         // Two at once where greed could go wrong from the start; later rounds have their friction already.
         let wanted = if before == 0 { BEST } else { 0 };
-        let pairs: Vec<Vec<Effect>> =
+        let mut pairs: Vec<Vec<Effect>> =
             found.pairs(price, wanted).into_iter().map(|(a, b)| vec![a.effect, b.effect]).collect();
+        pairs.extend(singles.first().map_or(vec![], |leader| self.parted(draft, leader, found)));
         (self.hear)(0.1 + 0.8 * (before as f64 + 0.5) / EFFECTS as f64, "fitting the best pairs");
         let pairs = self.fitted(added(pairs), candidates);
         let pairs = self.allowed(pairs, before, &mut vetoed);
@@ -269,6 +270,29 @@ impl Search<'_> {
             }
         }
         all
+    }
+
+    /// What a leading law of many parameters may stand for: its simpler relatives, each beside every law of one parameter that acts in the same place.
+    fn parted(&self, draft: &Draft, leader: &Fitted, found: &Screening) -> Vec<Vec<Effect>> {
+        let effects = current(leader);
+        let [.., last] = &effects[..] else { return vec![] };
+        if last.entry.law.parameters.len() < 3 || effects.len() != draft.effects.len() + 1 {
+            return vec![];
+        }
+        let plain = self.catalogue.iter().filter(|e| last.entry.law.simpler.contains(&e.id));
+        plain
+            .map(|entry| relative(last, entry))
+            .flat_map(|one| {
+                let beside = |c: &&Candidate| {
+                    c.effect.place.at == one.place.at
+                        && c.effect.entry.law.parameters.len() == 1
+                        && !excludes(&c.effect, &one)
+                };
+                let others: Vec<Effect> =
+                    found.candidates.iter().filter(beside).map(|c| neutral(&c.effect)).collect();
+                others.into_iter().map(move |other| vec![one.clone(), other])
+            })
+            .collect()
     }
 
     /// Each law from the best of its starts, by a glance.
