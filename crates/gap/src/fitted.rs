@@ -3,7 +3,7 @@
 use crate::draft::Draft;
 use crate::effect::Effect;
 use crate::whiteness::{COLOURED, score};
-use phisindy_learn::{Calibration, Effort, calibrate};
+use phisindy_learn::{Calibration, Effort, RecordFit, calibrate};
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Record, noise_level, splice, standard_deviation};
 
@@ -20,6 +20,8 @@ pub(crate) fn noise(records: &[Record]) -> Vec<Vec<f64>> {
     records.iter().map(|r| r.columns.iter().map(of).collect()).collect()
 }
 
+/// A gap below this may be the uncertainty of what was fitted.
+const LITTLE: f64 = 1.1;
 /// The price of a sensor that is early.
 const EARLY: f64 = 15.0;
 
@@ -40,18 +42,38 @@ impl Fitted {
     pub(crate) fn new(draft: Draft, noise: &[Vec<f64>], effort: Effort) -> Result<Fitted, String> {
         let cal = calibrate(&draft.case.system, &draft.records, &draft.smooth, noise, effort)?;
         let (fit, validate) = gaps(&cal, noise);
-        let mut colour = 0.0_f64;
-        for (replay, record) in cal.records.iter().zip(&draft.records) {
-            for (residual, column) in replay.residuals.iter().zip(&record.columns) {
-                if let (false, Some(column)) = (residual.is_empty(), column) {
-                    colour = colour.max(score(residual, column));
-                }
-            }
-            if replay.run.is_none() {
-                colour = f64::INFINITY;
-            }
+        let colour = colour(&cal, &draft.records, |_| true);
+        let fitted = Fitted { draft, cal, fit, validate, colour };
+        Ok(match fitted.joint_colour(noise) {
+            Some(colour) => Fitted { colour, ..fitted },
+            None => fitted,
+        })
+    }
+
+    /// The colour of what is left when Validate records are fitted too, where that decides: on Fit records nothing but noise is left, and what is left on Validate
+    /// records is so little that the uncertainty of starts and parameters may account for it. It does if the same model leaves nothing but noise on both, and Fit
+    /// records are fitted no worse for it. The fit itself stays as it is.
+    fn joint_colour(&self, noise: &[Vec<f64>]) -> Option<f64> {
+        let little = self.validate.is_some_and(|gap| gap < LITTLE) && self.fit < LITTLE;
+        if !little || self.is_white() {
+            return None;
         }
-        Ok(Fitted { draft, cal, fit, validate, colour })
+        let alone = |r: &RecordFit| r.role == Role::Fit;
+        if colour(&self.cal, &self.draft.records, alone) >= COLOURED {
+            return None;
+        }
+        let draft = self.settled().ok()?;
+        let joint = |records: &[Record]| -> Vec<Record> {
+            records.iter().map(|r| Record { role: Role::Fit, ..r.clone() }).collect()
+        };
+        let (records, smooth) = (joint(&draft.records), joint(&draft.smooth));
+        let cal = calibrate(&draft.case.system, &records, &smooth, noise, Effort::Thorough).ok()?;
+        let fits: Vec<usize> = (0..records.len()).filter(|&r| self.draft.records[r].role == Role::Fit).collect();
+        let rise = power(&cal, noise, &fits).0 - power(&self.cal, noise, &fits).0;
+        // The rise of chi^2 that as many numbers make by chance, five standard deviations high.
+        let freedom = (self.cal.moved + fits.len() * draft.case.system.states.len()) as f64;
+        let chance = freedom + 5.0 * (2.0 * freedom).sqrt();
+        (rise < chance).then(|| colour(&cal, &records, |_| true))
     }
 
     /// The noise as its residuals have it, by record and state: what a model that leaves nothing but noise shows better than the columns do, in which the motion
@@ -159,19 +181,42 @@ impl Fitted {
     }
 }
 
+/// The largest score of whiteness of any column of some of the records; infinite where a run fails.
+fn colour(cal: &Calibration, records: &[Record], of: impl Fn(&RecordFit) -> bool) -> f64 {
+    let mut colour = 0.0_f64;
+    for (replay, record) in cal.records.iter().zip(records).filter(|(replay, _)| of(replay)) {
+        for (residual, column) in replay.residuals.iter().zip(&record.columns) {
+            if let (false, Some(column)) = (residual.is_empty(), column) {
+                colour = colour.max(score(residual, column));
+            }
+        }
+        if replay.run.is_none() {
+            colour = f64::INFINITY;
+        }
+    }
+    colour
+}
+
+/// Sum of (residual / noise)^2 over some of the records, and how many samples that are; infinite where a run fails.
+fn power(cal: &Calibration, noise: &[Vec<f64>], of: &[usize]) -> (f64, usize) {
+    let (mut sum, mut count) = (0.0, 0);
+    for &r in of {
+        if cal.records[r].run.is_none() {
+            return (f64::INFINITY, 1);
+        }
+        for (residual, noise) in cal.records[r].residuals.iter().zip(&noise[r]) {
+            sum += residual.iter().map(|e| (e / noise).powi(2)).sum::<f64>();
+            count += residual.len();
+        }
+    }
+    (sum, count)
+}
+
 /// rms of residual / noise over the Fit records, and over the Validate records; infinite where a run fails.
 fn gaps(cal: &Calibration, noise: &[Vec<f64>]) -> (f64, Option<f64>) {
     let gap = |role: Role| -> Option<f64> {
-        let (mut sum, mut count) = (0.0, 0usize);
-        for (r, record) in cal.records.iter().enumerate().filter(|(_, f)| f.role == role) {
-            if record.run.is_none() {
-                return Some(f64::INFINITY);
-            }
-            for (k, residual) in record.residuals.iter().enumerate() {
-                sum += residual.iter().map(|e| (e / noise[r][k]).powi(2)).sum::<f64>();
-                count += residual.len();
-            }
-        }
+        let of: Vec<usize> = (0..cal.records.len()).filter(|&r| cal.records[r].role == role).collect();
+        let (sum, count) = power(cal, noise, &of);
         (count > 0).then(|| (sum / count as f64).sqrt())
     };
     (gap(Role::Fit).unwrap_or(f64::INFINITY), gap(Role::Validate))

@@ -914,14 +914,17 @@ pub(crate) fn mean_along(
     mean.is_finite().then_some(mean)
 }
 
-/// A law started from the force that a fitted sibling at the same place has: its columns regressed on that force along the motion. `None` where that gives nothing within the law's
-/// bounds.
+/// An imitation that explains this part of what the best one does is worth a fit of its own: the regression weighs speeds as the sibling's force has them.
+const NEARLY: f64 = 0.9;
+
+/// Starts of a law from the force that a fitted sibling at the same place has: its columns regressed on that force along the motion, one for each of its inner
+/// parameters that does nearly as well as the best. None where that gives nothing within the law's bounds.
 pub(crate) fn imitated(
     draft: &Draft,
     fitted: &Calibration,
     sibling: &Effect,
     entry: &Entry,
-) -> Option<Effect> {
+) -> Option<Vec<Effect>> {
     let system = &draft.case.system;
     let r = draft.records.iter().position(|r| r.role == Role::Fit)?;
     let motion = Motion::new(system, &draft.records[r], &draft.smooth[r], r, fitted);
@@ -947,7 +950,7 @@ pub(crate) fn imitated(
         1 => [0.01, 0.03, 0.1, 0.3].iter().map(|q| vec![q * top]).collect(),
         _ => return None,
     };
-    let mut best: Option<(f64, Effect)> = None;
+    let mut all: Vec<(f64, Effect)> = Vec::new();
     for grid in tried {
         let columns = along(&other, &grid)?;
         let n = columns.len() + 1;
@@ -957,10 +960,8 @@ pub(crate) fn imitated(
         });
         let at: Vec<usize> = (1..n).collect();
         let Some((gain, found)) = solve(&gram, &at) else { continue };
-        let Some(effect) = seeded(&wanted, Some(&other), &found, &grid) else { continue };
-        if best.as_ref().is_none_or(|(g, _)| gain > *g) {
-            best = Some((gain, effect));
-        }
+        all.extend(seeded(&wanted, Some(&other), &found, &grid).map(|effect| (gain, effect)));
     }
-    best.map(|(_, e)| e)
+    let best = all.iter().map(|(gain, _)| *gain).fold(0.0, f64::max);
+    Some(all.into_iter().filter(|(gain, _)| *gain > NEARLY * best).map(|(_, e)| e).collect())
 }

@@ -32,6 +32,8 @@ const FAR_OFF: f64 = 2.0;
 const HALF: f64 = 0.5;
 /// How often a family of friction laws is tried again from a new leader.
 const FAMILY: usize = 2;
+/// Gaps on Validate records within this factor are the same.
+const ALIKE: f64 = 1.02;
 /// In the race a model that is this many times worse than the best is out.
 const RACE: f64 = 3.0;
 
@@ -249,7 +251,9 @@ impl Search<'_> {
         self.catalogue
             .iter()
             .filter(|e| e.law.family == law.family && e.law.internal.is_empty() && e.id != effect.entry.id)
-            .filter_map(|e| draft.with(&imitated(&leader.draft, &leader.cal, &found, e)?).ok())
+            .filter_map(|e| imitated(&leader.draft, &leader.cal, &found, e))
+            .flatten()
+            .filter_map(|e| draft.with(&e).ok())
             .collect()
     }
 
@@ -437,8 +441,10 @@ impl Search<'_> {
                     }
                     let Some(simple) = self.refitted(draft, now.rests()) else { continue };
                     let same = self.as_good(&simple, &now, candidates);
-                    let carries = simple.validate.zip(now.validate).is_none_or(|(a, b)| a < 1.02 * b)
-                        || !now.is_white();
+                    let by = Measure::of([&simple, &now], candidates);
+                    let carries = simple.validate.zip(now.validate).is_none_or(|(a, b)| a < ALIKE * b)
+                        || !now.is_white()
+                        || by.score(&simple) + SIMPLER < by.score(&now);
                     if same && carries && (simple.is_white() || !now.is_white()) {
                         now = simple;
                         continue 'again;
@@ -578,6 +584,9 @@ fn round(
     rivals.sort_by(|a, b| a.worse.total_cmp(&b.worse));
     rivals.dedup_by(|a, b| a.law == b.law && a.at == b.at);
     rivals.truncate(5);
+    // A law that stands in one place may be ruled out in another.
+    let stands = |law: &str| own.iter().any(|(chosen, _)| *chosen == law);
+    let vetoed = vetoed.into_iter().filter(|(law, _)| !stands(law)).collect();
     Round { before, rivals, vetoed }
 }
 
