@@ -288,32 +288,56 @@ fn late_base(delay: f64, gain: f64, offset: f64) -> String {
     })
 }
 
-#[test]
-fn a_late_input_is_found_and_a_known_gain_undone() {
-    let scratch = Scratch::new("late_input");
+/// What `run` finds with these sensors of the base of [`late_base`], which is late by 0.0371 s, twice too large, and off by 5 mm: value and standard error by name; and
+/// what `identified.ron` says.
+fn base_sensor(name: &str, sensors: &str) -> (impl Fn(&str) -> (f64, f64) + use<>, String) {
+    let scratch = Scratch::new(name);
     std::fs::write(scratch.path("a.csv"), late_base(0.0371, 2.0, 0.005)).expect("a file");
     let spec = "(constants: { \"k\": (20.0, \"1/s^2\"), \"c\": (value: 0.5, unit: \"1/s\", within: (0.0, 5.0)) },
         states: { \"x\": \"m\", \"v\": \"m/s\" }, inputs: { \"u\": \"m\", \"du\": \"m/s\" },
         known: { \"x\": \"v\", \"v\": \"-c*(v-du) - k*(x-u)\" },
         data: [Csv(path: \"a.csv\", time: \"t\", columns: { \"x\": (\"x\", \"m\"), \"u\": (\"u\", \"m\") }, derive: { \"du\": Derivative(\"u\") },
-        sensors: { \"u\": (gain: 2.0, offset: 0.005, delay: Find(start: 0.01, unit: \"s\", within: (-0.1, 0.1))) })])";
+        sensors: { \"u\": SENSORS })])";
     let path = scratch.path("case.ron");
-    std::fs::write(&path, spec).expect("a file");
+    std::fs::write(&path, spec.replace("SENSORS", sensors)).expect("a file");
     let said = phisindy(&["run", &path, "--format", "json", "--out", &scratch.path("out")]);
     let result: Value = serde_json::from_str(&said.out).unwrap_or_else(|e| panic!("{e}: {}", said.err));
-    let parameters = result["parameters"].as_array().expect("parameters");
-    let value = |name: &str| {
+    let value = move |name: &str| {
+        let parameters = result["parameters"].as_array().expect("parameters");
         let found = parameters.iter().find(|p| p["name"] == name).unwrap_or_else(|| panic!("{}", said.out));
         (found["value"].as_f64().expect("a number"), found["std_error"].as_f64().expect("a number"))
     };
+    (value, std::fs::read_to_string(scratch.path("out/identified.ron")).expect("identified.ron"))
+}
+
+#[test]
+fn a_late_input_is_found_and_a_known_gain_undone() {
+    let delay = "delay: Find(start: 0.01, unit: \"s\", within: (-0.1, 0.1))";
+    let (value, kept) = base_sensor("late_input", &format!("(gain: 2.0, offset: 0.005, {delay})"));
     // A tenth of the step; differentiating u leaves more than the noise of x.
     assert!((value("u.delay").0 - 0.0371).abs() < 1e-3, "{:?}", value("u.delay"));
     assert!((value("c").0 - 0.8).abs() < 0.03, "{:?}", value("c"));
     assert!(value("u.delay").1 > 0.0 && value("u.delay").1 < 1e-3, "{:?}", value("u.delay"));
     // What was found is held in identified.ron, which predicts with it.
-    let identified = scratch.path("out/identified.ron");
-    let kept = std::fs::read_to_string(&identified).expect("identified.ron");
     assert!(kept.contains("delay: 0.03"), "{kept}");
+}
+
+/// Zero and scale of an input, found from starts that are not neutral themselves; the derivative of the input follows.
+#[test]
+fn gain_and_offset_of_an_input_are_found() {
+    let find = |start: f64, unit: &str, low: f64, high: f64| {
+        format!("Find(start: {start:?}, unit: \"{unit}\", within: ({low:?}, {high:?}))")
+    };
+    let (gain, offset) = (find(1.5, "", 0.5, 3.0), find(0.001, "m", -0.02, 0.02));
+    let (value, kept) = base_sensor("input_gain", &format!("(gain: {gain}, offset: {offset}, delay: 0.0371)"));
+    for (name, truth, within) in [("u.gain", 2.0, 0.01), ("u.offset", 0.005, 2e-5), ("c", 0.8, 0.03)] {
+        let (found, error) = value(name);
+        assert!((found - truth).abs() < within && error < within, "{name}: {found} +- {error}");
+    }
+    assert!(kept.contains("offset: 0.00"), "{kept}");
+    let delay = find(0.01, "s", -0.1, 0.1);
+    let (value, _) = base_sensor("input_all", &format!("(gain: {gain}, offset: {offset}, delay: {delay})"));
+    assert!((value("u.gain").0 - 2.0).abs() < 0.02 && (value("u.delay").0 - 0.0371).abs() < 1e-3);
 }
 
 /// What `check` says of a record whose file and columns these are.

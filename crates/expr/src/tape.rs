@@ -272,6 +272,7 @@ impl<const N: usize> Scratch<N> {
     }
 
     /// Evaluates every output from the inputs, with the widest vectors that this machine has.
+    #[inline]
     pub fn run(&mut self) {
         self.run_on(&[]);
     }
@@ -288,8 +289,9 @@ impl<const N: usize> Scratch<N> {
         for &k in program.outputs.iter().filter(|&&k| (k as usize) < head.len()) {
             slots[k as usize] = head[k as usize];
         }
-        if N == 1 {
-            run(program, head, slots);
+        if N == 1 && head.is_empty() {
+            // Its own copy of the loop, in which no operand lies elsewhere.
+            run(program, &[], slots);
         } else {
             wide(
                 #[inline(always)]

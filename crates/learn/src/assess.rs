@@ -164,7 +164,7 @@ fn started<'a>(
     let mut failure = None;
     let bounds = problem.bounds.clone();
     let end =
-        minimise(x, &bounds, Limits { iterations: 20, gain: 1e-9 }, |x| match problem.normal(x, &weights) {
+        minimise(x, &bounds, Limits::new(20, 1e-9), |x| match problem.normal(x, &weights) {
             Ok(normal) => Some(normal),
             Err(e) => {
                 failure = Some(e);

@@ -77,7 +77,7 @@ pub fn calibrate(
         let last = pieces == 1;
         // A gain of a hundredth in the logarithm of the likelihood is none.
         let least = 0.01 / samples.max(1) as f64;
-        let limits = Limits { iterations: if last { 40 } else { 10 }, gain: if last { least } else { 1e-3 } };
+        let limits = Limits::new(if last { 40 } else { 10 }, if last { least } else { 1e-3 });
         let bounds = problem.bounds.clone();
         let end = minimise(&mut x, &bounds, limits, |x| match problem.normal(x, &weights) {
             Ok(normal) => Some(normal),
@@ -195,7 +195,7 @@ fn again(
         Ok(there) if there.cost < PROMISE * now.cost => {}
         _ => return,
     }
-    let limits = Limits { iterations: 25, gain: 1e-5 };
+    let limits = Limits::new(25, 1e-5);
     let bounds = problem.bounds.clone();
     let end = minimise(&mut other, &bounds, limits, |x| problem.normal(x, weights).ok());
     if end.is_some_and(|end| end.cost < now.cost) {
@@ -273,7 +273,7 @@ fn looked(mut problem: Problem<'_>, noise: &Noise, starts: &[Record], gain: f64)
     let mut x = problem.guess(&[], None, starts);
     let weights = problem.weights(noise, None);
     let bounds = problem.bounds.clone();
-    let limits = Limits { iterations: 4, gain };
+    let limits = Limits::new(4, gain);
     let normal = minimise(&mut x, &bounds, limits, |x| problem.normal(x, &weights).ok())?;
     let columns = |r: usize| problem.records[r].columns.iter().flatten().count();
     let samples: usize =

@@ -110,7 +110,7 @@ impl<'a> Context<'a> {
         let jumps = chain.jumps(&x).ok()?;
         for tighter in TIGHTER {
             chain.continuity = Some(jumps.iter().map(|j| tighter * j).collect());
-            let limits = Limits { iterations: 12, gain: 1e-4 };
+            let limits = Limits::new(12, 1e-4);
             minimise(&mut x, &chain.bounds, limits, |x| chain.normal(x, &cut.weights).ok())?;
         }
         let mut single =
@@ -139,12 +139,14 @@ impl<'a> Context<'a> {
 
     /// Fits other terms from the solution of a fit, with its noise and segments: cost differences between such fits are what a selection needs.
     pub(crate) fn refit(&self, from: &Fit<'a>, terms: &[usize]) -> Option<Fit<'a>> {
-        self.refit_within(from, terms, Limits { iterations: 20, gain: 1e-8 })
+        // A gain of a hundredth in the logarithm of the likelihood is none.
+        self.refit_within(from, terms, Limits::new(20, 0.01 / from.samples.max(1) as f64))
     }
 
-    /// As [`Context::refit`], for a look: a few iterations.
+    /// As [`Context::refit`], for a look: a few iterations, fewer where the cost stays far above that of the fit.
     pub(crate) fn glance(&self, from: &Fit<'a>, terms: &[usize]) -> Option<Fit<'a>> {
-        self.refit_within(from, terms, Limits { iterations: 8, gain: 1e-3 })
+        let limits = Limits { hopeless: HOPELESS * from.normal.cost, ..Limits::new(8, 1e-3) };
+        self.refit_within(from, terms, limits)
     }
 
     fn refit_within(&self, from: &Fit<'a>, terms: &[usize], limits: Limits) -> Option<Fit<'a>> {
@@ -263,7 +265,7 @@ fn settled(problem: &mut Problem<'_>, x: &mut [f64], noise: &mut Noise, rounds: 
     let bounds = problem.bounds.clone();
     let mut weights = problem.weights(noise, problem.residuals(x).ok().as_deref());
     let limits =
-        Limits { iterations: if rounds == 1 { 12 } else { 20 }, gain: if rounds == 1 { 1e-4 } else { 1e-9 } };
+        Limits::new(if rounds == 1 { 12 } else { 20 }, if rounds == 1 { 1e-4 } else { 1e-9 });
     let mut normal = minimise(x, &bounds, limits, |x| problem.normal(x, &weights).ok())?;
     for _ in 1..rounds {
         let residuals = problem.residuals(x).ok()?;
@@ -333,6 +335,9 @@ pub(crate) fn carry(from: &Problem<'_>, x: &[f64], to: &Problem<'_>, y: &mut [f6
         }
     }
 }
+
+/// A description with so many times the cost of another one after a few steps will not come near it.
+const HOPELESS: f64 = 10.0;
 
 /// A residual is white if at least this part of its samples count as independent.
 const WHITE: f64 = 0.6;

@@ -18,6 +18,18 @@ pub(crate) struct Limits {
     pub(crate) iterations: usize,
     /// Stops when a step lowers the cost by less than this part of it.
     pub(crate) gain: f64,
+    /// Gives up if [`CHANCES`] steps leave the cost above this.
+    pub(crate) hopeless: f64,
+}
+
+/// Steps after which a cost that is far too high is hopeless: from nearby, convergence is quadratic.
+const CHANCES: usize = 3;
+
+impl Limits {
+    /// So many steps, as long as each lowers the cost by that part.
+    pub(crate) fn new(iterations: usize, gain: f64) -> Limits {
+        Limits { iterations, gain, hopeless: f64::INFINITY }
+    }
 }
 
 /// Minimises from `values`, which end at the best point found. Returns the normal equations there, or `None` if the start itself cannot be
@@ -33,7 +45,10 @@ pub(crate) fn minimise(
     // A step that keeps failing is on a cliff: it costs more than it will bring.
     let mut tries = 3 * limits.iterations;
     let mut now = evaluate(values)?;
-    for _ in 0..limits.iterations {
+    for done in 0..limits.iterations {
+        if done >= CHANCES && now.cost > limits.hopeless {
+            break;
+        }
         let mut better = None;
         while damping < 1e8 && tries > 0 {
             let step = bounded_step(&now, values, bounds, damping);
@@ -107,7 +122,7 @@ mod tests {
     #[test]
     fn finds_the_valley_and_respects_bounds() {
         let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
-        let limits = Limits { iterations: 200, gain: 0.0 };
+        let limits = Limits::new(200, 0.0);
         let mut x = [-1.2, 1.0];
         minimise(&mut x, &free, limits, rosenbrock).unwrap();
         assert_relative_eq!(x[0], 1.0, max_relative = 1e-8);

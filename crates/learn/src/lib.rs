@@ -10,7 +10,7 @@ mod fit;
 mod identified;
 mod identify;
 mod initial;
-mod late;
+mod input_sensors;
 mod least_squares;
 mod linear;
 mod looks;

@@ -3,7 +3,7 @@
 //! The unknowns are one vector: coefficients, shared parameters, then for each record its own parameters, its free sensor parameters, and a
 //! start state for each of its segments.
 
-use crate::late::LateInputs;
+use crate::input_sensors::InputSensors;
 use crate::least_squares::Normal;
 use crate::looks::{Looks, Seen};
 use crate::noise::ColumnNoise;
@@ -55,7 +55,7 @@ pub(crate) struct Problem<'a> {
     model: Vec<Vec<Source>>,
     /// For each record, offset, gain and delay of each state, then of each input.
     sensors: Vec<Vec<[Source; 3]>>,
-    late: LateInputs,
+    input_sensors: InputSensors,
     /// The size of each state, for the accuracy of the simulation.
     pub(crate) scale: Vec<f64>,
     /// Standard deviation of each measured column, by record and state.
@@ -106,8 +106,8 @@ impl<'a> Problem<'a> {
         pieces: &[usize],
     ) -> Result<Problem<'a>, String> {
         let model = system.model(terms);
-        let late = late_inputs(system, records);
-        let model = late.model(model);
+        let input_sensors = InputSensors::new(system.states.len(), records);
+        let model = input_sensors.model(model);
         let automaton = Automaton::new(&model).map_err(|e| e.message(&model.names))?;
         let n = system.states.len();
         let free = (f64::NEG_INFINITY, f64::INFINITY);
@@ -142,19 +142,20 @@ impl<'a> Problem<'a> {
                     _ => Source::Number(s.start),
                 }));
             }
-            // Offset and gain of an input are held.
             for sensor in &record.sensors[n..] {
-                let [offset, gain] = [&sensor.offset, &sensor.gain].map(|s| Source::Number(s.start));
-                let d = &sensor.delay;
-                let delay = match (sensor.follows, d.shared, d.within) {
-                    (None, Some(p), _) => sources[terms.len() + p],
-                    (None, None, Some(within)) => unknown(within, d.start, d.sigma, &mut bounds),
-                    _ => Source::Number(d.start),
-                };
-                of_states.push([offset, gain, delay]);
+                of_states.push([&sensor.offset, &sensor.gain, &sensor.delay].map(|s| {
+                    match (sensor.follows, s.shared, s.within) {
+                        (None, Some(p), _) => sources[terms.len() + p],
+                        (None, None, Some(within)) => unknown(within, s.start, s.sigma, &mut bounds),
+                        _ => Source::Number(s.start),
+                    }
+                }));
             }
+            // What is derived from an input has its gain and its delay.
             for (k, of) in record.sensors[n..].iter().enumerate().filter_map(|(k, s)| Some((k, s.follows?))) {
-                of_states[n + k][DELAY] = of_states[n + of][DELAY];
+                for which in [GAIN, DELAY] {
+                    of_states[n + k][which] = of_states[n + of][which];
+                }
             }
             models.push(sources);
             sensors.push(of_states);
@@ -181,7 +182,7 @@ impl<'a> Problem<'a> {
             belief: 1.0,
             model: models,
             sensors,
-            late,
+            input_sensors,
             scale: vec![],
             deviations,
             continuity: None,
@@ -291,21 +292,21 @@ impl<'a> Problem<'a> {
         self.model[record].iter().map(|&s| Self::value(s, x)).collect()
     }
 
-    /// How much earlier than its samples say each late input of a record is read, beside what the record has undone already.
+    /// How much earlier than its samples say each input with such a sensor is read, beside what the record has undone already.
     fn delays(&self, record: usize, x: &[f64]) -> Vec<f64> {
         let n = self.system.states.len();
         let own = |&j: &usize| {
             let start = self.records[record].sensors[n + j].delay.start;
             Self::value(self.sensors[record][n + j][DELAY], x) - start
         };
-        self.late.inputs.iter().map(own).collect()
+        self.input_sensors.inputs.iter().map(own).collect()
     }
 
-    /// Where each parameter of a run comes from: those of the model, then the delays of late inputs.
+    /// Where each parameter of a run comes from: those of the model, then those of the inputs' sensors.
     fn sources(&self, record: usize) -> impl Iterator<Item = Source> {
         let n = self.system.states.len();
-        let delays = self.late.inputs.iter().map(move |j| self.sensors[record][n + j][DELAY]);
-        self.model[record].iter().copied().chain(delays)
+        let sensors = self.input_sensors.inputs.iter().flat_map(move |j| self.sensors[record][n + j]);
+        self.model[record].iter().copied().chain(sensors)
     }
 
     /// A run of a record from any state, with its inputs as they are at `x`.
@@ -317,10 +318,11 @@ impl<'a> Problem<'a> {
         times: &[f64],
         options: &Options,
     ) -> Result<Trajectory, SimError> {
-        let mut parameters = self.model_parameters(record, x);
+        let mut parameters: Vec<f64> = self.sources(record).map(|s| Self::value(s, x)).collect();
         // The delays are in the signals.
-        parameters.resize(parameters.len() + self.late.inputs.len(), 0.0);
-        let inputs = self.late.signals(self.records[record], record, &self.delays(record, x));
+        let own = parameters.len() - 3 * self.input_sensors.inputs.len();
+        parameters[own..].iter_mut().skip(DELAY).step_by(3).for_each(|delay| *delay = 0.0);
+        let inputs = self.input_sensors.signals(self.records[record], record, &self.delays(record, x));
         let drive = Drive { inputs: &inputs, parameters: &parameters };
         simulate(&self.automaton, &drive, start.0, start.1, times, options)
     }
@@ -600,11 +602,4 @@ impl<'a> Problem<'a> {
             _ => "delay",
         }
     }
-}
-
-/// The inputs whose delay is to be found in some record.
-fn late_inputs(system: &System, records: &[&Record]) -> LateInputs {
-    let n = system.states.len();
-    let late = |&j: &usize| records.iter().any(|r| r.sensors[n + j].delay.within.is_some());
-    LateInputs::new((0..system.inputs.len()).filter(late).collect(), records)
 }

@@ -66,7 +66,7 @@ fn rise(fit: &Fit<'_>, k: usize, z: f64) -> Option<f64> {
         }
     }
     x[k] = z;
-    let limits = Limits { iterations: 5, gain: 1e-6 };
+    let limits = Limits::new(5, 1e-6);
     let weights = &fit.weights;
     let there = minimise(&mut x, &bounds, limits, |x| fit.problem.normal(x, weights).ok())?;
     Some((there.cost - fit.normal.cost).max(0.0))

@@ -64,14 +64,6 @@ pub(crate) fn by_trajectory(
             "candidate {candidate} of {state}' is not finite everywhere on the data: it was hardly considered"
         ));
     }
-    let n = system.states.len();
-    let finds = |p: &phisindy_phys::Sensor| [&p.offset, &p.gain].iter().any(|s| s.within.is_some());
-    if fitted.iter().any(|r| r.sensors[n..].iter().any(finds)) {
-        found.warnings.push(
-            "offset and gain of inputs are held at their start values (a delay is found): give them to the states' columns, or write them into the model"
-                .into(),
-        );
-    }
     Ok(found)
 }
 
