@@ -1,7 +1,8 @@
 //! A spec's text with effects written into it, checked, and the records as its system sees them.
 
 use crate::effect::{Effect, Written};
-use phisindy_phys::{Case, Record, SourceId, check_names, spec};
+use phisindy_phys::unit::Unit;
+use phisindy_phys::{Case, Record, SourceId, System, check_names, spec, splice};
 use std::sync::Arc;
 
 /// A model under test.
@@ -35,7 +36,8 @@ impl Draft {
     /// # Errors
     /// In words: the spec cannot hold it.
     pub fn with(&self, effect: &Effect) -> Result<Draft, String> {
-        let Written { text, names, expression, internal } = effect.written(&self.text, &self.case.system)?;
+        let text = starting(&self.text, &self.case.system, &effect.beside)?;
+        let Written { text, names, expression, internal } = effect.written(&text, &self.case.system)?;
         let mut effects = self.effects.clone();
         effects.push((effect.clone(), names, expression));
         let internal = self.internal.iter().cloned().chain(internal).collect();
@@ -101,6 +103,23 @@ impl Draft {
         };
         Ok(Draft { text, case, records, smooth, effects, internal, base })
     }
+}
+
+/// A spec whose movable constants start at these values (SI), or at the bound that is next to them.
+///
+/// # Errors
+/// In words: a constant cannot be set.
+pub(crate) fn starting(text: &str, system: &System, values: &[(String, f64)]) -> Result<String, String> {
+    let mut text = text.to_owned();
+    for (name, value) in values {
+        let Some(p) = system.parameters.iter().find(|p| p.name == *name) else { continue };
+        let factor = Unit::parse(&p.unit).map_or(1.0, |u| u.factor);
+        let field = if p.known { "value" } else { "start" };
+        let value = value.clamp(p.within.0, p.within.1) / factor;
+        text = splice::set(&text, &format!("constants.{name}.{field}"), &format!("{value:?}"))
+            .map_err(|e| e.to_string())?;
+    }
+    Ok(text)
 }
 
 fn first(diagnostics: &[phisindy_phys::Diagnostic]) -> String {

@@ -28,6 +28,8 @@ pub struct Effect {
     pub load: Option<String>,
     /// For each parameter of the law where its search starts (SI).
     pub start: Vec<f64>,
+    /// Where movable constants of the model start beside it (SI), by name: a damper that stood in for friction gives way to it.
+    pub beside: Vec<(String, f64)>,
 }
 
 /// What was written for an effect.

@@ -1,11 +1,11 @@
 //! A draft with its numbers: calibrated, scored, compared with noise.
 
-use crate::draft::Draft;
+use crate::draft::{Draft, starting};
 use crate::effect::Effect;
 use crate::whiteness::{COLOURED, score};
-use phisindy_learn::{Calibration, Effort, RecordFit, calibrate};
+use phisindy_learn::{Calibration, Effort, FoundParameter, RecordFit, calibrate};
 use phisindy_phys::spec::Role;
-use phisindy_phys::{Record, noise_level, splice, standard_deviation};
+use phisindy_phys::{Parameter, Record, noise_level, standard_deviation};
 
 /// A clean column still counts as known to this part of its standard deviation: the simulation itself is not better.
 const CLEAN: f64 = 1e-5;
@@ -146,24 +146,20 @@ impl Fitted {
         if part > 0.6 || self.is_white() { 1.0 } else { part }
     }
 
+    /// The constants that moved, with the values that were found; of those with a value for each record that of the first one.
+    pub(crate) fn found(&self, which: impl Fn(&Parameter) -> bool) -> Vec<(String, f64)> {
+        let parameters = &self.draft.case.system.parameters;
+        let of = |p: &FoundParameter| {
+            let parameter = &parameters[p.parameter.filter(|_| p.record.is_none_or(|r| r == 0))?];
+            which(parameter).then(|| (parameter.name.clone(), p.estimate.value))
+        };
+        self.cal.parameters.iter().filter_map(of).collect()
+    }
+
     /// The draft with every movable number starting where this fit ended.
     pub(crate) fn settled(&self) -> Result<Draft, String> {
-        let mut text = self.draft.text.clone();
-        for p in &self.cal.parameters {
-            let value = p.estimate.value / p.factor;
-            match (p.parameter, p.record) {
-                (Some(k), record) if record.is_none_or(|r| r == 0) => {
-                    let name = &self.draft.case.system.parameters[k].name;
-                    let known = self.draft.case.system.parameters[k].known;
-                    let bounds = (p.bounds.0 / p.factor, p.bounds.1 / p.factor);
-                    let field = if known { "value" } else { "start" };
-                    let value = value.clamp(bounds.0.min(bounds.1), bounds.1.max(bounds.0));
-                    text = splice::set(&text, &format!("constants.{name}.{field}"), &format!("{value:?}"))
-                        .map_err(|e| e.to_string())?;
-                }
-                _ => {}
-            }
-        }
+        let system = &self.draft.case.system;
+        let text = starting(&self.draft.text, system, &self.found(|_| true))?;
         let mut draft = self.draft.rebuilt(text, self.draft.effects.clone(), self.draft.internal.clone())?;
         self.starts(&mut draft);
         Ok(draft)

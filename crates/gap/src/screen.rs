@@ -47,7 +47,19 @@ pub(crate) struct Screening {
     /// Best first, by gain less the price of the parameters.
     pub(crate) candidates: Vec<Candidate>,
     gram: Mat<f64>,
+    /// How much of each column that was projected out is in each of the others.
+    follow: Mat<f64>,
+    movable: Vec<Movable>,
     recipes: Vec<Option<Recipe>>,
+}
+
+/// A movable constant of the model, whose column is projected out.
+struct Movable {
+    name: String,
+    /// Where the model has it (SI).
+    now: f64,
+    /// Its row in [`Screening::follow`].
+    row: usize,
 }
 
 /// What one evaluation of an effect gives: the columns of a trial, by record.
@@ -73,8 +85,16 @@ struct Ground {
     stride: usize,
     /// The response of the model as it is, samples x n.
     known: Vec<f64>,
-    /// For each body, where it rests.
-    still: Vec<(String, Vec<bool>)>,
+    /// For each place of a force, where it rests.
+    still: Vec<Still>,
+}
+
+/// Where the velocity of a place rests.
+struct Still {
+    at: String,
+    rests: Vec<bool>,
+    /// The state that is held there by friction which the model has already.
+    held: Option<usize>,
 }
 
 /// Screens the catalogue in a fitted model.
@@ -95,7 +115,7 @@ pub(crate) fn screen(
         .map(|&r| base.ground(system, draft, r, fitted, noise, stride, &all_places))
         .collect::<Option<_>>()?;
     // The columns that are projected out, and the target.
-    let fixed: Vec<Vec<f64>> = base.fixed(system, draft, &of, &grounds);
+    let (fixed, movable) = base.fixed(system, draft, &of, &grounds);
     let effects = effects(draft, catalogue, &all_places);
     let made: Vec<(Option<Recipe>, Vec<Trial>)> = effects
         .par_iter()
@@ -125,9 +145,10 @@ pub(crate) fn screen(
     let matrix = Mat::from_fn(rows, columns.len(), |i, j| columns[j][i]);
     let gram = matrix.transpose() * &matrix;
     let gram = gram * faer::Scale(stride as f64);
-    let (gram, kept) = projected(&gram, fixed.len());
+    let Projected { gram, kept, follow } = projected(&gram, fixed.len());
     let samples = (rows * stride) as f64;
-    let mut screening = Screening { candidates: vec![], gram, recipes: made.iter().map(|_| None).collect() };
+    let recipes = made.iter().map(|_| None).collect();
+    let mut screening = Screening { candidates: vec![], gram, follow, movable, recipes };
     let mut best: Vec<Vec<Candidate>> = vec![vec![]; effects.len()];
     let price = |size: usize| size as f64 * samples.ln();
     for (trial, at) in candidates {
@@ -139,6 +160,7 @@ pub(crate) fn screen(
         let Some((gain, coefficients)) = solve(&screening.gram, &at) else { continue };
         let recipe = made[trial.recipe].0.as_ref();
         let Some(effect) = seeded(&trial.effect, recipe, &coefficients, &trial.grid) else { continue };
+        let effect = Effect { beside: screening.beside(&at, &coefficients), ..effect };
         let size = trial.effect.entry.law.parameters.len();
         let candidate = Candidate {
             effect,
@@ -180,9 +202,11 @@ impl Screening {
                 distinct.dedup();
                 let Some((gain, coefficients)) = solve(&self.gram, &at) else { continue };
                 let (left, right) = coefficients.split_at(a.columns.len());
-                let (Some(one), Some(two)) = (self.reseeded(a, left), self.reseeded(b, right)) else {
+                let (Some(mut one), Some(mut two)) = (self.reseeded(a, left), self.reseeded(b, right)) else {
                     continue;
                 };
+                one.effect.beside = self.beside(&at, &coefficients);
+                two.effect.beside = one.effect.beside.clone();
                 all.push((gain - price * (a.size + b.size) as f64, one, two));
             }
         }
@@ -213,6 +237,15 @@ impl Screening {
         chosen.into_iter().map(|k| (all[k].1.clone(), all[k].2.clone())).collect()
     }
 
+    /// Where the movable constants go when columns `at` enter with these coefficients: the regression moves them along.
+    fn beside(&self, at: &[usize], coefficients: &[f64]) -> Vec<(String, f64)> {
+        let of = |m: &Movable| {
+            let taken: f64 = at.iter().zip(coefficients).map(|(&k, c)| c * self.follow[(m.row, k)]).sum();
+            (m.name.clone(), m.now + self.follow[(m.row, 0)] - taken)
+        };
+        self.movable.iter().map(of).filter(|(_, value)| value.is_finite()).collect()
+    }
+
     fn reseeded(&self, c: &Candidate, coefficients: &[f64]) -> Option<Candidate> {
         let effect = seeded(&c.effect, self.recipes[c.recipe].as_ref(), coefficients, &c.grid)?;
         Some(Candidate { effect, ..c.clone() })
@@ -237,7 +270,7 @@ fn effects(draft: &Draft, catalogue: &[Entry], places: &[Place]) -> Vec<Effect> 
             let start =
                 entry.law.parameters.iter().map(|(_, p)| 0.0_f64.clamp(p.within.0, p.within.1)).collect();
             let plain =
-                Effect { entry: entry.clone(), place: place.clone(), mirror: false, load: None, start };
+                Effect { entry: entry.clone(), place: place.clone(), mirror: false, load: None, start, beside: vec![] };
             if draft.effects.iter().any(|(e, ..)| excludes(e, &plain)) {
                 continue;
             }
@@ -320,8 +353,17 @@ fn solve(gram: &Mat<f64>, at: &[usize]) -> Option<(f64, Vec<f64>)> {
     (gain.is_finite() && coefficients.iter().all(|c| c.is_finite())).then_some((gain, coefficients))
 }
 
-/// The Gram matrix with columns 1 .. `fixed` projected out of all others (column 0 is the target); and which columns still hold something.
-fn projected(gram: &Mat<f64>, fixed: usize) -> (Mat<f64>, Vec<bool>) {
+/// A Gram matrix with some columns projected out of the others.
+struct Projected {
+    gram: Mat<f64>,
+    /// Which columns still hold something.
+    kept: Vec<bool>,
+    /// Coefficients of the columns that are out in a regression of each of the others on them.
+    follow: Mat<f64>,
+}
+
+/// The Gram matrix with columns 1 .. `fixed` projected out of all others (column 0 is the target).
+fn projected(gram: &Mat<f64>, fixed: usize) -> Projected {
     let total = gram.ncols();
     let out: Vec<usize> = (1..fixed).filter(|&k| gram[(k, k)] > 0.0).collect();
     let rest: Vec<usize> = [0].into_iter().chain(fixed..total).collect();
@@ -332,15 +374,19 @@ fn projected(gram: &Mat<f64>, fixed: usize) -> (Mat<f64>, Vec<bool>) {
     });
     let cross = Mat::from_fn(n, rest.len(), |i, j| gram[(out[i], rest[j])] * scale[i]);
     let own = Mat::from_fn(rest.len(), rest.len(), |i, j| gram[(rest[i], rest[j])]);
+    let mut follow = Mat::zeros(fixed - 1, rest.len());
     let left = match m.llt(faer::Side::Lower) {
         Ok(llt) if n > 0 => {
             let solved = llt.solve(&cross);
+            for (i, &k) in out.iter().enumerate() {
+                (0..rest.len()).for_each(|j| follow[(k - 1, j)] = scale[i] * solved[(i, j)]);
+            }
             &own - cross.transpose() * &solved
         }
         _ => own.clone(),
     };
     let kept = (0..rest.len()).map(|k| left[(k, k)] > DEGENERATE * own[(k, k)]).collect();
-    (left, kept)
+    Projected { gram: left, kept, follow }
 }
 
 /// The known rates, their Jacobian and their slopes by the parameters, on a tape.
@@ -394,19 +440,15 @@ impl Base {
         let mut rates: Vec<f64> = vec![0.0; samples * n];
         (0..samples * n).for_each(|i| rates[i] = values[i % n][i / n]);
         // What rests: bodies for which friction is or may be missing.
-        let mut still = Vec::new();
+        let mut still: Vec<Still> = Vec::new();
         for place in places {
             let Site::Force { acts, velocity, .. } = &place.site else { continue };
             let speed = speed(system, &motion, place)?;
             let least = ((0.04 * motion.period / (span / samples as f64)) as usize).clamp(5, samples);
             let rests = resting(&speed, rest_threshold(&speed), least);
             // Friction that is in the model already holds with what force it needs.
-            let own = draft
-                .case
-                .system
-                .contacts
-                .iter()
-                .any(|c| c.text.replace([' ', '(', ')'], "") == velocity.replace([' ', '(', ')'], ""));
+            let bare = |text: &str| text.replace([' ', '(', ')'], "");
+            let own = system.contacts.iter().any(|c| bare(&c.text) == bare(velocity) && system.rubs(c));
             if own {
                 let inertia = |k: usize, i: usize| values[n + n * n + n * self.parameters + k][i];
                 for i in (0..samples).filter(|&i| rests[i]) {
@@ -421,11 +463,11 @@ impl Base {
                     }
                 }
             }
-            still.push((place.at.clone(), rests));
+            let held = system.state(&place.at).filter(|_| own);
+            still.push(Still { at: place.at.clone(), rests, held });
         }
         // A body at rest forgets; so must its linear stand-in, or errors made before a stop are carried past it.
-        let forgets =
-            still.iter().any(|(_, s): &(String, Vec<bool>)| s.iter().filter(|s| **s).count() * 50 > samples);
+        let forgets = still.iter().any(|s| s.rests.iter().filter(|r| **r).count() * 50 > samples);
         let left = shift(&a, n, span).max(if forgets { FORGET / motion.period } else { 0.0 });
         (0..n).for_each(|k| a[k * n + k] -= left);
         let bracket: Vec<f64> = (0..samples)
@@ -448,8 +490,15 @@ impl Base {
     }
 
     /// Target and columns to project out, over all records: start states, parameters, sensors.
-    fn fixed(&self, system: &System, draft: &Draft, of: &[usize], grounds: &[Ground]) -> Vec<Vec<f64>> {
+    fn fixed(
+        &self,
+        system: &System,
+        draft: &Draft,
+        of: &[usize],
+        grounds: &[Ground],
+    ) -> (Vec<Vec<f64>>, Vec<Movable>) {
         let n = self.n;
+        let mut movable = Vec::new();
         let mut all: Vec<Vec<f64>> = Vec::new();
         let total: usize = grounds.iter().map(Ground::height).sum();
         let mut target = Vec::with_capacity(total);
@@ -486,7 +535,7 @@ impl Base {
                             let column = &values[n + n * n + row * self.parameters + p];
                             (0..samples).for_each(|i| g[i * n + row] = column[i]);
                         }
-                        ground.quiet(system, &draft.case.system.contacts, &mut g);
+                        ground.quiet(&mut g);
                         ground.read(&ground.linear.response(&g, &vec![0.0; n]), false)
                     })
                     .collect()
@@ -520,6 +569,8 @@ impl Base {
                 before += ground.height();
             }
             if !parameter.each {
+                // Column 0 is the target.
+                movable.push(Movable { name: parameter.name.clone(), now: parameter.start, row: all.len() - 1 });
                 all.push(joint);
             }
         }
@@ -541,7 +592,7 @@ impl Base {
             }
             before += ground.height();
         }
-        all
+        (all, movable)
     }
 }
 
@@ -604,14 +655,10 @@ impl Ground {
     }
 
     /// Takes away what a force would do to a body that rests in a contact of the model.
-    fn quiet(&self, system: &System, contacts: &[phisindy_phys::Contact], g: &mut [f64]) {
-        let n = system.states.len();
-        for contact in contacts {
-            let Some(k) = system.states.iter().position(|s| s.node == contact.node) else { continue };
-            let Some((_, still)) = self.still.iter().find(|(at, _)| *at == system.states[k].name) else {
-                continue;
-            };
-            still.iter().enumerate().filter(|(_, s)| **s).for_each(|(i, _)| g[i * n + k] = 0.0);
+    fn quiet(&self, g: &mut [f64]) {
+        let n = g.len() / self.motion.samples();
+        for (k, rests) in self.still.iter().filter_map(|s| Some((s.held?, &s.rests))) {
+            rests.iter().enumerate().filter(|(_, r)| **r).for_each(|(i, _)| g[i * n + k] = 0.0);
         }
     }
 }
@@ -719,8 +766,8 @@ fn force_trials(
             let z = inner.as_ref().map(|tape| remembered(tape, &ground.motion, &grid));
             let values =
                 evaluated(&tape, &ground.motion, &grid, &z.iter().map(Vec::as_slice).collect::<Vec<_>>());
-            let still = ground.still.iter().find(|(at, _)| *at == effect.place.at).map(|(_, s)| s);
-            let rests = |i: usize| sticks && still.is_some_and(|s| s[i]);
+            let still = ground.still.iter().find(|s| s.at == effect.place.at);
+            let rests = |i: usize| sticks && still.is_some_and(|s| s.rests[i]);
             for (c, column) in columns.iter_mut().enumerate() {
                 let mut g = vec![0.0; samples * n];
                 for (j, &(state, _)) in acts.iter().enumerate() {
@@ -729,7 +776,7 @@ fn force_trials(
                         .filter(|&i| !rests(i))
                         .for_each(|i| g[i * n + state] = if force[i].is_finite() { force[i] } else { 0.0 });
                 }
-                ground.quiet(system, &system.contacts, &mut g);
+                ground.quiet(&mut g);
                 column.extend(ground.read(&ground.linear.response(&g, &vec![0.0; n]), false));
             }
             // At rest the missing friction is what the other forces need to be held.

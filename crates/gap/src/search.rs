@@ -247,7 +247,7 @@ impl Search<'_> {
         {
             return vec![];
         }
-        let found = Effect { start: values(leader, names, &effect.start), ..effect.clone() };
+        let found = Effect { start: values(leader, names, &effect.start), beside: leader.found(|p| !p.each), ..effect.clone() };
         self.catalogue
             .iter()
             .filter(|e| e.law.family == law.family && e.law.internal.is_empty() && e.id != effect.entry.id)
@@ -499,8 +499,11 @@ fn on_the_way(from: &Fitted, to: &Fitted) -> bool {
 
 /// The effects of a fitted model, from where its fit ended.
 pub(crate) fn current(now: &Fitted) -> Vec<Effect> {
+    let own = |name: &str| now.draft.effects.iter().any(|(_, names, _)| names.iter().any(|n| n == name));
+    let beside = now.found(|p| !p.each && !own(&p.name));
     let of = |(e, names, _): &(Effect, Vec<String>, String)| Effect {
         start: values(now, names, &e.start),
+        beside: beside.clone(),
         ..e.clone()
     };
     now.draft.effects.iter().map(of).collect()
@@ -533,7 +536,7 @@ fn neutral(effect: &Effect) -> Effect {
         Some(_) => vec![0.0],
         None => effect.start.iter().zip(&law.parameters).map(small).collect(),
     };
-    Effect { start, ..effect.clone() }
+    Effect { start, beside: vec![], ..effect.clone() }
 }
 
 /// A simpler law in the place of another, started from its first level.
@@ -557,6 +560,7 @@ fn relative(effect: &Effect, entry: &Entry) -> Effect {
         mirror: false,
         load: effect.load.clone(),
         start,
+        beside: effect.beside.clone(),
     }
 }
 

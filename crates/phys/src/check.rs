@@ -1,5 +1,6 @@
 //! Spec to [`System`]: every name resolved, every mistake of the file collected.
 
+use crate::system::holds_sign;
 use crate::constants::{Constants, Value};
 use crate::dimensions::dimensions;
 use crate::plan::{RecordPlan, plan_records};
@@ -7,7 +8,7 @@ use crate::spec::{LearnSpec, Spec, Text, UnknownSpec};
 use crate::system::{Contact, Input, State, System, Term};
 use crate::unit::Unit;
 use crate::{Diagnostic, SourceId};
-use phisindy_expr::{Graph, Id, Names, Node, Span, Symbol, Unary, nearest, ops, parse};
+use phisindy_expr::{Graph, Id, Names, Span, Symbol, nearest, ops, parse};
 use std::collections::{HashMap, HashSet};
 
 /// A checked spec: the system, what its records will be, and how to learn.
@@ -376,15 +377,9 @@ impl Checker {
                 self.error("the same contact twice", text.span, "");
                 continue;
             }
-            let signs: Vec<Id> = [node, minus].map(|w| self.graph.unary(Unary::Sgn, w)).into();
-            let steps: Vec<Id> = [node, minus].map(|w| self.graph.unary(Unary::Step, w)).into();
             let mut roots: Vec<Id> = known.to_vec();
             roots.extend(terms.iter().map(|t| t.value));
-            let all = self.graph.reachable(&roots);
-            let sign = |id: &Id| {
-                matches!(self.graph.node(*id), Node::Unary(Unary::Sgn | Unary::Step, _)) && all.contains(id)
-            };
-            if !signs.iter().chain(&steps).any(sign) {
+            if !holds_sign(&mut self.graph, &roots, node) {
                 let message = format!(
                     "no rate holds `sgn({0})`: contact `{0}` has no friction and can never stick",
                     text.value

@@ -2,7 +2,7 @@
 
 use crate::Model;
 use crate::unit::Dimension;
-use phisindy_expr::{Graph, Id, Names};
+use phisindy_expr::{Graph, Id, Names, Node, Unary};
 use std::collections::HashMap;
 
 /// A state of the system.
@@ -159,6 +159,11 @@ impl System {
         }
     }
 
+    /// Whether the known rates hold the sign of a contact's velocity: friction that the model has already.
+    pub fn rubs(&self, contact: &Contact) -> bool {
+        holds_sign(&mut self.graph.clone(), &self.known, contact.node)
+    }
+
     /// What the system's expressions depend on, in one order for every tape: time, states, inputs, parameters, constants of the records.
     pub fn arguments(&self) -> Vec<Id> {
         let states = self.states.iter().map(|s| s.node);
@@ -194,4 +199,11 @@ impl System {
         let map: HashMap<Id, Id> = values.iter().map(|&(id, v)| (id, graph.constant(v))).collect();
         graph.replace(&[node], &map)[0]
     }
+}
+
+/// Whether expressions hold the sign, or the step, of `w` or of `-w`.
+pub(crate) fn holds_sign(graph: &mut Graph, roots: &[Id], w: Id) -> bool {
+    let own = [w, graph.neg(w)];
+    let sign = |id: &Id| matches!(graph.node(*id), Node::Unary(Unary::Sgn | Unary::Step, a) if own.contains(&a));
+    graph.reachable(roots).iter().any(sign)
 }
