@@ -46,8 +46,9 @@ fn made(name: &str, content: &[u8]) -> (Scratch, String, Outcome) {
 
 #[track_caller]
 fn checked(scratch: &Scratch, text: &str) {
-    let said = phisindy(&["check", &scratch.path("rig.ron")]);
-    assert_eq!((said.code, said.err.as_str()), (0, ""), "{text}");
+    let spec = scratch.path("rig.ron");
+    let said = phisindy(&["check", &spec]);
+    assert_eq!((said.code, said.err), (0, format!("{spec}: no mistakes\n")), "{text}");
 }
 
 #[track_caller]

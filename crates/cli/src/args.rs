@@ -1,5 +1,6 @@
 //! The command line: names, help, and what clap can check by itself (a mistake ends with exit code 2).
 
+use crate::limit::Limit;
 use clap::{Parser, Subcommand, ValueEnum};
 use phisindy_phys::spec::Method;
 use std::path::PathBuf;
@@ -21,7 +22,7 @@ Examples:
 const CODES: &str = "\
 The result goes to standard output, everything else to standard error.
 Exit codes: 0 identified; 1 ran, but the result is rejected; 2 the spec, its files or the command line are wrong;
-3 the numerics failed; 130 interrupted (what was finished is printed).";
+3 the numerics failed, or --limit was met (what was finished is printed); 130 interrupted (the same).";
 
 /// Find the missing part of a mechanical model - above all friction - in measured motion.
 #[derive(Debug, Parser)]
@@ -234,6 +235,9 @@ pub(crate) struct Options {
     /// Number of threads [default: all]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) jobs: Option<u16>,
+    /// Longest time and most memory, as in 10min, 4GB or 10min,4GB, or none [default: 24h,8GB]
+    #[arg(long, global = true, value_name = "LIMIT", value_parser = Limit::parse)]
+    pub(crate) limit: Option<Limit>,
     /// No progress and no warnings
     #[arg(long, short, global = true)]
     pub(crate) quiet: bool,

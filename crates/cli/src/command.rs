@@ -24,7 +24,7 @@ pub(crate) const NUMERICS: u8 = 3;
 
 /// Does what the command line says.
 pub(crate) fn execute(args: &Args) -> ExitCode {
-    interrupt::listen();
+    interrupt::listen(args.options.limit.unwrap_or_default());
     let options = &args.options;
     let done = threads(options).and_then(|()| match &args.command {
         Command::Run { specs } => run(specs, options),
@@ -75,12 +75,17 @@ pub(crate) fn complain(message: &str) {
 
 /// Reads a spec and draws what there is to say about it.
 pub(crate) fn loaded(spec: &Path, options: &Options, purpose: Purpose) -> Result<Loaded, u8> {
+    loaded_with(spec, options, purpose).map(|(loaded, _)| loaded)
+}
+
+/// The same with the number of warnings.
+fn loaded_with(spec: &Path, options: &Options, purpose: Purpose) -> Result<(Loaded, usize), u8> {
     let (mut sources, mut found) = (Sources::default(), Vec::new());
     let loaded = load(spec, options, purpose, &mut sources, &mut found);
     // Next to a mistake, warnings are mostly its consequences: what failed to parse leaves constants unused.
     let drawn = found.iter().filter(|d| d.is_error() || (loaded.is_ok() && !options.quiet));
     draw::show(drawn, &sources);
-    loaded.map_err(refused)
+    loaded.map(|loaded| (loaded, found.len())).map_err(refused)
 }
 
 /// The exit code of a refusal.
@@ -105,7 +110,8 @@ fn run(specs: &[PathBuf], options: &Options) -> Result<u8> {
     let mut worst = 0;
     for (k, (spec, folder)) in specs.iter().zip(&folders).enumerate() {
         if interrupt::asked() {
-            return Ok(interrupt::CODE);
+            interrupt::tell();
+            return Ok(interrupt::code());
         }
         let code = run_one(spec, folder.as_ref(), options, k > 0)?;
         worst = worst.max(code);
@@ -123,6 +129,7 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
         Ok(found) => found,
         Err(error) => {
             complain(&format!("{}: {error}", loaded.spec));
+            interrupt::tell();
             if let Some(folder) = folder {
                 html::write_failure(&error.to_string(), &loaded, options, folder)?;
             }
@@ -136,22 +143,36 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
     if !options.quiet {
         caution(&report, options.format);
     }
-    if let Some(folder) = folder {
-        folder.write("result.json", &report.written(Format::Json))?;
-        folder.write("equation.tex", &report.written(Format::Latex))?;
-        match identified_spec::written(&loaded, &found) {
-            Ok(text) => folder.write("identified.ron", &text)?,
-            Err(why) => complain(&format!("identified.ron cannot be written: {why}")),
-        }
-        html::write_run(&report, &loaded, options, folder)?;
-    }
+    let kept = folder.map_or(Ok(()), |folder| keep(&report, &loaded, &found, options, folder));
+    // A full disk must not take away what was computed: it is printed all the same.
     let blank = if follows && options.format != Format::Json { "\n" } else { "" };
     print(&format!("{blank}{}", report.written(options.format)))?;
+    kept?;
+    if found.stopped {
+        interrupt::tell();
+    }
     Ok(match (found.stopped, &found.verdict) {
-        (true, _) => interrupt::CODE,
+        (true, _) => interrupt::code(),
         (false, Verdict::Identified) => 0,
         (false, Verdict::Rejected(_)) => REJECTED,
     })
+}
+
+/// Writes the files of a run.
+fn keep(
+    report: &Report<'_>,
+    loaded: &Loaded,
+    found: &Identified,
+    options: &Options,
+    folder: &OutDir,
+) -> Result<()> {
+    folder.write("result.json", &report.written(Format::Json))?;
+    folder.write("equation.tex", &report.written(Format::Latex))?;
+    match identified_spec::written(loaded, found) {
+        Ok(text) => folder.write("identified.ron", &text)?,
+        Err(why) => complain(&format!("identified.ron cannot be written: {why}")),
+    }
+    html::write_run(report, loaded, options, folder)
 }
 
 /// What a reader should know, on standard error; not a second time where the result goes to the same terminal.
@@ -195,13 +216,26 @@ fn simulate(spec: &Path, options: &Options) -> Result<u8> {
         }
     };
     let mut out = io::BufWriter::new(io::stdout().lock());
-    simulate::write(&loaded, &runs, &mut out)?;
-    out.flush()?;
+    simulate::write(&loaded, &runs, &mut out).and_then(|()| Ok(out.flush()?)).context(STDOUT)?;
     Ok(0)
 }
 
 fn check(specs: &[PathBuf], options: &Options) -> u8 {
-    let codes = specs.iter().map(|spec| loaded(spec, options, Purpose::Check).err().unwrap_or(0));
+    let codes = specs.iter().map(|spec| match loaded_with(spec, options, Purpose::Check) {
+        Ok((_, warnings)) => {
+            // Silence would leave it open whether anything was looked at.
+            if !options.quiet {
+                let warned = match warnings {
+                    0 => String::new(),
+                    1 => ", 1 warning".to_owned(),
+                    n => format!(", {n} warnings"),
+                };
+                remark(&format!("{}: no mistakes{warned}", spec.display()));
+            }
+            0
+        }
+        Err(code) => code,
+    });
     codes.max().unwrap_or(0)
 }
 
@@ -237,7 +271,12 @@ fn laws(name: Option<&str>, options: &Options) -> Result<u8> {
     Ok(0)
 }
 
+/// What is wrong where the result has nowhere to go.
+const STDOUT: &str =
+    "cannot write to standard output: write into a file on a disk with space, or give --out DIR";
+
+/// The result.
 pub(crate) fn print(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
-    out.write_all(text.as_bytes()).and_then(|()| out.flush()).context("cannot write to standard output")
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).context(STDOUT)
 }

@@ -10,7 +10,7 @@ mod lines;
 mod mistake;
 
 pub(crate) use dialect::{Dialect, is_units_row, looks_like_number};
-pub(crate) use lines::{Line, Lines};
+pub(crate) use lines::{Line, Lines, open};
 pub(crate) use mistake::Mistakes;
 use phisindy_expr::Span;
 use phisindy_phys::spec::{CsvSpec, Text};
@@ -25,7 +25,8 @@ const FEWEST: usize = 10;
 /// Most samples of a record: a fit looks at each of them a thousand times.
 const MOST: usize = 2_000_000;
 
-/// Reads what `csv` needs from the file at `path`, whose columns are in `units`; `name` is what the user calls that file.
+/// Reads what `csv` needs from the file at `path`, whose columns are in `units`; `name` is what the user calls that file. With the table come
+/// warnings.
 ///
 /// # Errors
 /// Everything that is wrong with the heading, or the first thing that is wrong in the rows, with the line of the file.
@@ -36,14 +37,32 @@ pub(crate) fn read(
     name: &str,
     spec: SourceId,
     sources: &mut Sources,
-) -> Result<Table, Vec<Diagnostic>> {
+) -> Result<(Table, Vec<Diagnostic>), Vec<Diagnostic>> {
+    match Lines::open(path, csv.skip) {
+        Ok(lines) => table(csv, units, lines, name, spec, sources),
+        Err(e) => Err(vec![Mistakes { name, spec, sources }.unreadable(csv.path.span, &e)]),
+    }
+}
+
+/// The same from lines, wherever they come from.
+///
+/// # Errors
+/// As [`read`].
+pub(crate) fn table(
+    csv: &CsvSpec,
+    units: &Units,
+    lines: Lines,
+    name: &str,
+    spec: SourceId,
+    sources: &mut Sources,
+) -> Result<(Table, Vec<Diagnostic>), Vec<Diagnostic>> {
     let mistakes = Mistakes { name, spec, sources };
-    let lines = Lines::open(path, csv.skip).map_err(|e| vec![mistakes.unreadable(csv.path.span, &e)])?;
     let mut reader = Reader {
         csv,
         time: units.time.scale(),
         columns: units.columns.iter().map(|u| u.scale()).collect(),
         mistakes,
+        warnings: vec![],
         lines,
         seen_point: None,
         seen_comma: None,
@@ -70,6 +89,7 @@ pub(crate) fn read(
         row: Vec::with_capacity(csv.columns.len()),
         last: None,
         counted: 0,
+        shortest: usize::MAX,
         run: 0,
         clock: None,
     };
@@ -99,7 +119,7 @@ pub(crate) fn read(
             rows.is_some(),
         )]);
     }
-    Ok(table)
+    Ok((table, reader.warnings))
 }
 
 /// Where the needed columns stand in a line.
@@ -118,6 +138,8 @@ struct Kept {
     last: Option<(Line, f64, Range<usize>)>,
     /// Rows so far that `rows` selects.
     counted: u64,
+    /// Length of the shortest last field so far.
+    shortest: usize,
     /// Which run of the file the last row belongs to, and its time.
     run: u64,
     clock: Option<f64>,
@@ -129,6 +151,7 @@ struct Reader<'a> {
     time: Scale,
     columns: Vec<Scale>,
     mistakes: Mistakes<'a>,
+    warnings: Vec<Diagnostic>,
     lines: Lines,
     /// A number with a decimal point, and one with a decimal comma, if any was met.
     seen_point: Option<String>,
@@ -196,6 +219,7 @@ impl Reader<'_> {
                 (0..0, (time, time))
             }
         };
+        self.end_of(&line, fields.last(), kept);
         kept.counted += 1;
         if let Some(wanted) = &self.csv.run {
             kept.run += u64::from(kept.clock.replace(time).is_some_and(|before| time < before));
@@ -242,6 +266,16 @@ impl Reader<'_> {
         }
         kept.last = Some((line, time, place));
         Ok(())
+    }
+
+    /// Looks at how a line ends: a file that was cut off may end inside a number.
+    fn end_of(&mut self, line: &Line, last: Option<&Range<usize>>, kept: &mut Kept) {
+        let Some(last) = last else { return };
+        if !line.ended && last.len() < kept.shortest && kept.counted as usize >= FEWEST {
+            let d = self.mistakes.perhaps_cut(line, last);
+            self.warnings.push(d);
+        }
+        kept.shortest = kept.shortest.min(last.len());
     }
 
     /// A field as it stands there, and in SI.

@@ -1,5 +1,8 @@
 //! Diagnostics as text for people: the place with its line, marked, and what to do.
 
+mod clip;
+
+use clip::Clipped;
 use codespan_reporting::diagnostic as drawn;
 use codespan_reporting::files::{self, Files};
 use codespan_reporting::term::{self, Config, termcolor};
@@ -12,20 +15,29 @@ pub(crate) fn show<'d>(diagnostics: impl IntoIterator<Item = &'d Diagnostic>, so
     let colour = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
     for diagnostic in diagnostics {
         let mut buffer = if colour { termcolor::Buffer::ansi() } else { termcolor::Buffer::no_color() };
-        if term::emit_to_write_style(
-            &mut buffer,
-            &Config::default(),
-            &Texts(sources),
-            &converted(diagnostic, sources),
-        )
-        .is_err()
-        {
+        if draw(&mut buffer, diagnostic, sources).is_err() {
             // A place outside of its text would be a mistake of this program; the message matters more.
             let _ = writeln!(buffer, "{}\n{}", diagnostic.message, diagnostic.help.join("\n"));
         }
         // Nobody is left to complain to if standard error is closed.
         let _ = io::stderr().write_all(buffer.as_slice());
     }
+}
+
+/// Draws one diagnostic.
+fn draw(
+    buffer: &mut termcolor::Buffer,
+    diagnostic: &Diagnostic,
+    sources: &Sources,
+) -> Result<(), files::Error> {
+    let clipped = Clipped::new(diagnostic, sources);
+    let drawn = converted(&clipped.diagnostic, &clipped.sources);
+    term::emit_to_write_style(
+        buffer,
+        &Config::default(),
+        &Texts { whole: sources, clipped: &clipped },
+        &drawn,
+    )
 }
 
 /// A diagnostic in the terms of the drawing crate.
@@ -59,11 +71,14 @@ fn inside(range: Range<usize>, text: &str) -> Range<usize> {
 }
 
 /// The texts that were read, line numbers counted from where each piece stands in its file.
-struct Texts<'a>(&'a Sources);
+struct Texts<'a> {
+    whole: &'a Sources,
+    clipped: &'a Clipped<'a>,
+}
 
 impl<'a> Texts<'a> {
     fn text(&self, id: usize) -> Result<&'a str, files::Error> {
-        self.0.files.get(id).map(|f| f.text.as_str()).ok_or(files::Error::FileMissing)
+        self.clipped.sources.files.get(id).map(|f| f.text.as_str()).ok_or(files::Error::FileMissing)
     }
 }
 
@@ -73,7 +88,7 @@ impl<'a> Files<'a> for Texts<'_> {
     type Source = &'a str;
 
     fn name(&'a self, id: usize) -> Result<&'a str, files::Error> {
-        self.0.files.get(id).map(|f| f.name.as_str()).ok_or(files::Error::FileMissing)
+        self.whole.files.get(id).map(|f| f.name.as_str()).ok_or(files::Error::FileMissing)
     }
 
     fn source(&'a self, id: usize) -> Result<&'a str, files::Error> {
@@ -86,7 +101,12 @@ impl<'a> Files<'a> for Texts<'_> {
     }
 
     fn line_number(&'a self, id: usize, line: usize) -> Result<usize, files::Error> {
-        self.0.files.get(id).map(|f| f.first_line + line).ok_or(files::Error::FileMissing)
+        self.whole.files.get(id).map(|f| f.first_line + line).ok_or(files::Error::FileMissing)
+    }
+
+    fn column_number(&'a self, id: usize, line: usize, byte: usize) -> Result<usize, files::Error> {
+        let here = || Ok(files::column_index(self.text(id)?, self.line_range(id, line)?, byte) + 1);
+        self.clipped.column(self.whole, id, byte).map_or_else(here, Ok)
     }
 
     fn line_range(&'a self, id: usize, line: usize) -> Result<Range<usize>, files::Error> {
@@ -108,8 +128,7 @@ mod tests {
         let mut sources = Sources::default();
         let id = sources.add_excerpt("a.csv", "0.5,1\n0.5,2", 12);
         let d = Diagnostic::error("time stands").at(id, Span::new(6, 9), "not later").help("delete it");
-        let text = term::emit_into_string(&Config::default(), &Texts(&sources), &converted(&d, &sources))
-            .expect("drawn");
+        let text = drawn_text(&d, &sources);
         assert!(text.contains("a.csv:13:1"), "{text}");
         assert!(text.contains("= help: delete it"), "{text}");
     }
@@ -120,10 +139,32 @@ mod tests {
         let id = sources.add("a.ron", "é");
         for span in [Span::new(1, 1), Span::new(7, 9), Span::new(2, 0), Span::new(0, 1)] {
             let d = Diagnostic::warning("odd").at(id, span, "");
-            assert!(
-                term::emit_into_string(&Config::default(), &Texts(&sources), &converted(&d, &sources))
-                    .is_ok()
-            );
+            assert!(drawn_text(&d, &sources).contains("odd"));
         }
+    }
+
+    /// Ten thousand parentheses, marked in two places far apart: what is shown fits a screen, and the place is the real one.
+    #[test]
+    fn long_lines_are_clipped_around_what_is_marked() {
+        let mut sources = Sources::default();
+        let text = format!("(\n  a: \"{}é{}\",\n)", "(".repeat(10_000), ")".repeat(10_000));
+        let id = sources.add("a.ron", text);
+        for span in
+            [Span::new(5_000, 5_001), Span::new(3, 20_000), Span::new(10_007, 10_010), Span::new(0, 20_012)]
+        {
+            let d =
+                Diagnostic::error("odd").at(id, span, "here").also(id, Span::new(15_000, 15_002), "there");
+            let drawn = drawn_text(&d, &sources);
+            assert!(drawn.lines().all(|line| line.chars().count() < 400), "{drawn}");
+            assert!(drawn.contains("there") && drawn.contains("..."), "{drawn}");
+        }
+        let d = Diagnostic::error("odd").at(id, Span::new(5_000, 5_001), "here");
+        assert!(drawn_text(&d, &sources).contains("a.ron:2:4999"), "{}", drawn_text(&d, &sources));
+    }
+
+    fn drawn_text(diagnostic: &Diagnostic, sources: &Sources) -> String {
+        let mut buffer = termcolor::Buffer::no_color();
+        draw(&mut buffer, diagnostic, sources).expect("drawn");
+        String::from_utf8(buffer.into_inner()).expect("UTF-8")
     }
 }

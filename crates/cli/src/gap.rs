@@ -46,6 +46,7 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
         Ok(found) => found,
         Err(error) => {
             complain(&format!("{}: {error}", loaded.spec));
+            interrupt::tell();
             if let Some(folder) = &folder {
                 html::write_failure(&error.to_string(), &loaded, options, folder)?;
             }
@@ -61,18 +62,23 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
     let seconds = begin.elapsed().as_secs_f64();
     let object = as_json(&loaded, &found, seconds);
     let text = as_text(&found, &catalogue, seconds);
-    if let Some(folder) = &folder {
+    let kept = folder.as_ref().map_or(Ok(()), |folder| {
         folder.write("result.json", &format!("{object:#}\n"))?;
         folder.write("gap.txt", &text)?;
         folder.write("completed.ron", &completed(&loaded, &found))?;
-        html::write_gap(&found, &catalogue, &loaded, seconds, options, folder)?;
-    }
+        html::write_gap(&found, &catalogue, &loaded, seconds, options, folder)
+    });
+    // A full disk must not take away what was computed: it is printed all the same.
     match options.format {
         Format::Json => print(&format!("{object}\n"))?,
         Format::Text | Format::Latex => print(&text)?,
     }
+    kept?;
+    if found.stopped {
+        interrupt::tell();
+    }
     Ok(match (found.stopped, found.status) {
-        (true, _) => interrupt::CODE,
+        (true, _) => interrupt::code(),
         (false, Status::Unexplained) => REJECTED,
         (false, _) => 0,
     })
@@ -224,6 +230,9 @@ fn as_text(found: &Gap, catalogue: &[Entry], seconds: f64) -> String {
     for (record, role, column, a, b) in &found.nrmse {
         let role = if *role == Role::Fit { "fit" } else { "validate" };
         out.push(format!("{record} ({role}): NRMSE of {column} {a:.4} -> {b:.4}"));
+    }
+    if found.stopped {
+        out.push(format!("{} before the end; so far:", interrupt::words()));
     }
     out.push(ending(found));
     out.push(format!("{seconds:.1} s"));

@@ -54,7 +54,7 @@ pub(crate) fn make(args: &TableArgs, options: &Options) -> Result<u8> {
     let mut progress = Progress::new("hidden", options.quiet);
     for index in 0..args.sets {
         if interrupt::asked() {
-            return Ok(interrupt::CODE);
+            return Ok(interrupt::code());
         }
         let wish = wish::wish(seed, index, args.only.as_deref()).map_err(|why| anyhow!(why))?;
         let mut dice = Dice::new(seed, &format!("set {index}"));

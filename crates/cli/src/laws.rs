@@ -5,10 +5,17 @@ mod picture;
 
 pub(crate) use picture::picture;
 
+use crate::csvfile;
 use crate::table::{aligned, short};
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, bail};
 use phisindy_phys::Law;
+use std::io::Read;
 use std::path::Path;
+
+/// Most bytes of a law.
+const LONGEST: u64 = 1 << 16;
+/// Most laws of a folder.
+const MOST: usize = 1000;
 
 /// A law and where it comes from.
 pub(crate) struct Entry {
@@ -32,9 +39,16 @@ pub(crate) fn catalogue(folders: &[&Path]) -> Result<Vec<Entry>> {
             .with_context(|| format!("cannot read the folder of laws `{}`", folder.display()))?;
         paths.retain(|p| p.extension().is_some_and(|e| e == "ron"));
         paths.sort();
+        if paths.len() > MOST {
+            bail!(
+                "the folder of laws `{}` holds {} laws (at most {MOST}): take some out",
+                folder.display(),
+                paths.len()
+            );
+        }
         for path in paths {
             let id = path.file_stem().map_or(String::new(), |s| s.to_string_lossy().into_owned());
-            let text = std::fs::read_to_string(&path)
+            let text = text_of(&path, folder)
                 .with_context(|| format!("cannot read the law `{}`", path.display()))?;
             let new = entry(&id, text, &format!("the law `{}`", path.display()))?;
             all.retain(|e| e.id != id);
@@ -43,6 +57,19 @@ pub(crate) fn catalogue(folders: &[&Path]) -> Result<Vec<Entry>> {
     }
     all.sort_by(|a, b| a.id.cmp(&b.id));
     Ok(all)
+}
+
+/// The text of a law. The folder may come with somebody else's spec, so nothing is read that is not a file in it.
+fn text_of(path: &Path, folder: &Path) -> Result<String> {
+    if !path.canonicalize()?.starts_with(folder.canonicalize()?) {
+        bail!("it is a link that leads out of the folder of laws: copy the file into the folder");
+    }
+    let mut text = String::new();
+    csvfile::open(path)?.take(LONGEST + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > LONGEST {
+        bail!("it is longer than {LONGEST} bytes: a law is a few lines of text");
+    }
+    Ok(text)
 }
 
 fn entry(id: &str, text: String, what: &str) -> Result<Entry> {

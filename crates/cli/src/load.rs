@@ -7,10 +7,12 @@ use crate::trends::Trends;
 use phisindy_expr::Span;
 use phisindy_phys::spec::{ColumnSpec, CsvSpec, InputSpec, Role, Text};
 use phisindy_phys::{
-    Case, Diagnostic, Interpolation, Origin, Record, RecordPlan, Severity, Signal, SourceId, Sources, Units,
-    link_continuations, suspicions, unit::Unit,
+    Case, Diagnostic, Interpolation, Origin, Record, RecordPlan, Severity, Signal, SourceId, Sources, Table,
+    Units, link_continuations, suspicions, unit::Unit,
 };
 use phisindy_sim::{SyntheticError, Trajectory, synthesize};
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::Path;
 
 /// A spec with everything it needs.
@@ -105,8 +107,12 @@ pub(crate) fn load_text(
 /// The text of the spec.
 pub(crate) fn spec_text(path: &Path) -> Result<String, Diagnostic> {
     let shown = path.display();
-    let mut text = std::fs::read(path)
-        .map_err(|e| Diagnostic::error(format!("cannot read the spec `{shown}`: {e}")))
+    let mut text = start_of(path)
+        .map_err(|e| {
+            Diagnostic::error(format!("cannot read the spec `{shown}`: {e}")).help(
+                "name a text file that exists and that you may read; `phisindy new DATA.csv` writes one",
+            )
+        })
         .and_then(|bytes| {
             let text = String::from_utf8(bytes);
             text.map_err(|_| {
@@ -117,6 +123,20 @@ pub(crate) fn spec_text(path: &Path) -> Result<String, Diagnostic> {
         text = rest.to_owned();
     }
     Ok(text)
+}
+
+/// What the reader of specs takes, and a byte more, by which it sees that there is too much.
+const LONGEST: u64 = (1 << 20) + 1;
+
+/// The bytes of a file, as far as they can be a spec. It may be a pipe, for the user named it.
+pub(crate) fn start_of(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let file = File::open(path)?;
+    if file.metadata()?.is_dir() {
+        return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
+    }
+    file.take(LONGEST).read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 /// The text with every `--set` spliced in.
@@ -229,14 +249,15 @@ impl Loader<'_> {
         };
         let shown = path.display().to_string();
         let units = Units::of(csv, &case.system);
-        let record =
-            csvfile::read(csv, &units, &path, &shown, self.source, self.sources).and_then(|mut table| {
-                let done = self.trends.take_off(csv, &units, &mut table);
-                let mut record = Record::from_table(plan, &table, &case.system, self.source)?;
-                record.notes.extend(decimation(csv));
-                record.notes.extend(done);
-                Ok(record)
-            });
+        let read = csvfile::read(csv, &units, &path, &shown, self.source, self.sources);
+        let record = read.and_then(|(mut table, warnings)| {
+            warnings.into_iter().chain(beyond_the_end(csv, &table, self.source)).for_each(|d| self.push(d));
+            let done = self.trends.take_off(csv, &units, &mut table);
+            let mut record = Record::from_table(plan, &table, &case.system, self.source)?;
+            record.notes.extend(decimation(csv));
+            record.notes.extend(done);
+            Ok(record)
+        });
         if let Ok(record) = &record {
             suspicions(&case.system, record).into_iter().for_each(|s| self.push(Diagnostic::warning(s)));
         }
@@ -286,6 +307,20 @@ impl Loader<'_> {
     }
 }
 
+/// A warning where a window goes on after its file has ended: the file may have been longer.
+fn beyond_the_end(csv: &CsvSpec, table: &Table, source: SourceId) -> Option<Diagnostic> {
+    let ((start, end), (_, last)) = (csv.window.as_ref()?, table.extent?);
+    let missing = end.value - last;
+    // The window of a record that is whole often ends half a step behind it.
+    let told = table.time.len() >= 2 && missing > 0.02 * (end.value - start.value);
+    let message =
+        format!("the window goes on to {}, but the time in `{}` ends at {last}", end.value, csv.path.value);
+    let d = || {
+        Diagnostic::warning(message).at(source, start.span.to(end.span), "goes on after the end of the file")
+    };
+    told.then(|| d().help(format!("if the file is whole, end the window there: ({}, {last})", start.value)))
+}
+
 /// What `decimate` did, in words.
 fn decimation(csv: &CsvSpec) -> Option<String> {
     let every = csv.decimate.as_ref().map(|d| d.value).filter(|n| *n > 1)?;
@@ -306,7 +341,7 @@ fn input_file(
     let csv = column_of(path, time, column);
     let unit = |c: &ColumnSpec| c.unit.as_ref().and_then(|u| Unit::parse(&u.value).ok()).unwrap_or(Unit::ONE);
     let units = Units { time: unit(time), columns: vec![unit(column)] };
-    let table = csvfile::read(&csv, &units, &found, &found.display().to_string(), source, sources)?;
+    let (table, _) = csvfile::read(&csv, &units, &found, &found.display().to_string(), source, sources)?;
     let (times, values) = (table.time.into(), table.columns.concat());
     Signal::new(times, values, Interpolation::Cubic).map_err(|e| {
         vec![Diagnostic::error(format!("`{}` is no input: {e}", path.value)).at(source, path.span, "")]

@@ -21,6 +21,7 @@ mod identified_spec;
 mod interrupt;
 mod json;
 mod laws;
+mod limit;
 mod linear_combination;
 mod load;
 mod markup;

@@ -1,7 +1,8 @@
 //! The folder of `--out`: made and tried before the work starts, written so that no half-written file is ever seen.
 
 use anyhow::{Context, Result};
-use std::fs;
+use std::fs::{self, File};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// A folder that can be written to.
@@ -11,12 +12,12 @@ impl OutDir {
     /// Makes the folder if needed and tries to write into it.
     pub(crate) fn create(path: &Path) -> Result<OutDir> {
         fs::create_dir_all(path)
-            .with_context(|| format!("cannot make the folder `{}` of --out", path.display()))?;
+            .with_context(|| format!("cannot make the folder `{}` of --out{ELSEWHERE}", path.display()))?;
         let dir = OutDir(path.to_owned());
         let probe = dir.temporary("probe");
-        fs::write(&probe, b"")
-            .and_then(|()| fs::remove_file(&probe))
-            .with_context(|| format!("cannot write into the folder `{}` of --out", path.display()))?;
+        fs::write(&probe, b"").and_then(|()| fs::remove_file(&probe)).with_context(|| {
+            format!("cannot write into the folder `{}` of --out{ELSEWHERE}", path.display())
+        })?;
         Ok(dir)
     }
 
@@ -28,16 +29,27 @@ impl OutDir {
     /// Writes a file: under another name first, so that it is there as a whole or not at all.
     pub(crate) fn write(&self, name: &str, content: &str) -> Result<()> {
         let (temporary, path) = (self.temporary(name), self.0.join(name));
-        fs::write(&temporary, content)
+        whole(&temporary, content)
             .and_then(|()| fs::rename(&temporary, &path))
             .inspect_err(|_| drop(fs::remove_file(&temporary)))
-            .with_context(|| format!("cannot write `{}`", path.display()))
+            .with_context(|| format!("cannot write `{}`{ELSEWHERE}", path.display()))
     }
 
     fn temporary(&self, name: &str) -> PathBuf {
         self.0.join(format!(".{name}.{}.part", std::process::id()))
     }
 }
+
+/// A file whose content is on the disk when this returns: a name must not point to less than the whole, even after a power cut.
+fn whole(path: &Path, content: &str) -> io::Result<()> {
+    let mut file = File::create(path)?;
+    file.write_all(content.as_bytes())?;
+    file.sync_all()
+}
+
+/// What to do where nothing can be written.
+const ELSEWHERE: &str =
+    " (make room or give yourself the right to write there, or choose another folder with --out)";
 
 /// Writes a file beside the folder of `--out`, in place of what was there.
 pub(crate) fn replace_file(path: &Path, content: &str) -> Result<()> {

@@ -62,7 +62,7 @@ pub(crate) fn command(args: &TableArgs, options: &Options) -> Result<u8> {
         }
         TableKind::Hidden => ("hidden", None),
     };
-    let Some(table) = made else { return Ok(interrupt::CODE) };
+    let Some(table) = made else { return Ok(interrupt::code()) };
     print(&table)?;
     if !failures.is_empty() {
         print(&format!("\n{failures}"))?;

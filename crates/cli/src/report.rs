@@ -4,6 +4,7 @@ use crate::args::Format;
 use crate::contribution;
 use crate::equation::{Equation, equations, names_of_records};
 use crate::held::{self, Held};
+use crate::interrupt;
 use crate::json::{self, method, role};
 use crate::load::Loaded;
 use crate::table::{aligned, short};
@@ -90,8 +91,12 @@ impl<'a> Report<'a> {
             Verdict::Identified => "identified".to_owned(),
             Verdict::Rejected(why) => format!("rejected: {why}"),
         };
-        let stopped = if found.stopped { ", stopped by the user" } else { "" };
-        lines.push(format!("{verdict} (method {}, {:.1} s{stopped})", method(found.method), self.seconds));
+        let verdict = if found.stopped {
+            format!("{} before the end; so far {verdict}", interrupt::words())
+        } else {
+            verdict
+        };
+        lines.push(format!("{verdict} (method {}, {:.1} s)", method(found.method), self.seconds));
         lines.push(self.basis());
         let mut section = |rows: Vec<Vec<String>>| {
             if rows.len() > 1 {

@@ -118,7 +118,7 @@ pub(crate) fn sweep(plan: &Plan, journal: &mut Journal, title: &str) -> Result<O
     let mut todo = Vec::new();
     for (k, checked) in plan.cells.iter().enumerate() {
         let Ok(named) = &checked.truth else { continue };
-        for seed in (0..plan.seeds).map(|i| plan.first.wrapping_add(i)) {
+        for seed in (0..plan.seeds).map(|i| plan.first + i) {
             if !journal.has(&checked.cell.label, seed) {
                 todo.push(Task {
                     cell: k,
@@ -178,7 +178,7 @@ pub(crate) fn sweep(plan: &Plan, journal: &mut Journal, title: &str) -> Result<O
         journal.push(run)?;
         done += 1;
     }
-    let seeds: Vec<u64> = (0..plan.seeds).map(|i| plan.first.wrapping_add(i)).collect();
+    let seeds: Vec<u64> = (0..plan.seeds).map(|i| plan.first + i).collect();
     let runs = plan.cells.iter().map(|c| journal.runs(&c.cell.label, &seeds)).collect();
     Ok(Outcome { runs, stopped: done < total, seconds: begin.elapsed().as_secs_f64() })
 }

@@ -31,7 +31,8 @@ impl Graph {
                     None if name == "pi" => self.constant(std::f64::consts::PI),
                     None => {
                         unknown.push(UnknownName { name: name.clone(), span: node.span });
-                        self.constant(f64::NAN)
+                        // Anything finite: what is built on it is thrown away.
+                        self.constant(1.0)
                     }
                 },
                 AstKind::Unary(op, a) => self.unary(*op, ids[*a]),

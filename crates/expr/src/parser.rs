@@ -78,7 +78,20 @@ impl ParseError {
             }),
             FunctionWithoutArguments(name) => Some(format!("write `{name}(...)`")),
             TooDeep => Some("name an inner part as a constant, or expand it".into()),
-            _ => None,
+            TooLong => Some("split it: a candidate for each term, a constant for each number".into()),
+            Empty => Some("write an expression, such as `0`".into()),
+            UnknownCharacter(_) => {
+                Some("there are numbers, names, `+ - * / ^`, parentheses, bars and commas".into())
+            }
+            ExpectedValue(_) => Some("a name or a number stands on both sides of an operator".into()),
+            UnclosedParenthesis => {
+                Some("every `(` needs its `)`: add the missing one, or delete this one".into())
+            }
+            UnclosedBar => Some("bars come in pairs, as in `|v|`; `abs(v)` says the same".into()),
+            WrongArguments(name, due, _) => {
+                Some(format!("write `{name}({})`", ["a", "a, b"][usize::from(*due > 1)]))
+            }
+            NumberTooLarge => Some("numbers go up to 1.7e308: choose a larger unit".into()),
         }
     }
 }

@@ -16,7 +16,8 @@ pub(crate) fn unary(g: &mut Graph, op: Unary, a: Id) -> Option<Id> {
     match (op, g.node(a)) {
         (Unary::Neg, Node::Unary(Unary::Neg, b)) => Some(b),
         (Unary::Neg, Node::Binary(Binary::Sub, b, c)) => Some(g.sub(c, b)),
-        (Unary::Neg, Node::Binary(Binary::Mul, c, b)) if g.value(c).is_some() => {
+        // Only of a finite number the negative is a number again: of any other one this would go on for ever.
+        (Unary::Neg, Node::Binary(Binary::Mul, c, b)) if g.value(c).is_some_and(f64::is_finite) => {
             let minus = g.neg(c);
             Some(g.mul(minus, b))
         }
@@ -73,12 +74,16 @@ pub(crate) fn binary(g: &mut Graph, op: Binary, a: Id, b: Id) -> Option<Id> {
 fn negated(g: &mut Graph, e: Id) -> Option<Id> {
     match g.node(e) {
         Node::Unary(Unary::Neg, inner) => Some(inner),
-        Node::Binary(Binary::Mul, c, b) if g.value(c).is_some_and(|c| c < 0.0) => {
+        Node::Binary(Binary::Mul, c, b) if g.value(c).is_some_and(below_zero) => {
             let c = g.neg(c);
             Some(g.mul(c, b))
         }
-        _ => g.value(e).filter(|&c| c < 0.0).map(|c| g.constant(-c)),
+        _ => g.value(e).filter(|&c| below_zero(c)).map(|c| g.constant(-c)),
     }
+}
+
+fn below_zero(c: f64) -> bool {
+    c < 0.0 && c.is_finite()
 }
 
 /// Signs and numbers move to the front of a product (`op`: an ordinary or a masked one).

@@ -194,20 +194,36 @@ fn messages_say_what_to_do() {
         "functions: abs, sgn, step, pos, ln, exp, sqrt, sin, cos, tan, tanh, atan, min, max, dead",
     );
     check_message("sgn", "`sgn` is a function and needs its arguments", "write `sgn(...)`");
-    check_message("max(x)", "`max` takes 2 arguments, not 1", "");
-    check_message("sin()", "`sin` takes 1 argument, not 0", "");
-    check_message("", "the expression is empty", "");
-    check_message("#", "`#` has no meaning in an expression", "");
-    check_message("(", "a value is missing before the end", "");
-    check_message("(x", "this parenthesis has no partner", "");
-    check_message("|x", "this bar has no partner", "");
-    check_message("1e400", "this number is too large", "");
+    check_message("max(x)", "`max` takes 2 arguments, not 1", "write `max(a, b)`");
+    check_message("sin()", "`sin` takes 1 argument, not 0", "write `sin(a)`");
+    check_message("", "the expression is empty", "write an expression, such as `0`");
+    check_message(
+        "#",
+        "`#` has no meaning in an expression",
+        "there are numbers, names, `+ - * / ^`, parentheses, bars and commas",
+    );
+    check_message(
+        "(",
+        "a value is missing before the end",
+        "a name or a number stands on both sides of an operator",
+    );
+    check_message(
+        "(x",
+        "this parenthesis has no partner",
+        "every `(` needs its `)`: add the missing one, or delete this one",
+    );
+    check_message("|x", "this bar has no partner", "bars come in pairs, as in `|v|`; `abs(v)` says the same");
+    check_message("1e400", "this number is too large", "numbers go up to 1.7e308: choose a larger unit");
     check_message(
         &"(".repeat(10_000),
         "nested more than 200 levels deep",
         "name an inner part as a constant, or expand it",
     );
-    check_message(&"x+".repeat(20_000), "the expression has more than 20000 tokens", "");
+    check_message(
+        &"x+".repeat(20_000),
+        "the expression has more than 20000 tokens",
+        "split it: a candidate for each term, a constant for each number",
+    );
 }
 
 #[test]

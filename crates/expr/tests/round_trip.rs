@@ -185,3 +185,31 @@ fn deep_graphs_do_not_overflow() {
     let x = bench.xyz[0];
     assert_eq!(bench.graph.gradient(id, &[x]).len(), 1);
 }
+
+/// The negative of such a number is no number, so that rules that turn signs must leave it alone; they used to call each other for ever.
+#[test]
+fn numbers_that_are_not_finite_end_the_rules() {
+    for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let mut bench = Bench::new();
+        let [a, b, _] = bench.xyz;
+        let number = bench.graph.constant(x);
+        let product = bench.graph.mul(number, a);
+        let minus = bench.graph.neg(product);
+        for op in [Binary::Add, Binary::Sub, Binary::Mul, Binary::Div, Binary::Pow] {
+            for (left, right) in [(minus, b), (b, minus), (minus, minus), (minus, number), (number, minus)] {
+                let id = bench.graph.binary(op, left, right);
+                bench.graph.neg(id);
+            }
+        }
+    }
+}
+
+/// What a misspelt constant stands in must not matter.
+#[test]
+fn an_unknown_name_behind_a_sign_is_told() {
+    for text in ["-d*y", "-(d*y)/m", "x - d*y", "x/(-d*y)", "-y*-d", "-d^-y", "|-d*y|*-d"] {
+        let mut bench = Bench::new();
+        let unknown = bench.graph.lower(&phisindy_expr::parse(text).unwrap(), |_| None).unwrap_err();
+        assert!(unknown.iter().any(|u| u.name == "d"), "{text}");
+    }
+}

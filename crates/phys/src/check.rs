@@ -82,6 +82,9 @@ fn checked(
     Ok((Case { system, records, learn: spec.learn.clone() }, diagnostics))
 }
 
+/// Most bytes of a name.
+const LONGEST_NAME: usize = 100;
+
 /// The state of a check: names so far, and what was found wrong.
 pub(crate) struct Checker {
     pub(crate) source: SourceId,
@@ -130,13 +133,19 @@ impl Checker {
             self.error(format!("`{text}` cannot be a name"), name.span, "")
                 .help
                 .push("a name starts with a letter and holds letters, digits and underscores".into());
+        } else if text.len() > LONGEST_NAME {
+            self.error(format!("a name has at most {LONGEST_NAME} letters"), name.span, "")
+                .help
+                .push("shorten it: it stands in tables and in names of files".into());
         } else if text == "t" || text == "pi" || ops::function(text).is_some() {
-            self.error(format!("`{text}` has a meaning of its own and cannot name a {what}"), name.span, "");
+            self.error(format!("`{text}` has a meaning of its own and cannot name a {what}"), name.span, "")
+                .help
+                .push("give it another name, here and in the expressions".into());
         }
         if let Some((_, span)) = self.declared.iter().find(|(n, _)| n == text) {
             let (span, source) = (*span, self.source);
             let d = self.error(format!("`{text}` is declared twice"), name.span, "again here");
-            *d = d.clone().also(source, span, "first here");
+            *d = d.clone().also(source, span, "first here").help("give one of the two another name");
         } else {
             self.declared.push((text.to_owned(), name.span));
         }
@@ -320,13 +329,18 @@ impl Checker {
         for candidate in &unknown.candidates {
             let (Some(factor), Some(bare)) = (factor, self.expression(candidate, allowed)) else { continue };
             if self.graph.value(bare) == Some(0.0) {
-                self.error("this candidate is zero", candidate.span, "");
+                self.error("this candidate is zero", candidate.span, "")
+                    .help
+                    .push("delete it, or correct the expression".into());
                 continue;
             }
             if let Some(&first) = seen.get(&bare) {
                 let source = self.source;
                 let d = self.error("the same candidate twice", candidate.span, "again here");
-                *d = d.clone().also(source, first, "first here");
+                *d = d
+                    .clone()
+                    .also(source, first, "first here")
+                    .help("delete one of the two: no data can tell them apart");
                 continue;
             }
             seen.insert(bare, candidate.span);
@@ -374,7 +388,9 @@ impl Checker {
             }
             let minus = self.graph.neg(node);
             if contacts.iter().any(|c| c.node == node || c.node == minus) {
-                self.error("the same contact twice", text.span, "");
+                self.error("the same contact twice", text.span, "")
+                    .help
+                    .push("delete one of the two: the sign of a velocity makes no difference".into());
                 continue;
             }
             let mut roots: Vec<Id> = known.to_vec();

@@ -71,7 +71,8 @@ impl Checker {
             match constant {
                 ConstantSpec::Number { value, unit } => {
                     let factor = unit.as_ref().map_or(1.0, |u| self.unit(u).factor);
-                    self.fix(name, node, value.value * factor);
+                    let value = self.si(value, factor);
+                    self.fix(name, node, value);
                 }
                 ConstantSpec::Movable(m) => {
                     parameters.push(self.parameter(
@@ -113,6 +114,18 @@ impl Checker {
         parameters
     }
 
+    /// A number in SI, which may be too large for a double; 1 after a diagnostic.
+    pub(crate) fn si(&mut self, number: &Number, factor: f64) -> f64 {
+        let si = number.value * factor;
+        if si.is_finite() {
+            return si;
+        }
+        self.error("this number is too large in SI units", number.span, "")
+            .help
+            .push("numbers go up to 1.7e308: choose a larger unit".into());
+        1.0
+    }
+
     fn fix(&mut self, name: &Text, node: Id, value: f64) {
         let number = self.graph.constant(value);
         self.constants.fold.insert(node, number);
@@ -136,9 +149,9 @@ impl Checker {
             name: name.value.clone(),
             unit: unit.map_or(String::new(), |u| u.value.clone()),
             node,
-            start: start.value * factor,
-            within: (within.0.value * factor, within.1.value * factor),
-            sigma: sigma.map(|s| s.value * factor),
+            start: self.si(start, factor),
+            within: (self.si(&within.0, factor), self.si(&within.1, factor)),
+            sigma: sigma.map(|s| self.si(s, factor)),
             each,
             known,
         }
@@ -161,7 +174,12 @@ impl Checker {
             match self.graph.value(root) {
                 Some(value) => self.fix(name, node, value),
                 None if self.graph.symbols(&[root]).is_empty() => {
-                    self.error(format!("constant `{}` is not a finite number", name.value), text.span, "");
+                    self.error(format!("constant `{}` is not a finite number", name.value), text.span, "")
+                        .help
+                        .push(
+                            "look for a division by zero, or the root or logarithm of what is not positive"
+                                .into(),
+                        );
                 }
                 None => {
                     self.constants.fold.insert(node, root);
@@ -210,7 +228,7 @@ impl Checker {
         match constant {
             ConstantSpec::Number { value, unit } => {
                 let factor = unit.as_ref().map_or(1.0, |u| self.unit(u).factor);
-                Some(Value::Number(value.value * factor))
+                Some(Value::Number(self.si(value, factor)))
             }
             ConstantSpec::MaxAbs(input) => {
                 let index = spec.inputs.iter().position(|(n, _)| n.value == input.value);

@@ -141,11 +141,11 @@ impl Checker {
                     },
                     SensorValue::Find(f) => {
                         let factor = f.unit.as_ref().map_or(1.0, |u| self.unit(u).factor);
-                        let within = Some((f.within.0.value * factor, f.within.1.value * factor));
+                        let within = Some((self.si(&f.within.0, factor), self.si(&f.within.1, factor)));
                         SensorParameter {
-                            start: f.start.value * factor,
+                            start: self.si(&f.start, factor),
                             within,
-                            sigma: f.sigma.as_ref().map(|s| s.value * factor),
+                            sigma: f.sigma.as_ref().map(|s| self.si(s, factor)),
                             shared: None,
                         }
                     }
@@ -229,7 +229,7 @@ impl Checker {
         let names: Vec<&str> = system.states.iter().map(|s| s.name.as_str()).collect();
         for (name, value) in given {
             match system.state(&name.value) {
-                Some(k) => start[k] = Some(value.value * system.states[k].factor),
+                Some(k) => start[k] = Some(self.si(value, system.states[k].factor)),
                 None => self.unknown_name(&name.value, name.span, "state in `start`", &names),
             }
         }
@@ -267,7 +267,11 @@ impl Checker {
                         "`{}` cannot be converted to `{}`, the unit of `{}`",
                         unit.value, own[&name.value], name.value
                     );
-                    self.error(message, unit.span, "");
+                    let help = format!(
+                        "`(header, unit)` says in which unit the file's numbers stand: give one of `{}`, or another column",
+                        own[&name.value]
+                    );
+                    self.error(message, unit.span, "").help.push(help);
                 }
             }
         }

@@ -7,6 +7,7 @@ mod constant;
 mod input;
 mod leaf;
 mod learn;
+mod limits;
 mod read;
 pub(crate) mod reader;
 mod record;

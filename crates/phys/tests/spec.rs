@@ -259,8 +259,14 @@ fn hostile_texts_are_refused_quickly() {
     {
         assert_eq!(read(&text, SourceId(0)).unwrap_err().len(), 1);
     }
-    let long = SMALL.replace("[\"1\"]", &format!("[{}]", "\"x\",".repeat(1 << 20)));
-    assert!(read(&long, SourceId(0)).is_ok());
+    let with = |terms: usize| SMALL.replace("[\"1\"]", &format!("[{}]", "\"x\",".repeat(terms)));
+    assert!(read(&with(1000), SourceId(0)).is_ok());
+    for (terms, message) in
+        [(1001, "1001 candidates are too many"), (100_000, "too many"), (1 << 20, "1 MiB")]
+    {
+        let mistakes = read(&with(terms), SourceId(0)).unwrap_err();
+        assert!(mistakes.len() == 1 && mistakes[0].message.contains(message), "{mistakes:?}");
+    }
     let many = format!("({})", "a:1,".repeat(10_000));
     assert_eq!(read(&many, SourceId(0)).unwrap_err().len(), 100);
 }

@@ -11,7 +11,7 @@ use crate::noise::Streams;
 mod tests;
 
 /// More sines than this are taken for a mistake in the step.
-const MOST_SINES: f64 = 1e6;
+const MOST_SINES: f64 = 1e5;
 
 /// Why an excitation cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +30,7 @@ pub enum ExcitationError {
         /// The upper end.
         high: f64,
     },
-    /// The band and the step ask for no sine, or for more than a million.
+    /// The band and the step ask for no sine, or for more than a hundred thousand.
     Count(f64),
 }
 
@@ -87,7 +87,7 @@ impl Multisine {
     /// omega_min + d_omega, ... omega_max` in rad/s. For `gamma` = 3.3 the standard deviation is about `hs/4`.
     ///
     /// # Errors
-    /// A parameter that is not positive and finite, an empty band, or more than a million sines.
+    /// A parameter that is not positive and finite, an empty band, or more than a hundred thousand sines.
     pub fn jonswap(
         hs: f64,
         tp: f64,
@@ -115,7 +115,7 @@ impl Multisine {
     /// in the middle), with standard deviation `rms` over a common period and random phases from the seed.
     ///
     /// # Errors
-    /// A parameter that is not positive and finite, an empty band, no sine or more than a million.
+    /// A parameter that is not positive and finite, an empty band, no sine or more than a hundred thousand.
     pub fn band(
         rms: f64,
         f_lo_hz: f64,

@@ -16,6 +16,8 @@ use std::sync::Arc;
 const TOLERANCE: f64 = 1e-10;
 /// Generated excitations are tabulated this much finer than the samples, for cubic interpolation.
 const FINER: usize = 8;
+/// Most sines times samples of a generated excitation: some seconds of work.
+const MOST_SINES: usize = 1_000_000_000;
 
 /// Why a synthetic record could not be made.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,6 +68,13 @@ pub fn synthesize(
         .map(|(input, name)| multisine(input, streams.seed(&format!("phases of {}", name.name))))
         .collect::<Result<_, _>>()
         .map_err(SyntheticError::Excitation)?;
+    if let Some(most) = generated.iter().flatten().map(|m| m.omegas().len()).max()
+        && most.saturating_mul(samples) > MOST_SINES
+    {
+        return Err(SyntheticError::Other(format!(
+            "{most} sines at each of {samples} samples are too much: take fewer sines (a larger step of `omega`, a smaller `count`) or fewer samples"
+        )));
+    }
     let exact = |k: usize, grid: &[f64]| -> Option<Vec<f64>> {
         let step = grid[1] - grid[0];
         match &truth.inputs[k] {

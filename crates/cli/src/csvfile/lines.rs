@@ -1,7 +1,7 @@
 //! Lines of a text file with their numbers: comments, empty lines and the byte order mark taken off.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
 /// Longer lines are no table (or no text).
@@ -29,11 +29,29 @@ pub(crate) enum LineError {
     Utf16,
     /// Longer than any table.
     Endless(usize),
+    /// More or fewer bytes than when it was opened.
+    Changed,
+}
+
+/// Opens a file that has an end. Anything else (a pipe, a device) could keep the program waiting, or give it bytes for ever.
+///
+/// # Errors
+/// It is no plain file, or the disk says so.
+pub(crate) fn open(path: &Path) -> io::Result<File> {
+    // Looked at before it is opened: a pipe would wait there for a writer.
+    let kind = std::fs::metadata(path)?.file_type();
+    if kind.is_dir() {
+        return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
+    }
+    if !kind.is_file() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is a pipe or a device, not a file"));
+    }
+    File::open(path)
 }
 
 /// The lines of a file, one after the other.
 pub(crate) struct Lines {
-    input: BufReader<File>,
+    input: BufReader<Box<dyn Read>>,
     buffer: Vec<u8>,
     number: usize,
     /// How many lines at the start are passed over.
@@ -46,19 +64,15 @@ pub(crate) struct Lines {
 impl Lines {
     /// Opens a file whose first `skip` lines are not looked at.
     pub(crate) fn open(path: &Path, skip: usize) -> io::Result<Lines> {
-        let file = File::open(path)?;
-        let about = file.metadata()?;
-        if about.is_dir() {
-            return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
-        }
-        Ok(Lines {
-            input: BufReader::with_capacity(1 << 16, file),
-            buffer: vec![],
-            number: 0,
-            skip,
-            read: 0,
-            size: about.len(),
-        })
+        let file = open(path)?;
+        let size = file.metadata()?.len();
+        Ok(Lines::of(file, size, skip))
+    }
+
+    /// The lines of anything that holds `size` bytes.
+    pub(crate) fn of(input: impl Read + 'static, size: u64, skip: usize) -> Lines {
+        let input = BufReader::with_capacity(1 << 16, Box::new(input) as Box<dyn Read>);
+        Lines { input, buffer: vec![], number: 0, skip, read: 0, size }
     }
 
     /// The part of the file that was read, from 0 to 1.
@@ -70,9 +84,9 @@ impl Lines {
     pub(crate) fn next(&mut self) -> Result<Option<Line>, LineError> {
         loop {
             self.buffer.clear();
-            let mut limited = io::Read::take(&mut self.input, LONGEST as u64);
+            let mut limited = Read::take(&mut self.input, LONGEST as u64);
             if limited.read_until(b'\n', &mut self.buffer).map_err(LineError::Io)? == 0 {
-                return Ok(None);
+                return if self.read == self.size { Ok(None) } else { Err(LineError::Changed) };
             }
             self.number += 1;
             self.read += self.buffer.len() as u64;

@@ -5,7 +5,7 @@ use super::lines::{Line, LineError};
 use super::span;
 use phisindy_expr::{Span, nearest};
 use phisindy_phys::spec::{CsvSpec, Spanned, Text};
-use phisindy_phys::{Diagnostic, SourceId, Sources};
+use phisindy_phys::{Diagnostic, Severity, SourceId, Sources};
 use std::io;
 use std::ops::Range;
 
@@ -58,7 +58,25 @@ impl Mistakes<'_> {
     }
 
     pub(crate) fn unreadable(&self, at: Span, error: &io::Error) -> Diagnostic {
-        self.in_spec(format!("cannot read `{}`: {error}", self.name), at)
+        let help = match error.kind() {
+            io::ErrorKind::IsADirectory => "name a file in it",
+            io::ErrorKind::InvalidInput => "save the data in a file first",
+            io::ErrorKind::PermissionDenied => "give yourself the right to read it (chmod u+r), or copy it",
+            io::ErrorKind::NotFound => "check its name and its folder",
+            _ => "copy the file to a disk that can be read",
+        };
+        self.in_spec(format!("cannot read `{}`: {error}", self.name), at).help(help)
+    }
+
+    /// The last number of a file that ends without a line end is shorter than all above it.
+    pub(crate) fn perhaps_cut(&mut self, line: &Line, field: &Range<usize>) -> Diagnostic {
+        let message = format!(
+            "`{}` ends in line {} without an end of line, perhaps inside its last number",
+            self.name, line.number
+        );
+        let mut d = self.in_line(message, line, field, "shorter than in every line above");
+        d.severity = Severity::Warning;
+        d.help("if the file was cut off, copy it again or delete its last line; if not, end the line")
     }
 
     pub(crate) fn bad_line(&mut self, at: Span, error: &LineError) -> Diagnostic {
@@ -70,6 +88,9 @@ impl Mistakes<'_> {
             LineError::Endless(number) => self
                 .in_spec(format!("line {number} of `{}` does not end: this is no table", self.name), at)
                 .help("a data file is text, one row of numbers on each line"),
+            LineError::Changed => self
+                .in_spec(format!("`{}` changed while it was read", self.name), at)
+                .help("wait until it is written completely, or copy it and read the copy"),
             LineError::NotText(good, number) => {
                 let line = Line { text: good.clone(), number: *number, ended: true };
                 let end = good.len();

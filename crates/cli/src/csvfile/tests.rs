@@ -22,7 +22,7 @@ fn table(fields: &str, content: &[u8]) -> Result<Table, String> {
     let units = Units { time: unit(&csv.time), columns: csv.columns.iter().map(|(_, c)| unit(c)).collect() };
     let read = super::read(csv, &units, &path, "a.csv", id, &mut sources);
     std::fs::remove_file(&path).expect("the temporary file");
-    read.map_err(|all| {
+    read.map(|(table, _)| table).map_err(|all| {
         all.iter().map(|d| format!("{} | {}", d.message, d.help.join(" | "))).collect::<Vec<_>>().join("\n")
     })
 }

@@ -8,6 +8,7 @@ use crate::args::Options;
 use crate::chart::digits;
 use crate::equation::equations;
 use crate::gap::{ending, rivals, vetoes};
+use crate::interrupt;
 use crate::json::role;
 use crate::load::Loaded;
 use crate::markup::{Element, element};
@@ -63,11 +64,15 @@ fn banner(found: &Gap, seconds: f64) -> Banner {
     let last = found.after.1.unwrap_or(found.after.0);
     let repeats =
         if tone == Tone::Good && last > NOISE { ": about what the motion itself repeats to" } else { "" };
-    let stopped = if found.stopped { ", stopped by the user" } else { "" };
+    let stopped = if found.stopped {
+        format!(" {} before the end.", capital(&interrupt::words()))
+    } else {
+        String::new()
+    };
     Banner {
         tone,
         headline: headline.to_owned(),
-        text: format!("{}{repeats}. {} s{stopped}.", capital(words), digits(seconds, 2)),
+        text: format!("{}{repeats}. {} s.{stopped}", capital(words), digits(seconds, 2)),
     }
 }
 

@@ -7,6 +7,7 @@ use super::{correlation, friction, mathml, motion, repeat, residual, selection};
 use crate::args::Options;
 use crate::chart::digits;
 use crate::equation::names_of_records;
+use crate::interrupt;
 use crate::json::{method, role};
 use crate::load::Loaded;
 use crate::markup::Element;
@@ -49,10 +50,14 @@ fn banner(report: &Report<'_>) -> Banner {
     let validate = worst(Role::Validate).map(|e| format!("{e} not fitted"));
     let errors: Vec<String> = fit.into_iter().chain(validate).collect();
     let how = format!(
-        "Method {}, {} s{}.",
+        "{}Method {}, {} s.",
+        if found.stopped {
+            format!("{} before the end. ", capital(&interrupt::words()))
+        } else {
+            String::new()
+        },
         method(found.method),
         digits(report.seconds, 2),
-        if found.stopped { ", stopped by the user" } else { "" }
     );
     match &found.verdict {
         Verdict::Identified => Banner {

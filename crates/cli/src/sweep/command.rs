@@ -34,6 +34,13 @@ pub(crate) fn command(args: &SweepArgs, options: &Options) -> Result<u8> {
     let Some(first) = options.seed.or(seed_of(case)) else {
         bail!("{}: no record of this case is `Synthetic`, so there is no truth to compare with", base.spec);
     };
+    if first.checked_add(args.seeds - 1).is_none() {
+        bail!(
+            "{} seeds from {first} on would go beyond the largest seed, {}: start at a smaller --seed",
+            args.seeds,
+            u64::MAX
+        );
+    }
     if case.system.terms.is_empty() {
         bail!("{}: `unknown` is empty, so there is nothing to find", base.spec);
     }
@@ -76,7 +83,8 @@ pub(crate) fn command(args: &SweepArgs, options: &Options) -> Result<u8> {
     let new = journal.len() - before;
     if outcome.stopped {
         complain_of_stop(&journal, folder.as_ref());
-        return Ok(interrupt::CODE);
+        interrupt::tell();
+        return Ok(interrupt::code());
     }
     if let Some(folder) = &folder {
         folder.write("sweep.json", &object)?;

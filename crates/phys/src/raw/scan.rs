@@ -5,8 +5,8 @@ use phisindy_expr::Span;
 
 /// Deepest nesting of brackets: far more than a spec needs, far less than a stack holds.
 const DEEPEST: usize = 64;
-/// Longest text in bytes.
-const LONGEST: usize = 8 << 20;
+/// Longest text in bytes; what is made of it takes about a hundred times as much.
+const LONGEST: usize = 1 << 20;
 
 /// What a token is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +34,7 @@ pub(super) struct Token {
 /// All tokens; white space and comments are left out.
 pub(super) fn tokens(text: &str) -> Result<Vec<Token>, Mistake> {
     if text.len() > LONGEST {
-        return Err(Mistake::new("the text is longer than 8 MiB", Span::new(0, 0), "")
+        return Err(Mistake::new("the text is longer than 1 MiB", Span::new(0, 0), "")
             .help("data belong into a data file, read with `Csv(path: ...)`"));
     }
     let mut tokens: Vec<Token> = Vec::new();

@@ -10,7 +10,11 @@ impl Reader<'_> {
     pub(crate) fn number(&mut self, node: &Node) -> Option<Number> {
         let slice = self.slice(node.span);
         if node.shape != Shape::Number {
-            return self.expected(node, "a number", "");
+            return self.expected(
+                node,
+                "a number",
+                "write it plainly, without quotes and with a decimal point: 10.0",
+            );
         }
         match ron::from_str::<f64>(slice) {
             Ok(value) if value.is_finite() => Some(Spanned { value, span: node.span }),
@@ -88,7 +92,12 @@ impl Reader<'_> {
     pub(crate) fn words(&mut self, node: &Node) -> Option<Text> {
         let text = self.unit(node)?;
         if text.value.trim().is_empty() {
-            return self.wrong(node.span, "the text is empty", "something must stand here", "");
+            return self.wrong(
+                node.span,
+                "the text is empty",
+                "something must stand here",
+                "write a name or an expression, such as \"0\" for nothing at all, or leave the entry out",
+            );
         }
         Some(text)
     }

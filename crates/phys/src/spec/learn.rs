@@ -4,6 +4,9 @@ use super::reader::Reader;
 use super::{Crossings, LearnSpec, Method, Optimiser, SegmentsSpec, SelectionSpec};
 use crate::raw::{Node, Shape};
 
+/// What the lists of stages ask for.
+const STAGES: &str = "give one number for each stage, or leave the list out";
+
 impl Reader<'_> {
     pub(super) fn learn(&mut self, node: &Node) -> Option<LearnSpec> {
         const FIELDS: &[&str] = &[
@@ -25,8 +28,10 @@ impl Reader<'_> {
         let methods = [("Step", Method::Step), ("Trajectory", Method::Trajectory)];
         let fields = self.fields(node, "`learn`", FIELDS)?;
         let optimiser = self.optional(&fields, "optimiser", |r, n| r.choice(n, "optimiser", &optimisers));
-        let epochs = self.optional(&fields, "epochs", |r, n| r.filled(n, |r, n| Some(r.count(n)?.value)));
-        let rates = self.optional(&fields, "rates", |r, n| r.filled(n, |r, n| Some(r.positive(n)?.value)));
+        let epochs =
+            self.optional(&fields, "epochs", |r, n| r.filled(n, STAGES, |r, n| Some(r.count(n)?.value)));
+        let rates =
+            self.optional(&fields, "rates", |r, n| r.filled(n, STAGES, |r, n| Some(r.positive(n)?.value)));
         if let (Some(epochs), Some(rates)) = (fields.get("epochs"), fields.get("rates"))
             && (epochs.shape, rates.shape) == (Shape::List, Shape::List)
             && epochs.entries.len() != rates.entries.len()

@@ -28,6 +28,9 @@ pub fn read(text: &str, source: SourceId) -> Result<(Spec, Vec<Diagnostic>), Vec
     }
 }
 
+/// What the list of records asks for.
+const RECORD: &str = "add a record: `Csv(path: \"run.csv\", ...)` or `Synthetic(...)`";
+
 impl Reader<'_> {
     fn spec(&mut self, node: &Node) -> Option<Spec> {
         const FIELDS: &[&str] = &[
@@ -54,9 +57,9 @@ impl Reader<'_> {
         let inertia = self.pairs(&fields, "inertia", Self::words);
         let unknown = self.pairs(&fields, "unknown", Self::unknown);
         let contacts = self.optional(&fields, "contacts", |r, n| r.list(n, Self::words));
-        let data = self.required(&fields, "data", |r, n| r.filled(n, Self::record));
+        let data = self.required(&fields, "data", |r, n| r.filled(n, RECORD, Self::record));
         let learn = self.optional(&fields, "learn", Self::learn);
-        Some(Spec {
+        let spec = Spec {
             title,
             constants,
             states: states?,
@@ -67,7 +70,9 @@ impl Reader<'_> {
             contacts: contacts.unwrap_or_default(),
             data: data?,
             learn: learn.unwrap_or_default(),
-        })
+        };
+        self.limits(&spec);
+        Some(spec)
     }
 
     fn unknown(&mut self, node: &Node) -> Option<UnknownSpec> {

@@ -160,10 +160,11 @@ impl<'t> Reader<'t> {
     pub(crate) fn filled<T>(
         &mut self,
         node: &Node,
+        help: &str,
         item: impl FnMut(&mut Self, &Node) -> Option<T>,
     ) -> Option<Vec<T>> {
         if node.shape == Shape::List && node.entries.is_empty() {
-            return self.wrong(node.span, "the list is empty", "at least one entry is needed", "");
+            return self.wrong(node.span, "the list is empty", "at least one entry is needed", help);
         }
         self.list(node, item)
     }

@@ -1,14 +1,12 @@
 //! Records: where data come from.
 
+use super::limits::SAMPLES;
 use super::reader::{Fields, Reader};
 use super::{
     ColumnSpec, CsvSpec, DeriveSpec, Detrend, Differentiator, Interpolation, NoiseSpec, Number, Role,
     Spanned, SyntheticSpec, Text,
 };
 use crate::raw::{Node, Shape};
-
-/// Most samples of a simulated record: more would not fit into memory.
-const MOST_SAMPLES: f64 = 2e7;
 
 impl Reader<'_> {
     pub(super) fn csv(&mut self, node: &Node) -> Option<CsvSpec> {
@@ -113,7 +111,9 @@ impl Reader<'_> {
         let inputs = self.pairs(&fields, "inputs", Self::input);
         let derive = self.pairs(&fields, "derive", Self::derive);
         let sensors = self.pairs(&fields, "sensors", Self::sensor);
-        let measure = self.optional(&fields, "measure", |r, n| r.filled(n, Self::words));
+        let measure = self.optional(&fields, "measure", |r, n| {
+            r.filled(n, "name what is measured, or leave the list out", Self::words)
+        });
         let interpolate = self.pairs(&fields, "interpolate", Self::interpolation);
         let constants = self.pairs(&fields, "constants", Self::constant);
         Some(SyntheticSpec {
@@ -237,7 +237,12 @@ impl Reader<'_> {
         let (value, unit) = self.quantity(node)?;
         if value.value < 0.0 {
             let message = format!("expected zero or more, found {}", self.slice(value.span));
-            return self.wrong(value.span, message, "must not be negative", "");
+            return self.wrong(
+                value.span,
+                message,
+                "must not be negative",
+                "a standard deviation is zero or more",
+            );
         }
         Some((value, unit))
     }
@@ -249,11 +254,16 @@ impl Reader<'_> {
                 step.span,
                 "the step is longer than the duration",
                 "longer than the whole record",
-                "",
+                "take a shorter step, or a longer duration",
             );
-        } else if count > MOST_SAMPLES {
-            let message = format!("{count:.1e} samples are too many (at most {MOST_SAMPLES:.0e})");
-            self.wrong::<()>(step.span, message, "too short for this duration", "take a longer step");
+        } else if count > SAMPLES {
+            let message = format!("{count:.1e} samples are too many (at most {SAMPLES:.0e})");
+            self.wrong::<()>(
+                step.span,
+                message,
+                "too short for this duration",
+                "take a longer step, or a shorter duration",
+            );
         }
     }
 
@@ -262,7 +272,12 @@ impl Reader<'_> {
             && separator.value == decimal.value
         {
             let message = "separator and decimal mark are the same character";
-            self.wrong::<()>(decimal.span, message, "the separator too", "");
+            self.wrong::<()>(
+                decimal.span,
+                message,
+                "the separator too",
+                "give another separator, such as ';'",
+            );
         }
     }
 }

@@ -1,0 +1,79 @@
+#!/usr/bin/env python3
+"""Fuzzes: python3 fuzz/run.py TARGET|all RUNS SEED
+
+Makes a corpus from specs/, runs libFuzzer on one thread, and prints a row for docs/robustness.md. Needs cargo-fuzz and a nightly toolchain.
+Inputs that fail are kept in fuzz/artifacts/TARGET.
+"""
+
+import pathlib
+import re
+import subprocess
+import sys
+
+TOP = pathlib.Path(__file__).resolve().parent.parent
+TARGETS = ["expression", "spec", "check", "csv", "splice", "law"]
+TOKENS = """( ) [ ] { } , : . | ^ * / + - " ' // /* */ \\0 \\x0a r#" "# 1e308 -1e308 1e-320 0.0 1 NaN inf true
+Csv( Synthetic( Find( Relative( Additive( Sensor( Derivative( Formula( Jonswap( Multisine( File( MaxAbs( Rate( Fit Validate Positive Spline
+title: constants: states: inputs: known: inertia: unknown: contacts: data: learn: factor: candidates: within: laws: value: unit: start: sigma: each:
+path: time: columns: derive: sensors: offset: gain: delay: window: role: rows: skip: run: separator: decimal: header: interpolate: decimate: detrend:
+truth: duration: step: noise: seed: measure: epochs: rates: cutoff: selection: horizon: segments: "m" "m/s" "N" "kg" "s"
+sgn( abs( ln( exp( sqrt( sin( cos( tanh( pos( dead( max( min( pi t name: roles: parameters: force: push: internal: rate: screen: grid:""".split()
+
+
+def corpus(target: str) -> pathlib.Path:
+    """Files to start from."""
+    folder = TOP / "fuzz/corpus" / target
+    folder.mkdir(parents=True, exist_ok=True)
+    specs = sorted((TOP / "specs").glob("*.ron")) + sorted((TOP / "specs/wrong").glob("*.ron"))
+    texts = [p.read_text() for p in specs]
+    laws = [p.read_text() for p in sorted((TOP / "specs/laws").glob("*.ron"))]
+    quoted = sorted({t for text in texts + laws for t in re.findall(r'"([^"\n]+)"', text)})
+    # Comments teach a fuzzer nothing, and short inputs run faster.
+    bare = [re.sub(r"//[^\n]*|\s*\n\s*", " ", t) for t in texts]
+    tables = [p.read_bytes()[:1500] for p in sorted((TOP / "specs/wrong").glob("*.csv"))]
+    fields = ['time: "time_s", columns: { "x": "x_m" }', 'time: ("t", "ms"), columns: { "x": ("x", "mm") }, skip: 2, decimal: \',\'',
+              'time: Rate(100.0), columns: { "x": "2" }, header: false, decimate: 2', 'time: "t", columns: { "x": "x" }, rows: { "n": 1.0 }, window: (0.0, 9.0), run: 1']
+    sets = [("learn.cutoff", "0.1"), ("data.0.noise", "Additive(0.02)"), ("contacts", "[]"), ("unknown.y.candidates", '["1"]'), ('constants."a.b"', "(1.0, \"kg\")")]
+    seeds = {
+        "expression": [t.encode() for t in quoted],
+        "spec": [t.encode() for t in bare],
+        "check": [t.encode() for t in bare],
+        "csv": [f.encode() + b"\0" + t for f in fields for t in tables],
+        "splice": [f"{p}\0{v}\0{t}".encode() for p, v in sets for t in bare[:12]],
+        "law": [re.sub(r"//[^\n]*|\s*\n\s*", " ", t).encode() for t in laws],
+    }[target]
+    for k, seed in enumerate(seeds):
+        (folder / f"seed-{k}").write_bytes(seed)
+    return folder
+
+
+def fuzz(target: str, runs: int, seed: int) -> bool:
+    """One target; prints its row."""
+    words = TOP / "fuzz/corpus/tokens.dict"
+    folder = corpus(target)
+    quoted = (t.replace("\\0", "\\x00").replace('"', '\\"') for t in TOKENS)
+    words.write_text("".join(f'"{t if t.startswith(chr(92) + "x") else t}"\n' for t in quoted))
+    command = ["cargo", "+nightly", "fuzz", "run", "--sanitizer", "none", target, str(folder), "--", f"-runs={runs}", f"-seed={seed}",
+               "-max_len=4096", "-timeout=10", "-rss_limit_mb=4096", f"-dict={words}", "-print_final_stats=1", "-verbosity=1", "-reload=0"]
+    said = subprocess.run(command, cwd=TOP, stderr=subprocess.PIPE, text=True, errors="replace").stderr
+    (TOP / "fuzz/corpus" / f"{target}.log").write_text(said)
+
+    def last(pattern: str) -> str:
+        return (re.findall(pattern, said) or ["?"])[-1]
+
+    failed = "Test unit written to" in said
+    print(f"| {target} | {last(r'number_of_executed_units: *([0-9]+)')} | {last(r'cov: ([0-9]+)')} | {last(r'worst time ([0-9.]+)')} ms "
+          f"| {last(r'worst memory ([0-9.]+)')} MB | {'fails: see fuzz/artifacts/' + target if failed else 'none'} |", flush=True)
+    return failed
+
+
+def main() -> None:
+    """As the command line says."""
+    which, runs, seed = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
+    print("| target | executions | edges covered | worst time | worst memory | failures |\n| --- | --- | --- | --- | --- | --- |", flush=True)
+    failed = [fuzz(target, runs, seed) for target in (TARGETS if which == "all" else [which])]
+    sys.exit(any(failed))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,39 @@
+//! A data file with the record that asks for it.
+
+use crate::program::csvfile::{self, Lines};
+use crate::told_well;
+use phisindy_phys::spec::{DataSpec, read};
+use phisindy_phys::unit::Unit;
+use phisindy_phys::{Sources, Units};
+use std::io::Cursor;
+
+/// Fields of a `Csv` record, a zero, the file: a table has as many numbers in each column, all finite, times that grow; a mistake has its place.
+pub fn csv(input: &[u8]) {
+    let zero = input.iter().position(|&b| b == 0).unwrap_or(0);
+    let (fields, file) = input.split_at(zero);
+    let Ok(fields) = std::str::from_utf8(fields) else { return };
+    let fields = if fields.is_empty() { "time: \"t\", columns: { \"x\": \"x\" }" } else { fields };
+    let file = file.strip_prefix(b"\0").unwrap_or(file).to_vec();
+    let text = format!("(states: {{ \"x\": \"m\" }}, known: {{ \"x\": \"1\" }}, data: [Csv(path: \"a.csv\", {fields})])");
+    let mut sources = Sources::default();
+    let source = sources.add("case.ron", text.clone());
+    let Ok((spec, _)) = read(&text, source) else { return };
+    let [DataSpec::Csv(csv)] = spec.data.as_slice() else { return };
+    let units = Units { time: Unit::ONE, columns: vec![Unit::ONE; csv.columns.len()] };
+    let lines = Lines::of(Cursor::new(file.clone()), file.len() as u64, csv.skip);
+    match csvfile::table(csv, &units, lines, "a.csv", source, &mut sources) {
+        Ok((table, said)) => {
+            said.iter().for_each(|d| told_well(d, &sources));
+            assert_eq!(table.lines.len(), table.time.len());
+            assert!(table.time.windows(2).all(|w| w[0] < w[1]), "time does not grow");
+            for column in &table.columns {
+                assert_eq!(column.len(), table.time.len());
+                assert!(column.iter().all(|x| x.is_finite()));
+            }
+        }
+        Err(said) => {
+            assert!(!said.is_empty(), "refused without a reason");
+            said.iter().for_each(|d| told_well(d, &sources));
+        }
+    }
+}
