@@ -11,7 +11,7 @@ use crate::search::{Measure, Search, Searched, current};
 use phisindy_expr::{Scratch, Tape};
 use phisindy_learn::{Effort, FoundParameter, RecordFit};
 use phisindy_phys::spec::Role;
-use phisindy_phys::{Case, Record, System};
+use phisindy_phys::{Case, Record, System, splice};
 use std::ops::ControlFlow;
 
 /// An explained record ends below this many times its noise.
@@ -201,12 +201,14 @@ pub fn gap(
     let mut hear = |part: f64, what: &str| observe(part, what).is_break();
     let mut search = Search { catalogue, noise: &noise, floor, hear: &mut hear, veto: &against };
     let cannot = |e: String| GapError::Numerics(format!("the model as it is cannot be simulated: {e}"));
-    let whole = Draft::base(text, case.clone(), records.clone());
+    let whole = without_candidates(text, case, records).map_err(cannot)?;
     // A look needs no more samples than this; the numbers come from all of them.
-    let short = shortened(&records);
+    let short = shortened(&whole.records);
     let searched = match &short {
         Some(short) => {
-            let mut found = search.run(Draft::base(text, case, short.clone())).map_err(cannot)?;
+            let mut found = search
+                .run(Draft::base(&whole.text, whole.case.clone(), short.clone()))
+                .map_err(cannot)?;
             found.base = Fitted::new(whole.clone(), &noise, Effort::Plain).map_err(cannot)?;
             let full =
                 whole.with_all(&current(&found.last)).and_then(|d| Fitted::new(d, &noise, Effort::Plain));
@@ -216,6 +218,17 @@ pub fn gap(
         None => search.run(whole).map_err(cannot)?,
     };
     finished(searched, &noise, repeat, floor, warnings, &mut hear)
+}
+
+/// The model that is believed complete: what the spec only asks about is no part of it.
+fn without_candidates(text: &str, case: Case, records: Vec<Record>) -> Result<Draft, String> {
+    let asks = !case.system.terms.is_empty();
+    let whole = Draft::base(text, case, records);
+    if !asks {
+        return Ok(whole);
+    }
+    let text = splice::set(text, "unknown", "{}").map_err(|e| e.to_string())?;
+    whole.rebuilt(text, vec![], vec![])
 }
 
 /// The beginnings of long records, for the search; `None` if none is long.
