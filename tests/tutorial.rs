@@ -1,0 +1,121 @@
+//! The tutorial is played: its commands run, its edits apply, its outputs are what it shows.
+
+#[allow(dead_code)] // each test uses its part
+mod common;
+
+use common::{program, top};
+use std::path::{Path, PathBuf};
+
+/// A block of code of the tutorial.
+#[derive(Debug)]
+struct Block<'a> {
+    /// What stands after the fence.
+    kind: &'a str,
+    /// The file that the line before names at its end, `name`:
+    file: Option<&'a str>,
+    lines: Vec<&'a str>,
+}
+
+fn blocks(text: &str) -> Vec<Block<'_>> {
+    let (mut all, mut open, mut last) = (Vec::new(), None::<Block<'_>>, "");
+    for line in text.lines() {
+        match (&mut open, line.strip_prefix("```")) {
+            (Some(_), Some(_)) => all.extend(open.take()),
+            (Some(block), None) => block.lines.push(line),
+            (None, Some(kind)) => {
+                let file = last.strip_suffix("`:").and_then(|l| l.rsplit('`').next());
+                open = Some(Block { kind, file, lines: vec![] });
+            }
+            (None, None) if !line.trim().is_empty() => last = line,
+            _ => {}
+        }
+    }
+    all
+}
+
+/// The words of a command; a part in single quotes is one.
+fn words(command: &str) -> Vec<String> {
+    let mut all = vec![String::new()];
+    let mut quoted = false;
+    for c in command.chars() {
+        match c {
+            '\'' => quoted = !quoted,
+            ' ' if !quoted => all.push(String::new()),
+            c => all.last_mut().expect("a word").push(c),
+        }
+    }
+    all
+}
+
+/// Whether the lines are those that are shown, `...` standing for any.
+fn shows(said: &str, shown: &[&str]) -> Result<(), String> {
+    let mut rest = said.lines().map(str::trim_end).filter(|l| !l.is_empty()).peekable();
+    let mut gap = false;
+    for line in shown.iter().map(|l| l.trim_end()) {
+        if line == "..." {
+            gap = true;
+            continue;
+        }
+        let found = if gap { rest.any(|l| l == line) } else { rest.next() == Some(line) };
+        if !found {
+            return Err(format!("`{line}` is not there (or not in its place) in:\n{said}"));
+        }
+        gap = false;
+    }
+    if gap || rest.peek().is_none() { Ok(()) } else { Err(format!("there is more than is shown:\n{said}")) }
+}
+
+fn edit(folder: &Path, lines: &[&str]) {
+    let path = folder.join("rig.ron");
+    let mut text = std::fs::read_to_string(&path).expect("the spec");
+    for pair in lines.chunks(2) {
+        let [old, new] = pair else { panic!("an edit is a line that goes and one that comes: {lines:?}") };
+        let (old, new) = (old.strip_prefix('-').expect("goes"), new.strip_prefix('+').expect("comes"));
+        assert!(text.contains(old), "`{old}` is not in:\n{text}");
+        text = text.replacen(old, new, 1);
+    }
+    std::fs::write(&path, text).expect("the spec");
+}
+
+#[test]
+fn the_tutorial_is_as_it_says() {
+    let folder: PathBuf = Path::new(env!("CARGO_TARGET_TMPDIR")).join("tutorial");
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    std::fs::copy(top().join("docs/tutorial/rig.csv"), folder.join("rig.csv")).expect("the data");
+    let text = std::fs::read_to_string(top().join("docs/tutorial.md")).expect("the tutorial");
+    let mut commands = 0;
+    for block in blocks(&text) {
+        match (block.kind, block.file) {
+            ("diff", _) => edit(&folder, &block.lines),
+            ("ron", Some(file)) => {
+                let path = folder.join(file);
+                std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+                std::fs::write(path, block.lines.join("\n")).expect("a file");
+            }
+            ("console", _) => {
+                let (command, shown) = block.lines.split_first().expect("a command");
+                let words = words(command.strip_prefix("$ phisindy ").expect("a command of this program"));
+                let mut run = program(&words.iter().map(String::as_str).collect::<Vec<_>>());
+                let output = run.current_dir(&folder).output().expect("the program starts");
+                let (out, err) =
+                    (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+                assert_eq!(output.status.code(), Some(0), "{command}\n{out}{err}");
+                // What only goes to standard error is shown where there is nothing else.
+                let said = if out.is_empty() || words[0] == "new" { &err } else { &out };
+                shows(said, shown).unwrap_or_else(|why| panic!("{command}: {why}"));
+                commands += 1;
+            }
+            other => panic!("a block of an unknown kind: {other:?}"),
+        }
+    }
+    assert!(commands > 7, "{commands}");
+}
+
+#[test]
+fn what_is_shown_must_be_said() {
+    assert!(shows("a\nb\nc\n", &["a", "...", "c"]).is_ok());
+    assert!(shows("a\nb\nc\n", &["a", "c"]).is_err());
+    assert!(shows("a\nb\nc\n", &["...", "d"]).is_err());
+    assert!(shows("a\nb\nc\n", &["a"]).is_err());
+}
