@@ -332,19 +332,44 @@ fn asked(name: &str, spec: &str, lines: &str) -> String {
 
 #[test]
 fn rates_and_modes_follow_the_contact_rule() {
-    let lines = "
-import model
-hold = model.modes(0.0, [0.1, 0.0], [])
-print(hold, model.rates(0.0, [0.1, 0.0], [], hold))
-push = model.modes(0.0, [-1.5, 0.0], [])
-print(push, [round(r, 9) for r in model.rates(0.0, [-1.5, 0.0], [], push)])
-p = dict(model.PARAMETERS, Fs=30.0)
-print(model.modes(0.0, [-1.5, 0.0], [], p=p), model.modes(0.0, [0.0, -2.0], []))
-";
-    // Friction at rest is 3 N, the drive 1 N, the spring pulls with 5 N/m.
+    // Friction at rest is 3 N, the drive 1 N, the spring pulls with 5 N/m: 0.5, 2.98 and 3.02 N, and 8.5 N; at v = -0.5 friction is 2 N.
     let spec = RESTS.replace(r#""A": (5.0, "N")"#, r#""A": (1.0, "N")"#);
-    // 1 - 0.5 = 0.5 N is held; 1 + 7.5 N is not: (8.5 - 3)/2; with 30 N it is.
-    assert_eq!(asked("rule", &spec, lines), "[0] [0.0, 0.0]\n[1] [0.0, 2.75]\n[0] [-1]\n");
+    let expected = "0 0.000000000\n0 0.000000000\n1 0.010000000\n1 2.750000000\n-1 0.325000000\n";
+    let python = "
+import model
+for x, v in [(0.1, 0.0), (-0.396, 0.0), (-0.404, 0.0), (-1.5, 0.0), (0.5, -0.5)]:
+    s = model.modes(0.0, [x, v], [])
+    print(s[0], '%.9f' % model.rates(0.0, [x, v], [], s)[1])
+";
+    assert_eq!(asked("rule", &spec, python), expected);
+    let c = r#"
+#include "model.c"
+int main(void)
+{
+    double points[5][2] = {{0.1, 0.0}, {-0.396, 0.0}, {-0.404, 0.0}, {-1.5, 0.0}, {0.5, -0.5}}, dx[2];
+    for (int k = 0; k < 5; k++) {
+        int s;
+        model_modes(0.0, points[k], NULL, NULL, NULL, NULL, &s);
+        model_rates(0.0, points[k], NULL, &s, NULL, NULL, dx);
+        printf("%d %.9f\n", s, dx[1]);
+    }
+    return 0;
+}
+"#;
+    let scratch = Scratch::new("export-rule-c");
+    let (path, made) = (scratch.path("spec.ron"), scratch.path("rule"));
+    fs::write(&path, &spec).expect("written");
+    fs::write(scratch.path("rule.c"), c).expect("written");
+    let said = phisindy(&["export", &path, "--to", "c", "--out", &scratch.path("")]);
+    assert_eq!((said.code, said.err.as_str()), (0, ""));
+    fed(Command::new("cc").args(["-std=c99", &scratch.path("rule.c"), "-o", &made, "-lm"]), "");
+    assert_eq!(fed(&mut Command::new(made), ""), expected);
+    // With ten times the friction it holds.
+    let stronger = "
+import model
+print(model.modes(0.0, [-1.5, 0.0], [], p=dict(model.PARAMETERS, Fs=30.0)))
+";
+    assert_eq!(asked("stronger", &spec, stronger), "[0]\n");
 }
 
 #[test]
