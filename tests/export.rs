@@ -449,7 +449,7 @@ fn modelica_is_as_it_was_looked_at() {
         assert_eq!((said.code, said.err.as_str()), (0, ""));
         let text = fs::read_to_string(&file).expect("written").replace(&path, "SPEC");
         let text = text.replace(env!("CARGO_PKG_VERSION"), "VERSION");
-        insta::with_settings!({ snapshot_path => "snapshots", prepend_module_to_snapshot => false, omit_expression => true }, {
+        insta::with_settings!({ snapshot_path => "models", prepend_module_to_snapshot => false, omit_expression => true }, {
             insta::assert_snapshot!(format!("modelica_{name}"), text);
         });
     }
