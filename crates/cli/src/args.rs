@@ -16,6 +16,7 @@ Examples:
   phisindy simulate case.ron > data.csv                 the synthetic data of a spec
   phisindy run case.ron --out case                      also report.html, result.json, ... in folder case
   phisindy simulate case/identified.ron > model.csv     what the identified model predicts
+  phisindy export case --to python --out case.py        the identified model as a program of its own
   phisindy sweep case.ron --seeds 100 --out sweep       100 noise seeds in parallel: how often right, how accurate
   phisindy laws stribeck                                a law of the catalogue";
 
@@ -118,6 +119,23 @@ Exit codes: 0 nothing is missing, or what is missing was found; 1 something is m
         #[arg(value_name = "SPEC")]
         spec: PathBuf,
     },
+    /// Write an identified model so that it runs elsewhere: Python, C, Modelica, JSON
+    #[command(
+        before_help = "\
+Examples:
+  phisindy run specs/case7.ron --out case7                  identify, and keep the result
+  phisindy export case7 --to python --out case7.py          what was identified as a Python module
+  phisindy simulate case7/identified.ron > motion.csv
+  python3 case7.py < motion.csv                             the same motion
+  phisindy export case7 --to c --out case7.c
+  cc -O2 -std=c99 -DPHISINDY_MAIN case7.c -o case7m -lm
+  phisindy export found/completed.ron --to json             what `gap` found, as data, on standard output",
+        after_help = "\
+The file holds the rates as a plain function, its constants by name, and the rule that decides when a contact sticks; Python and C simulate too, with
+the events that `phisindy simulate` finds. All numbers are in SI. --out is a file, or a folder in which it becomes model.py, model.c, Model.mo or
+model.json; what is there is replaced. Modelica is written for tools that know the friction elements of its standard library."
+    )]
+    Export(ExportArgs),
     /// Identify with many seeds in parallel: how often the terms are right, how accurate the numbers and their intervals are
     #[command(
         before_help = "\
@@ -132,6 +150,25 @@ finished run is kept in DIR/sweep.jsonl, so that the same command goes on after 
 Exit code 1: a truth lies outside of its dictionary, or no run came to a result."
     )]
     Sweep(SweepArgs),
+    /// Print what a shell needs to complete this command line
+    #[command(before_help = "\
+Examples:
+  phisindy completions bash > ~/.local/share/bash-completion/completions/phisindy
+  phisindy completions zsh > ~/.zfunc/_phisindy                      (with ~/.zfunc in fpath)
+  phisindy completions fish > ~/.config/fish/completions/phisindy.fish
+  phisindy completions powershell >> $PROFILE")]
+    Completions {
+        /// Shell
+        #[arg(value_enum, value_name = "SHELL")]
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual, or write its pages into --out
+    #[command(before_help = "\
+Examples:
+  phisindy man > phisindy.1                         the whole program on one page
+  man ./phisindy.1
+  phisindy man --out ~/.local/share/man/man1        a page for it and one for each subcommand: man phisindy-run")]
+    Man,
     /// Print the tables of README.md
     #[command(hide = true)]
     Table(TableArgs),
@@ -146,6 +183,33 @@ pub(crate) struct NewArgs {
     /// Replace the file of --out if there is one
     #[arg(long)]
     pub(crate) force: bool,
+}
+
+/// What to export.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct ExportArgs {
+    /// Folder that `run --out` or `gap --out` wrote, or a spec without unknown part
+    #[arg(value_name = "DIR|SPEC")]
+    pub(crate) path: PathBuf,
+    /// Language
+    #[arg(long, value_enum, value_name = "LANGUAGE")]
+    pub(crate) to: Target,
+    /// Record whose start state and constants are written, by name or place [default: 0, the first one]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) record: Option<String>,
+}
+
+/// A language to export to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Target {
+    /// A module that needs the standard library alone.
+    Python,
+    /// One file of C99.
+    C,
+    /// A model of Modelica 3.
+    Modelica,
+    /// The model as data.
+    Json,
 }
 
 /// What to sweep over.
@@ -217,7 +281,7 @@ pub(crate) struct Options {
     #[arg(long, global = true, value_enum, default_value_t = Format::Latex, value_name = "FORMAT")]
     pub(crate) format: Format,
     /// Also write the results into this folder (made if needed): report.html with its figures, result.json, equation.tex,
-    /// identified.ron, sweep.json; `new`: the spec's file
+    /// identified.ron, sweep.json; `new`: the spec's file; `export`: the model's file, or its folder; `man`: the pages
     #[arg(long, global = true, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Folder of the data files [else: PHISINDY_DATA, then beside the spec]

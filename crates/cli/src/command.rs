@@ -5,7 +5,9 @@ use crate::load::{Loaded, Purpose, Refusal, load};
 use crate::outdir::{self, OutDir};
 use crate::progress::Progress;
 use crate::report::Report;
-use crate::{draw, gap, html, identified_spec, interrupt, laws, new, readme, simulate, sweep};
+use crate::{
+    draw, export, gap, html, identified_spec, interrupt, laws, manual, new, readme, simulate, sweep,
+};
 use anyhow::{Context, Result, anyhow};
 use phisindy_learn::{Identified, LearnError, LearnOptions, Verdict, identify};
 use phisindy_phys::{Diagnostic, Sources};
@@ -33,6 +35,9 @@ pub(crate) fn execute(args: &Args) -> ExitCode {
         Command::Check { specs } => Ok(check(specs, options)),
         Command::New(args) => new::command(args, options),
         Command::Laws { name } => laws(name.as_deref(), options),
+        Command::Export(args) => export::command(args, options),
+        Command::Completions { shell } => manual::completions(*shell),
+        Command::Man => manual::pages(options),
         Command::Sweep(args) => sweep::command(args, options),
         Command::Table(args) => readme::command(args, options),
     });

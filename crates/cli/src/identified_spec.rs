@@ -4,6 +4,7 @@ use crate::load::Loaded;
 use phisindy_expr::{AstKind, Binary, Unary, parse};
 use phisindy_learn::{FoundParameter, Identified, Verdict};
 use phisindy_phys::spec::{ConstantSpec, DataSpec, Spec, UnknownSpec};
+use phisindy_phys::unit::{Dimension, Unit};
 use phisindy_phys::{SourceId, spec, splice};
 
 /// The text.
@@ -30,8 +31,8 @@ pub(crate) fn written(loaded: &Loaded, found: &Identified) -> Result<String, Str
         Verdict::Rejected(why) => format!("REJECTED: {why}"),
     };
     let head = format!(
-        "// What `phisindy run {}` (version {}) found: {verdict}.\n// The identified terms stand in `known`, the fitted numbers in `constants`, \
-         `sensors` and `start`. To predict:\n//     phisindy simulate identified.ron\n",
+        "// What `phisindy run {}` (version {}) found: {verdict}.\n// The identified terms stand in `known`, their coefficients and the fitted \
+         numbers in `constants`, `sensors` and `start`. To predict:\n//     phisindy simulate identified.ron\n",
         loaded.spec,
         env!("CARGO_PKG_VERSION")
     );
@@ -58,20 +59,32 @@ impl Text {
     }
 }
 
-/// The identified terms into the known rates.
+/// The identified terms into the known rates, their coefficients into the constants.
 fn rates(text: &mut Text, spec: &Spec, loaded: &Loaded, found: &Identified) -> Result<(), String> {
     let system = &loaded.case.system;
+    let units = speaks_of_units(spec);
+    let mut given: Vec<String> = Vec::new();
     for (k, state) in system.states.iter().enumerate() {
-        let terms: Vec<(f64, &str)> = found
-            .terms
-            .iter()
-            .filter(|f| system.terms[f.term].state == k)
-            .map(|f| (f.coefficient.value, system.terms[f.term].candidate.as_str()))
-            .collect();
+        let own: Vec<_> = found.terms.iter().filter(|f| system.terms[f.term].state == k).collect();
         let named = |name: &phisindy_phys::spec::Text| name.value == state.name;
         let unknown = spec.unknown.iter().find(|(name, _)| named(name)).map(|(_, u)| u);
         let known = spec.known.iter().find(|(name, _)| named(name)).map(|(_, text)| text.value.as_str());
-        let (Some(unknown), Some(known), false) = (unknown, known, terms.is_empty()) else { continue };
+        let (Some(unknown), Some(known), false) = (unknown, known, own.is_empty()) else { continue };
+        let mut terms = Vec::new();
+        for (place, f) in own.iter().enumerate() {
+            let term = &system.terms[f.term];
+            let stem = format!("c_{}", state.name);
+            let wish = if own.len() == 1 { stem } else { format!("{stem}_{}", place + 1) };
+            let name = free(wish, loaded, &given);
+            given.push(name.clone());
+            let unit = term.unit.filter(|_| units).and_then(written_unit);
+            let value = number(f.coefficient.value);
+            text.set(
+                &["constants", &name],
+                &unit.map_or(value.clone(), |unit| format!("({value}, \"{unit}\")")),
+            )?;
+            terms.push((name, term.candidate.as_str()));
+        }
         text.set(&["known", &state.name], &format!("\"{}\"", rate(known, unknown, &terms)))?;
     }
     if !spec.unknown.is_empty() {
@@ -80,8 +93,33 @@ fn rates(text: &mut Text, spec: &Spec, loaded: &Loaded, found: &Identified) -> R
     Ok(())
 }
 
+/// Whether the constants have units: among numbers without, one with a unit would have the others checked.
+fn speaks_of_units(spec: &Spec) -> bool {
+    spec.constants.iter().any(|(_, c)| match c {
+        ConstantSpec::Number { unit, .. } => unit.is_some(),
+        ConstantSpec::Movable(m) => m.unit.is_some(),
+        ConstantSpec::Find(f) => f.unit.is_some(),
+        ConstantSpec::Expression(_) | ConstantSpec::MaxAbs(_) => false,
+    })
+}
+
+/// A unit as a spec writes it; none for a plain number, and for one that a spec has no way to write.
+fn written_unit(dimension: Dimension) -> Option<String> {
+    let text = dimension.to_string();
+    let same = Unit::parse(&text).is_ok_and(|unit| unit.dimension == dimension && unit.factor == 1.0);
+    (same && !dimension.is_none()).then_some(text)
+}
+
+/// A name that nothing in the spec has, nor any coefficient before.
+fn free(mut name: String, loaded: &Loaded, given: &[String]) -> String {
+    while loaded.case.system.names.get(&name).is_some() || given.contains(&name) {
+        name.push('_');
+    }
+    name
+}
+
 /// `known + factor*(c1*candidate1 + ...)`, as people write it.
-fn rate(known: &str, unknown: &UnknownSpec, terms: &[(f64, &str)]) -> String {
+fn rate(known: &str, unknown: &UnknownSpec, terms: &[(String, &str)]) -> String {
     let factor = unknown.factor.as_ref().map_or("1", |f| f.value.trim());
     // A leading minus takes the whole product, and with it the sum.
     let (minus, factor) = match root(factor) {
@@ -90,8 +128,8 @@ fn rate(known: &str, unknown: &UnknownSpec, terms: &[(f64, &str)]) -> String {
     };
     let factor = if factor == "1" { None } else { Some(bracketed(factor)) };
     let mut out = if known.trim() == "0" { String::new() } else { known.to_owned() };
-    let mut add = |negative: bool, part: &str| {
-        out.push_str(match (out.is_empty(), negative) {
+    let mut add = |part: &str| {
+        out.push_str(match (out.is_empty(), minus) {
             (true, true) => "-",
             (true, false) => "",
             (false, true) => " - ",
@@ -99,28 +137,17 @@ fn rate(known: &str, unknown: &UnknownSpec, terms: &[(f64, &str)]) -> String {
         });
         out.push_str(part);
     };
-    let product = |c: f64, candidate: &str| match candidate.trim() {
-        "1" => number(c.abs()),
-        other => format!("{}*{}", number(c.abs()), bracketed(other)),
+    let product = |(name, candidate): &(String, &str)| match candidate.trim() {
+        "1" => name.clone(),
+        other => format!("{name}*{}", bracketed(other)),
     };
     match (factor, terms) {
-        (Some(factor), [(c, candidate)]) => {
-            add(minus ^ (*c < 0.0), &format!("{}*{factor}", product(*c, candidate)))
-        }
+        (Some(factor), [one]) => add(&format!("{}*{factor}", product(one))),
         (Some(factor), _) => {
-            let mut sum = String::new();
-            for &(c, candidate) in terms {
-                sum.push_str(match (sum.is_empty(), c < 0.0) {
-                    (true, true) => "-",
-                    (true, false) => "",
-                    (false, true) => " - ",
-                    (false, false) => " + ",
-                });
-                sum.push_str(&product(c, candidate));
-            }
-            add(minus, &format!("{factor}*({sum})"));
+            let sum: Vec<String> = terms.iter().map(product).collect();
+            add(&format!("{factor}*({})", sum.join(" + ")));
         }
-        (None, _) => terms.iter().for_each(|&(c, candidate)| add(minus ^ (c < 0.0), &product(c, candidate))),
+        (None, _) => terms.iter().for_each(|term| add(&product(term))),
     }
     out
 }
@@ -211,7 +238,7 @@ mod tests {
     use super::*;
     use phisindy_expr::Span;
 
-    fn spliced(known: &str, factor: Option<&str>, terms: &[(f64, &str)]) -> String {
+    fn spliced(known: &str, factor: Option<&str>, terms: &[(&str, &str)]) -> String {
         let text = |t: &str| phisindy_phys::spec::Text { value: t.to_owned(), span: Span::new(0, 0) };
         let unknown = UnknownSpec {
             factor: factor.map(text),
@@ -220,23 +247,30 @@ mod tests {
             laws: vec![],
             span: Span::new(0, 0),
         };
-        let rate = rate(known, &unknown, terms);
+        let terms: Vec<(String, &str)> = terms.iter().map(|&(name, c)| (name.to_owned(), c)).collect();
+        let rate = rate(known, &unknown, &terms);
         assert!(parse(&rate).is_ok(), "{rate}");
         rate
     }
 
     #[test]
     fn terms_follow_the_known_rate() {
-        assert_eq!(spliced("-k*x", Some("-sgn(y)/m"), &[(0.5, "1")]), "-k*x - 0.5*sgn(y)/m");
-        assert_eq!(spliced("-k*x", Some("-sgn(y)"), &[(-0.5, "1")]), "-k*x + 0.5*sgn(y)");
+        assert_eq!(spliced("-k*x", Some("-sgn(y)/m"), &[("c", "1")]), "-k*x - c*sgn(y)/m");
+        assert_eq!(spliced("-k*x", Some("sgn(y)"), &[("c", "1")]), "-k*x + c*sgn(y)");
         assert_eq!(
-            spliced("-k*x", Some("-sgn(y)"), &[(0.5, "1"), (-0.25, "x^2"), (1e-7, "x - y")]),
-            "-k*x - sgn(y)*(0.5 - 0.25*x^2 + 1e-7*(x - y))"
+            spliced("-k*x", Some("-sgn(y)"), &[("c1", "1"), ("c2", "x^2"), ("c3", "x - y")]),
+            "-k*x - sgn(y)*(c1 + c2*x^2 + c3*(x - y))"
         );
-        assert_eq!(spliced("0", Some("-1/m"), &[(2.0, "x")]), "-2.0*x*1/m");
-        assert_eq!(spliced("-x", None, &[(2.0, "sgn(y)"), (-1.0, "y")]), "-x + 2.0*sgn(y) - 1.0*y");
-        assert_eq!(spliced("-x", Some("-1"), &[(2.0, "w"), (1.0, "-w")]), "-x - 2.0*w - 1.0*(-w)");
-        assert_eq!(spliced("-x", Some("a - b"), &[(2.0, "w")]), "-x + 2.0*w*(a - b)");
-        assert_eq!(spliced("-x", Some("-a + b"), &[(2.0, "w")]), "-x + 2.0*w*(-a + b)");
+        assert_eq!(spliced("0", Some("-1/m"), &[("c", "x")]), "-c*x*1/m");
+        assert_eq!(spliced("-x", None, &[("a", "sgn(y)"), ("b", "y")]), "-x + a*sgn(y) + b*y");
+        assert_eq!(spliced("-x", Some("-1"), &[("a", "w"), ("b", "-w")]), "-x - a*w - b*(-w)");
+        assert_eq!(spliced("-x", Some("a - b"), &[("c", "w")]), "-x + c*w*(a - b)");
+        assert_eq!(spliced("-x", Some("-a + b"), &[("c", "w")]), "-x + c*w*(-a + b)");
+    }
+
+    #[test]
+    fn a_unit_that_a_spec_can_write_is_written() {
+        assert_eq!(written_unit(Dimension::NEWTON.div(Dimension::METRE)).as_deref(), Some("N/m"));
+        assert_eq!(written_unit(Dimension::NONE), None);
     }
 }

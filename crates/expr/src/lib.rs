@@ -30,6 +30,7 @@
 //! ```
 
 mod ast;
+mod code;
 mod elementary;
 mod graph;
 mod lower;
@@ -44,6 +45,7 @@ mod token;
 mod vjp;
 
 pub use ast::{Ast, AstKind, AstNode};
+pub use code::{Code, Language, Naming};
 pub use graph::{Graph, Id, Node};
 pub use lower::UnknownName;
 pub use names::{Names, Symbol, nearest};

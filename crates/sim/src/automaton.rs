@@ -1,27 +1,12 @@
 //! A model compiled to a hybrid automaton: smooth rates for every combination of modes, and the surfaces between them.
 
-use phisindy_expr::{Binary, Graph, Id, Names, Node, Tape, Unary, Unbound};
+use crate::switched::{Switch, Switched};
+use phisindy_expr::{Id, Tape, Unbound};
 use phisindy_phys::Model;
-use std::collections::HashMap;
-
-/// A surface `w(t, x, u, p) = 0` at which a sign in the rates jumps.
-#[derive(Clone, Debug)]
-pub struct Switch {
-    /// The velocity (or other quantity) whose sign it is.
-    pub node: Id,
-    /// The same as text.
-    pub text: String,
-    /// Whether the sign acts on the rate of `w` itself: only then can it stick.
-    pub can_stick: bool,
-    /// Whether the size of the jump depends on `|w|`: friction with a shape near zero speed.
-    pub shaped: bool,
-}
 
 /// The compiled automaton: immutable, shared between threads.
 ///
-/// The inputs of all its tapes are `[t, x.., u.., du/dt.., p.., s.., e.., d.., b..]`: the mode `s` stands for `sgn(w)`, and `|w|` became
-/// `pos(e w + b) - b + d`. The side `e` is the mode of what slips and 0 for what sticks; the floor `d` is zero for friction that is finite at rest; by the
-/// small margin `b` friction is continued smoothly beyond the surface, so that a step that ends on it sees no kink, in value or derivative.
+/// The inputs of all its tapes are `[t, x.., u.., du/dt.., p.., s.., e.., d.., b..]`; [`Switched`] says what the last four are.
 #[derive(Clone, Debug)]
 pub struct Automaton {
     /// Names of the states, for messages.
@@ -55,73 +40,36 @@ impl Automaton {
     /// assert!(automaton.switches[0].can_stick);
     /// ```
     pub fn new(model: &Model) -> Result<Automaton, Unbound> {
-        let (mut graph, mut names) = (model.graph.clone(), model.names.clone());
-        let surfaces = surfaces(&mut graph, model);
-        let fresh = |graph: &mut Graph, names: &mut Names, kind: &str, count: usize| -> Vec<Id> {
-            // A space keeps these names out of reach of any spec.
-            (0..count)
-                .map(|k| names.intern(&format!("{kind} {k}")))
-                .collect::<Vec<_>>()
-                .into_iter()
-                .map(|s| graph.symbol(s))
-                .collect()
-        };
-        let modes = fresh(&mut graph, &mut names, "mode", surfaces.len());
-        let sides = fresh(&mut graph, &mut names, "side", surfaces.len());
-        let floors = fresh(&mut graph, &mut names, "floor", surfaces.len());
-        let margins = fresh(&mut graph, &mut names, "margin", surfaces.len());
-        let slopes = fresh(&mut graph, &mut names, "slope", model.inputs.len());
-        let sizes = sizes(&mut graph, &surfaces, &sides, &floors, &margins);
-        let with = replacements(&mut graph, &surfaces, &modes, &sizes);
-        let rates = graph.replace(&model.rates, &with);
-
-        // dw/dt by the chain rule, through states, inputs and time.
-        let mut flow_of = model.states.clone();
-        flow_of.extend(&model.inputs);
-        flow_of.push(model.time);
-        let one = graph.constant(1.0);
-        let velocity: Vec<Id> = rates.iter().chain(&slopes).copied().chain([one]).collect();
-        let mut surface_rates = Vec::new();
-        for &w in &surfaces {
-            let gradient = graph.gradient(w, &flow_of);
-            let mut sum = graph.constant(0.0);
-            for (g, v) in gradient.into_iter().zip(&velocity) {
-                let share = graph.mul(g, *v);
-                sum = graph.add(sum, share);
-            }
-            surface_rates.push(sum);
-        }
-        let influence: Vec<Id> = surface_rates.iter().flat_map(|&r| graph.gradient(r, &modes)).collect();
-
-        let switches = (0..surfaces.len()).map(|k| {
-            let own = influence[k * surfaces.len() + k];
-            Switch {
-                node: surfaces[k],
-                text: graph.text(surfaces[k], &names),
-                can_stick: graph.value(own) != Some(0.0),
-                shaped: graph.uses(&[own], &[floors[k]]),
-            }
-        });
-        let switches: Vec<Switch> = switches.collect();
-
+        let mut switched = Switched::new(model);
         let mut inputs = vec![model.time];
-        for group in
-            [&model.states, &model.inputs, &slopes, &model.parameters, &modes, &sides, &floors, &margins]
-        {
+        let s = &switched;
+        for group in [
+            &model.states,
+            &model.inputs,
+            &s.slopes,
+            &model.parameters,
+            &s.modes,
+            &s.sides,
+            &s.floors,
+            &s.margins,
+        ] {
             inputs.extend(group);
         }
-        let normals: Vec<Id> = surfaces.iter().flat_map(|&w| graph.gradient(w, &model.states)).collect();
-        let surface: Vec<Id> =
-            [&surfaces, &surface_rates, &influence, &normals].into_iter().flatten().copied().collect();
+        let surface: Vec<Id> = [&s.surfaces, &s.surface_rates, &s.influence, &s.normals]
+            .into_iter()
+            .flatten()
+            .copied()
+            .collect();
 
+        let Switched { graph, switches, modes, rates, surfaces, surface_rates, .. } = &mut switched;
         let mut derivatives = Vec::new();
         for (of, wrt) in [
-            (&rates, &model.states),
-            (&rates, &model.parameters),
-            (&rates, &modes),
-            (&surface_rates, &model.states),
-            (&surface_rates, &model.parameters),
-            (&surfaces, &model.parameters),
+            (&*rates, &model.states),
+            (&*rates, &model.parameters),
+            (&*rates, &*modes),
+            (&*surface_rates, &model.states),
+            (&*surface_rates, &model.parameters),
+            (&*surfaces, &model.parameters),
         ] {
             of.iter().for_each(|&f| derivatives.extend(graph.gradient(f, wrt)));
         }
@@ -129,62 +77,10 @@ impl Automaton {
             states: (0..model.states.len()).map(|k| model.state_name(k).to_owned()).collect(),
             inputs: model.inputs.len(),
             parameters: model.parameters.len(),
-            switches,
-            flow: Tape::compile(&graph, &inputs, &rates)?,
-            surface: Tape::compile(&graph, &inputs, &surface)?,
-            jacobian: Tape::compile(&graph, &inputs, &derivatives)?,
+            switches: std::mem::take(switches),
+            flow: Tape::compile(graph, &inputs, rates)?,
+            surface: Tape::compile(graph, &inputs, &surface)?,
+            jacobian: Tape::compile(graph, &inputs, &derivatives)?,
         })
     }
-}
-
-/// Arguments of all signs and steps in the rates that can change while the model runs; an argument and its negative are one surface.
-fn surfaces(graph: &mut Graph, model: &Model) -> Vec<Id> {
-    let mut moving = model.states.clone();
-    moving.extend(&model.inputs);
-    moving.push(model.time);
-    let mut found: Vec<Id> = Vec::new();
-    for id in graph.reachable(&model.rates) {
-        if let Node::Unary(Unary::Sgn | Unary::Step, w) = graph.node(id) {
-            let minus = graph.neg(w);
-            if !found.contains(&w) && !found.contains(&minus) && graph.uses(&[w], &moving) {
-                found.push(w);
-            }
-        }
-    }
-    found
-}
-
-/// What stands for `|w|`: `pos(e w + b) - b + d`.
-fn sizes(graph: &mut Graph, surfaces: &[Id], sides: &[Id], floors: &[Id], margins: &[Id]) -> Vec<Id> {
-    let mut size = |k: usize| {
-        let along = graph.mul(sides[k], surfaces[k]);
-        let along = graph.add(along, margins[k]);
-        let along = graph.unary(Unary::Pos, along);
-        let along = graph.sub(along, margins[k]);
-        graph.add(along, floors[k])
-    };
-    (0..surfaces.len()).map(&mut size).collect()
-}
-
-/// `sgn w -> s`, `|w| ->` its size, `step w -> (1 + s)/2`, `pos w -> w (1 + s)/2`, and the same of `-w` with `-s`.
-fn replacements(graph: &mut Graph, surfaces: &[Id], modes: &[Id], sizes: &[Id]) -> HashMap<Id, Id> {
-    let mut with = HashMap::new();
-    let half = graph.constant(0.5);
-    for ((&w, &s), &size) in surfaces.iter().zip(modes).zip(sizes) {
-        let (minus_w, minus_s) = (graph.neg(w), graph.neg(s));
-        for (w, s) in [(w, s), (minus_w, minus_s)] {
-            let part = graph.mul(half, s);
-            let step = graph.binary(Binary::Add, half, part);
-            let pos = graph.mul(step, w);
-            for (op, new) in [(Unary::Sgn, s), (Unary::Abs, size), (Unary::Step, step), (Unary::Pos, pos)] {
-                let old = graph.unary(op, w);
-                with.insert(old, new);
-            }
-        }
-    }
-    // A minus in front of a sign was pulled out when it was built: -sgn(w) is no key, or every minus would vanish.
-    with.retain(|&old, _| {
-        matches!(graph.node(old), Node::Unary(Unary::Sgn | Unary::Abs | Unary::Step | Unary::Pos, _))
-    });
-    with
 }

@@ -16,12 +16,14 @@ mod field;
 mod noise;
 mod run;
 mod sensitivity;
+mod switched;
 mod synthetic;
 mod trajectory;
 
-pub use automaton::{Automaton, Switch};
+pub use automaton::Automaton;
 pub use excitation::{ExcitationError, Multisine};
 pub use noise::{Noise, Streams, add_noise};
 pub use run::simulate;
+pub use switched::{Switch, Switched};
 pub use synthetic::{SyntheticError, synthesize};
 pub use trajectory::{Drive, Event, Options, SimError, Trajectory};

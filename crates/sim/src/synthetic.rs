@@ -14,6 +14,11 @@ use std::sync::Arc;
 
 /// Local error of the truth's simulation.
 const TOLERANCE: f64 = 1e-10;
+/// Local error of a first run that finds the size of each state.
+const COARSE: f64 = 1e-4;
+/// The smallest sizes that this run takes for motion, tried in turn: friction that is singular at rest is looked at in units of them, and too steep so
+/// near to it for any step. What lies below the product of both numbers is rounding, as of a mass that sticks throughout, and no size.
+const SMALLEST: [f64; 4] = [1e-9, 1e-6, 1e-3, 1.0];
 /// Generated excitations are tabulated this much finer than the samples, for cubic interpolation.
 const FINER: usize = 8;
 /// Most sines times samples of a generated excitation: some seconds of work.
@@ -211,10 +216,23 @@ fn simulate_truth(
         .map_err(|e| SimError::NotFinite { time: 0.0, state: e.message(&truth.truth.names) })?;
     let drive = Drive { inputs, parameters };
     let n = truth.start.len();
-    let coarse = Options { tolerance: 1e-4, scale: vec![1e-9; n], diverged: 1e24, ..Default::default() };
-    let run = simulate(&automaton, &drive, 0.0, &truth.start, time, &coarse)?;
+    let first = |smallest: f64| {
+        let options =
+            Options { tolerance: COARSE, scale: vec![smallest; n], diverged: 1e24, ..Default::default() };
+        Ok((simulate(&automaton, &drive, 0.0, &truth.start, time, &options)?, smallest))
+    };
+    let steep = |r: &Result<_, SimError>| {
+        matches!(r, Err(SimError::TooManySteps { .. } | SimError::TooManyEvents { .. }))
+    };
+    let mut tried = first(SMALLEST[0]);
+    for &smallest in &SMALLEST[1..] {
+        if steep(&tried) {
+            tried = first(smallest);
+        }
+    }
+    let (run, smallest) = tried?;
     let largest = |k: usize| run.states.iter().skip(k).step_by(n).fold(0.0_f64, |m, x| m.max(x.abs()));
-    let scale = (0..n).map(|k| if largest(k) > 0.0 { largest(k) } else { 1.0 }).collect();
+    let scale = (0..n).map(|k| if largest(k) > COARSE * smallest { largest(k) } else { 1.0 }).collect();
     let fine = Options { tolerance: TOLERANCE, scale, ..Default::default() };
     simulate(&automaton, &drive, 0.0, &truth.start, time, &fine)
 }

@@ -1,0 +1,130 @@
+//! A model as one file of C99 that needs the mathematical library alone.
+
+use super::functions::{Function, Functions, Read};
+use super::head::{head, kind};
+use super::subject::Subject;
+use phisindy_expr::Language;
+use std::fmt::Write;
+
+/// The text of the file.
+pub(crate) fn written(subject: &Subject) -> String {
+    let functions = Functions::new(subject, Language::C);
+    let usage = [
+        "model_rates(t, x, u, modes, du, p, dx)    dx/dt; a mode of 0 is a contact that sticks, +1 and -1 slip in that direction",
+        "model_modes(t, x, u, du, p, scale, modes) the modes at a point, by the contact rule",
+        "model_simulate(times, ...)                the motion, with located stick and slip events",
+        "cc -O2 -std=c99 -DPHISINDY_MAIN THIS.c -o model -lm && ./model < in.csv    the same from columns `t` and the inputs, such as",
+        "                                          `phisindy simulate` writes",
+    ];
+    let mut out = String::from("/*\n");
+    for line in head(subject, &functions.identifiers, &usage) {
+        // The end of a comment inside of it would be code.
+        let _ = writeln!(out, "{}", format!("   {}", line.replace("*/", "* /")).trim_end());
+    }
+    out += "*/\n\n#include <math.h>\n#include <stdbool.h>\n#include <stdio.h>\n#include <stdlib.h>\n#include <string.h>\n\n";
+    let contacts = &subject.switched.switches;
+    let _ = writeln!(
+        out,
+        "#define STATES {}\n#define INPUTS {}\n#define CONTACTS {}\n",
+        subject.states.len(),
+        subject.inputs.len(),
+        contacts.len()
+    );
+    out += "/* Constants: change them here, or give a copy to the functions. */\ntypedef struct {\n";
+    for c in &subject.constants {
+        let unit =
+            if c.unit.is_empty() { String::new() } else { format!(" /* {} */", c.unit.replace("*/", "* /")) };
+        let _ = writeln!(out, "    double {};{unit}", functions.identifiers.of(&c.name));
+    }
+    if subject.constants.is_empty() {
+        out += "    char none;\n";
+    }
+    out += "} Parameters;\n\nstatic const Parameters PARAMETERS = {\n";
+    for c in &subject.constants {
+        let _ = writeln!(out, "    .{} = {:?},", functions.identifiers.of(&c.name), c.value);
+    }
+    if subject.constants.is_empty() {
+        out += "    .none = 0,\n";
+    }
+    out += "};\n\n";
+    let record = subject.chosen();
+    let number = |x: &Option<f64>| x.map_or("NAN".to_owned(), |x| format!("{x:?}"));
+    let flag = |yes: bool| if yes { "true" } else { "false" }.to_owned();
+    out += "/* Each velocity that rubs: whether it can stick, and whether its friction has a shape near rest. */\n";
+    array(&mut out, "bool CAN_STICK", contacts.iter().map(|s| flag(s.can_stick)), "false");
+    array(&mut out, "bool SHAPED", contacts.iter().map(|s| flag(s.shaped)), "false");
+    out += "\n#ifdef PHISINDY_MAIN\n";
+    array(&mut out, "char *STATE_NAMES", subject.states.iter().map(|q| quoted(&q.name)), "\"\"");
+    array(&mut out, "char *INPUT_NAMES", subject.inputs.iter().map(|q| quoted(&q.name)), "\"\"");
+    let kinds = subject.interpolation.iter().map(|i| match kind(*i) {
+        "hold" => "0".to_owned(),
+        "linear" => "1".to_owned(),
+        _ => "2".to_owned(),
+    });
+    out += "/* 0: the last sample is held, 1: straight lines, 2: a cubic spline. */\n";
+    array(&mut out, "int INPUT_KINDS", kinds, "0");
+    array(&mut out, "char *CONTACT_NAMES", contacts.iter().map(|s| quoted(&s.text)), "\"\"");
+    out += "/* The state at the start; NAN: not known, and for the time: the first one. */\n";
+    array(&mut out, "double START", record.start.iter().map(number), "NAN");
+    let _ = writeln!(out, "static const double START_TIME = {};\n#endif\n", number(&record.start_time));
+    out += Language::C.helpers();
+    define(&mut out, "flow", "dx/dt in the given modes.", &functions.flow, subject, &functions);
+    define(
+        &mut out,
+        "surfaces",
+        "Of all contacts: w, dw/dt, how dw/dt changes with each mode, dw/dx.",
+        &functions.surfaces,
+        subject,
+        &functions,
+    );
+    out.push('\n');
+    out += include_str!("runtime.c");
+    out
+}
+
+/// A text as C writes it.
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
+}
+
+/// An array of at least one entry: C99 has no empty ones.
+fn array(out: &mut String, name: &str, entries: impl Iterator<Item = String>, none: &str) {
+    let entries: Vec<String> = entries.collect();
+    let list = if entries.is_empty() { none.to_owned() } else { entries.join(", ") };
+    let _ = writeln!(out, "static const {name}[] = {{{list}}};");
+}
+
+fn define(
+    out: &mut String,
+    name: &str,
+    about: &str,
+    function: &Function,
+    subject: &Subject,
+    all: &Functions,
+) {
+    let arguments = ["state", "inputs", "slopes", "parameters", "mode", "side", "floors", "margins"];
+    let lists = arguments.map(|a| match a {
+        "parameters" => "const Parameters *parameters".to_owned(),
+        list => format!("const double *{list}"),
+    });
+    let _ =
+        write!(out, "\n/* {about} */\nstatic void {name}(double t, {}, double *out)\n{{\n", lists.join(", "));
+    // Not every model uses everything, and compilers ask why.
+    let _ = writeln!(out, "    (void)t, {}, (void)out;", arguments.map(|a| format!("(void){a}")).join(", "));
+    for (local, from) in &function.reads {
+        let _ = match from {
+            Read::Element(argument, k) => writeln!(out, "    const double {local} = {argument}[{k}];"),
+            Read::Constant(k) => {
+                let field = all.identifiers.of(&subject.constants[*k].name);
+                writeln!(out, "    const double {local} = parameters->{field};")
+            }
+        };
+    }
+    for (local, value) in &function.code.temporaries {
+        let _ = writeln!(out, "    const double {local} = {value};");
+    }
+    for (k, root) in function.code.roots.iter().enumerate() {
+        let _ = writeln!(out, "    out[{k}] = {root};");
+    }
+    out.push_str("}\n");
+}

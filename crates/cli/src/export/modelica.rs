@@ -1,0 +1,193 @@
+//! A model in Modelica: contacts are friction elements with modes, as in the standard library, and the tool solves those that stick together.
+
+use super::functions::stem_of_temporaries;
+use super::head::head;
+use super::identifier::Identifiers;
+use super::subject::{Quantity, Subject};
+use phisindy_expr::{Id, Language, Naming, Node, Scratch, Symbol, Tape};
+use std::collections::HashMap;
+use std::fmt::Write;
+
+/// How far off rest friction is looked at that is singular there, for speeds of about 1 m/s.
+const OFF_SURFACE: f64 = 1e-6;
+
+/// The text of the model.
+pub(crate) fn written(subject: &Subject, name: &str) -> String {
+    let mut identifiers = Identifiers::new(Language::Modelica, subject.names());
+    let s = &subject.switched;
+    let switches = 0..s.switches.len();
+    let mut fresh = |stem: &str| -> Vec<String> {
+        switches.clone().map(|k| identifiers.fresh(&format!("{stem}{k}"))).collect()
+    };
+    let [friction, load, speed, locked, forward, backward, mode, floor] =
+        ["friction", "load", "speed", "locked", "forward", "backward", "mode", "floor"].map(&mut fresh);
+    // The margin serves the rounding of our own simulation; the side of what is locked is 0.
+    let mut graph = s.graph.clone();
+    let zero = graph.constant(0.0);
+    let without: HashMap<Id, Id> = s.margins.iter().map(|&id| (id, zero)).collect();
+    let rates = graph.replace(&s.rates, &without);
+    let surfaces = graph.replace(&s.surfaces, &without);
+    let surface_rates = graph.replace(&s.surface_rates, &without);
+
+    let mut words: HashMap<Symbol, String> = HashMap::new();
+    let mut call = |id: Id, text: String| {
+        if let Node::Symbol(symbol) = graph.node(id) {
+            words.insert(symbol, text);
+        }
+    };
+    call(subject.model.time, "time".to_owned());
+    for q in subject.states.iter().chain(&subject.inputs) {
+        call(q.node, identifiers.of(&q.name).to_owned());
+    }
+    subject.constants.iter().for_each(|c| call(c.node, identifiers.of(&c.name).to_owned()));
+    for (q, &slope) in subject.inputs.iter().zip(&s.slopes) {
+        call(slope, format!("der({})", identifiers.of(&q.name)));
+    }
+    for k in switches.clone() {
+        call(s.modes[k], friction[k].clone());
+        call(s.sides[k], format!("(if {} then 0 else {})", locked[k], friction[k]));
+        call(s.floors[k], floor[k].clone());
+    }
+    let stem = stem_of_temporaries(&subject.names().collect::<Vec<_>>());
+    let moving = subject.moving();
+    let naming =
+        Naming { symbol: &|s| words[&s].clone(), temporary: &|k| format!("{stem}{k}"), moving: &moving };
+    let roots: Vec<Id> = [&rates, &surfaces, &surface_rates].into_iter().flatten().copied().collect();
+    let code = graph.code(&roots, Language::Modelica, &naming);
+
+    let mut out = String::new();
+    let usage = [
+        "Simulate with event detection on; inputs are connected from outside. The contacts are written like the friction elements of the",
+        "Modelica standard library: locked, sliding forward or backward, and load is the path parameter of friction.",
+    ];
+    for line in head(subject, &identifiers, &usage) {
+        let _ = writeln!(out, "{}", format!("// {line}").trim_end());
+    }
+    let _ = writeln!(out, "model {name} {}", quoted(&subject.title));
+    for c in &subject.constants {
+        let _ =
+            writeln!(out, "  parameter Real {}{} = {:?};", identifiers.of(&c.name), unit(&c.unit), c.value);
+    }
+    let record = subject.chosen();
+    for (q, start) in subject.states.iter().zip(&record.start) {
+        let _ = writeln!(
+            out,
+            "  Real {}({}start = {:?}, fixed = true);",
+            identifiers.of(&q.name),
+            unit_in(q),
+            start.unwrap_or(0.0)
+        );
+    }
+    for q in &subject.inputs {
+        let _ = writeln!(out, "  input Real {}{};", identifiers.of(&q.name), unit(&q.unit));
+    }
+    for k in switches.clone() {
+        let text = quoted(&format!("Mode of {}: 1 forward, -1 backward, 0 sticks", s.switches[k].text));
+        let _ = writeln!(out, "  Integer {}(start = 0, fixed = true) {text};", mode[k]);
+    }
+    out += "protected\n";
+    for k in switches.clone() {
+        let text = &s.switches[k].text;
+        let (speed, friction, load) = (&speed[k], &friction[k], &load[k]);
+        let _ = writeln!(out, "  Real {speed} {};", quoted(text));
+        let _ = writeln!(
+            out,
+            "  Real {friction} {};",
+            quoted(&format!("sgn({text}), or the part of its friction that holds it"))
+        );
+        if s.switches[k].can_stick {
+            let _ = writeln!(out, "  Real {load} \"Path parameter\";");
+            let _ = writeln!(out, "  Boolean {}(start = false, fixed = true);", forward[k]);
+            let _ = writeln!(out, "  Boolean {}(start = false, fixed = true);", backward[k]);
+        }
+        let _ = writeln!(out, "  Boolean {};", locked[k]);
+        let said = "Speed at which friction is looked at while it holds";
+        let _ = writeln!(out, "  parameter Real {} = {:?} \"{said}\";", floor[k], floor_at_start(subject, k));
+    }
+    for (name, _) in &code.temporaries {
+        let _ = writeln!(out, "  Real {name};");
+    }
+    out.push('\n');
+    out += Language::Modelica.helpers();
+    out += "equation\n";
+    for (name, value) in &code.temporaries {
+        let _ = writeln!(out, "  {name} = {value};");
+    }
+    let n = subject.states.len();
+    for (q, rate) in subject.states.iter().zip(&code.roots) {
+        let _ = writeln!(out, "  der({}) = {rate};", identifiers.of(&q.name));
+    }
+    for k in switches {
+        let (w, a) = (&code.roots[n + k], &code.roots[n + s.switches.len() + k]);
+        let (speed, friction, load, locked) = (&speed[k], &friction[k], &load[k], &locked[k]);
+        let (forward, backward, mode) = (&forward[k], &backward[k], &mode[k]);
+        let _ = writeln!(out, "  {speed} = {w};");
+        if !s.switches[k].can_stick {
+            let _ = writeln!(out, "  {locked} = false;");
+            let _ = writeln!(
+                out,
+                "  {mode} = if {speed} > 0 then 1 elseif {speed} < 0 then -1 else 0;\n  {friction} = {mode};"
+            );
+            continue;
+        }
+        let _ = write!(
+            out,
+            "  {forward} = pre({mode}) == 0 and {load} > 1 or initial() and {speed} > 0;
+  {backward} = pre({mode}) == 0 and {load} < -1 or initial() and {speed} < 0;
+  {locked} = not (pre({mode}) <> 0 or {forward} or {backward});
+  {friction} = if {locked} then {load} elseif {forward} then 1 elseif {backward} then -1 else pre({mode});
+  {a} = if {locked} then 0 elseif {forward} then {load} - 1 elseif {backward} then {load} + 1 else {load} - pre({mode});
+  {mode} = if (pre({mode}) == 1 or {forward}) and {speed} > 0 then 1 elseif (pre({mode}) == -1 or {backward}) and {speed} < 0 then -1 else 0;
+"
+        );
+    }
+    let _ = writeln!(out, "end {name};");
+    out
+}
+
+/// Friction that is singular or vanishes at rest is looked at a little off it: the floor under `|w|`, decided at the start state.
+fn floor_at_start(subject: &Subject, k: usize) -> f64 {
+    let s = &subject.switched;
+    if !s.switches[k].shaped {
+        return 0.0;
+    }
+    let record = subject.chosen();
+    let mut inputs: Vec<(Id, f64)> = vec![(subject.model.time, record.start_time.unwrap_or(0.0))];
+    inputs.extend(subject.states.iter().zip(&record.start).map(|(q, x)| (q.node, x.unwrap_or(0.0))));
+    inputs.extend(subject.inputs.iter().map(|q| (q.node, 0.0)));
+    inputs.extend(subject.constants.iter().map(|c| (c.node, c.value)));
+    inputs.extend(
+        [&s.slopes, &s.modes, &s.sides, &s.floors, &s.margins].into_iter().flatten().map(|&id| (id, 0.0)),
+    );
+    let at = |floor: f64| {
+        let symbols: Vec<Id> = inputs.iter().map(|(id, _)| *id).collect();
+        let grip = s.influence[k * s.switches.len() + k];
+        let Ok(tape) = Tape::compile(&s.graph, &symbols, &[grip]) else { return f64::NAN };
+        let mut scratch = Scratch::<1>::new(&tape);
+        for (place, (id, value)) in inputs.iter().enumerate() {
+            scratch.input(place)[0] = if *id == s.floors[k] { floor } else { *value };
+        }
+        scratch.run();
+        -scratch.output(0)[0]
+    };
+    let (rest, near) = (at(0.0), at(OFF_SURFACE));
+    if rest.is_finite() && (rest >= near || !near.is_finite()) { 0.0 } else { OFF_SURFACE }
+}
+
+/// A text as Modelica writes it.
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\"").replace(['\n', '\r'], " "))
+}
+
+/// `(unit = "...")`; Modelica writes products with a point.
+fn unit(unit: &str) -> String {
+    if unit.is_empty() { String::new() } else { format!("(unit = {})", quoted(&pointed(unit))) }
+}
+
+fn unit_in(q: &Quantity) -> String {
+    if q.unit.is_empty() { String::new() } else { format!("unit = {}, ", quoted(&pointed(&q.unit))) }
+}
+
+fn pointed(unit: &str) -> String {
+    unit.replace('*', ".").replace('^', "")
+}
