@@ -329,7 +329,8 @@ fn gain_and_offset_of_an_input_are_found() {
         format!("Find(start: {start:?}, unit: \"{unit}\", within: ({low:?}, {high:?}))")
     };
     let (gain, offset) = (find(1.5, "", 0.5, 3.0), find(0.001, "m", -0.02, 0.02));
-    let (value, kept) = base_sensor("input_gain", &format!("(gain: {gain}, offset: {offset}, delay: 0.0371)"));
+    let (value, kept) =
+        base_sensor("input_gain", &format!("(gain: {gain}, offset: {offset}, delay: 0.0371)"));
     for (name, truth, within) in [("u.gain", 2.0, 0.01), ("u.offset", 0.005, 2e-5), ("c", 0.8, 0.03)] {
         let (found, error) = value(name);
         assert!((found - truth).abs() < within && error < within, "{name}: {found} +- {error}");

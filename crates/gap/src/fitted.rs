@@ -68,7 +68,8 @@ impl Fitted {
         };
         let (records, smooth) = (joint(&draft.records), joint(&draft.smooth));
         let cal = calibrate(&draft.case.system, &records, &smooth, noise, Effort::Thorough).ok()?;
-        let fits: Vec<usize> = (0..records.len()).filter(|&r| self.draft.records[r].role == Role::Fit).collect();
+        let fits: Vec<usize> =
+            (0..records.len()).filter(|&r| self.draft.records[r].role == Role::Fit).collect();
         let rise = power(&cal, noise, &fits).0 - power(&self.cal, noise, &fits).0;
         // The rise of chi^2 that as many numbers make by chance, five standard deviations high.
         let freedom = (self.cal.moved + fits.len() * draft.case.system.states.len()) as f64;

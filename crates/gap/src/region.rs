@@ -55,11 +55,12 @@ pub(crate) fn regions(
             let record = &records[r];
             let span = record.time[record.len() - 1] - record.time[0];
             let switches = run.modes.len() / residual.len().max(1);
-            let mut put = |name: &str, unit: &str, factor: f64, values: Vec<f64>| {
-                match axes.iter_mut().find(|a| a.name == name) {
-                    Some(axis) => axis.values.extend(values),
-                    None => axes.push(Axis { name: name.to_owned(), unit: unit.to_owned(), factor, values }),
-                }
+            let mut put = |name: &str, unit: &str, factor: f64, values: Vec<f64>| match axes
+                .iter_mut()
+                .find(|a| a.name == name)
+            {
+                Some(axis) => axis.values.extend(values),
+                None => axes.push(Axis { name: name.to_owned(), unit: unit.to_owned(), factor, values }),
             };
             let m = residual.len();
             put("time", "", 1.0, (0..m).map(|i| (record.time[i] - record.time[0]) / span).collect());

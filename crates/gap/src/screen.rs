@@ -269,8 +269,14 @@ fn effects(draft: &Draft, catalogue: &[Entry], places: &[Place]) -> Vec<Effect> 
         for place in places.iter().filter(|p| fits(&entry.law, p)) {
             let start =
                 entry.law.parameters.iter().map(|(_, p)| 0.0_f64.clamp(p.within.0, p.within.1)).collect();
-            let plain =
-                Effect { entry: entry.clone(), place: place.clone(), mirror: false, load: None, start, beside: vec![] };
+            let plain = Effect {
+                entry: entry.clone(),
+                place: place.clone(),
+                mirror: false,
+                load: None,
+                start,
+                beside: vec![],
+            };
             if draft.effects.iter().any(|(e, ..)| excludes(e, &plain)) {
                 continue;
             }
@@ -570,7 +576,11 @@ impl Base {
             }
             if !parameter.each {
                 // Column 0 is the target.
-                movable.push(Movable { name: parameter.name.clone(), now: parameter.start, row: all.len() - 1 });
+                movable.push(Movable {
+                    name: parameter.name.clone(),
+                    now: parameter.start,
+                    row: all.len() - 1,
+                });
                 all.push(joint);
             }
         }

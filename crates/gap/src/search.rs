@@ -247,7 +247,11 @@ impl Search<'_> {
         {
             return vec![];
         }
-        let found = Effect { start: values(leader, names, &effect.start), beside: leader.found(|p| !p.each), ..effect.clone() };
+        let found = Effect {
+            start: values(leader, names, &effect.start),
+            beside: leader.found(|p| !p.each),
+            ..effect.clone()
+        };
         self.catalogue
             .iter()
             .filter(|e| e.law.family == law.family && e.law.internal.is_empty() && e.id != effect.entry.id)

@@ -206,9 +206,8 @@ pub fn gap(
     let short = shortened(&whole.records);
     let searched = match &short {
         Some(short) => {
-            let mut found = search
-                .run(Draft::base(&whole.text, whole.case.clone(), short.clone()))
-                .map_err(cannot)?;
+            let mut found =
+                search.run(Draft::base(&whole.text, whole.case.clone(), short.clone())).map_err(cannot)?;
             found.base = Fitted::new(whole.clone(), &noise, Effort::Plain).map_err(cannot)?;
             let full =
                 whole.with_all(&current(&found.last)).and_then(|d| Fitted::new(d, &noise, Effort::Plain));

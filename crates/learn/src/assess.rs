@@ -163,14 +163,13 @@ fn started<'a>(
     let weights = vec![(0..record.columns.len()).map(|k| vec![weight(k); record.len()]).collect::<Vec<_>>()];
     let mut failure = None;
     let bounds = problem.bounds.clone();
-    let end =
-        minimise(x, &bounds, Limits::new(20, 1e-9), |x| match problem.normal(x, &weights) {
-            Ok(normal) => Some(normal),
-            Err(e) => {
-                failure = Some(e);
-                None
-            }
-        });
+    let end = minimise(x, &bounds, Limits::new(20, 1e-9), |x| match problem.normal(x, &weights) {
+        Ok(normal) => Some(normal),
+        Err(e) => {
+            failure = Some(e);
+            None
+        }
+    });
     problem.segments[0] = whole;
     match (end, failure) {
         (None, Some(e)) => Err(e),

@@ -217,6 +217,5 @@ fn solve(batch: &Batch, values: &mut [f64], bounds: &[(f64, f64)]) -> f64 {
         let (cost, triangle, gradient) = batch.normal(x);
         cost.is_finite().then(|| Normal { cost, matrix: symmetric(&triangle, n), gradient })
     };
-    minimise(values, bounds, Limits::new(60, 1e-14), evaluate)
-        .map_or(f64::NAN, |end| end.cost)
+    minimise(values, bounds, Limits::new(60, 1e-14), evaluate).map_or(f64::NAN, |end| end.cost)
 }

@@ -1,10 +1,10 @@
 //! Spec to [`System`]: every name resolved, every mistake of the file collected.
 
-use crate::system::holds_sign;
 use crate::constants::{Constants, Value};
 use crate::dimensions::dimensions;
 use crate::plan::{RecordPlan, plan_records};
 use crate::spec::{LearnSpec, Spec, Text, UnknownSpec};
+use crate::system::holds_sign;
 use crate::system::{Contact, Input, State, System, Term};
 use crate::unit::Unit;
 use crate::{Diagnostic, SourceId};

@@ -204,6 +204,7 @@ impl System {
 /// Whether expressions hold the sign, or the step, of `w` or of `-w`.
 pub(crate) fn holds_sign(graph: &mut Graph, roots: &[Id], w: Id) -> bool {
     let own = [w, graph.neg(w)];
-    let sign = |id: &Id| matches!(graph.node(*id), Node::Unary(Unary::Sgn | Unary::Step, a) if own.contains(&a));
+    let sign =
+        |id: &Id| matches!(graph.node(*id), Node::Unary(Unary::Sgn | Unary::Step, a) if own.contains(&a));
     graph.reachable(roots).iter().any(sign)
 }
