@@ -272,6 +272,8 @@ pub(crate) enum TableKind {
     Hidden,
     /// What the gap workflow makes of the sets in --out.
     Score,
+    /// The operations of the expression language.
+    Language,
 }
 
 /// How to do it; every subcommand takes all of these.

@@ -1,5 +1,6 @@
-//! `phisindy table`: the tables of README.md, made from the specs, so that nobody copies numbers by hand.
+//! `phisindy table`: the tables of README.md and the docs, made from the specs and the code, so that nobody copies numbers by hand.
 
+mod language;
 mod paper;
 mod seeds;
 
@@ -60,6 +61,7 @@ pub(crate) fn command(args: &TableArgs, options: &Options) -> Result<u8> {
                 }),
             )
         }
+        TableKind::Language => ("language", Some(language::table())),
         TableKind::Hidden => ("hidden", None),
     };
     let Some(table) = made else { return Ok(interrupt::code()) };

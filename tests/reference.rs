@@ -1,0 +1,73 @@
+//! The reference is current: it names the fields that the program knows, and its table of operations is the code's.
+
+#[allow(dead_code)] // each test uses its part
+mod common;
+
+use common::{Scratch, phisindy, top};
+
+fn reference() -> String {
+    std::fs::read_to_string(top().join("docs/reference.md")).expect("the reference")
+}
+
+#[test]
+fn the_table_of_operations_is_the_codes() {
+    let said = phisindy(&["table", "language"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(said.out.contains("`tanh(x)`") && said.out.contains("`a ^ b`"), "{}", said.out);
+    assert!(
+        reference().contains(&said.out),
+        "out of date: phisindy table language --write docs/reference.md\n{}",
+        said.out
+    );
+}
+
+/// The first column of the table under a heading.
+fn documented(text: &str, owner: &str) -> Vec<String> {
+    let part =
+        text.split(&format!("### `{owner}`\n")).nth(1).unwrap_or_else(|| panic!("no part for {owner}"));
+    let part = part.split("\n#").next().unwrap_or(part);
+    let rows = part.lines().filter_map(|l| l.strip_prefix("| `")?.split('`').next());
+    rows.map(str::to_owned).collect()
+}
+
+/// The fields that the program allows, from what it says of one that it does not know.
+fn allowed(spec: &str) -> Vec<String> {
+    let scratch = Scratch::new("reference");
+    let path = scratch.path("case.ron");
+    std::fs::write(&path, spec).expect("a spec");
+    let said = phisindy(&["check", &path]).err;
+    let at = said.find("unknown field").unwrap_or_else(|| panic!("{said}"));
+    let list = said[at..].split("allowed: ").nth(1).unwrap_or_else(|| panic!("{said}"));
+    list.lines().next().expect("a line").split(", ").map(str::to_owned).collect()
+}
+
+#[test]
+fn every_field_is_in_the_reference_and_no_other() {
+    let text = reference();
+    let case = |constants: &str, unknown: &str, data: &str, more: &str| {
+        format!(
+            "(constants: {{ {constants} }}, states: {{ \"x\": \"m\" }}, known: {{ \"x\": \"0\" }}, unknown: {{ {unknown} }}, data: [{data}], {more})"
+        )
+    };
+    let record = |inside: &str| case("", "", &format!("Synthetic({inside})"), "");
+    let input = |kind: &str| record(&format!("inputs: {{ \"u\": {kind}(wrong: 1) }}"));
+    let specs = [
+        ("the spec", case("", "", "", "wrong: 1")),
+        ("a movable constant", case("\"k\": (value: 1.0, wrong: 1)", "", "", "")),
+        ("Find", case("\"k\": Find(wrong: 1)", "", "", "")),
+        ("an unknown part", case("", "\"x\": (wrong: 1)", "", "")),
+        ("Csv", case("", "", "Csv(wrong: 1)", "")),
+        ("Synthetic", record("wrong: 1")),
+        ("a sensor", record("sensors: { \"x\": (wrong: 1) }")),
+        ("Jonswap", input("Jonswap")),
+        ("Multisine", input("Multisine")),
+        ("File", input("File")),
+        ("learn", case("", "", "", "learn: (wrong: 1)")),
+    ];
+    for (owner, spec) in specs {
+        let (mut have, mut want) = (documented(&text, owner), allowed(&spec));
+        have.sort();
+        want.sort();
+        assert_eq!(have, want, "{owner}");
+    }
+}
