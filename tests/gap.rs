@@ -86,3 +86,52 @@ fn a_force_that_no_law_describes_is_unexplained() {
     assert_eq!((found["status"].as_str(), code), (Some("unexplained"), 1), "{found}");
     assert!(found["left"].as_array().is_some_and(|l| !l.is_empty()));
 }
+
+/// The noise of a clean column is estimated too large: what is left below it is nothing.
+#[test]
+fn clean_data_are_explained() {
+    let (found, code) = gap(&folder("gap-clean"), &spec("\"v\": \"-0.3*sgn(v)\"", 0.0));
+    assert_eq!((found["status"].as_str(), code), (Some("explained"), 0), "{found}");
+    assert_eq!(named(&found), [("coulomb".to_owned(), "v".to_owned())]);
+}
+
+/// Forces of any size: a law's bounds are no judgement of the rig.
+#[test]
+fn a_rig_of_meganewtons_is_like_any_other() {
+    let heavy = spec("\"v\": \"-0.3*sgn(v)\"", 0.02)
+        .replace("(1.0, \"kg\")", "(1e7, \"kg\")")
+        .replace("(0.1, \"N*s/m\")", "(1e6, \"N*s/m\")")
+        .replace("(1.0, \"N/m\")", "(1e7, \"N/m\")")
+        .replace("(1.0, \"N\")", "(1e7, \"N\")");
+    let (found, _) = gap(&folder("gap-heavy"), &heavy);
+    assert_eq!(named(&found), [("coulomb".to_owned(), "v".to_owned())], "{found}");
+    let level = found["steps"][0]["parameters"]["Fc"]["value"].as_f64().expect("a level");
+    assert!((level / 3e6 - 1.0).abs() < 0.02, "{level}");
+}
+
+/// What is asked about is no part of the model, and a contact without friction holds nothing: friction is found as if neither were there.
+#[test]
+fn candidates_and_contacts_that_do_not_rub_are_no_obstacle() {
+    let asks = spec("\"v\": \"-0.3*sgn(v)\"", 0.02).replace(
+        "unknown: {}",
+        "unknown: { \"v\": (factor: \"-sgn(v)/m\", candidates: [\"1\"]) }, contacts: [\"v\"]",
+    );
+    let folder = folder("gap-asks");
+    let (found, code) = gap(&folder, &asks);
+    assert_eq!((found["status"].as_str(), code), (Some("explained"), 0), "{found}");
+    assert_eq!(named(&found), [("coulomb".to_owned(), "v".to_owned())]);
+    let completed = std::fs::read_to_string(folder.join("out/completed.ron")).expect("completed.ron");
+    assert!(completed.contains("unknown: {}"), "{completed}");
+}
+
+/// Any model leaves noise of noise: that is no explanation.
+#[test]
+fn noise_without_motion_is_refused() {
+    let drowned = spec("\"v\": \"-0.3*sgn(v)\"", 0.02)
+        .replace("Additive(0.02)", "Sensor({ \"x\": (300.0, \"m\"), \"v\": (300.0, \"m/s\") })");
+    let path = folder("gap-noise").join("spec.ron");
+    std::fs::write(&path, drowned).expect("the spec can be written");
+    let out = Command::new(env!("CARGO_BIN_EXE_phisindy")).arg("gap").arg(&path).output().expect("it runs");
+    let said = String::from_utf8_lossy(&out.stderr);
+    assert!(!out.status.success() && said.contains("mostly noise"), "{said}");
+}

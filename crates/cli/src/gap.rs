@@ -179,7 +179,7 @@ fn as_text(found: &Gap, catalogue: &[Entry], seconds: f64) -> String {
     let mut out: Vec<String> = Vec::new();
     let shown = |(fit, validate): (f64, Option<f64>)| validate.unwrap_or(fit);
     let before = shown(found.before);
-    let which = if found.before.1.is_some() { "on data not used" } else { "on the fitted data" };
+    let which = whose(found);
     out.push(format!("gap {which}, in units of the noise (1 is perfect)"));
     out.push(format!("  {:>8}  {}  the model as it is", short(before), bar(before, before)));
     for s in found.steps.iter().chain(&found.partial) {
@@ -239,6 +239,11 @@ fn as_text(found: &Gap, catalogue: &[Entry], seconds: f64) -> String {
     out.join("\n") + "\n"
 }
 
+/// Of which data a gap is told.
+pub(crate) fn whose(found: &Gap) -> &'static str {
+    if found.before.1.is_some() { "on data not used" } else { "on the fitted data" }
+}
+
 /// How it ended, in words.
 pub(crate) fn ending(found: &Gap) -> String {
     let shown = |(fit, validate): (f64, Option<f64>)| validate.unwrap_or(fit);
@@ -248,7 +253,7 @@ pub(crate) fn ending(found: &Gap) -> String {
             format!("nothing-missing: the model explains the data to their noise (gap {})", short(last))
         }
         Status::Explained => {
-            format!("explained: the gap on data not used went from {} to {}", short(before), short(last))
+            format!("explained: the gap {} went from {} to {}", whose(found), short(before), short(last))
         }
         Status::Unexplained => {
             let place = found

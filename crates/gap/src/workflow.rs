@@ -11,7 +11,7 @@ use crate::search::{Measure, Search, Searched, current};
 use phisindy_expr::{Scratch, Tape};
 use phisindy_learn::{Effort, FoundParameter, RecordFit};
 use phisindy_phys::spec::Role;
-use phisindy_phys::{Case, Record, System, splice};
+use phisindy_phys::{Case, Record, System, splice, standard_deviation};
 use std::ops::ControlFlow;
 
 /// An explained record ends below this many times its noise.
@@ -190,6 +190,7 @@ pub fn gap(
             )));
         }
     }
+    dead(&case.system, &records)?;
     let mut warnings = Vec::new();
     if !case.system.terms.is_empty() {
         warnings.push(
@@ -197,6 +198,7 @@ pub fn gap(
         );
     }
     let noise = noise(&records);
+    mostly_noise(&case.system, &records, &noise)?;
     let (repeat, floor) = floor(&case, &records, &noise);
     let mut hear = |part: f64, what: &str| observe(part, what).is_break();
     let mut search = Search { catalogue, noise: &noise, floor, hear: &mut hear, veto: &against };
@@ -217,6 +219,40 @@ pub fn gap(
         None => search.run(whole).map_err(cannot)?,
     };
     finished(searched, &noise, repeat, floor, warnings, &mut hear)
+}
+
+/// Columns that do not move say nothing.
+fn dead(system: &System, records: &[Record]) -> Result<(), GapError> {
+    for record in records {
+        for (state, column) in system.states.iter().zip(&record.columns) {
+            if column.as_ref().is_some_and(|c| c.iter().all(|x| *x == c[0])) {
+                return Err(GapError::Data(format!(
+                    "{}: the column of {} is constant: nothing moved, or the sensor is dead",
+                    record.name, state.name
+                )));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The part of a column's standard deviation that may be noise.
+const NOISY: f64 = 0.8;
+
+/// Where every column of a record that is to be fitted is noise above all, any model would leave noise.
+fn mostly_noise(system: &System, records: &[Record], noise: &[Vec<f64>]) -> Result<(), GapError> {
+    for (record, noise) in records.iter().zip(noise).filter(|(r, _)| r.role == Role::Fit) {
+        let share = |k: usize| record.columns[k].as_ref().map(|c| noise[k] / standard_deviation(c));
+        let shares: Vec<f64> = (0..system.states.len()).filter_map(share).collect();
+        if shares.iter().all(|s| *s > NOISY) {
+            return Err(GapError::Data(format!(
+                "{}: what was measured is mostly noise ({:.0} % of it): no motion to explain",
+                record.name,
+                100.0 * shares.iter().copied().fold(1.0, f64::min)
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// The model that is believed complete: what the spec only asks about is no part of it.
@@ -381,7 +417,9 @@ fn finished(
     let end = last.validate.unwrap_or(last.fit);
     let white = last.is_white() && end < EXPLAINED;
     let repeats = floor > 0.0 && end <= REPEATS * floor;
-    let status = match (white || repeats, steps.is_empty()) {
+    // Below the estimated noise, which of clean columns is too large, there is nothing to find.
+    let below = last.fit <= 1.0 && end <= 1.0;
+    let status = match (white || repeats || below, steps.is_empty()) {
         (true, true) => Status::NothingMissing,
         (true, false) => Status::Explained,
         (false, _) => Status::Unexplained,

@@ -66,7 +66,8 @@ pub(crate) fn written(subject: &Subject) -> String {
     array(&mut out, "char *CONTACT_NAMES", contacts.iter().map(|s| quoted(&s.text)), "\"\"");
     out += "/* The state at the start; NAN: not known, and for the time: the first one. */\n";
     array(&mut out, "double START", record.start.iter().map(number), "NAN");
-    let _ = writeln!(out, "static const double START_TIME = {};\n#endif\n", number(&record.start_time));
+    let _ = writeln!(out, "static const double START_TIME = {};", number(&record.start_time));
+    let _ = writeln!(out, "static const char RECORD[] = {};\n#endif\n", quoted(&record.name));
     out += Language::C.helpers();
     define(&mut out, "flow", "dx/dt in the given modes.", &functions.flow, subject, &functions);
     define(

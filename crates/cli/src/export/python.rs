@@ -48,7 +48,8 @@ pub(crate) fn written(subject: &Subject) -> String {
     let record = subject.chosen();
     let number = |x: &Option<f64>| x.map_or("None".to_owned(), |x| format!("{x:?}"));
     let _ = writeln!(out, "START = [{}]", record.start.iter().map(number).collect::<Vec<_>>().join(", "));
-    let _ = writeln!(out, "START_TIME = {}\n\n", number(&record.start_time));
+    let _ =
+        writeln!(out, "START_TIME = {}\nRECORD = {}\n\n", number(&record.start_time), quoted(&record.name));
     out += Language::Python.helpers();
     define(&mut out, "_flow", "dx/dt in the given modes.", &functions.flow, subject);
     define(

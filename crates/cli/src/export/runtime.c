@@ -983,7 +983,8 @@ Status model_simulate(const double *times, int count, const double *start, doubl
 }
 
 #ifdef PHISINDY_MAIN
-/* CSV with headings on standard input (t and the inputs, other columns are ignored); the motion as CSV on standard output. */
+/* CSV with headings on standard input (t and the inputs; of several records, told apart by a column `record`, the one of START; other columns are
+   ignored); the motion as CSV on standard output. */
 
 static int fail(const char *what, const char *which)
 {
@@ -1014,11 +1015,29 @@ static char *line_of(FILE *file)
     return line;
 }
 
+/* The length of a cell; one in double quotes may hold commas. */
+static size_t cell_length(const char *cell)
+{
+    size_t length = 0;
+    if (cell[0] == '"')
+        for (length = 1; cell[length] != '\0' && (cell[length] != '"' || cell[length + 1] == '"'); length++)
+            if (cell[length] == '"')
+                length++;
+    return length + strcspn(cell + length, ",");
+}
+
+/* Whether a cell holds a text, with or without quotes round it. */
+static bool cell_is(const char *cell, const char *text)
+{
+    size_t length = cell_length(cell), quotes = cell[0] == '"' ? 1 : 0;
+    return length == strlen(text) + 2*quotes && strncmp(cell + quotes, text, length - 2*quotes) == 0;
+}
+
 int main(void)
 {
     static const char *statuses[] = {"", "not enough memory", "more than two million steps", "the step length collapsed",
                                      "the motion grows without bound", "a contact changes sign without end"};
-    int column[1 + INPUTS], count = 0, room = 0;
+    int column[1 + INPUTS], record_at = -1, count = 0, room = 0;
     double *rows = NULL;
     char *line = line_of(stdin);
     for (int k = 0; k <= INPUTS; k++) {
@@ -1026,9 +1045,11 @@ int main(void)
         column[k] = -1;
         const char *cell = line;
         for (int at = 0; cell != NULL; at++) {
-            size_t length = strcspn(cell, ",");
-            if (length == strlen(name) && strncmp(cell, name, length) == 0)
+            size_t length = cell_length(cell);
+            if (cell_is(cell, name))
                 column[k] = at;
+            if (cell_is(cell, "record"))
+                record_at = at;
             cell = cell[length] == ',' ? cell + length + 1 : NULL;
         }
         if (column[k] < 0)
@@ -1044,7 +1065,9 @@ int main(void)
         }
         const char *cell = line;
         int found = 0;
+        bool other = false;
         for (int at = 0; cell != NULL; at++) {
+            other = other || (at == record_at && !cell_is(cell, RECORD));
             for (int k = 0; k <= INPUTS; k++)
                 if (column[k] == at) {
                     char *end;
@@ -1053,13 +1076,13 @@ int main(void)
                         return fail("not a number: ", cell);
                     found++;
                 }
-            size_t length = strcspn(cell, ",");
+            size_t length = cell_length(cell);
             cell = cell[length] == ',' ? cell + length + 1 : NULL;
         }
         if (found <= INPUTS)
             return fail("too few columns: ", line);
         free(line);
-        count++;
+        count += other ? 0 : 1;
     }
     if (count == 0)
         return fail("no rows on standard input", "");

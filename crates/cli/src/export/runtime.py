@@ -659,8 +659,9 @@ def _golden(a, b, g):
 
 
 def main():
-    """CSV with headings on standard input (t and the inputs, other columns are ignored); the motion as CSV on standard output."""
-    rows = list(csv.DictReader(sys.stdin))
+    """CSV with headings on standard input (t and the inputs; of several records, told apart by a column `record`, the one of START; other columns are
+    ignored); the motion as CSV on standard output."""
+    rows = [row for row in csv.DictReader(sys.stdin) if row.get("record", RECORD) == RECORD]
     missing = [name for name in ["t"] + [name for name, _, _ in INPUTS] if not rows or name not in rows[0]]
     if missing:
         sys.exit("no column " + ", ".join(missing) + " on standard input")

@@ -328,8 +328,8 @@ fn model(draft: &Draft, words: &Words, text: &mut String) {
     }
     let _ = writeln!(
         text,
-        "    // What may be missing: dry friction at least. Others: {place}^3, {speed}*|{speed}|, or a law by its name, laws: [\"stribeck\"] (`phisindy laws` \
-         lists them).\n    // If the friction comes out negative, something else is missing."
+        "    // What may be missing: dry friction at least. Others: {place}^3, {speed}*|{speed}|; `phisindy gap` tries every \
+         law of the catalogue.\n    // If the friction comes out negative, something else is missing."
     );
     let minus = format!("-1{over}");
     let unknown = match draft.estimate.spring {

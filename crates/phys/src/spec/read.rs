@@ -84,7 +84,7 @@ impl Reader<'_> {
         let nothing = |name| fields.get(name).is_none_or(|list: &Node| list.entries.is_empty());
         if nothing("candidates") && nothing("laws") {
             let span = fields.get("candidates").map_or(node.span, |list| list.span);
-            let help = "list what might be missing: candidates: [\"1\", ...], or laws: [\"stribeck\"]";
+            let help = "list what might be missing: candidates: [\"1\", ...]";
             return self.wrong(
                 span,
                 "the unknown part has neither candidates nor laws",
