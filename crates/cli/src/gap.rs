@@ -220,6 +220,13 @@ fn as_text(found: &Gap, catalogue: &[Entry], seconds: f64) -> String {
             out.extend(details(s, catalogue));
         }
     }
+    // The same law is ruled out round after round: once is enough.
+    let steps = found.steps.iter().chain(&found.partial);
+    for veto in steps.flat_map(vetoes) {
+        if !out.contains(&veto) {
+            out.push(veto);
+        }
+    }
     for (record, column, r) in &found.repeat {
         out.push(format!(
             "{record}: {column} repeats from cycle to cycle ({} s) to NRMSE {:.3}",
@@ -284,7 +291,6 @@ fn details(s: &Step, catalogue: &[Entry]) -> Vec<String> {
         out.push(format!("     {rival}"));
         out.extend(what.map(|what| format!("       {what}")));
     }
-    out.extend(vetoes(s).map(|veto| format!("     {veto}")));
     out
 }
 

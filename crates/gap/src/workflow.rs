@@ -9,7 +9,7 @@ use crate::region::{Region, regions};
 use crate::repeat::{Repeat, prediction, repeatability};
 use crate::search::{Measure, Search, Searched, current};
 use phisindy_expr::{Scratch, Tape};
-use phisindy_learn::{Effort, FoundParameter, RecordFit};
+use phisindy_learn::{Effort, FoundParameter, RecordFit, at_bounds};
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Case, Record, System, splice, standard_deviation};
 use std::ops::ControlFlow;
@@ -414,6 +414,7 @@ fn finished(
             }
         })
         .collect();
+    warnings.extend(at_bounds(&last.cal.parameters));
     let end = last.validate.unwrap_or(last.fit);
     let white = last.is_white() && end < EXPLAINED;
     let repeats = floor > 0.0 && end <= REPEATS * floor;

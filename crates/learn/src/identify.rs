@@ -232,7 +232,7 @@ fn found_parameters(system: &System, values: &[f64], std_errors: &[f64]) -> Vec<
 }
 
 /// A warning for every parameter that ran into a bound.
-pub(crate) fn at_bounds(parameters: &[FoundParameter]) -> Vec<String> {
+pub fn at_bounds(parameters: &[FoundParameter]) -> Vec<String> {
     let at = parameters.iter().filter(|p| p.at_bound);
     at.map(|p| beyond_bound(&p.name, p.estimate.value / p.factor)).collect()
 }
