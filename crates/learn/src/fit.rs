@@ -264,7 +264,7 @@ struct Settled {
 fn settled(problem: &mut Problem<'_>, x: &mut [f64], noise: &mut Noise, rounds: usize) -> Option<Settled> {
     let bounds = problem.bounds.clone();
     let mut weights = problem.weights(noise, problem.residuals(x).ok().as_deref());
-    let limits = Limits::new(if rounds == 1 { 12 } else { 20 }, if rounds == 1 { 1e-4 } else { 1e-9 });
+    let limits = Limits::new(if rounds == 1 { 12 } else { 20 }, if rounds == 1 { 1e-4 } else { 1e-7 });
     let mut normal = minimise(x, &bounds, limits, |x| problem.normal(x, &weights).ok())?;
     for _ in 1..rounds {
         let residuals = problem.residuals(x).ok()?;

@@ -25,7 +25,8 @@ pub(crate) fn interval(fit: &Fit<'_>, k: usize, error: f64, curvature: f64) -> (
         return quadratic;
     }
     let target = RISE * (error / curvature).powi(2);
-    (end(fit, k, quadratic.0, target).clamp(low, high), end(fit, k, quadratic.1, target).clamp(low, high))
+    let of = |quadratic: f64| end(fit, k, quadratic, target).clamp(low, high);
+    rayon::join(|| of(quadratic.0), || of(quadratic.1))
 }
 
 /// One end, where the cost has risen by `target`, from where the quadratic model puts it.
