@@ -9,7 +9,7 @@ use crate::region::{Region, regions};
 use crate::repeat::{Repeat, prediction, repeatability};
 use crate::search::{Measure, Search, Searched, current};
 use phisindy_expr::{Scratch, Tape};
-use phisindy_learn::{Effort, FoundParameter, RecordFit, at_bounds};
+use phisindy_learn::{Effort, FoundParameter, RecordFit, at_bounds, dead_column};
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Case, Record, System, splice, standard_deviation};
 use std::ops::ControlFlow;
@@ -190,7 +190,9 @@ pub fn gap(
             )));
         }
     }
-    dead(&case.system, &records)?;
+    if let Some(why) = records.iter().find_map(|r| dead_column(&case.system, r)) {
+        return Err(GapError::Data(why));
+    }
     let mut warnings = Vec::new();
     if !case.system.terms.is_empty() {
         warnings.push(
@@ -219,21 +221,6 @@ pub fn gap(
         None => search.run(whole).map_err(cannot)?,
     };
     finished(searched, &noise, repeat, floor, warnings, &mut hear)
-}
-
-/// Columns that do not move say nothing.
-fn dead(system: &System, records: &[Record]) -> Result<(), GapError> {
-    for record in records {
-        for (state, column) in system.states.iter().zip(&record.columns) {
-            if column.as_ref().is_some_and(|c| c.iter().all(|x| *x == c[0])) {
-                return Err(GapError::Data(format!(
-                    "{}: the column of {} is constant: nothing moved, or the sensor is dead",
-                    record.name, state.name
-                )));
-            }
-        }
-    }
-    Ok(())
 }
 
 /// The part of a column's standard deviation that may be noise.

@@ -88,16 +88,20 @@ fn suitable(system: &System, record: &Record) -> Result<(), LearnError> {
             record.len()
         )));
     }
-    for (state, column) in system.states.iter().zip(&record.columns) {
-        let Some(column) = column else { continue };
-        if column.iter().all(|v| *v == column[0]) {
-            return Err(LearnError::Data(format!(
-                "{name}: the column of {} is constant: nothing moved, or the sensor is dead",
-                state.name
-            )));
-        }
+    match dead_column(system, record) {
+        Some(why) => Err(LearnError::Data(why)),
+        None => Ok(()),
     }
-    Ok(())
+}
+
+/// What is wrong with a record in which a measured column does not move, in words.
+pub fn dead_column(system: &System, record: &Record) -> Option<String> {
+    let still = |c: &Option<Vec<f64>>| c.as_ref().is_some_and(|c| c.iter().all(|v| *v == c[0]));
+    let k = record.columns.iter().position(still)?;
+    Some(format!(
+        "{}: the column of {} is constant: nothing moved, or the sensor is dead",
+        record.name, system.states[k].name
+    ))
 }
 
 /// The paper's method.

@@ -30,7 +30,7 @@ pub use calibrate::{Calibration, Effort, RESTARTED, approach, calibrate, glance}
 pub use identified::{
     Contribution, Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict,
 };
-pub use identify::{LearnOptions, at_bounds, identify};
+pub use identify::{LearnOptions, at_bounds, dead_column, identify};
 pub use initial::smoothed;
 pub use sweep::{SweepRun, Truth, bound, project, sweep_one};
 pub use train::{StepFit, StepOptions, train};
