@@ -153,10 +153,20 @@ pub fn calibrate(
     })
 }
 
-/// Steps that a trial may take: friction that strengthens with speed near rest creeps without end, and is wrong.
+/// Steps for each sample that a trial may take, and a trial of a model with memory.
+const STEPS: (usize, usize) = (12, 4);
+
+/// Steps that a trial may take: friction that strengthens with speed near rest creeps without end, and is wrong. A memory that fades within a part of a sample cannot be
+/// told from none, and takes as many steps as it fades fast.
 fn budget(problem: &Problem<'_>) -> usize {
     let longest = problem.segments.iter().map(|s| s.samples.1 - s.samples.0).max().unwrap_or(0);
-    1_000 + 12 * longest
+    let states = &problem.system.states;
+    let measured = |k: usize| problem.records.iter().any(|r| r.columns[k].is_some());
+    let memory = (0..states.len()).any(|k| {
+        let moves = states[k].velocity.is_some() || states.iter().any(|s| s.velocity == Some(k));
+        !moves && !measured(k)
+    });
+    1_000 + longest * if memory { STEPS.1 } else { STEPS.0 }
 }
 
 /// Local error of the simulations of a trial: small against the noise, also where it adds up over a record.
