@@ -135,3 +135,26 @@ fn noise_without_motion_is_refused() {
     let said = String::from_utf8_lossy(&out.stderr);
     assert!(!out.status.success() && said.contains("mostly noise"), "{said}");
 }
+
+/// A body may have a stop on either side; and where impacts pull neighbouring motions apart a tenth of a record does not tell its start.
+#[test]
+fn two_stops_are_found_although_the_motion_hangs_on_its_start() {
+    let stops = spec("\"v\": \"-20*pos(x-1.2) + 20*pos(-x-1.5)\"", 0.02);
+    let (found, code) = gap(&folder("gap-stops"), &stops);
+    assert_eq!((found["status"].as_str(), code), (Some("explained"), 0), "{found}");
+    let stop = ("one-sided-stop".to_owned(), "v".to_owned());
+    assert_eq!(named(&found), [stop.clone(), stop], "{found}");
+    assert!(found["final"]["validate"].as_f64().is_some_and(|gap| gap < 1.05), "{found}");
+}
+
+/// What evidence rules out may lead the race: what is left is run again. A smooth sign is no Stribeck friction that grows with the speed.
+#[test]
+fn friction_that_grows_with_speed_is_not_called_stribeck() {
+    let (found, _) = gap(&folder("gap-smooth"), &spec("\"v\": \"-0.3*tanh(v/0.02)\"", 0.02));
+    let all = found["steps"].as_array().into_iter().chain(found["partial"].as_array()).flatten();
+    for step in all.filter(|s| s["law"] == "stribeck") {
+        let level = |name: &str| step["parameters"][name]["value"].as_f64().unwrap_or(f64::NAN);
+        assert!(level("Fs") >= level("Fc"), "{found}");
+    }
+    assert!(!found["steps"].as_array().expect("steps").is_empty(), "{found}");
+}

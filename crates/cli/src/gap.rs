@@ -220,6 +220,7 @@ fn as_text(found: &Gap, catalogue: &[Entry], seconds: f64) -> String {
             out.extend(details(s, catalogue));
         }
     }
+    out.extend(moved(found));
     // The same law is ruled out round after round: once is enough.
     let steps = found.steps.iter().chain(&found.partial);
     for veto in steps.flat_map(vetoes) {
@@ -294,6 +295,27 @@ fn details(s: &Step, catalogue: &[Entry]) -> Vec<String> {
     out
 }
 
+/// What moved beside the effects: constants and sensors of the spec itself.
+fn moved(found: &Gap) -> Vec<String> {
+    let steps = || found.steps.iter().chain(&found.partial);
+    let own = |name: &str| steps().any(|s| s.parameters.iter().any(|p| p.constant == name));
+    let said = found.parameters.iter().filter(|p| !own(&p.name)).map(|p| {
+        let f = p.factor;
+        let (low, high) = p.estimate.ci95;
+        let bound = if p.at_bound { ", at its bound" } else { "" };
+        let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
+        format!(
+            "     {} = {}{unit} [{}, {}]{bound}",
+            p.name,
+            short(p.estimate.value / f),
+            short(low / f),
+            short(high / f)
+        )
+    });
+    let said: Vec<String> = said.collect();
+    if said.is_empty() { said } else { ["with".to_owned()].into_iter().chain(said).collect() }
+}
+
 /// What else would nearly do, and what would decide.
 pub(crate) fn rivals(s: &Step, catalogue: &[Entry]) -> Vec<(String, Option<String>)> {
     let near = s.rivals.iter().filter(|r| r.delta_bic < 10.0);
@@ -301,11 +323,11 @@ pub(crate) fn rivals(s: &Step, catalogue: &[Entry]) -> Vec<(String, Option<Strin
         // A richer description may fit better and still not be preferred: what it adds does not carry over to data not used.
         let by = if r.delta_bic < 0.0 {
             format!(
-                "fits better, criterion {}, but says little more about data not used",
+                "fits better, BIC {} lower, but says little more about data not used",
                 short(-r.delta_bic)
             )
         } else {
-            format!("criterion {} worse", short(r.delta_bic))
+            format!("BIC {} higher", short(r.delta_bic))
         };
         let what = deciding(&s.effect.entry.law, &s.effect.entry.id, &r.law, catalogue);
         let rival = format!("not excluded: {} ({by})", placed(&r.law, &r.at));

@@ -252,13 +252,13 @@ impl Screening {
     }
 }
 
-/// Whether two effects describe one thing.
+/// Whether two effects describe one thing. A law and its mirror image do not: a body may have a stop on either side.
 pub(crate) fn excludes(a: &Effect, b: &Effect) -> bool {
     let family = |e: &Effect| {
         let family = &e.entry.law.family;
         if family.is_empty() { e.entry.id.clone() } else { family.clone() }
     };
-    a.place.at == b.place.at && family(a) == family(b)
+    a.place.at == b.place.at && a.mirror == b.mirror && family(a) == family(b)
 }
 
 /// Laws at places, with their mirror images and loads, that the model does not hold yet.
@@ -277,9 +277,6 @@ fn effects(draft: &Draft, catalogue: &[Entry], places: &[Place]) -> Vec<Effect> 
                 start,
                 beside: vec![],
             };
-            if draft.effects.iter().any(|(e, ..)| excludes(e, &plain)) {
-                continue;
-            }
             if entry.law.mirror.is_some() {
                 all.push(Effect { mirror: true, ..plain.clone() });
             }
@@ -289,6 +286,7 @@ fn effects(draft: &Draft, catalogue: &[Entry], places: &[Place]) -> Vec<Effect> 
             all.push(plain);
         }
     }
+    all.retain(|e| !draft.effects.iter().any(|(held, ..)| excludes(held, e)));
     all
 }
 

@@ -155,16 +155,15 @@ impl Search<'_> {
             added(self.seeded(draft, singles(found)))
         };
         drafts.extend(self.richer(draft, now));
-        let mut singles = self.allowed(self.fitted(drafts, candidates), before, &mut vetoed);
+        let mut singles = self.tried(drafts, candidates, &mut vetoed);
         // From each new leader its whole family once more: one slow curve is hard to reach from a regression, easy from its neighbour.
         for _ in 0..FAMILY {
-            let Some(leader) = singles.first().map(named) else { break };
-            let more = self.fitted(self.siblings(draft, &singles), candidates);
-            let more = self.allowed(more, before, &mut vetoed);
+            let Some(leader) = singles.first().map(|f| named(&f.draft)) else { break };
+            let more = self.tried(self.siblings(draft, &singles), candidates, &mut vetoed);
             let by = Measure::of(singles.iter().chain(&more), candidates);
             singles.extend(more);
             singles.sort_by(|a, b| by.score(a).total_cmp(&by.score(b)));
-            if named(&singles[0]) == leader {
+            if named(&singles[0].draft) == leader {
                 break;
             }
         }
@@ -183,8 +182,7 @@ impl Search<'_> {
             found.pairs(price, wanted).into_iter().map(|(a, b)| vec![a.effect, b.effect]).collect();
         pairs.extend(singles.first().map_or(vec![], |leader| self.parted(draft, leader, found)));
         (self.hear)(0.1 + 0.8 * (before as f64 + 0.5) / EFFECTS as f64, "fitting the best pairs");
-        let pairs = self.fitted(added(pairs), candidates);
-        let pairs = self.allowed(pairs, before, &mut vetoed);
+        let pairs = self.tried(added(pairs), candidates, &mut vetoed);
         let pair = preferred(&pairs, candidates).filter(|p| self.worth(now, p, candidates)).cloned();
         let all: Vec<Fitted> = singles.into_iter().chain(pairs).collect();
         let chosen = match (best, pair) {
@@ -322,6 +320,26 @@ impl Search<'_> {
             .collect()
     }
 
+    /// Fits the best of some models, and leaves out what evidence speaks against. A race that such a model led is run again without its law: it has outrun what
+    /// might be true.
+    fn tried(
+        &self,
+        mut drafts: Vec<Draft>,
+        candidates: usize,
+        vetoed: &mut Vec<(String, String)>,
+    ) -> Vec<Fitted> {
+        loop {
+            let all = self.fitted(drafts.clone(), candidates);
+            let (count, names) = (all.len(), all.iter().map(|f| named(&f.draft)).collect::<Vec<_>>());
+            let all = self.allowed(all, vetoed);
+            let left: Vec<_> = all.iter().map(|f| named(&f.draft)).collect();
+            if names.first() == left.first() || count == drafts.len() {
+                return all;
+            }
+            drafts.retain(|d| !names.contains(&named(d)) || left.contains(&named(d)));
+        }
+    }
+
     /// Fits what is left of a race; failures drop out.
     fn fitted(&self, drafts: Vec<Draft>, candidates: usize) -> Vec<Fitted> {
         let looks: Vec<f64> = drafts
@@ -351,23 +369,11 @@ impl Search<'_> {
         all
     }
 
-    /// A model that starts near where it should end. Through stops the way over short segments may lead astray: then also straight from where it starts.
-    fn refitted(&self, draft: Draft, rests: bool) -> Option<Fitted> {
-        let straight =
-            if rests { Fitted::new(draft.clone(), self.noise, Effort::Thorough).ok() } else { None };
-        let long = Fitted::new(draft, self.noise, Effort::Plain).ok();
-        match (straight, long) {
-            (Some(a), Some(b)) => Some(if a.fit < b.fit { a } else { b }),
-            (a, b) => a.or(b),
-        }
-    }
-
     /// Without the models that evidence speaks against.
-    fn allowed(&self, all: Vec<Fitted>, before: usize, vetoed: &mut Vec<(String, String)>) -> Vec<Fitted> {
+    fn allowed(&self, all: Vec<Fitted>, vetoed: &mut Vec<(String, String)>) -> Vec<Fitted> {
         all.into_iter()
             .filter(|f| {
-                let against =
-                    f.draft.effects[before..].iter().find_map(|(e, ..)| Some((e, (self.veto)(f, e)?)));
+                let against = f.draft.effects.iter().find_map(|(e, ..)| Some((e, (self.veto)(f, e)?)));
                 match against {
                     Some((effect, why)) => {
                         if !vetoed.iter().any(|(law, _)| *law == effect.entry.id) {
@@ -443,7 +449,10 @@ impl Search<'_> {
                     if look.is_none_or(|look| look > RACE * now.fit.powi(2).max(1.0)) {
                         continue;
                     }
-                    let Some(simple) = self.refitted(draft, now.rests()) else { continue };
+                    let Some(simple) = refitted(draft, &now, self.noise) else { continue };
+                    if list.iter().any(|e| (self.veto)(&simple, e).is_some()) {
+                        continue;
+                    }
                     let same = self.as_good(&simple, &now, candidates);
                     let by = Measure::of([&simple, &now], candidates);
                     let carries = simple.validate.zip(now.validate).is_none_or(|(a, b)| a < ALIKE * b)
@@ -457,6 +466,22 @@ impl Search<'_> {
             }
             return now;
         }
+    }
+}
+
+/// A part of a fitted model, which starts near where it should end. Through stops the way over short segments may lead astray: then also straight from where that
+/// model's runs started.
+pub(crate) fn refitted(mut draft: Draft, whole: &Fitted, noise: &[Vec<f64>]) -> Option<Fitted> {
+    whole.starts(&mut draft);
+    let straight = if whole.rests() || whole.strikes() {
+        Fitted::new(draft.clone(), noise, Effort::Thorough).ok()
+    } else {
+        None
+    };
+    let long = Fitted::new(draft, noise, Effort::Plain).ok();
+    match (straight, long) {
+        (Some(a), Some(b)) => Some(if a.fit < b.fit { a } else { b }),
+        (a, b) => a.or(b),
     }
 }
 
@@ -575,13 +600,13 @@ fn round(
     vetoed: Vec<(String, String)>,
     candidates: usize,
 ) -> Round {
-    let own: Vec<(&str, &str)> = label(chosen, 0);
+    let own: Vec<(&str, &str)> = label(&chosen.draft, 0);
     let by = Measure::of(all.iter().chain([chosen]), candidates);
     let mut rivals: Vec<Rival> = all
         .iter()
-        .filter(|f| label(f, 0) != own && f.draft.effects.len() > before)
+        .filter(|f| label(&f.draft, 0) != own && f.draft.effects.len() > before)
         .map(|f| {
-            let names = label(f, before);
+            let names = label(&f.draft, before);
             Rival {
                 law: names.iter().map(|(law, _)| *law).collect::<Vec<_>>().join(" + "),
                 at: names.iter().map(|(_, at)| *at).collect::<Vec<_>>().join(", "),
@@ -599,12 +624,12 @@ fn round(
 }
 
 /// Laws and places of a model.
-fn named(f: &Fitted) -> Vec<(String, String)> {
-    label(f, 0).into_iter().map(|(law, at)| (law.to_owned(), at.to_owned())).collect()
+fn named(d: &Draft) -> Vec<(String, String)> {
+    label(d, 0).into_iter().map(|(law, at)| (law.to_owned(), at.to_owned())).collect()
 }
 
-fn label(f: &Fitted, from: usize) -> Vec<(&str, &str)> {
-    f.draft.effects[from.min(f.draft.effects.len())..]
+fn label(d: &Draft, from: usize) -> Vec<(&str, &str)> {
+    d.effects[from.min(d.effects.len())..]
         .iter()
         .map(|(e, ..)| (e.entry.id.as_str(), e.place.at.as_str()))
         .collect()

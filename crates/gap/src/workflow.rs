@@ -7,9 +7,9 @@ use crate::fitted::{Fitted, noise};
 use crate::mistaken::mistaken;
 use crate::region::{Region, regions};
 use crate::repeat::{Repeat, prediction, repeatability};
-use crate::search::{Measure, Search, Searched, current};
+use crate::search::{Measure, Search, Searched, current, refitted};
 use phisindy_expr::{Scratch, Tape};
-use phisindy_learn::{Effort, FoundParameter, RecordFit, at_bounds, dead_column};
+use phisindy_learn::{Effort, FoundParameter, RecordFit, at_bounds, dead_column, sensitive_starts};
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Case, Record, System, splice, standard_deviation};
 use std::ops::ControlFlow;
@@ -22,7 +22,7 @@ const REPEATS: f64 = 1.25;
 const SCATTERS: f64 = 5.0;
 /// Samples of the Fit records that a search looks at.
 const LOOK: usize = 6_000;
-/// What is left when an effect is kept although something else is missing too: it must have brought the gap down by this factor.
+/// What is left when an effect is kept although something else is missing too: each must have brought the gap down by this factor.
 const SUBSTANTIAL: f64 = 3.0;
 
 /// How the workflow ended.
@@ -402,6 +402,7 @@ fn finished(
         })
         .collect();
     warnings.extend(at_bounds(&last.cal.parameters));
+    warnings.extend(sensitive_starts(&last.cal.records));
     let end = last.validate.unwrap_or(last.fit);
     let white = last.is_white() && end < EXPLAINED;
     let repeats = floor > 0.0 && end <= REPEATS * floor;
@@ -413,11 +414,17 @@ fn finished(
         (false, _) => Status::Unexplained,
     };
     let (steps, partial) = if status == Status::Unexplained {
-        // What brought the gap far down is a finding of its own, whatever else is missing.
-        let kept = steps
-            .iter()
-            .take_while(|s| s.validate.unwrap_or(s.fit).0 > SUBSTANTIAL * s.validate.unwrap_or(s.fit).1)
-            .count();
+        // What brought the gap far down is a finding of its own, whatever else is missing: the most effects that did so on the average.
+        let gap = |of: (f64, f64), validate: Option<(f64, f64)>| validate.unwrap_or(of);
+        let first = steps.first().map_or(1.0, |s| gap(s.fit, s.validate).0);
+        let kept = (1..=steps.len())
+            .rev()
+            .find(|&k| {
+                let s = &steps[k - 1];
+                let (before, after) = gap(s.fit, s.validate);
+                first > SUBSTANTIAL.powi(k as i32) * after && before > after
+            })
+            .unwrap_or(0);
         let mut steps = steps;
         let partial = steps.split_off(kept);
         (steps, partial)
@@ -477,7 +484,7 @@ fn way(base: &Fitted, last: &Fitted, noise: &[Vec<f64>]) -> Vec<Fitted> {
     let mut way = vec![base.clone()];
     let (plain, effects) = (last.draft.without_effects(), current(last));
     for k in 1..effects.len() {
-        let fitted = plain.with_all(&effects[..k]).and_then(|d| Fitted::new(d, noise, Effort::Plain));
+        let fitted = plain.with_all(&effects[..k]).ok().and_then(|d| refitted(d, last, noise));
         let before = way[way.len() - 1].clone();
         way.push(fitted.unwrap_or(before));
     }

@@ -1,8 +1,10 @@
 //! How an identified model does: a free run of every record from its fitted start, compared with what was measured.
 
 use crate::identified::RecordFit;
-use crate::least_squares::{Limits, minimise};
+use crate::least_squares::{Limits, Normal, minimise};
+use crate::linear::covariance;
 use crate::problem::{Meaning, Problem, Segment};
+use faer::Mat;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Record, System, noise_level, standard_deviation};
 use phisindy_sim::{Options, SimError, Trajectory};
@@ -45,6 +47,10 @@ const START_PART: usize = 10;
 /// ... and its start state together with numbers that only it can tell.
 const OWN_PART: usize = 2;
 
+/// What a start that is not known better may add to the power of the residual, in units of the noise. Where impacts or turning points pull neighbouring motions apart, the
+/// start state of a tenth says nothing about the end of the record, however right the model is: it is then fitted on twice as much, and so on.
+const BLUR: f64 = 0.1;
+
 /// Runs every record freely. `filled` are the records with samples (or derived samples) of every state, to start from.
 pub(crate) fn assess(
     system: &System,
@@ -73,6 +79,7 @@ fn one(
         name: record.name.clone(),
         role: record.role,
         samples: record.len(),
+        start_took: None,
         nrmse: vec![],
         noise: vec![],
         residuals: vec![vec![]; record.columns.len()],
@@ -98,8 +105,9 @@ fn one(
     let run = if source != r {
         continued(&problem, &records[source], &done[source], record, &x)
     } else {
-        started(problem, &mut x, solution, r, record).and_then(|(problem, segment)| {
+        started(problem, &mut x, solution, r, record).and_then(|(problem, segment, took)| {
             solution.starts[r] = Some(x[segment.start..].to_vec());
+            fit.start_took = took;
             let seen = problem.trajectory(&whole, &x);
             seen.map(|seen| (problem.readings(0, &x, &seen), x[segment.start..].to_vec(), seen.run))
         })
@@ -129,18 +137,18 @@ fn one(
 
 type Run = (Vec<Vec<f64>>, Vec<f64>, Trajectory);
 
-/// Fits the start state (and, on a Validate record of its own, what only that record can tell), everything else held.
+/// Fits the start state (and, on a Validate record of its own, what only that record can tell), everything else held; on how many samples, if that was more than usual.
 fn started<'a>(
     mut problem: Problem<'a>,
     x: &mut [f64],
     solution: &Solution,
     r: usize,
     record: &Record,
-) -> Result<(Problem<'a>, Segment), SimError> {
+) -> Result<(Problem<'a>, Segment, Option<usize>), SimError> {
     let whole = problem.segments[0];
     if let Some(start) = &solution.starts[r] {
         x[whole.start..].copy_from_slice(start);
-        return Ok((problem, whole));
+        return Ok((problem, whole, None));
     }
     for (k, meaning) in problem.meanings().into_iter().enumerate() {
         let moves = match meaning {
@@ -158,23 +166,52 @@ fn started<'a>(
         let part = record.len() / if own { OWN_PART } else { START_PART };
         problem.segments[0].samples.1 = part.max(10).min(record.len());
     }
-    let part = problem.segments[0];
     let weight = |k: usize| 1.0 / problem.deviations[0][k].powi(2).max(f64::MIN_POSITIVE);
     let weights = vec![(0..record.columns.len()).map(|k| vec![weight(k); record.len()]).collect::<Vec<_>>()];
-    let mut failure = None;
     let bounds = problem.bounds.clone();
-    let end = minimise(x, &bounds, Limits::new(20, 1e-9), |x| match problem.normal(x, &weights) {
-        Ok(normal) => Some(normal),
-        Err(e) => {
-            failure = Some(e);
-            None
+    let mut took = None;
+    loop {
+        let part = problem.segments[0];
+        let mut failure = None;
+        let end = minimise(x, &bounds, Limits::new(20, 1e-9), |x| match problem.normal(x, &weights) {
+            Ok(normal) => Some(normal),
+            Err(e) => {
+                failure = Some(e);
+                None
+            }
+        });
+        problem.segments[0] = whole;
+        let known = match (end, failure) {
+            (None, Some(e)) => return Err(e),
+            (None, None) => return Ok((problem, part, took)),
+            (Some(known), _) => known,
+        };
+        if part.samples.1 >= record.len() {
+            return Ok((problem, part, took));
         }
-    });
-    problem.segments[0] = whole;
-    match (end, failure) {
-        (None, Some(e)) => Err(e),
-        _ => Ok((problem, part)),
+        let moves: Vec<usize> = (0..x.len()).filter(|&k| bounds[k].0 < bounds[k].1).collect();
+        match problem.normal(x, &weights) {
+            Ok(wanted) if blur(&known, &wanted, &moves) > BLUR * record.readings() as f64 => {
+                problem.segments[0].samples.1 = (2 * part.samples.1).min(record.len());
+                took = Some(problem.segments[0].samples.1);
+            }
+            _ => return Ok((problem, part, took)),
+        }
     }
+}
+
+/// The power, in units of the noise, that the uncertainty of what `moves` adds to the residuals of a whole record (`wanted`) where a part of it (`known`) was fitted.
+fn blur(known: &Normal, wanted: &Normal, moves: &[usize]) -> f64 {
+    let n = moves.len();
+    let of = |normal: &Normal| Mat::from_fn(n, n, |i, j| normal.matrix[(moves[i], moves[j])]);
+    let (cov, wanted) = (covariance(&of(known)), of(wanted));
+    let blind = |i: usize| !cov[(i, i)].is_finite();
+    // What the part does not see and the whole does is not known at all.
+    if (0..n).any(|i| blind(i) && wanted[(i, i)] > 0.0) {
+        return f64::INFINITY;
+    }
+    let seen: Vec<usize> = (0..n).filter(|&i| !blind(i)).collect();
+    seen.iter().map(|&i| seen.iter().map(|&j| cov[(i, j)] * wanted[(j, i)]).sum::<f64>()).sum()
 }
 
 /// A record that goes on where another one ended.

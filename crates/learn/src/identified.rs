@@ -86,6 +86,8 @@ pub struct RecordFit {
     pub role: Role,
     /// Number of samples.
     pub samples: usize,
+    /// How many of them its start state was fitted on, where a tenth of a Validate record did not tell it: the motion hangs on its start.
+    pub start_took: Option<usize>,
     /// For each measured state: its name and rms of the free-run residual over the standard deviation of the column.
     pub nrmse: Vec<(String, f64)>,
     /// For each measured state: its name and the estimated standard deviation of its noise (SI).
@@ -98,6 +100,18 @@ pub struct RecordFit {
     pub run: Option<Trajectory>,
     /// Why the free run failed.
     pub failure: Option<String>,
+}
+
+/// A remark for every Validate record whose motion hangs on its start.
+pub fn sensitive_starts(records: &[RecordFit]) -> Vec<String> {
+    let of = |f: &RecordFit| {
+        let part = 100.0 * f.start_took? as f64 / f.samples.max(1) as f64;
+        Some(format!(
+            "{}: neighbouring motions part so fast that its start state was fitted on {part:.0} % of it, not on a tenth; everything else there is prediction",
+            f.name
+        ))
+    };
+    records.iter().filter_map(of).collect()
 }
 
 impl RecordFit {

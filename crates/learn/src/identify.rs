@@ -5,6 +5,7 @@ use crate::contribution::contributions;
 use crate::differentiators::{Number, dependence};
 use crate::identified::{
     Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict,
+    sensitive_starts,
 };
 use crate::train::{StepFit, StepOptions, normal_of_steps, train};
 use crate::trajectory::by_trajectory;
@@ -173,6 +174,7 @@ fn by_steps(
     }));
     let mut solution = Solution::new(fit.terms.clone(), fit.coefficients.clone(), &fit.parameters, records);
     let fits = assess(system, records, &filled, &mut solution);
+    warnings.extend(sensitive_starts(&fits));
     let mut without = Solution::new(vec![], vec![], &fit.parameters, records);
     let baseline = assess(system, records, &filled, &mut without);
     let verdict = verdict(system, &terms, &fits, &baseline);

@@ -29,6 +29,7 @@ mod unknown_part;
 pub use calibrate::{Calibration, Effort, RESTARTED, approach, calibrate, glance};
 pub use identified::{
     Contribution, Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict,
+    sensitive_starts,
 };
 pub use identify::{LearnOptions, at_bounds, dead_column, identify};
 pub use initial::smoothed;

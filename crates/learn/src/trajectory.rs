@@ -3,7 +3,9 @@
 use crate::assess::{Solution, assess};
 use crate::differentiators::{Number, dependence, otherwise};
 use crate::fit::{Context, Fit};
-use crate::identified::{Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint};
+use crate::identified::{
+    Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, sensitive_starts,
+};
 use crate::identify::{at_bounds, verdict};
 use crate::initial::{Regression, smoothed};
 use crate::linear::covariance;
@@ -268,6 +270,7 @@ fn report(
     let mut solution = solution(system, records, &fit, &fit_indices);
     let filled: Vec<Record> = records.iter().map(|r| smoothed(system, r)).collect();
     let mut fits = assess(system, records, &filled, &mut solution);
+    warnings.extend(sensitive_starts(&fits));
     for (i, &r) in fit_indices.iter().enumerate() {
         fits[r].noise = (0..system.states.len())
             .filter(|&k| records[r].columns[k].is_some())
