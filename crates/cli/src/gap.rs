@@ -333,8 +333,24 @@ pub(crate) fn rivals(s: &Step, catalogue: &[Entry]) -> Vec<(String, Option<Strin
         let rival = format!("not excluded: {} ({by})", placed(&r.law, &r.at));
         (rival, what.map(|what| format!("{what} would decide")))
     });
-    said.collect()
+    let id = s.effect.entry.id.as_str();
+    let alike = ALIKE.iter().filter(|(law, ..)| *law == id);
+    said.chain(alike.map(|(_, same, check)| ((*same).to_owned(), Some((*check).to_owned())))).collect()
 }
+
+/// What no record can tell from an effect of a sensor, and what to look at.
+const ALIKE: &[(&str, &str, &str)] = &[
+    (
+        "sensor-delay",
+        "the same: what drives the motion is recorded early (of a negative delay: late)",
+        "check the clocks of both channels",
+    ),
+    (
+        "sensor-gain",
+        "the same: the drive is stronger or weaker than the spec says, or inertia, damping and stiffness are all off by one factor",
+        "check the constants that are held, and the scale of the inputs",
+    ),
+];
 
 /// Laws joined by ` + ` with their places, which are joined by `, `; a place that all share is said once.
 fn placed(laws: &str, at: &str) -> String {

@@ -8,7 +8,7 @@ use phisindy_expr::Span;
 use phisindy_phys::spec::{ColumnSpec, CsvSpec, InputSpec, Role, Text};
 use phisindy_phys::{
     Case, Diagnostic, Interpolation, Origin, Record, RecordPlan, Severity, Signal, SourceId, Sources, Table,
-    Units, link_continuations, suspicions, unit::Unit,
+    Units, link_continuations, strongest_line, suspicions, unit::Unit,
 };
 use phisindy_sim::{SyntheticError, Trajectory, synthesize};
 use std::fs::File;
@@ -254,7 +254,7 @@ impl Loader<'_> {
             warnings.into_iter().chain(beyond_the_end(csv, &table, self.source)).for_each(|d| self.push(d));
             let done = self.trends.take_off(csv, &units, &mut table);
             let mut record = Record::from_table(plan, &table, &case.system, self.source)?;
-            record.notes.extend(decimation(csv));
+            record.notes.extend(decimation(csv, &record));
             record.notes.extend(done);
             Ok(record)
         });
@@ -322,10 +322,26 @@ fn beyond_the_end(csv: &CsvSpec, table: &Table, source: SourceId) -> Option<Diag
 }
 
 /// What `decimate` did, in words.
-fn decimation(csv: &CsvSpec) -> Option<String> {
+fn decimation(csv: &CsvSpec, record: &Record) -> Option<String> {
     let every = csv.decimate.as_ref().map(|d| d.value).filter(|n| *n > 1)?;
-    Some(format!("each sample is the mean of {every} rows of `{}` (decimate)", csv.path.value))
+    let said = format!("each sample is the mean of {every} rows of `{}` (decimate)", csv.path.value);
+    // A mean over a stretch takes (pi f stretch)^2/6 off a sine.
+    let step = (record.time[record.len() - 1] - record.time[0]) / (record.len() - 1).max(1) as f64;
+    let main = record.columns.iter().flatten().filter_map(|c| strongest_line(&record.time, c));
+    let loss =
+        main.map(|line| (std::f64::consts::PI * line.frequency * step).powi(2) / 6.0).fold(0.0, f64::max);
+    Some(if loss > LOSS {
+        format!(
+            "{said}; that takes {:.1} % off the amplitude of the motion, and rounds its stops and turns more than that: what the result says of friction is off by as much; decimate less",
+            100.0 * loss
+        )
+    } else {
+        said
+    })
 }
+
+/// A mean of rows that takes more than this off the amplitude is told.
+const LOSS: f64 = 0.003;
 
 /// An input of a synthetic record that is given as a file.
 fn input_file(

@@ -1,6 +1,7 @@
-//! What is odd about a record before any model is fitted: holes in time, cut peaks, columns that stand still, spikes, and a velocity that is not the rate of its displacement.
+//! What is odd about a record before any model is fitted: holes in time, cut peaks, columns that stand still, spikes, inputs with too few samples, and a velocity that is
+//! not the rate of its displacement.
 
-use crate::{Record, System, noise_level, standard_deviation};
+use crate::{Interpolation, Record, Signal, System, noise_level, standard_deviation};
 
 /// A step in time that is this many times the usual one is a hole.
 const HOLE: f64 = 5.0;
@@ -8,6 +9,9 @@ const HOLE: f64 = 5.0;
 const SPIKE: f64 = 25.0;
 /// A scale between a displacement and its velocity beyond this is a mistake in a unit and not a sensor out of tune.
 const SCALE: f64 = 3.0;
+
+/// Between its samples an input is guessed; an error beyond this part of its standard deviation moves the result.
+const GUESSED: f64 = 0.01;
 
 /// Oddities of a record, in words with what to do; empty if there are none. None of them stops anything.
 pub fn suspicions(system: &System, record: &Record) -> Vec<String> {
@@ -22,6 +26,7 @@ pub fn suspicions(system: &System, record: &Record) -> Vec<String> {
     }
     for (input, signal) in system.inputs.iter().zip(&record.inputs) {
         cut(record, &input.name, signal.values(), &mut found);
+        coarse(record, &input.name, signal, &mut found);
     }
     rates(system, record, &mut found);
     found
@@ -64,6 +69,45 @@ fn cut(record: &Record, name: &str, column: &[f64], found: &mut Vec<String>) {
         found.push(format!(
             "{}: `{name}` is cut off at {min:.6} or {max:.6} in {samples} samples: the sensor was at the end of its range, and what it hides is fitted as if it were motion",
             record.name
+        ));
+    }
+}
+
+/// Leaves out every second sample and looks how well the others tell it: what is guessed between all samples is wrong by a quarter of that (straight lines), or by a
+/// sixteenth (cubics), of which noise is no part.
+fn coarse(record: &Record, name: &str, signal: &Signal, found: &mut Vec<String>) {
+    let (time, values) = (signal.time(), signal.values());
+    let finer = match signal.kind() {
+        Interpolation::Linear => 4.0,
+        Interpolation::Cubic => 16.0,
+        // Held values are what the input is.
+        Interpolation::Hold => return,
+    };
+    if values.len() < 64 {
+        return;
+    }
+    let every_second = |v: &[f64]| v.iter().copied().step_by(2).collect::<Vec<f64>>();
+    let Ok(half) = Signal::new(every_second(time).into(), every_second(values), signal.kind()) else {
+        return;
+    };
+    let mut hint = usize::MAX;
+    let missed: Vec<f64> = (1..values.len() - 1)
+        .step_by(2)
+        .map(|k| values[k] - half.value_and_slope(time[k], &mut hint).0)
+        .collect();
+    let power = missed.iter().map(|e| e * e).sum::<f64>() / missed.len() as f64;
+    let noise = noise_level(&missed).min(noise_level(values));
+    let error = (power - 1.5 * noise * noise).max(0.0).sqrt() / finer / standard_deviation(values);
+    if error > GUESSED {
+        let help = if signal.kind() == Interpolation::Linear {
+            format!("`interpolate: {{ \"{name}\": Cubic }}` if it is smooth, or sample it faster")
+        } else {
+            "sample it faster".to_owned()
+        };
+        found.push(format!(
+            "{}: between its samples `{name}` is guessed, and wrong by about {:.1} % of its size: that much of the drive is not what it was; {help}",
+            record.name,
+            100.0 * error
         ));
     }
 }
@@ -246,6 +290,28 @@ mod tests {
         let mut spiked = x.clone();
         spiked[700] = 3.0;
         assert!(told(spiked, v.clone()).contains("at 17.500000 s"));
+    }
+
+    /// The error that is told beside the one that a sine has: (w h)^2/8 of the amplitude in the middle, 1/sqrt(30) of that more over a whole interval than in its middle.
+    #[test]
+    fn an_input_with_few_samples_is_told() {
+        let (_, record) = record(sine(2000, 0.0), velocity());
+        let told = |per_period: usize, kind: Interpolation| {
+            let step = 1.0 / per_period as f64;
+            let time: Vec<f64> = (0..600).map(|i| step * i as f64).collect();
+            let values = time.iter().map(|t| (std::f64::consts::TAU * t).sin()).collect();
+            let mut found = vec![];
+            coarse(&record, "u", &Signal::new(time.into(), values, kind).unwrap(), &mut found);
+            found.join("; ")
+        };
+        assert_eq!(told(40, Interpolation::Linear), "");
+        // (2 pi/12)^2/8 = 3.4 % of the amplitude in the middle of each interval.
+        assert!(
+            told(12, Interpolation::Linear).contains("wrong by about 3."),
+            "{}",
+            told(12, Interpolation::Linear)
+        );
+        assert_eq!(told(12, Interpolation::Cubic), "");
     }
 
     #[test]
