@@ -148,15 +148,13 @@ fn by_steps(
             "the one-step loss is not finite: a candidate is singular on the data".into(),
         ));
     }
+    let errors = fit.std_errors();
     let terms: Vec<FoundTerm> = (0..fit.terms.len())
-        .map(|k| FoundTerm::new(fit.terms[k], Estimate::normal(fit.coefficients[k], fit.std_errors[k])))
+        .map(|k| FoundTerm::new(fit.terms[k], Estimate::normal(fit.coefficients[k], errors[k])))
         .collect();
     let moved = options.optimiser == Optimiser::GaussNewton;
-    let parameters = if moved {
-        found_parameters(system, &fit.parameters, &fit.std_errors[terms.len()..])
-    } else {
-        vec![]
-    };
+    let parameters =
+        if moved { found_parameters(system, &fit.parameters, &errors[terms.len()..]) } else { vec![] };
     warnings.extend(at_bounds(&parameters));
     let numbers = numbers_of_steps(system, &fit, moved);
     let here = normal_of_steps(system, &fitted, &options, &fit);
@@ -178,6 +176,8 @@ fn by_steps(
     let verdict = verdict(system, &terms, &fits, &baseline);
     let selection =
         fit.stages.iter().map(|&(terms, criterion)| PathPoint { terms, criterion, nrmse: None }).collect();
+    let found = terms.len() + parameters.len();
+    let covariance = fit.covariance[..found].iter().map(|row| row[..found].to_vec()).collect();
     Ok(Identified {
         method: Method::Step,
         terms,
@@ -185,7 +185,7 @@ fn by_steps(
         records: fits,
         noise_model: "not used: every sample weighs the same".into(),
         selection,
-        covariance: vec![],
+        covariance,
         warnings,
         verdict,
         stopped: fit.stopped,
@@ -199,7 +199,7 @@ fn numbers_of_steps(system: &System, fit: &StepFit, moved: bool) -> Vec<Number> 
     };
     let parameters = system.parameters.iter().filter(|_| moved).map(|p| p.name.clone());
     let names = fit.terms.iter().map(term).chain(parameters);
-    names.zip(&fit.std_errors).enumerate().map(|(k, (name, error))| (k, name, *error)).collect()
+    names.zip(fit.std_errors()).enumerate().map(|(k, (name, error))| (k, name, error)).collect()
 }
 
 fn step_options(case: &Case) -> StepOptions {

@@ -56,8 +56,8 @@ pub struct StepFit {
     pub coefficients: Vec<f64>,
     /// Values of [`System::parameters`].
     pub parameters: Vec<f64>,
-    /// Standard errors of coefficients, then parameters, from the curvature of the loss (they do not know its bias).
-    pub std_errors: Vec<f64>,
+    /// Covariance of coefficients, then parameters, from the curvature of the loss (it does not know the bias of the loss); zero for what was held.
+    pub covariance: Vec<Vec<f64>>,
     /// Loss at the end.
     pub loss: f64,
     /// Terms and loss after each stage.
@@ -66,6 +66,13 @@ pub struct StepFit {
     pub operations: usize,
     /// Whether it was asked to stop early.
     pub stopped: bool,
+}
+
+impl StepFit {
+    /// Standard errors of coefficients, then parameters.
+    pub fn std_errors(&self) -> Vec<f64> {
+        self.covariance.iter().enumerate().map(|(k, row)| row[k].sqrt()).collect()
+    }
 }
 
 /// Fits the dictionary to records that have samples of every state. `observe` hears of the progress (a fraction) and may stop it.
@@ -83,7 +90,7 @@ pub fn train(
         terms: vec![],
         coefficients: vec![],
         parameters: vec![],
-        std_errors: vec![],
+        covariance: vec![],
         loss: f64::NAN,
         stages: vec![],
         operations: 0,
@@ -137,7 +144,9 @@ pub fn train(
         if !loss.is_finite() {
             // Cutting would hide it: what is not a number is not at least the cut-off.
             fit.stages.push((terms.len(), loss));
-            fit.std_errors = vec![f64::INFINITY; coefficients.len() + moved.len()];
+            let n = coefficients.len() + moved.len();
+            let unknown = |i: usize| (0..n).map(|j| if i == j { f64::INFINITY } else { 0.0 }).collect();
+            fit.covariance = (0..n).map(unknown).collect();
             return StepFit { terms, coefficients, parameters: moved, loss, ..fit };
         }
         let kept: Vec<usize> =
@@ -162,8 +171,9 @@ pub fn train(
     let n = values.len();
     let freedom = batch.residuals.saturating_sub(n).max(1) as f64;
     let inverse = covariance(&symmetric(&triangle, n));
-    fit.std_errors = (0..n).map(|k| (inverse[(k, k)] * loss / freedom).sqrt()).collect();
-    fit.std_errors.resize(coefficients.len() + moved.len(), 0.0);
+    let all = coefficients.len() + moved.len();
+    let entry = |i: usize, j: usize| if i.max(j) < n { inverse[(i, j)] * loss / freedom } else { 0.0 };
+    fit.covariance = (0..all).map(|i| (0..all).map(|j| entry(i, j)).collect()).collect();
     fit.loss = loss;
     fit.terms = terms;
     fit.coefficients = coefficients;
