@@ -6,6 +6,7 @@
 
 mod correlation;
 mod data;
+mod force;
 mod friction;
 mod gap;
 mod map;
