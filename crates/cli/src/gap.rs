@@ -8,8 +8,8 @@ use crate::table::short;
 use crate::{html, interrupt, laws, outdir};
 use anyhow::Result;
 use phisindy_gap::{Entry, Gap, GapError, Status, Step, gap};
-use phisindy_phys::Law;
 use phisindy_phys::spec::Role;
+use phisindy_phys::{Law, Origin};
 use serde_json::{Map, Value, json};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -88,8 +88,10 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
 
 /// The spec with the effects in it.
 fn completed(loaded: &Loaded, found: &Gap) -> String {
+    let measured = loaded.case.records.iter().any(|plan| matches!(plan.origin, Origin::Csv(_)));
+    let data = if measured { " --data DIR      (DIR: where its data files are)" } else { "" };
     format!(
-        "// What `phisindy gap {}` (version {}) made of it: {}.\n// The effects stand in `known`, their numbers in `constants`, from where a fit ended:\n//     phisindy run completed.ron\n{}",
+        "// What `phisindy gap {}` (version {}) made of it: {}.\n// The effects stand in `known`, their numbers in `constants`, from where a fit ended:\n//     phisindy run completed.ron{data}\n{}",
         loaded.spec,
         env!("CARGO_PKG_VERSION"),
         found.status.name(),
