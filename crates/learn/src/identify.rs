@@ -26,6 +26,25 @@ pub struct LearnOptions {
 ///
 /// # Errors
 /// The records do not suit the method, or the numerics fail altogether. A model that merely does not fit is a verdict, not an error.
+///
+/// ```
+/// use phisindy_learn::{LearnOptions, Verdict, identify};
+/// use phisindy_phys::{Origin, SourceId, check, spec};
+/// use phisindy_sim::synthesize;
+/// use std::ops::ControlFlow;
+/// let text = r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (1.0, "1/s^2") }, known: { "x": "v", "v": "-k*x" },
+///     unknown: { "v": (factor: "-sgn(v)", candidates: ["1", "x"]) }, contacts: ["v"],
+///     data: [ Synthetic(truth: { "v": "-0.3*sgn(v)" }, start: { "x": 2.0, "v": 0.0 }, duration: 10.0, step: 0.01, noise: Additive(0.01), seed: 1) ])"#;
+/// let (spec, _) = spec::read(text, SourceId(0)).unwrap();
+/// let (case, _) = check(&spec, SourceId(0)).unwrap();
+/// let Origin::Synthetic(truth) = &case.records[0].origin else { panic!("a measured record") };
+/// let (record, _) = synthesize(&case.records[0], truth, &case.system, None, &|_| Err("no files here".into())).unwrap();
+/// let found = identify(&case, &[record], &LearnOptions::default(), &mut |_| ControlFlow::Continue(())).unwrap();
+/// // Of the two candidates one is there: 0.3 m/s^2 of friction.
+/// assert_eq!((found.terms.len(), found.terms[0].term), (1, 0));
+/// assert!((found.terms[0].coefficient.value - 0.3).abs() < 0.01);
+/// assert_eq!(found.verdict, Verdict::Identified);
+/// ```
 pub fn identify(
     case: &Case,
     records: &[Record],

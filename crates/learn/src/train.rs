@@ -76,6 +76,24 @@ impl StepFit {
 }
 
 /// Fits the dictionary to records that have samples of every state. `observe` hears of the progress (a fraction) and may stop it.
+///
+/// ```
+/// use phisindy_learn::{StepOptions, train};
+/// use phisindy_phys::{Origin, SourceId, check, spec};
+/// use phisindy_sim::synthesize;
+/// use std::ops::ControlFlow;
+/// let text = r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (1.0, "1/s^2") }, known: { "x": "v", "v": "-k*x" },
+///     unknown: { "v": (factor: "-sgn(v)", candidates: ["1", "x"]) }, contacts: ["v"],
+///     data: [ Synthetic(truth: { "v": "-0.3*sgn(v)" }, start: { "x": 2.0, "v": 0.0 }, duration: 10.0, step: 0.01, noise: Relative(0), seed: 1) ])"#;
+/// let (spec, _) = spec::read(text, SourceId(0)).unwrap();
+/// let (case, _) = check(&spec, SourceId(0)).unwrap();
+/// let Origin::Synthetic(truth) = &case.records[0].origin else { panic!("a measured record") };
+/// let (record, _) = synthesize(&case.records[0], truth, &case.system, None, &|_| Err("no files here".into())).unwrap();
+/// let options = StepOptions { epochs: vec![300, 100], rates: vec![0.1, 0.01], ..StepOptions::default() };
+/// let fit = train(&case.system, &[&record], &options, &mut |_| ControlFlow::Continue(()));
+/// // Clean data: the cut-off leaves the one true term.
+/// assert!(fit.terms == [0] && (fit.coefficients[0] - 0.3).abs() < 0.01);
+/// ```
 pub fn train(
     system: &System,
     records: &[&Record],
