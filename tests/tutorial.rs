@@ -73,7 +73,7 @@ fn edit(path: &Path, lines: &[&str]) {
         assert!(text.contains(old), "`{old}` is not in:\n{text}");
         text = text.replacen(old, new, 1);
     }
-    std::fs::write(&path, text).expect("the spec");
+    std::fs::write(path, text).expect("the spec");
 }
 
 /// Plays a page of `docs` in a folder of its own with the data file of this path; edits are of `spec`. How many commands it had.
