@@ -310,9 +310,15 @@ pub(crate) struct Options {
     /// Form of the result
     #[arg(long, global = true, value_enum, default_value_t = Format::Latex, value_name = "FORMAT")]
     pub(crate) format: Format,
-    /// Also write the results into this folder (made if needed): report.html with its figures, result.json, equation.tex,
-    /// identified.ron, sweep.json; `new`: the spec's file; `export`: the model's file, or its folder; `man`: the pages
-    #[arg(long, global = true, value_name = "DIR")]
+    /// Write the results into this folder, too; `new` and `export`: into this file
+    #[arg(
+        long,
+        global = true,
+        value_name = "DIR",
+        long_help = "Write the results into this folder, too (made if needed): report.html with its figures and result.json;\n\
+                     `run`: equation.tex, identified.ron; `gap`: gap.txt, completed.ron; `sweep`: sweep.json; `laws`: pictures;\n\
+                     `man`: its pages; `new`: the spec's file; `export`: the model's file, or its folder"
+    )]
     pub(crate) out: Option<PathBuf>,
     /// Folder of the data files [else: PHISINDY_DATA, then beside the spec]
     #[arg(long, global = true, value_name = "DIR")]
