@@ -31,7 +31,8 @@ impl Made {
     }
 
     fn figures(&self) -> Vec<(String, String)> {
-        let entries = std::fs::read_dir(self.scratch.path("out/figures")).expect("figures");
+        // Without a figure there is no folder.
+        let entries = std::fs::read_dir(self.scratch.path("out/figures")).into_iter().flatten();
         let paths = entries.map(|e| e.expect("an entry").path());
         let name = |p: &Path| p.file_stem().expect("a name").to_string_lossy().into_owned();
         paths.map(|p| (name(&p), std::fs::read_to_string(&p).expect("a figure"))).collect()
@@ -210,7 +211,10 @@ fn a_gap_is_told_in_full() {
     let (made, result) = (gap(), gap().result());
     assert_eq!(made.code, 0, "{result}");
     sound(made);
-    assert_eq!(names(made), ["gap", "map-1", "map-2", "motion-1", "motion-2", "residual-1", "residual-2"]);
+    assert_eq!(
+        names(made),
+        ["effect-1", "effect-2", "gap", "map-1", "map-2", "motion-1", "motion-2", "residual-1", "residual-2"]
+    );
     assert!(made.html.contains("<h1>A &amp; B &lt;gap&gt;</h1>"));
     for step in result["steps"].as_array().expect("steps") {
         assert!(made.html.contains(step["name"].as_str().expect("a name")), "{step}");
@@ -224,6 +228,72 @@ fn a_gap_is_told_in_full() {
     }
     for words in ["Explained", "model as it was", "completed model", "validate: not fitted", "<math"] {
         assert!(made.html.contains(words), "{words}");
+    }
+}
+
+/// The largest force that a picture of the gap's effects tells of, and against what it is drawn.
+fn force_told(svg: &str) -> (f64, &str) {
+    let said = svg.split("<desc>").nth(1).and_then(|s| s.split("</desc>").next()).expect("a description");
+    let (force, rest) = said.split_once(" while ").expect("what it is drawn against");
+    let largest = force.split(" to ").nth(1).and_then(|s| s.split(' ').next()).expect("a number");
+    (largest.parse().expect("a number"), rest.split(' ').next().expect("a name"))
+}
+
+/// The truth is 0.4 N of friction and 0.3 N/m^3 x^3.
+#[test]
+fn the_forces_of_what_was_missing_are_drawn() {
+    let (made, figures) = (gap(), gap().figures());
+    let (mut friction, mut spring) = (0, 0);
+    for (name, svg) in figures.iter().filter(|(name, _)| name.starts_with("effect")) {
+        let (largest, over) = force_told(svg);
+        if svg.contains("Coulomb friction") {
+            friction += 1;
+            assert!(over == "v" && (largest - 0.4).abs() < 0.005, "{name}: {largest} over {over}");
+        } else {
+            spring += 1;
+            let x = svg.split("goes from ").nth(1).and_then(|s| s.split(" to ").nth(1)).expect("a range");
+            let x: f64 = x.split(' ').next().and_then(|x| x.parse().ok()).expect("a number");
+            assert!(over == "x" && (largest - 0.3 * x.powi(3)).abs() < 0.02, "{name}: {largest} at {x}");
+        }
+        assert!(svg.contains("resisting force (N)"), "{name}");
+    }
+    assert_eq!((friction, spring), (1, 1));
+    // What was ruled out, or is not excluded, in both rounds stands in the page once.
+    let mut lines: Vec<&str> = made.html.split("<li>").skip(1).collect();
+    let all = lines.len();
+    lines.sort_unstable();
+    lines.dedup();
+    assert_eq!(lines.len(), all);
+}
+
+#[test]
+fn method_step_has_a_band_and_correlations_too() {
+    let sets = ["--set", "unknown.y.candidates=[\"1\",\"y^2\"]", "--set", "learn.cutoff=0.0"];
+    let step = ["run", "specs/case1a.ron", "--method", "step", "--set", "learn.optimiser=GaussNewton"];
+    let made = Made::new("report-step", &[&step[..], &sets].concat());
+    sound(&made);
+    let names = names(&made);
+    assert!(["correlation", "friction-y"].iter().all(|n| names.iter().any(|m| m == n)), "{names:?}");
+    assert!(made.html.contains("95 % band") && made.html.contains("Correlations of the estimates"));
+}
+
+/// A mistake in the spec, a file that is not there, a spec that is none: all have a report with what was said of them.
+#[test]
+fn what_cannot_be_run_has_a_report_too() {
+    let missing = ["run", "specs/frame_250g.ron", "--data", "specs"];
+    for (arguments, said, shown) in [
+        (&["run", "specs/wrong/unknown_name.ron"][..], "unknown name", "known: {"),
+        (&["gap", "specs/wrong/unknown_name.ron"], "unknown name", "known: {"),
+        (&missing, "there is no data file `frame_stickslip_250g.csv`", "F/m = 0.215"),
+        (&["run", "specs/nowhere.ron"], "cannot read the spec", "phisindy run specs/nowhere.ron"),
+    ] {
+        let made = Made::new(&format!("report-refused-{}", said.len() + arguments[0].len()), arguments);
+        assert_eq!(made.code, 2, "{arguments:?}");
+        sound(&made);
+        for words in ["class=\"banner bad\"", "Not run", said, shown, "help: "] {
+            assert!(made.html.contains(words), "{arguments:?}: {words}");
+        }
+        assert!(!made.html.contains('\u{1b}'), "no colours of a terminal");
     }
 }
 

@@ -1,4 +1,4 @@
-//! The tutorial is played: its commands run, its edits apply, its outputs are what it shows.
+//! The tutorial and the newcomer's log are played: their commands run, their edits apply, their outputs are what they show.
 
 #[allow(dead_code)] // each test uses its part
 mod common;
@@ -65,29 +65,28 @@ fn shows(said: &str, shown: &[&str]) -> Result<(), String> {
     if gap || rest.peek().is_none() { Ok(()) } else { Err(format!("there is more than is shown:\n{said}")) }
 }
 
-fn edit(folder: &Path, lines: &[&str]) {
-    let path = folder.join("rig.ron");
-    let mut text = std::fs::read_to_string(&path).expect("the spec");
+fn edit(path: &Path, lines: &[&str]) {
+    let mut text = std::fs::read_to_string(path).expect("the spec");
     for pair in lines.chunks(2) {
         let [old, new] = pair else { panic!("an edit is a line that goes and one that comes: {lines:?}") };
         let (old, new) = (old.strip_prefix('-').expect("goes"), new.strip_prefix('+').expect("comes"));
         assert!(text.contains(old), "`{old}` is not in:\n{text}");
         text = text.replacen(old, new, 1);
     }
-    std::fs::write(&path, text).expect("the spec");
+    std::fs::write(path, text).expect("the spec");
 }
 
-#[test]
-fn the_tutorial_is_as_it_says() {
-    let folder: PathBuf = Path::new(env!("CARGO_TARGET_TMPDIR")).join("tutorial");
+/// Plays a page of `docs` in a folder of its own with the data file of this path; edits are of `spec`. How many commands it had.
+fn play(page: &str, data: &Path, spec: &str) -> usize {
+    let folder: PathBuf = Path::new(env!("CARGO_TARGET_TMPDIR")).join(page);
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).expect("a folder");
-    std::fs::copy(top().join("docs/tutorial/rig.csv"), folder.join("rig.csv")).expect("the data");
-    let text = std::fs::read_to_string(top().join("docs/tutorial.md")).expect("the tutorial");
+    std::fs::copy(data, folder.join(data.file_name().expect("a file"))).expect("the data");
+    let text = std::fs::read_to_string(top().join("docs").join(page)).expect("the page");
     let mut commands = 0;
     for block in blocks(&text) {
         match (block.kind, block.file) {
-            ("diff", _) => edit(&folder, &block.lines),
+            ("diff", _) => edit(&folder.join(spec), &block.lines),
             ("ron", Some(file)) => {
                 let path = folder.join(file);
                 std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
@@ -106,10 +105,58 @@ fn the_tutorial_is_as_it_says() {
                 shows(said, shown).unwrap_or_else(|why| panic!("{command}: {why}"));
                 commands += 1;
             }
+            // A part of the spec.
+            ("text", _) => {
+                let text = std::fs::read_to_string(folder.join(spec)).expect("the spec");
+                for line in &block.lines {
+                    assert!(text.contains(line), "`{line}` is not in:\n{text}");
+                }
+            }
+            // What is done before the program is there.
+            ("sh", _) => {}
             other => panic!("a block of an unknown kind: {other:?}"),
         }
     }
+    commands
+}
+
+#[test]
+fn the_tutorial_is_as_it_says() {
+    let commands = play("tutorial.md", &top().join("docs/tutorial/rig.csv"), "rig.ron");
     assert!(commands > 7, "{commands}");
+}
+
+/// Its data are other people's: it is played where `PHISINDY_DATA` names their folder.
+#[test]
+#[allow(clippy::print_stderr)] // a test that was skipped says so
+fn the_first_ten_minutes_are_as_they_say() {
+    const FILE: &str = "frame_stickslip_250g.csv";
+    let folder = std::env::var_os("PHISINDY_DATA").map(|folder| top().join(folder));
+    let Some(data) = folder.map(|f| f.join(FILE)).filter(|f| f.is_file()) else {
+        eprintln!("skipped: no `{FILE}` in the folder PHISINDY_DATA");
+        return;
+    };
+    let commands = play("first-ten-minutes.md", &data, "frame.ron");
+    assert!(commands > 6, "{commands}");
+}
+
+/// The first thing that a reader sees: `...` ends a line that is shortened.
+#[test]
+fn the_first_command_of_the_readme_prints_what_it_shows() {
+    let text = std::fs::read_to_string(top().join("README.md")).expect("the README");
+    let first = blocks(&text).remove(0);
+    let (command, shown) = first.lines.split_first().expect("a command");
+    let words = words(command.strip_prefix("$ cargo run --release -- ").expect("a command of this program"));
+    let said = common::phisindy(&words.iter().map(String::as_str).collect::<Vec<_>>()).out;
+    let all: Vec<&str> = said.lines().collect();
+    let mut rest = all.as_slice();
+    for line in shown.iter().filter(|line| **line != "...") {
+        let start = line.split("...").next().unwrap_or(line);
+        let at = rest.iter().position(|l| l.starts_with(start) && (line.contains("...") || l == line));
+        rest = &rest
+            [at.unwrap_or_else(|| panic!("`{line}` is not there (or not in its place) in:\n{said}")) + 1..];
+    }
+    assert!(shown.len() > 6, "{shown:?}");
 }
 
 #[test]

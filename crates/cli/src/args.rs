@@ -7,16 +7,17 @@ use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  phisindy new run1.csv --out run1.ron                  a commented spec for a data file, ready to edit
-  phisindy run specs/case7.ron                          the equation of a case, with error bars
-  phisindy run specs/frame_250g.ron --data ../data      the same from measured files in a folder
-  phisindy run case.ron --set learn.cutoff=0.1          with one field of the spec changed
+  phisindy new run1.csv --out run1.ron                  look at a data file, write a commented spec for it
+  phisindy check run1.ron                               is anything wrong with the spec or its data?
+  phisindy run run1.ron --out first                     the friction with error bars; first/report.html shows it
+  phisindy gap run1.ron --out found                     what else is missing? named, added, and how far it explains the data
+  phisindy run found/completed.ron --data . --out last  the completed model, fitted once more
+  phisindy simulate last/identified.ron --data .        its motion beside what was measured, as CSV
+  phisindy export last --to python --out model.py       the same model as a program of its own
+
+  phisindy run specs/case7.ron                          a case with synthetic data: nothing else is needed
   phisindy run specs/*.ron --format json --quiet        one JSON object per spec
-  phisindy check case.ron                               only say what is wrong with a spec and its data
-  phisindy simulate case.ron > data.csv                 the synthetic data of a spec
-  phisindy run case.ron --out case                      also report.html, result.json, ... in folder case
-  phisindy simulate case/identified.ron > model.csv     what the identified model predicts
-  phisindy export case --to python --out case.py        the identified model as a program of its own
+  phisindy run case.ron --set learn.cutoff=0.1          with one field of the spec changed
   phisindy sweep case.ron --seeds 100 --out sweep       100 noise seeds in parallel: how often right, how accurate
   phisindy laws stribeck                                a law of the catalogue";
 
@@ -41,11 +42,19 @@ pub(crate) struct Args {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Identify: print the equations as LaTeX, then the coefficients with their intervals
-    #[command(before_help = "\
+    #[command(
+        display_order = 3,
+        before_help = "\
 Examples:
-  phisindy run specs/case1a.ron
-  phisindy run specs/emps.ron --data ../shared/data --format json
-  phisindy run case.ron --set 'contacts=[]' --set 'unknown.y.candidates=[\"1\"]'")]
+  phisindy run specs/case1a.ron                              the equation, then a table of coefficients
+  phisindy run specs/case1a.ron --out case1a                 also case1a/report.html and the numbers as files
+  phisindy run specs/frame_250g.ron --data DIR               measured files lie in DIR
+  phisindy run specs/*.ron --format json --quiet             for a program: one object per spec
+  phisindy run case.ron --set 'contacts=[]' --set 'unknown.y.candidates=[\"1\"]'",
+        after_help = "\
+Exit codes: 0 identified; 1 rejected; 2 the spec or its files are wrong; 3 the numerics failed, or --limit was met.
+If a warning says that something is still missing, `phisindy gap SPEC` looks for it."
+    )]
     Run {
         /// Spec files
         #[arg(required = true, value_name = "SPEC")]
@@ -53,12 +62,13 @@ Examples:
     },
     /// Print the spec's synthetic data, or the free run of a model without unknown part along measured records, as CSV
     #[command(
+        display_order = 5,
         before_help = "\
 Examples:
   phisindy simulate specs/case5.ron > case5.csv
   phisindy simulate specs/case5.ron --seed 7 --set 'data.0.noise=Relative(0)'
-  phisindy run specs/emps.ron --data ../shared/data --out emps
-  phisindy simulate emps/identified.ron --data ../shared/data > emps.csv",
+  phisindy run specs/emps.ron --data DIR --out emps
+  phisindy simulate emps/identified.ron --data DIR > emps.csv",
         after_help = "\
 Columns: NAME as recorded (synthetic: with noise), NAME_true the exact state of synthetic data, NAME_model the free run of the model along a
 measured record, from the record's `start` or else its first sample; then the inputs."
@@ -69,10 +79,13 @@ measured record, from the record's `start` or else its first sample; then the in
         spec: PathBuf,
     },
     /// Say what is wrong with specs and their data, without running them
-    #[command(before_help = "\
+    #[command(
+        display_order = 2,
+        before_help = "\
 Examples:
   phisindy check specs/*.ron
-  phisindy check specs/frame_250g.ron --data ../shared/data    (reads the data files too)")]
+  phisindy check specs/frame_250g.ron --data DIR    (reads the data files in DIR too)"
+    )]
     Check {
         /// Spec files
         #[arg(required = true, value_name = "SPEC")]
@@ -80,6 +93,7 @@ Examples:
     },
     /// Look at a data file and write a commented spec for it, ready to edit
     #[command(
+        display_order = 1,
         before_help = "\
 Examples:
   phisindy new run1.csv                         what is in it, and a spec, on standard output
@@ -92,12 +106,15 @@ rows are read."
     )]
     New(NewArgs),
     /// List the laws of the catalogue, or show one
-    #[command(before_help = "\
+    #[command(
+        display_order = 8,
+        before_help = "\
 Examples:
-  phisindy laws
-  phisindy laws dieterich-ruina
-  phisindy laws --laws my-laws/
-  phisindy laws --out docs/laws                       a picture of each, and a page of them")]
+  phisindy laws                                       all of them
+  phisindy laws dieterich-ruina                       one: its force, its parameters, its source
+  phisindy laws --laws my-laws/                       with those of a folder
+  phisindy laws --out docs/laws                       a picture of each, and a page of them"
+    )]
     Laws {
         /// Id of a law
         #[arg(value_name = "NAME")]
@@ -105,11 +122,13 @@ Examples:
     },
     /// Find where model and data disagree, name the missing effect, add it, show the gap shrink
     #[command(
+        display_order = 4,
         before_help = "\
 Examples:
-  phisindy gap specs/silverbox.ron --data DIR
-  phisindy gap rig.ron --out found
-  phisindy run found/completed.ron",
+  phisindy gap rig.ron                            name what is missing, with its numbers
+  phisindy gap rig.ron --out found                also found/report.html, and found/completed.ron: the spec with it
+  phisindy run found/completed.ron --data .       its data files are where rig.ron had them
+  phisindy gap specs/silverbox.ron --data DIR --laws my-laws",
         after_help = "\
 Tries every law of the catalogue (`phisindy laws`) at every place where it fits: velocities, differences of velocities, sensors.
 Exit codes: 0 nothing is missing, or what is missing was found; 1 something is missing that no law explains."
@@ -121,6 +140,7 @@ Exit codes: 0 nothing is missing, or what is missing was found; 1 something is m
     },
     /// Write an identified model so that it runs elsewhere: Python, C, Modelica, JSON
     #[command(
+        display_order = 6,
         before_help = "\
 Examples:
   phisindy run specs/case7.ron --out case7                  identify, and keep the result
@@ -138,6 +158,7 @@ model.json; what is there is replaced. Modelica is written for tools that know t
     Export(ExportArgs),
     /// Identify with many seeds in parallel: how often the terms are right, how accurate the numbers and their intervals are
     #[command(
+        display_order = 7,
         before_help = "\
 Examples:
   phisindy sweep specs/case1a.ron --seeds 100
@@ -151,23 +172,29 @@ Exit code 1: a truth lies outside of its dictionary, or no run came to a result.
     )]
     Sweep(SweepArgs),
     /// Print what a shell needs to complete this command line
-    #[command(before_help = "\
+    #[command(
+        display_order = 9,
+        before_help = "\
 Examples:
   phisindy completions bash > ~/.local/share/bash-completion/completions/phisindy
   phisindy completions zsh > ~/.zfunc/_phisindy                      (with ~/.zfunc in fpath)
   phisindy completions fish > ~/.config/fish/completions/phisindy.fish
-  phisindy completions powershell >> $PROFILE")]
+  phisindy completions powershell >> $PROFILE"
+    )]
     Completions {
         /// Shell
         #[arg(value_enum, value_name = "SHELL")]
         shell: clap_complete::Shell,
     },
     /// Print the manual, or write its pages into --out
-    #[command(before_help = "\
+    #[command(
+        display_order = 10,
+        before_help = "\
 Examples:
   phisindy man > phisindy.1                         the whole program on one page
   man ./phisindy.1
-  phisindy man --out ~/.local/share/man/man1        a page for it and one for each subcommand: man phisindy-run")]
+  phisindy man --out ~/.local/share/man/man1        a page for it and one for each subcommand: man phisindy-run"
+    )]
     Man,
     /// Print the tables of README.md
     #[command(hide = true)]
@@ -278,13 +305,20 @@ pub(crate) enum TableKind {
 
 /// How to do it; every subcommand takes all of these.
 #[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "Options of all commands")]
 pub(crate) struct Options {
     /// Form of the result
     #[arg(long, global = true, value_enum, default_value_t = Format::Latex, value_name = "FORMAT")]
     pub(crate) format: Format,
-    /// Also write the results into this folder (made if needed): report.html with its figures, result.json, equation.tex,
-    /// identified.ron, sweep.json; `new`: the spec's file; `export`: the model's file, or its folder; `man`: the pages
-    #[arg(long, global = true, value_name = "DIR")]
+    /// Write the results into this folder, too; `new` and `export`: into this file
+    #[arg(
+        long,
+        global = true,
+        value_name = "DIR",
+        long_help = "Write the results into this folder, too (made if needed): report.html with its figures and result.json;\n\
+                     `run`: equation.tex, identified.ron; `gap`: gap.txt, completed.ron; `sweep`: sweep.json; `laws`: pictures;\n\
+                     `man`: its pages; `new`: the spec's file; `export`: the model's file, or its folder"
+    )]
     pub(crate) out: Option<PathBuf>,
     /// Folder of the data files [else: PHISINDY_DATA, then beside the spec]
     #[arg(long, global = true, value_name = "DIR")]

@@ -78,18 +78,34 @@ pub(crate) fn complain(message: &str) {
     draw::show([&Diagnostic::error(message)], &Sources::default());
 }
 
-/// Reads a spec and draws what there is to say about it.
-pub(crate) fn loaded(spec: &Path, options: &Options, purpose: Purpose) -> Result<Loaded, u8> {
-    loaded_with(spec, options, purpose).map(|(loaded, _)| loaded)
+/// Reads a spec and draws what there is to say about it; mistakes also into the report of a folder.
+pub(crate) fn loaded(
+    spec: &Path,
+    options: &Options,
+    purpose: Purpose,
+    folder: Option<&OutDir>,
+) -> Result<Loaded, u8> {
+    loaded_with(spec, options, purpose, folder).map(|(loaded, _)| loaded)
 }
 
 /// The same with the number of warnings.
-fn loaded_with(spec: &Path, options: &Options, purpose: Purpose) -> Result<(Loaded, usize), u8> {
+fn loaded_with(
+    spec: &Path,
+    options: &Options,
+    purpose: Purpose,
+    folder: Option<&OutDir>,
+) -> Result<(Loaded, usize), u8> {
     let (mut sources, mut found) = (Sources::default(), Vec::new());
     let loaded = load(spec, options, purpose, &mut sources, &mut found);
     // Next to a mistake, warnings are mostly its consequences: what failed to parse leaves constants unused.
-    let drawn = found.iter().filter(|d| d.is_error() || (loaded.is_ok() && !options.quiet));
-    draw::show(drawn, &sources);
+    let drawn = || found.iter().filter(|d| d.is_error() || (loaded.is_ok() && !options.quiet));
+    draw::show(drawn(), &sources);
+    if let (Err(_), Some(folder)) = (&loaded, folder) {
+        let name = spec.display().to_string();
+        let text = sources.files.iter().find(|f| f.name.starts_with(&name)).map(|f| f.text.as_str());
+        let written = html::write_refusal(&name, text, &draw::text(drawn(), &sources), options, folder);
+        written.unwrap_or_else(|error| complain(&format!("{error:#}")));
+    }
     loaded.map(|loaded| (loaded, found.len())).map_err(refused)
 }
 
@@ -126,7 +142,7 @@ fn run(specs: &[PathBuf], options: &Options) -> Result<u8> {
 
 fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: bool) -> Result<u8> {
     let begin = Instant::now();
-    let loaded = match loaded(spec, options, Purpose::Run) {
+    let loaded = match loaded(spec, options, Purpose::Run, folder) {
         Ok(loaded) => loaded,
         Err(code) => return Ok(code),
     };
@@ -201,7 +217,7 @@ fn identified(loaded: &Loaded, options: &Options) -> Result<Identified, LearnErr
 }
 
 fn simulate(spec: &Path, options: &Options) -> Result<u8> {
-    let loaded = match loaded(spec, options, Purpose::Simulate) {
+    let loaded = match loaded(spec, options, Purpose::Simulate, None) {
         Ok(loaded) => loaded,
         Err(code) => return Ok(code),
     };
@@ -226,7 +242,7 @@ fn simulate(spec: &Path, options: &Options) -> Result<u8> {
 }
 
 fn check(specs: &[PathBuf], options: &Options) -> u8 {
-    let codes = specs.iter().map(|spec| match loaded_with(spec, options, Purpose::Check) {
+    let codes = specs.iter().map(|spec| match loaded_with(spec, options, Purpose::Check, None) {
         Ok((_, warnings)) => {
             // Silence would leave it open whether anything was looked at.
             if !options.quiet {

@@ -15,12 +15,23 @@ pub(crate) fn show<'d>(diagnostics: impl IntoIterator<Item = &'d Diagnostic>, so
     let colour = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
     for diagnostic in diagnostics {
         let mut buffer = if colour { termcolor::Buffer::ansi() } else { termcolor::Buffer::no_color() };
-        if draw(&mut buffer, diagnostic, sources).is_err() {
-            // A place outside of its text would be a mistake of this program; the message matters more.
-            let _ = writeln!(buffer, "{}\n{}", diagnostic.message, diagnostic.help.join("\n"));
-        }
+        draw_or_tell(&mut buffer, diagnostic, sources);
         // Nobody is left to complain to if standard error is closed.
         let _ = io::stderr().write_all(buffer.as_slice());
+    }
+}
+
+/// The same as text without colours.
+pub(crate) fn text<'d>(diagnostics: impl IntoIterator<Item = &'d Diagnostic>, sources: &Sources) -> String {
+    let mut buffer = termcolor::Buffer::no_color();
+    diagnostics.into_iter().for_each(|d| draw_or_tell(&mut buffer, d, sources));
+    String::from_utf8_lossy(buffer.as_slice()).into_owned()
+}
+
+fn draw_or_tell(buffer: &mut termcolor::Buffer, diagnostic: &Diagnostic, sources: &Sources) {
+    if draw(buffer, diagnostic, sources).is_err() {
+        // A place outside of its text would be a mistake of this program; the message matters more.
+        let _ = writeln!(buffer, "{}\n{}", diagnostic.message, diagnostic.help.join("\n"));
     }
 }
 

@@ -8,21 +8,27 @@ use crate::table::short;
 use crate::{html, interrupt, laws, outdir};
 use anyhow::Result;
 use phisindy_gap::{Entry, Gap, GapError, Status, Step, gap};
-use phisindy_phys::Law;
 use phisindy_phys::spec::Role;
+use phisindy_phys::{Law, Origin};
 use serde_json::{Map, Value, json};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
+/// A gap beyond this is more than noise.
+const NOISE: f64 = 1.1;
 /// Cells of the bar that shows the gap shrink.
 const BAR: usize = 24;
 
 /// Runs the workflow on one spec.
 pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
     let begin = Instant::now();
-    let loaded = match loaded(spec, options, Purpose::Run) {
+    let folder = match &options.out {
+        Some(out) => outdir::folders(out, &[spec.to_path_buf()])?.pop(),
+        None => None,
+    };
+    let loaded = match loaded(spec, options, Purpose::Run, folder.as_ref()) {
         Ok(loaded) => loaded,
         Err(code) => return Ok(code),
     };
@@ -30,10 +36,6 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
     let folders: Vec<&Path> = beside.as_deref().into_iter().chain(options.laws.as_deref()).collect();
     let catalogue: Vec<Entry> =
         laws::catalogue(&folders)?.into_iter().map(|e| Entry { id: e.id, law: Arc::new(e.law) }).collect();
-    let folder = match &options.out {
-        Some(out) => outdir::folders(out, &[spec.to_path_buf()])?.pop(),
-        None => None,
-    };
     let found = {
         let mut progress = Progress::new(&loaded.spec, options.quiet);
         gap(&loaded.text, loaded.case.clone(), loaded.records.clone(), &catalogue, &mut |fraction, what| {
@@ -86,8 +88,10 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
 
 /// The spec with the effects in it.
 fn completed(loaded: &Loaded, found: &Gap) -> String {
+    let measured = loaded.case.records.iter().any(|plan| matches!(plan.origin, Origin::Csv(_)));
+    let data = if measured { " --data DIR      (DIR: where its data files are)" } else { "" };
     format!(
-        "// What `phisindy gap {}` (version {}) made of it: {}.\n// The effects stand in `known`, their numbers in `constants`, from where a fit ended:\n//     phisindy run completed.ron\n{}",
+        "// What `phisindy gap {}` (version {}) made of it: {}.\n// The effects stand in `known`, their numbers in `constants`, from where a fit ended:\n//     phisindy run completed.ron{data}\n{}",
         loaded.spec,
         env!("CARGO_PKG_VERSION"),
         found.status.name(),
@@ -211,13 +215,13 @@ fn as_text(found: &Gap, catalogue: &[Entry], seconds: f64) -> String {
             s.effect.place.at,
             s.expression
         ));
-        out.extend(details(s, catalogue));
+        details(s, catalogue, &mut out);
     }
     if !found.partial.is_empty() {
         out.push("helps, but does not explain:".into());
         for s in &found.partial {
             out.push(format!("  {} at {}: {}", s.effect.entry.law.name, s.effect.place.at, s.expression));
-            out.extend(details(s, catalogue));
+            details(s, catalogue, &mut out);
         }
     }
     out.extend(moved(found));
@@ -261,7 +265,14 @@ pub(crate) fn ending(found: &Gap) -> String {
             format!("nothing-missing: the model explains the data to their noise (gap {})", short(last))
         }
         Status::Explained => {
-            format!("explained: the gap {} went from {} to {}", whose(found), short(before), short(last))
+            let repeats =
+                if last > NOISE { ", which is about what the motion itself repeats to" } else { "" };
+            format!(
+                "explained: the gap {} went from {} to {}{repeats}",
+                whose(found),
+                short(before),
+                short(last)
+            )
         }
         Status::Unexplained => {
             let place = found
@@ -276,8 +287,8 @@ pub(crate) fn ending(found: &Gap) -> String {
     }
 }
 
-fn details(s: &Step, catalogue: &[Entry]) -> Vec<String> {
-    let mut out = Vec::new();
+/// The numbers of a step, and of its rivals those that no step before it has named.
+fn details(s: &Step, catalogue: &[Entry], out: &mut Vec<String>) {
     for p in &s.parameters {
         out.push(format!(
             "     {} = {} {} [{}, {}]",
@@ -289,10 +300,12 @@ fn details(s: &Step, catalogue: &[Entry]) -> Vec<String> {
         ));
     }
     for (rival, what) in rivals(s, catalogue) {
-        out.push(format!("     {rival}"));
-        out.extend(what.map(|what| format!("       {what}")));
+        let rival = format!("     {rival}");
+        if !out.contains(&rival) {
+            out.push(rival);
+            out.extend(what.map(|what| format!("       {what}")));
+        }
     }
-    out
 }
 
 /// What moved beside the effects: constants and sensors of the spec itself.

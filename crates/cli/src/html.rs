@@ -6,6 +6,7 @@
 
 mod correlation;
 mod data;
+mod force;
 mod friction;
 mod gap;
 mod map;
@@ -25,7 +26,7 @@ use crate::load::Loaded;
 use crate::outdir::OutDir;
 use crate::report::Report;
 use anyhow::Result;
-use page::{Banner, Page, Tone, add_remarks};
+use page::{Banner, Page, Tone, add_remarks, block};
 use phisindy_gap::{Entry, Gap};
 
 /// Writes what `run` found.
@@ -48,6 +49,25 @@ pub(crate) fn write_gap(
     folder: &OutDir,
 ) -> Result<()> {
     gap::page(found, catalogue, loaded, seconds, options).write(folder)
+}
+
+/// Writes what is wrong with a spec or its files, as it was drawn; `text` is the spec, as far as it could be read.
+pub(crate) fn write_refusal(
+    spec: &str,
+    text: Option<&str>,
+    mistakes: &str,
+    options: &Options,
+    folder: &OutDir,
+) -> Result<()> {
+    let banner = Banner {
+        tone: Tone::Bad,
+        headline: "Not run".to_owned(),
+        text: "Nothing was computed: the spec or its data cannot be used as they are.".to_owned(),
+    };
+    let mut page = Page::of_refusal(spec, banner);
+    page.section("What is wrong", [block(mistakes.trim_end(), "mistakes")]);
+    page.section("To repeat it", repeat::command(None, spec, text, options));
+    page.write(folder)
 }
 
 /// Writes why there is no result, beside what was measured.

@@ -30,9 +30,11 @@ pub(crate) fn written(loaded: &Loaded, found: &Identified) -> Result<String, Str
         Verdict::Identified => "identified".to_owned(),
         Verdict::Rejected(why) => format!("REJECTED: {why}"),
     };
+    let measured = spec.data.iter().any(|d| matches!(d, DataSpec::Csv(_)));
+    let data = if measured { " --data DIR      (DIR: where its data files are)" } else { "" };
     let head = format!(
         "// What `phisindy run {}` (version {}) found: {verdict}.\n// The identified terms stand in `known`, their coefficients and the fitted \
-         numbers in `constants`, `sensors` and `start`. To predict:\n//     phisindy simulate identified.ron\n",
+         numbers in `constants`, `sensors` and `start`. To predict:\n//     phisindy simulate identified.ron{data}\n",
         loaded.spec,
         env!("CARGO_PKG_VERSION")
     );

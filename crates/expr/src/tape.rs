@@ -105,6 +105,17 @@ mod lanes;
 use lanes::Lanes;
 
 /// A compiled program: immutable, cheap to clone, shared between threads. Its memory is a [`Scratch`], which belongs to one thread.
+///
+/// ```
+/// use phisindy_expr::{Graph, Names, Scratch, Tape, parse};
+/// let (mut graph, mut names) = (Graph::default(), Names::default());
+/// let drag = graph.lower(&parse("d*v*|v|").unwrap(), |name| Some(names.intern(name))).unwrap();
+/// let inputs = ["d", "v"].map(|name| graph.symbol(names.get(name).unwrap()));
+/// let tape = Tape::compile(&graph, &inputs, &[drag]).unwrap();
+/// let mut scratch = Scratch::<1>::new(&tape);
+/// scratch.at([0.5, -2.0]);
+/// assert_eq!(scratch.output(0)[0], -2.0);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Tape(Arc<Program>);
 

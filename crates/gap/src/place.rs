@@ -42,6 +42,19 @@ impl Place {
 }
 
 /// All places of a system, bodies first, then what lies between them, then sensors. `own` are states that belong to laws.
+///
+/// ```
+/// use phisindy_gap::places;
+/// use phisindy_phys::{SourceId, check, spec};
+/// let text = r#"(states: { "x1": "m", "x2": "m", "v1": "m/s", "v2": "m/s" }, constants: { "k": (1.0, "1/s^2") },
+///     known: { "x1": "v1", "x2": "v2", "v1": "-2*k*x1 + k*x2", "v2": "k*(x1 - x2)" }, unknown: {},
+///     data: [ Csv(path: "run.csv", time: "t", columns: { "x1": "x1" }) ])"#;
+/// let (spec, _) = spec::read(text, SourceId(0)).unwrap();
+/// let (case, _) = check(&spec, SourceId(0)).unwrap();
+/// let all = places(&case.system, &case.records, &[]);
+/// // On each body, between them, and at the one sensor.
+/// assert_eq!(all.iter().map(|place| place.at.as_str()).collect::<Vec<_>>(), ["v1", "v2", "v1-v2", "x1"]);
+/// ```
 pub fn places(system: &System, plans: &[RecordPlan], own: &[String]) -> Vec<Place> {
     let states = &system.states;
     let displacement = |v: usize| (0..states.len()).find(|&x| states[x].velocity == Some(v));

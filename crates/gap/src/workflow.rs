@@ -171,6 +171,25 @@ impl std::error::Error for GapError {}
 ///
 /// # Errors
 /// Records from which nothing can be learned; a model that cannot be simulated from any start.
+///
+/// ```
+/// use phisindy_gap::{Entry, Status, gap};
+/// use phisindy_phys::{Law, Origin, SourceId, check, spec};
+/// use phisindy_sim::synthesize;
+/// use std::{ops::ControlFlow, sync::Arc};
+/// // A pendulum that is believed to swing without friction.
+/// let text = r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (1.0, "1/s^2") }, known: { "x": "v", "v": "-k*x" }, unknown: {},
+///     data: [ Synthetic(truth: { "v": "-0.05*sgn(v)" }, start: { "x": 2.0, "v": 0.0 }, duration: 40.0, step: 0.05, noise: Additive(0.02), seed: 1) ])"#;
+/// let (spec, _) = spec::read(text, SourceId(0)).unwrap();
+/// let (case, _) = check(&spec, SourceId(0)).unwrap();
+/// let Origin::Synthetic(truth) = &case.records[0].origin else { panic!("a measured record") };
+/// let (record, _) = synthesize(&case.records[0], truth, &case.system, None, &|_| Err("no files here".into())).unwrap();
+/// let law = Law::read(r#"(name: "Coulomb friction", roles: { "v": "m/s" }, parameters: { "Fc": (unit: "N", within: (0.0, 10.0)) }, force: "Fc*sgn(v)", family: "friction")"#);
+/// let catalogue = [Entry { id: "coulomb".into(), law: Arc::new(law.unwrap()) }];
+/// let found = gap(text, case, vec![record], &catalogue, &mut |_, _| ControlFlow::Continue(())).unwrap();
+/// assert_eq!((found.status, found.steps[0].effect.place.at.as_str()), (Status::Explained, "v"));
+/// assert!((found.steps[0].parameters[0].value - 0.05).abs() < 1e-3);
+/// ```
 pub fn gap(
     text: &str,
     case: Case,

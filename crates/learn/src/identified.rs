@@ -5,6 +5,11 @@ use phisindy_phys::spec::{Method, Role};
 use phisindy_sim::Trajectory;
 
 /// A number with its uncertainty.
+///
+/// ```
+/// let mass = phisindy_learn::Estimate::normal(2.0, 0.1);
+/// assert!((mass.ci95.1 - 2.196).abs() < 1e-4);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// Best value (SI).

@@ -27,6 +27,25 @@ pub struct LearnOptions {
 ///
 /// # Errors
 /// The records do not suit the method, or the numerics fail altogether. A model that merely does not fit is a verdict, not an error.
+///
+/// ```
+/// use phisindy_learn::{LearnOptions, Verdict, identify};
+/// use phisindy_phys::{Origin, SourceId, check, spec};
+/// use phisindy_sim::synthesize;
+/// use std::ops::ControlFlow;
+/// let text = r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (1.0, "1/s^2") }, known: { "x": "v", "v": "-k*x" },
+///     unknown: { "v": (factor: "-sgn(v)", candidates: ["1", "x"]) }, contacts: ["v"],
+///     data: [ Synthetic(truth: { "v": "-0.3*sgn(v)" }, start: { "x": 2.0, "v": 0.0 }, duration: 10.0, step: 0.01, noise: Additive(0.01), seed: 1) ])"#;
+/// let (spec, _) = spec::read(text, SourceId(0)).unwrap();
+/// let (case, _) = check(&spec, SourceId(0)).unwrap();
+/// let Origin::Synthetic(truth) = &case.records[0].origin else { panic!("a measured record") };
+/// let (record, _) = synthesize(&case.records[0], truth, &case.system, None, &|_| Err("no files here".into())).unwrap();
+/// let found = identify(&case, &[record], &LearnOptions::default(), &mut |_| ControlFlow::Continue(())).unwrap();
+/// // Of the two candidates one is there: 0.3 m/s^2 of friction.
+/// assert_eq!((found.terms.len(), found.terms[0].term), (1, 0));
+/// assert!((found.terms[0].coefficient.value - 0.3).abs() < 0.01);
+/// assert_eq!(found.verdict, Verdict::Identified);
+/// ```
 pub fn identify(
     case: &Case,
     records: &[Record],
@@ -149,15 +168,13 @@ fn by_steps(
             "the one-step loss is not finite: a candidate is singular on the data".into(),
         ));
     }
+    let errors = fit.std_errors();
     let terms: Vec<FoundTerm> = (0..fit.terms.len())
-        .map(|k| FoundTerm::new(fit.terms[k], Estimate::normal(fit.coefficients[k], fit.std_errors[k])))
+        .map(|k| FoundTerm::new(fit.terms[k], Estimate::normal(fit.coefficients[k], errors[k])))
         .collect();
     let moved = options.optimiser == Optimiser::GaussNewton;
-    let parameters = if moved {
-        found_parameters(system, &fit.parameters, &fit.std_errors[terms.len()..])
-    } else {
-        vec![]
-    };
+    let parameters =
+        if moved { found_parameters(system, &fit.parameters, &errors[terms.len()..]) } else { vec![] };
     warnings.extend(at_bounds(&parameters));
     let numbers = numbers_of_steps(system, &fit, moved);
     let here = normal_of_steps(system, &fitted, &options, &fit);
@@ -180,6 +197,8 @@ fn by_steps(
     let verdict = verdict(system, &terms, &fits, &baseline);
     let selection =
         fit.stages.iter().map(|&(terms, criterion)| PathPoint { terms, criterion, nrmse: None }).collect();
+    let found = terms.len() + parameters.len();
+    let covariance = fit.covariance[..found].iter().map(|row| row[..found].to_vec()).collect();
     Ok(Identified {
         method: Method::Step,
         terms,
@@ -187,7 +206,7 @@ fn by_steps(
         records: fits,
         noise_model: "not used: every sample weighs the same".into(),
         selection,
-        covariance: vec![],
+        covariance,
         warnings,
         verdict,
         stopped: fit.stopped,
@@ -201,7 +220,7 @@ fn numbers_of_steps(system: &System, fit: &StepFit, moved: bool) -> Vec<Number> 
     };
     let parameters = system.parameters.iter().filter(|_| moved).map(|p| p.name.clone());
     let names = fit.terms.iter().map(term).chain(parameters);
-    names.zip(&fit.std_errors).enumerate().map(|(k, (name, error))| (k, name, *error)).collect()
+    names.zip(fit.std_errors()).enumerate().map(|(k, (name, error))| (k, name, error)).collect()
 }
 
 fn step_options(case: &Case) -> StepOptions {

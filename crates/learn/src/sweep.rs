@@ -27,6 +27,21 @@ pub struct Truth {
 ///
 /// # Errors
 /// In words: the case is not synthetic, or the truth lies outside the dictionary.
+///
+/// ```
+/// use phisindy_learn::project;
+/// use phisindy_phys::{Origin, SourceId, check, spec};
+/// use phisindy_sim::synthesize;
+/// let text = r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (1.0, "1/s^2") }, known: { "x": "v", "v": "-k*x" },
+///     unknown: { "v": (factor: "-sgn(v)", candidates: ["1", "x"]) }, contacts: ["v"],
+///     data: [ Synthetic(truth: { "v": "-0.3*sgn(v)" }, start: { "x": 2.0, "v": 0.0 }, duration: 10.0, step: 0.01, noise: Additive(0.01), seed: 1) ])"#;
+/// let (spec, _) = spec::read(text, SourceId(0)).unwrap();
+/// let (case, _) = check(&spec, SourceId(0)).unwrap();
+/// let Origin::Synthetic(truth) = &case.records[0].origin else { panic!("a measured record") };
+/// let (record, _) = synthesize(&case.records[0], truth, &case.system, None, &|_| Err("no files here".into())).unwrap();
+/// let truth = project(&case, &[record]).unwrap();
+/// assert!(truth.terms == [0] && (truth.coefficients[0] - 0.3).abs() < 1e-9);
+/// ```
 pub fn project(case: &Case, records: &[Record]) -> Result<Truth, String> {
     let synthetic = case.records.iter().zip(records).find_map(|(plan, record)| match &plan.origin {
         Origin::Synthetic(s) => Some((s, record)),

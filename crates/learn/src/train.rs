@@ -56,8 +56,8 @@ pub struct StepFit {
     pub coefficients: Vec<f64>,
     /// Values of [`System::parameters`].
     pub parameters: Vec<f64>,
-    /// Standard errors of coefficients, then parameters, from the curvature of the loss (they do not know its bias).
-    pub std_errors: Vec<f64>,
+    /// Covariance of coefficients, then parameters, from the curvature of the loss (it does not know the bias of the loss); zero for what was held.
+    pub covariance: Vec<Vec<f64>>,
     /// Loss at the end.
     pub loss: f64,
     /// Terms and loss after each stage.
@@ -68,7 +68,32 @@ pub struct StepFit {
     pub stopped: bool,
 }
 
+impl StepFit {
+    /// Standard errors of coefficients, then parameters.
+    pub fn std_errors(&self) -> Vec<f64> {
+        self.covariance.iter().enumerate().map(|(k, row)| row[k].sqrt()).collect()
+    }
+}
+
 /// Fits the dictionary to records that have samples of every state. `observe` hears of the progress (a fraction) and may stop it.
+///
+/// ```
+/// use phisindy_learn::{StepOptions, train};
+/// use phisindy_phys::{Origin, SourceId, check, spec};
+/// use phisindy_sim::synthesize;
+/// use std::ops::ControlFlow;
+/// let text = r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (1.0, "1/s^2") }, known: { "x": "v", "v": "-k*x" },
+///     unknown: { "v": (factor: "-sgn(v)", candidates: ["1", "x"]) }, contacts: ["v"],
+///     data: [ Synthetic(truth: { "v": "-0.3*sgn(v)" }, start: { "x": 2.0, "v": 0.0 }, duration: 10.0, step: 0.01, noise: Relative(0), seed: 1) ])"#;
+/// let (spec, _) = spec::read(text, SourceId(0)).unwrap();
+/// let (case, _) = check(&spec, SourceId(0)).unwrap();
+/// let Origin::Synthetic(truth) = &case.records[0].origin else { panic!("a measured record") };
+/// let (record, _) = synthesize(&case.records[0], truth, &case.system, None, &|_| Err("no files here".into())).unwrap();
+/// let options = StepOptions { epochs: vec![300, 100], rates: vec![0.1, 0.01], ..StepOptions::default() };
+/// let fit = train(&case.system, &[&record], &options, &mut |_| ControlFlow::Continue(()));
+/// // Clean data: the cut-off leaves the one true term.
+/// assert!(fit.terms == [0] && (fit.coefficients[0] - 0.3).abs() < 0.01);
+/// ```
 pub fn train(
     system: &System,
     records: &[&Record],
@@ -83,7 +108,7 @@ pub fn train(
         terms: vec![],
         coefficients: vec![],
         parameters: vec![],
-        std_errors: vec![],
+        covariance: vec![],
         loss: f64::NAN,
         stages: vec![],
         operations: 0,
@@ -137,7 +162,9 @@ pub fn train(
         if !loss.is_finite() {
             // Cutting would hide it: what is not a number is not at least the cut-off.
             fit.stages.push((terms.len(), loss));
-            fit.std_errors = vec![f64::INFINITY; coefficients.len() + moved.len()];
+            let n = coefficients.len() + moved.len();
+            let unknown = |i: usize| (0..n).map(|j| if i == j { f64::INFINITY } else { 0.0 }).collect();
+            fit.covariance = (0..n).map(unknown).collect();
             return StepFit { terms, coefficients, parameters: moved, loss, ..fit };
         }
         let kept: Vec<usize> =
@@ -162,8 +189,9 @@ pub fn train(
     let n = values.len();
     let freedom = batch.residuals.saturating_sub(n).max(1) as f64;
     let inverse = covariance(&symmetric(&triangle, n));
-    fit.std_errors = (0..n).map(|k| (inverse[(k, k)] * loss / freedom).sqrt()).collect();
-    fit.std_errors.resize(coefficients.len() + moved.len(), 0.0);
+    let all = coefficients.len() + moved.len();
+    let entry = |i: usize, j: usize| if i.max(j) < n { inverse[(i, j)] * loss / freedom } else { 0.0 };
+    fit.covariance = (0..all).map(|i| (0..all).map(|j| entry(i, j)).collect()).collect();
     fit.loss = loss;
     fit.terms = terms;
     fit.coefficients = coefficients;

@@ -1,8 +1,8 @@
 //! Method `step`, end to end on the cases of the paper.
 mod common;
 
-use phisindy_learn::{StepFit, StepOptions, train};
-use phisindy_phys::spec::Optimiser;
+use phisindy_learn::{LearnOptions, StepFit, StepOptions, identify, train};
+use phisindy_phys::spec::{Method, Optimiser};
 use phisindy_phys::{Case, Record};
 use std::ops::ControlFlow;
 
@@ -187,7 +187,12 @@ fn the_same_bits_on_one_and_two_threads() {
             };
             let (one, two) = (run(1), run(2));
             let bits = |f: &StepFit| -> Vec<u64> {
-                f.coefficients.iter().chain(&f.std_errors).chain([&f.loss]).map(|v| v.to_bits()).collect()
+                f.coefficients
+                    .iter()
+                    .chain(f.covariance.iter().flatten())
+                    .chain([&f.loss])
+                    .map(|v| v.to_bits())
+                    .collect()
             };
             assert_eq!(one.terms, two.terms);
             assert_eq!(bits(&one), bits(&two), "{name}, {optimiser:?}, horizon {horizon}");
@@ -229,6 +234,25 @@ fn constants_move() {
         let (case, records) = common::load("case1a", &sets);
         let found = fit(&case, &records, &gauss_newton());
         assert!((found.parameters[0] - expected).abs() < 1e-3, "{:?}", found.parameters);
+    }
+}
+
+/// The errors and correlations of a result are of one covariance, in the order of what it lists.
+#[test]
+fn the_covariance_is_that_of_the_errors() {
+    let k = "(value: 0.9, unit: \"N/m\", within: (0.5, 2.0))";
+    let sets = [("constants.k", k), ("learn.optimiser", "GaussNewton"), ("learn.cutoff", "0.0")];
+    let (case, records) = common::load("case1a", &sets);
+    let options = LearnOptions { method: Some(Method::Step) };
+    let found = identify(&case, &records, &options, &mut |_| ControlFlow::Continue(())).unwrap();
+    let errors: Vec<f64> = found.terms.iter().map(|t| t.coefficient.std_error).collect();
+    let errors = [errors, found.parameters.iter().map(|p| p.estimate.std_error).collect()].concat();
+    assert_eq!((errors.len(), found.covariance.len()), (7, 7));
+    for (i, row) in found.covariance.iter().enumerate() {
+        assert!((row[i].sqrt() - errors[i]).abs() <= 1e-12 * errors[i]);
+        for (j, c) in row.iter().enumerate() {
+            assert!(i == j || (*c != 0.0 && c.abs() < errors[i] * errors[j]), "{i}, {j}: {c}");
+        }
     }
 }
 

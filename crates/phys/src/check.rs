@@ -26,6 +26,24 @@ pub struct Case {
 ///
 /// # Errors
 /// All mistakes found, errors and warnings; on success the warnings alone come with the case.
+///
+/// ```
+/// use phisindy_phys::{SourceId, check, spec};
+/// let text = |rate: &str| {
+///     format!(
+///         "(states: {{ \"x\": \"m\", \"v\": \"m/s\" }}, constants: {{ \"k\": (4.0, \"1/s^2\") }}, known: {{ \"x\": \"v\", \"v\": \"{rate}\" }},
+///           unknown: {{ \"v\": (factor: \"-sgn(v)\", candidates: [\"1\", \"x\"]) }}, contacts: [\"v\"],
+///           data: [Csv(path: \"run.csv\", time: \"t\", columns: {{ \"x\": \"x\" }})])"
+///     )
+/// };
+/// let (good, _) = spec::read(&text("-k*x"), SourceId(0)).unwrap();
+/// let (case, _) = check(&good, SourceId(0)).unwrap();
+/// // A coefficient has the unit that makes its term a rate of the velocity.
+/// assert_eq!(case.system.terms[1].unit.unwrap().to_string(), "1/s^2");
+///
+/// let (bad, _) = spec::read(&text("-k*v"), SourceId(0)).unwrap();
+/// assert!(check(&bad, SourceId(0)).unwrap_err()[0].message.contains("m/s^2"));
+/// ```
 pub fn check(spec: &Spec, source: SourceId) -> Result<(Case, Vec<Diagnostic>), Vec<Diagnostic>> {
     checked(spec, source, true)
 }

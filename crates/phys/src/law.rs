@@ -5,6 +5,13 @@ use serde::{Deserialize, de};
 use std::fmt;
 
 /// What a law's file says.
+///
+/// ```
+/// use phisindy_phys::Law;
+/// let law = Law::read(r#"(name: "Quadratic drag", roles: { "v": "m/s" }, parameters: { "d": (unit: "N*s^2/m^2", within: (0.0, 10.0)) }, force: "d*v*|v|")"#).unwrap();
+/// assert_eq!(law.subtracted(false).unwrap(), "d*v*|v|");
+/// assert!(!law.sticks());
+/// ```
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Law {

@@ -223,6 +223,11 @@ pub fn effective_samples(residual: &[f64]) -> f64 {
 
 /// Autocorrelations at lags 0 .. n-1 (mean removed, divided by n, so that the sequence is positive definite); empty if
 /// the values do not vary.
+///
+/// ```
+/// let alternating = phisindy_phys::autocorrelation(&[1.0, -1.0, 1.0, -1.0]);
+/// assert_eq!(alternating[..2], [1.0, -0.75]);
+/// ```
 pub fn autocorrelation(values: &[f64]) -> Vec<f64> {
     let n = values.len();
     if n == 0 {

@@ -24,6 +24,14 @@ impl SensorParameter {
 }
 
 /// What a column says: `gain * quantity(t - delay) + offset`.
+///
+/// ```
+/// use phisindy_phys::{Interpolation, Sensor, SensorParameter};
+/// // A laser whose zero is off by 2 mm.
+/// let laser = Sensor { offset: SensorParameter::held(2e-3), ..Sensor::default() };
+/// let place = laser.undone(&[0.0, 0.1].into(), vec![2e-3, 5e-3], Interpolation::Linear).unwrap();
+/// assert!((place[1] - 3e-3).abs() < 1e-15);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensor {
     /// Zero error.

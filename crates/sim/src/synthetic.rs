@@ -53,6 +53,21 @@ impl std::error::Error for SyntheticError {}
 ///
 /// # Errors
 /// The truth or its excitation cannot be computed.
+///
+/// ```
+/// use phisindy_phys::{Origin, SourceId, check, spec};
+/// use phisindy_sim::synthesize;
+/// let text = r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (1.0, "1/s^2") }, known: { "x": "v", "v": "-k*x" },
+///     unknown: { "v": (factor: "-sgn(v)", candidates: ["1", "x"]) }, contacts: ["v"],
+///     data: [ Synthetic(truth: { "v": "-0.3*sgn(v)" }, start: { "x": 2.0, "v": 0.0 }, duration: 10.0, step: 0.01, noise: Additive(0.01), seed: 1) ])"#;
+/// let (spec, _) = spec::read(text, SourceId(0)).unwrap();
+/// let (case, _) = check(&spec, SourceId(0)).unwrap();
+/// let Origin::Synthetic(truth) = &case.records[0].origin else { panic!("a measured record") };
+/// let (record, clean) = synthesize(&case.records[0], truth, &case.system, None, &|_| Err("no files here".into())).unwrap();
+/// // Half a swing takes 2 * 0.3 off the amplitude: from 2 to -1.4, at t = pi.
+/// let x = |k: usize| (record.columns[0].as_ref().unwrap()[k], clean.states[2 * k]);
+/// assert!((x(314).1 + 1.4).abs() < 1e-4 && (x(314).0 - x(314).1).abs() < 0.1);
+/// ```
 pub fn synthesize(
     plan: &RecordPlan,
     truth: &Synthetic,

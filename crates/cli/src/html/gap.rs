@@ -3,7 +3,7 @@
 use super::data::{Model, Seen, notes};
 use super::page::{Banner, Page, Tone, add_remarks, capital, paragraph};
 use super::table::{Cell, code, in_unit, parameters, table, text};
-use super::{map, mathml, motion, repeat, residual, shrink};
+use super::{force, map, mathml, motion, repeat, residual, shrink};
 use crate::args::Options;
 use crate::chart::digits;
 use crate::equation::equations;
@@ -14,9 +14,6 @@ use crate::load::Loaded;
 use crate::markup::{Element, element};
 use phisindy_gap::{Entry, Gap, Region, Status, Step};
 use phisindy_phys::{SourceId, check_names, spec};
-
-/// A gap beyond this is more than noise.
-const NOISE: f64 = 1.1;
 
 /// The page.
 pub(crate) fn page(
@@ -36,9 +33,19 @@ pub(crate) fn page(
     let mut page = Page::new(loaded, banner(found, seconds));
     add_remarks(&mut page, &found.warnings, &notes(loaded));
     page.figures("The gap", vec![shrink::chart(found)]);
-    let step = |(k, s)| shown(Some(k + 1), s, catalogue);
-    page.section("What is missing", found.steps.iter().enumerate().flat_map(step));
-    let helps = found.partial.iter().flat_map(|s| shown(None, s, catalogue));
+    // What holds of several steps is said once.
+    let mut told = Vec::new();
+    let mut missing = Vec::new();
+    for (k, step) in found.steps.iter().enumerate() {
+        let picture = force::chart(found, k + 1, step, &loaded.records);
+        let picture = picture.map(|(chart, said)| page.figure(chart, &said));
+        missing.extend(shown(Some(k + 1), step, catalogue, picture, &mut told));
+    }
+    page.section("What is missing", missing);
+    let mut helps = Vec::new();
+    for step in &found.partial {
+        helps.extend(shown(None, step, catalogue, None, &mut told));
+    }
     page.section("What helps, but does not explain", helps);
     page.section("The completed equation", completed(found));
     let maps: Vec<Element> =
@@ -61,9 +68,6 @@ fn banner(found: &Gap, seconds: f64) -> Banner {
     // The headline has said the first word.
     let words = ending(found);
     let words = words.split_once(": ").map_or(words.as_str(), |(_, rest)| rest);
-    let last = found.after.1.unwrap_or(found.after.0);
-    let repeats =
-        if tone == Tone::Good && last > NOISE { ": about what the motion itself repeats to" } else { "" };
     let stopped = if found.stopped {
         format!(" {} before the end.", capital(&interrupt::words()))
     } else {
@@ -72,12 +76,18 @@ fn banner(found: &Gap, seconds: f64) -> Banner {
     Banner {
         tone,
         headline: headline.to_owned(),
-        text: format!("{}{repeats}. {} s.{stopped}", capital(words), digits(seconds, 2)),
+        text: format!("{}. {} s.{stopped}", capital(words), digits(seconds, 2)),
     }
 }
 
-/// A step: law, place, numbers, rivals, vetoes.
-fn shown(number: Option<usize>, s: &Step, catalogue: &[Entry]) -> Vec<Element> {
+/// A step: law, place, numbers, its picture, and of rivals and vetoes what was not `told` before.
+fn shown(
+    number: Option<usize>,
+    s: &Step,
+    catalogue: &[Entry],
+    picture: Option<Element>,
+    told: &mut Vec<String>,
+) -> Vec<Element> {
     let number = number.map_or(String::new(), |k| format!("{k}. "));
     let name = &s.effect.entry.law.name;
     let heading =
@@ -103,10 +113,12 @@ fn shown(number: Option<usize>, s: &Step, catalogue: &[Entry]) -> Vec<Element> {
     let others = rivals(s, catalogue)
         .into_iter()
         .map(|(rival, what)| capital(&rival) + &what.map_or(String::new(), |what| format!("; {what}")) + ".");
-    let said: Vec<Element> =
-        others.chain(vetoes(s).map(|v| capital(&v) + ".")).map(|line| element("li").text(line)).collect();
-    let said = (!said.is_empty()).then(|| element("ul").all(said));
-    [heading, added].into_iter().chain(load).chain([paragraph(&gain)]).chain(numbers).chain(said).collect()
+    let lines: Vec<String> = others.chain(vetoes(s).map(|v| capital(&v) + ".")).collect();
+    let new: Vec<String> = lines.into_iter().filter(|line| !told.contains(line)).collect();
+    let said = (!new.is_empty()).then(|| element("ul").all(new.iter().map(|line| element("li").text(line))));
+    told.extend(new);
+    let front = [heading, added].into_iter().chain(load).chain([paragraph(&gain)]).chain(numbers);
+    front.chain(picture).chain(said).collect()
 }
 
 /// The equations of the completed spec.

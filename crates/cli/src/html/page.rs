@@ -54,6 +54,12 @@ impl Page {
         Page { title, spec: loaded.spec.clone(), banner, sections: vec![], charts: vec![] }
     }
 
+    /// A page about a spec that could not be read.
+    pub(crate) fn of_refusal(spec: &str, banner: Banner) -> Page {
+        let [title, spec] = [spec, spec].map(str::to_owned);
+        Page { title, spec, banner, sections: vec![], charts: vec![] }
+    }
+
     /// With a section; none without content.
     pub(crate) fn section(&mut self, heading: &str, content: impl IntoIterator<Item = Element>) {
         let content: Vec<Element> = content.into_iter().collect();
@@ -130,6 +136,12 @@ impl Page {
 pub(crate) fn capital(words: &str) -> String {
     let mut letters = words.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// Text whose lines stay as they are.
+pub(crate) fn block(text: &str, label: &str) -> Element {
+    let pre = element("pre").class("scroll").with("tabindex", 0).with("role", "group");
+    pre.with("aria-label", label).add(element("code").text(text))
 }
 
 /// A paragraph.

@@ -1,6 +1,6 @@
 //! What it takes to repeat a result: what was held constant, the spec, the version, the command, the seed.
 
-use super::page::{Page, paragraph};
+use super::page::{Page, block, paragraph};
 use super::table::{Cell, code, in_unit, table, text};
 use crate::args::Options;
 use crate::load::Loaded;
@@ -12,20 +12,24 @@ use phisindy_phys::{Origin, Record, SourceId};
 /// Adds the sections at the end of every report.
 pub(crate) fn add(page: &mut Page, loaded: &Loaded, options: &Options) {
     page.section("Held constant", [constants(loaded), of_records(loaded)].into_iter().flatten());
-    let command: Vec<String> =
+    page.section("To repeat it", command(seeds(loaded, options), &loaded.spec, Some(&loaded.text), options));
+}
+
+/// The version, the command, the spec as far as it could be read.
+pub(crate) fn command(
+    seeds: Option<Element>,
+    spec: &str,
+    text: Option<&str>,
+    options: &Options,
+) -> Vec<Element> {
+    let words: Vec<String> =
         std::env::args_os().skip(1).map(|word| quoted(&word.to_string_lossy())).collect();
-    let command = format!("phisindy {}", command.join(" "));
-    let block = |text: &str, label: &str| {
-        let pre = element("pre").class("scroll").with("tabindex", 0).with("role", "group");
-        pre.with("aria-label", label).add(element("code").text(text))
-    };
     let version = paragraph(concat!("Written by phisindy ", env!("CARGO_PKG_VERSION"), "."));
     let after = if options.sets.is_empty() { "" } else { ", every --set in it" };
-    let spec = element("h3").text(format!("{}{after}", loaded.spec));
-    let mut content = vec![version, block(&command, "command")];
-    content.extend(seeds(loaded, options));
-    content.extend([spec, block(&loaded.text, "spec")]);
-    page.section("To repeat it", content);
+    let heading = element("h3").text(format!("{spec}{after}"));
+    let command = block(&format!("phisindy {}", words.join(" ")), "command");
+    let spec = text.map(|text| [heading, block(text, "spec")]);
+    [version, command].into_iter().chain(seeds).chain(spec.into_iter().flatten()).collect()
 }
 
 /// A word as a shell reads it.

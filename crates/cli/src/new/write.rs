@@ -325,6 +325,16 @@ fn model(draft: &Draft, words: &Words, text: &mut String) {
     let over = words.inertia.map_or(String::new(), |(mass, _)| format!("/{mass}"));
     if let Some((mass, _)) = words.inertia {
         let _ = writeln!(text, "    inertia: {{ \"{speed}\": \"{mass}\" }},");
+    } else if let Some((mass, unit, force)) = match words.place_unit.as_str() {
+        "m" if draft.has_unit() => Some(("m", "kg", "N")),
+        "rad" => Some(("J", "kg*m^2", "N*m")),
+        _ => None,
+    } {
+        // The motion alone says nothing of it.
+        let _ = writeln!(
+            text,
+            "    // inertia: {{ \"{speed}\": \"{mass}\" }}, // EDIT: if you know it, with \"{mass}\": (1.23, \"{unit}\") in constants: then forces are told in {force}"
+        );
     }
     let _ = writeln!(
         text,

@@ -1,0 +1,80 @@
+//! The force of an effect that `gap` added, against the displacement, velocity or time that its law is about.
+
+use super::table::unit as unit_words;
+use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Swatch, WIDTH, digits, legend};
+use phisindy_gap::{Course, Gap, Step, course};
+use phisindy_phys::Record;
+
+const LEFT: f64 = 70.0;
+const HIGH: f64 = 220.0;
+/// Dots of all records together, at most.
+const DOTS: usize = 3000;
+
+/// The chart of a step, by its number; none for what acts on a sensor.
+pub(crate) fn chart(found: &Gap, number: usize, step: &Step, records: &[Record]) -> Option<(Chart, String)> {
+    let course = course(found, step, records)?;
+    let law = &step.effect.entry.law.name;
+    let what = match (course.push, course.force) {
+        (true, _) => "push",
+        (false, true) => "resisting force",
+        (false, false) => "resistance",
+    };
+    let all = || course.records.iter().flat_map(|(_, points)| points.iter().copied());
+    let marks = [Mark::Level { class: "zero", y: 0.0 }].into_iter().chain(marks(&course)).collect();
+    let panel = Panel {
+        heading: String::new(),
+        x: Axis::around(&course.over, &unit_words(&course.over_unit), all().map(|p| p.0)),
+        y: Axis::around(what, &unit_words(&course.unit), all().map(|p| p.1).chain([0.0])),
+        marks,
+        labelled: true,
+    };
+    let title = format!("{law} at {}", step.effect.place.at);
+    let said = said(&course, what);
+    let entries: [Entry; 1] = if course.function {
+        [("model", Swatch::Line, law.clone())]
+    } else {
+        [("model", Swatch::Dot, format!("{law}, along the simulated motion"))]
+    };
+    let mut chart = Chart::new(&format!("effect-{number}"), &title, &said, (WIDTH, HIGH + 106.0));
+    chart.draw(legend(&entries, 20.0, 20.0));
+    chart.draw(panel.drawn(Place { x: LEFT, y: 44.0, width: WIDTH - LEFT - 14.0, height: HIGH }));
+    Some((chart, format!("{title}: {said}")))
+}
+
+/// A line for each record, or dots.
+fn marks(course: &Course) -> Vec<Mark> {
+    let count: usize = course.records.iter().map(|(_, points)| points.len()).sum();
+    let every = count.div_ceil(DOTS).max(1);
+    let mark = |(_, points): &(String, Vec<(f64, f64)>)| {
+        if course.function {
+            Mark::Line { class: "model", points: points.clone() }
+        } else {
+            let points = points.iter().step_by(every).copied().collect();
+            Mark::Dots { class: "model", points, radius: 1.4 }
+        }
+    };
+    course.records.iter().map(mark).collect()
+}
+
+/// What it is, and over which range.
+fn said(course: &Course, what: &str) -> String {
+    let all = || course.records.iter().flat_map(|(_, points)| points.iter().copied());
+    let range = |values: &mut dyn Iterator<Item = f64>| {
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        format!("{} to {}", digits(low, 3), digits(high, 3))
+    };
+    let unit = |unit: &str| if unit.is_empty() { String::new() } else { format!(" {}", unit_words(unit)) };
+    let how = if course.function {
+        String::new()
+    } else {
+        format!(" It depends on more than {}, so that it is a cloud.", course.over)
+    };
+    format!(
+        "{what} from {}{} while {} goes from {}{}.{how}",
+        range(&mut all().map(|p| p.1)),
+        unit(&course.unit),
+        course.over,
+        range(&mut all().map(|p| p.0)),
+        unit(&course.over_unit)
+    )
+}

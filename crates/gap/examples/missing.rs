@@ -1,0 +1,63 @@
+//! A model that is believed complete, and what its data say: which law is missing, and how far it closes the gap.
+//!
+//! ```text
+//! cargo run --release -p phisindy-gap --example missing
+//! ```
+#![allow(clippy::print_stdout)]
+
+use phisindy_gap::{Entry, Gap, gap};
+use phisindy_phys::{Law, Origin, Record, Sources, check, spec};
+use phisindy_sim::synthesize;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+/// A mass on a spring; the truth, which made the data, has friction and a spring that hardens. Nothing is asked: `unknown` is empty.
+const SPEC: &str = r#"(
+    constants: { "m": (1.0, "kg"), "d": (0.1, "N*s/m"), "k": (1.0, "N/m"), "F0": (1.0, "N"), "W": (0.7, "rad/s") },
+    states: { "x": "m", "v": "m/s" },
+    known: { "x": "v", "v": "(-d*v - k*x + F0*cos(W*t))/m" },
+    inertia: { "v": "m" },
+    unknown: {},
+    data: [
+        Synthetic(truth: { "v": "-0.4*sgn(v) - 0.3*x^3" }, start: { "x": 0.0, "v": 0.0 }, duration: 40.0, step: 0.02, noise: Additive(0.02), seed: 1),
+        Synthetic(truth: { "v": "-0.4*sgn(v) - 0.3*x^3" }, start: { "x": 0.5, "v": 0.0 }, duration: 40.0, step: 0.02, noise: Additive(0.02), seed: 2,
+                  role: Validate),
+    ],
+)"#;
+
+/// Some laws of the catalogue; each is a text file, and a new file is a new law.
+const LAWS: [(&str, &str); 5] = [
+    ("coulomb", include_str!("../../../specs/laws/coulomb.ron")),
+    ("stribeck", include_str!("../../../specs/laws/stribeck.ron")),
+    ("viscous", include_str!("../../../specs/laws/viscous.ron")),
+    ("cubic-stiffness", include_str!("../../../specs/laws/cubic-stiffness.ron")),
+    ("sensor-delay", include_str!("../../../specs/laws/sensor-delay.ron")),
+];
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let source = Sources::default().add("rig.ron", SPEC);
+    let words = |mistakes: Vec<phisindy_phys::Diagnostic>| mistakes[0].message.clone();
+    let (spec, _) = spec::read(SPEC, source).map_err(words)?;
+    let (case, _) = check(&spec, source).map_err(words)?;
+    let mut records: Vec<Record> = Vec::new();
+    for plan in &case.records {
+        let Origin::Synthetic(truth) = &plan.origin else { return Err("a measured record".into()) };
+        records.push(synthesize(plan, truth, &case.system, None, &|_| Err("no files here".into()))?.0);
+    }
+    let entry = |(id, text): (&str, &str)| Ok(Entry { id: id.into(), law: Arc::new(Law::read(text)?) });
+    let catalogue = LAWS.into_iter().map(entry).collect::<Result<Vec<_>, String>>()?;
+
+    let found: Gap = gap(SPEC, case, records, &catalogue, &mut |_, _| ControlFlow::Continue(()))?;
+    // A gap is the rms of the residual over the noise: 1 is perfect. What counts is the record that was not fitted.
+    println!("gap on data not used, as the model is: {:.1}", found.before.1.unwrap_or(f64::NAN));
+    for step in &found.steps {
+        let after = step.validate.map_or(f64::NAN, |(_, after)| after);
+        println!("with {} at {}: {after:.2}", step.effect.entry.law.name, step.effect.place.at);
+        for p in &step.parameters {
+            println!("    {} = {:.4} {} [{:.4}, {:.4}]", p.name, p.value, p.unit, p.ci95.0, p.ci95.1);
+        }
+    }
+    println!("{}; the completed model is a spec again:", found.status.name());
+    found.completed.lines().filter(|l| l.contains("known:")).for_each(|l| println!("{l}"));
+    Ok(())
+}
