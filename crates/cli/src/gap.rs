@@ -13,7 +13,6 @@ use phisindy_phys::spec::Role;
 use serde_json::{Map, Value, json};
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::Arc;
 use std::time::Instant;
 
 /// Cells of the bar that shows the gap shrink.
@@ -22,14 +21,11 @@ const BAR: usize = 24;
 /// Runs the workflow on one spec.
 pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
     let begin = Instant::now();
-    let loaded = match loaded(spec, options, Purpose::Run) {
+    let loaded = match loaded(spec, options, Purpose::Gap) {
         Ok(loaded) => loaded,
         Err(code) => return Ok(code),
     };
-    let beside = spec.parent().map(|p| p.join("laws")).filter(|p| p.is_dir());
-    let folders: Vec<&Path> = beside.as_deref().into_iter().chain(options.laws.as_deref()).collect();
-    let catalogue: Vec<Entry> =
-        laws::catalogue(&folders)?.into_iter().map(|e| Entry { id: e.id, law: Arc::new(e.law) }).collect();
+    let catalogue = laws::beside(spec, options)?;
     let folder = match &options.out {
         Some(out) => outdir::folders(out, &[spec.to_path_buf()])?.pop(),
         None => None,

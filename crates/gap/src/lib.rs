@@ -10,6 +10,7 @@
 //!
 //! The crate reads no files: it takes the text of a spec with its records and gives back a text with effects written into it.
 
+mod asked;
 mod draft;
 mod effect;
 mod evidence;
@@ -26,6 +27,7 @@ mod search;
 mod whiteness;
 mod workflow;
 
+pub use asked::{asked, written_in};
 pub use draft::Draft;
 pub use effect::{Effect, Entry};
 pub use place::{Place, Site, places};

@@ -79,8 +79,8 @@ impl Subject {
         let source = sources.add(shown.clone(), text.clone());
         let (mut spec, _) = spec::read(&text, source)?;
         let (case, _) = phisindy_phys::check(&spec, source)?;
-        if !case.system.terms.is_empty() {
-            let unknown = spec.unknown.iter().find(|(_, u)| !u.candidates.is_empty());
+        if case.is_open() {
+            let unknown = spec.unknown.first();
             let mut d = Diagnostic::error("the model has an unknown part, so there is nothing to export yet");
             if let Some((name, _)) = unknown {
                 d = d.at(source, name.span, "what is missing here is not known");
