@@ -10,7 +10,7 @@ use phisindy_gap::{Effect, Entry, asked, written_in};
 use phisindy_phys::spec::{ColumnSpec, CsvSpec, InputSpec, Role, Text};
 use phisindy_phys::{
     Case, Diagnostic, Interpolation, Origin, Record, RecordPlan, Severity, Signal, SourceId, Sources, Table,
-    Units, link_continuations, suspicions, unit::Unit,
+    Units, link_continuations, overlaps, suspicions, unit::Unit,
 };
 use phisindy_sim::{SyntheticError, Trajectory, synthesize};
 use std::fs::File;
@@ -322,6 +322,17 @@ impl Loader<'_> {
             }
         }
         link_continuations(&mut records, &plans);
+        for overlap in overlaps(&records, &plans) {
+            let help = "let the window of one begin where that of the other ends, or take another file to validate on";
+            self.push(Diagnostic::warning(overlap).help(help));
+        }
+        if purpose == Purpose::Check && case.records.iter().all(|plan| plan.role == Role::Validate) {
+            self.push(
+                Diagnostic::error("no record has the role Fit")
+                    .help("there is nothing to identify from: take `role: Validate` off one of them"),
+            );
+            refusal = refusal.or(Some(Refusal::Input));
+        }
         refusal.map_or(Ok((records, truths)), Err)
     }
 
