@@ -139,7 +139,7 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
                 html::write_failure(&error.to_string(), &loaded, options, folder)?;
             }
             return Ok(match error {
-                LearnError::Data(_) => REJECTED,
+                LearnError::Data(_) => INPUT,
                 LearnError::Numerics(_) => NUMERICS,
             });
         }

@@ -1,7 +1,7 @@
 //! `phisindy gap`: the workflow, and what it found for people, for programs and for files.
 
 use crate::args::{Format, Options};
-use crate::command::{NUMERICS, REJECTED, complain, loaded, print, remark};
+use crate::command::{INPUT, NUMERICS, REJECTED, complain, loaded, print, remark};
 use crate::load::{Loaded, Purpose};
 use crate::progress::Progress;
 use crate::table::short;
@@ -47,7 +47,7 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
                 html::write_failure(&error.to_string(), &loaded, options, folder)?;
             }
             return Ok(match error {
-                GapError::Data(_) => REJECTED,
+                GapError::Data(_) => INPUT,
                 GapError::Numerics(_) => NUMERICS,
             });
         }

@@ -179,12 +179,14 @@ pub fn gap(
     observe: &mut dyn FnMut(f64, &str) -> ControlFlow<()>,
 ) -> Result<Gap, GapError> {
     if !records.iter().any(|r| r.role == Role::Fit) {
-        return Err(GapError::Data("no record has the role Fit: there is nothing to compare with".into()));
+        return Err(GapError::Data(
+            "no record has the role Fit, so there is nothing to compare with: take `role: Validate` off one of them".into(),
+        ));
     }
     for record in &records {
         if record.len() < 64 {
             return Err(GapError::Data(format!(
-                "{}: {} samples are too few to tell noise from motion (64 at least)",
+                "{}: {} samples are too few to tell noise from motion (64 at least): take a longer window, or decimate less",
                 record.name,
                 record.len()
             )));

@@ -34,7 +34,9 @@ pub fn identify(
 ) -> Result<Identified, LearnError> {
     let fitted: Vec<&Record> = records.iter().filter(|r| r.role == Role::Fit).collect();
     if fitted.is_empty() {
-        return Err(LearnError::Data("no record has the role Fit: there is nothing to identify from".into()));
+        return Err(LearnError::Data(
+            "no record has the role Fit, so there is nothing to identify from: take `role: Validate` off one of them".into(),
+        ));
     }
     for record in &fitted {
         suitable(&case.system, record)?;
@@ -84,7 +86,7 @@ fn suitable(system: &System, record: &Record) -> Result<(), LearnError> {
     let name = &record.name;
     if record.len() < 20 {
         return Err(LearnError::Data(format!(
-            "{name}: {} samples are too few to learn from (20 at least)",
+            "{name}: {} samples are too few to learn from (20 at least): take a longer window, or decimate less",
             record.len()
         )));
     }
@@ -99,7 +101,7 @@ pub fn dead_column(system: &System, record: &Record) -> Option<String> {
     let still = |c: &Option<Vec<f64>>| c.as_ref().is_some_and(|c| c.iter().all(|v| *v == c[0]));
     let k = record.columns.iter().position(still)?;
     Some(format!(
-        "{}: the column of {} is constant: nothing moved, or the sensor is dead",
+        "{}: the column of {} is constant: nothing moved, or the sensor is dead; leave the column out, or take a window in which it moves",
         record.name, system.states[k].name
     ))
 }
