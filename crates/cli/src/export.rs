@@ -7,6 +7,7 @@ mod identifier;
 mod json;
 mod modelica;
 mod python;
+mod quoted;
 mod subject;
 
 use crate::args::{ExportArgs, Options, Target};

@@ -117,7 +117,8 @@ impl<'a> Report<'a> {
             lines.push(String::new());
             lines.extend(self.warnings.iter().flat_map(|w| w.lines()).map(|w| format!("warning: {w}")));
         }
-        lines
+        // Titles and names may hold ends of lines, behind which nothing would be a comment.
+        lines.into_iter().map(|line| line.replace(['\n', '\r'], " ")).collect()
     }
 
     /// Which free runs the verdict rests on.
