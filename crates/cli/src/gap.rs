@@ -4,8 +4,8 @@ use crate::args::{Format, Options};
 use crate::command::{INPUT, NUMERICS, REJECTED, complain, loaded, print, remark};
 use crate::load::{Loaded, Purpose};
 use crate::progress::Progress;
-use crate::table::short;
-use crate::{html, interrupt, laws, outdir};
+use crate::table::{interval, short};
+use crate::{html, identified_spec, interrupt, laws, outdir};
 use anyhow::Result;
 use phisindy_gap::{Entry, Gap, GapError, Status, Step, gap};
 use phisindy_phys::Law;
@@ -279,8 +279,7 @@ fn details(s: &Step, catalogue: &[Entry]) -> Vec<String> {
             p.constant,
             short(p.value),
             p.unit,
-            short(p.ci95.0),
-            short(p.ci95.1)
+            interval(p.ci95.0, p.ci95.1)
         ));
     }
     for (rival, what) in rivals(s, catalogue) {
