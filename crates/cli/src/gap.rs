@@ -15,6 +15,8 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
+/// The file that holds the spec with the effects in it.
+pub(crate) const COMPLETED: &str = "completed.ron";
 /// Cells of the bar that shows the gap shrink.
 const BAR: usize = 24;
 
@@ -30,6 +32,7 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
         Some(out) => outdir::folders(out, &[spec.to_path_buf()])?.pop(),
         None => None,
     };
+    folder.iter().try_for_each(|folder| folder.without("run", identified_spec::NAME))?;
     let found = {
         let mut progress = Progress::new(&loaded.spec, options.quiet);
         gap(&loaded.text, loaded.case.clone(), loaded.records.clone(), &catalogue, &mut |fraction, what| {
@@ -61,7 +64,7 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
     let kept = folder.as_ref().map_or(Ok(()), |folder| {
         folder.write("result.json", &format!("{object:#}\n"))?;
         folder.write("gap.txt", &text)?;
-        folder.write("completed.ron", &completed(&loaded, &found))?;
+        folder.write(COMPLETED, &completed(&loaded, &found))?;
         html::write_gap(&found, &catalogue, &loaded, seconds, options, folder)
     });
     // A full disk must not take away what was computed: it is printed all the same.
@@ -82,12 +85,16 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
 
 /// The spec with the effects in it.
 fn completed(loaded: &Loaded, found: &Gap) -> String {
+    let text = identified_spec::completed(loaded, found).unwrap_or_else(|why| {
+        complain(&format!("{COMPLETED} has no start states and sensors: {why}"));
+        found.completed.clone()
+    });
     format!(
-        "// What `phisindy gap {}` (version {}) made of it: {}.\n// The effects stand in `known`, their numbers in `constants`, from where a fit ended:\n//     phisindy run completed.ron\n{}",
+        "{}{}` (version {}) made of it: {}.\n// The effects stand in `known`, their numbers in `constants`, `sensors` and `start`, from where a fit ended:\n//     phisindy run completed.ron\n{text}",
+        outdir::head("gap"),
         loaded.spec,
         env!("CARGO_PKG_VERSION"),
         found.status.name(),
-        found.completed
     )
 }
 
@@ -275,7 +282,7 @@ fn details(s: &Step, catalogue: &[Entry]) -> Vec<String> {
     let mut out = Vec::new();
     for p in &s.parameters {
         out.push(format!(
-            "     {} = {} {} [{}, {}]",
+            "     {} = {} {} {}",
             p.constant,
             short(p.value),
             p.unit,

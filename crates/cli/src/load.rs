@@ -71,7 +71,7 @@ pub(crate) fn record_named<'a>(
 /// What the spec is read for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Purpose {
-    /// All records are needed.
+    /// All records are needed, and the laws that `unknown` names.
     Run,
     /// All records are needed; the catalogue is searched whatever `unknown` names.
     Gap,
