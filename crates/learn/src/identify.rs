@@ -60,12 +60,12 @@ fn remarks(system: &System, found: &mut Identified) {
     for found_term in &mut found.terms {
         let term = &system.terms[found_term.term];
         let name = format!("{} of {}'", term.candidate, system.states[term.state].name);
-        let Estimate { value, ci95: (low, high), .. } = &mut found_term.coefficient;
+        let Estimate { value, std_error, ci95: (low, high) } = &mut found_term.coefficient;
         (*low, *high) = (low.max(term.within.0), high.min(term.within.1));
         found_term.at_bound = *value <= term.within.0 || *value >= term.within.1;
         if found_term.at_bound {
             found.warnings.push(beyond_bound(&name, *value));
-        } else if *low <= 0.0 && *high >= 0.0 {
+        } else if std_error.is_finite() && *low <= 0.0 && *high >= 0.0 {
             found.warnings.push(format!("{name} may as well be zero: its interval holds it"));
         }
     }
