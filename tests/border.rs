@@ -137,7 +137,8 @@ fn what_makes_a_record_unfit_is_a_mistake_of_the_input() {
 #[test]
 fn results_of_two_commands_do_not_mix() {
     let scratch = Scratch::new("mixed");
-    let spec = measured(&scratch, &record(""));
+    let sensor = "sensors: { \"x\": (offset: Find(start: 0.05, unit: \"m\", within: (-0.1, 0.1))) }";
+    let spec = measured(&scratch, &record(sensor));
     let (run, gap) = (scratch.path("run"), scratch.path("gap"));
     assert_eq!(phisindy(&["run", &spec, "--out", &run]).code, 0);
     assert_eq!(phisindy(&["gap", &spec, "--out", &gap]).code, 0);
@@ -155,6 +156,11 @@ fn results_of_two_commands_do_not_mix() {
     std::fs::create_dir(&own).expect("a folder");
     std::fs::write(format!("{own}/completed.ron"), "// my notes").expect("a file");
     assert_eq!(phisindy(&["run", &spec, "--out", &own]).code, 0);
+    // Where the search for the sensor's zero goes on: at the zero, which it has.
+    let completed = std::fs::read_to_string(format!("{gap}/completed.ron")).expect("a spec");
+    let zero =
+        completed.split("offset: Find(start: ").nth(1).and_then(|s| s.split(',').next()?.parse::<f64>().ok());
+    assert!(zero.is_some_and(|zero| zero.abs() < 0.005), "{completed}");
     // The model's start is in what `gap` leaves, and with it in what is exported.
     let model = scratch.path("model.json");
     assert_eq!(phisindy(&["export", &gap, "--to", "json", "--out", &model]).code, 0);
