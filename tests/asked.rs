@@ -138,3 +138,45 @@ fn the_verdict_says_which_runs_it_rests_on() {
         "{text}"
     );
 }
+
+/// A body of 2 kg on a spring, which a slow drive carries through stick and slip; friction is Stribeck's: Fs 1.5 N, Fc 1 N, vs 0.1 m/s.
+fn stribeck(unknown: &str, more: &str) -> String {
+    format!(
+        "(constants: {{ \"m\": (2.0, \"kg\"), \"k\": (8.0, \"N/m\"), \"F\": (4.0, \"N\"), \"W\": (0.8, \"rad/s\") }},\n\
+         states: {{ \"x\": \"m\", \"y\": \"m/s\" }}, known: {{ \"x\": \"y\", \"y\": \"(-k*x + F*cos(W*t))/m\" }}, inertia: {{ \"y\": \"m\" }},\n\
+         unknown: {{ \"y\": ({unknown}) }},\n\
+         data: [Synthetic(truth: {{ \"y\": \"-(1.0 + 0.5*exp(-(y/0.1)^2))*sgn(y)/m - 0.3*y/m\" }}, start: {{ \"x\": 0.5, \"y\": 0.0 }}, duration: 40.0, step: 0.02,\n\
+         noise: Additive(0.01), seed: 3)]{more})"
+    )
+}
+
+#[test]
+fn a_law_of_the_catalogue_is_fitted_within_its_intervals() {
+    // The damping beside it is a law too, or a candidate, which stands behind the factor.
+    let ways =
+        ["laws: [\"stribeck\", \"viscous\"]", "factor: \"-1/m\", candidates: [\"y\"], laws: [\"stribeck\"]"];
+    for (k, unknown) in ways.iter().enumerate() {
+        let (result, text) = run(&format!("stribeck_{k}"), &stribeck(unknown, ""), &[]);
+        assert_eq!(result["verdict"], "identified", "{text}");
+        for (name, truth, unit) in [("Fc", 1.0, "N"), ("Fs", 1.5, "N"), ("vs", 0.1, "m/s")] {
+            let all = result["parameters"].as_array().expect("parameters");
+            let p = all.iter().find(|p| p["name"] == name).unwrap_or_else(|| panic!("no {name}: {text}"));
+            let (low, high) =
+                (p["ci95"][0].as_f64().expect("a number"), p["ci95"][1].as_f64().expect("a number"));
+            assert!(low < truth && truth < high && high - low < 0.2 * truth, "{name}: [{low}, {high}]");
+            assert_eq!((&p["unit"], &p["at_bound"]), (&unit.into(), &false.into()));
+        }
+        let latex = result["equations"][0]["latex"].as_str().expect("latex");
+        assert!(latex.contains("\\exp") && latex.contains("\\operatorname{sgn}(y)"), "{latex}");
+        let damping = match k {
+            0 => &result["parameters"]
+                .as_array()
+                .expect("parameters")
+                .iter()
+                .find(|p| p["name"] == "dc")
+                .expect("dc")["value"],
+            _ => &result["equations"][0]["terms"][0]["coefficient"],
+        };
+        near(damping, 0.3, 0.1);
+    }
+}

@@ -445,7 +445,7 @@ fn modelica_is_as_it_was_looked_at() {
         let path = scratch.path(&format!("{name}.ron"));
         fs::write(&path, spec).expect("written");
         let file = scratch.path("Chain.mo");
-        let said = phisindy(&["export", &path, "--to", "modelica", "--out", &file]);
+        let said = phisindy(&["export", &path, "--to", "modelica", "--out", &file, "--force"]);
         assert_eq!((said.code, said.err.as_str()), (0, ""));
         let text = fs::read_to_string(&file).expect("written").replace(&path, "SPEC");
         let text = text.replace(env!("CARGO_PKG_VERSION"), "VERSION");

@@ -377,3 +377,67 @@ fn nothing_is_overwritten_without_force() {
     assert_eq!(folder.code, 2);
     holds(&folder.err, &["is a folder"]);
 }
+
+#[test]
+fn a_time_without_a_unit_is_no_record_of_one_row_a_second() {
+    for (step, unit, rate) in [(4.0, "ms", "250 Hz"), (4000.0, "us", "250 Hz")] {
+        let mut file = "time,x_mm\n".to_owned();
+        for (k, (_, x)) in ring_down(2500, 0.004).into_iter().enumerate() {
+            let _ = writeln!(file, "{},{:.5}", k as f64 * step, 1e3 * x + noise(k, 0.02));
+        }
+        let (scratch, text, said) = made(&format!("time_{unit}"), file.as_bytes());
+        holds(
+            &text,
+            &[
+                &format!("time: (\"time\", \"{unit}\")"),
+                "EDIT: the heading `time` gives no unit",
+                "EDIT: the unit of time is a guess",
+            ],
+        );
+        holds(&said.err, &[rate, &format!("are taken for {unit}")]);
+        checked(&scratch, &text);
+    }
+}
+
+#[test]
+fn rates_have_their_unit_behind_an_underscore() {
+    let mut file = "t_s,x_mm,v_mm/s\n".to_owned();
+    let motion = ring_down(800, 0.005);
+    for (k, w) in motion.windows(2).enumerate() {
+        let ((t, x), (_, next)) = (w[0], w[1]);
+        let _ = writeln!(file, "{t:.4},{:.5},{:.4}", 1e3 * x + noise(k, 0.02), 1e3 * (next - x) / 0.005);
+    }
+    let (scratch, text, said) = made("rates", file.as_bytes());
+    holds(&said.err, &["time `t_s`, motion `x_mm`"]);
+    holds(&text, &["a velocity, not used"]);
+    checked(&scratch, &text);
+}
+
+#[test]
+fn what_a_program_computed_is_no_base() {
+    let file = |heading: &str| {
+        let row = |(k, (t, x)): (usize, (f64, f64))| format!("{t:.4},{:.6},{x:.6}\n", x + noise(k, 0.002));
+        format!("{heading}\n{}", ring_down(800, 0.005).into_iter().enumerate().map(row).collect::<String>())
+    };
+    for heading in ["t,x,x_true", "t,x_m,x_model_m", "time_s,pos filtered [m],pos [m]"] {
+        let (scratch, text, _) = made("computed", file(heading).as_bytes());
+        holds(&text, &["not used: another form of `", "inputs: {}"]);
+        checked(&scratch, &text);
+    }
+}
+
+#[test]
+fn of_columns_with_one_heading_the_first_is_taken() {
+    let row = |(k, (t, x)): (usize, (f64, f64))| {
+        format!("{t:.4},{:.5},{:.5}\n", 1e3 * x + noise(k, 0.02), noise(k, 5.0))
+    };
+    let file: String = ring_down(800, 0.005).into_iter().enumerate().map(row).collect();
+    let (_, text, said) = made("namesakes", format!("t_s,x_mm,x_mm\n{file}").as_bytes());
+    holds(&text, &["not used: another column has its heading", "inputs: {}"]);
+    assert_eq!(
+        said.err.matches("two columns are called `x_mm`: rename one of them").count(),
+        1,
+        "{}",
+        said.err
+    );
+}

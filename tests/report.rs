@@ -318,7 +318,7 @@ fn a_failed_run_shows_what_was_measured_and_a_long_record_is_drawn_short() {
                 data: [Csv(path: \"long.csv\", time: \"t\", columns: { \"x\": (\"x\", \"m\"), \"v\": (\"v\", \"m/s\") })])";
     std::fs::write(scratch.path("spec.ron"), spec).expect("the spec can be written");
     let made = Made::new("report-failed", &["run", &scratch.path("spec.ron")]);
-    assert_eq!(made.code, 1);
+    assert_eq!(made.code, 2);
     sound(&made);
     assert!(made.html.contains("the column of v is constant"));
     assert_eq!(names(&made), ["motion-1"]);

@@ -77,6 +77,9 @@ measured record, from the record's `start` or else its first sample; then the in
         /// Spec file
         #[arg(value_name = "SPEC")]
         spec: PathBuf,
+        /// Only this record, by name or place (0 is the first one) [default: all]
+        #[arg(long, value_name = "NAME")]
+        record: Option<String>,
     },
     /// Say what is wrong with specs and their data, without running them
     #[command(
@@ -153,7 +156,7 @@ Examples:
         after_help = "\
 The file holds the rates as a plain function, its constants by name, and the rule that decides when a contact sticks; Python and C simulate too, with
 the events that `phisindy simulate` finds. All numbers are in SI. --out is a file, or a folder in which it becomes model.py, model.c, Model.mo or
-model.json; what is there is replaced. Modelica is written for tools that know the friction elements of its standard library."
+model.json; what is there is replaced only with --force. Modelica is written for tools that know the friction elements of its standard library."
     )]
     Export(ExportArgs),
     /// Identify with many seeds in parallel: how often the terms are right, how accurate the numbers and their intervals are
@@ -224,6 +227,9 @@ pub(crate) struct ExportArgs {
     /// Record whose start state and constants are written, by name or place [default: 0, the first one]
     #[arg(long, value_name = "NAME")]
     pub(crate) record: Option<String>,
+    /// Replace the file of --out if there is one
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 /// A language to export to.

@@ -31,7 +31,7 @@ pub(crate) fn execute(args: &Args) -> ExitCode {
     let done = threads(options).and_then(|()| match &args.command {
         Command::Run { specs } => run(specs, options),
         Command::Gap { spec } => gap::command(spec, options),
-        Command::Simulate { spec } => simulate(spec, options),
+        Command::Simulate { spec, record } => simulate(spec, record.as_deref(), options),
         Command::Check { specs } => Ok(check(specs, options)),
         Command::New(args) => new::command(args, options),
         Command::Laws { name } => laws(name.as_deref(), options),
@@ -128,6 +128,7 @@ fn run(specs: &[PathBuf], options: &Options) -> Result<u8> {
         Some(out) => outdir::folders(out, specs)?.into_iter().map(Some).collect(),
         None => specs.iter().map(|_| None).collect::<Vec<Option<OutDir>>>(),
     };
+    folders.iter().flatten().try_for_each(|folder| folder.without("gap", gap::COMPLETED))?;
     let mut worst = 0;
     for (k, (spec, folder)) in specs.iter().zip(&folders).enumerate() {
         if interrupt::asked() {
@@ -155,7 +156,7 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
                 html::write_failure(&error.to_string(), &loaded, options, folder)?;
             }
             return Ok(match error {
-                LearnError::Data(_) => REJECTED,
+                LearnError::Data(_) => INPUT,
                 LearnError::Numerics(_) => NUMERICS,
             });
         }
@@ -190,7 +191,7 @@ fn keep(
     folder.write("result.json", &report.written(Format::Json))?;
     folder.write("equation.tex", &report.written(Format::Latex))?;
     match identified_spec::written(loaded, found) {
-        Ok(text) => folder.write("identified.ron", &text)?,
+        Ok(text) => folder.write(identified_spec::NAME, &text)?,
         Err(why) => complain(&format!("identified.ron cannot be written: {why}")),
     }
     html::write_run(report, loaded, options, folder)
@@ -216,8 +217,8 @@ fn identified(loaded: &Loaded, options: &Options) -> Result<Identified, LearnErr
     })
 }
 
-fn simulate(spec: &Path, options: &Options) -> Result<u8> {
-    let loaded = match loaded(spec, options, Purpose::Simulate, None) {
+fn simulate(spec: &Path, record: Option<&str>, options: &Options) -> Result<u8> {
+    let mut loaded = match loaded(spec, options, Purpose::Simulate, None) {
         Ok(loaded) => loaded,
         Err(code) => return Ok(code),
     };
@@ -228,6 +229,15 @@ fn simulate(spec: &Path, options: &Options) -> Result<u8> {
             loaded.spec,
             loaded.spec
         ));
+    }
+    if let Some(record) = record {
+        loaded = match loaded.only(record) {
+            Ok(loaded) => loaded,
+            Err(mistake) => {
+                draw::show([&mistake], &Sources::default());
+                return Ok(INPUT);
+            }
+        };
     }
     let runs = match simulate::runs(&loaded) {
         Ok(runs) => runs,

@@ -17,13 +17,14 @@ pub(crate) struct Equation {
     pub(crate) text: String,
 }
 
-/// The equations of all states that have a dictionary; without any, of all states whose rate is more than another state.
+/// The equations of all states that have a dictionary; with laws, or without any dictionary, also of all states whose rate is more than another state.
 pub(crate) fn equations(case: &Case, terms: &[FoundTerm], parameters: &[FoundParameter]) -> Vec<Equation> {
     let system = &case.system;
     let mut asked: Vec<bool> =
         (0..system.states.len()).map(|k| system.terms.iter().any(|t| t.state == k)).collect();
-    if !asked.contains(&true) {
-        asked = system.states.iter().map(|s| s.velocity.is_none()).collect();
+    // A law may bring a state of its own.
+    if !asked.contains(&true) || !case.laws.is_empty() {
+        asked.iter_mut().zip(&system.states).for_each(|(asked, s)| *asked |= s.velocity.is_none());
     }
     let mut writer = Writer::new(case, parameters);
     (0..system.states.len()).filter(|&k| asked[k]).map(|k| writer.equation(system, k, terms)).collect()

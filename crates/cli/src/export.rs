@@ -7,6 +7,7 @@ mod identifier;
 mod json;
 mod modelica;
 mod python;
+mod quoted;
 mod subject;
 
 use crate::args::{ExportArgs, Options, Target};
@@ -20,6 +21,8 @@ use subject::Subject;
 /// Exports a model to standard output, or to the file of --out.
 pub(crate) fn command(args: &ExportArgs, options: &Options) -> Result<u8> {
     let spec = spec_of(&args.path)?;
+    let file = options.out.as_deref().map(|out| file_of(out, args.to));
+    file.iter().try_for_each(|file| outdir::unless_there(file, args.force))?;
     let mut sources = Sources::default();
     let subject = match Subject::read(&spec, args.record.as_deref(), options, &mut sources) {
         Ok(subject) => subject,
@@ -28,7 +31,6 @@ pub(crate) fn command(args: &ExportArgs, options: &Options) -> Result<u8> {
             return Ok(INPUT);
         }
     };
-    let file = options.out.as_deref().map(|out| file_of(out, args.to));
     let text = match args.to {
         Target::Python => python::written(&subject),
         Target::C => c::written(&subject),

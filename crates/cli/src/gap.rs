@@ -1,11 +1,11 @@
 //! `phisindy gap`: the workflow, and what it found for people, for programs and for files.
 
 use crate::args::{Format, Options};
-use crate::command::{NUMERICS, REJECTED, complain, loaded, print, remark};
+use crate::command::{INPUT, NUMERICS, REJECTED, complain, loaded, print, remark};
 use crate::load::{Loaded, Purpose};
 use crate::progress::Progress;
-use crate::table::short;
-use crate::{html, interrupt, laws, outdir};
+use crate::table::{interval, short};
+use crate::{html, identified_spec, interrupt, laws, outdir};
 use anyhow::Result;
 use phisindy_gap::{Entry, Gap, GapError, Status, Step, gap};
 use phisindy_phys::spec::Role;
@@ -13,11 +13,12 @@ use phisindy_phys::{Law, Origin};
 use serde_json::{Map, Value, json};
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::Arc;
 use std::time::Instant;
 
 /// A gap beyond this is more than noise.
 const NOISE: f64 = 1.1;
+/// The file that holds the spec with the effects in it.
+pub(crate) const COMPLETED: &str = "completed.ron";
 /// Cells of the bar that shows the gap shrink.
 const BAR: usize = 24;
 
@@ -28,14 +29,12 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
         Some(out) => outdir::folders(out, &[spec.to_path_buf()])?.pop(),
         None => None,
     };
-    let loaded = match loaded(spec, options, Purpose::Run, folder.as_ref()) {
+    folder.iter().try_for_each(|folder| folder.without("run", identified_spec::NAME))?;
+    let loaded = match loaded(spec, options, Purpose::Gap, folder.as_ref()) {
         Ok(loaded) => loaded,
         Err(code) => return Ok(code),
     };
-    let beside = spec.parent().map(|p| p.join("laws")).filter(|p| p.is_dir());
-    let folders: Vec<&Path> = beside.as_deref().into_iter().chain(options.laws.as_deref()).collect();
-    let catalogue: Vec<Entry> =
-        laws::catalogue(&folders)?.into_iter().map(|e| Entry { id: e.id, law: Arc::new(e.law) }).collect();
+    let catalogue = laws::beside(spec, options)?;
     let found = {
         let mut progress = Progress::new(&loaded.spec, options.quiet);
         gap(&loaded.text, loaded.case.clone(), loaded.records.clone(), &catalogue, &mut |fraction, what| {
@@ -53,7 +52,7 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
                 html::write_failure(&error.to_string(), &loaded, options, folder)?;
             }
             return Ok(match error {
-                GapError::Data(_) => REJECTED,
+                GapError::Data(_) => INPUT,
                 GapError::Numerics(_) => NUMERICS,
             });
         }
@@ -67,7 +66,7 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
     let kept = folder.as_ref().map_or(Ok(()), |folder| {
         folder.write("result.json", &format!("{object:#}\n"))?;
         folder.write("gap.txt", &text)?;
-        folder.write("completed.ron", &completed(&loaded, &found))?;
+        folder.write(COMPLETED, &completed(&loaded, &found))?;
         html::write_gap(&found, &catalogue, &loaded, seconds, options, folder)
     });
     // A full disk must not take away what was computed: it is printed all the same.
@@ -90,12 +89,16 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
 fn completed(loaded: &Loaded, found: &Gap) -> String {
     let measured = loaded.case.records.iter().any(|plan| matches!(plan.origin, Origin::Csv(_)));
     let data = if measured { " --data DIR      (DIR: where its data files are)" } else { "" };
+    let text = identified_spec::completed(loaded, found).unwrap_or_else(|why| {
+        complain(&format!("{COMPLETED} has no start states and sensors: {why}"));
+        found.completed.clone()
+    });
     format!(
-        "// What `phisindy gap {}` (version {}) made of it: {}.\n// The effects stand in `known`, their numbers in `constants`, from where a fit ended:\n//     phisindy run completed.ron{data}\n{}",
+        "{}{}` (version {}) made of it: {}.\n// The effects stand in `known`, their numbers in `constants`, `sensors` and `start`, from where a fit ended:\n//     phisindy run completed.ron{data}\n{text}",
+        outdir::head("gap"),
         loaded.spec,
         env!("CARGO_PKG_VERSION"),
         found.status.name(),
-        found.completed
     )
 }
 
@@ -291,12 +294,11 @@ pub(crate) fn ending(found: &Gap) -> String {
 fn details(s: &Step, catalogue: &[Entry], out: &mut Vec<String>) {
     for p in &s.parameters {
         out.push(format!(
-            "     {} = {} {} [{}, {}]",
+            "     {} = {} {} {}",
             p.constant,
             short(p.value),
             p.unit,
-            short(p.ci95.0),
-            short(p.ci95.1)
+            interval(p.ci95.0, p.ci95.1)
         ));
     }
     for (rival, what) in rivals(s, catalogue) {

@@ -1,11 +1,16 @@
 //! `identified.ron`: the spec's text with what was identified in it, so that `simulate` predicts. Comments and everything else stay.
 
 use crate::load::Loaded;
+use crate::outdir::head;
 use phisindy_expr::{AstKind, Binary, Unary, parse};
+use phisindy_gap::Gap;
 use phisindy_learn::{FoundParameter, Identified, Verdict};
-use phisindy_phys::spec::{ConstantSpec, DataSpec, Spec, UnknownSpec};
+use phisindy_phys::spec::{ConstantSpec, DataSpec, Find, SensorValue, Spec, UnknownSpec};
 use phisindy_phys::unit::{Dimension, Unit};
-use phisindy_phys::{SourceId, spec, splice};
+use phisindy_phys::{Record, SourceId, spec, splice};
+
+/// The file that `run` leaves.
+pub(crate) const NAME: &str = "identified.ron";
 
 /// The text.
 ///
@@ -33,8 +38,9 @@ pub(crate) fn written(loaded: &Loaded, found: &Identified) -> Result<String, Str
     let measured = spec.data.iter().any(|d| matches!(d, DataSpec::Csv(_)));
     let data = if measured { " --data DIR      (DIR: where its data files are)" } else { "" };
     let head = format!(
-        "// What `phisindy run {}` (version {}) found: {verdict}.\n// The identified terms stand in `known`, their coefficients and the fitted \
+        "{}{}` (version {}) found: {verdict}.\n// The identified terms stand in `known`, their coefficients and the fitted \
          numbers in `constants`, `sensors` and `start`. To predict:\n//     phisindy simulate identified.ron{data}\n",
+        head("run"),
         loaded.spec,
         env!("CARGO_PKG_VERSION")
     );
@@ -42,6 +48,69 @@ pub(crate) fn written(loaded: &Loaded, found: &Identified) -> Result<String, Str
     let (spec, _) = spec::read(&text, SourceId(0)).map_err(|d| first(&d))?;
     phisindy_phys::check(&spec, SourceId(0)).map_err(|d| first(&d))?;
     Ok(text)
+}
+
+/// The text that `gap` completed, with what its fit found of each measured record in it: the start state, and where the search for the numbers of its
+/// sensors goes on. (The start of a synthetic record says how it is made, not what was found.)
+///
+/// # Errors
+/// In words: the text cannot hold it.
+pub(crate) fn completed(loaded: &Loaded, found: &Gap) -> Result<String, String> {
+    let mut text = Text(found.completed.clone());
+    let (spec, _) = spec::read(&text.0, SourceId(0)).map_err(|d| first(&d))?;
+    let measured = |r: usize| matches!(spec.data.get(r), Some(DataSpec::Csv(_)));
+    for p in found.parameters.iter().filter(|p| p.parameter.is_none()) {
+        let (Some(owner), Some((column, which))) = (p.record, sensor_of(&p.name)) else { continue };
+        for r in records_of(loaded, owner) {
+            let at = r.to_string();
+            if let Some(find) = spec.data.get(r).and_then(|data| searched(data, column, which)) {
+                let factor =
+                    find.unit.as_ref().and_then(|u| Unit::parse(&u.value).ok()).map_or(1.0, |u| u.factor);
+                let value = (p.estimate.value / factor).clamp(find.within.0.value, find.within.1.value);
+                text.set(&["data", &at, "sensors", column, which, "start"], &number(value))?;
+            }
+        }
+    }
+    for (r, record) in found.simulated.records.iter().enumerate().filter(|(r, _)| measured(*r)) {
+        for (state, x) in found.simulated.system.states.iter().zip(&record.start) {
+            if x.is_finite() {
+                text.set(&["data", &r.to_string(), "start", &state.name], &number(x / state.factor))?;
+            }
+        }
+    }
+    let (spec, _) = spec::read(&text.0, SourceId(0)).map_err(|d| first(&d))?;
+    phisindy_phys::check_names(&spec, SourceId(0)).map_err(|d| first(&d))?;
+    Ok(text.0)
+}
+
+/// The parameter of a sensor that is searched for in a record.
+fn searched<'a>(data: &'a DataSpec, column: &str, which: &str) -> Option<&'a Find> {
+    let sensors = match data {
+        DataSpec::Csv(csv) => &csv.sensors,
+        DataSpec::Synthetic(synthetic) => &synthetic.sensors,
+    };
+    let (_, sensor) = sensors.iter().find(|(name, _)| name.value == column)?;
+    let value = match which {
+        "offset" => &sensor.offset,
+        "gain" => &sensor.gain,
+        _ => &sensor.delay,
+    };
+    match value {
+        Some(SensorValue::Find(find)) => Some(find),
+        _ => None,
+    }
+}
+
+/// A record and those that continue it.
+fn records_of(loaded: &Loaded, owner: usize) -> impl Iterator<Item = usize> {
+    let same =
+        move |(r, other): (usize, &Record)| (r == owner || other.continues == Some(owner)).then_some(r);
+    loaded.records.iter().enumerate().filter_map(same)
+}
+
+/// Column and property in the name of a sensor's parameter, `x.offset [run 1]`.
+fn sensor_of(name: &str) -> Option<(&str, &str)> {
+    name.split(" [").next().unwrap_or(name).rsplit_once('.')
 }
 
 fn first(diagnostics: &[phisindy_phys::Diagnostic]) -> String {
@@ -219,13 +288,10 @@ fn of_record(
 
 /// What was found of a sensor is held.
 fn sensor(text: &mut Text, loaded: &Loaded, record: usize, p: &FoundParameter) -> Result<(), String> {
-    let plain = p.name.split(" [").next().unwrap_or(&p.name);
-    let Some((column, which)) = plain.rsplit_once('.') else { return Ok(()) };
-    for (r, other) in loaded.records.iter().enumerate() {
-        if r == record || other.continues == Some(record) {
-            // Plain numbers of sensors are in SI.
-            text.set(&["data", &r.to_string(), "sensors", column, which], &number(p.estimate.value))?;
-        }
+    let Some((column, which)) = sensor_of(&p.name) else { return Ok(()) };
+    for r in records_of(loaded, record) {
+        // Plain numbers of sensors are in SI.
+        text.set(&["data", &r.to_string(), "sensors", column, which], &number(p.estimate.value))?;
     }
     Ok(())
 }

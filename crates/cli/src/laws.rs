@@ -5,12 +5,14 @@ mod picture;
 
 pub(crate) use picture::picture;
 
+use crate::args::Options;
 use crate::csvfile;
 use crate::table::{aligned, short};
 use anyhow::{Context, Result, anyhow, bail};
 use phisindy_phys::Law;
 use std::io::Read;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Most bytes of a law.
 const LONGEST: u64 = 1 << 16;
@@ -57,6 +59,14 @@ pub(crate) fn catalogue(folders: &[&Path]) -> Result<Vec<Entry>> {
     }
     all.sort_by(|a, b| a.id.cmp(&b.id));
     Ok(all)
+}
+
+/// The laws that a spec may name: built in, in the folder `laws` beside it, in that of `--laws`.
+pub(crate) fn beside(spec: &Path, options: &Options) -> Result<Vec<phisindy_gap::Entry>> {
+    let own = spec.parent().map(|p| p.join("laws")).filter(|p| p.is_dir());
+    let folders: Vec<&Path> = own.as_deref().into_iter().chain(options.laws.as_deref()).collect();
+    let all = catalogue(&folders)?.into_iter();
+    Ok(all.map(|e| phisindy_gap::Entry { id: e.id, law: Arc::new(e.law) }).collect())
 }
 
 /// The text of a law. The folder may come with somebody else's spec, so nothing is read that is not a file in it.

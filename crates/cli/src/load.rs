@@ -3,12 +3,14 @@
 use crate::args::{Assignment, Options};
 use crate::csvfile;
 use crate::datafile::{Folders, Missing};
+use crate::laws;
 use crate::trends::Trends;
 use phisindy_expr::Span;
+use phisindy_gap::{Effect, Entry, asked, written_in};
 use phisindy_phys::spec::{ColumnSpec, CsvSpec, InputSpec, Role, Text};
 use phisindy_phys::{
     Case, Diagnostic, Interpolation, Origin, Record, RecordPlan, Severity, Signal, SourceId, Sources, Table,
-    Units, link_continuations, strongest_line, suspicions, unit::Unit,
+    Units, link_continuations, overlaps, strongest_line, suspicions, unit::Unit,
 };
 use phisindy_sim::{SyntheticError, Trajectory, synthesize};
 use std::fs::File;
@@ -29,11 +31,50 @@ pub(crate) struct Loaded {
     pub(crate) truths: Vec<Option<Trajectory>>,
 }
 
+impl Loaded {
+    /// The plans of the records that [`Purpose::Simulate`] makes.
+    pub(crate) fn simulated(&self) -> impl Iterator<Item = &RecordPlan> {
+        let open = self.case.is_open();
+        self.case.records.iter().filter(move |p| !open || matches!(p.origin, Origin::Synthetic(_)))
+    }
+
+    /// To be simulated with one of its records alone.
+    ///
+    /// # Errors
+    /// There is none of this name or place.
+    pub(crate) fn only(mut self, record: &str) -> Result<Loaded, Diagnostic> {
+        let k = record_named(record, self.records.iter().map(|r| r.name.as_str()))?;
+        let plan = self.simulated().nth(k).cloned();
+        self.case.records = plan.into_iter().collect();
+        self.records = vec![self.records.swap_remove(k)];
+        self.truths = vec![self.truths.swap_remove(k)];
+        Ok(self)
+    }
+}
+
+/// Which of these records is meant, by its name or its place.
+///
+/// # Errors
+/// None of them.
+pub(crate) fn record_named<'a>(
+    wish: &str,
+    names: impl Iterator<Item = &'a str> + Clone,
+) -> Result<usize, Diagnostic> {
+    let place = || wish.parse().ok().filter(|k| *k < names.clone().count());
+    names.clone().position(|name| name == wish).or_else(place).ok_or_else(|| {
+        let all: Vec<String> = names.clone().enumerate().map(|(k, name)| format!("{k} `{name}`")).collect();
+        Diagnostic::error(format!("there is no record `{wish}`"))
+            .help(format!("there is: {}", all.join(", ")))
+    })
+}
+
 /// What the spec is read for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Purpose {
-    /// All records are needed.
+    /// All records are needed, and the laws that `unknown` names.
     Run,
+    /// All records are needed; the catalogue is searched whatever `unknown` names.
+    Gap,
     /// Files are read if they are there; nothing is simulated.
     Check,
     /// Synthetic records, and measured ones if the model has no unknown part and can predict them.
@@ -92,6 +133,15 @@ pub(crate) fn load_text(
             return Err(Refusal::Input);
         }
     };
+    let laws = match purpose {
+        Purpose::Run | Purpose::Check if !case.laws.is_empty() => {
+            Some(Laws::of(&case, path, options, source).map_err(|mistakes| {
+                found.extend(mistakes);
+                Refusal::Input
+            })?)
+        }
+        _ => None,
+    };
     let mut loader = Loader {
         options,
         source,
@@ -101,7 +151,62 @@ pub(crate) fn load_text(
         trends: Trends::default(),
     };
     let (records, truths) = loader.records(&case, purpose)?;
-    Ok(Loaded { spec: shown, text, case, records, truths })
+    let loaded = Loaded { spec: shown, text, case, records, truths };
+    match laws {
+        Some(laws) => laws.written(loaded, purpose, sources, found),
+        None => Ok(loaded),
+    }
+}
+
+/// The laws that `unknown` names.
+struct Laws {
+    effects: Vec<Effect>,
+    catalogue: Vec<Entry>,
+}
+
+impl Laws {
+    fn of(case: &Case, path: &Path, options: &Options, source: SourceId) -> Result<Laws, Vec<Diagnostic>> {
+        let catalogue = laws::beside(path, options).map_err(|e| vec![Diagnostic::error(format!("{e:#}"))])?;
+        Ok(Laws { effects: asked(case, &catalogue, source)?, catalogue })
+    }
+
+    /// The spec with its laws written out, their numbers started where the records say; a check does without.
+    fn written(
+        self,
+        loaded: Loaded,
+        purpose: Purpose,
+        sources: &mut Sources,
+        found: &mut Vec<Diagnostic>,
+    ) -> Result<Loaded, Refusal> {
+        let Loaded { spec, text, case, records, truths } = loaded;
+        let laws = case.laws.clone();
+        let seen = if purpose == Purpose::Run { records } else { vec![] };
+        let draft = written_in(&text, case, seen, &self.effects, &self.catalogue).map_err(|why| {
+            found.push(Diagnostic::error(format!(
+                "the laws of `unknown` cannot be written into the model: {why}"
+            )));
+            Refusal::Input
+        })?;
+        let source = sources.add(format!("{spec} (its laws written out)"), draft.text.clone());
+        match checked(&draft.text, source) {
+            Ok((case, warnings)) => {
+                let new: Vec<Diagnostic> =
+                    warnings.into_iter().filter(|w| found.iter().all(|d| d.message != w.message)).collect();
+                found.extend(new);
+                Ok(Loaded {
+                    spec,
+                    text: draft.text,
+                    case: Case { laws, ..case },
+                    records: draft.records,
+                    truths,
+                })
+            }
+            Err(mistakes) => {
+                found.extend(mistakes);
+                Err(Refusal::Input)
+            }
+        }
+    }
 }
 
 /// The text of the spec.
@@ -197,7 +302,7 @@ impl Loader<'_> {
         let mut refusal = None;
         for (index, plan) in case.records.iter().enumerate() {
             let made = match (&plan.origin, purpose) {
-                (Origin::Csv(_), Purpose::Simulate) if !case.system.terms.is_empty() => continue,
+                (Origin::Csv(_), Purpose::Simulate) if case.is_open() => continue,
                 (Origin::Synthetic(_), Purpose::Check) => continue,
                 (Origin::Csv(csv), _) => {
                     self.measured(plan, csv, case, purpose).map(|record| record.map(|r| (r, None)))
@@ -217,6 +322,17 @@ impl Loader<'_> {
             }
         }
         link_continuations(&mut records, &plans);
+        for overlap in overlaps(&records, &plans) {
+            let help = "let the window of one begin where that of the other ends, or take another file to validate on";
+            self.push(Diagnostic::warning(overlap).help(help));
+        }
+        if purpose == Purpose::Check && case.records.iter().all(|plan| plan.role == Role::Validate) {
+            self.push(
+                Diagnostic::error("no record has the role Fit")
+                    .help("there is nothing to identify from: take `role: Validate` off one of them"),
+            );
+            refusal = refusal.or(Some(Refusal::Input));
+        }
         refusal.map_or(Ok((records, truths)), Err)
     }
 

@@ -37,12 +37,7 @@ pub(crate) fn command(args: &NewArgs, options: &Options) -> Result<u8> {
                 out.display()
             ));
         }
-        if out.exists() && !args.force {
-            return Err(anyhow!(
-                "`{}` is there already and is left as it is: choose another name, or replace it with --force",
-                out.display()
-            ));
-        }
+        outdir::unless_there(out, args.force)?;
     }
     let mut sources = Sources::default();
     let draft = match drafted(args, &mut sources) {

@@ -1,6 +1,6 @@
 //! The folder of `--out`: made and tried before the work starts, written so that no half-written file is ever seen.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -35,9 +35,27 @@ impl OutDir {
             .with_context(|| format!("cannot write `{}`{ELSEWHERE}", path.display()))
     }
 
+    /// Refuses a folder with what another command found: together with this one's files nobody could tell which belong to which.
+    pub(crate) fn without(&self, other: &str, name: &str) -> Result<()> {
+        let path = self.0.join(name);
+        let ours = fs::read_to_string(&path).is_ok_and(|text| text.starts_with(&head(other)));
+        if ours {
+            bail!(
+                "the folder `{}` of --out holds what `phisindy {other}` found ({name}): choose another one, or delete it",
+                self.0.display()
+            );
+        }
+        Ok(())
+    }
+
     fn temporary(&self, name: &str) -> PathBuf {
         self.0.join(format!(".{name}.{}.part", std::process::id()))
     }
+}
+
+/// How the spec begins that a command leaves.
+pub(crate) fn head(command: &str) -> String {
+    format!("// What `phisindy {command} ")
 }
 
 /// A file whose content is on the disk when this returns: a name must not point to less than the whole, even after a power cut.
@@ -50,6 +68,17 @@ fn whole(path: &Path, content: &str) -> io::Result<()> {
 /// What to do where nothing can be written.
 const ELSEWHERE: &str =
     " (make room or give yourself the right to write there, or choose another folder with --out)";
+
+/// Refuses to replace a file unless that is asked for: it may hold hours of somebody's edits.
+pub(crate) fn unless_there(path: &Path, force: bool) -> Result<()> {
+    if path.exists() && !force {
+        bail!(
+            "`{}` is there already and is left as it is: choose another name, or replace it with --force",
+            path.display()
+        );
+    }
+    Ok(())
+}
 
 /// Writes a file beside the folder of `--out`, in place of what was there.
 pub(crate) fn replace_file(path: &Path, content: &str) -> Result<()> {

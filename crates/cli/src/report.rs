@@ -7,7 +7,7 @@ use crate::held::{self, Held};
 use crate::interrupt;
 use crate::json::{self, method, role};
 use crate::load::Loaded;
-use crate::table::{aligned, short};
+use crate::table::{aligned, interval, short};
 use phisindy_learn::{Estimate, FoundTerm, Identified, RecordFit, Verdict};
 use phisindy_phys::spec::{self, Role, Text, UnknownSpec};
 use phisindy_phys::unit::Dimension;
@@ -117,7 +117,8 @@ impl<'a> Report<'a> {
             lines.push(String::new());
             lines.extend(self.warnings.iter().flat_map(|w| w.lines()).map(|w| format!("warning: {w}")));
         }
-        lines
+        // Titles and names may hold ends of lines, behind which nothing would be a comment.
+        lines.into_iter().map(|line| line.replace(['\n', '\r'], " ")).collect()
     }
 
     /// Which free runs the verdict rests on.
@@ -223,6 +224,6 @@ fn words(words: &[&str]) -> Vec<String> {
 
 /// Value, error, interval.
 fn estimate(e: &Estimate, factor: f64) -> [String; 3] {
-    let interval = format!("[{}, {}]", short(e.ci95.0 / factor), short(e.ci95.1 / factor));
+    let interval = interval(e.ci95.0 / factor, e.ci95.1 / factor);
     [short(e.value / factor), short(e.std_error / factor), interval]
 }

@@ -3,7 +3,7 @@
 
 use crate::load::Loaded;
 use anyhow::Result;
-use phisindy_phys::{Differentiator, Origin, Record, System, standard_deviation};
+use phisindy_phys::{Differentiator, Origin, Record, RecordPlan, System, standard_deviation};
 use phisindy_sim::{Automaton, Drive, Options, Trajectory, simulate};
 use std::io::Write;
 
@@ -23,9 +23,7 @@ pub(crate) struct Run {
 /// # Errors
 /// In words: a model cannot be simulated.
 pub(crate) fn runs(loaded: &Loaded) -> Result<Vec<Run>, String> {
-    let plans =
-        loaded.case.records.iter().filter(|p| loaded.case.system.terms.is_empty() || synthetic(&p.origin));
-    let one = |((record, truth), plan): ((&Record, &Option<Trajectory>), &phisindy_phys::RecordPlan)| match (
+    let one = |((record, truth), plan): ((&Record, &Option<Trajectory>), &RecordPlan)| match (
         truth,
         &plan.origin,
     ) {
@@ -36,11 +34,7 @@ pub(crate) fn runs(loaded: &Loaded) -> Result<Vec<Run>, String> {
         }
         _ => predicted(&loaded.case.system, record).map_err(|why| format!("record `{}`: {why}", record.name)),
     };
-    loaded.records.iter().zip(&loaded.truths).zip(plans).map(one).collect()
-}
-
-fn synthetic(origin: &Origin) -> bool {
-    matches!(origin, Origin::Synthetic(_))
+    loaded.records.iter().zip(&loaded.truths).zip(loaded.simulated()).map(one).collect()
 }
 
 /// The free run from the record's start state; what the spec does not say of it is taken from the first sample.

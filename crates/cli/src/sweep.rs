@@ -91,7 +91,14 @@ impl Checked {
         found: &mut Vec<Diagnostic>,
     ) -> Result<(Checked, Loaded), Refusal> {
         let loaded = load_text(spec, cell.text.clone(), options, Purpose::Run, sources, found)?;
-        let truth = project(&loaded.case, &loaded.records).map(|truth| {
+        let truth = match loaded.case.laws.first() {
+            Some((_, law)) => Err(format!(
+                "`unknown` names the law `{}`, and laws have no terms to count: `run` fits them, candidates can be swept",
+                law.value
+            )),
+            None => project(&loaded.case, &loaded.records),
+        };
+        let truth = truth.map(|truth| {
             let names = truth.terms.iter().map(|&t| term_name(&loaded.case, t)).collect();
             Named { truth, names }
         });

@@ -14,10 +14,29 @@ pub(crate) fn aligned(rows: &[Vec<String>]) -> Vec<String> {
 
 /// A number with five digits.
 pub(crate) fn short(x: f64) -> String {
+    digits(x, 5)
+}
+
+/// An interval with five digits, or as many more as its ends need to be told apart.
+pub(crate) fn interval(low: f64, high: f64) -> String {
+    let (low, high) = ends(low, high);
+    format!("[{low}, {high}]")
+}
+
+/// The same, each end alone.
+pub(crate) fn ends(low: f64, high: f64) -> (String, String) {
+    let with = |n: usize| (digits(low, n), digits(high, n));
+    let apart = (5..=17).map(with).find(|(low, high)| low != high);
+    apart.unwrap_or_else(|| with(5))
+}
+
+/// A number with so many digits at most.
+fn digits(x: f64, digits: usize) -> String {
     if !x.is_finite() {
         return if x.is_nan() { "unknown".to_owned() } else { "unbounded".to_owned() };
     }
-    let scientific = format!("{x:.4e}");
+    let behind = digits - 1;
+    let scientific = format!("{x:.behind$e}");
     let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
     let exponent: i32 = exponent.parse().unwrap_or(0);
     let trimmed = |text: &str| match text.contains('.') {
@@ -25,7 +44,7 @@ pub(crate) fn short(x: f64) -> String {
         false => text.to_owned(),
     };
     match exponent {
-        -4..=5 => trimmed(&format!("{x:.*}", (4 - exponent).max(0) as usize)),
+        -4..=5 => trimmed(&format!("{x:.*}", (behind as i32 - exponent).max(0) as usize)),
         _ => format!("{}e{exponent}", trimmed(mantissa)),
     }
 }
@@ -46,6 +65,18 @@ mod tests {
         ] {
             assert_eq!(short(x), text);
         }
+    }
+
+    #[test]
+    fn the_ends_of_an_interval_are_told_apart() {
+        assert_eq!(interval(1.2, 1.3), "[1.2, 1.3]");
+        assert_eq!(interval(1.200_000_1, 1.200_000_4), "[1.2000001, 1.2000004]");
+        assert_eq!(interval(1.2, 1.200_000_4), "[1.2, 1.2000004]");
+        assert_eq!(interval(2e-9, 2.000_001e-9), "[2e-9, 2.000001e-9]");
+        // Nothing tells these apart.
+        assert_eq!(interval(1.2, 1.2), "[1.2, 1.2]");
+        assert_eq!(interval(f64::NEG_INFINITY, 3.0), "[unbounded, 3]");
+        assert_eq!(interval(f64::NAN, f64::NAN), "[unknown, unknown]");
     }
 
     #[test]

@@ -10,6 +10,7 @@
 //!
 //! The crate reads no files: it takes the text of a spec with its records and gives back a text with effects written into it.
 
+mod asked;
 mod course;
 mod draft;
 mod effect;
@@ -27,6 +28,7 @@ mod search;
 mod whiteness;
 mod workflow;
 
+pub use asked::{asked, written_in};
 pub use course::{Course, course};
 pub use draft::Draft;
 pub use effect::{Effect, Entry};

@@ -554,7 +554,7 @@ pub(crate) fn values(fitted: &Fitted, names: &[String], otherwise: &[f64]) -> Ve
 }
 
 /// The effect from where it does next to nothing: a fit goes on from the model without it.
-fn neutral(effect: &Effect) -> Effect {
+pub(crate) fn neutral(effect: &Effect) -> Effect {
     let law = &effect.entry.law;
     let small = |(v, (_, p)): (&f64, &(String, phisindy_phys::LawParameter))| {
         let force = phisindy_phys::unit::Unit::parse(&p.unit).is_ok_and(|u| u.dimension.powers()[0] != 0.0);

@@ -198,12 +198,14 @@ pub fn gap(
     observe: &mut dyn FnMut(f64, &str) -> ControlFlow<()>,
 ) -> Result<Gap, GapError> {
     if !records.iter().any(|r| r.role == Role::Fit) {
-        return Err(GapError::Data("no record has the role Fit: there is nothing to compare with".into()));
+        return Err(GapError::Data(
+            "no record has the role Fit, so there is nothing to compare with: take `role: Validate` off one of them".into(),
+        ));
     }
     for record in &records {
         if record.len() < 64 {
             return Err(GapError::Data(format!(
-                "{}: {} samples are too few to tell noise from motion (64 at least)",
+                "{}: {} samples are too few to tell noise from motion (64 at least): take a longer window, or decimate less",
                 record.name,
                 record.len()
             )));
@@ -213,10 +215,9 @@ pub fn gap(
         return Err(GapError::Data(why));
     }
     let mut warnings = Vec::new();
-    if !case.system.terms.is_empty() {
-        warnings.push(
-            "`unknown` has candidates: `gap` leaves them out and searches the catalogue instead".to_owned(),
-        );
+    if case.is_open() {
+        let what = if case.system.terms.is_empty() { "names laws" } else { "has candidates" };
+        warnings.push(format!("`unknown` {what}: `gap` leaves them out and searches the catalogue instead"));
     }
     let noise = noise(&records);
     mostly_noise(&case.system, &records, &noise)?;
@@ -263,7 +264,7 @@ fn mostly_noise(system: &System, records: &[Record], noise: &[Vec<f64>]) -> Resu
 
 /// The model that is believed complete: what the spec only asks about is no part of it.
 fn without_candidates(text: &str, case: Case, records: Vec<Record>) -> Result<Draft, String> {
-    let asks = !case.system.terms.is_empty();
+    let asks = case.is_open();
     let whole = Draft::base(text, case, records);
     if !asks {
         return Ok(whole);
@@ -273,7 +274,7 @@ fn without_candidates(text: &str, case: Case, records: Vec<Record>) -> Result<Dr
 }
 
 /// The beginnings of long records, for the search; `None` if none is long.
-fn shortened(records: &[Record]) -> Option<Vec<Record>> {
+pub(crate) fn shortened(records: &[Record]) -> Option<Vec<Record>> {
     let fits = records.iter().filter(|r| r.role == Role::Fit).count().max(1);
     let most = LOOK / fits;
     let long = records.iter().any(|r| r.len() > most + most / 2);

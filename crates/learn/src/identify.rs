@@ -54,7 +54,9 @@ pub fn identify(
 ) -> Result<Identified, LearnError> {
     let fitted: Vec<&Record> = records.iter().filter(|r| r.role == Role::Fit).collect();
     if fitted.is_empty() {
-        return Err(LearnError::Data("no record has the role Fit: there is nothing to identify from".into()));
+        return Err(LearnError::Data(
+            "no record has the role Fit, so there is nothing to identify from: take `role: Validate` off one of them".into(),
+        ));
     }
     for record in &fitted {
         suitable(&case.system, record)?;
@@ -78,12 +80,12 @@ fn remarks(system: &System, found: &mut Identified) {
     for found_term in &mut found.terms {
         let term = &system.terms[found_term.term];
         let name = format!("{} of {}'", term.candidate, system.states[term.state].name);
-        let Estimate { value, ci95: (low, high), .. } = &mut found_term.coefficient;
+        let Estimate { value, std_error, ci95: (low, high) } = &mut found_term.coefficient;
         (*low, *high) = (low.max(term.within.0), high.min(term.within.1));
         found_term.at_bound = *value <= term.within.0 || *value >= term.within.1;
         if found_term.at_bound {
             found.warnings.push(beyond_bound(&name, *value));
-        } else if *low <= 0.0 && *high >= 0.0 {
+        } else if std_error.is_finite() && *low <= 0.0 && *high >= 0.0 {
             found.warnings.push(format!("{name} may as well be zero: its interval holds it"));
         }
     }
@@ -104,7 +106,7 @@ fn suitable(system: &System, record: &Record) -> Result<(), LearnError> {
     let name = &record.name;
     if record.len() < 20 {
         return Err(LearnError::Data(format!(
-            "{name}: {} samples are too few to learn from (20 at least)",
+            "{name}: {} samples are too few to learn from (20 at least): take a longer window, or decimate less",
             record.len()
         )));
     }
@@ -119,7 +121,7 @@ pub fn dead_column(system: &System, record: &Record) -> Option<String> {
     let still = |c: &Option<Vec<f64>>| c.as_ref().is_some_and(|c| c.iter().all(|v| *v == c[0]));
     let k = record.columns.iter().position(still)?;
     Some(format!(
-        "{}: the column of {} is constant: nothing moved, or the sensor is dead",
+        "{}: the column of {} is constant: nothing moved, or the sensor is dead; leave the column out, or take a window in which it moves",
         record.name, system.states[k].name
     ))
 }

@@ -389,9 +389,19 @@ pub(crate) fn found(
 /// Pairs that the data cannot tell apart, in words, with what would.
 fn inseparable(cov: &Mat<f64>, names: &[(usize, String)], values: &[f64]) -> Vec<String> {
     let mut out = Vec::new();
+    let open: Vec<&str> =
+        names.iter().filter(|(a, _)| !cov[(*a, *a)].is_finite()).map(|(_, name)| name.as_str()).collect();
+    match open.as_slice() {
+        [] => {}
+        [one] => out.push(format!("the data say nothing about {one}: give it a number, or leave it out")),
+        // One scale that is common to several is seen by none: each of them may be anything, and together they fit.
+        several => out.push(format!(
+            "the data do not tell {} apart: with any value of one of them the others fit as well, and what is printed is one choice of many; give one of them a number",
+            several.join(", ")
+        )),
+    }
     for (i, (a, name_a)) in names.iter().enumerate() {
         if !cov[(*a, *a)].is_finite() {
-            out.push(format!("the data say nothing about {name_a}: give it a number, or leave it out"));
             continue;
         }
         for (b, name_b) in &names[..i] {

@@ -169,7 +169,7 @@ fn terms_that_cannot_be_told_apart() {
     let found = run(&case, &records).unwrap();
     if found.terms.len() == 2 {
         assert!(
-            found.warnings.iter().any(|w| w.contains("say nothing about") || w.contains("trade off")),
+            found.warnings.iter().any(|w| w.contains("do not tell") || w.contains("trade off")),
             "{:?} {:?}",
             found.terms,
             found.warnings

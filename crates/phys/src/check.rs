@@ -20,6 +20,16 @@ pub struct Case {
     pub records: Vec<RecordPlan>,
     /// As in the spec.
     pub learn: LearnSpec,
+    /// Laws of the catalogue that `unknown` names, each with the state whose rate it may be missing in. The catalogue is not known here: whoever has
+    /// it writes them into `known`.
+    pub laws: Vec<(usize, Text)>,
+}
+
+impl Case {
+    /// Whether something in its rates is asked for: candidates or laws.
+    pub fn is_open(&self) -> bool {
+        !self.system.terms.is_empty() || !self.laws.is_empty()
+    }
 }
 
 /// Checks a spec.
@@ -93,11 +103,12 @@ fn checked(
             }
         }
     }
-    let diagnostics = checker.diagnostics;
+    let diagnostics = std::mem::take(&mut checker.diagnostics);
     if diagnostics.iter().any(Diagnostic::is_error) {
         return Err(diagnostics);
     }
-    Ok((Case { system, records, learn: spec.learn.clone() }, diagnostics))
+    let laws = checker.laws;
+    Ok((Case { system, records, learn: spec.learn.clone(), laws }, diagnostics))
 }
 
 /// Most bytes of a name.
@@ -114,6 +125,8 @@ pub(crate) struct Checker {
     pub(crate) constants: Constants,
     /// Constants that some expression uses.
     pub(crate) used: HashSet<String>,
+    /// As [`Case::laws`].
+    laws: Vec<(usize, Text)>,
 }
 
 impl Checker {
@@ -126,6 +139,7 @@ impl Checker {
             declared: vec![],
             constants: Constants::default(),
             used: HashSet::new(),
+            laws: vec![],
         }
     }
 
@@ -335,9 +349,13 @@ impl Checker {
                 .push("list candidates such as \"1\", or leave this entry out".into());
         }
         for law in &unknown.laws {
-            self.error("laws inside `unknown` are tried by `phisindy gap`, not by `run`", law.span, "")
-                .help
-                .push("write the law's expression as a candidate".into());
+            if self.laws.iter().any(|(k, before)| *k == state && before.value == law.value) {
+                self.error("the same law twice", law.span, "again here")
+                    .help
+                    .push("delete one of the two: no data can tell them apart".into());
+                continue;
+            }
+            self.laws.push((state, law.clone()));
         }
         let texts: Vec<&str> = unknown.candidates.iter().map(|c| c.value.as_str()).collect();
         for (name, _) in unknown.within.iter().filter(|(name, _)| !texts.contains(&name.value.as_str())) {
@@ -413,7 +431,8 @@ impl Checker {
             }
             let mut roots: Vec<Id> = known.to_vec();
             roots.extend(terms.iter().map(|t| t.value));
-            if !holds_sign(&mut self.graph, &roots, node) {
+            // A law may bring the friction; its force is not known here.
+            if self.laws.is_empty() && !holds_sign(&mut self.graph, &roots, node) {
                 let message = format!(
                     "no rate holds `sgn({0})`: contact `{0}` has no friction and can never stick",
                     text.value

@@ -3,6 +3,7 @@
 use crate::check::Checker;
 use crate::spec::{ConstantSpec, DataSpec, Number, Spec, Text};
 use crate::system::Parameter;
+use crate::unit::Scale;
 use phisindy_expr::{Graph, Id, parse};
 use std::collections::HashMap;
 
@@ -116,7 +117,8 @@ impl Checker {
 
     /// A number in SI, which may be too large for a double; 1 after a diagnostic.
     pub(crate) fn si(&mut self, number: &Number, factor: f64) -> f64 {
-        let si = number.value * factor;
+        // As numbers in files are converted: by the decimal point where that will do, so that 3 mm are 0.003 m to the last bit.
+        let si = Scale::of(factor).converted(number.value);
         if si.is_finite() {
             return si;
         }

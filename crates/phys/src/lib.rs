@@ -42,7 +42,7 @@ pub use law::{Internal, Law, LawParameter, Need, Screen, Sketch};
 pub use model::Model;
 pub use noise_level::{autocorrelation, effective_samples, noise_level};
 pub use plan::{Origin, RecordPlan, Synthetic, SyntheticInput};
-pub use record::{Derivation, Record, Table, Units, derivation_note, link_continuations};
+pub use record::{Derivation, Record, Table, Units, derivation_note, link_continuations, overlaps};
 pub use sensor::{Sensor, SensorParameter};
 pub use spectrum::{Line, strongest_line};
 pub use spread::standard_deviation;

@@ -257,21 +257,52 @@ fn enough(csv: &CsvSpec, table: &Table, spec: SourceId) -> Result<(), Diagnostic
     Err(d)
 }
 
+/// Whether two records show the same run of the same file, whatever their windows.
+fn same_run(a: &CsvSpec, b: &CsvSpec) -> bool {
+    let rows = |csv: &'_ CsvSpec| -> Vec<(String, f64)> {
+        csv.rows.iter().map(|(name, value)| (name.value.clone(), value.value)).collect()
+    };
+    let run = |csv: &CsvSpec| csv.run.as_ref().map(|run| run.value);
+    a.path.value == b.path.value && rows(a) == rows(b) && run(a) == run(b)
+}
+
+/// Validate records that hold samples of a Fit record, in words: what such a record says was fitted.
+pub fn overlaps(records: &[Record], plans: &[RecordPlan]) -> Vec<String> {
+    let mut all = Vec::new();
+    let name = |k: usize| {
+        let alone = records.iter().filter(|r| r.name == records[k].name).count() == 1;
+        if alone { format!("`{}`", records[k].name) } else { format!("record {k} (`{}`)", records[k].name) }
+    };
+    for (v, validate) in records.iter().enumerate().filter(|(_, r)| r.role == Role::Validate) {
+        for (f, fit) in records.iter().enumerate().filter(|(_, r)| r.role == Role::Fit) {
+            let (Origin::Csv(a), Origin::Csv(b)) = (&plans[v].origin, &plans[f].origin) else { continue };
+            let begin = validate.time[0].max(fit.time[0]);
+            let end = validate.time[validate.len() - 1].min(fit.time[fit.len() - 1]);
+            let shared = validate.time.iter().filter(|t| (begin..=end).contains(t)).count();
+            // Windows that touch share the sample between them.
+            if same_run(a, b) && shared > 2 {
+                all.push(format!(
+                    "{} should be validated on, and {shared} of its {} samples are fitted: from {begin} s to {end} s it shows what {} shows, so it is no \
+                     independent check there",
+                    name(v),
+                    validate.len(),
+                    name(f)
+                ));
+            }
+        }
+    }
+    all
+}
+
 /// Marks Validate windows that continue a Fit window of the same file: their start state is where that run ends.
 pub fn link_continuations(records: &mut [Record], plans: &[RecordPlan]) {
     for k in 0..records.len() {
         let before = (0..k).rev().find(|&j| {
             let (Origin::Csv(a), Origin::Csv(b)) = (&plans[j].origin, &plans[k].origin) else { return false };
-            let same_rows = a
-                .rows
-                .iter()
-                .map(|(n, v)| (&n.value, v.value))
-                .eq(b.rows.iter().map(|(n, v)| (&n.value, v.value)))
-                && a.run.as_ref().map(|run| run.value) == b.run.as_ref().map(|run| run.value);
             let gap = records[k].time[0] - records[j].time[records[j].len() - 1];
             let step =
                 (records[j].time[records[j].len() - 1] - records[j].time[0]) / (records[j].len() - 1) as f64;
-            a.path.value == b.path.value && same_rows && gap.abs() <= 2.5 * step
+            same_run(a, b) && gap.abs() <= 2.5 * step
         });
         if records[k].role == Role::Validate {
             records[k].continues = before.filter(|&j| records[j].role == Role::Fit);

@@ -45,6 +45,29 @@ pub struct Sensor {
 }
 
 impl Sensor {
+    /// What the column says at the sample times, from the quantity there, as far as the sensor is known: what is to be found of it is taken for
+    /// perfect. Beyond the ends a late column goes on as its interpolation does.
+    ///
+    /// # Errors
+    /// The quantity is no signal.
+    pub fn done(
+        &self,
+        time: &Arc<[f64]>,
+        values: Vec<f64>,
+        kind: Interpolation,
+    ) -> Result<Vec<f64>, SignalError> {
+        let known = |p: &SensorParameter, perfect: f64| if p.within.is_none() { p.start } else { perfect };
+        let (offset, gain, delay) =
+            (known(&self.offset, 0.0), known(&self.gain, 1.0), known(&self.delay, 0.0));
+        let late = if delay == 0.0 {
+            values
+        } else {
+            let signal = Signal::new(time.clone(), values, kind)?;
+            time.iter().map(|t| signal.value(t - delay)).collect()
+        };
+        Ok(if (offset, gain) == (0.0, 1.0) { late } else { late.iter().map(|x| gain * x + offset).collect() })
+    }
+
     /// The quantity at the sample times, from what the column says of it, each parameter at its start. Beyond the ends a late column goes on as
     /// its interpolation does.
     ///

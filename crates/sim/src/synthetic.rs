@@ -161,8 +161,13 @@ pub fn synthesize(
     }
     let pick = |values: &[f64]| -> Vec<f64> { rows.iter().map(|&k| values[k]).collect() };
     let seen_time: Arc<[f64]> = rows.iter().map(|&k| time[k]).collect();
-    let noisy = |name: &str, values: &[f64]| -> Vec<f64> {
-        let mut values = pick(values);
+    let n = system.states.len();
+    // A late sensor reads between the samples, and before the window: from the whole run.
+    let read = |values: Vec<f64>, sensor: usize, kind: Interpolation| -> Result<Vec<f64>, SyntheticError> {
+        let values = plan.sensors[sensor].done(&time, values, kind);
+        Ok(pick(&values.map_err(|e| SyntheticError::Other(e.to_string()))?))
+    };
+    let noisy = |mut values: Vec<f64>, name: &str| -> Vec<f64> {
         add_noise(
             &mut values,
             noise_of(&truth.noise, name),
@@ -170,21 +175,19 @@ pub fn synthesize(
         );
         values
     };
-    let columns = (0..system.states.len())
-        .map(|k| truth.measured_states[k].then(|| noisy(&system.states[k].name, &run.column(k))))
-        .collect();
-    let mut seen: Vec<Vec<f64>> = (0..recorded.len())
-        .map(|k| {
-            if truth.measured_inputs[k] {
-                noisy(&system.inputs[k].name, &recorded[k])
-            } else {
-                pick(&recorded[k])
-            }
-        })
-        .collect();
+    let column = |k: usize| -> Result<Option<Vec<f64>>, SyntheticError> {
+        let read = || read(run.column(k), k, Interpolation::Cubic);
+        let measured = truth.measured_states[k].then(read).transpose()?;
+        Ok(measured.map(|values| noisy(values, &system.states[k].name)))
+    };
+    let columns = (0..n).map(column).collect::<Result<_, _>>()?;
+    let mut seen: Vec<Vec<f64>> = Vec::new();
+    for (k, values) in recorded.into_iter().enumerate() {
+        let values = read(values, n + k, plan.interpolation[k])?;
+        seen.push(if truth.measured_inputs[k] { noisy(values, &system.inputs[k].name) } else { values });
+    }
     for (k, values) in seen.iter_mut().enumerate() {
-        let sensor = &plan.sensors[system.states.len() + k];
-        *values = sensor
+        *values = plan.sensors[n + k]
             .undone(&seen_time, std::mem::take(values), plan.interpolation[k])
             .map_err(|e| SyntheticError::Other(e.to_string()))?;
     }
@@ -212,7 +215,7 @@ pub fn synthesize(
         inputs,
         constants,
         sensors: plan.sensors.clone(),
-        start: vec![None; system.states.len()],
+        start: vec![None; n],
         continues: None,
         derivations,
         notes,

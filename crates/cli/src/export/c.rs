@@ -2,6 +2,7 @@
 
 use super::functions::{Function, Functions, Read};
 use super::head::{head, kind};
+use super::quoted::quoted;
 use super::subject::Subject;
 use phisindy_expr::Language;
 use std::fmt::Write;
@@ -84,10 +85,6 @@ pub(crate) fn written(subject: &Subject) -> String {
 }
 
 /// A text as C writes it.
-fn quoted(text: &str) -> String {
-    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
-}
-
 /// An array of at least one entry: C99 has no empty ones.
 fn array(out: &mut String, name: &str, entries: impl Iterator<Item = String>, none: &str) {
     let entries: Vec<String> = entries.collect();

@@ -3,6 +3,7 @@
 use super::functions::stem_of_temporaries;
 use super::head::head;
 use super::identifier::Identifiers;
+use super::quoted::quoted;
 use super::subject::{Quantity, Subject};
 use phisindy_expr::{Id, Language, Naming, Node, Scratch, Symbol, Tape};
 use std::collections::HashMap;
@@ -175,10 +176,6 @@ fn floor_at_start(subject: &Subject, k: usize) -> f64 {
 }
 
 /// A text as Modelica writes it.
-fn quoted(text: &str) -> String {
-    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\"").replace(['\n', '\r'], " "))
-}
-
 /// `(unit = "...")`; Modelica writes products with a point.
 fn unit(unit: &str) -> String {
     if unit.is_empty() { String::new() } else { format!("(unit = {})", quoted(&pointed(unit))) }

@@ -2,6 +2,7 @@
 
 use super::functions::{Function, Functions, Read};
 use super::head::{head, kind};
+use super::quoted::quoted;
 use super::subject::Subject;
 use phisindy_expr::Language;
 use std::fmt::Write;
@@ -69,10 +70,6 @@ fn line_of(out: &mut String, mark: &str, line: &str) {
 }
 
 /// A text as Python writes it.
-fn quoted(text: &str) -> String {
-    format!("{text:?}")
-}
-
 fn list(out: &mut String, name: &str, entries: impl Iterator<Item = String>) {
     let _ = writeln!(out, "{name} = [{}]", entries.collect::<Vec<_>>().join(", "));
 }

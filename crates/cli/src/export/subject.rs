@@ -79,8 +79,8 @@ impl Subject {
         let source = sources.add(shown.clone(), text.clone());
         let (mut spec, _) = spec::read(&text, source)?;
         let (case, _) = phisindy_phys::check(&spec, source)?;
-        if !case.system.terms.is_empty() {
-            let unknown = spec.unknown.iter().find(|(_, u)| !u.candidates.is_empty());
+        if case.is_open() {
+            let unknown = spec.unknown.first();
             let mut d = Diagnostic::error("the model has an unknown part, so there is nothing to export yet");
             if let Some((name, _)) = unknown {
                 d = d.at(source, name.span, "what is missing here is not known");
@@ -91,7 +91,8 @@ impl Subject {
         }
         let largest = largest_inputs(&case, path, &text, options, sources)?;
         let records = notes(&case, &largest);
-        let record = chosen(record, &records).map_err(|why| vec![why])?;
+        let names = records.iter().map(|r| r.name.as_str());
+        let record = record.map_or(Ok(0), |wish| load::record_named(wish, names)).map_err(|why| vec![why])?;
         let interpolation = case.records[record].interpolation.clone();
         freed(&mut spec);
         // Dimensions were checked above, with the constants as they are written.
@@ -228,18 +229,6 @@ fn notes(case: &Case, largest: &Option<Vec<Vec<f64>>>) -> Vec<RecordNote> {
         }
     };
     case.records.iter().enumerate().map(note).collect()
-}
-
-/// The record that is meant: by its name or its place, the first one if nothing is said.
-fn chosen(record: Option<&str>, records: &[RecordNote]) -> Result<usize, Diagnostic> {
-    let Some(wish) = record else { return Ok(0) };
-    let named = records.iter().position(|r| r.name == wish);
-    let place = wish.parse().ok().filter(|k| *k < records.len());
-    named.or(place).ok_or_else(|| {
-        let all: Vec<String> = records.iter().enumerate().map(|(k, r)| format!("{k} `{}`", r.name)).collect();
-        Diagnostic::error(format!("there is no record `{wish}`"))
-            .help(format!("there is: {}", all.join(", ")))
-    })
 }
 
 /// The SI unit of a constant of the records, as the first of them states it.

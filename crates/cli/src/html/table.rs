@@ -1,7 +1,7 @@
 //! Tables. Numbers are shown with five digits and kept in full beside them, for whoever copies or checks them.
 
 use crate::markup::{Element, element};
-use crate::table::short;
+use crate::table::{ends, short};
 use phisindy_learn::{Estimate, FoundParameter};
 
 /// A cell.
@@ -57,14 +57,19 @@ fn cell(cell: Cell) -> Element {
         Cell::CodeOf(name, record) => td.add(element("code").text(name)).text(format!(" of {record}")),
         Cell::Number(x) => td.class("number").add(number(x)),
         Cell::Interval(a, b) => {
-            td.class("number").text("[").add(number(a)).text(", ").add(number(b)).text("]")
+            let (low, high) = ends(a, b);
+            td.class("number").text("[").add(shown(a, &low)).text(", ").add(shown(b, &high)).text("]")
         }
     }
 }
 
 /// A number with its value in full.
 fn number(x: f64) -> Element {
-    element("data").with("value", format!("{x:?}")).text(short(x).replace('-', "−"))
+    shown(x, &short(x))
+}
+
+fn shown(x: f64, text: &str) -> Element {
+    element("data").with("value", format!("{x:?}")).text(text.replace('-', "−"))
 }
 
 /// Value, standard error, interval.

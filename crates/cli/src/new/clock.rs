@@ -44,6 +44,8 @@ pub(crate) struct Clock {
     pub(crate) guessed: bool,
     /// No column is time: it is counted, at a rate that is to be said.
     pub(crate) counted: bool,
+    /// The unit is taken from the numbers: rows that are a second or more apart are no record of a motion.
+    pub(crate) fine: bool,
 }
 
 /// What is taken for the rows per second of a file that does not say.
@@ -103,7 +105,18 @@ impl Clock {
             backs: after(backs),
             guessed,
             counted: false,
+            fine: false,
         }
+    }
+
+    /// Gives a column of time without a unit, in which rows are one or more apart, the unit in which they are not: milliseconds, or microseconds.
+    pub(crate) fn refined(self, survey: &mut Survey) -> Clock {
+        let heading = &mut survey.columns[self.column].heading;
+        let fine = !self.guessed && !self.counted && heading.unit.is_none() && self.step >= 1.0;
+        if fine {
+            *heading = heading.clone().with_unit(if self.step < 1000.0 { "ms" } else { "us" });
+        }
+        Clock { fine, ..self }
     }
 
     /// The stretches of rows in which time does not go back.

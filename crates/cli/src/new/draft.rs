@@ -66,6 +66,7 @@ impl Draft {
             help: "add a column `time_s`, in seconds from the start, that grows from row to row".to_owned(),
             mistake: None,
         })?;
+        let clock = clock.refined(&mut survey);
         let runs = clock.runs(survey.rows());
         let longest = runs.iter().max_by_key(|r| r.len()).cloned().unwrap_or(0..survey.rows());
         let time = &survey.columns[clock.column].values;
@@ -93,6 +94,14 @@ impl Draft {
             survey,
         };
         draft.twins();
+        if draft.clock.fine {
+            let unit = draft.survey.columns[draft.clock.column].heading.unit.clone().unwrap_or_default();
+            draft.remarks.push(format!(
+                "EDIT: the heading `{}` gives no unit: its steps of {} are taken for {unit} (for seconds write \"s\" in the place of \"{unit}\" in the records)",
+                draft.raw(draft.clock.column),
+                draft.clock.step
+            ));
+        }
         draft.records(&runs);
         Ok(draft)
     }
@@ -126,8 +135,9 @@ impl Draft {
         for c in self.roles.used().chain([self.clock.column]).collect::<Vec<_>>() {
             let name = self.raw(c).to_owned();
             if (0..self.survey.columns.len()).filter(|&k| self.raw(k) == name).count() > 1 {
-                self.remarks
-                    .push(format!("EDIT: two columns are called `{name}`: rename one of them in the file"));
+                self.remarks.push(format!(
+                    "EDIT: two columns are called `{name}`: rename one of them in the file before you run this"
+                ));
             }
         }
     }

@@ -46,8 +46,10 @@ impl Heading {
     /// `x [mm]`, `Force (kN)`, `t/s`, `theta_rad`, `v_m_per_s`, or a name alone.
     pub(crate) fn parse(raw: &str) -> Heading {
         let text = raw.trim();
-        let found =
-            bracketed(text).or_else(|| quotient(text)).or_else(|| spoken(text)).or_else(|| suffixed(text));
+        // `v_mm/s` is no `v_mm` in seconds.
+        let rate = || suffixed(text).or_else(|| spoken(text)).filter(|(_, u)| is_quotient(u.as_deref()));
+        let found = bracketed(text).or_else(rate).or_else(|| quotient(text));
+        let found = found.or_else(|| spoken(text)).or_else(|| suffixed(text));
         let found = found.or_else(|| gravities(text));
         let (name, unit) = found.unwrap_or((text, None));
         let name = name.trim().trim_end_matches(['_', '-', ',']).to_lowercase();
@@ -82,6 +84,10 @@ impl Heading {
     pub(crate) fn says(&self, words: &[&str]) -> bool {
         self.words().any(|w| words.contains(&w))
     }
+}
+
+fn is_quotient(unit: Option<&str>) -> bool {
+    unit.is_some_and(|u| u.contains('/'))
 }
 
 /// The factor to SI.
@@ -220,6 +226,15 @@ mod tests {
             ("thetadot_online_rad_per_s", "thetadot_online", Some("rad/s"), Kind::AngularSpeed),
             ("v/(m/s)", "v", Some("m/s"), Kind::Speed),
             ("v_m_s", "v", Some("m/s"), Kind::Speed),
+            ("v_mm/s", "v", Some("mm/s"), Kind::Speed),
+            ("v mm/s", "v", Some("mm/s"), Kind::Speed),
+            ("w_rad/s", "w", Some("rad/s"), Kind::AngularSpeed),
+            ("theta_dot_rad/s", "theta_dot", Some("rad/s"), Kind::AngularSpeed),
+            ("acc_m/s^2", "acc", Some("m/s^2"), Kind::Acceleration),
+            ("x_mass/mm", "x_mass", Some("mm"), Kind::Length),
+            ("F_1 / N", "f_1", Some("N"), Kind::Force),
+            ("t / s", "t", Some("s"), Kind::Time),
+            ("t_ms", "t", Some("ms"), Kind::Time),
             ("a [m/s²]", "a", Some("m/s^2"), Kind::Acceleration),
             ("acc (m/s2)", "acc", Some("m/s^2"), Kind::Acceleration),
             ("acc (g)", "acc", Some("gn"), Kind::Acceleration),

@@ -57,6 +57,28 @@ const BASES: &[&str] = &[
     "wall",
     "sockel",
 ];
+/// Words for what is no measurement: another form of a column that is there too.
+const COPIES: &[&str] = &[
+    "true",
+    "truth",
+    "exact",
+    "ideal",
+    "model",
+    "sim",
+    "simulated",
+    "pred",
+    "predicted",
+    "prediction",
+    "fit",
+    "fitted",
+    "est",
+    "estimate",
+    "estimated",
+    "filt",
+    "filtered",
+    "smooth",
+    "smoothed",
+];
 const ORDERS: &[&str] =
     &["ref", "reference", "goal", "target", "set", "setpoint", "desired", "cmd", "command", "soll", "demand"];
 const SPEEDS: &[&str] = &[
@@ -187,6 +209,24 @@ impl Guess<'_> {
         self.heading(k).kind == Kind::Unsaid && look.noise > 0.8 * look.std
     }
 
+    /// Whether a column before this one has its heading: no spec can tell the two apart.
+    fn is_namesake(&self, k: usize) -> bool {
+        (0..k).any(|j| self.name(j) == self.name(k))
+    }
+
+    /// The column of which this one is another form, `x` of `x_true`.
+    fn original(&self, k: usize) -> Option<usize> {
+        let own = self.heading(k);
+        let plain = |h: &Heading| -> Vec<String> {
+            h.words().filter(|w| !COPIES.contains(w)).map(str::to_owned).collect()
+        };
+        let same = |&j: &usize| {
+            let other = self.heading(j);
+            j != k && !other.says(COPIES) && other.kind == own.kind && plain(other) == plain(own)
+        };
+        (0..self.survey.columns.len()).find(same).filter(|_| own.says(COPIES))
+    }
+
     /// Columns with a signal in them.
     fn signals(&self) -> Vec<usize> {
         let usable = |&k: &usize| {
@@ -195,6 +235,8 @@ impl Guess<'_> {
             k != self.clock.column
                 && !is_counter(column)
                 && !self.is_noise(k)
+                && self.original(k).is_none()
+                && !self.is_namesake(k)
                 && column.words == 0
                 && !look.is_dead()
                 && !selector
@@ -444,6 +486,12 @@ impl Guess<'_> {
         }
         if is_counter(column) {
             return "counts rows or tells the time, not used".to_owned();
+        }
+        if self.is_namesake(k) {
+            return "not used: another column has its heading".to_owned();
+        }
+        if let Some(original) = self.original(k) {
+            return format!("not used: another form of `{}`", self.name(original));
         }
         if self.is_noise(k) {
             return "nothing but noise, not used".to_owned();

@@ -408,6 +408,7 @@ fn record(draft: &Draft, words: &Words, part: &Part, file: &str, text: &mut Stri
             (false, false, false) => {
                 " // EDIT: the heading gives no unit of time (taken: s; else `time: (\"t\", \"ms\")`)\n"
             }
+            (false, false, true) if draft.clock.fine => " // EDIT: the unit of time is a guess\n",
             (false, false, true) => "\n",
         },
     );

@@ -22,18 +22,31 @@ pub struct Scale {
 impl Unit {
     /// How numbers in this unit become SI.
     pub fn scale(self) -> Scale {
-        let power = self.factor.log10().round();
-        // A factor made of several prefixes may be off by its last bits.
-        let decimal = power.abs() < 300.0 && (self.factor / 10f64.powi(power as i32) - 1.0).abs() < 1e-14;
-        if decimal {
-            Scale { power: power as i32, factor: 1.0 }
-        } else {
-            Scale { power: 0, factor: self.factor }
-        }
+        Scale::of(self.factor)
     }
 }
 
 impl Scale {
+    /// For units of which one is so many SI units.
+    pub fn of(factor: f64) -> Scale {
+        let power = factor.log10().round();
+        // A factor made of several prefixes may be off by its last bits.
+        let decimal = power.abs() < 300.0 && (factor / 10f64.powi(power as i32) - 1.0).abs() < 1e-14;
+        if decimal { Scale { power: power as i32, factor: 1.0 } } else { Scale { power: 0, factor } }
+    }
+
+    /// The SI value of a number that was read already: of the shortest text that reads back as it, which is the text that stood there unless that
+    /// had more digits than a double holds. Infinite where it is too large.
+    ///
+    /// ```
+    /// use phisindy_phys::unit::Scale;
+    /// assert_eq!(Scale::of(1e-3).converted(4.1), 0.0041);
+    /// assert_ne!(4.1 * 1e-3, 0.0041);
+    /// ```
+    pub fn converted(self, x: f64) -> f64 {
+        if self.power == 0 { x * self.factor } else { self.si(&format!("{x:e}")).unwrap_or(f64::NAN) }
+    }
+
     /// The SI value of a decimal number with a point; `None` if the text is none.
     pub fn si(self, text: &str) -> Option<f64> {
         if self.power == 0 {

@@ -1,0 +1,192 @@
+//! Laws that a spec names in `unknown`: written into it as terms with numbers to be found, which start where the motion says.
+
+use crate::draft::Draft;
+use crate::effect::{Effect, Entry, fits};
+use crate::fitted::{Fitted, noise};
+use crate::place::{Site, places};
+use crate::screen::{imitated, screen};
+use crate::search::{current, neutral, values};
+use crate::workflow::shortened;
+use phisindy_learn::{Effort, glance};
+use phisindy_phys::spec::{Role, Text};
+use phisindy_phys::{Case, Diagnostic, Record, SourceId, spec, splice};
+use rayon::prelude::*;
+
+/// Starts of a law that are fitted in full: the best by a glance.
+const STARTS: usize = 3;
+
+/// The laws that a case asks for, each at the velocity of its equation.
+///
+/// # Errors
+/// Diagnostics with their place in the spec: a law that the catalogue does not have, or that cannot act there.
+pub fn asked(case: &Case, catalogue: &[Entry], source: SourceId) -> Result<Vec<Effect>, Vec<Diagnostic>> {
+    let (mut effects, mut mistakes) = (Vec::new(), Vec::new());
+    for (state, name) in &case.laws {
+        match effect(case, *state, name, catalogue) {
+            Ok(effect) => effects.push(effect),
+            Err((what, help)) => mistakes.push(Diagnostic::error(what).at(source, name.span, "").help(help)),
+        }
+    }
+    if mistakes.is_empty() { Ok(effects) } else { Err(mistakes) }
+}
+
+/// A law at a state's velocity; else what is wrong, and what to do.
+fn effect(case: &Case, state: usize, name: &Text, catalogue: &[Entry]) -> Result<Effect, (String, String)> {
+    let ids = || catalogue.iter().map(|e| e.id.as_str());
+    let (law, own) = (&name.value, &case.system.states[state].name);
+    let Some(entry) = catalogue.iter().find(|e| e.id == *law) else {
+        let help = match phisindy_expr::nearest(law, ids()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("there is: {}", ids().collect::<Vec<_>>().join(", ")),
+        };
+        return Err((format!("there is no law `{law}` in the catalogue"), help));
+    };
+    if let Some(which) = &entry.law.sensor {
+        return Err((
+            format!("`{law}` is no force: it acts on a column, not on a rate"),
+            format!("write it into the record: `sensors: {{ COLUMN: ({which}: Find(...)) }}`"),
+        ));
+    }
+    let at = |p: &crate::Place| p.at == *own && matches!(p.site, Site::Force { .. });
+    let Some(place) = places(&case.system, &case.records, &[]).into_iter().find(at) else {
+        return Err((
+            format!("`{own}` is a displacement: a force acts on the rate of its velocity"),
+            "put the law into the entry of the velocity".into(),
+        ));
+    };
+    if !fits(&entry.law, &place) {
+        return Err((
+            format!("`{law}` needs the displacement of `{own}`, and no state is"),
+            format!("a displacement is a state whose known rate is \"{own}\" and nothing else"),
+        ));
+    }
+    let start = entry.law.parameters.iter().map(|(_, p)| somewhere(p.within)).collect();
+    Ok(Effect { entry: entry.clone(), place, mirror: false, load: None, start, beside: vec![] })
+}
+
+/// Where a number starts of which nothing is known: at one, the size of things in SI; what may have either sign, at nothing.
+fn somewhere((low, high): (f64, f64)) -> f64 {
+    if low < 0.0 { 0.0_f64.min(high) } else { 1.0_f64.clamp(low, high) }
+}
+
+/// A spec with these laws written into its known rates in place of their names, and its records. Each law's numbers start where the best fit of the model
+/// with it ends, of several; without a record to fit, or where no fit comes to an end, anywhere within their bounds.
+///
+/// # Errors
+/// In words: the spec cannot hold a law.
+pub fn written_in(
+    text: &str,
+    case: Case,
+    records: Vec<Record>,
+    effects: &[Effect],
+    catalogue: &[Entry],
+) -> Result<Draft, String> {
+    let whole = Draft::base(text, case, records);
+    let plain = whole.rebuilt(without_laws(text)?, vec![], vec![])?;
+    let effects = started(&whole, effects, catalogue).unwrap_or_else(|| effects.to_vec());
+    plain.with_all(&effects)
+}
+
+/// The effects with starts that were fitted; `None` where nothing can be.
+fn started(whole: &Draft, effects: &[Effect], catalogue: &[Entry]) -> Option<Vec<Effect>> {
+    whole.records.iter().find(|r| r.role == Role::Fit)?;
+    let bare = splice::set(&whole.text, "unknown", "{}").ok()?;
+    let bare = whole.rebuilt(bare, vec![], vec![]).ok()?;
+    let bare = match shortened(&bare.records) {
+        Some(short) => Draft::base(&bare.text, bare.case, short),
+        None => bare,
+    };
+    let noise = noise(&bare.records);
+    let mut now = Fitted::new(bare, &noise, Effort::Plain).ok()?;
+    for effect in effects {
+        let simpler = catalogue.iter().filter(|e| effect.entry.law.simpler.contains(&e.id));
+        let entries: Vec<Entry> = [&effect.entry].into_iter().chain(simpler).cloned().collect();
+        now = best(&now, effect, &entries, &noise)?;
+    }
+    Some(current(&now))
+}
+
+/// The best fit of a model with one more effect, from the starts that the motion proposes.
+fn best(now: &Fitted, wanted: &Effect, entries: &[Entry], noise: &[Vec<f64>]) -> Option<Fitted> {
+    let draft = now.settled().ok()?;
+    let here = |e: &Effect| e.place == wanted.place && !e.mirror && e.load.is_none();
+    let proposed: Vec<Effect> = match screen(&draft, &now.cal, entries, noise) {
+        Some(found) => {
+            let all = found.candidates.into_iter().flat_map(|c| [c.effect].into_iter().chain(c.others));
+            all.filter(here).collect()
+        }
+        None => vec![],
+    };
+    let (own, simpler): (Vec<Effect>, Vec<Effect>) =
+        proposed.into_iter().partition(|e| e.entry.id == wanted.entry.id);
+    // One slow curve is hard to reach from a regression, easy from its simpler relative.
+    let relatives = simpler.iter().filter_map(|e| {
+        let fitted = Fitted::new(draft.with(e).ok()?, noise, Effort::Plain).ok()?;
+        let (effect, names, _) = fitted.draft.effects.last()?;
+        let found = Effect {
+            start: values(&fitted, names, &effect.start),
+            beside: fitted.found(|p| !p.each && !names.contains(&p.name)),
+            ..effect.clone()
+        };
+        imitated(&fitted.draft, &fitted.cal, &found, &wanted.entry)
+    });
+    let mut starts: Vec<Effect> = relatives.flatten().collect();
+    // A linear response knows nothing of stops: friction that is too strong at first never lets go.
+    starts.extend(own.iter().map(neutral));
+    starts.extend(own);
+    starts.push(wanted.clone());
+    let mut looked: Vec<(f64, Draft)> = starts
+        .into_par_iter()
+        .filter_map(|e| {
+            let d = draft.with(&e).ok()?;
+            let look = glance(&d.case.system, &d.records, &d.smooth, noise, 1)?;
+            Some((look, d))
+        })
+        .collect();
+    looked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    looked.truncate(STARTS);
+    let fitted: Vec<Fitted> =
+        looked.into_par_iter().filter_map(|(_, d)| Fitted::new(d, noise, Effort::Plain).ok()).collect();
+    fitted.into_iter().min_by(|a, b| a.cal.chi2.total_cmp(&b.cal.chi2))
+}
+
+/// The text without the names of laws, and without entries of `unknown` that hold nothing else.
+fn without_laws(text: &str) -> Result<String, String> {
+    let (spec, _) = spec::read(text, SourceId(0)).map_err(|_| "the spec cannot be read again")?;
+    let mut out = text.to_owned();
+    if spec.unknown.iter().any(|(_, u)| u.candidates.is_empty()) {
+        let kept = spec.unknown.iter().filter(|(_, u)| !u.candidates.is_empty());
+        let entries = kept.map(|(name, u)| format!("\"{}\": {}", name.value, &text[u.span.range()]));
+        let entries = format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "));
+        out = splice::set(&out, "unknown", &entries).map_err(|e| e.to_string())?;
+    }
+    for (name, _) in spec.unknown.iter().filter(|(_, u)| !u.candidates.is_empty() && !u.laws.is_empty()) {
+        out = splice::set(&out, &format!("unknown.{}.laws", name.value), "[]").map_err(|e| e.to_string())?;
+    }
+    Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn laws_leave_the_text_and_candidates_stay() {
+        let spec = |unknown: &str| {
+            format!(
+                "(states: {{ \"x\": \"\", \"v\": \"\" }}, known: {{ \"x\": \"v\", \"v\": \"-x\" }}, unknown: {{ {unknown} }}, data: [Synthetic(truth: {{}}, \
+                 start: {{ \"x\": 1.0, \"v\": 0.0 }}, duration: 1.0, step: 0.1, noise: None)])"
+            )
+        };
+        let left = |unknown: &str| without_laws(&spec(unknown)).unwrap();
+        assert_eq!(left("\"v\": (laws: [\"coulomb\"])"), spec(""));
+        assert_eq!(
+            left("\"v\": (candidates: [\"x\"], laws: [\"coulomb\"])"),
+            spec("\"v\": (candidates: [\"x\"], laws: [])")
+        );
+        assert_eq!(
+            left("\"x\": (candidates: [\"x\"]), \"v\": (laws: [\"coulomb\"])"),
+            spec("\"x\": (candidates: [\"x\"])")
+        );
+    }
+}
