@@ -101,7 +101,7 @@ pub fn course(found: &Gap, step: &Step, records: &[Record]) -> Option<Course> {
 }
 
 /// A text of the completed spec as a node.
-fn node(graph: &mut Graph, system: &System, text: &str) -> Option<Id> {
+pub(crate) fn node(graph: &mut Graph, system: &System, text: &str) -> Option<Id> {
     graph.lower(&parse(text).ok()?, |name| system.names.get(name)).ok()
 }
 

@@ -1,16 +1,20 @@
 //! Evidence that a fit alone does not use: an elastic contact must give way, in the stops, in proportion to the force on it.
 
+use crate::course::node;
 use crate::effect::Effect;
 use crate::fitted::Fitted;
 use crate::motion::{Motion, rest_threshold, resting};
 use crate::place::Site;
 use crate::recipe::compiled;
 use crate::workflow::EXPLAINED;
-use phisindy_expr::Scratch;
+use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::spec::Role;
 
 /// A contact that gives way less than this part of what the law asks for does not give way.
 const GIVES: f64 = 0.3;
+
+/// Friction that gives back more than this part of the energy that it takes is none.
+const GIVES_BACK: f64 = 0.01;
 
 /// Why an effect cannot be, although it fits; `None` if nothing speaks against it.
 pub(crate) fn against(fitted: &Fitted, effect: &Effect) -> Option<String> {
@@ -18,6 +22,9 @@ pub(crate) fn against(fitted: &Fitted, effect: &Effect) -> Option<String> {
         return Some(why);
     }
     if let Some(why) = lacks(fitted, effect) {
+        return Some(why);
+    }
+    if let Some(why) = pushes(fitted, effect) {
         return Some(why);
     }
     // Of a model that leaves nothing but noise the stops, too, are as measured.
@@ -81,6 +88,33 @@ fn lacks(fitted: &Fitted, effect: &Effect) -> Option<String> {
     let mut scratch = Scratch::<1>::new(&compiled(&of, &[&need.positive])?);
     scratch.at(crate::search::values(fitted, names, &effect.start));
     (scratch.output(0)[0] < 0.0).then(|| need.because.clone())
+}
+
+/// Friction takes energy. One that gives back part of it along the measured motion is a curve through something else.
+fn pushes(fitted: &Fitted, effect: &Effect) -> Option<String> {
+    let Site::Force { velocity, .. } = &effect.place.site else { return None };
+    // A contact that gives way stores energy, and may give it back.
+    if effect.entry.law.family != "friction" || !effect.entry.law.internal.is_empty() {
+        return None;
+    }
+    let (draft, system) = (&fitted.draft, &fitted.draft.case.system);
+    let (_, _, expression) = draft.effects.iter().find(|(e, ..)| e.same(effect))?;
+    let mut graph = system.graph.clone();
+    let (force, speed) = (node(&mut graph, system, expression)?, node(&mut graph, system, velocity)?);
+    let tape = Tape::compile(&graph, &system.arguments(), &[force, speed]).ok()?;
+    let (mut taken, mut given) = (0.0, 0.0);
+    for (r, record) in draft.records.iter().enumerate().filter(|(_, d)| d.role == Role::Fit) {
+        let motion = Motion::new(system, record, &draft.smooth[r], r, &fitted.cal);
+        let values = crate::screen::evaluated(&tape, &motion, &[], &[]);
+        for (force, speed) in values[0].iter().zip(&values[1]) {
+            // The expression is what acts on the body.
+            let power = force * speed;
+            if power.is_finite() {
+                if power < 0.0 { taken -= power } else { given += power }
+            }
+        }
+    }
+    (given > GIVES_BACK * taken).then(|| "in places it would push instead of brake".to_owned())
 }
 
 /// A dashpot may be weaker than the model thought, but what is left of it may not feed the motion.

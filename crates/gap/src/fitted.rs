@@ -25,6 +25,9 @@ const LITTLE: f64 = 1.1;
 /// The price of a sensor that is early.
 const EARLY: f64 = 15.0;
 
+/// A gap on Fit records above this is far from the noise: more than one effect is missing.
+pub(crate) const FAR_OFF: f64 = 2.0;
+
 /// A calibrated draft.
 #[derive(Clone, Debug)]
 pub(crate) struct Fitted {
@@ -121,13 +124,18 @@ impl Fitted {
     /// The criterion: twice the negative logarithm of the likelihood plus the price of what was added; smaller is better. `candidates` is how many effects there were to choose
     /// from, `independent` the part of the samples that counts.
     ///
+    /// Far from the noise a rich law bends to the Fit records whatever is missing: there the gap on the records that were not fitted counts.
+    ///
     /// Down to the noise the likelihood is that of known noise. Above it the misfit itself is the scatter: what is left of a real rig is many times its sensor noise, and a law that
     /// takes away a hundredth of that has explained nothing, however large the number in units of the noise.
     pub(crate) fn score(&self, candidates: usize, independent: f64) -> f64 {
         let effects: Vec<&Effect> = self.draft.effects.iter().map(|(e, ..)| e).collect();
         let n = self.cal.samples as f64;
         // Of the free run: segments with starts of their own would flatter a model that cannot be run.
-        let ratio = self.fit * self.fit;
+        let ratio = match self.validate {
+            Some(validate) if self.fit > FAR_OFF => validate.max(FAR_OFF).powi(2),
+            _ => self.fit.powi(2),
+        };
         let cost = if ratio > 1.0 { n * (1.0 + ratio.ln()) } else { n * ratio };
         let size: usize = effects.iter().map(|e| e.entry.law.parameters.len()).sum();
         let sensors = effects.iter().filter(|e| e.entry.law.sensor.is_some()).count();

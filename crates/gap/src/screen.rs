@@ -672,7 +672,7 @@ impl Ground {
 }
 
 /// All outputs of a tape along a motion; `grid` are further inputs, and `series` further inputs that vary.
-fn evaluated(tape: &Tape, motion: &Motion, grid: &[f64], series: &[&[f64]]) -> Vec<Vec<f64>> {
+pub(crate) fn evaluated(tape: &Tape, motion: &Motion, grid: &[f64], series: &[&[f64]]) -> Vec<Vec<f64>> {
     const LANES: usize = 64;
     let samples = motion.samples();
     let (n, m) = (motion.states.len() / samples, motion.inputs.len() / samples);

@@ -2,7 +2,7 @@
 
 use crate::draft::Draft;
 use crate::effect::{Effect, Entry};
-use crate::fitted::Fitted;
+use crate::fitted::{FAR_OFF, Fitted};
 use crate::place::Site;
 use crate::screen::{Candidate, Screening, excludes, imitated, screen};
 use phisindy_learn::{Effort, approach, glance};
@@ -26,9 +26,7 @@ const FAR: f64 = 0.8;
 const LITTLE: f64 = 5.0;
 /// Of the segments that a glance looks at, the part that tells the starts of one law apart: every third.
 const SEEDED: usize = 3;
-/// A model above this many times the noise lacks more than one effect ...
-const FAR_OFF: f64 = 2.0;
-/// ... and one that brings the gap on Fit records to this part is on the way, whatever Validate records say.
+/// A model far from the noise that brings the gap on Fit records to this part is on the way, whatever Validate records say.
 const HALF: f64 = 0.5;
 /// How often a family of friction laws is tried again from a new leader.
 const FAMILY: usize = 2;
@@ -190,8 +188,10 @@ impl Search<'_> {
                 let by = Measure::of([&single, &pair], candidates);
                 let better = by.score(&pair) + WORTH < by.score(&single);
                 // A pair that does not explain everything is taken only where it says much more than one of its parts: greed goes on otherwise.
+                let (own, both) = (label(&single.draft, before), label(&pair.draft, before));
                 let much = pair.validate.zip(single.validate).is_none_or(|(p, s)| p < HALF * s)
-                    || on_the_way(&single, &pair);
+                    || on_the_way(&single, &pair)
+                    || !own.iter().all(|e| both.contains(e));
                 if better && (pair.is_white() || much) { pair } else { single }
             }
             (Some(one), None) | (None, Some(one)) => one,
@@ -604,7 +604,7 @@ fn round(
     let by = Measure::of(all.iter().chain([chosen]), candidates);
     let mut rivals: Vec<Rival> = all
         .iter()
-        .filter(|f| label(&f.draft, 0) != own && f.draft.effects.len() > before)
+        .filter(|f| label(&f.draft, before) != own[before.min(own.len())..] && f.draft.effects.len() > before)
         .map(|f| {
             let names = label(&f.draft, before);
             Rival {
