@@ -434,7 +434,7 @@ fn finished(
         (false, _) => Status::Unexplained,
     };
     let (steps, partial) = if status == Status::Unexplained {
-        // What brought the gap far down is a finding of its own, whatever else is missing: the most effects that did so on the average.
+        // What brought the gap far down is a finding of its own, whatever else is missing. Of two stops the first helps little until the second is there.
         let gap = |of: (f64, f64), validate: Option<(f64, f64)>| validate.unwrap_or(of);
         let first = steps.first().map_or(1.0, |s| gap(s.fit, s.validate).0);
         let kept = (1..=steps.len())
@@ -442,7 +442,7 @@ fn finished(
             .find(|&k| {
                 let s = &steps[k - 1];
                 let (before, after) = gap(s.fit, s.validate);
-                first > SUBSTANTIAL.powi(k as i32) * after && before > after
+                first > SUBSTANTIAL.powi(k as i32) * after && before > SUBSTANTIAL * after
             })
             .unwrap_or(0);
         let mut steps = steps;
