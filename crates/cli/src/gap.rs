@@ -88,7 +88,11 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
 /// The spec with the effects in it.
 fn completed(loaded: &Loaded, found: &Gap) -> String {
     let measured = loaded.case.records.iter().any(|plan| matches!(plan.origin, Origin::Csv(_)));
-    let data = if measured { " --data DIR      (DIR: where its data files are)" } else { "" };
+    let data = if measured {
+        " --data DIR      (DIR: where its data files are)"
+    } else {
+        "\n// Synthetic records are made anew from `known` and `truth`: take out of `truth` what now stands in `known`, or it acts twice."
+    };
     let text = identified_spec::completed(loaded, found).unwrap_or_else(|why| {
         complain(&format!("{COMPLETED} has no start states and sensors: {why}"));
         found.completed.clone()
