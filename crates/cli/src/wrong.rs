@@ -208,7 +208,9 @@ fn outcome(set: &Set) -> Outcome {
             for term in &found.terms {
                 let (e, truth) = (term.coefficient, set.truth[term.term]);
                 let reach = if truth > e.value { e.ci95.1 - e.value } else { e.value - e.ci95.0 };
-                out.off = out.off.max((truth - e.value).abs() / reach.max(f64::MIN_POSITIVE));
+                let off = (truth - e.value).abs() / reach.max(f64::MIN_POSITIVE);
+                out.off = out.off.max(off);
+                out.held = (out.held.0 + usize::from(off <= 1.0), out.held.1 + 1);
             }
             out.warnings = found.warnings;
         }

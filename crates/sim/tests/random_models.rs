@@ -34,12 +34,12 @@ fn row(run: &Trajectory, k: usize) -> &[f64] {
     &run.states[k * run.n..(k + 1) * run.n]
 }
 
-/// The force of a law at a state. What sticks has no speed, and whatever force, it does no work.
-fn force(law: &Acting, rig: &Rig, t: f64, state: &[f64]) -> f64 {
+/// The force of a law at a state; a friction in the direction of `sign`, or of the velocity. (What sticks has none, and whatever force, it does no work.)
+fn force(law: &Acting, rig: &Rig, t: f64, state: &[f64], sign: Option<f64>) -> f64 {
     let n = rig.count();
     let (x, v) = (law.place.relative(&state[..n]), law.place.relative(&state[n..2 * n]));
     let z = law.internal.map_or(0.0, |k| state[2 * n + k]);
-    law.force(t, x, v, v.signum(), z)
+    law.force(t, x, v, sign.unwrap_or(v.signum()), z)
 }
 
 /// Power of everything but inertia and springs.
@@ -48,7 +48,7 @@ fn power(rig: &Rig, t: f64, state: &[f64]) -> f64 {
     let speed = |place: &Place| place.relative(&state[n..2 * n]);
     let drive = rig.push(t) * state[n + rig.drive.0];
     let dampers: f64 = rig.springs.iter().map(|(p, _, c)| c * speed(p).powi(2)).sum();
-    let laws: f64 = rig.laws.iter().map(|l| force(l, rig, t, state) * speed(&l.place)).sum();
+    let laws: f64 = rig.laws.iter().map(|l| force(l, rig, t, state, None) * speed(&l.place)).sum();
     drive - dampers - laws
 }
 
@@ -60,7 +60,12 @@ fn energy_is_accounted_for() {
         let coarse: Vec<f64> = (0..=3000).map(|k| rig.duration * f64::from(k) / 3000.0).collect();
         let Ok(first) = run(&rig, &rig.start, &coarse, 1e-10) else { continue };
         // The power has corners where something stops, turns, or meets a stop: a node at each, and one in the middle of each interval for Simpson's rule.
-        let corners = first.events.iter().map(|e| e.time).chain(touches(&rig, &first, &coarse));
+        // Near rest some friction goes with the logarithm of the speed: nodes ever closer to each event.
+        let near =
+            |t: f64| (0..7).flat_map(move |j| [-1.0, 1.0].map(|side| t + side * 0.01 * 0.5_f64.powi(j)));
+        let graded = first.events.iter().map(|e| e.time).chain([0.0]).flat_map(|t| near(t).chain([t]));
+        let corners =
+            graded.filter(|t| (0.0..rig.duration).contains(t)).chain(touches(&rig, &first, &coarse));
         let mut nodes: Vec<f64> = coarse.iter().copied().chain(corners).collect();
         nodes.sort_by(f64::total_cmp);
         nodes.dedup_by(|a, b| *a - *b < 1e-12);
@@ -127,8 +132,13 @@ fn contacts<'a>(rig: &'a Rig, automaton: &Automaton) -> Vec<(&'a Acting, usize)>
     rig.laws.iter().filter(|l| l.holds()).map(of).collect()
 }
 
-/// What each contact that sticks must bear so that none of them moves: `d (M^-1 (F - d' load)) = 0`, by elimination.
-fn loads(rig: &Rig, t: f64, state: &[f64], stuck: &[&Acting]) -> Vec<f64> {
+/// Those with mode 0.
+fn stuck<'a>(contacts: &[(&'a Acting, f64)]) -> Vec<&'a Acting> {
+    contacts.iter().filter(|(_, mode)| *mode == 0.0).map(|(l, _)| *l).collect()
+}
+
+/// What each contact that sticks must bear so that none of them moves, `d (M^-1 (F - d' load)) = 0`, by elimination; the others slip as their modes say.
+fn loads(rig: &Rig, t: f64, state: &[f64], contacts: &[(&Acting, f64)]) -> Vec<f64> {
     let n = rig.count();
     let mut push = vec![0.0; n];
     push[rig.drive.0] = rig.push(t);
@@ -138,9 +148,13 @@ fn loads(rig: &Rig, t: f64, state: &[f64], stuck: &[&Acting]) -> Vec<f64> {
     for (place, k, c) in &rig.springs {
         act(place, k * place.relative(&state[..n]) + c * place.relative(&state[n..2 * n]));
     }
-    for law in rig.laws.iter().filter(|l| !stuck.iter().any(|s| std::ptr::eq(*s, *l))) {
-        act(&law.place, force(law, rig, t, state));
+    for law in &rig.laws {
+        let mode = contacts.iter().find(|(l, _)| std::ptr::eq(*l, law)).map(|(_, mode)| *mode);
+        if mode != Some(0.0) {
+            act(&law.place, force(law, rig, t, state, mode));
+        }
     }
+    let stuck: Vec<&Acting> = stuck(contacts);
     let free: Vec<f64> = push.iter().zip(&rig.mass).map(|(f, m)| f / m).collect();
     let m = stuck.len();
     let mut a: Vec<Vec<f64>> = (0..m)
@@ -181,11 +195,11 @@ fn what_sticks_can_be_held_and_what_slips_goes_its_way() {
         let (n, switches) = (rig.count(), automaton.switches.len());
         for (k, &t) in times.iter().enumerate() {
             let (state, modes) = (row(&run, k), &run.modes[k * switches..(k + 1) * switches]);
-            let stuck: Vec<&Acting> =
-                contacts.iter().filter(|(_, c)| modes[*c] == 0).map(|(l, _)| *l).collect();
-            for (law, c) in &contacts {
+            let contacts: Vec<(&Acting, f64)> =
+                contacts.iter().map(|(l, c)| (*l, f64::from(modes[*c]))).collect();
+            let stuck = stuck(&contacts);
+            for &(law, mode) in &contacts {
                 let w = law.place.relative(&state[n..2 * n]);
-                let mode = f64::from(modes[*c]);
                 assert!(
                     // Two bodies that stick together both move: rounding.
                     if mode == 0.0 { w.abs() < 1e-13 } else { mode * w > -1e-9 },
@@ -195,7 +209,7 @@ fn what_sticks_can_be_held_and_what_slips_goes_its_way() {
             }
             stuck_samples += stuck.len();
             together += usize::from(stuck.len() > 1);
-            for (law, load) in stuck.iter().zip(loads(&rig, t, state, &stuck)) {
+            for (law, load) in stuck.iter().zip(loads(&rig, t, state, &contacts)) {
                 let (least, most) = law.hold(law.place.relative(&state[..n]));
                 // A release is located to rounding; the states carry the error of the run.
                 let slack = 1e-6;

@@ -42,8 +42,11 @@ pub(super) struct Rig {
     pub(super) lines: usize,
     /// Whether velocities are measured beside displacements.
     pub(super) velocities: bool,
-    /// Standard deviation of the noise, as a part of that of each column.
+    /// Standard deviation of the noise, as a part of that of each column; of each sample, where it is relative.
     pub(super) noise: f64,
+    pub(super) relative: bool,
+    /// Whether there is a second record to validate.
+    pub(super) validated: bool,
     pub(super) duration: f64,
     pub(super) step: f64,
     /// Of the Fit and of the Validate record: the scale of the drive and the start state.
@@ -123,13 +126,16 @@ impl Rig {
             x.into_iter().chain((0..count).map(|_| 0.0)).collect()
         };
         let scale = rounded(dice.between(0.7, 1.3));
+        let relative = dice.chance(0.25);
         let records = [(1.0, start(dice, 1.0)), (scale, start(dice, scale))];
         Rig {
             physics,
             friction,
             lines,
             velocities: dice.chance(0.6),
-            noise: rounded(dice.log(0.01, 0.05)),
+            noise: rounded(dice.log(0.01, 0.05)) * if relative { 2.0 } else { 1.0 },
+            relative,
+            validated: dice.chance(0.75),
             duration: samples as f64 * step,
             step,
             records,
@@ -150,7 +156,10 @@ impl Rig {
             1 => "one cosine".to_owned(),
             n => format!("{n} cosines"),
         };
-        let mut text = format!("{} mass(es), {drive}, noise {}", self.count(), self.noise);
+        let relative = if self.relative { " relative" } else { "" };
+        let validated = if self.validated { "" } else { ", no validation" };
+        let mut text =
+            format!("{} mass(es), {drive}, noise {}{relative}{validated}", self.count(), self.noise);
         for f in &self.friction {
             let terms: Vec<String> = f.terms.iter().map(|(c, x)| format!("{x}*[{c}]")).collect();
             let _ = write!(text, ", v{}: {}", f.mass + 1, terms.join(" + "));
@@ -177,10 +186,13 @@ fn frictions(count: usize, force: f64, speed: f64, dice: &mut Dice) -> Vec<Frict
                 terms.push((format!("exp(-|{v}|/({scale:e}))"), rounded(dice.between(0.3, 1.0) * level)));
             }
         }
-        if dice.chance(0.5) {
-            terms.push((x, 0.0));
-            if !terms.iter().any(|(c, _)| c.starts_with('|')) {
-                terms.push((format!("|{v}|"), 0.0));
+        let more =
+            [x.clone(), format!("|{v}|"), v.clone(), format!("{x}^2"), format!("{x}*{v}"), format!("{v}^2")];
+        // Half of the dictionaries hold no more than what is true.
+        let wanted = *dice.pick(&[0, 0, 2, more.len()]);
+        for other in more.into_iter().take(wanted) {
+            if !terms.iter().any(|(c, _)| *c == other) {
+                terms.push((other, 0.0));
             }
         }
         Friction { mass, terms }

@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 /// Five standard deviations for somebody who knows what to look for: less cannot be seen.
 pub(super) const VISIBLE: f64 = 25.0;
-/// An interval that misses by more than its own half width: chance does that once in ten thousand.
+/// An interval whose half width would have to be twice as long to hold the truth: chance does that once in ten thousand.
 const FAR: f64 = 2.0;
 
 /// What the program made of a set.
@@ -24,6 +24,8 @@ pub(super) struct Outcome {
     pub(super) told: Vec<String>,
     /// By how many half widths of its interval the worst coefficient is off: above 1 the interval misses the truth.
     pub(super) off: f64,
+    /// Intervals that hold the truth, and all of them.
+    pub(super) held: (usize, usize),
     pub(super) warnings: Vec<String>,
 }
 
@@ -63,7 +65,8 @@ pub(super) fn tally(all: &[Outcome]) -> Scored {
         "rejected or refused",
         "silent, all intervals right",
         "silent, one misses",
-        "of these by more than its width",
+        "of these by more than its half width",
+        "intervals that hold the truth, if silent",
     ];
     let mut failures = String::new();
     let right = |o: &Outcome| o.kind == "nothing" || o.inside;
@@ -103,5 +106,9 @@ fn row(name: &str, of: &[&Outcome]) -> Vec<String> {
         count(&|o| silent(o) && o.off > 1.0),
         count(&|o| silent(o) && o.off > FAR),
     ];
-    std::iter::once(name.to_owned()).chain(numbers.map(|n| n.to_string())).collect()
+    let held = of.iter().filter(|o| silent(o)).fold((0, 0), |(h, n), o| (h + o.held.0, n + o.held.1));
+    let mut cells = vec![name.to_owned()];
+    cells.extend(numbers.map(|n| n.to_string()));
+    cells.push(if held.1 > 0 { format!("{} of {}", held.0, held.1) } else { "-".to_owned() });
+    cells
 }

@@ -9,7 +9,7 @@ use std::fmt::Write;
 pub(super) enum Unknown {
     /// In a dictionary, to be found; the second record is there to validate.
     Dictionary,
-    /// In the known part with movable coefficients; both records are fitted, and no noise is in them.
+    /// In the known part with movable coefficients; all records are fitted, and no noise is in them.
     Movable,
 }
 
@@ -57,7 +57,7 @@ pub(super) fn written(rig: &Rig, known: &Physics, title: &str, unknown: Unknown)
         let _ = writeln!(text, "    unknown: {{ {} }},", dictionary.join(", "));
     }
     let _ = writeln!(text, "    contacts: [{}],\n    data: [", contacts.join(", "));
-    for r in 0..2 {
+    for r in 0..if rig.validated { 2 } else { 1 } {
         text += &record(rig, known, r, unknown);
     }
     text + "    ],\n)\n"
@@ -87,10 +87,10 @@ fn record(rig: &Rig, known: &Physics, r: usize, unknown: Unknown) -> String {
     let measured: Vec<String> =
         names.take(if rig.velocities { 2 * count } else { count }).map(|n| format!("\"{n}\"")).collect();
     let (role, noise) = match unknown {
-        Unknown::Dictionary => (
-            ["Fit", "Validate"][r],
-            format!("noise: Additive({}), seed: {}, ", number(rig.noise), rig.seed + r as u64),
-        ),
+        Unknown::Dictionary => {
+            let (kind, level) = (if rig.relative { "Relative" } else { "Additive" }, number(rig.noise));
+            (["Fit", "Validate"][r], format!("noise: {kind}({level}), seed: {}, ", rig.seed + r as u64))
+        }
         Unknown::Movable => ("Fit", String::new()),
     };
     let constants =
