@@ -19,7 +19,7 @@ use crate::load::{Loaded, Purpose, load_text};
 use crate::outdir::OutDir;
 use crate::progress::Progress;
 use anyhow::{Result, anyhow, bail};
-use mistake::{KINDS, mistaken, needs_cubic};
+use mistake::{KINDS, SMALL, mistaken, needs_cubic};
 use phisindy_learn::{Effort, Identified, LearnOptions, Verdict, calibrate, identify, project, smoothed};
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Sources, check, spec, standard_deviation};
@@ -41,10 +41,13 @@ const HELD: f64 = 0.6;
 /// # Errors
 /// There is no such mistake, or specs cannot be written.
 pub(crate) fn table(args: &TableArgs, options: &Options) -> Result<Option<Scored>> {
-    let kinds: Vec<&str> =
-        KINDS.iter().copied().filter(|k| args.only.as_deref().is_none_or(|o| o == *k)).collect();
+    let kinds: Vec<&'static str> = match args.only.as_deref() {
+        None => KINDS.to_vec(),
+        Some("small") => SMALL.to_vec(),
+        Some(only) => KINDS.iter().chain(SMALL).copied().filter(|k| *k == only).collect(),
+    };
     if kinds.is_empty() {
-        bail!("there is no such mistake; there is: {}", KINDS.join(", "));
+        bail!("there is no such mistake; there is: small, {}", KINDS.join(", "));
     }
     let seed = options.seed.unwrap_or(0);
     let folder = options.out.as_deref().map(OutDir::create).transpose()?;
@@ -80,7 +83,7 @@ fn both(
     let pair = drawn(kind, &mut dice, options).map_err(|why| anyhow!("set {index}, {kind}: {why}"))?;
     let mut out = Vec::new();
     for (kind, set) in [(kind, &pair.wrong), ("nothing", &pair.right)] {
-        let name = format!("{index:03}-{}", kind.replace(' ', "-"));
+        let name = format!("{index:03}-{}", kind.replace([' ', ','], "-"));
         if let Some(folder) = folder {
             folder.write(&format!("{name}.ron"), &set.loaded.text)?;
         }

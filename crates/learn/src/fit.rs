@@ -14,6 +14,9 @@ const STAGES: [usize; 3] = [20, 5, 1];
 /// A single run whose residual is this many times that of five segments is not trusted.
 const DRIFT: f64 = 3.0;
 
+/// A fit whose residual is this many times that of the shortest segments may sit in a side minimum, into which the stage between has led it.
+const SPOILED: f64 = 1.2;
+
 /// By how much the joints of a chain of segments are tightened, in turn, in units of how much they jump if free.
 const TIGHTER: [f64; 3] = [0.3, 0.03, 0.003];
 
@@ -59,15 +62,30 @@ impl<'a> Context<'a> {
             }
         };
         for &pieces in &stages {
-            let mut problem =
-                Problem::new(self.system, terms, &self.records, &vec![pieces; self.records.len()]).ok()?;
-            problem.budget = before.as_ref().map(|(_, fit)| fit.budget(fit.most_pieces().div_ceil(pieces)));
-            let mut x = problem.guess(&values, parameters.as_deref(), &self.smooth);
-            if let Some((_, fit)) = &before {
-                carry(&fit.problem, &fit.x, &problem, &mut x);
+            let begun = |values: &[f64], parameters: Option<&[f64]>, from: Option<&Fit<'a>>| {
+                let mut problem =
+                    Problem::new(self.system, terms, &self.records, &vec![pieces; self.records.len()])
+                        .ok()?;
+                problem.budget = from.map(|fit| fit.budget(fit.most_pieces().div_ceil(pieces)));
+                let mut x = problem.guess(values, parameters, &self.smooth);
+                if let Some(fit) = from {
+                    carry(&fit.problem, &fit.x, &problem, &mut x);
+                }
+                let noise = self.first_noise(&problem);
+                self.settle(problem, x, noise, 1)
+            };
+            let mut fit = begun(&values, parameters.as_deref(), before.as_ref().map(|(_, fit)| fit));
+            if let Some(fine) = &finest {
+                let size = |fit: &Option<Fit<'_>>| {
+                    fit.as_ref().and_then(|fit| self.misfit(fit)).unwrap_or(f64::INFINITY)
+                };
+                if size(&fit) > SPOILED * self.misfit(fine)? {
+                    let other = begun(&fine.x[..terms.len()], self.shared(fine).as_deref(), Some(fine));
+                    if size(&other) < size(&fit) {
+                        fit = other;
+                    }
+                }
             }
-            let noise = self.first_noise(&problem);
-            let fit = self.settle(problem, x, noise, 1);
             let Some(fit) = fit else {
                 if before.is_some() {
                     break;

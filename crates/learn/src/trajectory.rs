@@ -8,7 +8,7 @@ use crate::identify::{at_bounds, verdict};
 use crate::initial::{Regression, smoothed};
 use crate::linear::covariance;
 use crate::problem::{Meaning, Problem};
-use crate::select::{Selection, select};
+use crate::select::{Selection, rivals, select};
 use faer::Mat;
 use phisindy_phys::spec::{Method, Role, SegmentsSpec, SelectionSpec};
 use phisindy_phys::unit::Unit;
@@ -57,7 +57,10 @@ pub(crate) fn by_trajectory(
         SelectionSpec::Cutoff(cutoff) => cut(&context, whole(&context, fit, &all), cutoff),
     };
     stopped |= observe(0.9).is_break();
+    let near = if chosen == SelectionSpec::Auto { rivals(&context, &fit, &all) } else { vec![] };
+    let instead = near.first().map(|(terms, worse)| instead(system, &fit.problem.terms, terms, *worse));
     let mut found = report(case, records, fit, path, stopped);
+    found.warnings.extend(instead);
     for &k in &regression.singular {
         let (candidate, state) = (&system.terms[k].candidate, &system.states[system.terms[k].state].name);
         found.warnings.push(format!(
@@ -65,6 +68,22 @@ pub(crate) fn by_trajectory(
         ));
     }
     Ok(found)
+}
+
+/// Another choice of terms that is nearly as good, in words.
+fn instead(system: &System, terms: &[usize], other: &[usize], worse: f64) -> String {
+    let of = |a: &[usize], b: &[usize]| {
+        let own = a.iter().find(|t| !b.contains(t));
+        own.map_or(("", ""), |&t| {
+            (system.terms[t].candidate.as_str(), system.states[system.terms[t].state].name.as_str())
+        })
+    };
+    let ((here, state), (there, _)) = (of(terms, other), of(other, terms));
+    format!(
+        "{there} in the place of {here} in {state}' describes the data as well (criterion {worse:.1} higher, below {:.0} is no evidence): the intervals hold only if the terms are \
+         the right ones; a record at another amplitude or speed would tell",
+        crate::select::RIVAL
+    )
 }
 
 /// A start that lowers the misfit by less than this part was not worth trying: neither will the next one be.

@@ -6,6 +6,8 @@ use crate::hidden::{Dice, rounded};
 /// What can be wrong.
 pub(super) const KINDS: &[&str] =
     &["stiffness", "mass", "no damping", "sign", "drive frequency", "drive phase", "no cubic"];
+/// The same so small that it may be lost in the noise: only if asked for.
+pub(super) const SMALL: &[&str] = &["stiffness, a little", "damping, a little"];
 
 /// Whether the truth of this kind has a spring that is not straight.
 pub(super) fn needs_cubic(kind: &str) -> bool {
@@ -26,6 +28,14 @@ pub(super) fn mistaken(rig: &Rig, kind: &str, dice: &mut Dice) -> Option<(Physic
     let sign = dice.sign();
     let said = match kind {
         "stiffness" => number(&mut wrong, &format!("k{one}"), &|k| k * (1.0 + 0.1 * sign))?,
+        "stiffness, a little" => {
+            let part = dice.log(0.002, 0.04);
+            number(&mut wrong, &format!("k{one}"), &|k| k * (1.0 + part * sign))?
+        }
+        "damping, a little" => {
+            let part = dice.log(0.05, 0.6);
+            number(&mut wrong, &format!("c{one}"), &|c| c * (1.0 + part * sign))?
+        }
         "mass" => number(&mut wrong, &format!("m{one}"), &|m| m * (1.0 + 0.2 * sign))?,
         "no damping" => {
             wrong.forces.iter_mut().for_each(|f| f.retain(|s| !s.text.starts_with('c')));
