@@ -7,7 +7,7 @@ use crate::least_squares::{Limits, Normal, minimise};
 use crate::noise::ColumnNoise;
 use crate::problem::{ColumnResidual, Meaning, Noise, Problem};
 use phisindy_phys::spec::SegmentsSpec;
-use phisindy_phys::{Record, System, effective_samples, noise_level};
+use phisindy_phys::{Record, System, chance_of_white, effective_samples, noise_level};
 
 /// Segments of the stages that a fit from scratch goes through.
 const STAGES: [usize; 3] = [20, 5, 1];
@@ -365,6 +365,13 @@ impl Fit<'_> {
     /// Whether nothing but noise is left.
     pub(crate) fn is_white(&self) -> bool {
         self.effective > WHITE * self.samples as f64 || self.excess < EXCESS
+    }
+
+    /// The chance that noise looks as what is left does: of the column that looks least like it, with all columns paid for.
+    pub(crate) fn chance_of_noise(&self) -> f64 {
+        let Ok(residuals) = self.problem.residuals(&self.x) else { return 0.0 };
+        let columns: Vec<f64> = whitened(&self.noise, &residuals).map(|w| chance_of_white(&w)).collect();
+        columns.iter().fold(1.0, |least: f64, p| least.min(p * columns.len() as f64))
     }
 
     /// Steps that a simulation of such a model may take over segments so many times as `long`: what takes many times the steps of a good model is a bad

@@ -24,6 +24,8 @@ const VAGUE: f64 = 0.02;
 const PROFILED: usize = 12;
 /// Effective samples below this part of all samples are told in words.
 const WHITE: f64 = 0.5;
+/// What noise looks like less often than this is no noise: once in ten thousand right models.
+const NOISE: f64 = 1e-4;
 
 /// Identifies by the trajectory method.
 pub(crate) fn by_trajectory(
@@ -276,6 +278,12 @@ fn report(
              correlated samples as few",
             100.0 * white
         ));
+    } else if fit.chance_of_noise() < NOISE {
+        warnings.push(
+            "the residual is not white: what is left is small, but it is not noise; something is still missing, or a number of the known part is a little wrong, and the \
+             intervals, which take it as exact, may miss"
+                .into(),
+        );
     }
     let segmented = fit.pieces.iter().any(|&p| p > 1);
     if segmented {
