@@ -17,6 +17,11 @@ const DRIFT: f64 = 3.0;
 /// A fit whose residual is this many times that of the shortest segments may sit in a side minimum, into which the stage between has led it.
 const SPOILED: f64 = 1.2;
 
+/// What the coefficients are multiplied by to look for a better minimum ...
+const HOPS: [f64; 8] = [0.7, 0.85, 0.93, 0.97, 1.04, 1.08, 1.17, 1.4];
+/// ... which must lower the cost to this part.
+const WORTH: f64 = 0.95;
+
 /// By how much the joints of a chain of segments are tightened, in turn, in units of how much they jump if free.
 const TIGHTER: [f64; 3] = [0.3, 0.03, 0.003];
 
@@ -112,7 +117,31 @@ impl<'a> Context<'a> {
         }
         let (_, fit) = before?;
         let Fit { problem, x, noise, .. } = fit;
-        self.settle(problem, x, noise, 3)
+        self.settle(problem, x, noise, 3).map(|fit| self.hopped(fit))
+    }
+
+    /// A motion that comes to rest has a side minimum for each number of swings before it does: a little more or less of all that is unknown may find a better
+    /// one.
+    fn hopped(&self, mut fit: Fit<'a>) -> Fit<'a> {
+        if fit.is_white() || !fit.comes_to_rest() {
+            return fit;
+        }
+        let bounds = fit.problem.bounds.clone();
+        let hop = |scale: f64| {
+            let mut x = fit.x.clone();
+            for k in 0..fit.problem.terms.len() {
+                x[k] = (x[k] * scale).clamp(bounds[k].0, bounds[k].1);
+            }
+            let limits = Limits::new(8, 1e-3);
+            let end = minimise(&mut x, &bounds, limits, |x| fit.problem.normal(x, &fit.weights).ok())?;
+            Some((end.cost, x))
+        };
+        let best = HOPS.into_iter().filter_map(hop).min_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((_, x)) = best.filter(|(cost, _)| *cost < WORTH * fit.normal.cost) {
+            fit.x = x;
+            return self.resettle(fit);
+        }
+        fit
     }
 
     /// A fit of cut records as one run for each. A model that lacks a term drifts, and is cut; once the term is found the cuts only waste what the
@@ -372,6 +401,15 @@ impl Fit<'_> {
         let Ok(residuals) = self.problem.residuals(&self.x) else { return 0.0 };
         let columns: Vec<f64> = whitened(&self.noise, &residuals).map(|w| chance_of_white(&w)).collect();
         columns.iter().fold(1.0, |least: f64, p| least.min(p * columns.len() as f64))
+    }
+
+    /// Whether a single run ends with all contacts at rest.
+    fn comes_to_rest(&self) -> bool {
+        self.problem.segments.iter().filter(|s| self.pieces[s.record] == 1).any(|segment| {
+            let Ok(seen) = self.problem.trajectory(segment, &self.x) else { return false };
+            let contacts = seen.run.modes.len() / (seen.run.states.len() / seen.run.n).max(1);
+            contacts > 0 && seen.run.modes.iter().rev().take(contacts).all(|mode| *mode == 0)
+        })
     }
 
     /// Steps that a simulation of such a model may take over segments so many times as `long`: what takes many times the steps of a good model is a bad
