@@ -228,7 +228,7 @@ fn told(found: &Identified) -> Vec<String> {
         told.push("rejected".to_owned());
     }
     for (words, name) in
-        [("not white", "residual"), ("ended at its bound", "bound"), ("times worse", "validation")]
+        [("not white", "residual"), ("ended at its bound", "bound"), ("carry over", "validation")]
     {
         if found.warnings.iter().any(|w| w.contains(words)) {
             told.push(name.to_owned());

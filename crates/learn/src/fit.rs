@@ -363,7 +363,7 @@ fn whitened(noise: &Noise, residuals: &[Vec<ColumnResidual>]) -> impl Iterator<I
 }
 
 /// By how much the scatter of an estimate is larger than independent samples would make it.
-fn inflation(samples: usize, effective: f64) -> f64 {
+pub(crate) fn inflation(samples: usize, effective: f64) -> f64 {
     let f = samples as f64 / effective.max(1.0);
     // The estimate itself scatters round 1.
     if f < 1.3 { 1.0 } else { f }

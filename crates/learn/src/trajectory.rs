@@ -1,5 +1,6 @@
 //! Method `trajectory`: the event-located simulation fitted to the records, terms selected, error bars.
 
+use crate::agreement::disagreements;
 use crate::assess::{Solution, assess};
 use crate::differentiators::{Number, dependence, otherwise};
 use crate::fit::{Context, Fit};
@@ -295,6 +296,7 @@ fn report(
     let mut solution = solution(system, records, &fit, &fit_indices);
     let filled: Vec<Record> = records.iter().map(|r| smoothed(system, r)).collect();
     let mut fits = assess(system, records, &filled, &mut solution);
+    warnings.extend(disagreements(&fit, &cov, &solution, records, &filled, &fits));
     for (i, &r) in fit_indices.iter().enumerate() {
         fits[r].noise = (0..system.states.len())
             .filter(|&k| records[r].columns[k].is_some())
