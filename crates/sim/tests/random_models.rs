@@ -9,7 +9,7 @@ use phisindy_phys::Model;
 use phisindy_sim::{Automaton, Drive, Options, SimError, Trajectory, simulate};
 use random::{Acting, Dice, Place, Rig};
 
-const MODELS: u64 = 60;
+const MODELS: u64 = 40;
 
 fn models() -> std::ops::Range<u64> {
     let wanted =
@@ -252,7 +252,7 @@ fn the_step_does_not_show() {
         };
         let mut growth: f64 = 1.0;
         let mut all = true;
-        for k in 0..times.len() {
+        for (k, t) in times.iter().enumerate() {
             growth = nudged.iter().map(|n| apart(n, &fine, k) / NUDGE).fold(growth, f64::max);
             if growth > WILD {
                 all = false;
@@ -266,14 +266,13 @@ fn the_step_does_not_show() {
             assert!(
                 ratio < STEPS,
                 "model {seed} at {}: {apart:e} between tolerances, a nudge grows by {growth}\n{rig:?}",
-                times[k]
+                t
             );
         }
         whole += u64::from(all);
         count += 1;
     }
-    eprintln!("{count} motions, {whole} compared to their end, worst {worst:?}");
-    assert!(whole * 10 >= count * 8, "{whole} of {count} compared to their end");
+    assert!(whole * 10 >= count * 8, "{whole} of {count} compared to their end, worst {worst:?}");
 }
 
 /// Rigs a little different: in the start, in the drive, in the strength of each law.
