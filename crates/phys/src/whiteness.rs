@@ -91,7 +91,7 @@ mod tests {
         };
         assert!(with(&|_| 0.0) > 0.01);
         // A quarter of the noise: the rms rises by a thirtieth.
-        assert!(with(&|i| 0.35 * (0.2 * i).sin()) < 1e-6);
+        assert!(with(&|i| 0.35 * (2.0 * i).sin()) < 1e-6);
         assert!(with(&|i| 0.9 * (i / 1500.0 - 0.5)) < 1e-4);
     }
 
