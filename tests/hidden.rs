@@ -98,3 +98,22 @@ fn the_score_takes_results_that_are_there_and_does_not_run_them_again() {
     let lines: Vec<&str> = said.out.lines().filter(|l| l.starts_with("003 ")).collect();
     assert!(lines.len() == 1 && lines[0].contains("van-der-pol at nowhere"), "{}", said.out);
 }
+
+#[test]
+fn a_known_part_with_one_thing_wrong_is_told_of() {
+    let scratch = Scratch::new("wrong-physics");
+    let said =
+        phisindy(&["table", "wrong", "--out", &scratch.path(""), "--sets", "2", "--seed", "4", "--quiet"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let cells = |name: &str| -> Vec<String> {
+        let row = said.out.lines().find(|l| l.starts_with(&format!("| {name} |"))).expect("a row");
+        row.split('|').map(|c| c.trim().to_owned()).collect()
+    };
+    let (wrong, right) = (cells("all of these"), cells("nothing is wrong"));
+    assert!(wrong[2] == "2" && wrong[3] == "2", "{}", said.out);
+    assert!(right[2] == "2" && right[3] == "0", "{}", said.out);
+    // Whoever doubts a set runs its spec.
+    let spec = scratch.path("000-stiffness.ron");
+    let checked = phisindy(&["check", &spec]);
+    assert_eq!(checked.code, 0, "{}", checked.err);
+}

@@ -280,10 +280,10 @@ pub(crate) struct TableArgs {
     /// Folder of the specs
     #[arg(long, value_name = "DIR", default_value = "specs")]
     pub(crate) specs: PathBuf,
-    /// Number of sets of `hidden`
+    /// Number of sets of `hidden` and `wrong`
     #[arg(id = "count", long = "sets", value_name = "N", default_value_t = 40)]
     pub(crate) sets: usize,
-    /// Sets of `hidden` with this law only (or nothing, two, outside)
+    /// Sets of `hidden` with this law only (or nothing, two, outside), of `wrong` with this mistake only
     #[arg(long, value_name = "LAW")]
     pub(crate) only: Option<String>,
     /// Run the sets of `score` again that have a result already
@@ -305,6 +305,8 @@ pub(crate) enum TableKind {
     Hidden,
     /// What the gap workflow makes of the sets in --out.
     Score,
+    /// What `run` says of models with one thing wrong in the known part.
+    Wrong,
     /// The operations of the expression language.
     Language,
 }

@@ -31,9 +31,10 @@ use crate::interrupt;
 use crate::outdir::OutDir;
 use crate::progress::Progress;
 use anyhow::{Result, anyhow};
-use dice::Dice;
 use std::path::PathBuf;
 
+pub(crate) use dice::{Dice, rounded};
+pub(crate) use effect::substitute;
 pub(crate) use score::Score;
 
 /// Scores the sets; none if the user stopped it.

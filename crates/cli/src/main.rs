@@ -36,6 +36,7 @@ mod simulate;
 mod sweep;
 mod table;
 mod trends;
+mod wrong;
 
 use clap::Parser;
 use std::process::ExitCode;

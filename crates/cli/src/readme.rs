@@ -7,7 +7,7 @@ mod seeds;
 use crate::args::{Options, TableArgs, TableKind};
 use crate::command::print;
 use crate::outdir::replace_file;
-use crate::{draw, hidden, interrupt};
+use crate::{draw, hidden, interrupt, wrong};
 use anyhow::{Context, Result, bail};
 use phisindy_phys::Sources;
 use std::path::PathBuf;
@@ -58,6 +58,16 @@ pub(crate) fn command(args: &TableArgs, options: &Options) -> Result<u8> {
                 scored.map(|s| {
                     failures = s.failures;
                     s.tables
+                }),
+            )
+        }
+        TableKind::Wrong => {
+            let scored = wrong::table(args, options)?;
+            (
+                "wrong",
+                scored.map(|s| {
+                    failures = s.failures;
+                    s.table
                 }),
             )
         }

@@ -7,12 +7,20 @@ use crate::least_squares::{Limits, Normal, minimise};
 use crate::noise::ColumnNoise;
 use crate::problem::{ColumnResidual, Meaning, Noise, Problem};
 use phisindy_phys::spec::SegmentsSpec;
-use phisindy_phys::{Record, System, effective_samples, noise_level};
+use phisindy_phys::{Record, System, chance_of_white, effective_samples, noise_level};
 
 /// Segments of the stages that a fit from scratch goes through.
 const STAGES: [usize; 3] = [20, 5, 1];
 /// A single run whose residual is this many times that of five segments is not trusted.
 const DRIFT: f64 = 3.0;
+
+/// A fit whose residual is this many times that of the shortest segments may sit in a side minimum, into which the stage between has led it.
+const SPOILED: f64 = 1.2;
+
+/// What the coefficients are multiplied by to look for a better minimum ...
+const HOPS: [f64; 8] = [0.7, 0.85, 0.93, 0.97, 1.04, 1.08, 1.17, 1.4];
+/// ... which must lower the cost to this part.
+const WORTH: f64 = 0.95;
 
 /// By how much the joints of a chain of segments are tightened, in turn, in units of how much they jump if free.
 const TIGHTER: [f64; 3] = [0.3, 0.03, 0.003];
@@ -59,15 +67,30 @@ impl<'a> Context<'a> {
             }
         };
         for &pieces in &stages {
-            let mut problem =
-                Problem::new(self.system, terms, &self.records, &vec![pieces; self.records.len()]).ok()?;
-            problem.budget = before.as_ref().map(|(_, fit)| fit.budget(fit.most_pieces().div_ceil(pieces)));
-            let mut x = problem.guess(&values, parameters.as_deref(), &self.smooth);
-            if let Some((_, fit)) = &before {
-                carry(&fit.problem, &fit.x, &problem, &mut x);
+            let begun = |values: &[f64], parameters: Option<&[f64]>, from: Option<&Fit<'a>>| {
+                let mut problem =
+                    Problem::new(self.system, terms, &self.records, &vec![pieces; self.records.len()])
+                        .ok()?;
+                problem.budget = from.map(|fit| fit.budget(fit.most_pieces().div_ceil(pieces)));
+                let mut x = problem.guess(values, parameters, &self.smooth);
+                if let Some(fit) = from {
+                    carry(&fit.problem, &fit.x, &problem, &mut x);
+                }
+                let noise = self.first_noise(&problem);
+                self.settle(problem, x, noise, 1)
+            };
+            let mut fit = begun(&values, parameters.as_deref(), before.as_ref().map(|(_, fit)| fit));
+            if let Some(fine) = &finest {
+                let size = |fit: &Option<Fit<'_>>| {
+                    fit.as_ref().and_then(|fit| self.misfit(fit)).unwrap_or(f64::INFINITY)
+                };
+                if size(&fit) > SPOILED * self.misfit(fine)? {
+                    let other = begun(&fine.x[..terms.len()], self.shared(fine).as_deref(), Some(fine));
+                    if size(&other) < size(&fit) {
+                        fit = other;
+                    }
+                }
             }
-            let noise = self.first_noise(&problem);
-            let fit = self.settle(problem, x, noise, 1);
             let Some(fit) = fit else {
                 if before.is_some() {
                     break;
@@ -94,7 +117,31 @@ impl<'a> Context<'a> {
         }
         let (_, fit) = before?;
         let Fit { problem, x, noise, .. } = fit;
-        self.settle(problem, x, noise, 3)
+        self.settle(problem, x, noise, 3).map(|fit| self.hopped(fit))
+    }
+
+    /// A motion that comes to rest has a side minimum for each number of swings before it does: a little more or less of all that is unknown may find a better
+    /// one.
+    fn hopped(&self, mut fit: Fit<'a>) -> Fit<'a> {
+        if fit.is_white() || !fit.comes_to_rest() {
+            return fit;
+        }
+        let bounds = fit.problem.bounds.clone();
+        let hop = |scale: f64| {
+            let mut x = fit.x.clone();
+            for k in 0..fit.problem.terms.len() {
+                x[k] = (x[k] * scale).clamp(bounds[k].0, bounds[k].1);
+            }
+            let limits = Limits::new(8, 1e-3);
+            let end = minimise(&mut x, &bounds, limits, |x| fit.problem.normal(x, &fit.weights).ok())?;
+            Some((end.cost, x))
+        };
+        let best = HOPS.into_iter().filter_map(hop).min_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((_, x)) = best.filter(|(cost, _)| *cost < WORTH * fit.normal.cost) {
+            fit.x = x;
+            return self.resettle(fit);
+        }
+        fit
     }
 
     /// A fit of cut records as one run for each. A model that lacks a term drifts, and is cut; once the term is found the cuts only waste what the
@@ -316,7 +363,7 @@ fn whitened(noise: &Noise, residuals: &[Vec<ColumnResidual>]) -> impl Iterator<I
 }
 
 /// By how much the scatter of an estimate is larger than independent samples would make it.
-fn inflation(samples: usize, effective: f64) -> f64 {
+pub(crate) fn inflation(samples: usize, effective: f64) -> f64 {
     let f = samples as f64 / effective.max(1.0);
     // The estimate itself scatters round 1.
     if f < 1.3 { 1.0 } else { f }
@@ -347,6 +394,22 @@ impl Fit<'_> {
     /// Whether nothing but noise is left.
     pub(crate) fn is_white(&self) -> bool {
         self.effective > WHITE * self.samples as f64 || self.excess < EXCESS
+    }
+
+    /// The chance that noise looks as what is left does: of the column that looks least like it, with all columns paid for.
+    pub(crate) fn chance_of_noise(&self) -> f64 {
+        let Ok(residuals) = self.problem.residuals(&self.x) else { return 0.0 };
+        let columns: Vec<f64> = whitened(&self.noise, &residuals).map(|w| chance_of_white(&w)).collect();
+        columns.iter().fold(1.0, |least: f64, p| least.min(p * columns.len() as f64))
+    }
+
+    /// Whether a single run ends with all contacts at rest.
+    fn comes_to_rest(&self) -> bool {
+        self.problem.segments.iter().filter(|s| self.pieces[s.record] == 1).any(|segment| {
+            let Ok(seen) = self.problem.trajectory(segment, &self.x) else { return false };
+            let contacts = seen.run.modes.len() / (seen.run.states.len() / seen.run.n).max(1);
+            contacts > 0 && seen.run.modes.iter().rev().take(contacts).all(|mode| *mode == 0)
+        })
     }
 
     /// Steps that a simulation of such a model may take over segments so many times as `long`: what takes many times the steps of a good model is a bad

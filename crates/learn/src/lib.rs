@@ -1,5 +1,6 @@
 //! System and records to an identified model.
 
+mod agreement;
 mod assess;
 mod batch;
 mod calibrate;

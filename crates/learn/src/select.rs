@@ -6,6 +6,7 @@
 
 use crate::fit::{Context, Fit};
 use crate::identified::PathPoint;
+use crate::least_squares::Normal;
 use crate::linear::covariance;
 
 /// A term whose share of the unknown rate (rms along the trajectory) is below this does not matter ...
@@ -122,6 +123,7 @@ fn neighbour<'a>(
         terms.sort_unstable();
         changes.push((criterion(now.normal.cost - fall, terms.len()), terms));
     }
+    changes.extend(swaps(context, now, all).into_iter().map(|(terms, cost)| (criterion(cost, k), terms)));
     changes.retain(|(value, terms)| *value < here && !tried.contains(terms));
     changes.sort_by(|a, b| a.0.total_cmp(&b.0));
     changes.into_iter().take(3).find_map(|(_, terms)| {
@@ -166,25 +168,97 @@ fn pruned<'a>(context: &Context<'a>, mut now: Fit<'a>, criterion: &impl Fn(f64, 
     now
 }
 
-/// For terms outside the model, alone and in pairs of one equation: the fall of the cost that the quadratic model promises.
-fn scores<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<usize>, f64)> {
-    let outside: Vec<usize> = all.iter().copied().filter(|t| !now.problem.terms.contains(t)).collect();
-    if outside.is_empty() {
-        return vec![];
-    }
-    let mut terms: Vec<usize> = now.problem.terms.iter().chain(&outside).copied().collect();
+/// All candidates at the present solution: their terms, the unknowns, and the quadratic model of the cost. `None` if there are no others, or they cannot be
+/// simulated.
+fn outlook<'a>(
+    context: &Context<'a>,
+    now: &Fit<'a>,
+    all: &[usize],
+) -> Option<(Vec<usize>, Vec<f64>, Normal)> {
+    let mut terms: Vec<usize> = all.iter().chain(&now.problem.terms).copied().collect();
     terms.sort_unstable();
-    let Some(problem) = context.problem(&terms, now) else { return vec![] };
-    let k = now.problem.terms.len();
+    terms.dedup();
+    if terms.len() == now.problem.terms.len() {
+        return None;
+    }
+    let problem = context.problem(&terms, now)?;
     // The same point: unknowns after the coefficients are laid out alike.
     let mut x = vec![0.0; problem.unknowns];
     for (i, t) in terms.iter().enumerate() {
         x[i] = now.problem.terms.iter().position(|u| u == t).map_or(0.0, |j| now.x[j]);
     }
-    x[terms.len()..].copy_from_slice(&now.x[k..]);
-    let Ok(normal) = problem.normal(&x, &now.weights) else { return vec![] };
+    x[terms.len()..].copy_from_slice(&now.x[now.problem.terms.len()..]);
+    let normal = problem.normal(&x, &now.weights).ok()?;
+    Some((terms, x, normal))
+}
+
+/// For each term of the model and each one of the same equation outside of it: the terms with the one in the place of the other, and the cost that the
+/// quadratic model promises. A better model may be two steps away, each of which is worse.
+fn swaps<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<usize>, f64)> {
+    let Some((terms, x, normal)) = outlook(context, now, all) else { return vec![] };
+    let (a, system) = (&normal.matrix, context.system);
+    let inside = |i: &usize| now.problem.terms.contains(&terms[*i]);
+    let mut out = Vec::new();
+    for gone in (0..terms.len()).filter(inside) {
+        // What stays follows.
+        let stays: Vec<usize> =
+            (0..x.len()).filter(|i| *i != gone && (*i >= terms.len() || inside(i))).collect();
+        let inner = covariance(&faer::Mat::from_fn(stays.len(), stays.len(), |i, j| a[(stays[i], stays[j])]));
+        let followed = |column: &dyn Fn(usize) -> f64, row: usize| -> f64 {
+            let along = |i: usize| {
+                let seen = (0..stays.len()).filter(|&j| inner[(i, j)].is_finite());
+                seen.map(|j| inner[(i, j)] * column(stays[j])).sum::<f64>()
+            };
+            (0..stays.len()).map(|i| a[(row, stays[i])] * along(i)).sum()
+        };
+        let left = |i: usize, j: usize| a[(i, j)] - followed(&|s| a[(s, j)], i);
+        let slope = |i: usize| normal.gradient[i] - followed(&|s| normal.gradient[s], i);
+        let less = -x[gone];
+        let without = normal.cost + 2.0 * slope(gone) * less + left(gone, gone) * less * less;
+        let same = |i: &usize| system.terms[terms[*i]].state == system.terms[terms[gone]].state;
+        for new in (0..terms.len()).filter(|i| !inside(i)).filter(same) {
+            let (own, pull) = (left(new, new), slope(new) + left(new, gone) * less);
+            let (low, high) = system.terms[terms[new]].within;
+            if own.is_nan() || own <= 1e-12 * a[(new, new)] || !(low..=high).contains(&(-pull / own)) {
+                continue;
+            }
+            let mut with: Vec<usize> =
+                now.problem.terms.iter().copied().filter(|t| *t != terms[gone]).chain([terms[new]]).collect();
+            with.sort_unstable();
+            out.push((with, without - pull * pull / own));
+        }
+    }
+    out
+}
+
+/// Odds of twenty to one, as a difference of the criterion: what is nearer than this cannot be told apart.
+pub(crate) const RIVAL: f64 = 6.0;
+/// How many of the most promising rivals are fitted.
+const RIVALS: usize = 2;
+
+/// Choices of as many terms that the data describe nearly as well, and by how much the criterion is worse; the nearest first.
+pub(crate) fn rivals<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<usize>, f64)> {
+    let worse = |cost: f64| (cost - now.normal.cost) / now.inflation();
+    let mut near: Vec<(Vec<usize>, f64)> =
+        swaps(context, now, all).into_iter().map(|(terms, cost)| (terms, worse(cost))).collect();
+    // The quadratic model may promise too little: a refit decides.
+    near.retain(|(_, worse)| *worse < 4.0 * RIVAL);
+    near.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let fitted = near.into_iter().take(RIVALS).filter_map(|(terms, _)| {
+        let fit = context.refit(now, &terms)?;
+        Some((terms, worse(fit.normal.cost).max(0.0)))
+    });
+    let mut out: Vec<(Vec<usize>, f64)> = fitted.filter(|(_, worse)| *worse < RIVAL).collect();
+    out.sort_by(|a, b| a.1.total_cmp(&b.1));
+    out
+}
+
+/// For terms outside the model, alone and in pairs of one equation: the fall of the cost that the quadratic model promises.
+fn scores<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<usize>, f64)> {
+    let outside: Vec<usize> = all.iter().copied().filter(|t| !now.problem.terms.contains(t)).collect();
+    let Some((terms, x, normal)) = outlook(context, now, all) else { return vec![] };
     let new: Vec<usize> = outside.iter().filter_map(|t| terms.iter().position(|u| u == t)).collect();
-    let old: Vec<usize> = (0..problem.unknowns).filter(|i| !new.contains(i)).collect();
+    let old: Vec<usize> = (0..x.len()).filter(|i| !new.contains(i)).collect();
     // Schur complement of what is fitted already.
     let a = &normal.matrix;
     let inner = covariance(&faer::Mat::from_fn(old.len(), old.len(), |i, j| a[(old[i], old[j])]));

@@ -1,5 +1,6 @@
 //! Method `trajectory`: the event-located simulation fitted to the records, terms selected, error bars.
 
+use crate::agreement::disagreements;
 use crate::assess::{Solution, assess};
 use crate::differentiators::{Number, dependence, otherwise};
 use crate::fit::{Context, Fit};
@@ -10,7 +11,7 @@ use crate::identify::{at_bounds, verdict};
 use crate::initial::{Regression, smoothed};
 use crate::linear::covariance;
 use crate::problem::{Meaning, Problem};
-use crate::select::{Selection, select};
+use crate::select::{Selection, rivals, select};
 use faer::Mat;
 use phisindy_phys::spec::{Method, Role, SegmentsSpec, SelectionSpec};
 use phisindy_phys::unit::Unit;
@@ -26,6 +27,8 @@ const VAGUE: f64 = 0.02;
 const PROFILED: usize = 12;
 /// Effective samples below this part of all samples are told in words.
 const WHITE: f64 = 0.5;
+/// What noise looks like less often than this is no noise: once in ten thousand right models.
+const NOISE: f64 = 1e-4;
 
 /// Identifies by the trajectory method.
 pub(crate) fn by_trajectory(
@@ -59,7 +62,10 @@ pub(crate) fn by_trajectory(
         SelectionSpec::Cutoff(cutoff) => cut(&context, whole(&context, fit, &all), cutoff),
     };
     stopped |= observe(0.9).is_break();
+    let near = if chosen == SelectionSpec::Auto { rivals(&context, &fit, &all) } else { vec![] };
+    let instead = near.first().map(|(terms, worse)| instead(system, &fit.problem.terms, terms, *worse));
     let mut found = report(case, records, fit, path, stopped);
+    found.warnings.extend(instead);
     for &k in &regression.singular {
         let (candidate, state) = (&system.terms[k].candidate, &system.states[system.terms[k].state].name);
         found.warnings.push(format!(
@@ -67,6 +73,22 @@ pub(crate) fn by_trajectory(
         ));
     }
     Ok(found)
+}
+
+/// Another choice of terms that is nearly as good, in words.
+fn instead(system: &System, terms: &[usize], other: &[usize], worse: f64) -> String {
+    let of = |a: &[usize], b: &[usize]| {
+        let own = a.iter().find(|t| !b.contains(t));
+        own.map_or(("", ""), |&t| {
+            (system.terms[t].candidate.as_str(), system.states[system.terms[t].state].name.as_str())
+        })
+    };
+    let ((here, state), (there, _)) = (of(terms, other), of(other, terms));
+    format!(
+        "{there} in the place of {here} in {state}' describes the data as well (criterion {worse:.1} higher, below {:.0} is no evidence): the intervals hold only if the terms are \
+         the right ones; a record at another amplitude or speed would tell",
+        crate::select::RIVAL
+    )
 }
 
 /// A start that lowers the misfit by less than this part was not worth trying: neither will the next one be.
@@ -259,6 +281,12 @@ fn report(
              correlated samples as few",
             100.0 * white
         ));
+    } else if fit.chance_of_noise() < NOISE {
+        warnings.push(
+            "the residual is not white: what is left is small, but it is not noise; something is still missing, or a number of the known part is a little wrong, and the \
+             intervals, which take it as exact, may miss"
+                .into(),
+        );
     }
     let segmented = fit.pieces.iter().any(|&p| p > 1);
     if segmented {
@@ -271,6 +299,7 @@ fn report(
     let filled: Vec<Record> = records.iter().map(|r| smoothed(system, r)).collect();
     let mut fits = assess(system, records, &filled, &mut solution);
     warnings.extend(sensitive_starts(&fits));
+    warnings.extend(disagreements(&fit, &cov, &solution, records, &filled, &fits));
     for (i, &r) in fit_indices.iter().enumerate() {
         fits[r].noise = (0..system.states.len())
             .filter(|&k| records[r].columns[k].is_some())

@@ -222,3 +222,80 @@ fn stops_when_it_is_told_to() {
         assert!(found.unwrap().stopped, "{method:?}");
     }
 }
+
+/// A mass that is released comes to rest after a few swings; a fit with a swing more or less is a side minimum.
+#[test]
+fn a_released_mass_is_fitted_with_as_many_swings_as_it_makes() {
+    let text = r#"(constants: {"m": 0.9247, "k": 3.717, "c": 0.06637}, states: {"x": "", "v": ""}, known: {"x": "v", "v": "(-k*x - c*v)/m"},
+        unknown: {"v": (factor: "-sgn(v)/m", candidates: ["1", "x", "|v|"])}, contacts: ["v"],
+        data: [Synthetic(truth: {"v": "-0.3051*sgn(v)/m"}, start: {"x": -1.999, "v": 0.0}, duration: 27.09, step: 0.02456,
+            noise: Additive(0.04161), seed: 1, measure: ["x"])])"#;
+    for seed in ["1", "2", "3", "4", "5"] {
+        let (case, records) = common::load_text(text, &[("data.0.seed", seed)]);
+        let found = run(&case, &records).unwrap();
+        assert_eq!(
+            found.terms.iter().map(|t| t.term).collect::<Vec<_>>(),
+            [0],
+            "seed {seed}: {:?}",
+            found.warnings
+        );
+        let e = found.terms[0].coefficient;
+        assert!((e.value - 0.3051).abs() < 5.0 * e.std_error, "seed {seed}: {e:?}");
+        assert!(found.warnings.is_empty(), "seed {seed}: {:?}", found.warnings);
+    }
+}
+
+/// Damping that the known part has too little of hides in the friction, and at another amplitude asks for another one.
+#[test]
+fn a_validate_record_contradicts_friction_that_stands_for_damping() {
+    let text = r#"(constants: {"m": 1.0}, states: {"x": "", "v": ""}, known: {"x": "v", "v": "(-0.08*v - x + G*cos(0.8*t))/m"},
+        unknown: {"v": (factor: "-sgn(v)/m", candidates: ["1"])}, contacts: ["v"],
+        data: [Synthetic(truth: {"v": "-0.2*sgn(v) - EXTRA*v"}, start: {"x": 0.0, "v": 0.0}, duration: 60.0, step: 0.05, constants: {"G": 0.7}, noise: Additive(0.05), seed: 1),
+               Synthetic(truth: {"v": "-0.2*sgn(v) - EXTRA*v"}, start: {"x": 0.0, "v": 0.0}, duration: 60.0, step: 0.05, constants: {"G": 0.35}, noise: Additive(0.05), seed: 2, role: Validate)])"#;
+    let warned = |extra: &str| {
+        let (case, records) = common::load_text(&text.replace("EXTRA", extra), &[]);
+        let found = run(&case, &records).unwrap();
+        found.warnings.iter().any(|w| w.contains("do not carry over"))
+    };
+    assert!(warned("0.0012"));
+    assert!(!warned("0.0"));
+}
+
+/// A falling friction and a growing one are nearly the same over a narrow range of speeds.
+#[test]
+fn another_choice_of_terms_that_does_as_well_is_told_of() {
+    let text = r#"(states: {"x": "", "v": ""}, known: {"x": "v", "v": "-0.1*v - x + cos(0.7*t)"},
+        unknown: {"v": (factor: "-sgn(v)", candidates: ["1", "1 + 0.001*x"])}, contacts: ["v"],
+        data: [Synthetic(truth: {"v": "-0.3*sgn(v)"}, start: {"x": 0.5, "v": 0.1}, duration: 40.0, step: 0.02, noise: Additive(0.05), seed: 3)])"#;
+    let (case, records) = common::load_text(text, &[]);
+    let found = run(&case, &records).unwrap();
+    assert_eq!(found.terms.len(), 1);
+    assert!(found.warnings.iter().any(|w| w.contains("in the place of")), "{:?}", found.warnings);
+    let (case, records) = common::load_text(&text.replace("1 + 0.001*x", "x^2"), &[]);
+    let found = run(&case, &records).unwrap();
+    assert!(!found.warnings.iter().any(|w| w.contains("in the place of")), "{:?}", found.warnings);
+}
+
+/// A little in the stiffness: far below the noise, but not noise.
+#[test]
+fn a_small_mistake_in_the_known_part_is_told_of() {
+    let warned = |stiffness: &str| {
+        let text = oscillator(
+            "",
+            "-0.05*v - x + 0.5*cos(0.9*t)",
+            r#"(factor: "-sgn(v)", candidates: ["1"])"#,
+            &format!("-0.1*sgn(v) - ({stiffness})*x"),
+        );
+        let (case, records) =
+            common::load_text(&text, &[("data.0.duration", "100.0"), ("data.0.noise", "Additive(0.05)")]);
+        let found = run(&case, &records).unwrap();
+        (
+            found.warnings.iter().any(|w| w.contains("a number of the known part is a little wrong")),
+            found.warnings,
+        )
+    };
+    let (told, said) = warned("0.0012");
+    assert!(told, "{said:?}");
+    let (told, said) = warned("0.0");
+    assert!(!told && said.is_empty(), "{said:?}");
+}

@@ -31,6 +31,7 @@ mod suspicion;
 mod system;
 mod trend;
 pub mod unit;
+mod whiteness;
 
 pub use blocks::Blocks;
 pub use check::{Case, check, check_names};
@@ -49,3 +50,4 @@ pub use spread::standard_deviation;
 pub use suspicion::{clipped, suspicions};
 pub use system::{Contact, Input, Parameter, State, System, Term};
 pub use trend::Trend;
+pub use whiteness::chance_of_white;

@@ -229,13 +229,18 @@ impl<'a> Field<'a> {
         self.speed.iter_mut().zip(w).for_each(|(speed, w)| *speed = speed.max(w.abs()));
     }
 
-    /// Keeps contacts that stick exactly at rest, against rounding and the interpolation error of a belt's speed.
+    /// Keeps contacts that stick exactly at rest, against rounding and the interpolation error of a belt's speed. One after the other: contacts that share a
+    /// body move each other, and corrections of all at once would overshoot and grow from step to step.
     pub(crate) fn keep_at_rest(&mut self, t: f64, x: &mut [f64]) {
-        if self.stuck.contains(&true) {
-            self.surfaces(t, x);
-            (0..self.switches())
-                .filter(|&c| self.stuck[c] && self.w(c) != 0.0)
-                .for_each(|c| self.project(c, x));
+        if !self.stuck.contains(&true) {
+            return;
+        }
+        self.surfaces(t, x);
+        for c in 0..self.switches() {
+            if self.stuck[c] && self.w(c) != 0.0 {
+                self.project(c, x);
+                self.surfaces(t, x);
+            }
         }
     }
 

@@ -358,6 +358,23 @@ fn what_sticks_does_not_drift() {
     }
 }
 
+/// Three contacts on three bodies in a row, all stuck: moving each of them onto its surface without a look at the others lets their speeds grow from step to step.
+#[test]
+fn contacts_that_share_a_body_rest_together() {
+    let states = [
+        ("x1", 0.0, "y1"),
+        ("x2", 0.0, "y2"),
+        ("x3", 0.0, "y3"),
+        ("y1", 0.3, "-x1 - 2*sgn(y1-y2)"),
+        ("y2", -0.2, "2*sgn(y1-y2) - 2*sgn(y2-y3) - 2*sgn(y2)"),
+        ("y3", 0.5, "2*sgn(y2-y3) - x3"),
+    ];
+    let run = Case::new(&states, &[]).run(&grid(50.0, 20_000));
+    assert_eq!(run.modes[run.modes.len() - 3..], [0, 0, 0]);
+    let end = &run.states[run.states.len() - 3..];
+    assert!(end.iter().all(|v| v.abs() < 1e-15), "{end:?} while stuck");
+}
+
 /// Three blocks on top of each other, at rest: which contacts stick, against a search through all combinations of modes.
 #[test]
 fn coupled_contacts_find_the_one_consistent_combination() {

@@ -375,15 +375,17 @@ static void field_project(const Field *f, int c, double *x)
         x[j] -= NORMAL(f, c, j)*W(f, c)/length;
 }
 
-/* Moves a point onto the surfaces of all that sticks. */
+/* Moves a point onto the surfaces of all that sticks, one after the other: contacts that share a body move each other. */
 static void field_keep_at_rest(Field *f, double t, double *x)
 {
     if (!any_stuck(f))
         return;
     field_look(f, t, x);
     for (int c = 0; c < CONTACTS; c++)
-        if (f->stuck[c] && W(f, c) != 0.0)
+        if (f->stuck[c] && W(f, c) != 0.0) {
             field_project(f, c, x);
+            field_look(f, t, x);
+        }
 }
 
 static int field_sign(const Field *f, int c) { return f->stuck[c] ? 0 : f->modes[c] < 0.0 ? -1 : 1; }

@@ -245,12 +245,13 @@ class Field:
         self.resolve([], t, x)
 
     def keep_at_rest(self, t, x):
-        """Moves a point onto the surfaces of all that sticks."""
+        """Moves a point onto the surfaces of all that sticks, one after the other: contacts that share a body move each other."""
         if any(self.stuck):
             self.look(t, x, held=False)
             for c, stuck in enumerate(self.stuck):
                 if stuck and self.w[c] != 0.0:
                     self.project(c, x)
+                    self.look(t, x, held=False)
 
     def project(self, c, x):
         length = sum(a*a for a in self.normals[c])

@@ -3,61 +3,61 @@
 use phisindy_sim::Streams;
 
 /// A source of draws.
-pub(super) struct Dice {
+pub(crate) struct Dice {
     streams: Streams,
     count: u64,
 }
 
 impl Dice {
     /// For one purpose under a seed.
-    pub(super) fn new(seed: u64, purpose: &str) -> Dice {
+    pub(crate) fn new(seed: u64, purpose: &str) -> Dice {
         Dice { streams: Streams(Streams(seed).seed(purpose)), count: 0 }
     }
 
     /// A seed for something else.
-    pub(super) fn seed(&mut self) -> u64 {
+    pub(crate) fn seed(&mut self) -> u64 {
         self.count += 1;
         self.streams.seed(&self.count.to_string())
     }
 
     /// From 0 to 1.
-    pub(super) fn unit(&mut self) -> f64 {
+    pub(crate) fn unit(&mut self) -> f64 {
         (self.seed() >> 11) as f64 / (1u64 << 53) as f64
     }
 
     /// Even between two numbers.
-    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
     /// Even in the logarithm. Four digits: a person would have written such a number.
-    pub(super) fn log(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn log(&mut self, low: f64, high: f64) -> f64 {
         rounded(low * (high / low).powf(self.unit()))
     }
 
     /// A whole number from `low` to `high`, both included.
-    pub(super) fn whole(&mut self, low: usize, high: usize) -> usize {
+    pub(crate) fn whole(&mut self, low: usize, high: usize) -> usize {
         low + (self.unit() * (high - low + 1) as f64) as usize
     }
 
     /// One of several.
-    pub(super) fn pick<'a, T>(&mut self, of: &'a [T]) -> &'a T {
+    pub(crate) fn pick<'a, T>(&mut self, of: &'a [T]) -> &'a T {
         &of[self.whole(0, of.len() - 1)]
     }
 
     /// True with this probability.
-    pub(super) fn chance(&mut self, p: f64) -> bool {
+    pub(crate) fn chance(&mut self, p: f64) -> bool {
         self.unit() < p
     }
 
     /// +1 or -1.
-    pub(super) fn sign(&mut self) -> f64 {
+    pub(crate) fn sign(&mut self) -> f64 {
         if self.chance(0.5) { 1.0 } else { -1.0 }
     }
 }
 
 /// A number with four digits.
-pub(super) fn rounded(x: f64) -> f64 {
+pub(crate) fn rounded(x: f64) -> f64 {
     format!("{x:.3e}").parse().unwrap_or(x)
 }
 

@@ -77,7 +77,7 @@ pub(super) struct Scales {
 }
 
 /// The text with every name that is exactly `name` replaced.
-pub(super) fn substitute(text: &str, name: &str, with: &str) -> String {
+pub(crate) fn substitute(text: &str, name: &str, with: &str) -> String {
     let letter = |c: char| c.is_alphanumeric() || c == '_';
     let mut out = String::new();
     let mut word = String::new();

@@ -1,0 +1,104 @@
+//! Is a residual noise? The periodogram of white noise is a row of independent exponential numbers: a line, or low frequencies with more than their
+//! share, are not.
+
+use crate::noise_level::median;
+use realfft::RealFftPlanner;
+
+/// Fewer samples than this tell nothing.
+const FEWEST: usize = 64;
+/// The narrowest band of low frequencies that is looked at, in bins; the others are twice as wide each.
+const NARROW: usize = 4;
+
+/// The probability that white noise would look as coloured as this by chance: the strongest single frequency (R. A. Fisher, Proc. R. Soc. A 125
+/// (1929) 54-59), and the power in bands from zero up, each against the median of the spectrum; the number of looks is paid for.
+///
+/// 1 for too few samples, and for a residual that is nothing at all; numbers that are not finite give 0.
+///
+/// ```
+/// let noise: Vec<f64> = (0..2000_u32).map(|i| f64::from(i.wrapping_mul(2_654_435_769) >> 16) / 65536.0 - 0.5).collect();
+/// let line: Vec<f64> = noise.iter().enumerate().map(|(i, e)| e + 0.2 * (0.1 * i as f64).sin()).collect();
+/// assert!(phisindy_phys::chance_of_white(&line) < 1e-6);
+/// ```
+pub fn chance_of_white(residual: &[f64]) -> f64 {
+    let n = residual.len();
+    if residual.iter().any(|e| !e.is_finite()) {
+        return 0.0;
+    }
+    if n < FEWEST {
+        return 1.0;
+    }
+    let mut values = residual.to_vec();
+    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(n);
+    let mut spectrum = transform.make_output_vec();
+    // The buffers come from the plan, so the transform cannot fail.
+    let _ = transform.process(&mut values, &mut spectrum);
+    // The mean is a frequency too, but the last bin of an even number has half the freedom.
+    let power: Vec<f64> = spectrum[1..n.div_ceil(2)].iter().map(|z| z.norm_sqr()).collect();
+    let level = median(&mut power.clone()) / std::f64::consts::LN_2;
+    if level <= 0.0 {
+        return if power.iter().any(|p| *p > 0.0) { 0.0 } else { 1.0 };
+    }
+    let bins = power.len();
+    let strongest = power.iter().copied().fold(0.0, f64::max) / level;
+    let line = bins as f64 * (-strongest).exp();
+    let widths: Vec<usize> =
+        std::iter::successors(Some(NARROW), |w| Some(2 * w)).take_while(|w| *w <= bins / 4).collect();
+    let band = |&width: &usize| widths.len() as f64 * upper_tail(&power[..width], level);
+    (widths.iter().map(band).fold(line, f64::min) * 2.0).min(1.0)
+}
+
+/// The chance of at least so much power in a band: a chi square with two degrees of freedom for each bin (Wilson and Hilferty, PNAS 17 (1931) 684-688).
+fn upper_tail(power: &[f64], level: f64) -> f64 {
+    let m = power.len() as f64;
+    let ratio = power.iter().sum::<f64>() / (level * m);
+    let z = (ratio.cbrt() - (1.0 - 1.0 / (9.0 * m))) * (9.0 * m).sqrt();
+    // An upper bound of the tail of a normal number, good where it is small.
+    if z <= 1.0 { 1.0 } else { (-0.5 * z * z).exp() / (z * (2.0 * std::f64::consts::PI).sqrt()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Normal enough: sums of twelve uniform numbers.
+    fn noise(n: usize, seed: u64) -> Vec<f64> {
+        let mut state = seed;
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        (0..n).map(|_| (0..12).map(|_| uniform()).sum::<f64>() - 6.0).collect()
+    }
+
+    #[test]
+    fn white_noise_has_the_chance_that_is_said() {
+        let runs = 2000;
+        let below = |p: f64| {
+            (0..runs).filter(|&s| chance_of_white(&noise(700, 7 + 13 * s)) < p).count() as f64 / runs as f64
+        };
+        // Looks are paid for as if they were independent, so the chance is at most what is said; four standard errors are room.
+        for p in [0.1, 0.01] {
+            assert!(below(p) < p + 4.0 * (p / runs as f64).sqrt(), "{} below {p}", below(p));
+        }
+        assert!(below(0.5) > 0.1, "{}", below(0.5));
+    }
+
+    #[test]
+    fn a_faint_line_and_a_slow_drift_are_seen() {
+        let with = |f: &dyn Fn(f64) -> f64| -> f64 {
+            let left: Vec<f64> = noise(1500, 3).iter().enumerate().map(|(i, e)| e + f(i as f64)).collect();
+            chance_of_white(&left)
+        };
+        assert!(with(&|_| 0.0) > 0.01);
+        // A quarter of the noise: the rms rises by a thirtieth.
+        assert!(with(&|i| 0.35 * (2.0 * i).sin()) < 1e-6);
+        assert!(with(&|i| 0.9 * (i / 1500.0 - 0.5)) < 1e-4);
+    }
+
+    #[test]
+    fn nothing_and_too_little_are_no_evidence() {
+        assert_eq!(chance_of_white(&[]), 1.0);
+        assert_eq!(chance_of_white(&[0.0; 500]), 1.0);
+        assert_eq!(chance_of_white(&[f64::NAN; 500]), 0.0);
+    }
+}
