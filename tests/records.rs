@@ -351,9 +351,12 @@ fn refused(name: &str, content: &[u8], column: &str) -> String {
     std::fs::write(&path, spec(&record)).expect("a file");
     let said = phisindy(&["run", &path, "--out", &scratch.path("out")]);
     assert_eq!((said.code, said.out.as_str()), (2, ""), "{name}: {}", said.err);
-    // Nothing is half written.
-    let left = std::fs::read_dir(scratch.path("out")).map_or(0, Iterator::count);
-    assert_eq!(left, 0, "{name}");
+    // Nothing is half written: a whole report of what is wrong, or nothing.
+    let left = std::fs::read_dir(scratch.path("out")).into_iter().flatten().flatten();
+    for file in left {
+        let text = std::fs::read_to_string(file.path()).expect("a report");
+        assert!(file.file_name() == "report.html" && text.trim_end().ends_with("</html>"), "{name}: {file:?}");
+    }
     said.err
 }
 

@@ -257,7 +257,7 @@ fn a_validate_record_contradicts_friction_that_stands_for_damping() {
         let found = run(&case, &records).unwrap();
         found.warnings.iter().any(|w| w.contains("do not carry over"))
     };
-    assert!(warned("0.0012"));
+    assert!(warned("0.006"));
     assert!(!warned("0.0"));
 }
 
