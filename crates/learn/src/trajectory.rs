@@ -15,6 +15,7 @@ use faer::Mat;
 use phisindy_phys::spec::{Method, Role, SegmentsSpec, SelectionSpec};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{Case, Record, System};
+use rayon::prelude::*;
 use std::ops::ControlFlow;
 
 /// Correlations beyond this are told in words.
@@ -219,6 +220,7 @@ fn report(
     };
     let t = problem.terms.len();
     let terms: Vec<FoundTerm> = (0..t)
+        .into_par_iter()
         .map(|k| {
             let coefficient = if t > PROFILED { Estimate::normal(fit.x[k], error(k)) } else { estimate(k) };
             FoundTerm::new(problem.terms[k], coefficient)
