@@ -36,7 +36,8 @@ pub(crate) fn by_trajectory(
 ) -> Result<Identified, LearnError> {
     let system = &case.system;
     let fitted: Vec<&Record> = records.iter().filter(|r| r.role == Role::Fit).collect();
-    let smooth: Vec<Record> = fitted.iter().map(|r| smoothed(system, r)).collect();
+    let filled: Vec<Record> = records.iter().map(|r| smoothed(system, r)).collect();
+    let smooth: Vec<Record> = filled.iter().filter(|r| r.role == Role::Fit).cloned().collect();
     let context = Context {
         system,
         records: fitted.clone(),
@@ -60,7 +61,7 @@ pub(crate) fn by_trajectory(
         SelectionSpec::Cutoff(cutoff) => cut(&context, whole(&context, fit, &all), cutoff),
     };
     stopped |= observe(0.9).is_break();
-    let mut found = report(case, records, fit, path, stopped);
+    let mut found = report(case, records, &filled, fit, path, stopped);
     for &k in &regression.singular {
         let (candidate, state) = (&system.terms[k].candidate, &system.states[system.terms[k].state].name);
         found.warnings.push(format!(
@@ -203,6 +204,7 @@ fn cut<'a>(context: &Context<'a>, full: Fit<'a>, cutoff: f64) -> Selection<'a> {
 fn report(
     case: &Case,
     records: &[Record],
+    filled: &[Record],
     fit: Fit<'_>,
     mut path: Vec<PathPoint>,
     stopped: bool,
@@ -270,8 +272,7 @@ fn report(
         ));
     }
     let mut solution = solution(system, records, &fit, &fit_indices);
-    let filled: Vec<Record> = records.iter().map(|r| smoothed(system, r)).collect();
-    let mut fits = assess(system, records, &filled, &mut solution);
+    let mut fits = assess(system, records, filled, &mut solution);
     warnings.extend(sensitive_starts(&fits));
     for (i, &r) in fit_indices.iter().enumerate() {
         fits[r].noise = (0..system.states.len())
@@ -288,7 +289,7 @@ fn report(
         starts: vec![None; records.len()],
         ..solution.clone()
     };
-    let without = assess(system, records, &filled, &mut bare);
+    let without = assess(system, records, filled, &mut bare);
     let verdict = verdict(system, &terms, &fits, &without);
     let worst = fit_indices.iter().map(|&r| fits[r].worst()).fold(0.0, f64::max);
     if let Some(point) = path.iter_mut().find(|p| p.terms == t) {
