@@ -57,7 +57,7 @@ def scipy_run(method, tolerance):
 def with_scipy(method):
     def run(tolerance):
         best = math.inf
-        for _ in range(5):
+        for _ in range(10):
             begin = time.perf_counter()
             states, steps = scipy_run(method, tolerance)
             best = min(best, time.perf_counter() - begin)
