@@ -355,7 +355,10 @@ fn refused(name: &str, content: &[u8], column: &str) -> String {
     let left = std::fs::read_dir(scratch.path("out")).into_iter().flatten().flatten();
     for file in left {
         let text = std::fs::read_to_string(file.path()).expect("a report");
-        assert!(file.file_name() == "report.html" && text.trim_end().ends_with("</html>"), "{name}: {file:?}");
+        assert!(
+            file.file_name() == "report.html" && text.trim_end().ends_with("</html>"),
+            "{name}: {file:?}"
+        );
     }
     said.err
 }

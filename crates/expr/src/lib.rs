@@ -54,4 +54,4 @@ pub use parser::{ParseError, ParseErrorKind, parse};
 pub use print::latex_name;
 pub use print::latex_number;
 pub use span::Span;
-pub use tape::{Scratch, Tape, Unbound, wide};
+pub use tape::{Cost, Scratch, Tape, Unbound, wide};

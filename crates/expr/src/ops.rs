@@ -1,4 +1,4 @@
-//! The table of operations. Adding an operation is adding a row here: name, value, derivative, kinks, LaTeX. Values, gradients of any
+//! The table of operations. Adding an operation is adding a row here: name, value, derivative, kinks, arithmetic, LaTeX. Values, gradients of any
 //! order, the printers, the parser and the operation tests all read these rows.
 //!
 //! Derivatives at a kink are a decision, written down once: `d|x| = sgn(x)`, `sgn(0) = 0`, `d sgn = d step = 0`, and so `1/2` for `pos` and
@@ -27,6 +27,8 @@ pub struct UnaryRow {
     pub kinks: &'static [f64],
     /// Whether the value can be infinite or no number where x is finite.
     pub singular: bool,
+    /// Additions, multiplications, divisions and roots of one value; comparisons and signs count nothing, a function of the library one.
+    pub flops: u32,
     /// How it prints.
     pub latex: Latex,
     /// How other languages write it.
@@ -51,6 +53,8 @@ pub struct BinaryRow {
     pub slope_b: fn(&mut Graph, Id, Id, Id) -> Id,
     /// Positive distance to the nearest jump of value or slope; infinite where there is none.
     pub kink: fn(f64, f64) -> f64,
+    /// Additions, multiplications, divisions and roots of one value; comparisons and signs count nothing, a function of the library one.
+    pub flops: u32,
     /// How it prints.
     pub latex: Latex,
     /// How other languages write it.
@@ -60,7 +64,7 @@ pub struct BinaryRow {
 }
 
 macro_rules! unary_table {
-    ($($op:ident $name:literal |$x:ident| $value:expr; |$g:ident, $gx:ident, $gy:ident| $slope:expr; $kinks:expr; $singular:literal $latex:literal $code:tt $about:literal)*) => {
+    ($($op:ident $name:literal |$x:ident| $value:expr; |$g:ident, $gx:ident, $gy:ident| $slope:expr; $kinks:expr; $singular:literal $flops:literal $latex:literal $code:tt $about:literal)*) => {
         /// A function of one argument.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
         #[repr(u8)]
@@ -74,6 +78,7 @@ macro_rules! unary_table {
             slope: |$g, $gx, $gy| { let _ = (&$g, $gx, $gy); $slope },
             kinks: &$kinks,
             singular: $singular,
+            flops: $flops,
             latex: $latex,
             code: $code,
             about: $about,
@@ -101,7 +106,7 @@ macro_rules! unary_table {
 
 macro_rules! binary_table {
     ($($op:ident $name:literal $precedence:literal |$a:ident, $b:ident| $value:expr;
-       |$g:ident, $ga:ident, $gb:ident, $gy:ident| $slope_a:expr, $slope_b:expr; $kink:expr; $latex:literal $code:tt $about:literal)*) => {
+       |$g:ident, $ga:ident, $gb:ident, $gy:ident| $slope_a:expr, $slope_b:expr; $kink:expr; $flops:literal $latex:literal $code:tt $about:literal)*) => {
         /// An operation with two operands.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
         #[repr(u8)]
@@ -116,6 +121,7 @@ macro_rules! binary_table {
             slope_a: |$g, $ga, $gb, $gy| { let _ = (&$g, $ga, $gb, $gy); $slope_a },
             slope_b: |$g, $ga, $gb, $gy| { let _ = (&$g, $ga, $gb, $gy); $slope_b },
             kink: $kink,
+            flops: $flops,
             latex: $latex,
             code: $code,
             about: $about,
@@ -137,37 +143,37 @@ macro_rules! binary_table {
 }
 
 unary_table! {
-    Neg  ""     |x| -x;            |g, x, y| g.constant(-1.0); []; false "-#1" ["-#1", "-#1", "-#1"] "minus x"
-    Abs  "abs"  |x| x.abs();       |g, x, y| g.unary(Unary::Sgn, x); [0.0]; false "\\left|#1\\right|" ["abs(#1)", "fabs(#1)", "abs(#1)"] "size of x, also written |x|"
-    Sgn  "sgn"  |x| sign(x);       |g, x, y| g.constant(0.0); [0.0]; false "\\operatorname{sgn}(#1)" ["sgn(#1)", "sgn(#1)", "sgn(#1)"] "-1, 0 or 1 with the sign of x"
-    Step "step" |x| 0.5 + 0.5 * sign(x); |g, x, y| g.constant(0.0); [0.0]; false "\\operatorname{step}(#1)" ["step(#1)", "step(#1)", "step(#1)"] "(1 + sgn x)/2: 0 before zero, 1 after"
-    Pos  "pos"  |x| if x <= 0.0 { 0.0 } else { x }; |g, x, y| g.unary(Unary::Step, x); [0.0]; false "\\operatorname{pos}(#1)" ["pos(#1)", "pos(#1)", "pos(#1)"] "max(x, 0)"
-    Ln   "ln"   |x| elementary::ln(x);        |g, x, y| { let one = g.constant(1.0); g.binary(Binary::Div, one, x) }; []; true "\\ln(#1)" ["ln(#1)", "log(#1)", "log(#1)"] "natural logarithm"
-    Exp  "exp"  |x| elementary::exp(x);       |g, x, y| y; []; true "\\exp(#1)" ["exp(#1)", "exp(#1)", "exp(#1)"] "exponential"
-    Sqrt "sqrt" |x| x.sqrt();      |g, x, y| { let half = g.constant(0.5); g.binary(Binary::Div, half, y) }; []; true "\\sqrt{#1}" ["sqrt(#1)", "sqrt(#1)", "sqrt(#1)"] "square root"
-    Sin  "sin"  |x| elementary::sin(x);       |g, x, y| g.unary(Unary::Cos, x); []; false "\\sin(#1)" ["sin(#1)", "sin(#1)", "sin(#1)"] "sine (radians)"
-    Cos  "cos"  |x| elementary::cos(x);       |g, x, y| { let s = g.unary(Unary::Sin, x); g.unary(Unary::Neg, s) }; []; false "\\cos(#1)" ["cos(#1)", "cos(#1)", "cos(#1)"] "cosine (radians)"
-    Tan  "tan"  |x| x.tan();       |g, x, y| one_plus_square(g, y, Binary::Add); []; true "\\tan(#1)" ["tan(#1)", "tan(#1)", "tan(#1)"] "tangent (radians)"
-    Tanh "tanh" |x| x.tanh();      |g, x, y| one_plus_square(g, y, Binary::Sub); []; false "\\tanh(#1)" ["math.tanh(#1)", "tanh(#1)", "tanh(#1)"] "hyperbolic tangent"
-    Atan "atan" |x| x.atan();      |g, x, y| { let one = g.constant(1.0); let d = one_plus_square(g, x, Binary::Add); g.binary(Binary::Div, one, d) }; []; false "\\arctan(#1)" ["math.atan(#1)", "atan(#1)", "atan(#1)"] "inverse tangent"
+    Neg  ""     |x| -x;            |g, x, y| g.constant(-1.0); []; false 0 "-#1" ["-#1", "-#1", "-#1"] "minus x"
+    Abs  "abs"  |x| x.abs();       |g, x, y| g.unary(Unary::Sgn, x); [0.0]; false 0 "\\left|#1\\right|" ["abs(#1)", "fabs(#1)", "abs(#1)"] "size of x, also written |x|"
+    Sgn  "sgn"  |x| sign(x);       |g, x, y| g.constant(0.0); [0.0]; false 0 "\\operatorname{sgn}(#1)" ["sgn(#1)", "sgn(#1)", "sgn(#1)"] "-1, 0 or 1 with the sign of x"
+    Step "step" |x| 0.5 + 0.5 * sign(x); |g, x, y| g.constant(0.0); [0.0]; false 2 "\\operatorname{step}(#1)" ["step(#1)", "step(#1)", "step(#1)"] "(1 + sgn x)/2: 0 before zero, 1 after"
+    Pos  "pos"  |x| if x <= 0.0 { 0.0 } else { x }; |g, x, y| g.unary(Unary::Step, x); [0.0]; false 0 "\\operatorname{pos}(#1)" ["pos(#1)", "pos(#1)", "pos(#1)"] "max(x, 0)"
+    Ln   "ln"   |x| elementary::ln(x);        |g, x, y| { let one = g.constant(1.0); g.binary(Binary::Div, one, x) }; []; true 32 "\\ln(#1)" ["ln(#1)", "log(#1)", "log(#1)"] "natural logarithm"
+    Exp  "exp"  |x| elementary::exp(x);       |g, x, y| y; []; true 39 "\\exp(#1)" ["exp(#1)", "exp(#1)", "exp(#1)"] "exponential"
+    Sqrt "sqrt" |x| x.sqrt();      |g, x, y| { let half = g.constant(0.5); g.binary(Binary::Div, half, y) }; []; true 1 "\\sqrt{#1}" ["sqrt(#1)", "sqrt(#1)", "sqrt(#1)"] "square root"
+    Sin  "sin"  |x| elementary::sin(x);       |g, x, y| g.unary(Unary::Cos, x); []; false 57 "\\sin(#1)" ["sin(#1)", "sin(#1)", "sin(#1)"] "sine (radians)"
+    Cos  "cos"  |x| elementary::cos(x);       |g, x, y| { let s = g.unary(Unary::Sin, x); g.unary(Unary::Neg, s) }; []; false 57 "\\cos(#1)" ["cos(#1)", "cos(#1)", "cos(#1)"] "cosine (radians)"
+    Tan  "tan"  |x| x.tan();       |g, x, y| one_plus_square(g, y, Binary::Add); []; true 1 "\\tan(#1)" ["tan(#1)", "tan(#1)", "tan(#1)"] "tangent (radians)"
+    Tanh "tanh" |x| x.tanh();      |g, x, y| one_plus_square(g, y, Binary::Sub); []; false 1 "\\tanh(#1)" ["math.tanh(#1)", "tanh(#1)", "tanh(#1)"] "hyperbolic tangent"
+    Atan "atan" |x| x.atan();      |g, x, y| { let one = g.constant(1.0); let d = one_plus_square(g, x, Binary::Add); g.binary(Binary::Div, one, d) }; []; false 1 "\\arctan(#1)" ["math.atan(#1)", "atan(#1)", "atan(#1)"] "inverse tangent"
 }
 
 binary_table! {
-    Add  "+" 1 |a, b| a + b; |g, a, b, y| g.constant(1.0), g.constant(1.0);  |_, _| f64::INFINITY; "#1 + #2" ["#1 + #2", "#1 + #2", "#1 + #2"] "sum"
-    Sub  "-" 1 |a, b| a - b; |g, a, b, y| g.constant(1.0), g.constant(-1.0); |_, _| f64::INFINITY; "#1 - #2" ["#1 - #2", "#1 - #2", "#1 - #2"] "difference"
-    Mul  "*" 2 |a, b| a * b; |g, a, b, y| b, a;                              |_, _| f64::INFINITY; "#1\\,#2" ["#1*#2", "#1*#2", "#1*#2"] "product"
+    Add  "+" 1 |a, b| a + b; |g, a, b, y| g.constant(1.0), g.constant(1.0);  |_, _| f64::INFINITY; 1 "#1 + #2" ["#1 + #2", "#1 + #2", "#1 + #2"] "sum"
+    Sub  "-" 1 |a, b| a - b; |g, a, b, y| g.constant(1.0), g.constant(-1.0); |_, _| f64::INFINITY; 1 "#1 - #2" ["#1 - #2", "#1 - #2", "#1 - #2"] "difference"
+    Mul  "*" 2 |a, b| a * b; |g, a, b, y| b, a;                              |_, _| f64::INFINITY; 1 "#1\\,#2" ["#1*#2", "#1*#2", "#1*#2"] "product"
     Div  "/" 2 |a, b| a / b; |g, a, b, y| { let one = g.constant(1.0); g.binary(Binary::Div, one, b) },
-        { let q = g.binary(Binary::Div, y, b); g.unary(Unary::Neg, q) };     |_, _| f64::INFINITY; "\\frac{#1}{#2}" ["div(#1, #2)", "#1/#2", "#1/#2"] "quotient"
+        { let q = g.binary(Binary::Div, y, b); g.unary(Unary::Neg, q) };     |_, _| f64::INFINITY; 1 "\\frac{#1}{#2}" ["div(#1, #2)", "#1/#2", "#1/#2"] "quotient"
     Pow  "^" 4 |a, b| power(a, b); |g, a, b, y| { let one = g.constant(1.0); let n = g.binary(Binary::Sub, b, one); let p = g.binary(Binary::Pow, a, n); g.binary(Binary::Mul, b, p) },
-        { let l = g.unary(Unary::Ln, a); g.binary(Binary::Mul, y, l) };      |_, _| f64::INFINITY; "#1^{#2}" ["power(#1, #2)", "pow(#1, #2)", "#1^#2"] "power; an integer exponent takes any base"
-    Min  "min" 0 |a, b| if a < b || a.is_nan() { a } else { b }; |g, a, b, y| step_between(g, a, b), step_between(g, b, a); |a, b| (a - b).abs(); "\\min(#1, #2)" ["smaller(#1, #2)", "smaller(#1, #2)", "smaller(#1, #2)"] "the smaller"
-    Max  "max" 0 |a, b| if a > b || a.is_nan() { a } else { b }; |g, a, b, y| step_between(g, b, a), step_between(g, a, b); |a, b| (a - b).abs(); "\\max(#1, #2)" ["larger(#1, #2)", "larger(#1, #2)", "larger(#1, #2)"] "the larger"
+        { let l = g.unary(Unary::Ln, a); g.binary(Binary::Mul, y, l) };      |_, _| f64::INFINITY; 1 "#1^{#2}" ["power(#1, #2)", "pow(#1, #2)", "#1^#2"] "power; an integer exponent takes any base"
+    Min  "min" 0 |a, b| if a < b || a.is_nan() { a } else { b }; |g, a, b, y| step_between(g, a, b), step_between(g, b, a); |a, b| (a - b).abs(); 0 "\\min(#1, #2)" ["smaller(#1, #2)", "smaller(#1, #2)", "smaller(#1, #2)"] "the smaller"
+    Max  "max" 0 |a, b| if a > b || a.is_nan() { a } else { b }; |g, a, b, y| step_between(g, b, a), step_between(g, a, b); |a, b| (a - b).abs(); 0 "\\max(#1, #2)" ["larger(#1, #2)", "larger(#1, #2)", "larger(#1, #2)"] "the larger"
     Dead "dead" 0 |a, b| dead(a, b); |g, a, b, y| outside(g, a, b),
         { let o = outside(g, a, b); let s = g.unary(Unary::Sgn, a); let p = g.binary(Binary::Mul, s, o); g.unary(Unary::Neg, p) };
-        |a, b| if b < 0.0 { (a.abs() - b).min(a.abs()) } else { (a.abs() - b).abs() }; "\\operatorname{dead}(#1, #2)" ["dead(#1, #2)", "dead(#1, #2)", "dead(#1, #2)"] "x outside +-g, less g; 0 inside"
+        |a, b| if b < 0.0 { (a.abs() - b).min(a.abs()) } else { (a.abs() - b).abs() }; 1 "\\operatorname{dead}(#1, #2)" ["dead(#1, #2)", "dead(#1, #2)", "dead(#1, #2)"] "x outside +-g, less g; 0 inside"
     Gate "gate" 0 |a, b| if b > 0.0 { a } else { 0.0 }; |g, a, b, y| { let one = g.constant(1.0); g.binary(Binary::Gate, one, b) },
-        g.constant(0.0); |_, b| b.abs(); "\\operatorname{gate}(#1, #2)" ["gate(#1, #2)", "gate(#1, #2)", "gate(#1, #2)"] "a where b > 0, else 0, whatever a is"
-    Masked "masked" 0 |a, b| if a == 0.0 || b == 0.0 { 0.0 } else { a * b }; |g, a, b, y| b, a; |_, _| f64::INFINITY; "\\operatorname{masked}(#1, #2)" ["masked(#1, #2)", "masked(#1, #2)", "masked(#1, #2)"] "product in which zero wins, even over infinity; in derivatives below a gate"
+        g.constant(0.0); |_, b| b.abs(); 0 "\\operatorname{gate}(#1, #2)" ["gate(#1, #2)", "gate(#1, #2)", "gate(#1, #2)"] "a where b > 0, else 0, whatever a is"
+    Masked "masked" 0 |a, b| if a == 0.0 || b == 0.0 { 0.0 } else { a * b }; |g, a, b, y| b, a; |_, _| f64::INFINITY; 1 "\\operatorname{masked}(#1, #2)" ["masked(#1, #2)", "masked(#1, #2)", "masked(#1, #2)"] "product in which zero wins, even over infinity; in derivatives below a gate"
 }
 
 /// Sign with `sgn(0) = 0`; NaN stays NaN.

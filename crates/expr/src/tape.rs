@@ -90,6 +90,39 @@ impl Unbound {
     }
 }
 
+/// What a tape costs for each sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Cost {
+    /// Instructions, each a loop over the lanes.
+    pub instructions: usize,
+    /// Additions, multiplications, divisions and roots: see [`crate::ops::UnaryRow::flops`].
+    pub flops: usize,
+    /// Numbers that instructions read.
+    pub loads: usize,
+    /// Numbers that instructions write.
+    pub stores: usize,
+}
+
+impl Cost {
+    fn add(&mut self, flops: usize, loads: usize) {
+        self.instructions += 1;
+        self.flops += flops;
+        self.loads += loads;
+        self.stores += 1;
+    }
+
+    /// That of one tape after another, so many times.
+    #[must_use]
+    pub fn with(self, other: Cost, times: usize) -> Cost {
+        Cost {
+            instructions: times * (self.instructions + other.instructions),
+            flops: times * (self.flops + other.flops),
+            loads: times * (self.loads + other.loads),
+            stores: times * (self.stores + other.stores),
+        }
+    }
+}
+
 #[derive(Debug)]
 struct Program {
     code: Vec<Code>,
@@ -200,6 +233,28 @@ impl Tape {
         self.0.code.len()
     }
 
+    /// What one sample costs in full: a product and the sum that it joins are two operations.
+    ///
+    /// ```
+    /// use phisindy_expr::{Cost, Graph, Names, Tape, parse};
+    /// let (mut graph, mut names) = (Graph::default(), Names::default());
+    /// let f = graph.lower(&parse("a*b + c").unwrap(), |name| Some(names.intern(name))).unwrap();
+    /// let inputs = ["a", "b", "c"].map(|name| graph.symbol(names.get(name).unwrap()));
+    /// let cost = Tape::compile(&graph, &inputs, &[f]).unwrap().cost();
+    /// assert_eq!(cost, Cost { instructions: 1, flops: 2, loads: 3, stores: 1 });
+    /// ```
+    pub fn cost(&self) -> Cost {
+        let mut cost = Cost::default();
+        for code in &self.0.code {
+            match *code {
+                Code::Unary { op, .. } => cost.add(op.row().flops as usize, 1),
+                Code::Binary { op, .. } => cost.add(op.row().flops as usize, 2),
+                Code::Chain { count, .. } => cost.add(2 * usize::from(count), 2 * usize::from(count) + 1),
+            }
+        }
+        cost
+    }
+
     /// Number of outputs.
     pub fn outputs(&self) -> usize {
         self.0.outputs.len()
@@ -296,9 +351,11 @@ impl<const N: usize> Scratch<N> {
         assert!(head.len() <= self.tape.0.inputs, "{} inputs of {}", head.len(), self.tape.0.inputs);
         let first = self.first();
         let (program, slots) = (&*self.tape.0, self.memory[first..].as_chunks_mut::<N>().0);
-        // A given input that is an output too is read from the scratch.
-        for &k in program.outputs.iter().filter(|&&k| (k as usize) < head.len()) {
-            slots[k as usize] = head[k as usize];
+        if !head.is_empty() {
+            // A given input that is an output too is read from the scratch.
+            for &k in program.outputs.iter().filter(|&&k| (k as usize) < head.len()) {
+                slots[k as usize] = head[k as usize];
+            }
         }
         if N == 1 && head.is_empty() {
             // Its own copy of the loop, in which no operand lies elsewhere.

@@ -6,7 +6,7 @@
 
 use crate::onestep::OneStep;
 use crate::train::StepOptions;
-use phisindy_expr::{Id, Scratch, Tape, wide};
+use phisindy_expr::{Cost, Id, Scratch, Tape, wide};
 use phisindy_phys::spec::Crossings;
 use phisindy_phys::{Record, System, standard_deviation};
 use rayon::prelude::*;
@@ -193,11 +193,11 @@ impl Batch {
         Batch { kind: Kind::Single(Box::new(single)), parameters: free.len(), residuals }
     }
 
-    /// Operations of the loss tape per sample and direction.
-    pub(crate) fn operations(&self) -> usize {
+    /// What the loss tape costs per sample and direction.
+    pub(crate) fn cost(&self) -> Cost {
         match &self.kind {
-            Kind::Single(single) => single.loss.tape.operations(),
-            Kind::Rollout(rollout) => rollout.operations(),
+            Kind::Single(single) => single.loss.tape.cost(),
+            Kind::Rollout(rollout) => rollout.cost(),
         }
     }
 

@@ -6,6 +6,7 @@
 use crate::linear::{solve_damped, symmetric};
 use phisindy_expr::{Id, Scratch, Tape, Unary};
 use phisindy_phys::{Differentiator, Record, System, differentiate};
+use rayon::prelude::*;
 
 /// Samples per stretch at most.
 const STRETCH: usize = 25;
@@ -16,12 +17,15 @@ const RIDGE: f64 = 1e-6;
 
 /// The record with every column smoothed, and columns for velocities that have none. States that cannot be derived stay without.
 pub fn smoothed(system: &System, record: &Record) -> Record {
+    let derived = record
+        .columns
+        .par_iter()
+        .map(|values| differentiate(&record.time, values.as_ref()?, Differentiator::Spline).ok());
+    let derived: Vec<_> = derived.collect();
     let mut out = record.clone();
-    for (k, state) in system.states.iter().enumerate() {
-        let Some(values) = &record.columns[k] else { continue };
-        let Ok(d) = differentiate(&record.time, values, Differentiator::Spline) else { continue };
+    for (k, d) in derived.into_iter().enumerate().filter_map(|(k, d)| Some((k, d?))) {
         out.columns[k] = Some(d.values);
-        if let Some(v) = state.velocity.filter(|&v| record.columns[v].is_none()) {
+        if let Some(v) = system.states[k].velocity.filter(|&v| record.columns[v].is_none()) {
             out.columns[v] = Some(d.derivative);
         }
     }

@@ -8,6 +8,7 @@ use crate::least_squares::Normal;
 use crate::looks::{Looks, Seen};
 use crate::noise::ColumnNoise;
 use faer::Mat;
+use phisindy_expr::wide;
 use phisindy_phys::{Record, Sensor, System, standard_deviation};
 use phisindy_sim::{Automaton, Drive, Options, SimError, Trajectory, simulate};
 use rayon::prelude::*;
@@ -509,42 +510,35 @@ impl<'a> Problem<'a> {
         let mut gradient = vec![0.0; width];
         let mut cost = 0.0;
         let mut row = vec![0.0; width];
-        let mut add = |row: &[f64], e: f64| {
-            let scale = if meat { e } else { 1.0 };
-            for a in 0..width {
-                let ja = scale * row[a];
-                if ja == 0.0 {
-                    continue;
+        wide(
+            #[inline(always)]
+            || {
+                for (i, sample) in (segment.samples.0..segment.samples.1).enumerate() {
+                    for (k, column) in self.records[r].columns.iter().enumerate() {
+                        let Some(column) = column else { continue };
+                        let (value, rate) = seen.value(i, k);
+                        let (prediction, gain) = self.reading(r, k, x, value);
+                        let weight = weights[r][k][sample].sqrt();
+                        let e = weight * (prediction - column[sample]);
+                        cost += e * e;
+                        row.fill(0.0);
+                        let s = seen.sensitivities(i, k);
+                        row.iter_mut().zip(s).for_each(|(j, s)| *j = weight * gain * s);
+                        let [offset_at, gain_at, delay_at] = sensor_slots[k];
+                        if offset_at != usize::MAX {
+                            row[offset_at] += weight;
+                        }
+                        if gain_at != usize::MAX {
+                            row[gain_at] += weight * value;
+                        }
+                        if delay_at != usize::MAX {
+                            row[delay_at] -= weight * gain * rate;
+                        }
+                        add_row(&row, e, meat, &mut matrix, &mut gradient);
+                    }
                 }
-                gradient[a] += ja * e;
-                let line = &mut matrix[a * width + a..(a + 1) * width];
-                line.iter_mut().zip(&row[a..]).for_each(|(m, j)| *m += ja * scale * j);
-            }
-        };
-        for (i, sample) in (segment.samples.0..segment.samples.1).enumerate() {
-            for (k, column) in self.records[r].columns.iter().enumerate() {
-                let Some(column) = column else { continue };
-                let (value, rate) = seen.value(i, k);
-                let (prediction, gain) = self.reading(r, k, x, value);
-                let weight = weights[r][k][sample].sqrt();
-                let e = weight * (prediction - column[sample]);
-                cost += e * e;
-                row.fill(0.0);
-                let s = seen.sensitivities(i, k);
-                row.iter_mut().zip(s).for_each(|(j, s)| *j = weight * gain * s);
-                let [offset_at, gain_at, delay_at] = sensor_slots[k];
-                if offset_at != usize::MAX {
-                    row[offset_at] += weight;
-                }
-                if gain_at != usize::MAX {
-                    row[gain_at] += weight * value;
-                }
-                if delay_at != usize::MAX {
-                    row[delay_at] -= weight * gain * rate;
-                }
-                add(&row, e);
-            }
-        }
+            },
+        );
         if let (Some(next), Some(tau)) = (next, &self.continuity) {
             let i = segment.samples.1 - segment.samples.0;
             let late = seen.end - self.records[r].time[segment.samples.1];
@@ -557,7 +551,7 @@ impl<'a> Problem<'a> {
                 let s = &run.sensitivities[(i * n + k) * m..(i * n + k + 1) * m];
                 row.iter_mut().zip(s).for_each(|(j, s)| *j = weight * s);
                 row[joint + k] = -weight;
-                add(&row, e);
+                add_row(&row, e, meat, &mut matrix, &mut gradient);
             }
         }
         let matrix = Mat::from_fn(width, width, |a, b| if a <= b { matrix[a * width + b] } else { 0.0 });
@@ -601,5 +595,20 @@ impl<'a> Problem<'a> {
             GAIN => "gain",
             _ => "delay",
         }
+    }
+}
+
+/// Adds a row of `J` and its residual to `J^T J` (upper triangle) and `J^T e`; for the meat of a sandwich the row is multiplied by the residual.
+#[inline(always)]
+fn add_row(row: &[f64], e: f64, meat: bool, matrix: &mut [f64], gradient: &mut [f64]) {
+    let (width, scale) = (row.len(), if meat { e } else { 1.0 });
+    for a in 0..width {
+        let ja = scale * row[a];
+        if ja == 0.0 {
+            continue;
+        }
+        gradient[a] += ja * e;
+        let line = &mut matrix[a * width + a..(a + 1) * width];
+        line.iter_mut().zip(&row[a..]).for_each(|(m, j)| *m += ja * scale * j);
     }
 }

@@ -3,7 +3,7 @@
 
 use crate::batch::{LANES, accumulate, compile, in_order, step_row};
 use crate::onestep::{FIRST_STATE, OneStep};
-use phisindy_expr::{Scratch, Tape};
+use phisindy_expr::{Cost, Scratch, Tape};
 use phisindy_phys::Record;
 use rayon::prelude::*;
 
@@ -83,8 +83,8 @@ impl Rollout {
         }
     }
 
-    pub(crate) fn operations(&self) -> usize {
-        self.horizon * (self.next.operations() + self.adjoint.operations())
+    pub(crate) fn cost(&self) -> Cost {
+        self.next.cost().with(self.adjoint.cost(), self.horizon)
     }
 
     /// `[loss, gradient]`

@@ -8,6 +8,7 @@ use crate::fit::{Context, Fit};
 use crate::identified::PathPoint;
 use crate::least_squares::Normal;
 use crate::linear::covariance;
+use rayon::prelude::*;
 
 /// A term whose share of the unknown rate (rms along the trajectory) is below this does not matter ...
 const PRACTICAL: f64 = 0.01;
@@ -54,14 +55,15 @@ pub(crate) fn select<'a>(context: &Context<'a>, first: Fit<'a>, all: &[usize]) -
     let kept: Vec<usize> = first.problem.terms.iter().copied().filter(|t| !dropped.contains(t)).collect();
     let mut now = if dropped.is_empty() { first } else { context.refit(&first, &kept).unwrap_or(first) };
     let mut tried: Vec<Vec<usize>> = vec![now.problem.terms.clone()];
+    let mut changes = neighbours(context, &now, all, &criterion);
     for _ in 0..ROUNDS {
-        let here = criterion(now.normal.cost, now.problem.terms.len());
-        let Some(next) = neighbour(context, &now, all, &criterion, &tried) else { break };
+        let Some(next) = promising(context, &now, &changes, &tried) else { break };
         tried.push(next.problem.terms.clone());
         let value = criterion(next.normal.cost, next.problem.terms.len());
-        if value < here {
+        if value < criterion(now.normal.cost, now.problem.terms.len()) {
             path.push(PathPoint { terms: next.problem.terms.len(), criterion: value, nrmse: None });
             now = next;
+            changes = neighbours(context, &now, all, &criterion);
         }
     }
     now = pruned(context, now, &criterion);
@@ -102,15 +104,14 @@ fn elimination(fit: &Fit<'_>) -> Vec<(usize, f64)> {
     out
 }
 
-/// The most promising change by one term (or a pair that only helps together), refitted. Scores come from one evaluation of the full dictionary at
-/// the present solution.
-fn neighbour<'a>(
-    context: &Context<'a>,
-    now: &Fit<'a>,
+/// Changes by one term (or a pair that only helps together) that promise a better criterion, best first: the terms after each. Scores come from one
+/// evaluation of the full dictionary at the present solution.
+fn neighbours(
+    context: &Context<'_>,
+    now: &Fit<'_>,
     all: &[usize],
     criterion: &impl Fn(f64, usize) -> f64,
-    tried: &[Vec<usize>],
-) -> Option<Fit<'a>> {
+) -> Vec<Vec<usize>> {
     let k = now.problem.terms.len();
     let here = criterion(now.normal.cost, k);
     let mut changes: Vec<(f64, Vec<usize>)> = Vec::new();
@@ -124,17 +125,31 @@ fn neighbour<'a>(
         changes.push((criterion(now.normal.cost - fall, terms.len()), terms));
     }
     changes.extend(swaps(context, now, all).into_iter().map(|(terms, cost)| (criterion(cost, k), terms)));
-    changes.retain(|(value, terms)| *value < here && !tried.contains(terms));
+    changes.retain(|(value, _)| *value < here);
     changes.sort_by(|a, b| a.0.total_cmp(&b.0));
-    changes.into_iter().take(3).find_map(|(_, terms)| {
-        let look = context.glance(now, &terms)?;
-        context.refit(&look, &terms)
+    changes.into_iter().map(|(_, terms)| terms).collect()
+}
+
+/// The most promising change that was not tried yet, refitted.
+fn promising<'a>(
+    context: &Context<'a>,
+    now: &Fit<'a>,
+    changes: &[Vec<usize>],
+    tried: &[Vec<usize>],
+) -> Option<Fit<'a>> {
+    changes.iter().filter(|terms| !tried.contains(terms)).take(3).find_map(|terms| {
+        let look = context.glance(now, terms)?;
+        context.refit(&look, terms)
     })
 }
 
 /// A simpler model may lie across a hill of the cost, where the quadratic model does not see it: for each equation with several terms, each one alone
-/// and each pair less is looked at.
-fn pruned<'a>(context: &Context<'a>, mut now: Fit<'a>, criterion: &impl Fn(f64, usize) -> f64) -> Fit<'a> {
+/// and each pair less is looked at. The looks run side by side; the first that is better is taken, as if they came one after the other.
+fn pruned<'a>(
+    context: &Context<'a>,
+    mut now: Fit<'a>,
+    criterion: &(impl Fn(f64, usize) -> f64 + Sync),
+) -> Fit<'a> {
     for state in 0..context.system.states.len() {
         let of_state = |fit: &Fit<'_>| -> Vec<usize> {
             fit.problem.terms.iter().copied().filter(|&t| context.system.terms[t].state == state).collect()
@@ -151,18 +166,22 @@ fn pruned<'a>(context: &Context<'a>, mut now: Fit<'a>, criterion: &impl Fn(f64, 
                 );
             }
         }
-        for keep in simpler {
+        let mut left = &simpler[..];
+        loop {
             let present = of_state(&now);
-            if keep.len() >= present.len() || !keep.iter().all(|t| present.contains(t)) {
-                continue;
-            }
-            let stays = |t: &usize| !present.contains(t) || keep.contains(t);
-            let terms: Vec<usize> = now.problem.terms.iter().copied().filter(stays).collect();
-            let Some(look) = context.glance(&now, &terms) else { continue };
-            if criterion(look.normal.cost, terms.len()) < criterion(now.normal.cost, now.problem.terms.len())
-            {
-                now = context.refit(&look, &terms).unwrap_or(look);
-            }
+            let here = criterion(now.normal.cost, now.problem.terms.len());
+            let better = |(k, keep): (usize, &Vec<usize>)| {
+                if keep.len() >= present.len() || !keep.iter().all(|t| present.contains(t)) {
+                    return None;
+                }
+                let stays = |t: &usize| !present.contains(t) || keep.contains(t);
+                let terms: Vec<usize> = now.problem.terms.iter().copied().filter(stays).collect();
+                let look = context.glance(&now, &terms)?;
+                (criterion(look.normal.cost, terms.len()) < here).then_some((k, look))
+            };
+            let Some((k, look)) = left.par_iter().enumerate().find_map_first(better) else { break };
+            now = context.refit(&look, &look.problem.terms).unwrap_or(look);
+            left = &left[k + 1..];
         }
     }
     now

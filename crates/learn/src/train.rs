@@ -6,6 +6,7 @@ use crate::descent::Descent;
 use crate::least_squares::{Limits, Normal, minimise};
 use crate::linear::{covariance, symmetric};
 use crate::onestep::OneStep;
+use phisindy_expr::Cost;
 use phisindy_phys::spec::{Crossings, Optimiser};
 use phisindy_phys::{Record, System};
 use std::collections::HashMap;
@@ -62,8 +63,8 @@ pub struct StepFit {
     pub loss: f64,
     /// Terms and loss after each stage.
     pub stages: Vec<(usize, f64)>,
-    /// Operations of the loss per sample.
-    pub operations: usize,
+    /// What the loss costs per sample and direction, with all terms.
+    pub cost: Cost,
     /// Whether it was asked to stop early.
     pub stopped: bool,
 }
@@ -111,7 +112,7 @@ pub fn train(
         covariance: vec![],
         loss: f64::NAN,
         stages: vec![],
-        operations: 0,
+        cost: Cost::default(),
         stopped: false,
     };
     let make = |terms: &[usize], parameters: &[f64]| lay_out(system, records, options, terms, parameters);
@@ -120,7 +121,7 @@ pub fn train(
     let mut stage = 0;
     loop {
         let batch = make(&terms, &moved);
-        fit.operations = fit.operations.max(batch.operations());
+        fit.cost = fit.cost.max(batch.cost());
         let within = |k: usize| system.terms[terms[k]].within;
         let bound = |values: &mut [f64]| {
             values.iter_mut().enumerate().for_each(|(k, c)| *c = c.clamp(within(k).0, within(k).1));

@@ -16,6 +16,7 @@ use faer::Mat;
 use phisindy_phys::spec::{Method, Role, SegmentsSpec, SelectionSpec};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{Case, Record, System};
+use rayon::prelude::*;
 use std::ops::ControlFlow;
 
 /// Correlations beyond this are told in words.
@@ -38,7 +39,8 @@ pub(crate) fn by_trajectory(
 ) -> Result<Identified, LearnError> {
     let system = &case.system;
     let fitted: Vec<&Record> = records.iter().filter(|r| r.role == Role::Fit).collect();
-    let smooth: Vec<Record> = fitted.iter().map(|r| smoothed(system, r)).collect();
+    let filled: Vec<Record> = records.iter().map(|r| smoothed(system, r)).collect();
+    let smooth: Vec<Record> = filled.iter().filter(|r| r.role == Role::Fit).cloned().collect();
     let context = Context {
         system,
         records: fitted.clone(),
@@ -64,7 +66,7 @@ pub(crate) fn by_trajectory(
     stopped |= observe(0.9).is_break();
     let near = if chosen == SelectionSpec::Auto { rivals(&context, &fit, &all) } else { vec![] };
     let instead = near.first().map(|(terms, worse)| instead(system, &fit.problem.terms, terms, *worse));
-    let mut found = report(case, records, fit, path, stopped);
+    let mut found = report(case, records, &filled, fit, path, stopped);
     found.warnings.extend(instead);
     for &k in &regression.singular {
         let (candidate, state) = (&system.terms[k].candidate, &system.states[system.terms[k].state].name);
@@ -224,6 +226,7 @@ fn cut<'a>(context: &Context<'a>, full: Fit<'a>, cutoff: f64) -> Selection<'a> {
 fn report(
     case: &Case,
     records: &[Record],
+    filled: &[Record],
     fit: Fit<'_>,
     mut path: Vec<PathPoint>,
     stopped: bool,
@@ -241,6 +244,7 @@ fn report(
     };
     let t = problem.terms.len();
     let terms: Vec<FoundTerm> = (0..t)
+        .into_par_iter()
         .map(|k| {
             let coefficient = if t > PROFILED { Estimate::normal(fit.x[k], error(k)) } else { estimate(k) };
             FoundTerm::new(problem.terms[k], coefficient)
@@ -296,10 +300,9 @@ fn report(
         ));
     }
     let mut solution = solution(system, records, &fit, &fit_indices);
-    let filled: Vec<Record> = records.iter().map(|r| smoothed(system, r)).collect();
-    let mut fits = assess(system, records, &filled, &mut solution);
+    let mut fits = assess(system, records, filled, &mut solution);
     warnings.extend(sensitive_starts(&fits));
-    warnings.extend(disagreements(&fit, &cov, &solution, records, &filled, &fits));
+    warnings.extend(disagreements(&fit, &cov, &solution, records, filled, &fits));
     for (i, &r) in fit_indices.iter().enumerate() {
         fits[r].noise = (0..system.states.len())
             .filter(|&k| records[r].columns[k].is_some())
@@ -315,7 +318,7 @@ fn report(
         starts: vec![None; records.len()],
         ..solution.clone()
     };
-    let without = assess(system, records, &filled, &mut bare);
+    let without = assess(system, records, filled, &mut bare);
     let verdict = verdict(system, &terms, &fits, &without);
     let worst = fit_indices.iter().map(|&r| fits[r].worst()).fold(0.0, f64::max);
     if let Some(point) = path.iter_mut().find(|p| p.terms == t) {

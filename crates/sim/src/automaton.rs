@@ -21,6 +21,8 @@ pub struct Automaton {
     pub(crate) flow: Tape,
     /// `w` (c), `dw/dt` (c), `d(dw/dt)/ds` (c x c), `dw/dx` (c x n).
     pub(crate) surface: Tape,
+    /// `w` (c), `dw/dx` (c x n): all that it takes to keep a contact at rest.
+    pub(crate) rest: Tape,
     /// Derivatives, for sensitivities: see [`crate::sensitivity`].
     pub(crate) jacobian: Tape,
 }
@@ -61,6 +63,8 @@ impl Automaton {
             .copied()
             .collect();
 
+        let rest: Vec<Id> = s.surfaces.iter().chain(&s.normals).copied().collect();
+
         let Switched { graph, switches, modes, rates, surfaces, surface_rates, .. } = &mut switched;
         let mut derivatives = Vec::new();
         for (of, wrt) in [
@@ -80,6 +84,7 @@ impl Automaton {
             switches: std::mem::take(switches),
             flow: Tape::compile(graph, &inputs, rates)?,
             surface: Tape::compile(graph, &inputs, &surface)?,
+            rest: Tape::compile(graph, &inputs, &rest)?,
             jacobian: Tape::compile(graph, &inputs, &derivatives)?,
         })
     }

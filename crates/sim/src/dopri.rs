@@ -120,11 +120,16 @@ impl Dense {
     }
 
     /// The values at the fraction `theta` of the step.
-    pub(crate) fn value(&self, theta: f64, out: &mut [f64]) {
+    pub(crate) fn values(&self, theta: f64) -> impl Iterator<Item = f64> {
         let back = 1.0 - theta;
-        for (out, [start, difference, bend, fourth, fifth]) in out.iter_mut().zip(&self.c) {
-            *out = start + theta * (difference + back * (bend + theta * (fourth + back * fifth)));
-        }
+        self.c.iter().map(move |[start, difference, bend, fourth, fifth]| {
+            start + theta * (difference + back * (bend + theta * (fourth + back * fifth)))
+        })
+    }
+
+    /// The same, written to where they are wanted.
+    pub(crate) fn value(&self, theta: f64, out: &mut [f64]) {
+        out.iter_mut().zip(self.values(theta)).for_each(|(out, value)| *out = value);
     }
 
     /// Their rates of change there.

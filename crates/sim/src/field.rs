@@ -16,6 +16,7 @@ pub(crate) struct Field<'a> {
     drive: &'a Drive<'a>,
     flow: Scratch<1>,
     surface: Scratch<1>,
+    rest: Scratch<1>,
     jacobian: Option<Scratch<1>>,
     hints: Vec<usize>,
     /// Inputs are read as they are just before this time: a step that ends where an input jumps must not see the jump.
@@ -53,6 +54,7 @@ impl<'a> Field<'a> {
             drive,
             flow: scratch(&automaton.flow),
             surface: scratch(&automaton.surface),
+            rest: scratch(&automaton.rest),
             jacobian: sensitivities.then(|| scratch(&automaton.jacobian)),
             hints: vec![0; automaton.inputs],
             left_of: None,
@@ -98,6 +100,7 @@ impl<'a> Field<'a> {
         let scratch = match which {
             Which::Flow => &mut self.flow,
             Which::Surface => &mut self.surface,
+            Which::Rest => &mut self.rest,
             Which::Jacobian => self.jacobian.as_mut().expect("made for a run with sensitivities"),
         };
         let (n, u, p) = (x.len(), self.automaton.inputs, self.automaton.parameters);
@@ -235,21 +238,22 @@ impl<'a> Field<'a> {
         if !self.stuck.contains(&true) {
             return;
         }
-        self.surfaces(t, x);
-        for c in 0..self.switches() {
-            if self.stuck[c] && self.w(c) != 0.0 {
-                self.project(c, x);
-                self.surfaces(t, x);
+        let (m, n) = (self.switches(), x.len());
+        self.write(Which::Rest, t, x);
+        self.rest.run();
+        for c in 0..m {
+            let w = self.rest.output(c)[0];
+            if self.stuck[c] && w != 0.0 {
+                onto_surface(w, |j| self.rest.output(m + c * n + j)[0], x);
+                self.write(Which::Rest, t, x);
+                self.rest.run();
             }
         }
     }
 
-    /// Moves a point onto the surface of `c`, along its normal (call [`Field::surfaces`] there before).
+    /// Moves a point onto the surface of `c` (call [`Field::surfaces`] there before).
     pub(crate) fn project(&self, c: usize, x: &mut [f64]) {
-        let length: f64 = (0..x.len()).map(|j| self.normal(c, j).powi(2)).sum();
-        if length > 0.0 {
-            x.iter_mut().enumerate().for_each(|(j, x)| *x -= self.normal(c, j) * self.w(c) / length);
-        }
+        onto_surface(self.w(c), |j| self.normal(c, j), x);
     }
 
     /// The mode as an integer; 0 is sticking.
@@ -270,9 +274,18 @@ impl<'a> Field<'a> {
     }
 }
 
+/// Moves a point with this `w` along the normal onto the surface.
+fn onto_surface(w: f64, normal: impl Fn(usize) -> f64, x: &mut [f64]) {
+    let length: f64 = (0..x.len()).map(|j| normal(j).powi(2)).sum();
+    if length > 0.0 {
+        x.iter_mut().enumerate().for_each(|(j, x)| *x -= normal(j) * w / length);
+    }
+}
+
 enum Which {
     Flow,
     Surface,
+    Rest,
     Jacobian,
 }
 

@@ -395,9 +395,7 @@ impl<'a> Run<'a> {
         dense.slope(theta, &mut self.out.rates[at..]);
         self.field.keep_at_rest(self.times[self.next], &mut self.out.states[at..]);
         if let Some(s) = &self.sensitivity {
-            let at = self.out.sensitivities.len();
-            self.out.sensitivities.resize(at + n * s.m, 0.0);
-            s.dense.value(theta, &mut self.out.sensitivities[at..]);
+            self.out.sensitivities.extend(s.dense.values(theta));
         }
         self.out.modes.extend((0..self.field.switches()).map(|c| self.field.sign(c)));
         self.next += 1;

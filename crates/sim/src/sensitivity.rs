@@ -7,6 +7,7 @@
 
 use crate::dopri::{A, C, Dense, STAGES, Step};
 use crate::field::{Field, solve_in_place};
+use phisindy_expr::wide;
 
 /// The derivatives of all states: columns are the start states, then the free parameters.
 pub(crate) struct Sensitivity {
@@ -56,12 +57,18 @@ impl Sensitivity {
                 self.k.swap(0, STAGES - 1);
                 continue;
             }
-            self.stage.copy_from_slice(&self.start);
-            for (a, k) in A[stage.max(1) - 1].iter().zip(&self.k[..stage]).filter(|(a, _)| **a != 0.0) {
-                self.stage.iter_mut().zip(k).for_each(|(s, k)| *s += step.h * a * k);
-            }
             self.linearise(field, step.t + C[stage] * step.h, &step.x[stage]);
-            multiply_add(&self.a, &self.b, &self.stage, n, m, &mut self.k[stage]);
+            self.stage.copy_from_slice(&self.start);
+            let (before, after) = self.k.split_at_mut(stage);
+            wide(
+                #[inline(always)]
+                || {
+                    for (a, k) in A[stage.max(1) - 1].iter().zip(&*before).filter(|(a, _)| **a != 0.0) {
+                        self.stage.iter_mut().zip(k).for_each(|(s, k)| *s += step.h * a * k);
+                    }
+                    multiply_add(&self.a, &self.b, &self.stage, n, m, &mut after[0]);
+                },
+            );
         }
         // The last stage stands at the end of the step: its argument is the solution.
         self.s.copy_from_slice(&self.stage);
@@ -158,6 +165,7 @@ impl Sensitivity {
 }
 
 /// `dS/dt = a S + b`, where `b` has no columns for the start states.
+#[inline(always)]
 fn multiply_add(a: &[f64], b: &[f64], s: &[f64], n: usize, m: usize, out: &mut [f64]) {
     for i in 0..n {
         let row = &mut out[i * m..(i + 1) * m];

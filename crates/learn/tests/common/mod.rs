@@ -12,14 +12,7 @@ pub(crate) fn load(name: &str, sets: &[(&str, &str)]) -> (Case, Vec<Record>) {
 
 /// The same from a text.
 pub(crate) fn load_text(text: &str, sets: &[(&str, &str)]) -> (Case, Vec<Record>) {
-    let mut text = text.to_owned();
-    for (path, value) in sets {
-        text = splice::set(&text, path, value).unwrap();
-    }
-    let mut sources = Sources::default();
-    let id = sources.add("spec", text.clone());
-    let (spec, _) = spec::read(&text, id).unwrap();
-    let (case, _) = check(&spec, id).unwrap();
+    let case = prepare(text, sets);
     let records = case
         .records
         .iter()
@@ -31,4 +24,17 @@ pub(crate) fn load_text(text: &str, sets: &[(&str, &str)]) -> (Case, Vec<Record>
         })
         .collect();
     (case, records)
+}
+
+/// A text with `sets` applied, read and checked.
+pub(crate) fn prepare(text: &str, sets: &[(&str, &str)]) -> Case {
+    let mut text = text.to_owned();
+    for (path, value) in sets {
+        text = splice::set(&text, path, value).unwrap();
+    }
+    let mut sources = Sources::default();
+    let id = sources.add("spec", text.clone());
+    let (spec, _) = spec::read(&text, id).unwrap();
+    let (case, _) = check(&spec, id).unwrap();
+    case
 }
