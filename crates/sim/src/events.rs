@@ -292,4 +292,25 @@ mod tests {
             assert!((found - at).abs() <= 3.5e-5, "{found} instead of {at}");
         }
     }
+
+    /// An end where the guard is zero is where the step began, not the event: from there it is halved.
+    #[test]
+    fn a_root_at_the_good_end_is_not_the_one() {
+        let found = illinois(0.0, 0.8, |x| x * (0.6 - x));
+        assert!((found - 0.6).abs() <= 1e-10, "{found}");
+        let found = illinois(0.8, 0.0, |x| (0.8 - x) * (x - 0.2));
+        assert!((found - 0.2).abs() <= 1e-10, "{found}");
+    }
+
+    /// No value is zero, and the search still ends where the bracket is as small as it promises.
+    #[test]
+    fn a_jump_is_found_like_a_root() {
+        let mut calls = 0;
+        let found = illinois(0.0, 1.0, |x| {
+            calls += 1;
+            if x < 0.37 { 1.0 } else { -2.0 }
+        });
+        assert!((found - 0.37).abs() <= 1e-10, "{found}");
+        assert!(calls < 70, "{calls} evaluations");
+    }
 }
