@@ -172,4 +172,29 @@ mod tests {
         // The first step brings the cost from 24.2 to about 4.7: a gain of less than 0.99 of it.
         assert_eq!(steps(Limits::new(200, 0.99)), 1);
     }
+
+    #[test]
+    fn a_start_at_a_bound_leaves_it() {
+        for (start, bounds) in [([-2.0, 1.0], [(-2.0, 3.0); 2]), ([3.0, 3.0], [(-3.0, 3.0); 2])] {
+            let mut x = start;
+            minimise(&mut x, &bounds, Limits::new(200, 0.0), rosenbrock).unwrap();
+            assert_relative_eq!(x[0], 1.0, max_relative = 1e-8);
+            assert_relative_eq!(x[1], 1.0, max_relative = 1e-8);
+        }
+    }
+
+    /// Of `(x - 1)^2 + (x + 1)^2`, so near its end that the cost is the same number.
+    #[test]
+    fn where_rounding_hides_the_gain_it_ends() {
+        let (mut calls, mut x) = (0, [1e-9]);
+        minimise(&mut x, &[(-9.0, 9.0)], Limits::new(50, 0.0), |x| {
+            calls += 1;
+            Some(Normal {
+                cost: 2.0 + 2.0 * x[0] * x[0],
+                matrix: symmetric(&[2.0], 1),
+                gradient: vec![2.0 * x[0]],
+            })
+        });
+        assert_eq!(calls, 2);
+    }
 }
