@@ -132,4 +132,69 @@ mod tests {
         assert_relative_eq!(x[0], 0.5, max_relative = 1e-8);
         assert_relative_eq!(x[1], 0.25, max_relative = 1e-6);
     }
+
+    /// How often the start alone, of all points, was evaluated and what was tried beside it.
+    fn calls_on_a_cliff(iterations: usize) -> usize {
+        let (mut calls, mut x) = (0, [-1.2, 1.0]);
+        let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
+        minimise(&mut x, &free, Limits::new(iterations, 0.0), |x| {
+            calls += 1;
+            if x == [-1.2, 1.0] { rosenbrock(x) } else { None }
+        });
+        assert_eq!(x, [-1.2, 1.0]);
+        calls
+    }
+
+    #[test]
+    fn a_cliff_costs_three_tries_for_each_step() {
+        assert_eq!(calls_on_a_cliff(1), 1 + 3);
+        assert_eq!(calls_on_a_cliff(3), 1 + 9);
+    }
+
+    #[test]
+    fn what_stays_hopeless_is_given_up_after_the_chances() {
+        let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
+        let steps = |limits: Limits| {
+            let (mut x, mut cost, mut steps) = ([-1.2, 1.0], f64::INFINITY, -1);
+            minimise(&mut x, &free, limits, |x| {
+                let normal = rosenbrock(x)?;
+                if normal.cost < cost {
+                    (cost, steps) = (normal.cost, steps + 1);
+                }
+                Some(normal)
+            });
+            steps
+        };
+        let limits = Limits::new(200, 0.0);
+        assert_eq!(steps(Limits { hopeless: 0.0, ..limits }), 3);
+        assert!(steps(Limits { hopeless: 1e3, ..limits }) > 3);
+        assert_eq!(steps(Limits::new(5, 0.0)), 5);
+        // The first step brings the cost from 24.2 to about 4.7: a gain of less than 0.99 of it.
+        assert_eq!(steps(Limits::new(200, 0.99)), 1);
+    }
+
+    #[test]
+    fn a_start_at_a_bound_leaves_it() {
+        for (start, bounds) in [([-2.0, 1.0], [(-2.0, 3.0); 2]), ([3.0, 3.0], [(-3.0, 3.0); 2])] {
+            let mut x = start;
+            minimise(&mut x, &bounds, Limits::new(200, 0.0), rosenbrock).unwrap();
+            assert_relative_eq!(x[0], 1.0, max_relative = 1e-8);
+            assert_relative_eq!(x[1], 1.0, max_relative = 1e-8);
+        }
+    }
+
+    /// Of `(x - 1)^2 + (x + 1)^2`, so near its end that the cost is the same number.
+    #[test]
+    fn where_rounding_hides_the_gain_it_ends() {
+        let (mut calls, mut x) = (0, [1e-9]);
+        minimise(&mut x, &[(-9.0, 9.0)], Limits::new(50, 0.0), |x| {
+            calls += 1;
+            Some(Normal {
+                cost: 2.0 + 2.0 * x[0] * x[0],
+                matrix: symmetric(&[2.0], 1),
+                gradient: vec![2.0 * x[0]],
+            })
+        });
+        assert_eq!(calls, 2);
+    }
 }

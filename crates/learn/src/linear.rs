@@ -79,4 +79,26 @@ mod tests {
         assert!(c[(0, 0)].is_infinite() && c[(1, 1)].is_infinite());
         assert_relative_eq!(c[(2, 2)], 0.2, max_relative = 1e-12);
     }
+
+    #[test]
+    fn damping_is_a_part_of_the_diagonal_and_what_is_not_seen_stays() {
+        // [[2, 1], [1, 4]] with half of its diagonal more: [[3, 1], [1, 6]] x = b with x = [1, 2].
+        let x = solve_damped(&symmetric(&[2.0, 1.0, 4.0], 2), &[5.0, 13.0], 0.5).unwrap();
+        assert_relative_eq!(x[0], 1.0, max_relative = 1e-12);
+        assert_relative_eq!(x[1], 2.0, max_relative = 1e-12);
+        let x = solve_damped(&symmetric(&[4.0, 0.0, 0.0], 2), &[8.0, 3.0], 0.0).unwrap();
+        assert_relative_eq!(x[0], 2.0, max_relative = 1e-12);
+        assert_eq!(x[1], 0.0);
+        assert_eq!(solve_damped(&symmetric(&[1.0, 2.0, 1.0], 2), &[1.0, 1.0], 0.0), None, "not definite");
+    }
+
+    #[test]
+    fn a_covariance_has_the_units_of_its_unknowns() {
+        // The inverse of [[2, 1], [1, 2]], the second unknown counted in thousandths.
+        let c = covariance(&symmetric(&[2.0, 1e-3, 2e-6], 2));
+        assert_relative_eq!(c[(0, 0)], 2.0 / 3.0, max_relative = 1e-12);
+        assert_relative_eq!(c[(0, 1)], -1e3 / 3.0, max_relative = 1e-12);
+        assert_relative_eq!(c[(1, 0)], -1e3 / 3.0, max_relative = 1e-12);
+        assert_relative_eq!(c[(1, 1)], 2e6 / 3.0, max_relative = 1e-12);
+    }
 }

@@ -155,4 +155,80 @@ mod tests {
         let found = ColumnNoise::estimate(&relative, &signal, 0.7);
         assert!((found.relative - 0.1).abs() < 0.005 && found.kind(0.7) == "relative", "{found:?}");
     }
+
+    #[test]
+    fn a_mixture_is_told_and_nothing_near_it_is_likelier() {
+        let n = 4001;
+        let signal: Vec<f64> = (0..n).map(|k| 1.5 * (k as f64 * 0.01).sin()).collect();
+        let truth = ColumnNoise { additive: 0.05, relative: 0.1 };
+        let residuals: Vec<f64> =
+            normal(n).iter().zip(&signal).map(|(e, s)| e * truth.variance(*s).sqrt()).collect();
+        let found = ColumnNoise::estimate(&residuals, &signal, 1.06);
+        assert_eq!(found.kind(1.06), "mixed");
+        // Its standard errors are some 2 and 3 % of it.
+        assert!((found.additive / 0.05 - 1.0).abs() < 0.06, "{found:?}");
+        assert!((found.relative / 0.1 - 1.0).abs() < 0.09, "{found:?}");
+        let unlikely = |noise: ColumnNoise| -> f64 {
+            let of = |(r, p): (&f64, &f64)| noise.variance(*p).ln() + r * r / noise.variance(*p);
+            residuals.iter().zip(&signal).map(of).sum()
+        };
+        for (a, b) in [(0.999, 1.0), (1.001, 1.0), (1.0, 0.999), (1.0, 1.001)] {
+            let near = ColumnNoise { additive: a * found.additive, relative: b * found.relative };
+            assert!(unlikely(near) > unlikely(found), "{near:?} is likelier than {found:?}");
+        }
+    }
+
+    #[test]
+    fn a_residual_of_nothing_leaves_the_floor() {
+        let signal = [1.0, -2.0, 0.5];
+        let floor = ColumnNoise { additive: 2.0 * FLOOR, relative: 0.0 };
+        assert_eq!(ColumnNoise::estimate(&[0.0; 3], &signal, 2.0), floor);
+        // A relative part has to earn its place: three samples of one size do not pay for it.
+        let found = ColumnNoise::estimate(&[0.1, -0.1, 0.1], &signal, 2.0);
+        assert!((found.additive - 0.1).abs() < 1e-15 && found.relative == 0.0, "{found:?}");
+    }
+
+    #[test]
+    fn variances_add_and_the_larger_part_gives_the_name() {
+        assert_eq!(ColumnNoise { additive: 3.0, relative: 0.5 }.variance(8.0), 25.0);
+        let named = |relative, deviation| ColumnNoise { additive: 1.0, relative }.kind(deviation);
+        assert_eq!([named(0.1, 2.0), named(0.1, 4.0)], ["additive", "mixed"]);
+        assert_eq!([named(1.0, 3.0), named(1.0, 4.0)], ["mixed", "relative"]);
+    }
+
+    /// A relative part that makes the residuals likelier by less than its price (here by some 3 of ln n = 8.3) is left out, one that pays (by some 30) is not.
+    #[test]
+    fn a_relative_part_must_earn_its_place() {
+        let n = 4001;
+        let noise = normal(n);
+        let signal: Vec<f64> = (0..n).map(|k| (k as f64 * 0.01).sin()).collect();
+        let found = |part: f64| {
+            let of = |(e, s): (&f64, &f64)| 0.05 * e * (1.0 + part * s * s).sqrt();
+            let residuals: Vec<f64> = noise.iter().zip(&signal).map(of).collect();
+            ColumnNoise::estimate(&residuals, &signal, 0.7)
+        };
+        assert_eq!(found(0.11).relative, 0.0);
+        assert!(found(0.4).relative > 0.02, "{:?}", found(0.4));
+        // Where the signal has one size only, the two parts are the same thing.
+        let flat: Vec<f64> = (0..n).map(|k| if k % 3 == 0 { 1.7 } else { -1.7 }).collect();
+        let found = ColumnNoise::estimate(&noise, &flat, 1.7);
+        assert!(found.relative == 0.0 && (found.additive - 1.0).abs() < 2e-3, "{found:?}");
+    }
+
+    #[test]
+    fn the_relative_part_knows_of_the_floor() {
+        let n = 4001;
+        let signal: Vec<f64> = (0..n).map(|k| (k as f64 * 0.01).sin()).collect();
+        let residuals: Vec<f64> = normal(n).iter().zip(&signal).map(|(e, s)| 0.1 * e * s).collect();
+        // A floor of 0.03 beside a noise that vanishes with the signal.
+        let found = ColumnNoise::estimate(&residuals, &signal, 30.0);
+        assert!((found.additive - 0.03).abs() < 1e-15, "{found:?}");
+        let unlikely = |relative: f64| -> f64 {
+            let noise = ColumnNoise { relative, ..found };
+            let of = |(r, p): (&f64, &f64)| noise.variance(*p).ln() + r * r / noise.variance(*p);
+            residuals.iter().zip(&signal).map(of).sum()
+        };
+        let [low, best, high] = [0.999, 1.0, 1.001].map(|part| unlikely(part * found.relative));
+        assert!(low > best && high > best, "{found:?}: {low} {best} {high}");
+    }
 }

@@ -143,3 +143,69 @@ impl Dense {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::{assert_abs_diff_eq, assert_relative_eq};
+
+    /// One step of one state, whose rate is also written as the load behind it.
+    fn step(t: f64, h: f64, x: f64, rate: impl Fn(f64, f64) -> f64) -> Step {
+        let mut step = Step::new(1, 1);
+        step.start(t, &[x], &[rate(t, x); 2]);
+        step.advance(h, |t, x, out| out.fill(rate(t, x[0])));
+        step
+    }
+
+    fn errors(step: &Step) -> [f64; 2] {
+        let mut out = [f64::NAN; 2];
+        step.errors(&mut out);
+        out
+    }
+
+    /// Value and slope within the step.
+    fn within(step: &mut Step, theta: f64) -> (f64, f64) {
+        let (mut value, mut slope) = ([f64::NAN], [f64::NAN]);
+        step.dense().value(theta, &mut value);
+        step.dense().slope(theta, &mut slope);
+        (value[0], slope[0])
+    }
+
+    #[test]
+    fn a_polynomial_of_the_fourth_degree_is_followed_exactly() {
+        let exact = |t: f64| 2.0 - t + 3.0 * t * t - 0.7 * t.powi(3) + 0.4 * t.powi(4);
+        let rate = |t: f64, _: f64| -1.0 + 6.0 * t - 2.1 * t * t + 1.6 * t.powi(3);
+        let (t, h) = (0.3, 0.8);
+        let mut step = step(t, h, exact(t), rate);
+        assert_abs_diff_eq!(step.end()[0], exact(t + h), epsilon = 1e-13);
+        for error in errors(&step) {
+            assert_abs_diff_eq!(error, 0.0, epsilon = 1e-14);
+        }
+        for theta in [0.0, 0.1, 0.5, 0.77, 1.0] {
+            let (value, slope) = within(&mut step, theta);
+            assert_abs_diff_eq!(value, exact(t + theta * h), epsilon = 1e-13);
+            assert_abs_diff_eq!(slope, rate(t + theta * h, 0.0), epsilon = 1e-12);
+        }
+    }
+
+    /// Of `x' = -2 t x^2`, `x = 1 / (1 + t^2)`. What is left of an error of order `p` at half the step is `2^-p` of it.
+    #[test]
+    fn errors_have_the_orders_of_the_method() {
+        let exact = |t: f64| 1.0 / (1.0 + t * t);
+        let rate = |t: f64, x: f64| -2.0 * t * x * x;
+        let t = 0.4;
+        let of = |h: f64| {
+            let mut step = step(t, h, exact(t), rate);
+            let middle = within(&mut step, 0.4).0;
+            let [state, load] = errors(&step);
+            // The estimate for a load is that of its mean: without the length of the step.
+            assert_relative_eq!(state, h * load, max_relative = 1e-12);
+            [step.end()[0] - exact(t + h), middle - exact(t + 0.4 * h), state]
+        };
+        let (coarse, fine) = (of(0.05), of(0.025));
+        for (k, order) in [6, 5, 5].into_iter().enumerate() {
+            let ratio = coarse[k] / fine[k];
+            assert_relative_eq!(ratio, 2.0_f64.powi(order), max_relative = 0.25);
+        }
+    }
+}

@@ -441,3 +441,14 @@ fn fits(modes: &[i8; 3], load: &[f64; 3], hold: &[f64; 3], mass: &[f64; 3]) -> b
         mode => f64::from(mode) * relative[c] > 0.0,
     })
 }
+
+/// What the input was before the run is not felt in it.
+#[test]
+fn a_force_that_jumps_at_the_start_acts_from_there() {
+    let force = signal(&[-1.0, 0.0, 5.0], |t| if t < 0.0 { 0.0 } else { 2.0 }, Interpolation::Hold);
+    let case = Case::driven(&[("v", 0.0, "u - F*sgn(v)")], &[("F", 0.5)], vec![("u", force)]);
+    let run = case.run(&[0.0, 1.0]);
+    assert_eq!((run.modes[0], run.rates[0]), (1, 1.5));
+    assert_abs_diff_eq!(run.states[1], 1.5, epsilon = 1e-12);
+    assert!(run.events.is_empty(), "{:?}", run.events);
+}
