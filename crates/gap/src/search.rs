@@ -3,7 +3,7 @@
 use crate::draft::Draft;
 use crate::effect::{Effect, Entry};
 use crate::fitted::{FAR_OFF, Fitted};
-use crate::place::Site;
+use crate::place::{Site, places};
 use crate::screen::{Candidate, Screening, excludes, imitated, screen};
 use phisindy_learn::{Effort, approach, glance};
 use rayon::prelude::*;
@@ -398,6 +398,7 @@ impl Search<'_> {
         'again: loop {
             let effects = current(&now);
             let base = now.draft.without_effects();
+            let everywhere = places(&base.case.system, &base.case.records, &base.internal);
             for k in 0..effects.len() {
                 let mut trials: Vec<Vec<Effect>> = Vec::new();
                 if effects.len() > 1 {
@@ -435,6 +436,15 @@ impl Search<'_> {
                         .collect();
                     list.push(relative(&effects[k], entry));
                     trials.push(list);
+                }
+                // One law on each of two bodies may be one between them.
+                for j in (0..effects.len()).filter(|&j| j != k && effects[j].entry.id == effects[k].entry.id)
+                {
+                    let between = format!("{}-{}", effects[k].place.at, effects[j].place.at);
+                    let Some(place) = everywhere.iter().find(|p| p.at == between) else { continue };
+                    let one = Effect { place: place.clone(), ..effects[k].clone() };
+                    let others = effects.iter().enumerate().filter(|(i, _)| *i != k && *i != j);
+                    trials.push(others.map(|(_, e)| e.clone()).chain([one]).collect());
                 }
                 for list in trials {
                     let Ok(mut draft) = base.with_all(&list) else { continue };
