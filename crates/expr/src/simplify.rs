@@ -45,6 +45,10 @@ pub(crate) fn binary(g: &mut Graph, op: Binary, a: Id, b: Id) -> Option<Id> {
     match op {
         Binary::Add if x == zero => Some(b),
         Binary::Add | Binary::Sub if y == zero => Some(a),
+        Binary::Add if a == b => {
+            let two = g.constant(2.0);
+            Some(g.mul(two, a))
+        }
         Binary::Add => negated(g, b).map(|b| g.sub(a, b)),
         Binary::Sub if x == zero => Some(g.neg(b)),
         Binary::Sub if a == b => Some(g.constant(0.0)),

@@ -30,7 +30,8 @@ enum Code {
         b: u32,
         out: u32,
     },
-    /// Products added to, or taken off, a value: `count` pairs of factors in [`Program::factors`], from `first` on.
+    /// Products added to, or taken off, a value: `count` pairs of factors in [`Program::factors`], from `first` on. A chain of products
+    /// alone starts at -0, which changes no bit of the first.
     Chain {
         op: Chain,
         count: u8,
@@ -53,7 +54,7 @@ enum Chain {
 }
 
 /// Products in one instruction at most.
-const LONGEST: usize = 4;
+const LONGEST: usize = 6;
 
 impl Chain {
     #[inline(always)]
@@ -181,6 +182,11 @@ impl Tape {
             slots += 1;
             slots - 1
         };
+        let mut nothing = None;
+        if steps.iter().any(|step| matches!(step.form, Form::Chain(_, _, None))) {
+            nothing = Some(fresh());
+            constants.extend(nothing.map(|slot| (slot, -0.0)));
+        }
         for &id in order.iter().filter(|id| !given[id.index()]) {
             match graph.node(id) {
                 Node::Symbol(symbol) => return Err(Unbound(symbol)),
@@ -200,7 +206,8 @@ impl Tape {
                 Form::Chain(op, pairs, start) => {
                     let (count, first) = (pairs.len() as u8, factors.len() as u32);
                     factors.extend(pairs.iter().map(|pair| pair.map(at)));
-                    code.push(Code::Chain { op: *op, count, first, start: at(*start), out });
+                    let start = start.map(at).or(nothing).unwrap_or_else(|| unreachable!("a slot for -0"));
+                    code.push(Code::Chain { op: *op, count, first, start, out });
                 }
                 // x^2 is x*x, x^3 is x*x*x: the commonest powers, without a call.
                 &Form::Binary(Binary::Pow, a, n) if graph.value(n) == Some(2.0) => {
@@ -359,7 +366,10 @@ impl<const N: usize> Scratch<N> {
         }
         if N == 1 && head.is_empty() {
             // Its own copy of the loop, in which no operand lies elsewhere.
-            run(program, &[], slots);
+            wide(
+                #[inline(always)]
+                || run(program, &[], slots),
+            );
         } else {
             wide(
                 #[inline(always)]
@@ -406,7 +416,9 @@ fn run<const N: usize>(program: &Program, head: &[[f64; N]], slots: &mut [[f64; 
                     1 => op.lanes([pair(0)], start, result),
                     2 => op.lanes([pair(0), pair(1)], start, result),
                     3 => op.lanes([pair(0), pair(1), pair(2)], start, result),
-                    _ => op.lanes([pair(0), pair(1), pair(2), pair(3)], start, result),
+                    4 => op.lanes([pair(0), pair(1), pair(2), pair(3)], start, result),
+                    5 => op.lanes([pair(0), pair(1), pair(2), pair(3), pair(4)], start, result),
+                    _ => op.lanes([pair(0), pair(1), pair(2), pair(3), pair(4), pair(5)], start, result),
                 }
             }
         }
@@ -422,7 +434,8 @@ struct Step {
 enum Form {
     Unary(Unary, Id),
     Binary(Binary, Id, Id),
-    Chain(Chain, Vec<[Id; 2]>, Id),
+    /// Products, and what they are added to or taken off, if there is anything.
+    Chain(Chain, Vec<[Id; 2]>, Option<Id>),
 }
 
 impl Step {
@@ -430,7 +443,7 @@ impl Step {
         match &self.form {
             Form::Unary(_, a) => vec![*a],
             Form::Binary(_, a, b) => vec![*a, *b],
-            Form::Chain(_, pairs, start) => pairs.iter().flatten().copied().chain([*start]).collect(),
+            Form::Chain(_, pairs, start) => pairs.iter().flatten().copied().chain(*start).collect(),
         }
     }
 }
@@ -448,14 +461,15 @@ fn steps(graph: &Graph, order: &[Id], outputs: &[Id], given: &[bool]) -> Vec<Ste
         Node::Binary(Binary::Mul, a, b) if alone(id) => Some([a, b]),
         _ => None,
     };
-    // A sum with a product: how, the product and its factors, the other summand.
+    // A sum with a product: how, the product and its factors, the other summand. The negative of a product is taken off nothing.
     let split = |id: Id| match graph.node(id) {
         Node::Binary(Binary::Add, a, b) => product(b)
-            .map(|pair| (Chain::Plus, b, pair, a))
-            .or_else(|| product(a).map(|pair| (Chain::Plus, a, pair, b))),
+            .map(|pair| (Chain::Plus, b, pair, Some(a)))
+            .or_else(|| product(a).map(|pair| (Chain::Plus, a, pair, Some(b)))),
         Node::Binary(Binary::Sub, a, b) => product(b)
-            .map(|pair| (Chain::Minus, b, pair, a))
-            .or_else(|| product(a).map(|pair| (Chain::Less, a, pair, b))),
+            .map(|pair| (Chain::Minus, b, pair, Some(a)))
+            .or_else(|| product(a).map(|pair| (Chain::Less, a, pair, Some(b)))),
+        Node::Unary(Unary::Neg, a) => product(a).map(|pair| (Chain::Minus, a, pair, None)),
         _ => None,
     };
     let mut inside = vec![false; given.len()];
@@ -470,15 +484,23 @@ fn steps(graph: &Graph, order: &[Id], outputs: &[Id], given: &[bool]) -> Vec<Ste
             (Some((op, within, pair, mut start)), _) => {
                 let mut pairs = vec![pair];
                 inside[within.index()] = true;
-                while let Some((more, within, pair, rest)) = split(start).filter(|_| alone(start))
-                    && more == op
+                while let Some(sum) = start.filter(|&sum| alone(sum))
                     && op != Chain::Less
                     && pairs.len() < LONGEST
                 {
-                    inside[start.index()] = true;
-                    inside[within.index()] = true;
-                    pairs.push(pair);
-                    start = rest;
+                    if let Some((more, within, pair, rest)) = split(sum)
+                        && more == op
+                    {
+                        inside[within.index()] = true;
+                        pairs.push(pair);
+                        start = rest;
+                    } else if let Some(pair) = product(sum).filter(|_| op == Chain::Plus) {
+                        pairs.push(pair);
+                        start = None;
+                    } else {
+                        break;
+                    }
+                    inside[sum.index()] = true;
                 }
                 pairs.reverse();
                 Form::Chain(op, pairs, start)

@@ -101,12 +101,12 @@ fn step_length(record: &Record) -> Option<f64> {
     record.time.windows(2).all(|t| (t[1] - t[0] - mean).abs() < UNIFORM * mean).then_some(mean)
 }
 
-/// One row of data for a step: time, length, its half and sixth, states, inputs at start, middle, end. `from` and `to` are neighbouring samples; going backward
+/// One row of data for a step: time, length, its half, third and sixth, states, inputs at start, middle, end. `from` and `to` are neighbouring samples; going backward
 /// the length is negative. Between samples an input is what its interpolation says (`Linear` is the paper's average of the two).
 pub(crate) fn step_row(record: &Record, from: usize, to: usize, length: Option<f64>) -> Vec<f64> {
     let exact = record.time[to] - record.time[from];
     let h = length.map_or(exact, |length| length.copysign(exact));
-    let mut row = vec![record.time[from], h, 0.5 * h, h / 6.0];
+    let mut row = vec![record.time[from], h, 0.5 * h, h / 3.0, h / 6.0];
     row.extend(record.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| c[from])));
     row.extend(record.inputs.iter().map(|u| u.values()[from]));
     let middle = 0.5 * (record.time[from] + record.time[to]);

@@ -6,14 +6,14 @@ use phisindy_phys::{Model, System};
 use std::collections::HashMap;
 
 /// Where the states stand in [`OneStep::data`].
-pub(crate) const FIRST_STATE: usize = 4;
+pub(crate) const FIRST_STATE: usize = 5;
 
 /// A step of the classical Runge-Kutta method as nodes of a graph.
 #[derive(Clone, Debug)]
 pub(crate) struct OneStep {
     pub(crate) graph: Graph,
     pub(crate) names: Names,
-    /// What a step starts from, in this order: time; step length, its half, its sixth; states; inputs at the start, in the middle, at the end.
+    /// What a step starts from, in this order: time; step length, its half, third and sixth; states; inputs at the start, in the middle, at the end.
     pub(crate) data: Vec<Id>,
     /// Coefficients and movable constants.
     pub(crate) parameters: Vec<Id>,
@@ -35,8 +35,8 @@ impl OneStep {
             let symbol = names.intern(&name);
             graph.symbol(symbol)
         };
-        let [h, half, sixth] =
-            ["step length", "half of it", "a sixth of it"].map(|name| fresh(&mut graph, name.into()));
+        let [h, half, third, sixth] =
+            ["step length", "half of it", "a third of it", "a sixth of it"].map(|name| fresh(&mut graph, name.into()));
         let middle: Vec<Id> =
             (0..model.inputs.len()).map(|k| fresh(&mut graph, format!("middle {k}"))).collect();
         let end: Vec<Id> = (0..model.inputs.len()).map(|k| fresh(&mut graph, format!("end {k}"))).collect();
@@ -58,19 +58,18 @@ impl OneStep {
         // Stage 3 starts from stage 2; the published two-mass notebook takes stage 1 again.
         let k3 = stage(&mut graph, Some(half), &middle, &k2);
         let k4 = stage(&mut graph, Some(h), &end, &k3);
-        let two = graph.constant(2.0);
         let next = (0..states.len())
             .map(|i| {
                 let inner = graph.add(k2[i], k3[i]);
-                let inner = graph.mul(two, inner);
+                let inner = graph.mul(third, inner);
                 let outer = graph.add(k1[i], k4[i]);
-                let sum = graph.add(outer, inner);
-                let change = graph.mul(sixth, sum);
+                let outer = graph.mul(sixth, outer);
+                let change = graph.add(inner, outer);
                 graph.add(states[i], change)
             })
             .collect();
         let contacts = system.contacts.iter().map(|c| c.node).collect();
-        let mut data = vec![model.time, h, half, sixth];
+        let mut data = vec![model.time, h, half, third, sixth];
         data.extend(states.iter().chain(&model.inputs).chain(&middle).chain(&end));
         OneStep {
             graph,

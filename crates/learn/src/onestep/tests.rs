@@ -145,7 +145,7 @@ fn compare(twin: &Twin, contact: fn(&[f64]) -> f64) {
         let u = [&u[..m], &u[m..2 * m], &u[2 * m..]];
         let mut p = twin.free.clone();
         p.extend(&twin.records[0].constants);
-        let row = [t, h, 0.5 * h, h / 6.0]
+        let row = [t, h, 0.5 * h, h / 3.0, h / 6.0]
             .into_iter()
             .chain(x.iter().copied())
             .chain(u.concat())
