@@ -18,7 +18,7 @@ pub(crate) struct Limits {
     pub(crate) iterations: usize,
     /// Stops when a step lowers the cost by less than this part of it.
     pub(crate) gain: f64,
-    /// Gives up if [`CHANCES`] steps leave the cost above this.
+    /// Gives up if [`CHANCES`] steps, or twice as many failures, leave the cost above this.
     pub(crate) hopeless: f64,
 }
 
@@ -42,15 +42,17 @@ pub(crate) fn minimise(
 ) -> Option<Normal> {
     let n = values.len();
     let mut damping = 1e-6;
-    // A step that keeps failing is on a cliff: it costs more than it will bring.
-    let mut tries = 3 * limits.iterations;
+    let mut tries = 0;
     let mut now = evaluate(values)?;
     for done in 0..limits.iterations {
-        if done >= CHANCES && now.cost > limits.hopeless {
+        let hopeless = now.cost > limits.hopeless;
+        if hopeless && done >= CHANCES {
             break;
         }
+        // A step that keeps failing is on a cliff: it costs more than it will bring.
+        let most = if hopeless { done + 2 * CHANCES } else { 3 * limits.iterations };
         let mut better = None;
-        while damping < 1e8 && tries > 0 {
+        while damping < 1e8 && tries < most {
             let step = bounded_step(&now, values, bounds, damping);
             let Some(step) = step else {
                 damping *= 10.0;
@@ -61,7 +63,7 @@ pub(crate) fn minimise(
             if trial.iter().zip(values.iter()).all(|(a, b)| a == b) {
                 break;
             }
-            tries -= 1;
+            tries += 1;
             match evaluate(&trial) {
                 Some(next) if next.cost < now.cost => {
                     better = Some((trial, next));
@@ -166,7 +168,8 @@ mod tests {
             steps
         };
         let limits = Limits::new(200, 0.0);
-        assert_eq!(steps(Limits { hopeless: 0.0, ..limits }), 3);
+        // Two steps and six failures.
+        assert_eq!(steps(Limits { hopeless: 0.0, ..limits }), 2);
         assert!(steps(Limits { hopeless: 1e3, ..limits }) > 3);
         assert_eq!(steps(Limits::new(5, 0.0)), 5);
         // The first step brings the cost from 24.2 to about 4.7: a gain of less than 0.99 of it.
@@ -181,6 +184,17 @@ mod tests {
             assert_relative_eq!(x[0], 1.0, max_relative = 1e-8);
             assert_relative_eq!(x[1], 1.0, max_relative = 1e-8);
         }
+    }
+
+    #[test]
+    fn a_hopeless_cliff_costs_twice_the_chances() {
+        let (mut calls, mut x) = (0, [-1.2, 1.0]);
+        let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
+        minimise(&mut x, &free, Limits { hopeless: 1.0, ..Limits::new(20, 0.0) }, |x| {
+            calls += 1;
+            if x == [-1.2, 1.0] { rosenbrock(x) } else { None }
+        });
+        assert_eq!(calls, 1 + 6);
     }
 
     /// Of `(x - 1)^2 + (x + 1)^2`, so near its end that the cost is the same number.

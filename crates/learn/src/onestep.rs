@@ -35,8 +35,8 @@ impl OneStep {
             let symbol = names.intern(&name);
             graph.symbol(symbol)
         };
-        let [h, half, third, sixth] =
-            ["step length", "half of it", "a third of it", "a sixth of it"].map(|name| fresh(&mut graph, name.into()));
+        let [h, half, third, sixth] = ["step length", "half of it", "a third of it", "a sixth of it"]
+            .map(|name| fresh(&mut graph, name.into()));
         let middle: Vec<Id> =
             (0..model.inputs.len()).map(|k| fresh(&mut graph, format!("middle {k}"))).collect();
         let end: Vec<Id> = (0..model.inputs.len()).map(|k| fresh(&mut graph, format!("end {k}"))).collect();
