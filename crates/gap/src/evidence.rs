@@ -1,6 +1,7 @@
 //! Evidence that a fit alone does not use: an elastic contact must give way, in the stops, in proportion to the force on it.
 
 use crate::course::node;
+use crate::drive::Drive;
 use crate::effect::Effect;
 use crate::fitted::Fitted;
 use crate::motion::{Motion, rest_threshold, resting};
@@ -25,6 +26,9 @@ pub(crate) fn against(fitted: &Fitted, effect: &Effect) -> Option<String> {
         return Some(why);
     }
     if let Some(why) = pushes(fitted, effect) {
+        return Some(why);
+    }
+    if let Some(why) = echoes(fitted, effect) {
         return Some(why);
     }
     // Of a model that leaves nothing but noise the stops, too, are as measured.
@@ -115,6 +119,28 @@ fn pushes(fitted: &Fitted, effect: &Effect) -> Option<String> {
         }
     }
     (given > GIVES_BACK * taken).then(|| "in places it would push instead of brake".to_owned())
+}
+
+/// A force at a frequency of the drive makes good, there, whatever else the model lacks.
+fn echoes(fitted: &Fitted, effect: &Effect) -> Option<String> {
+    let law = &effect.entry.law;
+    let screen = law.screen.as_ref()?;
+    let (_, names, _) = fitted.draft.effects.iter().find(|(e, ..)| e.same(effect))?;
+    let numbers = crate::search::values(fitted, names, &effect.start);
+    let frequency = |name: &str| {
+        let oscillates = screen.grid.iter().any(|(grid, unit)| grid == name && unit == "rad/s");
+        let at = law.parameters.iter().position(|(own, _)| own == name).filter(|_| oscillates)?;
+        numbers.get(at).copied()
+    };
+    let system = &fitted.draft.case.system;
+    let fits = fitted.draft.records.iter().filter(|r| r.role == Role::Fit);
+    let drives: Vec<Drive<'_>> = fits.filter_map(|r| Drive::new(system, r)).collect();
+    drives.into_iter().find_map(|mut drive| {
+        let line = law.parameters.iter().find_map(|(name, _)| drive.line_at(frequency(name)?))?;
+        Some(format!(
+            "its frequency is that of the drive ({line:.4} rad/s) or a multiple of it, where it would stand for anything else that is missing"
+        ))
+    })
 }
 
 /// A dashpot may be weaker than the model thought, but what is left of it may not feed the motion.

@@ -13,6 +13,7 @@
 mod asked;
 mod course;
 mod draft;
+mod drive;
 mod effect;
 mod evidence;
 mod fitted;

@@ -1,7 +1,7 @@
 //! Find, name, add, refit, until nothing but noise is left or nothing in the catalogue helps.
 
 use crate::draft::Draft;
-use crate::effect::{Effect, Entry};
+use crate::effect::{Effect, Entry, fits};
 use crate::fitted::{FAR_OFF, Fitted};
 use crate::place::{Site, places};
 use crate::screen::{Candidate, Screening, excludes, imitated, screen};
@@ -167,10 +167,10 @@ impl Search<'_> {
         }
         let best = preferred(&singles, candidates).filter(|best| self.worth(now, best, candidates)).cloned();
         // A law of many parameters may stand for two simple ones.
-        let plain =
-            |f: &Fitted| f.draft.effects[before..].iter().all(|(e, ..)| e.entry.law.parameters.len() < 3);
+        let plain = |f: &Fitted| f.draft.effects[before..].iter().all(|(e, ..)| !is_composed(e));
         if let Some(best) = best.as_ref().filter(|b| b.is_white() && plain(b)) {
             let best = self.simplified(best.clone(), candidates);
+            let best = self.moved(best, candidates);
             return Some((best.clone(), round(before, &best, &singles, vetoed, candidates)));
         }
         let price = (now.cal.samples as f64).ln();
@@ -198,6 +198,7 @@ impl Search<'_> {
             (None, None) => return None,
         };
         let chosen = self.simplified(chosen, candidates);
+        let chosen = self.moved(chosen, candidates);
         let by = Measure::of([&chosen, now], candidates);
         if chosen.draft.effects.len() <= before && by.score(&chosen) >= by.score(now) - WORTH {
             return None;
@@ -278,11 +279,11 @@ impl Search<'_> {
         all
     }
 
-    /// What a leading law of many parameters may stand for: its simpler relatives, each beside every law of one parameter that acts in the same place.
+    /// What a leading law of many parameters may stand for: its simpler relatives, each beside every law of one parameter that acts in the same place or on a sensor.
     fn parted(&self, draft: &Draft, leader: &Fitted, found: &Screening) -> Vec<Vec<Effect>> {
         let effects = current(leader);
         let [.., last] = &effects[..] else { return vec![] };
-        if last.entry.law.parameters.len() < 3 || effects.len() != draft.effects.len() + 1 {
+        if !is_composed(last) || effects.len() != draft.effects.len() + 1 {
             return vec![];
         }
         let plain = self.catalogue.iter().filter(|e| last.entry.law.simpler.contains(&e.id));
@@ -290,7 +291,7 @@ impl Search<'_> {
             .map(|entry| relative(last, entry))
             .flat_map(|one| {
                 let beside = |c: &&Candidate| {
-                    c.effect.place.at == one.place.at
+                    (c.effect.place.at == one.place.at || c.effect.entry.law.sensor.is_some())
                         && c.effect.entry.law.parameters.len() == 1
                         && !excludes(&c.effect, &one)
                 };
@@ -393,6 +394,42 @@ impl Search<'_> {
         by.score(simple) - by.score(rich) < SIMPLER || carries_no_further(simple, rich)
     }
 
+    /// Each effect at every other place: what was added first was looked for without the others, and may stand where it made good a part of them.
+    fn moved(&self, mut now: Fitted, candidates: usize) -> Fitted {
+        for _ in 0..EFFECTS {
+            let effects = current(&now);
+            if effects.len() < 2 {
+                break;
+            }
+            let base = now.draft.without_effects();
+            let everywhere = places(&base.case.system, &base.case.records, &base.internal);
+            let elsewhere = |k: usize| {
+                let own = &effects[k];
+                let free = everywhere.iter().filter(|p| fits(&own.entry.law, p) && p.at != own.place.at);
+                free.map(|p| Effect { place: p.clone(), ..own.clone() }).collect::<Vec<_>>()
+            };
+            let trials: Vec<Vec<Effect>> = (0..effects.len())
+                .flat_map(|k| elsewhere(k).into_iter().map(move |e| (k, e)))
+                .filter(|(k, e)| effects.iter().enumerate().all(|(j, other)| j == *k || !excludes(other, e)))
+                .map(|(k, e)| {
+                    let mut list = effects.clone();
+                    list[k] = e;
+                    list
+                })
+                .collect();
+            let (noise, veto) = (self.noise, self.veto);
+            let others: Vec<Fitted> =
+                trials.par_iter().filter_map(|list| instead(&base, &now, list, noise, veto)).collect();
+            let by = Measure::of(others.iter().chain([&now]), candidates);
+            let best = others.iter().min_by(|a, b| by.score(a).total_cmp(&by.score(b)));
+            match best.filter(|b| by.score(b) + SIMPLER < by.score(&now)) {
+                Some(better) => now = better.clone(),
+                None => break,
+            }
+        }
+        now
+    }
+
     /// Drops each effect, or puts a simpler relative in its place, as long as nothing of note is lost.
     fn simplified(&self, mut now: Fitted, candidates: usize) -> Fitted {
         'again: loop {
@@ -447,22 +484,7 @@ impl Search<'_> {
                     trials.push(others.map(|(_, e)| e.clone()).chain([one]).collect());
                 }
                 for list in trials {
-                    let Ok(mut draft) = base.with_all(&list) else { continue };
-                    now.starts(&mut draft);
-                    // What is far behind after a few steps need not be fitted in full.
-                    let (system, records, smooth) = (&draft.case.system, &draft.records, &draft.smooth);
-                    let look = if now.rests() {
-                        approach(system, records, smooth, self.noise)
-                    } else {
-                        glance(system, records, smooth, self.noise, 1)
-                    };
-                    if look.is_none_or(|look| look > RACE * now.fit.powi(2).max(1.0)) {
-                        continue;
-                    }
-                    let Some(simple) = refitted(draft, &now, self.noise) else { continue };
-                    if list.iter().any(|e| (self.veto)(&simple, e).is_some()) {
-                        continue;
-                    }
+                    let Some(simple) = instead(&base, &now, &list, self.noise, self.veto) else { continue };
                     let same = self.as_good(&simple, &now, candidates);
                     let by = Measure::of([&simple, &now], candidates);
                     let carries = simple.validate.zip(now.validate).is_none_or(|(a, b)| a < ALIKE * b)
@@ -477,6 +499,29 @@ impl Search<'_> {
             return now;
         }
     }
+}
+
+/// A model with other effects than a fitted one, fitted from there; `None` if it is far behind after a few steps, or evidence speaks against it.
+fn instead(
+    base: &Draft,
+    now: &Fitted,
+    list: &[Effect],
+    noise: &[Vec<f64>],
+    veto: &(dyn Fn(&Fitted, &Effect) -> Option<String> + Sync),
+) -> Option<Fitted> {
+    let mut draft = base.with_all(list).ok()?;
+    now.starts(&mut draft);
+    let (system, records, smooth) = (&draft.case.system, &draft.records, &draft.smooth);
+    let look = if now.rests() {
+        approach(system, records, smooth, noise)
+    } else {
+        glance(system, records, smooth, noise, 1)
+    }?;
+    if look > RACE * now.fit.powi(2).max(1.0) {
+        return None;
+    }
+    let other = refitted(draft, now, noise)?;
+    list.iter().all(|e| veto(&other, e).is_none()).then_some(other)
 }
 
 /// A part of a fitted model, which starts near where it should end. Through stops the way over short segments may lead astray: then also straight from where that
@@ -534,6 +579,11 @@ fn carries_no_further(simple: &Fitted, rich: &Fitted) -> bool {
 /// Whether the second model is on the way to something: while much is missing Validate records are missed whatever is added, and the end of the search looks at them.
 fn on_the_way(from: &Fitted, to: &Fitted) -> bool {
     to.fit > FAR_OFF && to.fit < HALF * from.fit
+}
+
+/// Whether a law may stand for two simple ones: of many parameters, or two laws by one name.
+fn is_composed(effect: &Effect) -> bool {
+    effect.entry.law.parameters.len() > 2 || !effect.entry.law.same_as.is_empty()
 }
 
 /// The effects of a fitted model, from where its fit ended.

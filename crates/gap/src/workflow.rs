@@ -1,6 +1,7 @@
 //! The whole workflow: noise, where, what, add, how it ends.
 
 use crate::draft::Draft;
+use crate::drive::Drive;
 use crate::effect::{Effect, Entry};
 use crate::evidence::against;
 use crate::fitted::{Fitted, noise};
@@ -8,7 +9,6 @@ use crate::mistaken::mistaken;
 use crate::region::{Region, regions};
 use crate::repeat::{Repeat, prediction, repeatability};
 use crate::search::{Measure, Search, Searched, current, refitted};
-use phisindy_expr::{Scratch, Tape};
 use phisindy_learn::{Effort, FoundParameter, RecordFit, at_bounds, dead_column, sensitive_starts};
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Case, Record, System, splice, standard_deviation};
@@ -24,6 +24,9 @@ const SCATTERS: f64 = 5.0;
 const LOOK: usize = 6_000;
 /// What is left when an effect is kept although something else is missing too: each must have brought the gap down by this factor.
 const SUBSTANTIAL: f64 = 3.0;
+
+/// Effects that explain: more of them cover up whatever is missing ("with four parameters I can fit an elephant").
+const ELEPHANT: usize = 4;
 
 /// How the workflow ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -333,22 +336,13 @@ fn floor(case: &Case, records: &[Record], noise: &[Vec<f64>]) -> (Vec<(String, S
 
 /// Whether what drives a record repeats with a period: a motion under two tones scatters from cycle to cycle for a reason.
 fn driven_alike(system: &System, record: &Record, period: f64) -> bool {
-    let Ok(tape) = Tape::compile(&system.graph, &system.arguments(), &system.known) else { return false };
-    let mut scratch = Scratch::<1>::new(&tape);
+    let Some(mut drive) = Drive::new(system, record) else { return false };
     let (first, last) = (record.time[0], record.time[record.len() - 1]);
-    let mut rates = |t: f64| -> Vec<f64> {
-        let inputs = record.inputs.iter().map(|u| u.value(t));
-        let still = system.states.iter().map(|_| 0.0);
-        let numbers = system.parameters.iter().map(|p| p.start).chain(record.constants.iter().copied());
-        let values = [t].into_iter().chain(still).chain(inputs).chain(numbers);
-        scratch.at(values);
-        (0..system.known.len()).map(|k| scratch.output(k)[0]).collect()
-    };
     const TIMES: usize = 400;
     let (mut size, mut apart) = (0.0, 0.0);
     for i in 0..TIMES {
         let t = first + (last - first - period) * i as f64 / TIMES as f64;
-        for (a, b) in rates(t).into_iter().zip(rates(t + period)) {
+        for (a, b) in drive.at(t).into_iter().zip(drive.at(t + period)) {
             if a.is_finite() && b.is_finite() {
                 size += a * a;
                 apart += (a - b) * (a - b);
@@ -428,7 +422,14 @@ fn finished(
     let repeats = floor > 0.0 && end <= REPEATS * floor;
     // Below the estimated noise, which of clean columns is too large, there is nothing to find.
     let below = last.fit <= 1.0 && end <= 1.0;
-    let status = match (white || repeats || below, steps.is_empty()) {
+    let covered = steps.len() >= ELEPHANT;
+    if covered && white {
+        warnings.push(format!(
+            "with {} effects the model leaves nothing but noise, but so many corrections may cover up one effect that no law here describes",
+            steps.len()
+        ));
+    }
+    let status = match ((white || repeats || below) && !covered, steps.is_empty()) {
         (true, true) => Status::NothingMissing,
         (true, false) => Status::Explained,
         (false, _) => Status::Unexplained,
