@@ -5,6 +5,9 @@ use super::rig::{Drive, Rig};
 use super::rivals::{Judgement, only_column};
 use super::truth::{Hidden, Placed};
 
+/// Laws that do not feel where the mass is.
+const SPEED_ONLY: [&str; 5] = ["viscous", "quadratic-drag", "coulomb", "stribeck", "dieterich-ruina"];
+
 /// Other descriptions of the same force.
 pub(super) fn alternatives(
     effects: &[Effect],
@@ -39,6 +42,15 @@ pub(super) fn alternatives(
         // A push that does not feel what moves is the same from the wall that moves.
         if base && matches!(e.law.as_str(), "offset" | "harmonic-force") && !e.at.contains('-') {
             more.push(put(k, vec![placed(&e.law, &format!("{}-du", e.at))]));
+        }
+        // On linear springs a constant force moves one mass as the zero of its sensor moves its record; beside Coulomb friction both are one law.
+        let alone = rig.count() == 1 && e.law == "sensor-offset" && rig.x.contains(&e.at);
+        let others = || effects.iter().enumerate().filter(move |(i, _)| *i != k).map(|(_, other)| other);
+        if alone && others().all(|other| SPEED_ONLY.contains(&other.law.as_str())) {
+            more.push(put(k, vec![placed("offset", &rig.v[0])]));
+            if let Some(other) = others().find(|other| other.law == "coulomb") {
+                more.push(vec![placed("asymmetric-coulomb", &other.at)]);
+            }
         }
         // All columns are one column.
         if only_column(e, columns) {
