@@ -132,9 +132,10 @@ fn echoes(fitted: &Fitted, effect: &Effect) -> Option<String> {
         let at = law.parameters.iter().position(|(own, _)| own == name).filter(|_| oscillates)?;
         numbers.get(at).copied()
     };
-    let system = &fitted.draft.case.system;
-    let fits = fitted.draft.records.iter().filter(|r| r.role == Role::Fit);
-    let drives: Vec<Drive<'_>> = fits.filter_map(|r| Drive::new(system, r)).collect();
+    // The drive of the model as it was: in this one the force is part of it.
+    let base = fitted.draft.without_effects();
+    let fits = base.records.iter().filter(|r| r.role == Role::Fit);
+    let drives: Vec<Drive<'_>> = fits.filter_map(|r| Drive::new(&base.case.system, r)).collect();
     drives.into_iter().find_map(|mut drive| {
         let line = law.parameters.iter().find_map(|(name, _)| drive.line_at(frequency(name)?))?;
         Some(format!(

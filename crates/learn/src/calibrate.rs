@@ -103,6 +103,9 @@ pub fn calibrate(
             // Where the spec starts may be better than where the segments led: after an earlier fit it is.
             let start = problem.guess(&[], None, &starts);
             again(&problem, &mut x, &weights, samples, start);
+            if let Some(start) = other_starts(&problem, &x, &noise, &weights, samples) {
+                again(&problem, &mut x, &weights, samples, start);
+            }
         } else {
             for attempt in 0..RESTARTS {
                 match nearby(&problem, &x, &weights, samples, attempt) {
@@ -211,6 +214,43 @@ fn again(
     if end.is_some_and(|end| end.cost < now.cost) {
         *x = other;
     }
+}
+
+/// Speeds at the start that are tried, from the present one, in units of the noise.
+const KICKS: [f64; 6] = [-4.0, -2.0, -1.0, 1.0, 2.0, 4.0];
+
+/// The unknowns with the start of each run at another speed, or at rest, where that lowers the cost: a mass that starts stuck and one that starts slipping are two
+/// side minima of one fit.
+fn other_starts(
+    problem: &Problem<'_>,
+    x: &[f64],
+    noise: &Noise,
+    weights: &[Vec<Vec<f64>>],
+    samples: usize,
+) -> Option<Vec<f64>> {
+    let cost = |x: &[f64]| problem.normal(x, weights).map_or(f64::INFINITY, |normal| normal.cost);
+    let begun = cost(x);
+    if !RESTARTED.contains(&(begun / samples.max(1) as f64)) {
+        return None;
+    }
+    let (mut best, mut least) = (x.to_vec(), begun);
+    for segment in &problem.segments {
+        let speeds = (0..problem.system.states.len())
+            .filter(|k| problem.system.states.iter().any(|s| s.velocity == Some(*k)));
+        for k in speeds {
+            let (at, now) = (segment.start + k, best[segment.start + k]);
+            let sigma = noise[segment.record][k].additive;
+            for speed in KICKS.map(|kick| now + kick * sigma).into_iter().chain([0.0]) {
+                let mut trial = best.clone();
+                trial[at] = speed.clamp(problem.bounds[at].0, problem.bounds[at].1);
+                let there = cost(&trial);
+                if there < least {
+                    (best, least) = (trial, there);
+                }
+            }
+        }
+    }
+    (least < begun).then_some(best)
 }
 
 /// A start near an end: every unknown moved by two of the errors that the misfit stands for, up or down by turns.
