@@ -103,7 +103,7 @@ pub fn calibrate(
             // Where the spec starts may be better than where the segments led: after an earlier fit it is.
             let start = problem.guess(&[], None, &starts);
             again(&problem, &mut x, &weights, samples, start);
-            if let Some(start) = other_starts(&problem, &x, &noise, &weights, samples) {
+            if let Some(start) = on_the_data(&problem, &x, &noise, &starts) {
                 again(&problem, &mut x, &weights, samples, start);
             }
         } else {
@@ -216,41 +216,22 @@ fn again(
     }
 }
 
-/// Speeds at the start that are tried, from the present one, in units of the noise.
-const KICKS: [f64; 6] = [-4.0, -2.0, -1.0, 1.0, 2.0, 4.0];
+/// A fitted start this many standard deviations of the noise from the smoothed motion is another run than the measured one.
+const ASTRAY: f64 = 4.0;
 
-/// The unknowns with the start of each run at another speed, or at rest, where that lowers the cost: a mass that starts stuck and one that starts slipping are two
-/// side minima of one fit.
-fn other_starts(
-    problem: &Problem<'_>,
-    x: &[f64],
-    noise: &Noise,
-    weights: &[Vec<Vec<f64>>],
-    samples: usize,
-) -> Option<Vec<f64>> {
-    let cost = |x: &[f64]| problem.normal(x, weights).map_or(f64::INFINITY, |normal| normal.cost);
-    let begun = cost(x);
-    if !RESTARTED.contains(&(begun / samples.max(1) as f64)) {
-        return None;
-    }
-    let (mut best, mut least) = (x.to_vec(), begun);
+/// The unknowns with runs from where the smoothed motion starts, if they start elsewhere: an earlier model, from whose start they set out, may have been wrong.
+fn on_the_data(problem: &Problem<'_>, x: &[f64], noise: &Noise, smooth: &[Record]) -> Option<Vec<f64>> {
+    let (mut out, mut astray) = (x.to_vec(), false);
     for segment in &problem.segments {
-        let speeds = (0..problem.system.states.len())
-            .filter(|k| problem.system.states.iter().any(|s| s.velocity == Some(*k)));
-        for k in speeds {
-            let (at, now) = (segment.start + k, best[segment.start + k]);
-            let sigma = noise[segment.record][k].additive;
-            for speed in KICKS.map(|kick| now + kick * sigma).into_iter().chain([0.0]) {
-                let mut trial = best.clone();
-                trial[at] = speed.clamp(problem.bounds[at].0, problem.bounds[at].1);
-                let there = cost(&trial);
-                if there < least {
-                    (best, least) = (trial, there);
-                }
-            }
+        for (k, column) in smooth[segment.record].columns.iter().enumerate() {
+            let Some([_, second, third, ..]) = column.as_deref() else { continue };
+            let (at, start) = (segment.start + k, 2.0 * second - third);
+            let measured = problem.records[segment.record].columns[k].is_some();
+            astray |= measured && (x[at] - start).abs() > ASTRAY * noise[segment.record][k].additive;
+            out[at] = start.clamp(problem.bounds[at].0, problem.bounds[at].1);
         }
     }
-    (least < begun).then_some(best)
+    astray.then_some(out)
 }
 
 /// A start near an end: every unknown moved by two of the errors that the misfit stands for, up or down by turns.
