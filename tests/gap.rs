@@ -184,11 +184,56 @@ fn a_force_at_the_frequency_of_the_drive_is_none() {
     assert!(warned.contains("its frequency is that of the drive"), "{warned}");
 }
 
-/// Four corrections and more would describe anything.
+/// Motion of an oscillator with a spring in series with a dashpot beside it, whose force is a state of its own: columns t, x, v with noise.
+fn with_a_memory(start: f64, seed: u64) -> String {
+    let (stiffness, fades, step) = (0.5, 2.0, 0.005);
+    let rates =
+        |t: f64, [x, v, z]: [f64; 3]| [v, -0.1 * v - x - z + (0.7 * t).cos(), stiffness * v - z / fades];
+    let ahead = |s: [f64; 3], h: f64, k: [f64; 3]| [s[0] + h * k[0], s[1] + h * k[1], s[2] + h * k[2]];
+    let mut state = seed;
+    let mut noise = || {
+        let sum: f64 = (0..12)
+            .map(|_| {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                (state >> 11) as f64 / (1u64 << 53) as f64
+            })
+            .sum();
+        0.02 * (sum - 6.0)
+    };
+    let (mut s, mut out) = ([start, 0.0, 0.0], String::from("t,x,v\n"));
+    for i in 0..12_000 {
+        let t = f64::from(i) * step;
+        if i % 10 == 0 {
+            out += &format!("{t},{},{}\n", s[0] + noise(), s[1] + noise());
+        }
+        let k1 = rates(t, s);
+        let k2 = rates(t + step / 2.0, ahead(s, step / 2.0, k1));
+        let k3 = rates(t + step / 2.0, ahead(s, step / 2.0, k2));
+        let k4 = rates(t + step, ahead(s, step, k3));
+        for (j, x) in s.iter_mut().enumerate() {
+            *x += step / 6.0 * (k1[j] + 2.0 * k2[j] + 2.0 * k3[j] + k4[j]);
+        }
+    }
+    out
+}
+
+/// A force with a memory that no law has: under one tone a spring, a damper, and a little more of the drive describe it to the noise, and are not what it is.
 #[test]
-fn too_many_effects_explain_nothing() {
-    let four = "\"v\": \"-0.3*x^3 - 0.2*sgn(v) + 0.3*cos(1.9*t+1) - 0.3*x^2\"";
-    let (found, code) = gap(&folder("gap-four"), &spec(four, 0.005));
+fn a_force_with_a_memory_is_not_explained_by_corrections() {
+    let folder = folder("gap-memory");
+    for (name, start, seed) in [("fit.csv", 0.0, 1), ("validate.csv", 0.5, 2)] {
+        std::fs::write(folder.join(name), with_a_memory(start, seed)).expect("data can be written");
+    }
+    let record = |file: &str, role: &str| {
+        format!(
+            r#"Csv(path: "{file}", time: "t", columns: {{ "x": ("x", "m"), "v": ("v", "m/s") }}, role: {role})"#
+        )
+    };
+    let (known, _) =
+        spec("", 0.0).split_once("data:").map(|(a, b)| (a.to_owned(), b.to_owned())).expect("data");
+    let spec =
+        format!("{known}data: [{}, {}])", record("fit.csv", "Fit"), record("validate.csv", "Validate"));
+    let (found, code) = gap(&folder, &spec);
     assert_eq!((found["status"].as_str(), code), (Some("unexplained"), 1), "{found}");
 }
 
@@ -212,7 +257,7 @@ fn chain(truth: &str, noise: f64) -> String {
 /// What is found first stands, at times, where it made good a part of what was still missing: each effect is tried everywhere once the others are there.
 #[test]
 fn effects_move_to_where_they_belong() {
-    let truth = "\"v1\": \"-0.3*sgn(v1) - 0.2*sgn(v1-v2)\", \"v2\": \"0.2*sgn(v1-v2)/1.5\"";
+    let truth = "\"v1\": \"-0.5*sgn(v1) - 0.3*sgn(v1-v2)\", \"v2\": \"0.3*sgn(v1-v2)/1.5\"";
     let (found, _) = gap(&folder("gap-moved"), &chain(truth, 0.03));
     let mut names = named(&found);
     names.sort();

@@ -182,6 +182,8 @@ impl Search<'_> {
         (self.hear)(0.1 + 0.8 * (before as f64 + 0.5) / EFFECTS as f64, "fitting the best pairs");
         let pairs = self.tried(added(pairs), candidates, &mut vetoed);
         let pair = preferred(&pairs, candidates).filter(|p| self.worth(now, p, candidates)).cloned();
+        // Two that nearly do may stand in wrong places.
+        let pair = pair.map(|pair| if pair.is_white() { pair } else { self.moved(pair, candidates) });
         let all: Vec<Fitted> = singles.into_iter().chain(pairs).collect();
         let chosen = match (best, pair) {
             (Some(single), Some(pair)) => {
