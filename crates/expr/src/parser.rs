@@ -319,10 +319,8 @@ impl Parser<'_> {
                 Ok(span)
             }
             Some((Token::Comma, _)) if token == Token::Close => Err(self.expected_operator()),
-            Some((Token::Comma | Token::Close | Token::Bar, _)) | None => {
-                Err(ParseError { kind: missing, span: open })
-            }
-            Some(_) => Err(self.expected_operator()),
+            // An expression ends at nothing else than these: what they close was opened further out, or nowhere.
+            _ => Err(ParseError { kind: missing, span: open }),
         }
     }
 }

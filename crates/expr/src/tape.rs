@@ -391,16 +391,6 @@ impl Scratch<1> {
     }
 }
 
-impl<const N: usize> Clone for Scratch<N> {
-    /// The copy lies elsewhere, so that its slots may begin at another place of its memory.
-    fn clone(&self) -> Self {
-        let mut copy = Scratch::new(&self.tape);
-        let first = copy.first();
-        copy.memory[first..].iter_mut().zip(&self.memory[self.first()..]).for_each(|(to, from)| *to = *from);
-        copy
-    }
-}
-
 /// Each instruction is a loop over the lanes.
 #[inline(always)]
 fn run<const N: usize>(program: &Program, head: &[[f64; N]], slots: &mut [[f64; N]]) {

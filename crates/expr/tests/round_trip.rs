@@ -204,6 +204,17 @@ fn numbers_that_are_not_finite_end_the_rules() {
     }
 }
 
+/// A fit that went wrong is printed like one that did not, and can be typeset.
+#[test]
+fn numbers_that_are_not_finite_have_a_latex_form() {
+    for (x, latex) in
+        [(f64::INFINITY, r"\infty"), (f64::NEG_INFINITY, r"-\infty"), (f64::NAN, r"\mathrm{NaN}")]
+    {
+        assert_eq!(latex_number(x, 4), latex);
+        accepts_latex(latex);
+    }
+}
+
 /// What a misspelt constant stands in must not matter.
 #[test]
 fn an_unknown_name_behind_a_sign_is_told() {

@@ -169,6 +169,8 @@ fn without_laws(text: &str) -> Result<String, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use phisindy_phys::{Law, check, spec};
+    use std::sync::Arc;
 
     #[test]
     fn laws_leave_the_text_and_candidates_stay() {
@@ -187,6 +189,45 @@ mod tests {
         assert_eq!(
             left("\"x\": (candidates: [\"x\"]), \"v\": (laws: [\"coulomb\"])"),
             spec("\"x\": (candidates: [\"x\"])")
+        );
+    }
+
+    /// What is said of laws that are asked for where they cannot act, and the help.
+    #[test]
+    fn a_law_that_cannot_act_there_is_told() {
+        let laws = [
+            ("coulomb", include_str!("../../../specs/laws/coulomb.ron")),
+            ("stiffness", include_str!("../../../specs/laws/stiffness.ron")),
+            ("sensor-delay", include_str!("../../../specs/laws/sensor-delay.ron")),
+        ];
+        let catalogue =
+            laws.map(|(id, text)| Entry { id: id.into(), law: Arc::new(Law::read(text).unwrap()) });
+        let said = |states: &str, known: &str, unknown: &str| {
+            let text = format!(
+                r#"(states: {{{states}}}, known: {{{known}}}, unknown: {{{unknown}}},
+                    data: [Synthetic(truth: {{}}, start: {{}}, duration: 10.0, step: 0.01, noise: Additive(0.01))])"#
+            );
+            let (spec, _) = spec::read(&text, SourceId(0)).unwrap();
+            let (case, _) = check(&spec, SourceId(0)).unwrap();
+            let mistakes = asked(&case, &catalogue, SourceId(0)).err().unwrap_or_default();
+            mistakes.iter().map(|d| format!("{}: {}", d.message, d.help.join(" "))).collect::<Vec<_>>()
+        };
+        let mass = |unknown: &str| said(r#""x": "m", "y": "m/s""#, r#""x": "y", "y": "-x""#, unknown);
+        assert_eq!(mass(r#""y": (laws: ["coulomb", "stiffness"])"#), [""; 0]);
+        assert_eq!(
+            mass(r#""y": (laws: ["coulom", "sensor-delay", "qqqqqqqqqqqqqqqq"]), "x": (laws: ["coulomb"])"#),
+            [
+                "there is no law `coulom` in the catalogue: did you mean `coulomb`?",
+                "`sensor-delay` is no force: it acts on a column, not on a rate: write it into the record: `sensors: { COLUMN: (delay: Find(...)) }`",
+                "there is no law `qqqqqqqqqqqqqqqq` in the catalogue: there is: coulomb, stiffness, sensor-delay",
+                "`x` is a displacement: a force acts on the rate of its velocity: put the law into the entry of the velocity",
+            ]
+        );
+        assert_eq!(
+            said(r#""y": "m/s""#, r#""y": "-y""#, r#""y": (laws: ["stiffness"])"#),
+            [
+                "`stiffness` needs the displacement of `y`, and no state is: a displacement is a state whose known rate is \"y\" and nothing else"
+            ]
         );
     }
 }

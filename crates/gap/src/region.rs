@@ -171,3 +171,17 @@ fn rounded(x: f64) -> String {
         _ => scientific,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_has_three_digits_of_any_size() {
+        let cases =
+            [(0.0, "0"), (0.012_345, "0.0123"), (-98_765.0, "-98800"), (2e-7, "2.00e-7"), (1.5e9, "1.50e9")];
+        for (x, due) in cases {
+            assert_eq!(rounded(x), due);
+        }
+    }
+}

@@ -157,19 +157,53 @@ mod tests {
         }
     }
 
-    #[test]
-    fn scatter_is_measured_and_a_transient_is_not_scatter() {
-        let n = 4000;
+    /// A sine with a uniform jitter of a tenth.
+    fn jittering(n: usize) -> Vec<f64> {
         let mut state = 7u64;
         let mut jitter = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             (state >> 33) as f64 / (1u64 << 31) as f64 - 0.5
         };
-        let noisy: Vec<f64> = (0..n).map(|i| (0.0503 * i as f64).sin() + 0.1 * jitter()).collect();
+        (0..n).map(|i| (0.0503 * i as f64).sin() + 0.1 * jitter()).collect()
+    }
+
+    #[test]
+    fn scatter_is_measured_and_a_transient_is_not_scatter() {
+        let n = 4000;
+        let noisy = jittering(n);
         let found = repeatability(&record(n), &noisy).expect("periodic");
         assert!((found.rms - 0.1 / 12f64.sqrt()).abs() < 0.006, "{found:?}");
         let decaying: Vec<f64> =
             (0..n).map(|i| (0.0503 * i as f64).sin() * (1.0 + 0.3 * (-0.001 * i as f64).exp())).collect();
         assert_eq!(repeatability(&record(n), &decaying), None);
+    }
+
+    /// Thirty cycles and what comes after them: the mean cycle misses the scatter of both, and a motion that became twice as large by half of it.
+    #[test]
+    fn the_mean_cycle_predicts_what_goes_on() {
+        let n = 4000;
+        let all = jittering(2 * n);
+        let (before, mut after) = (record(n), record(n));
+        after.time = (n..2 * n).map(|i| 0.01 * i as f64).collect();
+        let found = prediction(&before, &all[..n], &after, &all[n..]).expect("periodic");
+        assert!((found.period - 0.01 * std::f64::consts::TAU / 0.0503).abs() < 5e-3, "{found:?}");
+        // Beside the jitter a cell of the mean cycle is a sample wide.
+        let cell = 0.0503 / 24f64.sqrt();
+        let due = (0.01 / 12.0 * (1.0 + 1.0 / 32.0) + cell * cell).sqrt();
+        assert!((found.rms - due).abs() < 0.1 * due, "{found:?} {due}");
+        let large: Vec<f64> = all[n..].iter().map(|x| 2.0 * x).collect();
+        let found = prediction(&before, &all[..n], &after, &large).expect("periodic");
+        assert!((found.nrmse - 0.5).abs() < 0.03, "{found:?}");
+        // Nothing repeats here, so nothing is predicted.
+        let drift: Vec<f64> = (0..n).map(|i| (1e-3 * i as f64).powi(2)).collect();
+        assert_eq!(prediction(&before, &drift, &after, &all[n..]), None);
+    }
+
+    #[test]
+    fn samples_at_uneven_times_are_not_compared_cycle_by_cycle() {
+        let (mut record, column) = (record(4000), jittering(4000));
+        assert!(repeatability(&record, &column).is_some());
+        record.time = (0..4000).map(|i| 0.01 * f64::from(i) + if i == 2000 { 0.004 } else { 0.0 }).collect();
+        assert_eq!(repeatability(&record, &column), None);
     }
 }

@@ -142,4 +142,15 @@ mod tests {
         let found = lines(&x, 0.1, 1, 0);
         assert!((found[0] - 1.234).abs() < 2e-3, "{found:?}");
     }
+
+    /// Too short to tell, nothing at all, or a line without any noise round it.
+    #[test]
+    fn the_ends_of_the_score() {
+        let motion: Vec<f64> =
+            (0..1024).map(|i| (std::f64::consts::TAU * f64::from(i) / 64.0).cos()).collect();
+        assert_eq!(score(&noise(63), &motion[..63]), 0.0);
+        assert_eq!(score(&noise(64), &motion[..65]), 0.0);
+        assert_eq!(score(&[0.0; 1024], &motion), 0.0);
+        assert!(lines(&motion[..15], 0.1, 1, 0).is_empty());
+    }
 }

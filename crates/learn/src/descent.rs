@@ -76,4 +76,16 @@ mod tests {
             assert_relative_eq!(p[0], expected, max_relative = 1e-12);
         }
     }
+
+    /// Down the square of a number each step takes the same part of it.
+    #[test]
+    fn sgd_goes_down_the_slope() {
+        let (mut p, mut descent) = ([3.0, -1.0], Descent::Sgd);
+        for _ in 0..10 {
+            let gradient = p.map(|p| 2.0 * p);
+            descent.update(&mut p, &gradient, 0.1);
+        }
+        assert_relative_eq!(p[0], 3.0 * 0.8_f64.powi(10), max_relative = 1e-14);
+        assert_relative_eq!(p[1], -(0.8_f64.powi(10)), max_relative = 1e-14);
+    }
 }

@@ -207,3 +207,33 @@ impl std::fmt::Display for LearnError {
 }
 
 impl std::error::Error for LearnError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_start_that_took_half_of_the_record_is_told_and_a_tenth_is_not() {
+        let fit = |name: &str, start_took| RecordFit {
+            name: name.into(),
+            role: Role::Validate,
+            samples: 400,
+            start_took,
+            nrmse: vec![("x".into(), 0.1)],
+            noise: vec![],
+            residuals: vec![],
+            start: vec![],
+            run: None,
+            failure: None,
+        };
+        let told = sensitive_starts(&[fit("steady", None), fit("chaotic", Some(200))]);
+        assert_eq!(
+            told,
+            [
+                "chaotic: neighbouring motions part so fast that its start state was fitted on 50 % of it, not on a tenth; everything else there is prediction"
+            ]
+        );
+        // Whatever was written down before the run failed.
+        assert_eq!(fit("no run", None).worst(), f64::INFINITY);
+    }
+}

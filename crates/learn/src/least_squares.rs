@@ -211,4 +211,21 @@ mod tests {
         });
         assert_eq!(calls, 2);
     }
+
+    /// Rounding may leave `J^T J` with a negative eigenvalue (here -1 of unit diagonal): no step without damping beyond it, and then the same end.
+    #[test]
+    fn a_matrix_that_is_not_definite_is_damped_until_it_is() {
+        let mut x = [3.0, -2.0];
+        let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
+        let end = minimise(&mut x, &free, Limits::new(100, 0.0), |x| {
+            Some(Normal {
+                cost: 1.0 + x[0] * x[0] + x[1] * x[1],
+                matrix: symmetric(&[1.0, 2.0, 1.0], 2),
+                gradient: x.to_vec(),
+            })
+        });
+        // It creeps along the wrong eigenvector, by half of what is left with each step.
+        assert_relative_eq!(end.unwrap().cost, 1.0, max_relative = 1e-6);
+        assert!(x.iter().all(|x| x.abs() < 1e-3), "{x:?}");
+    }
 }

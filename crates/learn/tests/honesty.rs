@@ -1,9 +1,9 @@
 //! Data and models that do not suit each other: no panic, no hang, never a confident wrong number.
 mod common;
 
-use phisindy_learn::{Identified, LearnError, LearnOptions, Verdict, identify};
+use phisindy_learn::{Effort, Identified, LearnError, LearnOptions, Verdict, calibrate, identify, smoothed};
 use phisindy_phys::spec::Method;
-use phisindy_phys::{Case, Record};
+use phisindy_phys::{Case, Record, SensorParameter};
 use std::ops::ControlFlow;
 
 const METHODS: [Method; 2] = [Method::Trajectory, Method::Step];
@@ -298,4 +298,101 @@ fn a_small_mistake_in_the_known_part_is_told_of() {
     assert!(told, "{said:?}");
     let (told, said) = warned("0.0");
     assert!(!told && said.is_empty(), "{said:?}");
+}
+
+/// The records are of another model: of this one no single run can be made, from whatever start.
+#[test]
+fn a_model_that_is_nowhere_a_number() {
+    let (_, records) = common::load_text(&oscillator("", SPRING, COULOMB, "-0.4*sgn(v)"), &[]);
+    let case = common::prepare(&oscillator("", "ln(-1 - x^2)", COULOMB, "0"), &[]);
+    let due = "the model cannot be simulated: the rate of `v` is not finite at t = 0.000000";
+    assert_eq!(run(&case, &records).unwrap_err(), LearnError::Numerics(due.into()));
+    let Err(LearnError::Numerics(why)) = run_by(Method::Step, &case, &records) else { panic!("identified") };
+    assert!(why.contains("the one-step loss is not finite"), "{why}");
+    let smooth: Vec<Record> = records.iter().map(|r| smoothed(&case.system, r)).collect();
+    for effort in [Effort::Plain, Effort::Thorough, Effort::Errors] {
+        let why = calibrate(&case.system, &records, &smooth, &[vec![0.01; 2]], effort).unwrap_err();
+        assert_eq!(why, "the rate of `v` is not finite at t = 0.000000");
+    }
+}
+
+/// What was fitted holds, but the record to check with asks for the root of a negative number.
+#[test]
+fn a_record_to_check_with_that_cannot_run_is_a_rejection() {
+    let record = |more: &str| {
+        format!(
+            r#"Synthetic(truth: {{"v": "-0.4*sgn(v)"}}, start: {{"x": 0.5, "v": 0.1}}, duration: 40.0, step: 0.02, noise: Additive(0.02), seed: 3,
+                constants: {{"a": 1.0}}, {more})"#
+        )
+    };
+    let text = format!(
+        r#"(states: {{"x": "", "v": ""}}, known: {{"x": "v", "v": "-0.1*v - sqrt(a)*x + cos(0.7*t)"}}, unknown: {{"v": {COULOMB}}}, contacts: ["v"],
+            data: [{}, {}])"#,
+        record(r#"name: "fitted""#),
+        record(r#"name: "checked", role: Validate"#),
+    );
+    let (case, mut records) = common::load_text(&text, &[]);
+    records[1].constants[0] = -1.0;
+    let found = run(&case, &records).unwrap();
+    let due = "the free run of checked fails: the rate of `v` is not finite at t = 0.000000";
+    assert_eq!(found.verdict, Verdict::Rejected(due.into()));
+    assert_eq!((found.terms.len(), found.records[1].worst()), (1, f64::INFINITY));
+    assert!(found.records[0].worst() < 0.03 && found.terms[0].contribution.is_some());
+}
+
+/// One step ahead the model is good; left alone it runs away, and along a run that does not exist no term does anything.
+#[test]
+fn a_fitted_record_that_cannot_run_freely_says_nothing_of_what_terms_do() {
+    let text = oscillator(
+        "",
+        "20*x + cos(0.7*t)",
+        r#"(factor: "-1", candidates: ["v"])"#,
+        "-21*x - 0.2*v - 0.1*sgn(v)",
+    );
+    let (case, records) = common::load_text(&text, &[]);
+    let found = run_by(Method::Step, &case, &records).unwrap();
+    let Verdict::Rejected(why) = &found.verdict else { panic!("{:?}", found.terms) };
+    assert!(why.contains("fails: `") && why.contains("grows without bound at t = "), "{why}");
+    assert!(!found.terms.is_empty() && found.terms.iter().all(|t| t.contribution.is_none()));
+}
+
+#[test]
+fn what_method_step_leaves_as_it_is_is_told() {
+    let k = r#""k": (value: 1.0, unit: "1/s^2", within: (0.5, 2.0))"#;
+    let text = oscillator(k, "-0.1*v - k*x + cos(0.7*t)", COULOMB, "-0.4*sgn(v)")
+        .replace("optimiser: GaussNewton", "epochs: [20], rates: [0.1]");
+    let (case, mut records) = common::load_text(&text, &[]);
+    records[0].sensors[0].offset =
+        SensorParameter { within: Some((-0.1, 0.1)), ..SensorParameter::held(0.0) };
+    let found = run_by(Method::Step, &case, &records).unwrap();
+    for due in [
+        "method step with RAdam holds k at the spec's value; learn: (optimiser: GaussNewton) moves it",
+        "method step holds sensor offsets, gains and delays at their start values",
+    ] {
+        assert!(found.warnings.iter().any(|w| w == due), "{:?}", found.warnings);
+    }
+    assert!(found.parameters.is_empty());
+}
+
+/// A velocity is the derivative of its displacement; the other way round a constant is missing.
+#[test]
+fn method_step_without_a_displacement() {
+    let (case, mut records) = common::load("case1a", &[("data.0.name", "\"run 1\"")]);
+    records[0].columns[0] = None;
+    let due = "run 1: method step needs samples of every state, and x cannot be derived from a column; use --method trajectory";
+    assert_eq!(run_by(Method::Step, &case, &records).unwrap_err(), LearnError::Data(due.into()));
+}
+
+/// The spring begins to harden where the motion never comes.
+#[test]
+fn a_constant_that_nothing_depends_on() {
+    let q = r#""q": (value: 1.0, unit: "1/s^2", within: (0.1, 2.0))"#;
+    let text = oscillator(q, "-0.1*v - x - q*pos(x - 50) + cos(0.7*t)", COULOMB, "-0.4*sgn(v)");
+    let (case, records) = common::load_text(&text, &[]);
+    let found = run(&case, &records).unwrap();
+    let due = "the data say nothing about q: give it a number, or leave it out";
+    assert!(found.warnings.iter().any(|w| w == due), "{:?}", found.warnings);
+    let q = found.parameters[0].estimate;
+    assert_eq!((q.std_error, q.ci95), (f64::INFINITY, (0.1, 2.0)));
+    assert!((found.terms[0].coefficient.value - 0.4).abs() < 0.01);
 }

@@ -2,11 +2,12 @@
 mod common;
 
 use phisindy_learn::{
-    Course, Estimate, FoundTerm, Identified, LearnOptions, UnknownPart, Verdict, identify, project,
+    Course, Estimate, FoundTerm, Identified, LearnOptions, UnknownPart, Verdict, bound, identify, project,
     unknown_parts,
 };
 use phisindy_phys::spec::Role;
-use phisindy_phys::{Case, Record, SensorParameter};
+use phisindy_phys::{Case, Origin, Record, SensorParameter, standard_deviation};
+use phisindy_sim::synthesize;
 use std::ops::ControlFlow;
 
 fn run(case: &Case, records: &[Record]) -> Identified {
@@ -320,4 +321,65 @@ fn the_unknown_part_is_a_curve_over_velocity_with_its_band_and_the_truth() {
     let parts = unknown_parts(&case, &records, &richer, false);
     let Course::Cloud(cloud) = &parts[0].course else { panic!("{parts:?}") };
     assert_eq!(cloud[0].1.len(), records[0].len());
+}
+
+/// Four of six, all in one equation: taking away one term or two is looked at, and none is worth it.
+#[test]
+fn an_equation_with_four_terms_keeps_them() {
+    let unknown = r#"(factor: "-1", candidates: ["sgn(v)", "x", "v", "x^3", "v^3", "x^2"])"#;
+    let truth =
+        record("-0.3*sgn(v) - 0.5*x - 0.2*v - 0.4*x^3", "", 21).replace("Additive(0.02)", "Additive(0.002)");
+    let (case, records) = common::load_text(&oscillator(r#""k": 1.0"#, unknown, r#"["v"]"#, &truth), &[]);
+    let due = [("v:sgn(v)", 0.3), ("v:x", 0.5), ("v:v", 0.2), ("v:x^3", 0.4)];
+    assert_found(&case, &run(&case, &records), &due, &[], 0.1);
+}
+
+/// Two independent measurements of one number, here the data and a belief with the same standard error: the mean of both, a root of two better than either.
+#[test]
+fn a_belief_beforehand_weighs_as_a_measurement_does() {
+    let case_of = |k: &str| {
+        let data = record("-0.4*sgn(v)", "", 22);
+        let unknown = r#"(factor: "-sgn(v)", candidates: ["1"])"#;
+        common::load_text(&oscillator(k, unknown, r#"["v"]"#, &data), &[])
+    };
+    let (case, records) = case_of(r#""k": (value: 1.1, unit: "1/s^2", within: (0.2, 5.0))"#);
+    let data = run(&case, &records).parameters[0].estimate;
+    assert!((data.value - 1.1).abs() < 4.0 * data.std_error, "{data:?}");
+    let (error, centre) = (data.std_error, data.value + 3.0 * data.std_error);
+    let believed = format!(r#""k": (value: {centre}, unit: "1/s^2", within: (0.2, 5.0), sigma: {error})"#);
+    let both = run(&case_of(&believed).0, &records).parameters[0].estimate;
+    // The error of the data is the sandwich's, their pull the curvature's: they differ by a few per cent.
+    assert!((both.value - data.value - 1.5 * error).abs() < 0.2 * error, "{data:?} {both:?}");
+    assert!((both.std_error / error * 2f64.sqrt() - 1.0).abs() < 0.15, "{data:?} {both:?}");
+}
+
+/// Additive noise is that of a sensor of the same standard deviation, whichever way the spec tells it; and half a record of a steady motion knows a root of
+/// two less.
+#[test]
+fn the_bound_hangs_on_the_noise_and_on_the_window() {
+    let bound_of = |noise: &str, window: &str| {
+        let more = format!("window: {window}");
+        let data = record("-0.4*sgn(v)", &more, 23).replace("Additive(0.02)", noise);
+        let unknown = r#"(factor: "-sgn(v)", candidates: ["1", "x"])"#;
+        let text =
+            oscillator(r#""k": 1.0"#, unknown, r#"["v"]"#, &data).replace("duration: 40.0", "duration: 80.0");
+        let case = common::prepare(&text, &[]);
+        let Origin::Synthetic(truth) = &case.records[0].origin else { panic!("a measured record") };
+        let (record, clean) =
+            synthesize(&case.records[0], truth, &case.system, None, &|_| Err("no files here".into()))
+                .unwrap();
+        let sizes = [0, 1].map(|k| 0.02 * standard_deviation(&clean.column(k)));
+        let records = [record];
+        let truth = project(&case, &records).unwrap();
+        assert_eq!(truth.terms, [0]);
+        (bound(&case, &records, &[Some(clean)], &truth).unwrap()[0], sizes)
+    };
+    let (additive, [x, v]) = bound_of("Additive(0.02)", "(0.0, 80.0)");
+    let (sensor, _) = bound_of(&format!(r#"Sensor({{"x": ({x}, ""), "v": ({v}, "")}})"#), "(0.0, 80.0)");
+    assert!((sensor / additive - 1.0).abs() < 0.05, "{sensor} {additive}");
+    let (late, _) = bound_of("Additive(0.02)", "(40.0, 80.0)");
+    assert!((late / additive / 2f64.sqrt() - 1.0).abs() < 0.15, "{late} {additive}");
+    // That of a sensor is read off the residuals, so the run must begin where the truth was when the window opens.
+    let (sensor, _) = bound_of(&format!(r#"Sensor({{"x": ({x}, ""), "v": ({v}, "")}})"#), "(40.0, 80.0)");
+    assert!((sensor / late - 1.0).abs() < 0.05, "{sensor} {late}");
 }

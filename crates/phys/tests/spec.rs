@@ -229,6 +229,50 @@ fn each_mistake_is_named() {
     check("(cutoff: 0.05)", "(epochs: [1, 2], rates: [0.1])", "[0.1]", "1 learning rates for 2 stages");
     check("(cutoff: 0.05)", "(epochs: [0])", "0", "from 1 to");
     check("(cutoff: 0.05)", "(selection: Some(Best))", "Best", "allowed: Auto, All, Cutoff(x)");
+    check("(cutoff: 0.05)", "(selection: 3)", "3", "expected a selection");
+    check("(cutoff: 0.05)", "(segments: 0)", "0", "from 1 to");
+    check("(cutoff: 0.05)", "(segments: Many)", "Many", "allowed: Auto, Count(n)");
+    check("(cutoff: 0.05)", "(segments: \"four\")", "\"four\"", "expected a number of segments");
+    check("Relative(0.1)", "Relative(0.1), measure: \"x\"", "\"x\"", "expected a list");
+    check("[\"1\"]", "[\"1\"], within: { \"1\": 3.0 }", "3.0", "expected bounds of a coefficient");
+    let inputs = |kind: &str| format!("Relative(0.1), inputs: {{ \"F\": {kind} }}");
+    let wrong = |kind: &str, place: &str, message: &str| {
+        check("Relative(0.1)", &inputs(kind), place, message);
+    };
+    wrong("3.0", "3.0", "expected an input");
+    wrong(
+        "Jonswap(hs: 1.0, tp: 1.0, omega: (2.0, 1.0, 0.1))",
+        "2.0, 1.0",
+        "the first frequency is above the last",
+    );
+    wrong("Jonswap(hs: 1.0, tp: 1.0, omega: (1.0, 1e9, 1e-3))", "1e-3", "more than");
+    wrong("Multisine(amplitude: 1.0, band: (0.1, 1.0), count: 1000000)", "1000000", "more than");
+    wrong("Multisine(amplitude: 1.0, band: (-0.1, 1.0))", "-0.1", "a frequency is negative");
+    check("Relative(0.1)", "Relative(0.1), derive: { \"u\": 3.0 }", "3.0", "expected `Derivative(\"u\")`");
+}
+
+#[test]
+fn a_list_is_no_spec_and_two_marks_are_not_one() {
+    let first = |text: &str| {
+        let mistakes = read(text, SourceId(0)).unwrap_err();
+        told(text, &mistakes[0])
+    };
+    let (_, words) = first("[1, 2]");
+    assert!(words.contains("expected fields in round brackets"), "{words}");
+    let (_, words) = first("Spec(title: \"a\")");
+    assert!(words.contains("the spec's fields in round brackets, without a name"), "{words}");
+    let (from, to) = (SMALL.find("Synthetic").unwrap(), SMALL.rfind(" ]").unwrap());
+    let csv = |more: &str| {
+        let record = format!("Csv(path: \"a.csv\", time: \"t\", columns: {{ \"x\": \"x\" }}, {more})");
+        first(&[&SMALL[..from], &record, &SMALL[to..]].concat())
+    };
+    let (marked, words) = csv("separator: ',', decimal: ','");
+    assert!(
+        marked.contains(',') && words.contains("separator and decimal mark are the same"),
+        "{marked} {words}"
+    );
+    let (marked, words) = csv("separator: \";;\"");
+    assert!(marked == "\";;\"" && words.contains("one character in quotes"), "{marked} {words}");
 }
 
 #[test]

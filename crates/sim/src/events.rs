@@ -313,4 +313,17 @@ mod tests {
         assert!((found - 0.37).abs() <= 1e-10, "{found}");
         assert!(calls < 70, "{calls} evaluations");
     }
+
+    /// The far end is so deep that false position hardly moves: the search gives up at an end where the mode is over for certain.
+    #[test]
+    fn a_bracket_that_does_not_close_ends_where_the_mode_is_over() {
+        let mut calls = 0;
+        let guard = |x: f64| if x < 0.37 { 1.0 } else { -1e300 };
+        let found = illinois(0.0, 1.0, |x| {
+            calls += 1;
+            guard(x)
+        });
+        assert!(guard(found) < 0.0, "{found}");
+        assert_eq!(calls, 82);
+    }
 }

@@ -71,6 +71,18 @@ fn negative_friction_does_not_stick() {
     assert_abs_diff_eq!(run.states[2], 2.2, epsilon = 1e-9);
 }
 
+/// Friction that pushes opens both ways from rest: it leaves the way of the stronger push, with the sum of both.
+#[test]
+fn from_rest_negative_friction_leaves_the_way_of_the_stronger_push() {
+    for (push, way) in [(0.1, 1.0), (-0.1, -1.0)] {
+        let case = Case::new(&[("x", 0.0, "v"), ("v", 0.0, "P + 0.5*sgn(v)")], &[("P", push)]);
+        let run = case.run(&[2.0]);
+        assert_eq!((story(&run), run.modes.clone()), (vec![], vec![way as i8]));
+        assert_abs_diff_eq!(run.states[0], way * 0.6 * 2.0, epsilon = 1e-12);
+        assert_abs_diff_eq!(run.states[1], way * 0.6 * 2.0, epsilon = 1e-12);
+    }
+}
+
 #[test]
 fn a_velocity_that_touches_zero_goes_on() {
     // v = (t-1)^2 while it slips forwards, and the load is just what friction can hold where it touches.

@@ -29,6 +29,28 @@ fn a_parameter_or_start_that_is_no_number() {
     assert!(case.try_run(&[1.0]).is_err());
 }
 
+/// It starts on its surface, so that the contact rule sees the load before any step does.
+#[test]
+fn a_load_at_rest_that_is_no_number() {
+    let case = Case::new(&[("x", 0.0, "v"), ("v", 0.0, "sqrt(x - 1) - sgn(v)")], &[]);
+    let due = SimError::NotFinite { time: 0.0, state: "v".into() };
+    assert_eq!(case.try_run(&[1.0]).unwrap_err(), due);
+}
+
+/// The step that finds the event ends where the state is too large already.
+#[test]
+fn what_has_diverged_at_an_event_ends_there() {
+    let mut case = Case::new(&[("x", 0.0, "v"), ("v", 1.0, "(1 + sgn(x - 5))/2")], &[]);
+    case.options.diverged = 4.0;
+    match case.try_run(&[20.0]) {
+        Err(SimError::Diverged { time, state }) => {
+            assert_eq!(state, "x");
+            assert!((time - 5.0).abs() < 1e-9, "{time}");
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
 #[test]
 fn blow_up_in_finite_time() {
     match Case::new(&[("x", 1.0, "x^2")], &[]).try_run(&[2.0]) {
@@ -95,8 +117,15 @@ fn too_many_steps_is_an_error() {
 
 #[test]
 fn errors_say_what_where_and_when() {
-    let error = SimError::Diverged { time: 1.25, state: "x".into() };
-    assert_eq!(error.to_string(), "`x` grows without bound at t = 1.250000");
+    let (time, name) = (1.25, || "x".to_owned());
+    for (error, text) in [
+        (SimError::NotFinite { time, state: name() }, "the rate of `x` is not finite at t = 1.250000"),
+        (SimError::Diverged { time, state: name() }, "`x` grows without bound at t = 1.250000"),
+        (SimError::TooManySteps { time }, "the step length collapsed at t = 1.250000"),
+        (SimError::TooManyEvents { time, switch: name() }, "`x` changes sign without end at t = 1.250000"),
+    ] {
+        assert_eq!(error.to_string(), text);
+    }
 }
 
 #[test]

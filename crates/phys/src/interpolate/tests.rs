@@ -97,3 +97,31 @@ fn bad_samples_are_named() {
     assert_eq!(make(&[0.0, 1.0], &[0.0, f64::NAN]), Err(SignalError::NotFinite { index: 1 }));
     assert_eq!(make(&[3.0], &[2.0]), Ok(()));
 }
+
+#[test]
+fn one_sample_is_a_constant_and_two_are_a_line() {
+    for kind in [Interpolation::Hold, Interpolation::Linear, Interpolation::Cubic] {
+        let one = Signal::new(Arc::from([1.0]), vec![3.0], kind).unwrap();
+        for t in [-5.0, 1.0, 7.0] {
+            assert_eq!((one.value(t), one.slope(t)), (3.0, 0.0), "{kind:?} {t}");
+        }
+    }
+    let line = Signal::new(Arc::from([0.0, 2.0]), vec![1.0, 5.0], Interpolation::Cubic).unwrap();
+    for t in [-1.0, 0.0, 0.7, 2.0, 3.0] {
+        assert!(
+            (line.value(t) - (1.0 + 2.0 * t)).abs() < 1e-14 && (line.slope(t) - 2.0).abs() < 1e-14,
+            "{t}"
+        );
+    }
+}
+
+#[test]
+fn samples_that_are_no_signal_are_told() {
+    let said = |time: &[f64], values: &[f64]| {
+        Signal::new(Arc::from(time), values.to_vec(), Interpolation::Linear).unwrap_err().to_string()
+    };
+    assert_eq!(said(&[], &[]), "0 samples, but at least 1 are needed");
+    assert_eq!(said(&[0.0, 1.0], &[1.0]), "2 times but 1 values");
+    assert_eq!(said(&[0.0, 1.0], &[1.0, f64::NAN]), "sample 1 is not a finite number");
+    assert_eq!(said(&[0.0, 1.0, 1.0], &[0.0; 3]), "the time of sample 2 is not later than the one before it");
+}

@@ -109,3 +109,36 @@ fn bad_parameters_are_named() {
     assert!(matches!(jonswap(f64::NAN, 1.0, 0.1), Err(ExcitationError::NotPositive { .. })));
     assert!(matches!(Multisine::band(1.0, 1.0, 2.0, 0, 0), Err(ExcitationError::Count(_))));
 }
+
+/// One wrong number at a time, and what is said of it.
+#[test]
+fn every_bad_parameter_is_told_by_its_name() {
+    let jonswap =
+        |hs, tp, gamma, low, high, step| Multisine::jonswap(hs, tp, gamma, low, high, step, 0).unwrap_err();
+    let band = |rms, low, high, count| Multisine::band(rms, low, high, count, 0).unwrap_err();
+    for (error, told) in [
+        (jonswap(-1.0, 0.5, 3.3, 0.1, 50.0, 0.1), "the significant height must be a positive number, not -1"),
+        (jonswap(1.0, 0.0, 3.3, 0.1, 50.0, 0.1), "the peak period must be a positive number, not 0"),
+        (jonswap(1.0, 0.5, f64::NAN, 0.1, 50.0, 0.1), "gamma must be a positive number, not NaN"),
+        (jonswap(1.0, 0.5, 3.3, 0.1, 50.0, 0.0), "the frequency step must be a positive number, not 0"),
+        (jonswap(1.0, 0.5, 3.3, 0.0, 50.0, 0.1), "the lowest frequency must be a positive number, not 0"),
+        (
+            jonswap(1.0, 0.5, 3.3, 0.1, f64::INFINITY, 0.1),
+            "the highest frequency must be a positive number, not inf",
+        ),
+        (jonswap(1.0, 0.5, 3.3, 2.0, 1.0, 0.1), "the band from 2 to 1 is empty"),
+        (band(0.0, 1.0, 2.0, 3), "the rms must be a positive number, not 0"),
+        (band(1.0, 2.0, 1.0, 3), "the band from 2 to 1 is empty"),
+        (band(1.0, 1.0, 2.0, 200_000), "200000 sines asked for; 1 to 100000 are possible"),
+    ] {
+        assert_eq!(error.to_string(), told);
+    }
+}
+
+#[test]
+fn a_single_sine_sits_in_the_middle_of_its_band() {
+    let one = Multisine::band(0.7, 1.0, 3.0, 1, 5).unwrap();
+    assert_eq!(one.omegas(), [TAU * 2.0]);
+    // The standard deviation of a sine is its amplitude over root 2.
+    assert!((one.amplitudes()[0] - 0.7 * 2f64.sqrt()).abs() < 1e-15);
+}

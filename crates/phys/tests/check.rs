@@ -1,0 +1,123 @@
+//! Specs that read well and mean nothing: each mistake by its words and its help.
+
+use phisindy_phys::unit::Unit;
+use phisindy_phys::{SourceId, check, spec};
+
+/// A good spec; each row breaks one thing.
+const GOOD: &str = r#"(
+    constants: { "k": (1.0, "1/s^2"), "A": (1.0, "m"), "W": (1.0, "rad/s") },
+    states: { "x": "m", "y": "m/s" }, inputs: { "u": "m", "du": "m/s" },
+    known: { "x": "y", "y": "-k*(x-u)" },
+    unknown: { "y": (factor: "-sgn(y)", candidates: ["1"]) },
+    contacts: ["y"],
+    data: [ Synthetic(truth: { "y": "0" }, start: { "x": 1.0 }, duration: 10.0, step: 0.01,
+        inputs: { "u": Formula("A*cos(W*t)") }, derive: { "du": Derivative("u") }, noise: Relative(0.1)) ],
+)"#;
+
+/// Message and help of every error.
+fn mistakes(text: &str) -> Vec<String> {
+    let (spec, _) = spec::read(text, SourceId(0)).unwrap_or_else(|e| panic!("{text}: {e:#?}"));
+    let all = check(&spec, SourceId(0)).err().unwrap_or_default();
+    all.iter().filter(|d| d.is_error()).map(|d| format!("{} | {}", d.message, d.help.join(" | "))).collect()
+}
+
+#[test]
+fn each_mistake_is_told_with_what_to_do() {
+    assert_eq!(mistakes(GOOD), [""; 0]);
+    let long = format!("constants: {{ \"{}\": 1.0, ", "a".repeat(101));
+    let moving = r#""k": (value: 1.0, unit: "1/s^2", within: (0.5, 2.0))"#;
+    let noise = "noise: Relative(0.1)";
+    let and = |more: &str| format!("{noise}, {more}");
+    for (from, to, due) in [
+        (
+            "constants: { ",
+            r#"constants: { "tan": 1.0, "#.to_owned(),
+            "`tan` has a meaning of its own and cannot name a constant | give it another name",
+        ),
+        ("constants: { ", long, "a name has at most 100 letters | shorten it"),
+        (
+            r#"(1.0, "1/s^2")"#,
+            r#"(1e308, "1/ms^2")"#.into(),
+            "this number is too large in SI units | numbers go up to 1.7e308: choose a larger unit",
+        ),
+        (
+            r#"["1"]"#,
+            r#"["1", "x - x"]"#.into(),
+            "this candidate is zero | delete it, or correct the expression",
+        ),
+        (
+            r#"["1"]"#,
+            r#"["1"], laws: ["viscous", "viscous"]"#.into(),
+            "the same law twice | delete one of the two: no data can tell them apart",
+        ),
+        (
+            r#"contacts: ["y"]"#,
+            r#"contacts: ["y", "-y"]"#.into(),
+            "the same contact twice | delete one of the two: the sign of a velocity makes no difference",
+        ),
+        (
+            noise,
+            and(r#"constants: { "N": Find(start: 1.0, within: (0.0, 2.0)) }"#),
+            "`N` cannot move inside a record | declare it in the case's `constants` with `each: true`",
+        ),
+        (noise, and(r#"constants: { "N": MaxAbs("w") }"#), "unknown input `w` | known here: u, du"),
+        (
+            noise,
+            and(r#"interpolate: { "w": Hold }"#),
+            "unknown input in `interpolate` `w` | known here: u, du",
+        ),
+        (noise, and(r#"measure: ["u"]"#), "no state is measured, so there is nothing to fit | "),
+        (
+            noise,
+            and(r#"measure: ["x", "z"]"#),
+            "unknown state or input in `measure` `z` | known here: x, y, u, du",
+        ),
+        (
+            r#""du": Derivative("u")"#,
+            r#""du": Derivative("u"), "dw": Derivative("u")"#.into(),
+            "unknown input in `derive` `dw` | did you mean `du`?",
+        ),
+        (
+            r#""u": Formula("#,
+            r#""w": Formula("1"), "u": Formula("#.into(),
+            "unknown input `w` | known here: u, du",
+        ),
+        (
+            r#"derive: { "du": Derivative("u") }, "#,
+            String::new(),
+            "input `du` has no excitation in this record | add `inputs: { \"du\": Formula(\"...\") }`",
+        ),
+    ] {
+        assert_eq!(GOOD.matches(from).count(), 1, "{from} must stand once");
+        let said = mistakes(&GOOD.replace(from, &to));
+        assert!(said.len() == 1 && said[0].starts_with(due), "{to}: {said:#?}");
+    }
+    let said = mistakes(&GOOD.replace(r#"Derivative("u")"#, r#"Derivative("du")"#));
+    assert!(said[0].starts_with("`du` cannot be its own derivative"), "{said:#?}");
+    let said = mistakes(&GOOD.replace(r#"Derivative("u")"#, r#"Derivative("w")"#));
+    assert!(said[0].starts_with("unknown input `w`"), "{said:#?}");
+    // A constant of a record is one number: of fixed constants, not of one that moves.
+    let own = |with: &str| GOOD.replace(noise, &and(&format!(r#"constants: {{ "N": "{with}" }}"#)));
+    assert_eq!(mistakes(&own("2*3 + W")), [""; 0]);
+    let said = mistakes(&own("2*k").replace(r#""k": (1.0, "1/s^2")"#, moving));
+    assert!(
+        said[0].starts_with("`N` must be a number in each record | use numbers and fixed constants only"),
+        "{said:#?}"
+    );
+    // What one record has the other one needs.
+    let one = &GOOD[GOOD.find("Synthetic").unwrap()..GOOD.rfind(" ]").unwrap()];
+    let two =
+        GOOD.replace(one, &format!("{}, {one}", one.replace(noise, &and(r#"constants: { "N": 2.0 }"#))));
+    assert_eq!(
+        mistakes(&two),
+        ["this record has no value for constant `N` | add `constants: { \"N\": ... }` to it"]
+    );
+}
+
+#[test]
+fn powers_of_units_that_are_none_are_told() {
+    for (text, due) in [("m^(0/0)", "this power is not a number"), ("m^(1/2", "this bracket is never closed")]
+    {
+        assert_eq!(Unit::parse(text).unwrap_err().to_string(), due);
+    }
+}
