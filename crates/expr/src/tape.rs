@@ -350,7 +350,7 @@ impl<const N: usize> Scratch<N> {
         self.run_on(&[]);
     }
 
-    /// The same, with the first inputs read from where they lie instead of from the scratch.
+    /// The same, with the first inputs copied from elsewhere: an operand that may lie in two places costs more than the copy.
     ///
     /// # Panics
     /// If there are more than the tape has inputs.
@@ -358,24 +358,11 @@ impl<const N: usize> Scratch<N> {
         assert!(head.len() <= self.tape.0.inputs, "{} inputs of {}", head.len(), self.tape.0.inputs);
         let first = self.first();
         let (program, slots) = (&*self.tape.0, self.memory[first..].as_chunks_mut::<N>().0);
-        if !head.is_empty() {
-            // A given input that is an output too is read from the scratch.
-            for &k in program.outputs.iter().filter(|&&k| (k as usize) < head.len()) {
-                slots[k as usize] = head[k as usize];
-            }
-        }
-        if N == 1 && head.is_empty() {
-            // Its own copy of the loop, in which no operand lies elsewhere.
-            wide(
-                #[inline(always)]
-                || run(program, &[], slots),
-            );
-        } else {
-            wide(
-                #[inline(always)]
-                || run(program, head, slots),
-            );
-        }
+        slots[..head.len()].copy_from_slice(head);
+        wide(
+            #[inline(always)]
+            || run(program, slots),
+        );
     }
 }
 
@@ -393,8 +380,8 @@ impl Scratch<1> {
 
 /// Each instruction is a loop over the lanes.
 #[inline(always)]
-fn run<const N: usize>(program: &Program, head: &[[f64; N]], slots: &mut [[f64; N]]) {
-    let lanes = Lanes::new(program, head, slots);
+fn run<const N: usize>(program: &Program, slots: &mut [[f64; N]]) {
+    let lanes = Lanes::new(program, slots);
     for code in &program.code {
         match *code {
             Code::Unary { op, a, out } => op.lanes(lanes.read(a), lanes.write(out)),

@@ -9,10 +9,8 @@
 use super::Program;
 use std::marker::PhantomData;
 
-/// The memory of one run: the first inputs where the caller has them, all else in the slots.
+/// The memory of one run.
 pub(super) struct Lanes<'a, const N: usize> {
-    head: *const [f64; N],
-    heads: usize,
     slots: *mut [f64; N],
     factors: *const [u32; 2],
     memory: PhantomData<(&'a Program, &'a mut [[f64; N]])>,
@@ -20,28 +18,19 @@ pub(super) struct Lanes<'a, const N: usize> {
 
 impl<'a, const N: usize> Lanes<'a, N> {
     /// # Panics
-    /// If there are fewer slots than the program has, or more given inputs than slots.
+    /// If there are fewer slots than the program has.
     #[inline(always)]
-    pub(super) fn new(program: &'a Program, head: &'a [[f64; N]], slots: &'a mut [[f64; N]]) -> Self {
-        assert!(slots.len() >= program.slots && head.len() <= program.inputs);
-        Lanes {
-            head: head.as_ptr(),
-            heads: head.len(),
-            slots: slots.as_mut_ptr(),
-            factors: program.factors.as_ptr(),
-            memory: PhantomData,
-        }
+    pub(super) fn new(program: &'a Program, slots: &'a mut [[f64; N]]) -> Self {
+        assert!(slots.len() >= program.slots);
+        Lanes { slots: slots.as_mut_ptr(), factors: program.factors.as_ptr(), memory: PhantomData }
     }
 
     /// An operand of an instruction of the program.
     #[inline(always)]
     pub(super) fn read(&self, k: u32) -> &'a [f64; N] {
-        let k = k as usize;
-        let base = if k < self.heads { self.head } else { self.slots.cast_const() };
-        // SAFETY: k is less than the number of slots (asserted by `Tape::compile` for every operand), of which there are enough, or less
-        // than the number of given inputs. Nothing writes there while the reference lives: it serves one instruction, whose result is
-        // another slot (asserted by `Tape::compile`).
-        unsafe { &*base.add(k) }
+        // SAFETY: k is less than the number of slots (asserted by `Tape::compile` for every operand), of which there are enough. Nothing
+        // writes there while the reference lives: it serves one instruction, whose result is another slot (asserted by `Tape::compile`).
+        unsafe { &*self.slots.add(k as usize) }
     }
 
     /// Where an instruction of the program writes its result.
