@@ -51,3 +51,31 @@ impl<'a> Drive<'a> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use phisindy_phys::{Origin, SourceId, check, spec};
+    use phisindy_sim::synthesize;
+
+    #[test]
+    fn lines_of_the_drive_and_their_multiples_are_known() {
+        let text = r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (4.0, "1/s^2") },
+            known: { "x": "v", "v": "-k*x + 1*cos(0.7*t) + 0.3*cos(1.3*t)" }, unknown: {},
+            data: [ Synthetic(truth: {}, start: { "x": 2.0, "v": 0.0 }, duration: 120.0, step: 0.05, noise: Additive(0.02), seed: 1) ])"#;
+        let (spec, _) = spec::read(text, SourceId(0)).expect("a spec");
+        let (case, _) = check(&spec, SourceId(0)).expect("a case");
+        let Origin::Synthetic(truth) = &case.records[0].origin else { panic!("a measured record") };
+        let found = synthesize(&case.records[0], truth, &case.system, None, &|_| Err("no files".into()));
+        let (record, _) = found.expect("a record");
+        let mut drive = Drive::new(&case.system, &record).expect("a drive");
+        for (frequency, line) in [(0.7, 0.7), (1.3, 1.3), (1.4, 0.7), (2.1, 0.7), (2.602, 1.3)] {
+            let found = drive.line_at(frequency).unwrap_or(f64::NAN);
+            assert!((found - line).abs() < 0.005, "{frequency}: {found}");
+        }
+        // The frequency of the free motion is not that of the drive, nor is what comes near a line.
+        for frequency in [2.0, 0.72, 0.9, 1.27, 3.0] {
+            assert_eq!(drive.line_at(frequency), None, "{frequency}");
+        }
+    }
+}
