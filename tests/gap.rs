@@ -237,15 +237,15 @@ fn a_force_with_a_memory_is_not_explained_by_corrections() {
     assert_eq!((found["status"].as_str(), code), (Some("unexplained"), 1), "{found}");
 }
 
-/// A chain of two masses, the second one driven.
-fn chain(truth: &str, noise: f64) -> String {
+/// A chain of two masses, the second one driven at a frequency.
+fn chain(truth: &str, drive: f64, noise: f64) -> String {
     let record = |x: f64, seed: u32, role: &str| {
         format!(
             "Synthetic(truth: {{ {truth} }}, start: {{ \"x1\": {x:?}, \"x2\": 0.0, \"v1\": 0.0, \"v2\": 0.0 }}, duration: 60.0, step: 0.05, noise: Additive({noise:?}), seed: {seed}, role: {role})"
         )
     };
     format!(
-        "(title: \"chain\", constants: {{ \"m1\": (1.0, \"kg\"), \"m2\": (1.5, \"kg\"), \"c\": (0.1, \"N*s/m\"), \"k1\": (2.0, \"N/m\"), \"k2\": (3.0, \"N/m\"), \"F0\": (1.0, \"N\"), \"W\": (0.9, \"rad/s\") }},\n \
+        "(title: \"chain\", constants: {{ \"m1\": (1.0, \"kg\"), \"m2\": (1.5, \"kg\"), \"c\": (0.1, \"N*s/m\"), \"k1\": (2.0, \"N/m\"), \"k2\": (3.0, \"N/m\"), \"F0\": (1.0, \"N\"), \"W\": ({drive:?}, \"rad/s\") }},\n \
          states: {{ \"x1\": \"m\", \"x2\": \"m\", \"v1\": \"m/s\", \"v2\": \"m/s\" }},\n \
          known: {{ \"x1\": \"v1\", \"x2\": \"v2\", \"v1\": \"(-c*v1 - k1*x1 - c*(v1-v2) - k2*(x1-x2))/m1\", \"v2\": \"(c*(v1-v2) + k2*(x1-x2) + F0*cos(W*t))/m2\" }},\n \
          inertia: {{ \"v1\": \"m1\", \"v2\": \"m2\" }}, unknown: {{}}, data: [{}, {}])",
@@ -258,17 +258,27 @@ fn chain(truth: &str, noise: f64) -> String {
 #[test]
 fn effects_move_to_where_they_belong() {
     let truth = "\"v1\": \"-0.5*sgn(v1) - 0.3*sgn(v1-v2)\", \"v2\": \"0.3*sgn(v1-v2)/1.5\"";
-    let (found, _) = gap(&folder("gap-moved"), &chain(truth, 0.03));
+    let (found, _) = gap(&folder("gap-moved"), &chain(truth, 0.9, 0.03));
     let mut names = named(&found);
     names.sort();
     assert_eq!(names, [effect("coulomb", "v1"), effect("coulomb", "v1-v2")], "{found}");
+}
+
+/// Of two contacts that stick by turns each hides the other: they are tried together.
+#[test]
+fn friction_in_two_places_is_found_at_once() {
+    let truth = "\"v1\": \"-0.2*sgn(v1-v2)\", \"v2\": \"(0.2*sgn(v1-v2) - 0.3*sgn(v2))/1.5\"";
+    let (found, _) = gap(&folder("gap-rubbing"), &chain(truth, 1.7, 0.03));
+    let mut names = named(&found);
+    names.sort();
+    assert_eq!(names, [effect("coulomb", "v1-v2"), effect("coulomb", "v2")], "{found}");
 }
 
 /// The second mass hangs on the first alone: a constant force in between says what the zero of its sensor says, which is the better story.
 #[test]
 fn a_push_inside_a_link_is_the_zero_of_a_sensor() {
     let truth = "\"v1\": \"0.3\", \"v2\": \"-0.3/1.5\"";
-    let (found, _) = gap(&folder("gap-inner"), &chain(truth, 0.02));
+    let (found, _) = gap(&folder("gap-inner"), &chain(truth, 0.9, 0.02));
     assert_eq!(named(&found), [effect("sensor-offset", "x2")], "{found}");
     assert!(found["steps"][0]["rivals"].to_string().contains("offset"), "{found}");
 }

@@ -179,6 +179,9 @@ impl Search<'_> {
         let mut pairs: Vec<Vec<Effect>> =
             found.pairs(price, wanted).into_iter().map(|(a, b)| vec![a.effect, b.effect]).collect();
         pairs.extend(singles.first().map_or(vec![], |leader| self.parted(draft, leader, found)));
+        if wanted > 0 {
+            pairs.extend(rubbing(found));
+        }
         (self.hear)(0.1 + 0.8 * (before as f64 + 0.5) / EFFECTS as f64, "fitting the best pairs");
         let pairs = self.tried(added(pairs), candidates, &mut vetoed);
         let pair = preferred(&pairs, candidates).filter(|p| self.worth(now, p, candidates)).cloned();
@@ -540,6 +543,19 @@ pub(crate) fn refitted(mut draft: Draft, whole: &Fitted, noise: &[Vec<f64>]) -> 
         (Some(a), Some(b)) => Some(if a.fit < b.fit { a } else { b }),
         (a, b) => a.or(b),
     }
+}
+
+/// The plainest friction in every two places: of two contacts that stick by turns a linear response sees neither.
+fn rubbing(found: &Screening) -> Vec<Vec<Effect>> {
+    let plain =
+        |c: &&Candidate| c.effect.entry.law.family == "friction" && c.effect.entry.law.parameters.len() == 1;
+    let all: Vec<Effect> = found.candidates.iter().filter(plain).map(|c| neutral(&c.effect)).collect();
+    let mut pairs = Vec::new();
+    for (k, one) in all.iter().enumerate() {
+        let others = all[k + 1..].iter().filter(|other| !excludes(one, other));
+        pairs.extend(others.map(|other| vec![one.clone(), other.clone()]));
+    }
+    pairs
 }
 
 /// The best singles, with the simpler relatives and the family of what is among them.
