@@ -8,8 +8,10 @@ use phisindy_phys::{Record, System};
 const LINES: usize = 6;
 /// Two frequencies whose phases drift apart by less than this along a record (rad) are one.
 const ONE: f64 = 1.0;
-/// Up to this multiple of a frequency of the drive the motion has lines of its own.
-const MULTIPLES: u32 = 3;
+/// A line holds at least this part of the power of a rate: noise has peaks too ...
+const LINE: f64 = 0.05;
+/// ... and one of this part drives alone: the motion has lines at its multiples, up to the third.
+const ALONE: f64 = 0.5;
 
 /// The known rates at rest as functions of time.
 pub(crate) struct Drive<'a> {
@@ -45,11 +47,27 @@ impl<'a> Drive<'a> {
             let rate: Vec<f64> = rates.iter().map(|r| r[k]).collect();
             let moves = rate.iter().all(|r| r.is_finite()) && rate.iter().any(|r| *r != rate[0]);
             let found = if moves { lines(&rate, step, LINES, 0) } else { vec![] };
-            found.into_iter().find(|line| {
-                (1..=MULTIPLES).any(|m| (frequency - f64::from(m) * line).abs() * span < ONE * f64::from(m))
+            found.into_iter().find(|&line| {
+                let part = share(&rate, line * step);
+                let near = |m: f64| (frequency - m * line).abs() * span < ONE * m;
+                part > LINE && (near(1.0) || (part > ALONE && (near(2.0) || near(3.0))))
             })
         })
     }
+}
+
+/// The part of the variance of values that oscillates at so many radians per sample.
+fn share(values: &[f64], turn: f64) -> f64 {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let (mut re, mut im, mut power) = (0.0, 0.0, 0.0);
+    for (i, value) in values.iter().enumerate() {
+        let (sin, cos) = (turn * i as f64).sin_cos();
+        re += (value - mean) * cos;
+        im += (value - mean) * sin;
+        power += (value - mean).powi(2);
+    }
+    if power > 0.0 { 2.0 * (re * re + im * im) / (n * power) } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -69,13 +87,24 @@ mod tests {
         let found = synthesize(&case.records[0], truth, &case.system, None, &|_| Err("no files".into()));
         let (record, _) = found.expect("a record");
         let mut drive = Drive::new(&case.system, &record).expect("a drive");
-        for (frequency, line) in [(0.7, 0.7), (1.3, 1.3), (1.4, 0.7), (2.1, 0.7), (2.602, 1.3)] {
+        for (frequency, line) in [(0.7, 0.7), (1.3, 1.3), (1.4, 0.7), (2.1, 0.7)] {
             let found = drive.line_at(frequency).unwrap_or(f64::NAN);
             assert!((found - line).abs() < 0.005, "{frequency}: {found}");
         }
-        // The frequency of the free motion is not that of the drive, nor is what comes near a line.
-        for frequency in [2.0, 0.72, 0.9, 1.27, 3.0] {
+        // The frequency of the free motion is not that of the drive, nor is what comes near a line; the weak line has no multiples.
+        for frequency in [2.0, 0.72, 0.9, 1.27, 2.6, 3.0] {
             assert_eq!(drive.line_at(frequency), None, "{frequency}");
+        }
+    }
+
+    #[test]
+    fn a_tone_holds_its_part_of_the_power() {
+        let tones: Vec<f64> = (0..5000)
+            .map(|i| 3.0 + (0.07 * f64::from(i)).sin() + 0.5 * (0.31 * f64::from(i) + 1.0).cos())
+            .collect();
+        for (turn, due) in [(0.07, 0.8), (0.31, 0.2), (0.2, 0.0)] {
+            let found = share(&tones, turn);
+            assert!((found - due).abs() < 0.01, "{turn}: {found}");
         }
     }
 }
