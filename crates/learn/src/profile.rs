@@ -72,3 +72,6 @@ fn rise(fit: &Fit<'_>, k: usize, z: f64) -> Option<f64> {
     let there = minimise(&mut x, &bounds, limits, |x| fit.problem.normal(x, weights).ok())?;
     Some((there.cost - fit.normal.cost).max(0.0))
 }
+
+#[cfg(test)]
+mod tests;
