@@ -52,6 +52,10 @@ fn the_derivative_of_a_measured_input_is_derived_from_its_samples() {
 fn the_largest_value_of_a_formula_is_a_constant_of_the_record() {
     let (record, _) = made(r#""top": MaxAbs("u")"#, "0", BASE, &no_file).unwrap();
     assert_eq!(record.constants, [0.5]);
+    // A formula may hold constants of the record that stand before.
+    let record = r#"inputs: {"u": Formula("B*cos(W*t)")}, derive: {"du": Derivative("u")}, constants: {"B": (0.7, "m")}"#;
+    let (record, _) = made(r#""B": (0.2, "m"), "top": MaxAbs("u")"#, "0", record, &no_file).unwrap();
+    assert_eq!(record.constants, [0.7, 0.7]);
     let said = made(r#""top": MaxAbs("du")"#, "0", BASE, &no_file).unwrap_err().to_string();
     assert_eq!(said, "MaxAbs needs an input with an excitation of its own");
 }
