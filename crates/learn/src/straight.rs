@@ -35,7 +35,17 @@ pub(crate) fn records(text: &str, samples: &[(Role, Vec<f64>)]) -> (Case, Vec<Re
 /// All terms of the case fitted to its first record, whose samples are off by `sigma` as far as the fit knows.
 pub(crate) fn fitted<'a>(case: &'a Case, records: &'a [Record], sigma: f64) -> Fit<'a> {
     let terms: Vec<usize> = (0..case.system.terms.len()).collect();
-    let mut problem = Problem::new(&case.system, &terms, &[&records[0]], &[1]).unwrap();
+    fitted_terms(case, records, sigma, &terms)
+}
+
+/// The same for some of the terms.
+pub(crate) fn fitted_terms<'a>(
+    case: &'a Case,
+    records: &'a [Record],
+    sigma: f64,
+    terms: &[usize],
+) -> Fit<'a> {
+    let mut problem = Problem::new(&case.system, terms, &[&records[0]], &[1]).unwrap();
     problem.tolerance = 1e-11;
     let noise = vec![vec![ColumnNoise { additive: sigma, relative: 0.0 }; case.system.states.len()]];
     let mut x = problem.guess(&vec![0.0; terms.len()], None, &records[..1]);
@@ -43,7 +53,7 @@ pub(crate) fn fitted<'a>(case: &'a Case, records: &'a [Record], sigma: f64) -> F
     let normal =
         minimise(&mut x, &problem.bounds, Limits::new(50, 1e-12), |x| problem.normal(x, &weights).ok())
             .unwrap();
-    let samples = records[0].len();
+    let samples = records[0].readings();
     let effective = samples as f64;
     Fit { problem, x, noise, weights, normal, samples, effective, excess: 1.0, pieces: vec![1] }
 }
