@@ -60,7 +60,7 @@ pub(crate) fn fitted_terms<'a>(
 
 /// Numbers of either sign and of size 1 in the mean square, that no line and no neighbour tells.
 pub(crate) fn scatter(samples: usize) -> Vec<f64> {
-    let hashed = |i: usize| (i as u32).wrapping_mul(2_654_435_769).count_ones() % 2 == 0;
+    let hashed = |i: usize| (i as u32).wrapping_mul(2_654_435_769).count_ones().is_multiple_of(2);
     (0..samples).map(|i| if hashed(i) { 1.0 } else { -1.0 }).collect()
 }
 
