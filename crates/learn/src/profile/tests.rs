@@ -1,7 +1,7 @@
 //! The ends of a profile where they can be written down: the slope of a line, and a number whose square is that slope.
 
 use super::*;
-use crate::straight::{fitted, lever, records, scatter};
+use crate::straight::{STEP, fitted, lever, records, scatter};
 use approx::assert_relative_eq;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Case, Record};
@@ -101,4 +101,18 @@ fn without_an_error_it_is_a_point() {
     let (case, records) = line();
     let fit = fitted(&case, &records, SIGMA);
     assert_eq!(interval(&fit, 0, 0.0, 0.1), (fit.x[0], fit.x[0]));
+}
+
+/// A line of another slope still goes through the middle of the samples.
+#[test]
+fn the_others_follow_what_is_held() {
+    let (case, records) = line();
+    let fit = fitted(&case, &records, SIGMA);
+    let samples = records[0].columns[0].as_ref().unwrap();
+    let middle = samples.iter().sum::<f64>() / SAMPLES as f64;
+    for slope in [0.7, 2.0, 5.5] {
+        let x = followed(&fit, 0, slope);
+        assert_eq!(x[0], slope);
+        assert_relative_eq!(x[1], middle - slope * 0.5 * (SAMPLES - 1) as f64 * STEP, max_relative = 1e-6);
+    }
 }
