@@ -142,3 +142,56 @@ fn what_is_selected_is_the_best_of_all_subsets() {
         assert_relative_eq!(least, value(&best), max_relative = 1e-4);
     }
 }
+
+/// Below a hundredth of the rate of its equation a term goes, unless the cost without it would rise by sixty.
+#[test]
+fn what_hardly_matters_goes_unless_the_data_insist() {
+    let spec =
+        r#"states: {"x": ""}, known: {"x": "0"}, unknown: {"x": (factor: "1", candidates: ["1", "2*t"])}"#;
+    let time = |i: usize| STEP * i as f64;
+    // The rms of 2 t is 9.2, that of the constant rate a half: 0.7 and 1.5 per cent.
+    for (bend, small) in [(4e-4, true), (8e-4, false)] {
+        let x = (0..SAMPLES).map(|i| 0.5 * time(i) + bend * time(i).powi(2)).collect();
+        let (case, records) = records(spec, &[(Role::Fit, x)]);
+        let fitted = |sigma: f64| fitted_terms(&case, &records, sigma, &[0, 1]);
+        let one = fitted(1.0);
+        let rise = one.x[1].powi(2) / covariance(&one.normal.matrix)[(1, 1)];
+        assert_eq!(negligible(&fitted((rise / 55.0).sqrt())), small.then_some(1));
+        assert_eq!(negligible(&fitted((rise / 65.0).sqrt())), None);
+        let mut correlated = fitted((rise / 65.0).sqrt());
+        correlated.effective /= 2.0;
+        assert_eq!(negligible(&correlated), small.then_some(1));
+        // The only term of a model stays.
+        assert_eq!(negligible(&fitted_terms(&case, &records, 1e9, &[0])), None);
+    }
+}
+
+/// A rate that hardly changes is as good as one that does not; a rate that grows from nothing is not.
+#[test]
+fn a_choice_that_does_nearly_as_well_is_a_rival() {
+    let spec = r#"states: {"x": ""}, known: {"x": "0"}, unknown: {"x": (factor: "1", candidates: ["1", "1 + 0.01*t", "2*t"])}"#;
+    let noise = scatter(SAMPLES);
+    let x = (0..SAMPLES).map(|i| 0.5 * STEP * i as f64 + SIGMA * noise[i]).collect();
+    let (case, records) = records(spec, &[(Role::Fit, x)]);
+    let now = fitted_terms(&case, &records, SIGMA, &[0]);
+    let near = rivals(&context(&case, &records), &now, &[0, 1, 2]);
+    assert_eq!(near.iter().map(|(terms, _)| terms.clone()).collect::<Vec<_>>(), [[1]]);
+    let due = cost(&case, &records, &[1]) - now.normal.cost;
+    assert!(due.abs() < RIVAL, "{due}");
+    assert_relative_eq!(near[0].1, due.max(0.0), epsilon = 1e-3);
+}
+
+/// Residuals that are not independent count as fewer, in the cost and in the price.
+#[test]
+fn correlated_samples_count_as_few() {
+    let (case, records) = two_equations("");
+    let mut fit = fitted_terms(&case, &records, SIGMA, &[0, 1, 4]);
+    let (samples, cost) = (fit.samples as f64, fit.normal.cost);
+    fit.effective = samples / 4.0;
+    let found = select(&context(&case, &records), fit, &[0, 1, 2, 3, 4, 5]);
+    assert_relative_eq!(
+        found.path[0].criterion,
+        cost / 4.0 + price(3, 6, samples / 4.0),
+        max_relative = 1e-9
+    );
+}
