@@ -109,12 +109,19 @@ fn what_changes_places_costs_what_it_promises() {
 #[test]
 fn what_may_not_have_its_coefficient_is_not_offered() {
     // 2*t helps with -0.2.
-    for (within, offered) in [(r#""2*t": Positive"#, false), (r#""2*t": Negative"#, true)] {
+    for (within, offered) in [
+        (r#""2*t": Positive"#, false),
+        (r#""2*t": Negative"#, true),
+        (r#""2*t": (-0.3, -0.05)"#, true),
+        (r#""2*t": (-0.05, 1.0)"#, false),
+    ] {
         let (case, records) = two_equations(within);
         let all: Vec<usize> = (0..6).collect();
         let now = fitted_terms(&case, &records, SIGMA, &[0, 4]);
         let alone = |found: &[(Vec<usize>, f64)]| found.iter().any(|(terms, _)| *terms == [1]);
         assert_eq!(alone(&scores(&context(&case, &records), &now, &all)), offered);
+        let found = scores(&context(&case, &records), &now, &all);
+        assert_eq!(found.iter().any(|(terms, _)| *terms == [1, 2]), offered);
         let placed = swaps(&context(&case, &records), &now, &all);
         assert_eq!(placed.iter().any(|(terms, _)| *terms == [1, 4]), offered, "{placed:?}");
     }
