@@ -95,3 +95,6 @@ fn disagreement(
         errors(worst),
     ))
 }
+
+#[cfg(test)]
+mod tests;

@@ -231,3 +231,6 @@ fn continued(
     let seen = looks.seen(problem.simulated(0, x, (t0, &start), &looks.times, &options)?);
     Ok((problem.readings(0, x, &seen), seen.run.states[..n].to_vec(), seen.run))
 }
+
+#[cfg(test)]
+mod tests;

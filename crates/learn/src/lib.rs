@@ -22,6 +22,8 @@ mod profile;
 mod rollout;
 mod select;
 mod shares;
+#[cfg(test)]
+mod straight;
 mod sweep;
 mod train;
 mod trajectory;

@@ -53,8 +53,16 @@ fn end(fit: &Fit<'_>, k: usize, quadratic: f64, target: f64) -> f64 {
 fn rise(fit: &Fit<'_>, k: usize, z: f64) -> Option<f64> {
     let mut bounds = fit.problem.bounds.clone();
     bounds[k] = (z, z);
+    let mut x = followed(fit, k, z);
+    let limits = Limits::new(5, 1e-6);
+    let weights = &fit.weights;
+    let there = minimise(&mut x, &bounds, limits, |x| fit.problem.normal(x, weights).ok())?;
+    Some((there.cost - fit.normal.cost).max(0.0))
+}
+
+/// Unknown `k` at `z`, and all others where the quadratic model puts them then.
+fn followed(fit: &Fit<'_>, k: usize, z: f64) -> Vec<f64> {
     let mut x = fit.x.clone();
-    // The others start where the quadratic model puts them.
     let n = x.len();
     let held = |i: usize| i == k;
     let matrix =
@@ -67,8 +75,8 @@ fn rise(fit: &Fit<'_>, k: usize, z: f64) -> Option<f64> {
         }
     }
     x[k] = z;
-    let limits = Limits::new(5, 1e-6);
-    let weights = &fit.weights;
-    let there = minimise(&mut x, &bounds, limits, |x| fit.problem.normal(x, weights).ok())?;
-    Some((there.cost - fit.normal.cost).max(0.0))
+    x
 }
+
+#[cfg(test)]
+mod tests;

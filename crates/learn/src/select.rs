@@ -354,3 +354,6 @@ fn negligible(fit: &Fit<'_>) -> Option<usize> {
     }
     smallest.map(|(_, t)| t)
 }
+
+#[cfg(test)]
+mod tests;

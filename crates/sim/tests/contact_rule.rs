@@ -104,6 +104,25 @@ fn a_dip_below_zero_within_one_long_step_is_found() {
     assert_abs_diff_eq!(run.states[0], 1.0, epsilon = 1e-9);
 }
 
+/// The same where the rate is not straight over the step, so that its zero has to be searched.
+#[test]
+fn a_dip_of_a_motion_that_is_no_parabola_is_found() {
+    // v = exp(t-1) - t - d, least at t = 1.
+    let d: f64 = 1e-6;
+    let start = (-1.0_f64).exp() - d;
+    let case = Case::new(&[("v", start, "exp(t-1) - 1 - F*sgn(v) + F")], &[("F", 0.5)]);
+    let run = case.run(&[2.0]);
+    // By Newton's method from the parabola.
+    let mut stop = 1.0 - (2.0 * d).sqrt();
+    for _ in 0..5 {
+        stop -= ((stop - 1.0).exp_m1() - (stop - 1.0) - d) / (stop - 1.0).exp_m1();
+    }
+    assert_eq!(story(&run), [(0, 1, 0), (0, 0, 1)]);
+    assert_abs_diff_eq!(run.events[0].time, stop, epsilon = 1e-8);
+    assert_abs_diff_eq!(run.events[1].time, 1.0, epsilon = 1e-8);
+    assert_abs_diff_eq!(run.states[0], std::f64::consts::E - 2.0, epsilon = 1e-9);
+}
+
 #[test]
 fn a_short_peak_of_load_lets_go() {
     // The load passes the friction level for a hundredth of its period only.
@@ -225,6 +244,36 @@ fn two_uncoupled_equal_masses_stop_at_the_same_time() {
     );
 }
 
+/// Stops, departures and reversals come when they do, whatever the unit of length.
+#[test]
+fn the_unit_of_length_moves_no_event() {
+    let states = |unit: f64| {
+        [
+            ("v1", 2.0 * unit, "-0.5*U*sgn(v1)"),
+            ("v2", 3.0 * unit, "-0.5*U*sgn(v2)"),
+            ("v3", 2.0 * unit, "-0.5*U*sgn(v3)"),
+            ("v4", 0.0, "0.1*U*t - 0.5*U*sgn(v4)"),
+            ("v5", 1.0 * unit, "-0.25*U - 0.1*U*sgn(v5)*step(-v5)"),
+        ]
+    };
+    for unit in [1e-9, 1e-6, 1.0, 1e6, 1e9] {
+        let mut case = Case::new(&states(unit), &[("U", unit)]);
+        case.options.scale = vec![unit; 5];
+        let run = case.run(&[3.0, 7.0]);
+        // The last one goes through zero at t = 4 and on with a push that friction of one way takes off.
+        let mut seen: Vec<(usize, i8, f64)> = run.events.iter().map(|e| (e.switch, e.to, e.time)).collect();
+        seen.sort_by(|a, b| a.0.cmp(&b.0).then(a.2.total_cmp(&b.2)));
+        let due = [(0, 0, 4.0), (1, 0, 6.0), (2, 0, 4.0), (3, 1, 5.0), (4, -1, 4.0)];
+        for ((switch, to, time), (a, b, c)) in seen.iter().zip(due) {
+            assert_eq!((*switch, *to), (a, b), "{unit}: {seen:?}");
+            assert_abs_diff_eq!(*time, c, epsilon = 1e-9);
+        }
+        for (got, due) in run.states.iter().zip([0.5, 1.5, 0.5, 0.0, 0.25, 0.0, 0.0, 0.0, 0.2, -0.45]) {
+            assert_abs_diff_eq!(got / unit, due, epsilon = 1e-9);
+        }
+    }
+}
+
 #[test]
 fn a_chain_gives_way_mass_by_mass() {
     // A slow pull at one end: mass j moves when the load on it passes its friction, the others hold exactly still.
@@ -307,6 +356,24 @@ fn a_belt_that_jumps_tears_the_mass_off() {
     assert_abs_diff_eq!(run.states[1], 0.9, epsilon = 1e-12);
     assert_abs_diff_eq!(run.events[1].time, 3.5, epsilon = 1e-12);
     assert_eq!(run.states[2], 1.5);
+}
+
+/// The belt is overtaken at one instant, without a moment at its speed: friction turns round there.
+#[test]
+fn a_belt_that_jumps_past_a_sliding_mass_turns_its_friction() {
+    for way in [1.0, -1.0] {
+        for fast in [1.3, 2.4] {
+            let speed =
+                signal(&[0.0, 1.0, 10.0], |t| if t < 1.0 { 0.0 } else { way * fast }, Interpolation::Hold);
+            let rate = [("v", way, "-F*sgn(v - vb)")];
+            let run = Case::driven(&rate, &[("F", 0.1)], vec![("vb", speed)]).run(&[1.0, 2.0]);
+            let way = way as i8;
+            assert_eq!(story(&run), [(0, way, -way)]);
+            assert_eq!(run.events[0].time, 1.0);
+            assert_abs_diff_eq!(run.states[0], f64::from(way) * 0.9, epsilon = 1e-12);
+            assert_abs_diff_eq!(run.states[1], f64::from(way) * 1.0, epsilon = 1e-12);
+        }
+    }
 }
 
 #[test]

@@ -232,3 +232,36 @@ fn fast_crossings_of_a_steep_shape() {
         assert!(run.steps < 2500, "{} steps", run.steps);
     }
 }
+
+/// Masses that slide onto belts of their own: where they are then depends on the belt's speed, on the friction and on the start as
+/// `x = (v0^2 - V^2)/2F + V (T - (v0 - V)/F)` does.
+#[test]
+fn a_belt_whose_speed_is_a_parameter_moves_its_own_mass_alone() {
+    let states = [
+        ("x1", 0.0, "v1"),
+        ("v1", 2.0, "-F1*sgn(v1 - V1)"),
+        ("x2", 0.0, "v2"),
+        ("v2", 3.0, "-F2*sgn(v2 - V2)"),
+    ];
+    let numbers = [("F1", 0.5), ("V1", 0.3), ("F2", 0.7), ("V2", 0.8)];
+    let end = 6.0;
+    let run = Case::new(&states, &numbers).run_with_sensitivities(&[end]);
+    let (n, m) = (run.n, run.m);
+    assert_eq!((n, m), (4, 8));
+    for mass in 0..2 {
+        let (v0, force, belt) = ([2.0, 3.0][mass], [0.5, 0.7][mass], [0.3, 0.8][mass]);
+        let time = (v0 - belt) / force;
+        let mut place = vec![0.0; m];
+        place[2 * mass] = 1.0;
+        place[2 * mass + 1] = time;
+        place[4 + 2 * mass] = -0.5 * time * time;
+        place[4 + 2 * mass + 1] = end - time;
+        let mut speed = vec![0.0; m];
+        speed[4 + 2 * mass + 1] = 1.0;
+        for (state, due) in [(2 * mass, place), (2 * mass + 1, speed)] {
+            for (got, due) in run.sensitivities[state * m..(state + 1) * m].iter().zip(due) {
+                assert!((got - due).abs() < 1e-9, "state {state}: {got} instead of {due}");
+            }
+        }
+    }
+}

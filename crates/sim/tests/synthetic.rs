@@ -52,8 +52,24 @@ fn the_derivative_of_a_measured_input_is_derived_from_its_samples() {
 fn the_largest_value_of_a_formula_is_a_constant_of_the_record() {
     let (record, _) = made(r#""top": MaxAbs("u")"#, "0", BASE, &no_file).unwrap();
     assert_eq!(record.constants, [0.5]);
+    // A formula may hold constants of the record that stand before.
+    let record = r#"inputs: {"u": Formula("B*cos(W*t)")}, derive: {"du": Derivative("u")}, constants: {"B": (0.7, "m")}"#;
+    let (record, _) = made(r#""B": (0.2, "m"), "top": MaxAbs("u")"#, "0", record, &no_file).unwrap();
+    assert_eq!(record.constants, [0.7, 0.7]);
     let said = made(r#""top": MaxAbs("du")"#, "0", BASE, &no_file).unwrap_err().to_string();
     assert_eq!(said, "MaxAbs needs an input with an excitation of its own");
+}
+
+/// What a sensor is known to do to its input is done and undone, each by its own.
+#[test]
+fn a_sensor_of_known_gain_leaves_its_input_as_it_is() {
+    let record = r#"inputs: {"u": Formula("A*cos(W*t)"), "du": Formula("0.6*A*sin(W*t)")}, measure: ["x", "u", "du"],
+        sensors: {"u": (gain: 0.5), "du": (gain: 4.0, offset: 1.0)}"#;
+    let (record, _) = made("", "0", record, &no_file).unwrap();
+    for (k, &t) in record.time.iter().enumerate() {
+        assert_abs_diff_eq!(record.inputs[0].values()[k], 0.5 * (2.0 * t).cos(), epsilon = 1e-12);
+        assert_abs_diff_eq!(record.inputs[1].values()[k], 0.3 * (2.0 * t).sin(), epsilon = 1e-12);
+    }
 }
 
 #[test]
