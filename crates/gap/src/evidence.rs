@@ -139,7 +139,7 @@ fn echoes(fitted: &Fitted, effect: &Effect) -> Option<String> {
     drives.into_iter().find_map(|mut drive| {
         let line = law.parameters.iter().find_map(|(name, _)| drive.line_at(frequency(name)?))?;
         Some(format!(
-            "its frequency is that of the drive ({line:.4} rad/s) or a multiple of it, where it would stand for anything else that is missing"
+            "its frequency is that of the drive ({line:.4} rad/s), where it would stand for anything else that is missing"
         ))
     })
 }

@@ -24,8 +24,6 @@ pub(crate) fn noise(records: &[Record]) -> Vec<Vec<f64>> {
 const LITTLE: f64 = 1.1;
 /// The price of a sensor that is early.
 const EARLY: f64 = 15.0;
-/// The price of a constant push between two bodies: the zero of a sensor says the same where one of them hangs on the other alone.
-const INNER: f64 = 15.0;
 
 /// A gap on Fit records above this is far from the noise: more than one effect is missing.
 pub(crate) const FAR_OFF: f64 = 2.0;
@@ -147,10 +145,7 @@ impl Fitted {
             e.entry.law.sensor.as_deref() == Some("delay")
                 && crate::search::values(self, names, &e.start).iter().any(|v| *v < 0.0)
         });
-        let inner = |e: &&&Effect| e.entry.law.push.is_some() && e.place.is_between();
-        let odd = 6.0 * sensors as f64
-            + EARLY * early.count() as f64
-            + INNER * effects.iter().filter(inner).count() as f64;
+        let odd = 6.0 * sensors as f64 + EARLY * early.count() as f64;
         cost * independent + price + 2.0 * ln_choose(candidates, effects.len()) + odd
     }
 

@@ -30,11 +30,6 @@ pub enum Site {
 }
 
 impl Place {
-    /// Whether a force acts between two bodies.
-    pub fn is_between(&self) -> bool {
-        matches!(&self.site, Site::Force { acts, .. } if acts.len() > 1)
-    }
-
     /// Whether a force acts between two bodies or a body and an input.
     pub fn is_relative(&self) -> bool {
         self.at.contains('-')

@@ -52,6 +52,19 @@ pub(super) fn alternatives(
                 more.push(vec![placed("asymmetric-coulomb", &other.at)]);
             }
         }
+        // Of a mass that hangs on another one alone the zero of its sensor is a constant force in between.
+        if rig.count() == 2
+            && !rig.both_walls()
+            && others().all(|other| SPEED_ONLY.contains(&other.law.as_str()))
+        {
+            let between = format!("{}-{}", rig.v[0], rig.v[1]);
+            if e.law == "sensor-offset" && e.at == rig.x[1] {
+                more.push(put(k, vec![placed("offset", &between)]));
+            }
+            if e.law == "offset" && e.at == between {
+                more.push(put(k, vec![placed("sensor-offset", &rig.x[1])]));
+            }
+        }
         // All columns are one column.
         if only_column(e, columns) {
             more.push(put(k, vec![placed(&e.law, if e.at == "motion" { column } else { "motion" })]));
