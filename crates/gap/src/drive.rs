@@ -8,6 +8,11 @@ use phisindy_phys::{Record, System};
 const LINES: usize = 6;
 /// Two frequencies whose phases drift apart by less than this along a record (rad) are one.
 const ONE: f64 = 1.0;
+/// Times at which a drive is compared with itself a period later ...
+const TIMES: usize = 400;
+/// ... and the part of its swing by which it may differ.
+const ALIKE: f64 = 0.05;
+
 /// A line holds at least this part of the power of a rate: noise has peaks too.
 const LINE: f64 = 0.05;
 
@@ -33,6 +38,27 @@ impl<'a> Drive<'a> {
         let numbers = numbers.chain(self.record.constants.iter().copied());
         self.scratch.at([t].into_iter().chain(still).chain(inputs).chain(numbers));
         (0..self.system.known.len()).map(|k| self.scratch.output(k)[0]).collect()
+    }
+
+    /// Whether there is a drive, and it repeats with a period: a motion that nothing drives dies out, and one under two tones scatters from cycle to cycle for a reason.
+    pub(crate) fn repeats(&mut self, period: f64) -> bool {
+        let (first, last) = (self.record.time[0], self.record.time[self.record.len() - 1]);
+        let time = |i: usize| first + (last - first - period) * i as f64 / TIMES as f64;
+        let now: Vec<Vec<f64>> = (0..TIMES).map(|i| self.at(time(i))).collect();
+        let later: Vec<Vec<f64>> = (0..TIMES).map(|i| self.at(time(i) + period)).collect();
+        let (mut swing, mut apart) = (0.0, 0.0);
+        for k in 0..self.system.known.len() {
+            let mean = now.iter().map(|rates| rates[k]).sum::<f64>() / TIMES as f64;
+            for (a, b) in now.iter().zip(&later) {
+                if a[k].is_finite() && b[k].is_finite() && mean.is_finite() {
+                    swing += (a[k] - mean).powi(2);
+                    apart += (a[k] - b[k]).powi(2);
+                }
+            }
+        }
+        // What does not move but for rounding drives nothing.
+        let level = now.iter().flatten().filter(|r| r.is_finite()).map(|r| r * r).sum::<f64>();
+        swing > 1e-20 * level && apart <= ALIKE * ALIKE * swing
     }
 
     /// The line of the drive (rad/s) that stands at `frequency`, if there is one.
@@ -72,17 +98,41 @@ mod tests {
     use phisindy_phys::{Origin, SourceId, check, spec};
     use phisindy_sim::synthesize;
 
-    #[test]
-    fn lines_of_the_drive_are_known() {
-        let text = r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (4.0, "1/s^2") },
-            known: { "x": "v", "v": "-k*x + 1*cos(0.7*t) + 0.3*cos(1.3*t)" }, unknown: {},
-            data: [ Synthetic(truth: {}, start: { "x": 2.0, "v": 0.0 }, duration: 120.0, step: 0.05, noise: Additive(0.02), seed: 1) ])"#;
-        let (spec, _) = spec::read(text, SourceId(0)).expect("a spec");
+    /// An oscillator under a drive.
+    fn driven(by: &str) -> (System, Record) {
+        let text = format!(
+            r#"(states: {{ "x": "m", "v": "m/s" }}, constants: {{ "k": (4.0, "1/s^2") }}, known: {{ "x": "v", "v": "-k*x + {by}" }}, unknown: {{}},
+            data: [ Synthetic(truth: {{}}, start: {{ "x": 2.0, "v": 0.0 }}, duration: 120.0, step: 0.05, noise: Additive(0.02), seed: 1) ])"#
+        );
+        let (spec, _) = spec::read(&text, SourceId(0)).expect("a spec");
         let (case, _) = check(&spec, SourceId(0)).expect("a case");
         let Origin::Synthetic(truth) = &case.records[0].origin else { panic!("a measured record") };
         let found = synthesize(&case.records[0], truth, &case.system, None, &|_| Err("no files".into()));
         let (record, _) = found.expect("a record");
-        let mut drive = Drive::new(&case.system, &record).expect("a drive");
+        (case.system, record)
+    }
+
+    #[test]
+    fn only_what_moves_repeats() {
+        let tone = std::f64::consts::TAU / 0.7;
+        for (by, period, repeats) in [
+            ("1*cos(0.7*t)", tone, true),
+            ("9.81 + 1*cos(0.7*t)", tone, true),
+            ("1*cos(0.7*t)", 1.1 * tone, false),
+            ("1*cos(0.7*t) + 0.3*cos(1.3*t)", tone, false),
+            ("0*t", 3.14, false),
+            ("9.81", 3.14, false),
+        ] {
+            let (system, record) = driven(by);
+            let found = Drive::new(&system, &record).expect("a drive").repeats(period);
+            assert_eq!(found, repeats, "{by} after {period}");
+        }
+    }
+
+    #[test]
+    fn lines_of_the_drive_are_known() {
+        let (system, record) = driven("1*cos(0.7*t) + 0.3*cos(1.3*t)");
+        let mut drive = Drive::new(&system, &record).expect("a drive");
         for (frequency, line) in [(0.7, 0.7), (0.705, 0.7), (1.3, 1.3)] {
             let found = drive.line_at(frequency).unwrap_or(f64::NAN);
             assert!((found - line).abs() < 0.005, "{frequency}: {found}");

@@ -308,7 +308,9 @@ fn floor(case: &Case, records: &[Record], noise: &[Vec<f64>]) -> (Vec<(String, S
             let Some(column) = column else { continue };
             let counts = !validates || record.role == Role::Validate;
             // The larger of the scatter within a record and of the step from one half to the next.
-            let own = repeatability(record, column).filter(|r| driven_alike(&case.system, record, r.period));
+            let own = repeatability(record, column).filter(|r| {
+                Drive::new(&case.system, record).is_some_and(|mut drive| drive.repeats(r.period))
+            });
             let carried = record.continues.and_then(|before| {
                 let earlier = records[before].columns[k].as_ref()?;
                 prediction(&records[before], earlier, record, column)
@@ -332,24 +334,6 @@ fn floor(case: &Case, records: &[Record], noise: &[Vec<f64>]) -> (Vec<(String, S
     let gap = if periodic && count > 0 { (sum / count as f64).sqrt() } else { 0.0 };
     // Near the noise it is the noise that does not repeat, not the rig.
     (all, if gap > SCATTERS { gap } else { 0.0 })
-}
-
-/// Whether what drives a record repeats with a period: a motion under two tones scatters from cycle to cycle for a reason.
-fn driven_alike(system: &System, record: &Record, period: f64) -> bool {
-    let Some(mut drive) = Drive::new(system, record) else { return false };
-    let (first, last) = (record.time[0], record.time[record.len() - 1]);
-    const TIMES: usize = 400;
-    let (mut size, mut apart) = (0.0, 0.0);
-    for i in 0..TIMES {
-        let t = first + (last - first - period) * i as f64 / TIMES as f64;
-        for (a, b) in drive.at(t).into_iter().zip(drive.at(t + period)) {
-            if a.is_finite() && b.is_finite() {
-                size += a * a;
-                apart += (a - b) * (a - b);
-            }
-        }
-    }
-    apart <= 0.05 * 0.05 * size
 }
 
 fn finished(
