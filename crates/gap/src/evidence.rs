@@ -125,23 +125,17 @@ fn pushes(fitted: &Fitted, effect: &Effect) -> Option<String> {
 fn echoes(fitted: &Fitted, effect: &Effect) -> Option<String> {
     let law = &effect.entry.law;
     let screen = law.screen.as_ref()?;
+    let oscillates = |name: &String| screen.grid.iter().any(|(grid, unit)| grid == name && unit == "rad/s");
+    let at = law.parameters.iter().position(|(name, _)| oscillates(name))?;
     let (_, names, _) = fitted.draft.effects.iter().find(|(e, ..)| e.same(effect))?;
-    let numbers = crate::search::values(fitted, names, &effect.start);
-    let frequency = |name: &str| {
-        let oscillates = screen.grid.iter().any(|(grid, unit)| grid == name && unit == "rad/s");
-        let at = law.parameters.iter().position(|(own, _)| own == name).filter(|_| oscillates)?;
-        numbers.get(at).copied()
-    };
+    let frequency = *crate::search::values(fitted, names, &effect.start).get(at)?;
     // The drive of the model as it was: in this one the force is part of it.
     let base = fitted.draft.without_effects();
-    let fits = base.records.iter().filter(|r| r.role == Role::Fit);
-    let drives: Vec<Drive<'_>> = fits.filter_map(|r| Drive::new(&base.case.system, r)).collect();
-    drives.into_iter().find_map(|mut drive| {
-        let line = law.parameters.iter().find_map(|(name, _)| drive.line_at(frequency(name)?))?;
-        Some(format!(
-            "its frequency is that of the drive ({line:.4} rad/s), where it would stand for anything else that is missing"
-        ))
-    })
+    let mut fits = base.records.iter().filter(|r| r.role == Role::Fit);
+    let line = fits.find_map(|r| Drive::new(&base.case.system, r)?.line_at(frequency))?;
+    Some(format!(
+        "its frequency is that of the drive ({line:.4} rad/s), where it would stand for anything else that is missing"
+    ))
 }
 
 /// A dashpot may be weaker than the model thought, but what is left of it may not feed the motion.

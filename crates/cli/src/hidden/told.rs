@@ -43,20 +43,17 @@ pub(super) fn alternatives(
         if base && matches!(e.law.as_str(), "offset" | "harmonic-force") && !e.at.contains('-') {
             more.push(put(k, vec![placed(&e.law, &format!("{}-du", e.at))]));
         }
-        // On linear springs a constant force moves one mass as the zero of its sensor moves its record; beside Coulomb friction both are one law.
-        let alone = rig.count() == 1 && e.law == "sensor-offset" && rig.x.contains(&e.at);
         let others = || effects.iter().enumerate().filter(move |(i, _)| *i != k).map(|(_, other)| other);
-        if alone && others().all(|other| SPEED_ONLY.contains(&other.law.as_str())) {
+        let linear = others().all(|other| SPEED_ONLY.contains(&other.law.as_str()));
+        // On linear springs a constant force moves one mass as the zero of its sensor moves its record; beside Coulomb friction both are one law.
+        if linear && rig.count() == 1 && e.law == "sensor-offset" && rig.x.contains(&e.at) {
             more.push(put(k, vec![placed("offset", &rig.v[0])]));
             if let Some(other) = others().find(|other| other.law == "coulomb") {
                 more.push(vec![placed("asymmetric-coulomb", &other.at)]);
             }
         }
         // Of a mass that hangs on another one alone the zero of its sensor is a constant force in between.
-        if rig.count() == 2
-            && !rig.both_walls()
-            && others().all(|other| SPEED_ONLY.contains(&other.law.as_str()))
-        {
+        if linear && rig.count() == 2 && !rig.both_walls() {
             let between = format!("{}-{}", rig.v[0], rig.v[1]);
             if e.law == "sensor-offset" && e.at == rig.x[1] {
                 more.push(put(k, vec![placed("offset", &between)]));
