@@ -8,8 +8,10 @@ mod random;
 
 use phisindy_learn::{Identified, LearnError, LearnOptions, Verdict, identify};
 use random::{Acting, Dice, Rig};
+use rayon::prelude::*;
 use std::fmt::Write;
 use std::ops::ControlFlow;
+use std::time::Instant;
 
 const MODELS: u64 = 6;
 
@@ -86,48 +88,70 @@ fn doubted(found: &Identified) -> bool {
     matches!(found.verdict, Verdict::Rejected(_)) || !found.warnings.is_empty()
 }
 
+/// What became of a model.
+enum Outcome {
+    Right,
+    /// The result says that, and why, it should not be believed.
+    Told(String),
+    Wrong(String),
+}
+
+/// The first rig of this seed that has a law to be found, identified.
+fn outcome(seed: u64) -> Outcome {
+    let mut dice = Dice::new(seed.wrapping_add(1 << 32));
+    let (rig, (text, truth)) = (0..1000)
+        .find_map(|_| {
+            let rig = Rig::draw(&mut dice);
+            let made = (0..rig.laws.len()).find_map(|k| spec(&rig, k))?;
+            Some((rig, made))
+        })
+        .expect("a rig with a law to be found");
+    let (case, records) = common::load_text(&text, &[]);
+    let found = match identify(&case, &records, &LearnOptions::default(), &mut |_| ControlFlow::Continue(()))
+    {
+        Err(LearnError::Data(why) | LearnError::Numerics(why)) => {
+            return Outcome::Told(format!("{seed}: {why}\n{text}"));
+        }
+        Ok(found) => found,
+    };
+    let term = |t: usize| found.terms.iter().find(|f| f.term == t).map(|f| &f.coefficient);
+    let value = |t: usize| term(t).map_or(0.0, |c| c.value);
+    let size = truth.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    // A hundredth of the law, or what its interval allows.
+    let off = |(t, x): (usize, &f64)| {
+        let reach = term(t).map_or(0.0, |c| 0.5 * (c.ci95.1 - c.ci95.0));
+        (value(t) - x).abs() > (0.01 * size).max(2.0 * reach)
+    };
+    if !truth.iter().enumerate().any(off) {
+        Outcome::Right
+    } else if doubted(&found) {
+        Outcome::Told(format!("{seed}: {:?} {:?}", found.verdict, found.warnings))
+    } else {
+        let got: Vec<f64> = (0..truth.len()).map(value).collect();
+        Outcome::Wrong(format!("{seed}: {got:?} in place of {truth:?}\n{rig:?}\n{text}"))
+    }
+}
+
 #[test]
 fn clean_data_give_the_truth_back_or_the_reason_why_not() {
     let (mut right, mut told, mut wrong) = (0, Vec::new(), Vec::new());
-    for seed in models() {
-        // The first rig of this seed that has a law to be found.
-        let mut dice = Dice::new(seed.wrapping_add(1 << 32));
-        let (rig, (text, truth)) = (0..1000)
-            .find_map(|_| {
-                let rig = Rig::draw(&mut dice);
-                let made = (0..rig.laws.len()).find_map(|k| spec(&rig, k))?;
-                Some((rig, made))
-            })
-            .expect("a rig with a law to be found");
-        let (case, records) = common::load_text(&text, &[]);
-        match identify(&case, &records, &LearnOptions::default(), &mut |_| ControlFlow::Continue(())) {
-            Err(LearnError::Data(why) | LearnError::Numerics(why)) => {
-                told.push(format!("{seed}: {why}\n{text}"))
-            }
-            Ok(found) => {
-                let value =
-                    |t: usize| found.terms.iter().find(|f| f.term == t).map_or(0.0, |f| f.coefficient.value);
-                let size = truth.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-                // A hundredth of the law, or what its interval allows.
-                let off = |(t, x): (usize, &f64)| {
-                    let reach = found
-                        .terms
-                        .iter()
-                        .find(|f| f.term == t)
-                        .map_or(0.0, |f| 0.5 * (f.coefficient.ci95.1 - f.coefficient.ci95.0));
-                    (value(t) - x).abs() > (0.01 * size).max(2.0 * reach)
-                };
-                if !truth.iter().enumerate().any(off) {
-                    right += 1;
-                } else if doubted(&found) {
-                    told.push(format!("{seed}: {:?} {:?}", found.verdict, found.warnings));
-                } else {
-                    let got: Vec<f64> = (0..truth.len()).map(value).collect();
-                    wrong.push(format!("{seed}: {got:?} in place of {truth:?}\n{rig:?}\n{text}"));
-                }
-            }
+    let outcomes: Vec<Outcome> = models()
+        .into_par_iter()
+        .map(|seed| {
+            let start = Instant::now();
+            let outcome = outcome(seed);
+            println!("{seed} {:.1} s", start.elapsed().as_secs_f64());
+            outcome
+        })
+        .collect();
+    for outcome in outcomes {
+        match outcome {
+            Outcome::Right => right += 1,
+            Outcome::Told(why) => told.push(why),
+            Outcome::Wrong(what) => wrong.push(what),
         }
     }
+    println!("{right} right, {} told, {} wrong", told.len(), wrong.len());
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
     assert!(right * 4 >= models().end * 3, "{right} right; {}", told.join("\n"));
 }
