@@ -4,7 +4,7 @@
 use crate::assess::Solution;
 use crate::fit::{Fit, inflation, tally};
 use crate::identified::RecordFit;
-use crate::least_squares::{Limits, minimise};
+use crate::least_squares::Limits;
 use crate::linear::{covariance, solve_damped};
 use crate::problem::{Meaning, Problem};
 use faer::Mat;
@@ -63,8 +63,7 @@ fn disagreement(
     }
     let noise = vec![fit.noise.first()?.clone()];
     let weights = problem.weights(&noise, problem.residuals(&x).ok().as_deref());
-    let bounds = problem.bounds.clone();
-    let normal = minimise(&mut x, &bounds, Limits::new(20, 1e-6), |x| problem.normal(x, &weights).ok())?;
+    let normal = problem.minimise(&mut x, &weights, Limits::new(20, 1e-6)).ok()?;
     let told = tally(&noise, &problem.residuals(&x).ok()?);
     let inflation = inflation(told.samples, told.effective);
     let own =

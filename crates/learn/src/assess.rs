@@ -1,7 +1,7 @@
 //! How an identified model does: a free run of every record from its fitted start, compared with what was measured.
 
 use crate::identified::RecordFit;
-use crate::least_squares::{Limits, Normal, minimise};
+use crate::least_squares::{Limits, Normal};
 use crate::linear::covariance;
 use crate::problem::{Meaning, Problem, Segment};
 use faer::Mat;
@@ -172,20 +172,9 @@ fn started<'a>(
     let mut took = None;
     loop {
         let part = problem.segments[0];
-        let mut failure = None;
-        let end = minimise(x, &bounds, Limits::new(20, 1e-9), |x| match problem.normal(x, &weights) {
-            Ok(normal) => Some(normal),
-            Err(e) => {
-                failure = Some(e);
-                None
-            }
-        });
+        let end = problem.minimise(x, &weights, Limits::new(20, 1e-9));
         problem.segments[0] = whole;
-        let known = match (end, failure) {
-            (None, Some(e)) => return Err(e),
-            (None, None) => return Ok((problem, part, took)),
-            (Some(known), _) => known,
-        };
+        let known = end?;
         if part.samples.1 >= record.len() {
             return Ok((problem, part, took));
         }

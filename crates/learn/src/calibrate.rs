@@ -3,7 +3,7 @@
 use crate::assess::assess;
 use crate::fit::{Fit, Tally, carry, tally};
 use crate::identified::{Estimate, FoundParameter, RecordFit};
-use crate::least_squares::{Limits, minimise};
+use crate::least_squares::Limits;
 use crate::noise::ColumnNoise;
 use crate::problem::{Noise, Problem, Segment, TOLERANCE};
 use crate::trajectory::{found, robust_covariance, solution};
@@ -78,16 +78,9 @@ pub fn calibrate(
         // A gain of a hundredth in the logarithm of the likelihood is none.
         let least = 0.01 / samples.max(1) as f64;
         let limits = Limits::new(if last { 40 } else { 10 }, if last { least } else { 1e-3 });
-        let bounds = problem.bounds.clone();
-        let end = minimise(&mut x, &bounds, limits, |x| match problem.normal(x, &weights) {
-            Ok(normal) => Some(normal),
-            Err(e) => {
-                trouble = e.to_string();
-                None
-            }
-        });
-        if end.is_some() {
-            best = Some((problem, x));
+        match problem.minimise(&mut x, &weights, limits) {
+            Ok(_) => best = Some((problem, x)),
+            Err(e) => trouble = e.to_string(),
         }
     }
     let (problem, mut x) = match best {
@@ -209,9 +202,8 @@ fn again(
         _ => return,
     }
     let limits = Limits::new(25, 1e-5);
-    let bounds = problem.bounds.clone();
-    let end = minimise(&mut other, &bounds, limits, |x| problem.normal(x, weights).ok());
-    if end.is_some_and(|end| end.cost < now.cost) {
+    let end = problem.minimise(&mut other, weights, limits);
+    if end.is_ok_and(|end| end.cost < now.cost) {
         *x = other;
     }
 }
@@ -303,9 +295,7 @@ fn looked(mut problem: Problem<'_>, noise: &Noise, starts: &[Record], gain: f64)
     problem.tolerance = tolerance(&problem, noise);
     let mut x = problem.guess(&[], None, starts);
     let weights = problem.weights(noise, None);
-    let bounds = problem.bounds.clone();
-    let limits = Limits::new(4, gain);
-    let normal = minimise(&mut x, &bounds, limits, |x| problem.normal(x, &weights).ok())?;
+    let normal = problem.minimise(&mut x, &weights, Limits::new(4, gain)).ok()?;
     let columns = |r: usize| problem.records[r].columns.iter().flatten().count();
     let samples: usize =
         problem.segments.iter().map(|s| (s.samples.1 - s.samples.0) * columns(s.record)).sum();

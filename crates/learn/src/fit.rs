@@ -3,7 +3,7 @@
 //! Far from the truth the cost of a whole record has side minima, so the horizon grows: many short segments first, whose start states come from
 //! the data, then few, then one. A record whose single run is much worse than its segments (it drifts, or is unstable) stays segmented.
 
-use crate::least_squares::{Limits, Normal, minimise};
+use crate::least_squares::{Limits, Normal};
 use crate::noise::ColumnNoise;
 use crate::problem::{ColumnResidual, Meaning, Noise, Problem};
 use phisindy_phys::spec::SegmentsSpec;
@@ -133,7 +133,7 @@ impl<'a> Context<'a> {
                 x[k] = (x[k] * scale).clamp(bounds[k].0, bounds[k].1);
             }
             let limits = Limits::new(8, 1e-3);
-            let end = minimise(&mut x, &bounds, limits, |x| fit.problem.normal(x, &fit.weights).ok())?;
+            let end = fit.problem.minimise(&mut x, &fit.weights, limits).ok()?;
             Some((end.cost, x))
         };
         let best = HOPS.into_iter().filter_map(hop).min_by(|a, b| a.0.total_cmp(&b.0));
@@ -158,7 +158,7 @@ impl<'a> Context<'a> {
         for tighter in TIGHTER {
             chain.continuity = Some(jumps.iter().map(|j| tighter * j).collect());
             let limits = Limits::new(12, 1e-4);
-            minimise(&mut x, &chain.bounds, limits, |x| chain.normal(x, &cut.weights).ok())?;
+            chain.minimise(&mut x, &cut.weights, limits).ok()?;
         }
         let mut single =
             Problem::new(self.system, &cut.problem.terms, &self.records, &vec![1; self.records.len()])
@@ -210,9 +210,8 @@ impl<'a> Context<'a> {
                 x[b.start + k] = from.x[a.start + k];
             }
         }
-        let bounds = problem.bounds.clone();
         let weights = from.weights.clone();
-        let normal = minimise(&mut x, &bounds, limits, |x| problem.normal(x, &weights).ok())?;
+        let normal = problem.minimise(&mut x, &weights, limits).ok()?;
         Some(Fit {
             problem,
             x,
@@ -309,10 +308,9 @@ struct Settled {
 }
 
 fn settled(problem: &mut Problem<'_>, x: &mut [f64], noise: &mut Noise, rounds: usize) -> Option<Settled> {
-    let bounds = problem.bounds.clone();
     let mut weights = problem.weights(noise, problem.residuals(x).ok().as_deref());
     let limits = Limits::new(if rounds == 1 { 12 } else { 20 }, if rounds == 1 { 1e-4 } else { 1e-7 });
-    let mut normal = minimise(x, &bounds, limits, |x| problem.normal(x, &weights).ok())?;
+    let mut normal = problem.minimise(x, &weights, limits).ok()?;
     for _ in 1..rounds {
         let residuals = problem.residuals(x).ok()?;
         *noise = problem.noise(&residuals);
@@ -321,7 +319,7 @@ fn settled(problem: &mut Problem<'_>, x: &mut [f64], noise: &mut Noise, rounds: 
             let Tally { samples, effective, .. } = tally(noise, &residuals);
             problem.belief = inflation(samples, effective);
         }
-        normal = minimise(x, &bounds, limits, |x| problem.normal(x, &weights).ok())?;
+        normal = problem.minimise(x, &weights, limits).ok()?;
     }
     let residuals = problem.residuals(x).ok()?;
     if rounds == 1 {

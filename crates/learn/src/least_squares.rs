@@ -24,6 +24,8 @@ pub(crate) struct Limits {
 
 /// Steps after which a cost that is far too high is hopeless: from nearby, convergence is quadratic.
 const CHANCES: usize = 3;
+/// Costs within this factor are the same number but for rounding.
+const ROUNDING: f64 = 1.0 + 1e-14;
 
 impl Limits {
     /// So many steps, as long as each lowers the cost by that part.
@@ -33,17 +35,18 @@ impl Limits {
 }
 
 /// Minimises from `values`, which end at the best point found. Returns the normal equations there, or `None` if the start itself cannot be
-/// evaluated. `evaluate` returns `None` where the model fails.
+/// evaluated. `evaluate` returns `None` where the model fails, and may return it where the cost is above a ceiling, its second argument: after a failure
+/// the next step is likely to fail too.
 pub(crate) fn minimise(
     values: &mut [f64],
     bounds: &[(f64, f64)],
     limits: Limits,
-    mut evaluate: impl FnMut(&[f64]) -> Option<Normal>,
+    mut evaluate: impl FnMut(&[f64], f64) -> Option<Normal>,
 ) -> Option<Normal> {
     let n = values.len();
     let mut damping = 1e-6;
     let mut tries = 0;
-    let mut now = evaluate(values)?;
+    let mut now = evaluate(values, f64::INFINITY)?;
     for done in 0..limits.iterations {
         let hopeless = now.cost > limits.hopeless;
         if hopeless && done >= CHANCES {
@@ -52,6 +55,7 @@ pub(crate) fn minimise(
         // A step that keeps failing is on a cliff: it costs more than it will bring.
         let most = if hopeless { done + 2 * CHANCES } else { 3 * limits.iterations };
         let mut better = None;
+        let mut ceiling = f64::INFINITY;
         while damping < 1e8 && tries < most {
             let step = bounded_step(&now, values, bounds, damping);
             let Some(step) = step else {
@@ -64,15 +68,18 @@ pub(crate) fn minimise(
                 break;
             }
             tries += 1;
-            match evaluate(&trial) {
+            match evaluate(&trial, ceiling) {
                 Some(next) if next.cost < now.cost => {
                     better = Some((trial, next));
                     damping = (damping * 0.1).max(1e-12);
                     break;
                 }
                 // At the rounding of the cost there is nothing left to gain.
-                Some(next) if next.cost <= now.cost * (1.0 + 1e-14) => break,
-                _ => damping = (damping * 10.0).max(1e-5),
+                Some(next) if next.cost <= now.cost * ROUNDING => break,
+                _ => {
+                    damping = (damping * 10.0).max(1e-5);
+                    ceiling = now.cost * ROUNDING;
+                }
             }
         }
         let Some((trial, next)) = better else { break };
@@ -126,11 +133,11 @@ mod tests {
         let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
         let limits = Limits::new(200, 0.0);
         let mut x = [-1.2, 1.0];
-        minimise(&mut x, &free, limits, rosenbrock).unwrap();
+        minimise(&mut x, &free, limits, |x, _| rosenbrock(x)).unwrap();
         assert_relative_eq!(x[0], 1.0, max_relative = 1e-8);
         assert_relative_eq!(x[1], 1.0, max_relative = 1e-8);
         let mut x = [-1.2, 1.0];
-        minimise(&mut x, &[(-2.0, 0.5), (-2.0, 2.0)], limits, rosenbrock).unwrap();
+        minimise(&mut x, &[(-2.0, 0.5), (-2.0, 2.0)], limits, |x, _| rosenbrock(x)).unwrap();
         assert_relative_eq!(x[0], 0.5, max_relative = 1e-8);
         assert_relative_eq!(x[1], 0.25, max_relative = 1e-6);
     }
@@ -139,7 +146,7 @@ mod tests {
     fn calls_on_a_cliff(iterations: usize) -> usize {
         let (mut calls, mut x) = (0, [-1.2, 1.0]);
         let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
-        minimise(&mut x, &free, Limits::new(iterations, 0.0), |x| {
+        minimise(&mut x, &free, Limits::new(iterations, 0.0), |x, _| {
             calls += 1;
             if x == [-1.2, 1.0] { rosenbrock(x) } else { None }
         });
@@ -158,7 +165,7 @@ mod tests {
         let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
         let steps = |limits: Limits| {
             let (mut x, mut cost, mut steps) = ([-1.2, 1.0], f64::INFINITY, -1);
-            minimise(&mut x, &free, limits, |x| {
+            minimise(&mut x, &free, limits, |x, _| {
                 let normal = rosenbrock(x)?;
                 if normal.cost < cost {
                     (cost, steps) = (normal.cost, steps + 1);
@@ -180,7 +187,7 @@ mod tests {
     fn a_start_at_a_bound_leaves_it() {
         for (start, bounds) in [([-2.0, 1.0], [(-2.0, 3.0); 2]), ([3.0, 3.0], [(-3.0, 3.0); 2])] {
             let mut x = start;
-            minimise(&mut x, &bounds, Limits::new(200, 0.0), rosenbrock).unwrap();
+            minimise(&mut x, &bounds, Limits::new(200, 0.0), |x, _| rosenbrock(x)).unwrap();
             assert_relative_eq!(x[0], 1.0, max_relative = 1e-8);
             assert_relative_eq!(x[1], 1.0, max_relative = 1e-8);
         }
@@ -190,7 +197,7 @@ mod tests {
     fn a_hopeless_cliff_costs_twice_the_chances() {
         let (mut calls, mut x) = (0, [-1.2, 1.0]);
         let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
-        minimise(&mut x, &free, Limits { hopeless: 1.0, ..Limits::new(20, 0.0) }, |x| {
+        minimise(&mut x, &free, Limits { hopeless: 1.0, ..Limits::new(20, 0.0) }, |x, _| {
             calls += 1;
             if x == [-1.2, 1.0] { rosenbrock(x) } else { None }
         });
@@ -201,7 +208,7 @@ mod tests {
     #[test]
     fn where_rounding_hides_the_gain_it_ends() {
         let (mut calls, mut x) = (0, [1e-9]);
-        minimise(&mut x, &[(-9.0, 9.0)], Limits::new(50, 0.0), |x| {
+        minimise(&mut x, &[(-9.0, 9.0)], Limits::new(50, 0.0), |x, _| {
             calls += 1;
             Some(Normal {
                 cost: 2.0 + 2.0 * x[0] * x[0],
@@ -217,7 +224,7 @@ mod tests {
     fn a_matrix_that_is_not_definite_is_damped_until_it_is() {
         let mut x = [3.0, -2.0];
         let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
-        let end = minimise(&mut x, &free, Limits::new(100, 0.0), |x| {
+        let end = minimise(&mut x, &free, Limits::new(100, 0.0), |x, _| {
             Some(Normal {
                 cost: 1.0 + x[0] * x[0] + x[1] * x[1],
                 matrix: symmetric(&[1.0, 2.0, 1.0], 2),

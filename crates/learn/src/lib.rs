@@ -5,6 +5,7 @@ mod assess;
 mod batch;
 mod calibrate;
 mod contribution;
+mod cost;
 mod descent;
 mod differentiators;
 mod fit;

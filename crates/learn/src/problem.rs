@@ -4,11 +4,8 @@
 //! start state for each of its segments.
 
 use crate::input_sensors::InputSensors;
-use crate::least_squares::Normal;
 use crate::looks::{Looks, Seen};
 use crate::noise::ColumnNoise;
-use faer::Mat;
-use phisindy_expr::wide;
 use phisindy_phys::{Record, Sensor, System, standard_deviation};
 use phisindy_sim::{Automaton, Drive, Options, SimError, Trajectory, simulate};
 use rayon::prelude::*;
@@ -33,7 +30,7 @@ pub(crate) struct Segment {
 
 /// Where a number of the model comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Source {
+pub(crate) enum Source {
     Unknown(usize),
     Number(f64),
 }
@@ -49,13 +46,13 @@ pub(crate) struct Problem<'a> {
     pub(crate) unknowns: usize,
     pub(crate) bounds: Vec<(f64, f64)>,
     /// Belief beforehand: unknown, centre, standard deviation.
-    priors: Vec<(usize, f64, f64)>,
+    pub(crate) priors: Vec<(usize, f64, f64)>,
     /// What the priors weigh beside the data: 1, or more where samples that are not independent would outvote them.
     pub(crate) belief: f64,
     /// For each record, the parameters of the model.
-    model: Vec<Vec<Source>>,
+    pub(crate) model: Vec<Vec<Source>>,
     /// For each record, offset, gain and delay of each state, then of each input.
-    sensors: Vec<Vec<[Source; 3]>>,
+    pub(crate) sensors: Vec<Vec<[Source; 3]>>,
     input_sensors: InputSensors,
     /// The size of each state, for the accuracy of the simulation.
     pub(crate) scale: Vec<f64>,
@@ -78,14 +75,6 @@ pub(crate) enum Meaning {
     /// Record, state (or, beyond them, input), which of offset, gain, delay.
     Sensor(usize, usize, usize),
     Start,
-}
-
-/// What one segment adds to the normal equations: the unknowns that it depends on, and its part in those (upper triangle).
-struct Share {
-    cost: f64,
-    at: Vec<usize>,
-    matrix: Mat<f64>,
-    gradient: Vec<f64>,
 }
 
 /// Noise of each record and state.
@@ -304,7 +293,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Where each parameter of a run comes from: those of the model, then those of the inputs' sensors.
-    fn sources(&self, record: usize) -> impl Iterator<Item = Source> {
+    pub(crate) fn sources(&self, record: usize) -> impl Iterator<Item = Source> {
         let n = self.system.states.len();
         let sensors = self.input_sensors.inputs.iter().flat_map(move |j| self.sensors[record][n + j]);
         self.model[record].iter().copied().chain(sensors)
@@ -329,7 +318,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Simulates one segment; with the derivatives by everything that is unknown in it.
-    fn run(&self, segment: &Segment, x: &[f64], derivatives: bool) -> Result<Seen, SimError> {
+    pub(crate) fn run(&self, segment: &Segment, x: &[f64], derivatives: bool) -> Result<Seen, SimError> {
         let record = self.records[segment.record];
         let (first, last) = segment.samples;
         let start = &x[segment.start..segment.start + self.system.states.len()];
@@ -358,7 +347,7 @@ impl<'a> Problem<'a> {
     }
 
     /// The segment that goes on where this one ends, if they are softly joined.
-    fn next(&self, segment: &Segment) -> Option<Segment> {
+    pub(crate) fn next(&self, segment: &Segment) -> Option<Segment> {
         self.continuity.as_ref()?;
         self.segments.iter().copied().find(|s| s.record == segment.record && s.samples.0 == segment.samples.1)
     }
@@ -392,7 +381,7 @@ impl<'a> Problem<'a> {
     }
 
     /// The prediction of a column from the value of its state where it looks; and its gain.
-    fn reading(&self, record: usize, state: usize, x: &[f64], value: f64) -> (f64, f64) {
+    pub(crate) fn reading(&self, record: usize, state: usize, x: &[f64], value: f64) -> (f64, f64) {
         let [offset, gain, _] = self.sensors[record][state].map(|s| Self::value(s, x));
         (offset + gain * value, gain)
     }
@@ -439,125 +428,6 @@ impl<'a> Problem<'a> {
             .collect()
     }
 
-    /// Cost and normal equations, residuals weighted by the noise at `weights` (predictions of an earlier iterate, so that weights do not chase
-    /// the fit).
-    pub(crate) fn normal(&self, x: &[f64], weights: &[Vec<Vec<f64>>]) -> Result<Normal, SimError> {
-        self.gathered(x, weights, false)
-    }
-
-    /// As [`Problem::normal`], but each row of `J` is multiplied by its weighted residual: the meat of the sandwich that makes error bars right where the noise
-    /// model is not (White, Econometrica 48 (1980) 817-838).
-    pub(crate) fn meat(&self, x: &[f64], weights: &[Vec<Vec<f64>>]) -> Result<Mat<f64>, SimError> {
-        self.gathered(x, weights, true).map(|n| n.matrix)
-    }
-
-    fn gathered(&self, x: &[f64], weights: &[Vec<Vec<f64>>], meat: bool) -> Result<Normal, SimError> {
-        let d = self.unknowns;
-        let parts: Vec<Share> = self
-            .segments
-            .par_iter()
-            .map(|s| self.normal_of_segment(s, x, weights, meat))
-            .collect::<Result<_, _>>()?;
-        let mut total = Normal { cost: 0.0, matrix: Mat::zeros(d, d), gradient: vec![0.0; d] };
-        for Share { cost, at, matrix, gradient } in parts {
-            total.cost += cost;
-            for (i, &row) in at.iter().enumerate() {
-                total.gradient[row] += gradient[i];
-                for (j, &col) in at.iter().enumerate() {
-                    total.matrix[(row, col)] += matrix[(i.min(j), i.max(j))];
-                }
-            }
-        }
-        for &(k, centre, sigma) in &self.priors {
-            let r = (x[k] - centre) / sigma;
-            total.cost += self.belief * r * r;
-            total.matrix[(k, k)] += self.belief / (sigma * sigma);
-            total.gradient[k] += self.belief * r / sigma;
-        }
-        Ok(total)
-    }
-
-    /// Which unknowns a segment depends on, its cost, and its normal equations in those (upper triangle).
-    fn normal_of_segment(
-        &self,
-        segment: &Segment,
-        x: &[f64],
-        weights: &[Vec<Vec<f64>>],
-        meat: bool,
-    ) -> Result<Share, SimError> {
-        let seen = self.run(segment, x, true)?;
-        let run = &seen.run;
-        let (n, m, r) = (run.n, run.m, segment.record);
-        // Columns of the sensitivities: start states, then the unknown ones among the model's parameters.
-        let mut at: Vec<usize> = (segment.start..segment.start + n).collect();
-        at.extend(self.sources(r).filter_map(|s| if let Source::Unknown(k) = s { Some(k) } else { None }));
-        let mut sensor_slots = vec![[usize::MAX; 3]; n];
-        for (k, sensor) in self.sensors[r][..n].iter().enumerate() {
-            for (which, source) in sensor.iter().enumerate() {
-                if let Source::Unknown(unknown) = *source {
-                    sensor_slots[k][which] = at.iter().position(|&u| u == unknown).unwrap_or(at.len());
-                    if sensor_slots[k][which] == at.len() {
-                        at.push(unknown);
-                    }
-                }
-            }
-        }
-        let next = self.next(segment);
-        let joint = at.len();
-        at.extend(next.iter().flat_map(|s| s.start..s.start + n));
-        let width = at.len();
-        let mut matrix = vec![0.0; width * width];
-        let mut gradient = vec![0.0; width];
-        let mut cost = 0.0;
-        let mut row = vec![0.0; width];
-        wide(
-            #[inline(always)]
-            || {
-                for (i, sample) in (segment.samples.0..segment.samples.1).enumerate() {
-                    for (k, column) in self.records[r].columns.iter().enumerate() {
-                        let Some(column) = column else { continue };
-                        let (value, rate) = seen.value(i, k);
-                        let (prediction, gain) = self.reading(r, k, x, value);
-                        let weight = weights[r][k][sample].sqrt();
-                        let e = weight * (prediction - column[sample]);
-                        cost += e * e;
-                        row.fill(0.0);
-                        let s = seen.sensitivities(i, k);
-                        row.iter_mut().zip(s).for_each(|(j, s)| *j = weight * gain * s);
-                        let [offset_at, gain_at, delay_at] = sensor_slots[k];
-                        if offset_at != usize::MAX {
-                            row[offset_at] += weight;
-                        }
-                        if gain_at != usize::MAX {
-                            row[gain_at] += weight * value;
-                        }
-                        if delay_at != usize::MAX {
-                            row[delay_at] -= weight * gain * rate;
-                        }
-                        add_row(&row, e, meat, &mut matrix, &mut gradient);
-                    }
-                }
-            },
-        );
-        if let (Some(next), Some(tau)) = (next, &self.continuity) {
-            let i = segment.samples.1 - segment.samples.0;
-            let late = seen.end - self.records[r].time[segment.samples.1];
-            for k in 0..n {
-                let weight = 1.0 / tau[k].max(f64::MIN_POSITIVE);
-                let end = run.states[i * n + k] - late * run.rates[i * n + k];
-                let e = weight * (end - x[next.start + k]);
-                cost += e * e;
-                row.fill(0.0);
-                let s = &run.sensitivities[(i * n + k) * m..(i * n + k + 1) * m];
-                row.iter_mut().zip(s).for_each(|(j, s)| *j = weight * s);
-                row[joint + k] = -weight;
-                add_row(&row, e, meat, &mut matrix, &mut gradient);
-            }
-        }
-        let matrix = Mat::from_fn(width, width, |a, b| if a <= b { matrix[a * width + b] } else { 0.0 });
-        Ok(Share { cost, at, matrix, gradient })
-    }
-
     /// Weights `1 / variance` of every sample.
     pub(crate) fn weights(
         &self,
@@ -595,20 +465,5 @@ impl<'a> Problem<'a> {
             GAIN => "gain",
             _ => "delay",
         }
-    }
-}
-
-/// Adds a row of `J` and its residual to `J^T J` (upper triangle) and `J^T e`; for the meat of a sandwich the row is multiplied by the residual.
-#[inline(always)]
-fn add_row(row: &[f64], e: f64, meat: bool, matrix: &mut [f64], gradient: &mut [f64]) {
-    let (width, scale) = (row.len(), if meat { e } else { 1.0 });
-    for a in 0..width {
-        let ja = scale * row[a];
-        if ja == 0.0 {
-            continue;
-        }
-        gradient[a] += ja * e;
-        let line = &mut matrix[a * width + a..(a + 1) * width];
-        line.iter_mut().zip(&row[a..]).for_each(|(m, j)| *m += ja * scale * j);
     }
 }

@@ -2,7 +2,7 @@
 //! (1988) 87-94): the parameter is held off its best value, everything else follows, and the interval ends where the cost has risen by chi^2.
 
 use crate::fit::Fit;
-use crate::least_squares::{Limits, minimise};
+use crate::least_squares::Limits;
 
 /// 95 % quantile of chi^2 with one degree of freedom, and its root.
 const RISE: f64 = 3.841_458_820_694_124;
@@ -55,8 +55,7 @@ fn rise(fit: &Fit<'_>, k: usize, z: f64) -> Option<f64> {
     bounds[k] = (z, z);
     let mut x = followed(fit, k, z);
     let limits = Limits::new(5, 1e-6);
-    let weights = &fit.weights;
-    let there = minimise(&mut x, &bounds, limits, |x| fit.problem.normal(x, weights).ok())?;
+    let there = fit.problem.minimise_within(&bounds, &mut x, &fit.weights, limits).ok()?;
     Some((there.cost - fit.normal.cost).max(0.0))
 }
 

@@ -1,7 +1,7 @@
 //! For tests: models whose motion is written down on a line, and fits of them with a noise that is known. What is fitted to these is linear regression.
 
 use crate::fit::Fit;
-use crate::least_squares::{Limits, minimise};
+use crate::least_squares::Limits;
 use crate::noise::ColumnNoise;
 use crate::onestep::tests::common;
 use crate::problem::Problem;
@@ -50,9 +50,7 @@ pub(crate) fn fitted_terms<'a>(
     let noise = vec![vec![ColumnNoise { additive: sigma, relative: 0.0 }; case.system.states.len()]];
     let mut x = problem.guess(&vec![0.0; terms.len()], None, &records[..1]);
     let weights = problem.weights(&noise, None);
-    let normal =
-        minimise(&mut x, &problem.bounds, Limits::new(50, 1e-12), |x| problem.normal(x, &weights).ok())
-            .unwrap();
+    let normal = problem.minimise(&mut x, &weights, Limits::new(50, 1e-12)).unwrap();
     let samples = records[0].readings();
     let effective = samples as f64;
     Fit { problem, x, noise, weights, normal, samples, effective, excess: 1.0, pieces: vec![1] }

@@ -242,7 +242,7 @@ pub(crate) fn lay_out(
 /// Solves the loss within bounds; returns the loss at the end.
 fn solve(batch: &Batch, values: &mut [f64], bounds: &[(f64, f64)]) -> f64 {
     let n = values.len();
-    let evaluate = |x: &[f64]| {
+    let evaluate = |x: &[f64], _| {
         let (cost, triangle, gradient) = batch.normal(x);
         cost.is_finite().then(|| Normal { cost, matrix: symmetric(&triangle, n), gradient })
     };

@@ -140,7 +140,7 @@ fn clean_data_give_the_truth_back_or_the_reason_why_not() {
         .map(|seed| {
             let start = Instant::now();
             let outcome = outcome(seed);
-            println!("{seed} {:.1} s", start.elapsed().as_secs_f64());
+            eprintln!("{seed} {:.1} s", start.elapsed().as_secs_f64());
             outcome
         })
         .collect();
@@ -151,7 +151,7 @@ fn clean_data_give_the_truth_back_or_the_reason_why_not() {
             Outcome::Wrong(what) => wrong.push(what),
         }
     }
-    println!("{right} right, {} told, {} wrong", told.len(), wrong.len());
+    eprintln!("{right} right, {} told, {} wrong", told.len(), wrong.len());
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
     assert!(right * 4 >= models().end * 3, "{right} right; {}", told.join("\n"));
 }
