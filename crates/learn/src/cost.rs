@@ -174,7 +174,10 @@ impl Problem<'_> {
             || {
                 for (i, sample) in (segment.samples.0..segment.samples.1).enumerate() {
                     for (k, column) in self.records[r].columns.iter().enumerate() {
-                        let (true, Some(e)) = (column.is_some(), of_samples.next()) else { continue };
+                        if column.is_none() {
+                            continue;
+                        }
+                        let e = of_samples.next().expect("one for each sample of each column");
                         let (value, rate) = seen.value(i, k);
                         let (_, gain) = self.reading(r, k, x, value);
                         let weight = weights[r][k][sample].sqrt();

@@ -133,6 +133,7 @@ fn outcome(seed: u64) -> Outcome {
 }
 
 #[test]
+#[expect(clippy::print_stderr, reason = "a thousand take minutes: how far it is")]
 fn clean_data_give_the_truth_back_or_the_reason_why_not() {
     let (mut right, mut told, mut wrong) = (0, Vec::new(), Vec::new());
     let outcomes: Vec<Outcome> = models()
