@@ -381,7 +381,7 @@ pub(crate) fn carry(from: &Problem<'_>, x: &[f64], to: &Problem<'_>, y: &mut [f6
 }
 
 /// A description with so many times the cost of another one after a few steps will not come near it.
-const HOPELESS: f64 = 10.0;
+pub(crate) const HOPELESS: f64 = 10.0;
 
 /// A residual is white if at least this part of its samples count as independent.
 const WHITE: f64 = 0.6;

@@ -4,11 +4,12 @@
 //! `cost / inflation + k ln n + 2 ln C(p, k)`: the search among the subsets is counted, and correlated residuals count as few samples. A step of the
 //! search is proposed on the quadratic model of the cost and confirmed by a refit. A term too small to matter is not worth printing.
 
-use crate::fit::{Context, Fit};
+use crate::fit::{Context, Fit, HOPELESS};
 use crate::identified::PathPoint;
 use crate::least_squares::Normal;
 use crate::linear::covariance;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A term whose share of the unknown rate (rms along the trajectory) is below this does not matter ...
 const PRACTICAL: f64 = 0.01;
@@ -30,8 +31,14 @@ pub(crate) struct Selection<'a> {
     pub(crate) path: Vec<PathPoint>,
 }
 
-/// Selects among `all` terms, from a fit of them or of a part of them.
-pub(crate) fn select<'a>(context: &Context<'a>, first: Fit<'a>, all: &[usize]) -> Selection<'a> {
+/// Selects among `all` terms, from a fit of them or of a part of them. What earlier selections found hopeless is not looked at again, and what this one finds
+/// so is added.
+pub(crate) fn select<'a>(
+    context: &Context<'a>,
+    first: Fit<'a>,
+    all: &[usize],
+    hopeless: &mut Vec<Vec<usize>>,
+) -> Selection<'a> {
     let (n, inflation, p) = (first.effective, first.inflation(), all.len());
     let criterion = |cost: f64, k: usize| cost / inflation + price(k, p, n);
     let mut path: Vec<PathPoint> = Vec::new();
@@ -66,7 +73,7 @@ pub(crate) fn select<'a>(context: &Context<'a>, first: Fit<'a>, all: &[usize]) -
             changes = neighbours(context, &now, all, &criterion);
         }
     }
-    now = pruned(context, now, &criterion);
+    now = pruned(context, now, &criterion, hopeless);
     while let Some(small) = negligible(&now) {
         let terms: Vec<usize> = now.problem.terms.iter().copied().filter(|&t| t != small).collect();
         match context.refit(&now, &terms) {
@@ -149,6 +156,7 @@ fn pruned<'a>(
     context: &Context<'a>,
     mut now: Fit<'a>,
     criterion: &(impl Fn(f64, usize) -> f64 + Sync),
+    hopeless: &mut Vec<Vec<usize>>,
 ) -> Fit<'a> {
     for state in 0..context.system.states.len() {
         let of_state = |fit: &Fit<'_>| -> Vec<usize> {
@@ -170,16 +178,30 @@ fn pruned<'a>(
         loop {
             let present = of_state(&now);
             let here = criterion(now.normal.cost, now.problem.terms.len());
+            let with = |keep: &[usize]| -> Vec<usize> {
+                let stays = |t: &usize| !present.contains(t) || keep.contains(t);
+                now.problem.terms.iter().copied().filter(stays).collect()
+            };
+            let far: Vec<AtomicBool> = left.iter().map(|_| AtomicBool::new(false)).collect();
             let better = |(k, keep): (usize, &Vec<usize>)| {
                 if keep.len() >= present.len() || !keep.iter().all(|t| present.contains(t)) {
                     return None;
                 }
-                let stays = |t: &usize| !present.contains(t) || keep.contains(t);
-                let terms: Vec<usize> = now.problem.terms.iter().copied().filter(stays).collect();
-                let look = context.glance(&now, &terms)?;
-                (criterion(look.normal.cost, terms.len()) < here).then_some((k, look))
+                let terms = with(keep);
+                if hopeless.contains(&terms) {
+                    return None;
+                }
+                let look = context.glance(&now, &terms);
+                let near = look.filter(|look| look.normal.cost <= HOPELESS * now.normal.cost);
+                far[k].store(near.is_none(), Ordering::Relaxed);
+                near.filter(|look| criterion(look.normal.cost, terms.len()) < here).map(|look| (k, look))
             };
-            let Some((k, look)) = left.par_iter().enumerate().find_map_first(better) else { break };
+            let Some((k, look)) = left.par_iter().enumerate().find_map_first(better) else {
+                // All were looked at, whatever the threads.
+                let found = left.iter().zip(&far).filter(|(_, far)| far.load(Ordering::Relaxed));
+                hopeless.extend(found.map(|(keep, _)| with(keep)));
+                break;
+            };
             now = context.refit(&look, &look.problem.terms).unwrap_or(look);
             left = &left[k + 1..];
         }

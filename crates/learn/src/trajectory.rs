@@ -176,12 +176,13 @@ fn lead(context: &Context<'_>, regression: &Regression) -> Vec<usize> {
 
 /// Selects until the terms stay: each selection runs on the noise of the fit that it starts from, and a better fit has less of it.
 fn structure<'a>(context: &Context<'a>, fit: Fit<'a>, all: &[usize]) -> Selection<'a> {
-    let mut found = select(context, fit, all);
+    let mut hopeless = Vec::new();
+    let mut found = select(context, fit, all, &mut hopeless);
     for _ in 0..4 {
         let terms = found.fit.problem.terms.clone();
         let joined = context.joined(&found.fit);
         let same = joined.is_none();
-        found = select(context, joined.unwrap_or(found.fit), all);
+        found = select(context, joined.unwrap_or(found.fit), all, &mut hopeless);
         if same && found.fit.problem.terms == terms {
             break;
         }

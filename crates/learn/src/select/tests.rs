@@ -140,7 +140,7 @@ fn what_is_selected_is_the_best_of_all_subsets() {
     assert_eq!(best, [0, 1, 4]);
     for first in [&all[..], &[2, 5], &[0, 1, 4]] {
         let fit = fitted_terms(&case, &records, SIGMA, first);
-        let found = select(&context(&case, &records), fit, &all);
+        let found = select(&context(&case, &records), fit, &all, &mut vec![]);
         assert_eq!(found.fit.problem.terms, best, "from {first:?}");
         let start = &found.path[0];
         assert_eq!(start.terms, first.len());
@@ -195,7 +195,7 @@ fn correlated_samples_count_as_few() {
     let mut fit = fitted_terms(&case, &records, SIGMA, &[0, 1, 4]);
     let (samples, cost) = (fit.samples as f64, fit.normal.cost);
     fit.effective = samples / 4.0;
-    let found = select(&context(&case, &records), fit, &[0, 1, 2, 3, 4, 5]);
+    let found = select(&context(&case, &records), fit, &[0, 1, 2, 3, 4, 5], &mut vec![]);
     assert_relative_eq!(
         found.path[0].criterion,
         cost / 4.0 + price(3, 6, samples / 4.0),
