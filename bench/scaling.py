@@ -18,12 +18,13 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 KINDS = {
     "loss": ("one-step loss and gradient", "samples", [10**k for k in range(3, 8)]),
+    "chain": ("one-step loss and gradient, 2000 samples", "bodies", [1, 2, 5, 10, 20, 50]),
     "fit": ("trajectory fit of one free run", "samples", [10**k for k in range(3, 7)]),
     "candidates": ("identification from 2000 samples", "candidates", [5, 10, 20, 50, 100]),
     "run": ("simulation with all derivatives, 2000 samples", "bodies", [1, 2, 5, 10, 20, 50]),
     "bodies": ("trajectory fit of all friction levels, 2000 samples", "bodies", [1, 2, 5, 10, 20, 50]),
 }
-COLOURS = ["#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e"]
+COLOURS = ["#1f77b4", "#8c564b", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e"]
 
 
 def program():

@@ -39,7 +39,14 @@ fn main() {
     match args.as_slice() {
         [kind, size] => line(kind, size.parse().expect("a size: a whole number")),
         _ => {
-            let round = [("loss", 10_000), ("fit", 2_000), ("candidates", 5), ("run", 5), ("bodies", 2)];
+            let round = [
+                ("loss", 10_000),
+                ("chain", 2),
+                ("fit", 2_000),
+                ("candidates", 5),
+                ("run", 5),
+                ("bodies", 2),
+            ];
             round.into_iter().for_each(|(kind, size)| line(kind, size));
         }
     }
@@ -48,11 +55,12 @@ fn main() {
 fn line(kind: &str, size: usize) {
     let (seconds, unknowns) = match kind {
         "loss" => loss(size),
+        "chain" => chain_loss(size),
         "fit" => fit(size),
         "candidates" => candidates(size),
         "run" => run(size),
         "bodies" => bodies(size),
-        other => panic!("`{other}` is none of loss, fit, candidates, run, bodies"),
+        other => panic!("`{other}` is none of loss, chain, fit, candidates, run, bodies"),
     };
     println!("scaling {kind} size={size} seconds={seconds:.3e} unknowns={unknowns}");
 }
@@ -84,11 +92,23 @@ fn with_samples(text: &str, samples: usize) -> (Case, Vec<Record>) {
 
 /// One loss and gradient of the step method.
 fn loss(samples: usize) -> (f64, usize) {
-    let (case, records) = with_samples(&oscillator(r#""1", "x", "y", "x^2", "x*y", "y^2""#, "All"), samples);
+    let text = oscillator(r#""1", "x", "y", "x^2", "x*y", "y^2""#, "All");
+    let (case, records) = with_samples(&text, samples);
+    epoch(&case, &records, samples)
+}
+
+/// One loss and gradient of the step method for the friction levels of the chain.
+fn chain_loss(bodies: usize) -> (f64, usize) {
+    let (case, records) = load_text(&chain(bodies), &[]);
+    epoch(&case, &records, SAMPLES * bodies)
+}
+
+/// The shortest time of an epoch, and its unknowns; `work` numbers have to be gone through in it.
+fn epoch(case: &Case, records: &[Record], work: usize) -> (f64, usize) {
     let records: Vec<&Record> = records.iter().collect();
     // A training is told of its progress once in so many epochs: the time from word to word is theirs alone.
     let (mut times, mut last) = (Vec::new(), None::<(Instant, f64)>);
-    let epochs = (20_000_000 / samples).clamp(64, 4096) as u32;
+    let epochs = (20_000_000 / work).clamp(64, 4096) as u32;
     let options = StepOptions { epochs: vec![epochs], rates: vec![0.1], cutoff: 0.0, ..Default::default() };
     train(&case.system, &records, &options, &mut |part| {
         if let Some((then, before)) = last.replace((Instant::now(), part)) {
