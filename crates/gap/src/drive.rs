@@ -63,18 +63,22 @@ impl<'a> Drive<'a> {
 
     /// The line of the drive (rad/s) that stands at `frequency`, if there is one.
     pub(crate) fn line_at(&mut self, frequency: f64) -> Option<f64> {
+        let span = self.record.time[self.record.len() - 1] - self.record.time[0];
+        self.lines().into_iter().find(|line| (frequency - line).abs() * span < ONE)
+    }
+
+    /// The lines of the drive (rad/s), rate by rate.
+    pub(crate) fn lines(&mut self) -> Vec<f64> {
         let (n, first) = (self.record.len(), self.record.time[0]);
-        let span = self.record.time[n - 1] - first;
-        let step = span / (n - 1) as f64;
+        let step = (self.record.time[n - 1] - first) / (n - 1) as f64;
         let rates: Vec<Vec<f64>> = (0..n).map(|i| self.at(first + i as f64 * step)).collect();
-        (0..self.system.known.len()).find_map(|k| {
+        let of = |k: usize| {
             let rate: Vec<f64> = rates.iter().map(|r| r[k]).collect();
             let moves = rate.iter().all(|r| r.is_finite()) && rate.iter().any(|r| *r != rate[0]);
             let found = if moves { lines(&rate, step, LINES, 0) } else { vec![] };
-            found
-                .into_iter()
-                .find(|line| (frequency - line).abs() * span < ONE && share(&rate, line * step) > LINE)
-        })
+            found.into_iter().filter(|line| share(&rate, line * step) > LINE).collect::<Vec<_>>()
+        };
+        (0..self.system.known.len()).flat_map(of).collect()
     }
 }
 

@@ -1,6 +1,7 @@
 //! Every law at every place, at a glance: the linear response to the measured motion, one Gram matrix for all.
 
 use crate::draft::Draft;
+use crate::drive::Drive;
 use crate::effect::{Effect, Entry, fits};
 use crate::motion::{Motion, rest_threshold, resting};
 use crate::place::{Place, Site, places};
@@ -19,6 +20,8 @@ use rayon::prelude::*;
 const ROWS: usize = 20_000;
 /// Other starts that are kept for a law with numbers on a grid.
 const SEEDS: usize = 3;
+/// The same for laws that oscillate.
+const TONES: usize = 8;
 /// Values of a grid beyond these are not tried.
 const GRID: usize = 200;
 /// Decay of the linear stand-in of a body that comes to rest, per period.
@@ -87,6 +90,10 @@ struct Ground {
     known: Vec<f64>,
     /// For each place of a force, where it rests.
     still: Vec<Still>,
+    /// What the fitted model leaves of each column.
+    left: Vec<Vec<f64>>,
+    /// Frequencies of the drive, without the effects that the model has been given.
+    drive: Vec<f64>,
 }
 
 /// Where the velocity of a place rests.
@@ -132,9 +139,8 @@ pub(crate) fn screen(
         })
         .collect();
     let mut columns: Vec<&[f64]> = fixed.iter().map(Vec::as_slice).collect();
-    let (mut recipes, mut candidates) = (Vec::new(), Vec::new());
-    for (recipe, trials) in &made {
-        recipes.push(recipe.is_some());
+    let mut candidates = Vec::new();
+    for (_, trials) in &made {
         for trial in trials {
             let first = columns.len();
             columns.extend(trial.columns.iter().map(Vec::as_slice));
@@ -178,13 +184,30 @@ pub(crate) fn screen(
         .into_iter()
         .filter_map(|mut seeds| {
             seeds.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-            let others = seeds.iter().skip(1).take(SEEDS).map(|c| c.effect.clone()).collect();
+            let others = others(&seeds, screening.recipes[seeds.first()?.recipe].as_ref(), &grounds);
             let first = seeds.into_iter().next()?;
             Some(Candidate { others, ..first })
         })
         .collect();
     screening.candidates.sort_by(|a, b| (b.gain - price(b.size)).total_cmp(&(a.gain - price(a.size))));
     Some(screening)
+}
+
+/// Other starts than the best of a law's `seeds`, which come best first: of a law that oscillates one for each line, for a body that sticks by turns answers at more lines than the
+/// one that it is pushed at.
+fn others(seeds: &[Candidate], recipe: Option<&Recipe>, grounds: &[Ground]) -> Vec<Effect> {
+    let tone = recipe.and_then(|r| r.grid.iter().position(|(scale, _)| *scale == Scale::Frequency));
+    let Some(tone) = tone else {
+        return seeds.iter().skip(1).take(SEEDS).map(|c| c.effect.clone()).collect();
+    };
+    let fine = grounds.iter().map(Ground::resolution).fold(0.0, f64::max);
+    let mut kept: Vec<&Candidate> = Vec::new();
+    for seed in seeds {
+        if kept.iter().all(|k| (k.grid[tone] - seed.grid[tone]).abs() > fine) {
+            kept.push(seed);
+        }
+    }
+    kept.into_iter().skip(1).take(TONES).map(|c| c.effect.clone()).collect()
 }
 
 impl Screening {
@@ -472,8 +495,8 @@ impl Base {
         }
         // A body at rest forgets; so must its linear stand-in, or errors made before a stop are carried past it.
         let forgets = still.iter().any(|s| s.rests.iter().filter(|r| **r).count() * 50 > samples);
-        let left = shift(&a, n, span).max(if forgets { FORGET / motion.period } else { 0.0 });
-        (0..n).for_each(|k| a[k * n + k] -= left);
+        let decay = shift(&a, n, span).max(if forgets { FORGET / motion.period } else { 0.0 });
+        (0..n).for_each(|k| a[k * n + k] -= decay);
         let bracket: Vec<f64> = (0..samples)
             .flat_map(|i| {
                 let x = &motion.states[i * n..(i + 1) * n];
@@ -490,7 +513,10 @@ impl Base {
             .collect();
         let linear = Linear::new(&a, n, &motion.time);
         let known = linear.response(&bracket, &motion.states[..n]);
-        Some(Ground { motion, linear, known, bracket, rows, rates, stride, still })
+        let left = fitted.records[record].residuals.clone();
+        let bare = draft.without_effects();
+        let drive = Drive::new(&bare.case.system, &bare.records[record]).map_or(vec![], |mut d| d.lines());
+        Some(Ground { motion, linear, known, bracket, rows, rates, stride, still, left, drive })
     }
 
     /// Target and columns to project out, over all records: start states, parameters, sensors.
@@ -605,6 +631,12 @@ impl Base {
 }
 
 impl Ground {
+    /// The distance of two frequencies that the record tells apart.
+    fn resolution(&self) -> f64 {
+        let (time, samples) = (&self.motion.time, self.motion.samples());
+        2.0 * std::f64::consts::PI * (samples - 1) as f64 / (samples as f64 * (time[samples - 1] - time[0]))
+    }
+
     /// Rows of this record.
     fn height(&self) -> usize {
         self.rows.len() * self.motion.samples().div_ceil(self.stride)
@@ -877,27 +909,29 @@ fn grids(
         if recipe.grid.iter().any(|(s, _)| *s == Scale::Frequency) {
             let Site::Force { state, .. } = &effect.place.site else { continue };
             let step = (ground.motion.time[samples - 1] - ground.motion.time[0]) / (samples - 1) as f64;
-            let span = step * samples as f64;
             // The missing rate, times what the law multiplies its oscillation with.
             let lack: Vec<f64> = (0..samples)
                 .map(|i| (ground.slope(i, *state, n) - ground.rates[i * n + state]) * values[0][i])
                 .collect();
-            let fine = 2.0 * std::f64::consts::PI / span;
+            let fine = ground.resolution();
             // In a motion of one period every periodic lack can be written as forces at its multiples: they would explain anything.
             let own = 2.0 * std::f64::consts::PI / ground.motion.period;
-            let echo =
-                |w: f64| ground.motion.periodic && (w / own - (w / own).round()).abs() * own < 2.0 * fine;
+            let echo = |w: f64| {
+                // At a frequency of the drive a force stands for anything that is missing.
+                ground.drive.iter().any(|line| (w - line).abs() < fine)
+                    || ground.motion.periodic && (w / own - (w / own).round()).abs() * own < 2.0 * fine
+            };
             // Strong as a force, or far above the noise of a second derivative.
             let lack = smoothed(&lack, ground.motion.period / step);
             let strong = lines(&lack, step, 6, 0);
             let clear = lines(&lack, step, 4, 4);
-            for line in strong.into_iter().chain(clear) {
-                frequencies.extend(
-                    [-0.5, -0.25, 0.0, 0.25, 0.5]
-                        .map(|d| line + d * fine)
-                        .into_iter()
-                        .filter(|w| *w > 0.0 && !echo(*w)),
-                );
+            // Noise of a few per cent hides a line from the smoothed motion; the whole of what a fit leaves still shows it.
+            let left = ground.left.iter().flat_map(|residual| lines(residual, step, 4, 0));
+            for line in strong.into_iter().chain(clear).chain(left) {
+                if !echo(line) {
+                    let near = [-0.5, -0.25, 0.0, 0.25, 0.5].map(|d| line + d * fine);
+                    frequencies.extend(near.into_iter().filter(|w| *w > 0.0));
+                }
             }
         }
     }
