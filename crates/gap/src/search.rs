@@ -3,7 +3,7 @@
 use crate::draft::Draft;
 use crate::effect::{Effect, Entry, fits};
 use crate::fitted::{FAR_OFF, Fitted};
-use crate::place::{Site, places};
+use crate::place::{Place, Site, places};
 use crate::screen::{Candidate, Screening, excludes, imitated, screen};
 use phisindy_learn::{Effort, approach, glance};
 use rayon::prelude::*;
@@ -154,6 +154,11 @@ impl Search<'_> {
         };
         drafts.extend(self.richer(draft, now));
         let mut singles = self.tried(drafts, candidates, &mut vetoed);
+        if singles.first().is_some_and(|leader| !leader.is_white()) {
+            singles.extend(self.tried(self.elsewhere(draft, &singles), candidates, &mut vetoed));
+            let by = Measure::of(&singles, candidates);
+            singles.sort_by(|a, b| by.score(a).total_cmp(&by.score(b)));
+        }
         // From each new leader its whole family once more: one slow curve is hard to reach from a regression, easy from its neighbour.
         for _ in 0..FAMILY {
             let Some(leader) = singles.first().map(|f| named(&f.draft)) else { break };
@@ -261,6 +266,32 @@ impl Search<'_> {
             .filter(|e| e.law.family == law.family && e.law.internal.is_empty() && e.id != effect.entry.id)
             .filter_map(|e| imitated(&leader.draft, &leader.cal, &found, e))
             .flatten()
+            .filter_map(|e| draft.with(&e).ok())
+            .collect()
+    }
+
+    /// The family of the leading friction at every other place, from the levels that the leader found: of two places of which one moves little against the other a linear response sees the
+    /// stops of both.
+    fn elsewhere(&self, draft: &Draft, singles: &[Fitted]) -> Vec<Draft> {
+        let Some(leader) = singles.iter().find(|f| f.draft.effects.len() == draft.effects.len() + 1) else {
+            return vec![];
+        };
+        let effects = current(leader);
+        let [.., last] = &effects[..] else { return vec![] };
+        let law = &last.entry.law;
+        if law.family != "friction" || !law.internal.is_empty() {
+            return vec![];
+        }
+        let free = |p: &&Place| fits(law, p) && p.at != last.place.at;
+        let everywhere = places(&draft.case.system, &draft.case.records, &draft.internal);
+        let family = self.catalogue.iter().filter(|e| e.law.family == law.family && e.law.internal.is_empty());
+        let family: Vec<Effect> = family.map(|entry| relative(last, entry)).collect();
+        everywhere
+            .iter()
+            .filter(free)
+            .flat_map(|place| family.iter().map(|e| Effect { place: place.clone(), ..e.clone() }))
+            .filter(|e| !draft.effects.iter().any(|(held, ..)| excludes(held, e)))
+            .filter(|e| !singles.iter().any(|f| f.draft.effects.last().is_some_and(|(own, ..)| own.same(e))))
             .filter_map(|e| draft.with(&e).ok())
             .collect()
     }
