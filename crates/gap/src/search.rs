@@ -34,6 +34,8 @@ const FAMILY: usize = 2;
 const ALIKE: f64 = 1.02;
 /// In the race a model that is this many times worse than the best is out.
 const RACE: f64 = 3.0;
+/// Where there are few, and a first look at short segments may be wrong about what holds at rest, all are fitted.
+const ALL: f64 = f64::INFINITY;
 
 /// A description that was fitted and not chosen.
 #[derive(Clone, Debug)]
@@ -153,16 +155,17 @@ impl Search<'_> {
             added(self.seeded(draft, singles(found)))
         };
         drafts.extend(self.richer(draft, now));
-        let mut singles = self.tried(drafts, candidates, &mut vetoed);
+        let mut singles = self.tried(drafts, RACE, candidates, &mut vetoed);
         if singles.first().is_some_and(|leader| !leader.is_white()) {
-            singles.extend(self.tried(self.elsewhere(draft, &singles), candidates, &mut vetoed));
+            let elsewhere = self.elsewhere(draft, &singles);
+            singles.extend(self.tried(elsewhere, ALL, candidates, &mut vetoed));
             let by = Measure::of(&singles, candidates);
             singles.sort_by(|a, b| by.score(a).total_cmp(&by.score(b)));
         }
         // From each new leader its whole family once more: one slow curve is hard to reach from a regression, easy from its neighbour.
         for _ in 0..FAMILY {
             let Some(leader) = singles.first().map(|f| named(&f.draft)) else { break };
-            let more = self.tried(self.siblings(draft, &singles), candidates, &mut vetoed);
+            let more = self.tried(self.siblings(draft, &singles), ALL, candidates, &mut vetoed);
             let by = Measure::of(singles.iter().chain(&more), candidates);
             singles.extend(more);
             singles.sort_by(|a, b| by.score(a).total_cmp(&by.score(b)));
@@ -188,7 +191,7 @@ impl Search<'_> {
             pairs.extend(rubbing(found));
         }
         (self.hear)(0.1 + 0.8 * (before as f64 + 0.5) / EFFECTS as f64, "fitting the best pairs");
-        let pairs = self.tried(added(pairs), candidates, &mut vetoed);
+        let pairs = self.tried(added(pairs), RACE, candidates, &mut vetoed);
         let pair = preferred(&pairs, candidates).filter(|p| self.worth(now, p, candidates)).cloned();
         // Two that nearly do may stand in wrong places.
         let pair = pair.map(|pair| if pair.is_white() { pair } else { self.moved(pair, candidates) });
@@ -270,8 +273,8 @@ impl Search<'_> {
             .collect()
     }
 
-    /// The family of the leading friction at every other place, from the levels that the leader found: of two places of which one moves little against the other a linear response sees the
-    /// stops of both.
+    /// The family of the leading friction at every other place, from the levels that the leader found, where it looks no worse: of two places of which one moves little against the other a
+    /// linear response sees the stops of both.
     fn elsewhere(&self, draft: &Draft, singles: &[Fitted]) -> Vec<Draft> {
         let Some(leader) = singles.iter().find(|f| f.draft.effects.len() == draft.effects.len() + 1) else {
             return vec![];
@@ -282,9 +285,13 @@ impl Search<'_> {
         if law.family != "friction" || !law.internal.is_empty() {
             return vec![];
         }
+        let look =
+            |d: &Draft| glance(&d.case.system, &d.records, &d.smooth, self.noise, 1).unwrap_or(f64::INFINITY);
+        let here = look(&leader.draft);
         let free = |p: &&Place| fits(law, p) && p.at != last.place.at;
         let everywhere = places(&draft.case.system, &draft.case.records, &draft.internal);
-        let family = self.catalogue.iter().filter(|e| e.law.family == law.family && e.law.internal.is_empty());
+        let family =
+            self.catalogue.iter().filter(|e| e.law.family == law.family && e.law.internal.is_empty());
         let family: Vec<Effect> = family.map(|entry| relative(last, entry)).collect();
         everywhere
             .iter()
@@ -293,6 +300,9 @@ impl Search<'_> {
             .filter(|e| !draft.effects.iter().any(|(held, ..)| excludes(held, e)))
             .filter(|e| !singles.iter().any(|f| f.draft.effects.last().is_some_and(|(own, ..)| own.same(e))))
             .filter_map(|e| draft.with(&e).ok())
+            .collect::<Vec<Draft>>()
+            .into_par_iter()
+            .filter(|d| look(d) <= here)
             .collect()
     }
 
@@ -357,16 +367,17 @@ impl Search<'_> {
             .collect()
     }
 
-    /// Fits the best of some models, and leaves out what evidence speaks against. A race that such a model led is run again without its law: it has outrun what
+    /// Fits those of some models that stay in a race, and leaves out what evidence speaks against. A race that such a model led is run again without its law: it has outrun what
     /// might be true.
     fn tried(
         &self,
         mut drafts: Vec<Draft>,
+        race: f64,
         candidates: usize,
         vetoed: &mut Vec<(String, String)>,
     ) -> Vec<Fitted> {
         loop {
-            let all = self.fitted(drafts.clone(), candidates);
+            let all = self.fitted(drafts.clone(), race, candidates);
             let (count, names) = (all.len(), all.iter().map(|f| named(&f.draft)).collect::<Vec<_>>());
             let all = self.allowed(all, vetoed);
             let left: Vec<_> = all.iter().map(|f| named(&f.draft)).collect();
@@ -378,14 +389,14 @@ impl Search<'_> {
     }
 
     /// Fits what is left of a race; failures drop out.
-    fn fitted(&self, drafts: Vec<Draft>, candidates: usize) -> Vec<Fitted> {
+    fn fitted(&self, drafts: Vec<Draft>, race: f64, candidates: usize) -> Vec<Fitted> {
         let looks: Vec<f64> = drafts
             .par_iter()
             .map(|d| glance(&d.case.system, &d.records, &d.smooth, self.noise, 1).unwrap_or(f64::INFINITY))
             .collect();
         let least = looks.iter().copied().fold(f64::INFINITY, f64::min);
         let kept: Vec<Draft> =
-            drafts.into_iter().zip(looks).filter(|(_, look)| *look <= RACE * least).map(|(d, _)| d).collect();
+            drafts.into_iter().zip(looks).filter(|(_, look)| *look <= race * least).map(|(d, _)| d).collect();
         let mut all: Vec<Fitted> =
             kept.into_par_iter().filter_map(|d| Fitted::new(d, self.noise, Effort::Plain).ok()).collect();
         let by = Measure::of(&all, candidates);
