@@ -178,7 +178,7 @@ impl Search<'_> {
         let plain = |f: &Fitted| f.draft.effects[before..].iter().all(|(e, ..)| !is_composed(e));
         if let Some(best) = best.as_ref().filter(|b| b.is_white() && plain(b)) {
             let best = self.simplified(best.clone(), candidates);
-            let best = self.moved(best, candidates);
+            let best = self.exchanged(self.moved(best, candidates), candidates);
             return Some((best.clone(), round(before, &best, &singles, vetoed, candidates)));
         }
         let price = (now.cal.samples as f64).ln();
@@ -189,6 +189,12 @@ impl Search<'_> {
         pairs.extend(singles.first().map_or(vec![], |leader| self.parted(draft, leader, found)));
         if wanted > 0 {
             pairs.extend(rubbing(found));
+        }
+        // Where one law explains everything, two can only be simpler.
+        if let Some(enough) = best.as_ref().filter(|b| b.is_white()).map(|b| size(&b.draft)) {
+            let parameters =
+                |pair: &[Effect]| pair.iter().map(|e| e.entry.law.parameters.len()).sum::<usize>();
+            pairs.retain(|pair| size(draft) + parameters(pair) <= enough);
         }
         (self.hear)(0.1 + 0.8 * (before as f64 + 0.5) / EFFECTS as f64, "fitting the best pairs");
         let pairs = self.tried(added(pairs), RACE, candidates, &mut vetoed);
@@ -211,7 +217,7 @@ impl Search<'_> {
             (None, None) => return None,
         };
         let chosen = self.simplified(chosen, candidates);
-        let chosen = self.moved(chosen, candidates);
+        let chosen = self.exchanged(self.moved(chosen, candidates), candidates);
         let by = Measure::of([&chosen, now], candidates);
         if chosen.draft.effects.len() <= before && by.score(&chosen) >= by.score(now) - WORTH {
             return None;
@@ -477,6 +483,51 @@ impl Search<'_> {
         now
     }
 
+    /// Each law of a family in the place of its sibling, started from that one's force, where two or more effects leave nothing but noise: which of the family it is could not be told while
+    /// the others were missing.
+    fn exchanged(&self, now: Fitted, candidates: usize) -> Fitted {
+        let effects = current(&now);
+        if effects.len() < 2 || !now.is_white() {
+            return now;
+        }
+        let base = now.draft.without_effects();
+        let kin = |k: usize| {
+            let own = &effects[k];
+            let law = &own.entry.law;
+            let related = move |e: &&Entry| {
+                !law.family.is_empty()
+                    && law.internal.is_empty()
+                    && e.law.family == law.family
+                    && e.law.internal.is_empty()
+                    && e.id != own.entry.id
+                    && !law.simpler.contains(&e.id)
+            };
+            self.catalogue
+                .iter()
+                .filter(related)
+                .filter_map(|e| imitated(&now.draft, &now.cal, own, e))
+                .flatten()
+                .collect::<Vec<Effect>>()
+        };
+        let trials: Vec<Vec<Effect>> = (0..effects.len())
+            .flat_map(|k| kin(k).into_iter().map(move |e| (k, e)))
+            .map(|(k, e)| {
+                let mut list = effects.clone();
+                list[k] = e;
+                list
+            })
+            .collect();
+        let (noise, veto) = (self.noise, self.veto);
+        let fitted = |list: &Vec<Effect>| {
+            let other = refitted(base.with_all(list).ok()?, &now, noise)?;
+            list.iter().all(|e| veto(&other, e).is_none()).then_some(other)
+        };
+        let others: Vec<Fitted> = trials.par_iter().filter_map(fitted).collect();
+        let by = Measure::of(others.iter().chain([&now]), candidates);
+        let best = others.into_iter().min_by(|a, b| by.score(a).total_cmp(&by.score(b)));
+        best.filter(|b| by.score(b) + SIMPLER < by.score(&now)).unwrap_or(now)
+    }
+
     /// Drops each effect, or puts a simpler relative in its place, as long as nothing of note is lost.
     fn simplified(&self, mut now: Fitted, candidates: usize) -> Fitted {
         'again: loop {
@@ -623,11 +674,13 @@ fn singles(found: &Screening) -> Vec<&Candidate> {
 fn preferred(all: &[Fitted], candidates: usize) -> Option<&Fitted> {
     let by = Measure::of(all, candidates);
     let best = all.iter().min_by(|a, b| by.score(a).total_cmp(&by.score(b)))?;
-    let size = |f: &Fitted| f.draft.effects.iter().map(|(e, ..)| e.entry.law.parameters.len()).sum::<usize>();
     let near = |f: &&Fitted| by.score(f) - by.score(best) < SIMPLER || carries_no_further(f, best);
-    let least = all.iter().filter(near).map(size).min()?;
+    let least = all.iter().filter(near).map(|f| size(&f.draft)).min()?;
     let carried = |f: &&Fitted| f.validate.unwrap_or(0.0);
-    all.iter().filter(near).filter(|f| size(f) == least).min_by(|a, b| carried(a).total_cmp(&carried(b)))
+    all.iter()
+        .filter(near)
+        .filter(|f| size(&f.draft) == least)
+        .min_by(|a, b| carried(a).total_cmp(&carried(b)))
 }
 
 /// Whether, of two models that both leave more than noise, the second predicts Validate records no better than the first.
@@ -741,6 +794,11 @@ fn round(
     let stands = |law: &str| own.iter().any(|(chosen, _)| *chosen == law);
     let vetoed = vetoed.into_iter().filter(|(law, _)| !stands(law)).collect();
     Round { before, rivals, vetoed }
+}
+
+/// Parameters of all effects of a model.
+fn size(d: &Draft) -> usize {
+    d.effects.iter().map(|(e, ..)| e.entry.law.parameters.len()).sum()
 }
 
 /// Laws and places of a model.
