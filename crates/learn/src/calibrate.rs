@@ -175,7 +175,7 @@ fn tolerance(problem: &Problem<'_>, noise: &Noise) -> f64 {
 }
 
 /// A misfit above this is worth another start.
-const MISFIT: f64 = 1.2;
+const MISFIT: f64 = 1.01;
 /// chi^2 per sample of a fit that [`Effort::Thorough`] tries other starts for: below it there is nothing to gain, above it the model is wrong.
 pub const RESTARTED: std::ops::Range<f64> = MISFIT..30.0;
 /// Starts round an end that misses.

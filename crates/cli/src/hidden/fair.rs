@@ -2,7 +2,7 @@
 
 use super::effect::{Action, Effect};
 use super::motion::{Course, Motion, motion};
-use super::rig::Rig;
+use super::rig::{Drive, Rig};
 use super::rivals::{Seen, along, largest};
 use phisindy_phys::standard_deviation;
 
@@ -17,6 +17,10 @@ pub(super) fn visible(seen: &Seen<'_>) -> Result<(), &'static str> {
             && !seen.columns.iter().any(|(k, _, _)| *k == column)
         {
             return Err("the column is not measured");
+        }
+        // What nothing drives has no clock of its own: read late, it is the same motion from another start.
+        if effect.law == "sensor-delay" && effect.at == "motion" && seen.rig.drive == Drive::Free {
+            return Err("a late clock of a released motion is no other motion");
         }
         let Action::Force { place, force, .. } = &effect.action else { continue };
         let (x, v) = along(seen, place);
