@@ -27,6 +27,8 @@ const SUBSTANTIAL: f64 = 3.0;
 
 /// Effects that explain: more of them cover up whatever is missing ("with four parameters I can fit an elephant").
 const ELEPHANT: usize = 4;
+/// One fewer must leave no more than this many times the noise on the records that they were fitted to: what is a little more is what a curve through something else leaves.
+const CLEAN: f64 = 1.02;
 
 /// How the workflow ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -406,10 +408,12 @@ fn finished(
     let repeats = floor > 0.0 && end <= REPEATS * floor;
     // Below the estimated noise, which of clean columns is too large, there is nothing to find.
     let below = last.fit <= 1.0 && end <= 1.0;
-    let covered = steps.len() >= ELEPHANT;
+    let little_left = steps.len() + 1 == ELEPHANT && last.fit > CLEAN && !repeats;
+    let covered = steps.len() >= ELEPHANT || little_left;
     if covered && white {
+        let what = if little_left { "hardly more than noise" } else { "nothing but noise" };
         warnings.push(format!(
-            "with {} effects the model leaves nothing but noise, but so many corrections may cover up one effect that no law here describes",
+            "with {} effects the model leaves {what}, but so many corrections may cover up one effect that no law here describes",
             steps.len()
         ));
     }
