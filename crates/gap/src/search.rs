@@ -9,7 +9,7 @@ use phisindy_learn::{Effort, approach, glance};
 use rayon::prelude::*;
 
 /// Effects in one model at most.
-const EFFECTS: usize = 5;
+const EFFECTS: usize = 4;
 /// Singles, and pairs, that are fitted in full.
 const BEST: usize = 6;
 /// What a new effect must bring.
