@@ -201,6 +201,7 @@ impl Search<'_> {
         let pair = preferred(&pairs, candidates).filter(|p| self.worth(now, p, candidates)).cloned();
         // Two that nearly do may stand in wrong places.
         let pair = pair.map(|pair| if pair.is_white() { pair } else { self.moved(pair, candidates) });
+        let settled = pair.as_ref().filter(|pair| !pair.is_white()).map(|pair| named(&pair.draft));
         let all: Vec<Fitted> = singles.into_iter().chain(pairs).collect();
         let chosen = match (best, pair) {
             (Some(single), Some(pair)) => {
@@ -217,7 +218,9 @@ impl Search<'_> {
             (None, None) => return None,
         };
         let chosen = self.simplified(chosen, candidates);
-        let chosen = self.exchanged(self.moved(chosen, candidates), candidates);
+        let chosen =
+            if settled == Some(named(&chosen.draft)) { chosen } else { self.moved(chosen, candidates) };
+        let chosen = self.exchanged(chosen, candidates);
         let by = Measure::of([&chosen, now], candidates);
         if chosen.draft.effects.len() <= before && by.score(&chosen) >= by.score(now) - WORTH {
             return None;
