@@ -3,9 +3,10 @@
 use crate::draft::Draft;
 use crate::effect::{Effect, Entry, fits};
 use crate::fitted::{Fitted, noise};
+use crate::fitted::{current, values};
 use crate::place::{Site, places};
+use crate::proposals::neutral;
 use crate::screen::{imitated, screen};
-use crate::search::{current, neutral, values};
 use crate::workflow::shortened;
 use phisindy_learn::{Effort, glance};
 use phisindy_phys::spec::{Role, Text};

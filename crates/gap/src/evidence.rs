@@ -90,7 +90,7 @@ fn lacks(fitted: &Fitted, effect: &Effect) -> Option<String> {
     let (_, names, _) = fitted.draft.effects.iter().find(|(e, ..)| e.same(effect))?;
     let of: Vec<String> = law.parameters.iter().map(|(name, _)| name.clone()).collect();
     let mut scratch = Scratch::<1>::new(&compiled(&of, &[&need.positive])?);
-    scratch.at(crate::search::values(fitted, names, &effect.start));
+    scratch.at(crate::fitted::values(fitted, names, &effect.start));
     (scratch.output(0)[0] < 0.0).then(|| need.because.clone())
 }
 
@@ -128,7 +128,7 @@ fn echoes(fitted: &Fitted, effect: &Effect) -> Option<String> {
     let oscillates = |name: &String| screen.grid.iter().any(|(grid, unit)| grid == name && unit == "rad/s");
     let at = law.parameters.iter().position(|(name, _)| oscillates(name))?;
     let (_, names, _) = fitted.draft.effects.iter().find(|(e, ..)| e.same(effect))?;
-    let frequency = *crate::search::values(fitted, names, &effect.start).get(at)?;
+    let frequency = *crate::fitted::values(fitted, names, &effect.start).get(at)?;
     // The drive of the model as it was: in this one the force is part of it.
     let base = fitted.draft.without_effects();
     let mut fits = base.records.iter().filter(|r| r.role == Role::Fit);

@@ -143,7 +143,7 @@ impl Fitted {
         // A sensor may be late; one that is early is a worse story: of a motion without a clock of its own both are the same.
         let early = self.draft.effects.iter().filter(|(e, names, _)| {
             e.entry.law.sensor.as_deref() == Some("delay")
-                && crate::search::values(self, names, &e.start).iter().any(|v| *v < 0.0)
+                && values(self, names, &e.start).iter().any(|v| *v < 0.0)
         });
         let odd = 6.0 * sensors as f64 + EARLY * early.count() as f64;
         cost * independent + price + 2.0 * ln_choose(candidates, effects.len()) + odd
@@ -230,4 +230,31 @@ fn gaps(cal: &Calibration, noise: &[Vec<f64>]) -> (f64, Option<f64>) {
 /// ln of the binomial coefficient.
 fn ln_choose(n: usize, k: usize) -> f64 {
     (0..k.min(n)).map(|i| ((n - i) as f64 / (i + 1) as f64).ln()).sum()
+}
+
+/// The effects of a fitted model, from where its fit ended.
+pub(crate) fn current(now: &Fitted) -> Vec<Effect> {
+    let own = |name: &str| now.draft.effects.iter().any(|(_, names, _)| names.iter().any(|n| n == name));
+    let beside = now.found(|p| !p.each && !own(&p.name));
+    let of = |(e, names, _): &(Effect, Vec<String>, String)| Effect {
+        start: values(now, names, &e.start),
+        beside: beside.clone(),
+        ..e.clone()
+    };
+    now.draft.effects.iter().map(of).collect()
+}
+
+/// The values that a fit found for an effect's parameters.
+pub(crate) fn values(fitted: &Fitted, names: &[String], otherwise: &[f64]) -> Vec<f64> {
+    names
+        .iter()
+        .zip(otherwise)
+        .map(|(name, other)| {
+            let found =
+                fitted.cal.parameters.iter().find(|p| {
+                    p.parameter.is_some_and(|k| fitted.draft.case.system.parameters[k].name == *name)
+                });
+            found.map_or(*other, |p| p.estimate.value)
+        })
+        .collect()
 }

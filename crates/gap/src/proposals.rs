@@ -1,0 +1,229 @@
+//! What a round tries: drafts of the model with one or two effects more, from starts that a fit can use.
+
+use crate::draft::Draft;
+use crate::effect::{Effect, Entry, fits};
+use crate::fitted::{Fitted, current, values};
+use crate::place::{Place, places};
+use crate::screen::{Candidate, Screening, excludes, imitated};
+use crate::search::{BEST, Search};
+use phisindy_learn::{approach, glance};
+use rayon::prelude::*;
+
+/// Of the segments that a glance looks at, the part that tells the starts of one law apart: every third.
+const SEEDED: usize = 3;
+
+impl Search<'_> {
+    /// The best laws for a model that comes to rest, each tried by a few steps of the fit itself: a linear response knows nothing of stops.
+    pub(crate) fn approached(&self, draft: &Draft, found: &Screening) -> Vec<Vec<Effect>> {
+        let mut all: Vec<(f64, Effect)> = found
+            .candidates
+            .par_iter()
+            .filter_map(|c| {
+                let starts = [&c.effect].into_iter().chain(&c.others).map(neutral);
+                let looked = starts.filter_map(|e| {
+                    let d = draft.with(&e).ok()?;
+                    Some((approach(&d.case.system, &d.records, &d.smooth, self.noise)?, e))
+                });
+                looked.min_by(|a, b| a.0.total_cmp(&b.0))
+            })
+            .collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        all.into_iter().take(BEST).map(|(_, e)| vec![e]).collect()
+    }
+
+    /// Every law of the family of the leading friction, started from what the leader found.
+    pub(crate) fn siblings(&self, draft: &Draft, singles: &[Fitted]) -> Vec<Draft> {
+        let Some(leader) = singles.first() else { return vec![] };
+        let Some((effect, names, _)) = leader.draft.effects.last() else { return vec![] };
+        let law = &effect.entry.law;
+        if law.family.is_empty()
+            || !law.internal.is_empty()
+            || leader.draft.effects.len() != draft.effects.len() + 1
+        {
+            return vec![];
+        }
+        let found = Effect {
+            start: values(leader, names, &effect.start),
+            beside: leader.found(|p| !p.each),
+            ..effect.clone()
+        };
+        self.catalogue
+            .iter()
+            .filter(|e| e.law.family == law.family && e.law.internal.is_empty() && e.id != effect.entry.id)
+            .filter_map(|e| imitated(&leader.draft, &leader.cal, &found, e))
+            .flatten()
+            .filter_map(|e| draft.with(&e).ok())
+            .collect()
+    }
+
+    /// The family of the leading friction at every other place, from the levels that the leader found, where it looks no worse: of two places of which one moves little against the other a
+    /// linear response sees the stops of both.
+    pub(crate) fn elsewhere(&self, draft: &Draft, singles: &[Fitted]) -> Vec<Draft> {
+        let Some(leader) = singles.iter().find(|f| f.draft.effects.len() == draft.effects.len() + 1) else {
+            return vec![];
+        };
+        let effects = current(leader);
+        let [.., last] = &effects[..] else { return vec![] };
+        let law = &last.entry.law;
+        if law.family != "friction" || !law.internal.is_empty() {
+            return vec![];
+        }
+        let look =
+            |d: &Draft| glance(&d.case.system, &d.records, &d.smooth, self.noise, 1).unwrap_or(f64::INFINITY);
+        let here = look(&leader.draft);
+        let free = |p: &&Place| fits(law, p) && p.at != last.place.at;
+        let everywhere = places(&draft.case.system, &draft.case.records, &draft.internal);
+        let family =
+            self.catalogue.iter().filter(|e| e.law.family == law.family && e.law.internal.is_empty());
+        let family: Vec<Effect> = family.map(|entry| relative(last, entry)).collect();
+        everywhere
+            .iter()
+            .filter(free)
+            .flat_map(|place| family.iter().map(|e| Effect { place: place.clone(), ..e.clone() }))
+            .filter(|e| !draft.effects.iter().any(|(held, ..)| excludes(held, e)))
+            .filter(|e| !singles.iter().any(|f| f.draft.effects.last().is_some_and(|(own, ..)| own.same(e))))
+            .filter_map(|e| draft.with(&e).ok())
+            .collect::<Vec<Draft>>()
+            .into_par_iter()
+            .filter(|d| look(d) <= here)
+            .collect()
+    }
+
+    /// The model with each of its effects replaced by a law that contains it.
+    pub(crate) fn richer(&self, draft: &Draft, now: &Fitted) -> Vec<Draft> {
+        let effects = current(now);
+        let base = draft.without_effects();
+        let mut all = Vec::new();
+        for k in 0..effects.len() {
+            for entry in self
+                .catalogue
+                .iter()
+                .filter(|e| e.law.simpler.contains(&effects[k].entry.id) && e.law.internal.is_empty())
+            {
+                let mut list = effects.clone();
+                list[k] = relative(&effects[k], entry);
+                all.extend(base.with_all(&list).ok());
+            }
+        }
+        all
+    }
+
+    /// What a leading law of many parameters may stand for: its simpler relatives, each beside every law of one parameter that acts in the same place or on a sensor.
+    pub(crate) fn parted(&self, draft: &Draft, leader: &Fitted, found: &Screening) -> Vec<Vec<Effect>> {
+        let effects = current(leader);
+        let [.., last] = &effects[..] else { return vec![] };
+        if !is_composed(last) || effects.len() != draft.effects.len() + 1 {
+            return vec![];
+        }
+        let plain = self.catalogue.iter().filter(|e| last.entry.law.simpler.contains(&e.id));
+        plain
+            .map(|entry| relative(last, entry))
+            .flat_map(|one| {
+                let beside = |c: &&Candidate| {
+                    (c.effect.place.at == one.place.at || c.effect.entry.law.sensor.is_some())
+                        && c.effect.entry.law.parameters.len() == 1
+                        && !excludes(&c.effect, &one)
+                };
+                let others: Vec<Effect> =
+                    found.candidates.iter().filter(beside).map(|c| neutral(&c.effect)).collect();
+                others.into_iter().map(move |other| vec![one.clone(), other])
+            })
+            .collect()
+    }
+
+    /// Each law from the best of its starts, by a glance.
+    pub(crate) fn seeded(&self, draft: &Draft, laws: Vec<&Candidate>) -> Vec<Vec<Effect>> {
+        laws.into_par_iter()
+            .map(|c| {
+                let look = |e: &Effect| {
+                    let d = draft.with(e).ok()?;
+                    glance(&d.case.system, &d.records, &d.smooth, self.noise, SEEDED)
+                };
+                let starts: Vec<&Effect> = [&c.effect].into_iter().chain(&c.others).collect();
+                if starts.len() == 1 {
+                    return vec![c.effect.clone()];
+                }
+                let looks: Vec<f64> = starts.par_iter().map(|e| look(e).unwrap_or(f64::INFINITY)).collect();
+                let best = (0..starts.len()).min_by(|&a, &b| looks[a].total_cmp(&looks[b])).unwrap_or(0);
+                vec![starts[best].clone()]
+            })
+            .collect()
+    }
+}
+
+/// The plainest friction in every two places: of two contacts that stick by turns a linear response sees neither.
+pub(crate) fn rubbing(found: &Screening) -> Vec<Vec<Effect>> {
+    let plain =
+        |c: &&Candidate| c.effect.entry.law.family == "friction" && c.effect.entry.law.parameters.len() == 1;
+    let all: Vec<Effect> = found.candidates.iter().filter(plain).map(|c| neutral(&c.effect)).collect();
+    let mut pairs = Vec::new();
+    for (k, one) in all.iter().enumerate() {
+        let others = all[k + 1..].iter().filter(|other| !excludes(one, other));
+        pairs.extend(others.map(|other| vec![one.clone(), other.clone()]));
+    }
+    pairs
+}
+
+/// The best singles, with the simpler relatives and the family of what is among them.
+pub(crate) fn singles(found: &Screening) -> Vec<&Candidate> {
+    let mut chosen: Vec<&Candidate> = found.candidates.iter().take(BEST).collect();
+    let leaders: Vec<&Candidate> = chosen.clone();
+    for (rank, leader) in leaders.iter().enumerate() {
+        let law = &leader.effect.entry.law;
+        for other in &found.candidates {
+            let here =
+                other.effect.place.at == leader.effect.place.at && other.effect.load == leader.effect.load;
+            let relative = law.simpler.contains(&other.effect.entry.id)
+                || (rank < 3 && !law.family.is_empty() && other.effect.entry.law.family == law.family);
+            if here && relative && !chosen.iter().any(|c| c.effect.same(&other.effect)) {
+                chosen.push(other);
+            }
+        }
+    }
+    chosen
+}
+
+/// Whether a law may stand for two simple ones: of many parameters, or two laws by one name.
+pub(crate) fn is_composed(effect: &Effect) -> bool {
+    effect.entry.law.parameters.len() > 2 || !effect.entry.law.same_as.is_empty()
+}
+
+/// The effect from where it does next to nothing: a fit goes on from the model without it.
+pub(crate) fn neutral(effect: &Effect) -> Effect {
+    let law = &effect.entry.law;
+    let small = |(v, (_, p)): (&f64, &(String, phisindy_phys::LawParameter))| {
+        let force = phisindy_phys::unit::Unit::parse(&p.unit).is_ok_and(|u| u.dimension.powers()[0] != 0.0);
+        if force { (0.05 * v).clamp(p.within.0, p.within.1) } else { *v }
+    };
+    let start = match law.sensor.as_deref() {
+        Some("gain") => vec![1.0],
+        Some(_) => vec![0.0],
+        None => effect.start.iter().zip(&law.parameters).map(small).collect(),
+    };
+    Effect { start, beside: vec![], ..effect.clone() }
+}
+
+/// A simpler law in the place of another, started from its first level.
+pub(crate) fn relative(effect: &Effect, entry: &Entry) -> Effect {
+    let level = effect.start.first().copied().unwrap_or(0.0);
+    let first = entry.law.parameters.first().map_or("", |(_, p)| p.unit.as_str());
+    // Levels start at the level; what may have either sign, at nothing; a speed at a small one.
+    let start = entry
+        .law
+        .parameters
+        .iter()
+        .map(|(_, p)| match (p.unit == first && p.within.0 >= 0.0, p.within.0 < 0.0) {
+            (true, _) => level.clamp(p.within.0, p.within.1),
+            (_, true) => 0.0,
+            _ => (p.within.0.max(1e-9) * p.within.1.min(1.0)).sqrt(),
+        })
+        .collect();
+    Effect {
+        entry: entry.clone(),
+        place: effect.place.clone(),
+        mirror: false,
+        load: effect.load.clone(),
+        start,
+        beside: effect.beside.clone(),
+    }
+}

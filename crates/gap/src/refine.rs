@@ -1,0 +1,206 @@
+//! A model that was found, mended: effects at other places, siblings in each other's place, fewer and simpler effects.
+
+use crate::draft::Draft;
+use crate::effect::{Effect, Entry, fits};
+use crate::fitted::{Fitted, current};
+use crate::place::{Site, places};
+use crate::proposals::relative;
+use crate::screen::{excludes, imitated};
+use crate::search::{EFFECTS, Measure, RACE, SIMPLER, Search};
+use phisindy_learn::{Effort, approach, glance};
+use rayon::prelude::*;
+
+/// Gaps on Validate records within this factor are the same.
+const ALIKE: f64 = 1.02;
+
+impl Search<'_> {
+    /// Each effect at every other place: what was added first was looked for without the others, and may stand where it made good a part of them.
+    pub(crate) fn moved(&self, mut now: Fitted, candidates: usize) -> Fitted {
+        for _ in 0..EFFECTS {
+            let effects = current(&now);
+            if effects.len() < 2 {
+                break;
+            }
+            let base = now.draft.without_effects();
+            let everywhere = places(&base.case.system, &base.case.records, &base.internal);
+            let elsewhere = |k: usize| {
+                let own = &effects[k];
+                let free = everywhere.iter().filter(|p| fits(&own.entry.law, p) && p.at != own.place.at);
+                free.map(|p| Effect { place: p.clone(), ..own.clone() }).collect::<Vec<_>>()
+            };
+            let trials: Vec<Vec<Effect>> = (0..effects.len())
+                .flat_map(|k| elsewhere(k).into_iter().map(move |e| (k, e)))
+                .filter(|(k, e)| effects.iter().enumerate().all(|(j, other)| j == *k || !excludes(other, e)))
+                .map(|(k, e)| replaced(&effects, k, e))
+                .collect();
+            let (noise, veto) = (self.noise, self.veto);
+            let others: Vec<Fitted> =
+                trials.par_iter().filter_map(|list| instead(&base, &now, list, noise, veto)).collect();
+            match better(&now, others, candidates) {
+                Some(better) => now = better,
+                None => break,
+            }
+        }
+        now
+    }
+
+    /// Each law of a family in the place of its sibling, started from that one's force, where two or more effects leave nothing but noise: which of the family it is could not be told while
+    /// the others were missing.
+    pub(crate) fn exchanged(&self, now: Fitted, candidates: usize) -> Fitted {
+        let effects = current(&now);
+        if effects.len() < 2 || !now.is_white() {
+            return now;
+        }
+        let base = now.draft.without_effects();
+        let kin = |k: usize| {
+            let own = &effects[k];
+            let law = &own.entry.law;
+            let related = move |e: &&Entry| {
+                !law.family.is_empty()
+                    && law.internal.is_empty()
+                    && e.law.family == law.family
+                    && e.law.internal.is_empty()
+                    && e.id != own.entry.id
+                    && !law.simpler.contains(&e.id)
+            };
+            self.catalogue
+                .iter()
+                .filter(related)
+                .filter_map(|e| imitated(&now.draft, &now.cal, own, e))
+                .flatten()
+                .collect::<Vec<Effect>>()
+        };
+        let trials: Vec<Vec<Effect>> = (0..effects.len())
+            .flat_map(|k| kin(k).into_iter().map(move |e| (k, e)))
+            .map(|(k, e)| replaced(&effects, k, e))
+            .collect();
+        let (noise, veto) = (self.noise, self.veto);
+        let fitted = |list: &Vec<Effect>| {
+            let other = refitted(base.with_all(list).ok()?, &now, noise)?;
+            list.iter().all(|e| veto(&other, e).is_none()).then_some(other)
+        };
+        let others: Vec<Fitted> = trials.par_iter().filter_map(fitted).collect();
+        better(&now, others, candidates).unwrap_or(now)
+    }
+
+    /// Drops each effect, or puts a simpler relative in its place, as long as nothing of note is lost.
+    pub(crate) fn simplified(&self, mut now: Fitted, candidates: usize) -> Fitted {
+        'again: loop {
+            let effects = current(&now);
+            let base = now.draft.without_effects();
+            let everywhere = places(&base.case.system, &base.case.records, &base.internal);
+            for k in 0..effects.len() {
+                let mut trials: Vec<Vec<Effect>> = Vec::new();
+                if effects.len() > 1 {
+                    trials.push(
+                        effects.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, e)| e.clone()).collect(),
+                    );
+                }
+                for simpler in &effects[k].entry.law.simpler {
+                    let Some(entry) = self.catalogue.iter().find(|e| e.id == *simpler) else { continue };
+                    let relative = relative(&effects[k], entry);
+                    if effects.iter().enumerate().any(|(j, e)| j != k && excludes(e, &relative)) {
+                        continue;
+                    }
+                    trials.push(replaced(&effects, k, relative));
+                }
+                // Two effects that are one law by another name.
+                for entry in self.catalogue.iter().filter(|e| e.law.same_as.len() == 2) {
+                    let j =
+                        (0..effects.len()).find(|&j| j != k && effects[j].entry.id == entry.law.same_as[1]);
+                    let Some(j) = j.filter(|_| effects[k].entry.id == entry.law.same_as[0]) else { continue };
+                    let bodies = |e: &Effect| match &e.place.site {
+                        Site::Force { acts, .. } => acts.iter().map(|a| a.0).collect(),
+                        Site::Sensor(_) => vec![usize::MAX],
+                    };
+                    if bodies(&effects[k]) != bodies(&effects[j]) {
+                        continue;
+                    }
+                    let mut list: Vec<Effect> = effects
+                        .iter()
+                        .enumerate()
+                        .filter(|(i, _)| *i != k && *i != j)
+                        .map(|(_, e)| e.clone())
+                        .collect();
+                    list.push(relative(&effects[k], entry));
+                    trials.push(list);
+                }
+                // One law on each of two bodies may be one between them.
+                for j in (0..effects.len()).filter(|&j| j != k && effects[j].entry.id == effects[k].entry.id)
+                {
+                    let between = format!("{}-{}", effects[k].place.at, effects[j].place.at);
+                    let Some(place) = everywhere.iter().find(|p| p.at == between) else { continue };
+                    let one = Effect { place: place.clone(), ..effects[k].clone() };
+                    let others = effects.iter().enumerate().filter(|(i, _)| *i != k && *i != j);
+                    trials.push(others.map(|(_, e)| e.clone()).chain([one]).collect());
+                }
+                for list in trials {
+                    let Some(simple) = instead(&base, &now, &list, self.noise, self.veto) else { continue };
+                    let same = self.as_good(&simple, &now, candidates);
+                    let by = Measure::of([&simple, &now], candidates);
+                    let carries = simple.validate.zip(now.validate).is_none_or(|(a, b)| a < ALIKE * b)
+                        || !now.is_white()
+                        || by.score(&simple) + SIMPLER < by.score(&now);
+                    if same && carries && (simple.is_white() || !now.is_white()) {
+                        now = simple;
+                        continue 'again;
+                    }
+                }
+            }
+            return now;
+        }
+    }
+}
+
+/// The effects with another one in the place of the `k`-th.
+fn replaced(effects: &[Effect], k: usize, other: Effect) -> Vec<Effect> {
+    let mut list = effects.to_vec();
+    list[k] = other;
+    list
+}
+
+/// The best of some models of the same size, if it is better than `now` by more than chance.
+fn better(now: &Fitted, others: Vec<Fitted>, candidates: usize) -> Option<Fitted> {
+    let by = Measure::of(others.iter().chain([now]), candidates);
+    let best = others.into_iter().min_by(|a, b| by.score(a).total_cmp(&by.score(b)));
+    best.filter(|b| by.score(b) + SIMPLER < by.score(now))
+}
+
+/// A model with other effects than a fitted one, fitted from there; `None` if it is far behind after a few steps, or evidence speaks against it.
+fn instead(
+    base: &Draft,
+    now: &Fitted,
+    list: &[Effect],
+    noise: &[Vec<f64>],
+    veto: &(dyn Fn(&Fitted, &Effect) -> Option<String> + Sync),
+) -> Option<Fitted> {
+    let mut draft = base.with_all(list).ok()?;
+    now.starts(&mut draft);
+    let (system, records, smooth) = (&draft.case.system, &draft.records, &draft.smooth);
+    let look = if now.rests() {
+        approach(system, records, smooth, noise)
+    } else {
+        glance(system, records, smooth, noise, 1)
+    }?;
+    if look > RACE * now.fit.powi(2).max(1.0) {
+        return None;
+    }
+    let other = refitted(draft, now, noise)?;
+    list.iter().all(|e| veto(&other, e).is_none()).then_some(other)
+}
+
+/// A part of a fitted model, which starts near where it should end. Through stops the way over short segments may lead astray: then also straight from where that
+/// model's runs started.
+pub(crate) fn refitted(mut draft: Draft, whole: &Fitted, noise: &[Vec<f64>]) -> Option<Fitted> {
+    whole.starts(&mut draft);
+    let straight = if whole.rests() || whole.strikes() {
+        Fitted::new(draft.clone(), noise, Effort::Thorough).ok()
+    } else {
+        None
+    };
+    let long = Fitted::new(draft, noise, Effort::Plain).ok();
+    match (straight, long) {
+        (Some(a), Some(b)) => Some(if a.fit < b.fit { a } else { b }),
+        (a, b) => a.or(b),
+    }
+}
