@@ -231,43 +231,52 @@ impl Search<'_> {
         gain > WORTH && (carries || on_the_way(now, next))
     }
 
-    /// Fits those of some models that stay in a race, and leaves out what evidence speaks against. A race that such a model led is run again without its law: it has outrun what
-    /// might be true.
+    /// Fits those of some models that stay in a race, best first, without those that evidence speaks against. If such a one led, the race goes on among the others: it has outrun what might be
+    /// true.
     fn tried(
         &self,
-        mut drafts: Vec<Draft>,
+        drafts: Vec<Draft>,
         race: f64,
         candidates: usize,
         vetoed: &mut Vec<(String, String)>,
     ) -> Vec<Fitted> {
+        let look = |d: Draft| {
+            let look = glance(&d.case.system, &d.records, &d.smooth, self.noise, 1);
+            (look.unwrap_or(f64::INFINITY), d)
+        };
+        let mut waiting: Vec<(f64, Draft)> = drafts.into_par_iter().map(look).collect();
+        // What was fitted, and how it looked.
+        let mut done: Vec<(f64, Fitted)> = Vec::new();
         loop {
-            let all = self.fitted(drafts.clone(), race, candidates);
-            let (count, names) = (all.len(), all.iter().map(|f| named(&f.draft)).collect::<Vec<_>>());
-            let all = self.allowed(all, vetoed);
-            let left: Vec<_> = all.iter().map(|f| named(&f.draft)).collect();
-            if names.first() == left.first() || count == drafts.len() {
-                return all;
+            let looks = waiting.iter().map(|(look, _)| look).chain(done.iter().map(|(look, _)| look));
+            let least = looks.copied().fold(f64::INFINITY, f64::min);
+            let (now, later): (Vec<_>, Vec<_>) =
+                waiting.into_iter().partition(|(look, _)| *look <= race * least);
+            done.extend(self.fitted(now, candidates));
+            let by = Measure::of(done.iter().map(|(_, f)| f), candidates);
+            done.sort_by(|(_, a), (_, b)| by.score(a).total_cmp(&by.score(b)));
+            let names = |of: &[(f64, Fitted)]| of.iter().map(|(_, f)| named(&f.draft)).collect::<Vec<_>>();
+            let all = names(&done);
+            done.retain(|(_, f)| !self.ruled_out(f, vetoed));
+            let left = names(&done);
+            if later.is_empty() || all.first() == left.first() {
+                return done.into_iter().map(|(_, f)| f).collect();
             }
-            drafts.retain(|d| !names.contains(&named(d)) || left.contains(&named(d)));
+            waiting = later;
+            waiting.retain(|(_, d)| !all.contains(&named(d)) || left.contains(&named(d)));
         }
     }
 
-    /// Fits what is left of a race; failures drop out.
-    fn fitted(&self, drafts: Vec<Draft>, race: f64, candidates: usize) -> Vec<Fitted> {
-        let looks: Vec<f64> = drafts
-            .par_iter()
-            .map(|d| glance(&d.case.system, &d.records, &d.smooth, self.noise, 1).unwrap_or(f64::INFINITY))
-            .collect();
-        let least = looks.iter().copied().fold(f64::INFINITY, f64::min);
-        let kept: Vec<Draft> =
-            drafts.into_iter().zip(looks).filter(|(_, look)| *look <= race * least).map(|(d, _)| d).collect();
-        let mut all: Vec<Fitted> =
-            kept.into_par_iter().filter_map(|d| Fitted::new(d, self.noise, Effort::Plain).ok()).collect();
-        rank(&mut all, candidates);
+    /// Fits models, each with how it looked; failures drop out.
+    fn fitted(&self, drafts: Vec<(f64, Draft)>, candidates: usize) -> Vec<(f64, Fitted)> {
+        let fit = |(look, d): (f64, Draft)| Some((look, Fitted::new(d, self.noise, Effort::Plain).ok()?));
+        let mut all: Vec<(f64, Fitted)> = drafts.into_par_iter().filter_map(fit).collect();
+        let by = Measure::of(all.iter().map(|(_, f)| f), candidates);
+        all.sort_by(|(_, a), (_, b)| by.score(a).total_cmp(&by.score(b)));
         // Those that are near but not there are worth more starts: a run through stops has side minima.
-        let least = all.iter().map(|f| f.fit).fold(f64::INFINITY, f64::min);
-        let near = |f: &&mut Fitted| (f.fit < 2.0 * least || f.fit < 2.0) && f.may_gain();
-        all.par_iter_mut().take(4).filter(near).for_each(|f| {
+        let least = all.iter().map(|(_, f)| f.fit).fold(f64::INFINITY, f64::min);
+        let near = |f: &Fitted| (f.fit < 2.0 * least || f.fit < 2.0) && f.may_gain();
+        all.par_iter_mut().take(4).filter(|(_, f)| near(f)).for_each(|(_, f)| {
             let thorough = f.settled().and_then(|d| Fitted::new(d, self.noise, Effort::Thorough));
             if let Ok(better) = thorough
                 && better.fit < f.fit
@@ -275,26 +284,17 @@ impl Search<'_> {
                 *f = better;
             }
         });
-        rank(&mut all, candidates);
         all
     }
 
-    /// Without the models that evidence speaks against.
-    fn allowed(&self, all: Vec<Fitted>, vetoed: &mut Vec<(String, String)>) -> Vec<Fitted> {
-        all.into_iter()
-            .filter(|f| {
-                let against = f.draft.effects.iter().find_map(|(e, ..)| Some((e, (self.veto)(f, e)?)));
-                match against {
-                    Some((effect, why)) => {
-                        if !vetoed.iter().any(|(law, _)| *law == effect.entry.id) {
-                            vetoed.push((effect.entry.id.clone(), why));
-                        }
-                        false
-                    }
-                    None => true,
-                }
-            })
-            .collect()
+    /// Whether evidence speaks against a model: the law and the reason are noted.
+    fn ruled_out(&self, model: &Fitted, vetoed: &mut Vec<(String, String)>) -> bool {
+        let against = model.draft.effects.iter().find_map(|(e, ..)| Some((e, (self.veto)(model, e)?)));
+        let Some((effect, why)) = against else { return false };
+        if !vetoed.iter().any(|(law, _)| *law == effect.entry.id) {
+            vetoed.push((effect.entry.id.clone(), why));
+        }
+        true
     }
 
     /// Whether a simpler model does as well. Where neither leaves noise alone, a richer law must carry over: lower the gap on Validate records by more than a twentieth.
