@@ -184,6 +184,16 @@ fn a_force_at_the_frequency_of_the_drive_is_none() {
     assert!(warned.contains("its frequency is that of the drive"), "{warned}");
 }
 
+/// A body that sticks by turns answers a tone at sidebands, too, and noise hides it from the smoothed motion: the whole of what a fit leaves shows it.
+#[test]
+fn a_faint_tone_is_found_beside_friction_that_sticks() {
+    let truth = "\"v\": \"-0.5*sgn(v) + 0.06*cos(4.45*t+1)\"";
+    let (found, _) = gap(&folder("gap-faint-tone"), &spec(truth, 0.02));
+    assert_eq!(named(&found), [effect("coulomb", "v"), effect("harmonic-force", "v")], "{found}");
+    let tone = &found["steps"][1]["parameters"]["w"]["value"];
+    assert!((tone.as_f64().unwrap_or(0.0) - 4.45).abs() < 0.01, "{tone}");
+}
+
 /// Motion of an oscillator with a spring in series with a dashpot beside it, whose force is a state of its own: columns t, x, v with noise.
 fn with_a_memory(start: f64, seed: u64) -> String {
     let (stiffness, fades, step) = (0.5, 2.0, 0.005);

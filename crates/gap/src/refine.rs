@@ -12,6 +12,8 @@ use rayon::prelude::*;
 
 /// Gaps on Validate records within this factor are the same.
 const ALIKE: f64 = 1.02;
+/// A gap on Fit records below this is near the noise.
+const NEAR: f64 = 1.5;
 
 impl Search<'_> {
     /// Each effect at every other place: what was added first was looked for without the others, and may stand where it made good a part of them.
@@ -44,11 +46,11 @@ impl Search<'_> {
         now
     }
 
-    /// Each law of a family in the place of its sibling, started from that one's force, where two or more effects leave nothing but noise: which of the family it is could not be told while
-    /// the others were missing.
+    /// Each law of a family in the place of its sibling, started from that one's force, where two or more effects leave little more than noise: which of the family it is could not be told
+    /// while the others were missing.
     pub(crate) fn exchanged(&self, now: Fitted, candidates: usize) -> Fitted {
         let effects = current(&now);
-        if effects.len() < 2 || !now.is_white() {
+        if effects.len() < 2 || now.fit > NEAR {
             return now;
         }
         let base = now.draft.without_effects();
@@ -80,7 +82,8 @@ impl Search<'_> {
             list.iter().all(|e| veto(&other, e).is_none()).then_some(other)
         };
         let others: Vec<Fitted> = trials.par_iter().filter_map(fitted).collect();
-        better(&now, others, candidates).unwrap_or(now)
+        let carries = |f: &Fitted| f.validate.zip(now.validate).is_none_or(|(a, b)| a < ALIKE * b);
+        better(&now, others, candidates).filter(carries).unwrap_or(now)
     }
 
     /// Drops each effect, or puts a simpler relative in its place, as long as nothing of note is lost.

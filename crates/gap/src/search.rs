@@ -109,6 +109,11 @@ impl Search<'_> {
             if below && !rounds.is_empty() {
                 break;
             }
+            // The last effect is tried where not much is missing: so many explain nothing, but one more may make others needless.
+            let last = now.draft.effects.len() + 1 == EFFECTS;
+            if last && now.fit > LITTLE * self.floor.max(1.0) {
+                break;
+            }
             let part = 0.1 + 0.8 * (rounds.len() as f64 / EFFECTS as f64);
             stopped = (self.hear)(part, "looking at every law at every place");
             if stopped {
