@@ -70,13 +70,14 @@ fn residuals(u: &[f64], records: &[Record], joined: bool) -> Vec<f64> {
     let sensors = [vec![[u[3], u[4], u[5]], [0.0, u[6], 0.0]], vec![[u[14], u[1], 0.0]]];
     for (r, (own, starts)) in [(u[2], 7), (u[13], 15)].into_iter().enumerate() {
         let load = u[0] + own;
+        let known = |k: usize, i: usize| weights[r][k][i].sqrt();
         for (piece, cut) in CUTS[r].windows(2).enumerate() {
             let start = &u[starts + 2 * piece..][..2];
             for i in cut[0]..cut[1] {
                 for (k, [offset, gain, delay]) in sensors[r].iter().enumerate() {
                     let state = swing(u[1], load, start, STEP * (i - cut[0]) as f64 - delay)[k];
                     let sample = records[r].columns[k].as_ref().unwrap()[i];
-                    out.push(weights[r][k][i].sqrt() * (offset + gain * state - sample));
+                    out.push(known(k, i) * (offset + gain * state - sample));
                 }
             }
             if joined && piece + 2 < CUTS[r].len() {

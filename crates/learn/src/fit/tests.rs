@@ -146,7 +146,7 @@ fn a_sketch_fits_nothing() {
 /// A line in pieces is one line; one that jumps between them is not, and a spec that asks for pieces gets them.
 #[test]
 fn pieces_are_joined_unless_the_run_drifts() {
-    let lifted = |i: usize| if i / 20 % 2 == 0 { 0.0 } else { 6.0 };
+    let lifted = |i: usize| if (i / 20).is_multiple_of(2) { 0.0 } else { 6.0 };
     let jumped = line(0.5).iter().enumerate().map(|(i, x)| x + lifted(i)).collect();
     for (samples, whole) in [(line(0.5), true), (jumped, false)] {
         let (case, records) = records(LINE, &[(Role::Fit, samples.clone())]);
