@@ -100,6 +100,23 @@ fn a_look_counts_what_it_looked_at() {
     assert_relative_eq!(found, spread(&line()) / (SIGMA * SIGMA * SAMPLES as f64), max_relative = 1e-6);
 }
 
+/// A growth of `e^2` in a second: no single run of twenty, but pieces of four. What grows a thousand times as fast is refused.
+#[test]
+fn what_no_single_run_can_follow_is_calibrated_in_pieces() {
+    for (growth, pieces) in [("2*x", Some(5)), ("2000*x", None)] {
+        let text = format!(r#"states: {{"x": ""}}, known: {{"x": "{growth}"}}, unknown: {{}}"#);
+        let (case, records) = records(&text, &[(Role::Fit, line())]);
+        let noise = [vec![SIGMA]];
+        for effort in [Effort::Plain, Effort::Thorough, Effort::Errors] {
+            let found = calibrate(&case.system, &records, &records, &noise, effort);
+            assert_eq!(found.as_ref().ok().map(|f| f.segments), pieces);
+            assert!(found.is_ok_and(|f| f.chi2 > 0.0) || pieces.is_none());
+        }
+        assert_eq!(glance(&case.system, &records, &records, &noise, 1).is_some(), pieces.is_some());
+        assert_eq!(approach(&case.system, &records, &records, &noise), None);
+    }
+}
+
 #[test]
 fn a_model_with_memory_gets_fewer_steps() {
     let steps = |states: &str, known: &str, pieces: usize| {
