@@ -208,3 +208,27 @@ fn a_throw_comes_to_rest() {
         assert!(!fit.comes_to_rest());
     }
 }
+
+/// A fit that is stuck with too little friction: only where the motion rests, and something is left, is a better one looked for.
+#[test]
+fn a_side_minimum_is_left_by_a_hop() {
+    let spec = r#"states: {"x": "", "v": ""}, known: {"x": "v", "v": "0"}, unknown: {"v": (factor: "-sgn(v)", candidates: ["1"])}, contacts: ["v"]"#;
+    let place = |i: usize| (STEP * i as f64).min(3.0);
+    let throw = |n: usize| (0..n).map(|i| 1.5 * place(i) - 0.25 * place(i).powi(2)).collect::<Vec<_>>();
+    for (samples, white, hops) in [(60, false, true), (60, true, false), (25, false, false)] {
+        let (case, records) = records(spec, &[(Role::Fit, throw(samples))]);
+        let context = context(&case, &records, SegmentsSpec::Auto);
+        let mut stuck = fitted_terms(&case, &records, 0.01, &[0]);
+        stuck.x.copy_from_slice(&[0.46, 0.0, 1.5]);
+        stuck.normal = stuck.problem.normal(&stuck.x, &stuck.weights).unwrap();
+        stuck.effective = if white { samples as f64 } else { 1.0 };
+        stuck.excess = 9.0;
+        let before = context.misfit(&stuck).unwrap();
+        let found = context.hopped(stuck);
+        assert_eq!(found.x != [0.46, 0.0, 1.5], hops);
+        if hops {
+            assert_relative_eq!(found.x[0], 0.5, max_relative = 1e-3);
+            assert!(context.misfit(&found).unwrap() < 0.01 * before);
+        }
+    }
+}
