@@ -119,14 +119,21 @@ fn a_refit_of_other_terms_has_the_cost_of_their_regression() {
         let glance = context.glance(&full, terms).unwrap();
         assert!(glance.normal.cost >= refit.normal.cost * (1.0 - 1e-9));
     }
-    let poor = context.refit(&full, &[0]).unwrap();
+    let mut poor = context.refit(&full, &[0]).unwrap();
     let rich = context.richer(&poor, &[0, 1]).unwrap();
     assert_relative_eq!(rich.x[0], full.x[0], max_relative = 1e-3);
     assert_relative_eq!(rich.x[1], full.x[1], max_relative = 1e-3);
     // The noise is found anew: what is left scatters by it.
     assert_relative_eq!(rich.normal.cost, SAMPLES as f64, max_relative = 0.01);
+    poor.x[0] += 0.05;
     let again = context.resettle(poor);
     assert_relative_eq!(again.normal.cost, SAMPLES as f64, max_relative = 0.05);
+    // All of it is taken over: the cost is that of its unknowns and weights, the noise that of what is left.
+    let cost = again.problem.normal(&again.x, &again.weights).unwrap().cost;
+    assert_relative_eq!(again.normal.cost, cost, max_relative = 1e-12);
+    let residuals = again.problem.residuals(&again.x).unwrap();
+    let power = tally(&again.noise, &residuals).power;
+    assert_relative_eq!(power, SAMPLES as f64, max_relative = 0.05);
 }
 
 /// Each of twenty pieces begins at its first sample.
