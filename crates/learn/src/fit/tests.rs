@@ -239,3 +239,19 @@ fn a_side_minimum_is_left_by_a_hop() {
         }
     }
 }
+
+/// Level and bend of the rate: the one is a constant that may move, the other a term.
+#[test]
+fn a_parameter_is_fitted_beside_a_term() {
+    let spec = r#"constants: {"c": (value: 0.1, within: (-9.0, 9.0))}, states: {"x": ""}, known: {"x": "c"}, unknown: {"x": (factor: "1", candidates: ["2*t"])}"#;
+    let (case, records) = records(spec, &[(Role::Fit, line(0.5))]);
+    let context = context(&case, &records, SegmentsSpec::Auto);
+    let fit = context.fresh_fit(&[0], &[0.0]).unwrap();
+    let terms =
+        r#"states: {"x": ""}, known: {"x": "0"}, unknown: {"x": (factor: "1", candidates: ["2*t", "1"])}"#;
+    let (case, records) = crate::straight::records(terms, &[(Role::Fit, line(0.5))]);
+    let due = fitted_terms(&case, &records, SIGMA, &[0, 1]);
+    assert_eq!(context.shared(&fit), Some(vec![fit.x[1]]));
+    assert_relative_eq!(fit.x[1], due.x[1], max_relative = 1e-2);
+    assert_relative_eq!(fit.x[0], due.x[0], epsilon = 1e-3);
+}

@@ -113,3 +113,19 @@ fn a_smoothed_record_has_its_velocities() {
     let speed = smoothed(&case.system, &measured).columns[1].clone().unwrap();
     assert_relative_eq!(speed[50], 3.0, epsilon = 1e-6);
 }
+
+/// A rate breaks where the argument of a sign or a step changes sign, in what is known as in a term.
+#[test]
+fn whatever_has_a_sign_breaks_a_stretch() {
+    let (case, mut records) = records(
+        r#"states: {"x": "", "v": ""}, known: {"x": "v", "v": "-0.2*sgn(v)"}, unknown: {"v": (factor: "1", candidates: ["step(x - 2)", "v^2"])}"#,
+        &[(Role::Fit, (0..50).map(f64::from).collect())],
+    );
+    records[0].columns[1] = Some((0..50).map(|i| 10.0 - f64::from(i)).collect());
+    let values = evaluate(&case.system, &[0, 1], &records[0], &[]).unwrap();
+    let mut breaks: Vec<[f64; 2]> = values.contacts.iter().map(|w| [w[0], w[30]]).collect();
+    breaks.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    assert_eq!(breaks, [[-2.0, 28.0], [10.0, -20.0]]);
+    assert_eq!([values.terms[0][0], values.terms[0][30], values.terms[1][30]], [0.0, 1.0, 400.0]);
+    assert_eq!([values.known[0][30], values.known[1][30]], [-20.0, 0.2]);
+}
