@@ -146,3 +146,21 @@ fn residuals_weights_and_jumps_are_those_of_lines() {
     let longest = problem.segments.iter().map(|s| problem.run(s, &x, false).unwrap().run);
     assert_eq!(problem.steps(&x), longest.map(|run| run.steps + run.rejected).max().unwrap());
 }
+
+/// Of two inputs the second one is read late; what the record has undone already does not count.
+#[test]
+fn an_input_is_late_by_a_delay_of_its_own() {
+    let spec = r#"(states: {"x": ""}, inputs: {"u": "", "w": ""}, known: {"x": "u + w"}, unknown: {},
+        data: [Synthetic(truth: {}, inputs: {"u": Formula("1"), "w": Formula("2*t")}, start: {"x": 0.0}, duration: 5.0, step: 0.1, noise: Relative(0))])"#;
+    let (case, mut records) = crate::onestep::tests::common::load_text(spec, &[]);
+    records[0].sensors[2].delay.within = Some((-1.0, 1.0));
+    records[0].sensors[2].delay.start = 0.2;
+    let problem = Problem::new(&case.system, &[], &[&records[0]], &[1]).unwrap();
+    assert_eq!(problem.meanings(), [Meaning::Sensor(0, 2, DELAY), Meaning::Start]);
+    assert_relative_eq!(problem.delays(0, &[0.5, 0.0])[0], 0.3, max_relative = 1e-12);
+    // What it says now was so earlier: w is ahead of its column by 0.3, and the place a line above the other.
+    let [on_time, late] = [0.2, 0.5].map(|d| problem.residuals(&[d, 0.0]).unwrap()[0][0].prediction.clone());
+    let inner = 20;
+    let slope = (late[inner] - on_time[inner] - late[inner - 5] + on_time[inner - 5]) / 0.5;
+    assert_relative_eq!(slope, 2.0 * 0.3, max_relative = 1e-3);
+}
