@@ -325,27 +325,4 @@ impl<'a> Setup<'a> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use phisindy_phys::{Origin, SourceId, check, spec};
-    use phisindy_sim::synthesize;
-
-    #[test]
-    fn a_run_that_starts_astray_is_put_on_the_data() {
-        let text = r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (4.0, "1/s^2") }, known: { "x": "v", "v": "-k*x" }, unknown: {},
-            data: [ Synthetic(truth: {}, start: { "x": 2.0, "v": 0.5 }, duration: 5.0, step: 0.01, noise: Additive(0), seed: 1) ])"#;
-        let (spec, _) = spec::read(text, SourceId(0)).expect("a spec");
-        let (case, _) = check(&spec, SourceId(0)).expect("a case");
-        let Origin::Synthetic(truth) = &case.records[0].origin else { panic!("a measured record") };
-        let found = synthesize(&case.records[0], truth, &case.system, None, &|_| Err("no files".into()));
-        let (record, _) = found.expect("a record");
-        let records = [record.clone()];
-        let Setup { fitted, noise, smooth, .. } = Setup::new(&records, &records, &[vec![0.01, 0.01]]);
-        let problem = Problem::new(&case.system, &[], &fitted, &[1]).expect("a problem");
-        assert_eq!(on_the_data(&problem, &[2.03, 0.47], &noise, &smooth), None);
-        for astray in [[2.05, 0.5], [2.0, 0.4]] {
-            let start = on_the_data(&problem, &astray, &noise, &smooth).expect("another start");
-            assert!((start[0] - 2.0).abs() < 1e-3 && (start[1] - 0.5).abs() < 1e-3, "{start:?}");
-        }
-    }
-}
+mod tests;

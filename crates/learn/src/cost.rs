@@ -240,33 +240,4 @@ fn add_row(row: &[f64], e: f64, meat: bool, matrix: &mut [f64], gradient: &mut [
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::straight::{records, scatter};
-    use phisindy_phys::spec::Role;
-
-    /// Cut and joined softly, with a belief about a parameter, a sensor of its own, and a step that fails: what a fit meets.
-    #[test]
-    fn the_cost_alone_is_the_cost_to_the_bit() {
-        let samples: Vec<f64> =
-            scatter(90).iter().enumerate().map(|(i, e)| (0.2 * i as f64).cos() + 0.1 * e).collect();
-        let (case, records) = records(
-            r#"states: {"x": "", "v": ""}, constants: {"k": (value: 1.2, unit: "", within: (0.5, 2.0), sigma: 0.1)}, known: {"x": "v", "v": "-k*x"},
-               unknown: {"v": (factor: "-sgn(v)", candidates: ["1", "x"])}, contacts: ["v"]"#,
-            &[(Role::Fit, samples.clone()), (Role::Fit, samples)],
-        );
-        let both: Vec<_> = records.iter().collect();
-        let mut problem = Problem::new(&case.system, &[0, 1], &both, &[3, 2]).unwrap();
-        let x = problem.guess(&[0.05, 0.01], None, &records);
-        let noise = vec![vec![crate::noise::ColumnNoise { additive: 0.1, relative: 0.05 }; 2]; 2];
-        let weights = problem.weights(&noise, None);
-        let mut all = Vec::new();
-        for joints in [None, Some(vec![0.3, 0.7])] {
-            problem.continuity = joints;
-            let normal = problem.normal(&x, &weights).unwrap();
-            assert_eq!(problem.cost(&x, &weights).unwrap(), normal.cost);
-            all.push(normal.cost);
-        }
-        assert!(all[1] > all[0], "{all:?}");
-    }
-}
+mod tests;

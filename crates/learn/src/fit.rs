@@ -426,3 +426,6 @@ impl Fit<'_> {
         inflation(self.samples, self.effective)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -230,3 +230,6 @@ fn stretches(contacts: &[Vec<f64>], samples: usize) -> Vec<(usize, usize)> {
     }
     out
 }
+
+#[cfg(test)]
+mod tests;
