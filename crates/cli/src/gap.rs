@@ -360,6 +360,11 @@ pub(crate) fn rivals(s: &Step, catalogue: &[Entry]) -> Vec<(String, Option<Strin
 /// What no record can tell from an effect of a sensor, and what to look at.
 const ALIKE: &[(&str, &str, &str)] = &[
     (
+        "asymmetric-coulomb",
+        "the same: plain friction of the mean level, and a constant force of half the difference; on linear springs, too, a displacement sensor whose zero is off",
+        "check the zero of the displacement sensor, and whether the rig stands level",
+    ),
+    (
         "sensor-delay",
         "the same: what drives the motion is recorded early (of a negative delay: late)",
         "check the clocks of both channels",
@@ -388,7 +393,6 @@ pub(crate) fn vetoes(s: &Step) -> impl Iterator<Item = String> {
 /// Pairs of laws, and the measurement that tells one from the other.
 const DECIDING: &[(&str, &str, &str)] = &[
     ("stribeck", "dieterich-ruina", "a slower run, with speeds well below those of this record,"),
-    ("asymmetric-coulomb", "coulomb + offset", "a run that sticks"),
     ("coulomb", "offset", "a run that sticks"),
     ("offset", "sensor-offset", "a second displacement, or the same sensor at another zero,"),
     ("dead-zone", "cubic-stiffness", "a run at a larger and one at a smaller amplitude"),

@@ -1,6 +1,6 @@
 //! What drives a record: the part of the known rates that is there while everything stands still.
 
-use crate::whiteness::lines;
+use crate::whiteness::{lines, share};
 use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::{Record, System};
 
@@ -80,20 +80,6 @@ impl<'a> Drive<'a> {
         };
         (0..self.system.known.len()).flat_map(of).collect()
     }
-}
-
-/// The part of the variance of values that oscillates at so many radians per sample.
-fn share(values: &[f64], turn: f64) -> f64 {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let (mut re, mut im, mut power) = (0.0, 0.0, 0.0);
-    for (i, value) in values.iter().enumerate() {
-        let (sin, cos) = (turn * i as f64).sin_cos();
-        re += (value - mean) * cos;
-        im += (value - mean) * sin;
-        power += (value - mean).powi(2);
-    }
-    if power > 0.0 { 2.0 * (re * re + im * im) / (n * power) } else { 0.0 }
 }
 
 #[cfg(test)]

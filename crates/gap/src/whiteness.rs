@@ -105,6 +105,20 @@ pub(crate) fn lines(values: &[f64], step: f64, count: usize, rise: i32) -> Vec<f
     chosen
 }
 
+/// The part of the variance of values that oscillates at so many radians per sample.
+pub(crate) fn share(values: &[f64], turn: f64) -> f64 {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let (mut re, mut im, mut power) = (0.0, 0.0, 0.0);
+    for (i, value) in values.iter().enumerate() {
+        let (sin, cos) = (turn * i as f64).sin_cos();
+        re += (value - mean) * cos;
+        im += (value - mean) * sin;
+        power += (value - mean).powi(2);
+    }
+    if power > 0.0 { 2.0 * (re * re + im * im) / (n * power) } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

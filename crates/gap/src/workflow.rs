@@ -11,6 +11,7 @@ use crate::refine::refitted;
 use crate::region::{Region, regions};
 use crate::repeat::{Repeat, prediction, repeatability};
 use crate::search::{Measure, Search, Searched};
+use crate::whiteness::{lines, share};
 use phisindy_learn::{Effort, FoundParameter, RecordFit, at_bounds, dead_column, sensitive_starts};
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Case, Record, System, splice, standard_deviation};
@@ -442,6 +443,9 @@ fn finished(
     } else {
         (steps, vec![])
     };
+    if status == Status::Unexplained {
+        warnings.extend(tones(&last));
+    }
     for (law, why) in rounds.iter().flat_map(|r| &r.vetoed) {
         let text = format!("{law} fits, but evidence speaks against it: {why}");
         if !warnings.contains(&text) {
@@ -524,4 +528,31 @@ fn parameters(last: &Fitted, effect: &Effect, names: &[String]) -> Vec<StepParam
         }
     }
     out
+}
+
+/// A tone that holds at least this part of what is left of a column is told.
+const TONE: f64 = 0.5;
+
+/// Of each column of which little but one tone is left: which, for no law of a force has to be behind it.
+fn tones(last: &Fitted) -> Vec<String> {
+    let (draft, cal) = (&last.draft, &last.cal);
+    let mut told = Vec::new();
+    for (record, fit) in draft.records.iter().zip(&cal.records).filter(|(r, _)| r.role == Role::Fit) {
+        let step = (record.time[record.len() - 1] - record.time[0]) / (record.len() - 1) as f64;
+        for (state, residual) in draft.case.system.states.iter().zip(&fit.residuals) {
+            let Some(&line) = lines(residual, step, 1, 0).first() else { continue };
+            let part = share(residual, line * step);
+            if part > TONE {
+                told.push(format!(
+                    "{:.0} % of what is left of {} in {} is one tone of {:.4} rad/s ({:.4} Hz): hum of the sensor or the mains, or a drive that the model does not know",
+                    100.0 * part,
+                    state.name,
+                    record.name,
+                    line,
+                    line / std::f64::consts::TAU
+                ));
+            }
+        }
+    }
+    told
 }
