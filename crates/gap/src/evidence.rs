@@ -10,6 +10,8 @@ use crate::recipe::compiled;
 use crate::workflow::EXPLAINED;
 use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::spec::Role;
+use phisindy_phys::{LawParameter, Record};
+use std::f64::consts::TAU;
 
 /// A contact that gives way less than this part of what the law asks for does not give way.
 const GIVES: f64 = 0.3;
@@ -17,12 +19,18 @@ const GIVES: f64 = 0.3;
 /// Friction that gives back more than this part of the energy that it takes is none.
 const GIVES_BACK: f64 = 0.01;
 
+/// A parameter beyond this part of what its law allows has no end.
+const NO_END: f64 = 0.5;
+
 /// Why an effect cannot be, although it fits; `None` if nothing speaks against it.
 pub(crate) fn against(fitted: &Fitted, effect: &Effect) -> Option<String> {
     if let Some(why) = feeds(fitted, effect) {
         return Some(why);
     }
     if let Some(why) = lacks(fitted, effect) {
+        return Some(why);
+    }
+    if let Some(why) = endless(fitted, effect) {
         return Some(why);
     }
     if let Some(why) = pushes(fitted, effect) {
@@ -94,6 +102,18 @@ fn lacks(fitted: &Fitted, effect: &Effect) -> Option<String> {
     (scratch.output(0)[0] < 0.0).then(|| need.because.clone())
 }
 
+/// A parameter that runs to the end of what its law allows stands for a simpler law.
+fn endless(fitted: &Fitted, effect: &Effect) -> Option<String> {
+    let law = &effect.entry.law;
+    let (_, names, _) = fitted.draft.effects.iter().find(|(e, ..)| e.same(effect))?;
+    let values = crate::fitted::values(fitted, names, &effect.start);
+    // A phase may be any.
+    let ends = |((_, p), v): &(&(String, LawParameter), f64)| !p.each && *v > NO_END * p.within.1;
+    let found = law.parameters.iter().zip(values).find(ends)?;
+    let ((name, p), _) = found;
+    Some(format!("its {name} runs to the end of what the law allows ({:e} {})", p.within.1, p.unit))
+}
+
 /// Friction takes energy. One that gives back part of it along the measured motion is a curve through something else.
 fn pushes(fitted: &Fitted, effect: &Effect) -> Option<String> {
     let Site::Force { velocity, .. } = &effect.place.site else { return None };
@@ -131,6 +151,11 @@ fn echoes(fitted: &Fitted, effect: &Effect) -> Option<String> {
     let frequency = *crate::fitted::values(fitted, names, &effect.start).get(at)?;
     // The drive of the model as it was: in this one the force is part of it.
     let base = fitted.draft.without_effects();
+    let span = |r: &Record| r.time[r.len() - 1] - r.time[0];
+    let longest = base.records.iter().filter(|r| r.role == Role::Fit).map(span).fold(0.0, f64::max);
+    if frequency * longest < std::f64::consts::PI {
+        return Some(format!("no record lasts half of one of its periods ({:.0} s)", TAU / frequency));
+    }
     let mut fits = base.records.iter().filter(|r| r.role == Role::Fit);
     let line = fits.find_map(|r| Drive::new(&base.case.system, r)?.line_at(frequency))?;
     Some(format!(

@@ -3,7 +3,7 @@
 use crate::draft::Draft;
 use crate::effect::{Effect, Entry, fits};
 use crate::fitted::{Fitted, current, values};
-use crate::place::{Place, places};
+use crate::place::{Place, Site, places};
 use crate::screen::{Candidate, Screening, excludes, imitated};
 use crate::search::{BEST, Search};
 use phisindy_learn::{approach, glance};
@@ -108,7 +108,7 @@ impl Search<'_> {
         all
     }
 
-    /// What a leading law of many parameters may stand for: its simpler relatives, each beside every law of one parameter that acts in the same place or on a sensor.
+    /// What a leading law of many parameters may stand for: its simpler relatives, each beside every law of one parameter that acts on the same body or on a sensor.
     pub(crate) fn parted(&self, draft: &Draft, leader: &Fitted, found: &Screening) -> Vec<Vec<Effect>> {
         let effects = current(leader);
         let [.., last] = &effects[..] else { return vec![] };
@@ -120,7 +120,7 @@ impl Search<'_> {
             .map(|entry| relative(last, entry))
             .flat_map(|one| {
                 let beside = |c: &&Candidate| {
-                    (c.effect.place.at == one.place.at || c.effect.entry.law.sensor.is_some())
+                    (touches(&c.effect, &one) || c.effect.entry.law.sensor.is_some())
                         && c.effect.entry.law.parameters.len() == 1
                         && !excludes(&c.effect, &one)
                 };
@@ -149,6 +149,15 @@ impl Search<'_> {
             })
             .collect()
     }
+}
+
+/// Whether two forces act on one body.
+fn touches(a: &Effect, b: &Effect) -> bool {
+    let acts = |e: &Effect| match &e.place.site {
+        Site::Force { acts, .. } => acts.iter().map(|(state, _)| *state).collect(),
+        Site::Sensor(_) => vec![],
+    };
+    acts(a).iter().any(|state| acts(b).contains(state))
 }
 
 /// The plainest friction in every two places: of two contacts that stick by turns a linear response sees neither.
