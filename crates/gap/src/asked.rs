@@ -8,7 +8,7 @@ use crate::place::{Site, places};
 use crate::proposals::neutral;
 use crate::screen::{imitated, screen};
 use crate::workflow::shortened;
-use phisindy_learn::{Effort, glance};
+use phisindy_learn::Effort;
 use phisindy_phys::spec::{Role, Text};
 use phisindy_phys::{Case, Diagnostic, Record, SourceId, spec, splice};
 use rayon::prelude::*;
@@ -140,7 +140,7 @@ fn best(now: &Fitted, wanted: &Effect, entries: &[Entry], noise: &[Vec<f64>]) ->
         .into_par_iter()
         .filter_map(|e| {
             let d = draft.with(&e).ok()?;
-            let look = glance(&d.case.system, &d.records, &d.smooth, noise, 1)?;
+            let look = d.glance(noise, 1)?;
             Some((look, d))
         })
         .collect();

@@ -1,6 +1,7 @@
 //! A spec's text with effects written into it, checked, and the records as its system sees them.
 
 use crate::effect::{Effect, Written};
+use phisindy_learn::{approach, glance};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{Case, Record, SourceId, System, check_names, spec, splice};
 use std::sync::Arc;
@@ -25,6 +26,16 @@ pub struct Draft {
 }
 
 impl Draft {
+    /// How well it predicts over every `stride`-th of many short segments after a few steps of a fit: chi^2 per sample; `None` if it cannot be simulated.
+    pub(crate) fn glance(&self, noise: &[Vec<f64>], stride: usize) -> Option<f64> {
+        glance(&self.case.system, &self.records, &self.smooth, noise, stride)
+    }
+
+    /// The same in single runs.
+    pub(crate) fn approach(&self, noise: &[Vec<f64>]) -> Option<f64> {
+        approach(&self.case.system, &self.records, &self.smooth, noise)
+    }
+
     /// The model as the spec has it.
     pub fn base(text: &str, case: Case, records: Vec<Record>) -> Draft {
         let smooth = records.iter().map(|r| phisindy_learn::smoothed(&case.system, r)).collect();

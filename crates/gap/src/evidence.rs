@@ -3,7 +3,7 @@
 use crate::course::node;
 use crate::drive::Drive;
 use crate::effect::Effect;
-use crate::fitted::Fitted;
+use crate::fitted::{Fitted, values};
 use crate::motion::{Motion, rest_threshold, resting};
 use crate::place::Site;
 use crate::recipe::compiled;
@@ -91,25 +91,28 @@ pub(crate) fn against(fitted: &Fitted, effect: &Effect) -> Option<String> {
     })
 }
 
+/// The parameters of an effect of a fitted model.
+fn numbers(fitted: &Fitted, effect: &Effect) -> Option<Vec<f64>> {
+    let (_, names, _) = fitted.draft.effects.iter().find(|(e, ..)| e.same(effect))?;
+    Some(values(fitted, names, &effect.start))
+}
+
 /// The condition of the law's file that its parameters do not fulfil.
 fn lacks(fitted: &Fitted, effect: &Effect) -> Option<String> {
     let law = &effect.entry.law;
     let need = law.needs.as_ref()?;
-    let (_, names, _) = fitted.draft.effects.iter().find(|(e, ..)| e.same(effect))?;
     let of: Vec<String> = law.parameters.iter().map(|(name, _)| name.clone()).collect();
     let mut scratch = Scratch::<1>::new(&compiled(&of, &[&need.positive])?);
-    scratch.at(crate::fitted::values(fitted, names, &effect.start));
+    scratch.at(numbers(fitted, effect)?);
     (scratch.output(0)[0] < 0.0).then(|| need.because.clone())
 }
 
 /// A parameter that runs to the end of what its law allows stands for a simpler law.
 fn endless(fitted: &Fitted, effect: &Effect) -> Option<String> {
     let law = &effect.entry.law;
-    let (_, names, _) = fitted.draft.effects.iter().find(|(e, ..)| e.same(effect))?;
-    let values = crate::fitted::values(fitted, names, &effect.start);
     // A phase may be any.
     let ends = |((_, p), v): &(&(String, LawParameter), f64)| !p.each && *v > NO_END * p.within.1;
-    let found = law.parameters.iter().zip(values).find(ends)?;
+    let found = law.parameters.iter().zip(numbers(fitted, effect)?).find(ends)?;
     let ((name, p), _) = found;
     Some(format!("its {name} runs to the end of what the law allows ({:e} {})", p.within.1, p.unit))
 }
@@ -147,8 +150,7 @@ fn echoes(fitted: &Fitted, effect: &Effect) -> Option<String> {
     let screen = law.screen.as_ref()?;
     let oscillates = |name: &String| screen.grid.iter().any(|(grid, unit)| grid == name && unit == "rad/s");
     let at = law.parameters.iter().position(|(name, _)| oscillates(name))?;
-    let (_, names, _) = fitted.draft.effects.iter().find(|(e, ..)| e.same(effect))?;
-    let frequency = *crate::fitted::values(fitted, names, &effect.start).get(at)?;
+    let frequency = *numbers(fitted, effect)?.get(at)?;
     // The drive of the model as it was: in this one the force is part of it.
     let base = fitted.draft.without_effects();
     let span = |r: &Record| r.time[r.len() - 1] - r.time[0];

@@ -6,7 +6,6 @@ use crate::fitted::{Fitted, current, values};
 use crate::place::{Place, Site, places};
 use crate::screen::{Candidate, Screening, excludes, imitated};
 use crate::search::{BEST, Search};
-use phisindy_learn::{approach, glance};
 use rayon::prelude::*;
 
 /// Of the segments that a glance looks at, the part that tells the starts of one law apart: every third.
@@ -22,7 +21,7 @@ impl Search<'_> {
                 let starts = [&c.effect].into_iter().chain(&c.others).map(neutral);
                 let looked = starts.filter_map(|e| {
                     let d = draft.with(&e).ok()?;
-                    Some((approach(&d.case.system, &d.records, &d.smooth, self.noise)?, e))
+                    Some((d.approach(self.noise)?, e))
                 });
                 looked.min_by(|a, b| a.0.total_cmp(&b.0))
             })
@@ -68,8 +67,7 @@ impl Search<'_> {
         if law.family != "friction" || !law.internal.is_empty() {
             return vec![];
         }
-        let look =
-            |d: &Draft| glance(&d.case.system, &d.records, &d.smooth, self.noise, 1).unwrap_or(f64::INFINITY);
+        let look = |d: &Draft| d.glance(self.noise, 1).unwrap_or(f64::INFINITY);
         let here = look(&leader.draft);
         let free = |p: &&Place| fits(law, p) && p.at != last.place.at;
         let everywhere = places(&draft.case.system, &draft.case.records, &draft.internal);
@@ -137,7 +135,7 @@ impl Search<'_> {
             .map(|c| {
                 let look = |e: &Effect| {
                     let d = draft.with(e).ok()?;
-                    glance(&d.case.system, &d.records, &d.smooth, self.noise, SEEDED)
+                    d.glance(self.noise, SEEDED)
                 };
                 let starts: Vec<&Effect> = [&c.effect].into_iter().chain(&c.others).collect();
                 if starts.len() == 1 {

@@ -7,7 +7,7 @@ use crate::place::{Site, places};
 use crate::proposals::relative;
 use crate::screen::{excludes, imitated};
 use crate::search::{EFFECTS, Measure, RACE, SIMPLER, Search};
-use phisindy_learn::{Effort, approach, glance};
+use phisindy_learn::Effort;
 use rayon::prelude::*;
 
 /// Gaps on Validate records within this factor are the same.
@@ -179,12 +179,7 @@ fn instead(
 ) -> Option<Fitted> {
     let mut draft = base.with_all(list).ok()?;
     now.starts(&mut draft);
-    let (system, records, smooth) = (&draft.case.system, &draft.records, &draft.smooth);
-    let look = if now.rests() {
-        approach(system, records, smooth, noise)
-    } else {
-        glance(system, records, smooth, noise, 1)
-    }?;
+    let look = if now.rests() { draft.approach(noise) } else { draft.glance(noise, 1) }?;
     if look > RACE * now.fit.powi(2).max(1.0) {
         return None;
     }

@@ -5,7 +5,7 @@ use crate::effect::{Effect, Entry};
 use crate::fitted::{FAR_OFF, Fitted};
 use crate::proposals::{is_composed, rubbing, singles};
 use crate::screen::{Screening, screen};
-use phisindy_learn::{Effort, glance};
+use phisindy_learn::Effort;
 use rayon::prelude::*;
 
 /// Effects in one model at most.
@@ -245,10 +245,7 @@ impl Search<'_> {
         candidates: usize,
         vetoed: &mut Vec<(String, String)>,
     ) -> Vec<Fitted> {
-        let look = |d: Draft| {
-            let look = glance(&d.case.system, &d.records, &d.smooth, self.noise, 1);
-            (look.unwrap_or(f64::INFINITY), d)
-        };
+        let look = |d: Draft| (d.glance(self.noise, 1).unwrap_or(f64::INFINITY), d);
         let mut waiting: Vec<(f64, Draft)> = drafts.into_par_iter().map(look).collect();
         // What was fitted, and how it looked.
         let mut done: Vec<(f64, Fitted)> = Vec::new();
