@@ -33,6 +33,9 @@ pub(crate) fn against(fitted: &Fitted, effect: &Effect) -> Option<String> {
     if let Some(why) = endless(fitted, effect) {
         return Some(why);
     }
+    if let Some(why) = clings(fitted, effect) {
+        return Some(why);
+    }
     if let Some(why) = pushes(fitted, effect) {
         return Some(why);
     }
@@ -117,29 +120,49 @@ fn endless(fitted: &Fitted, effect: &Effect) -> Option<String> {
     Some(format!("its {name} runs to the end of what the law allows ({:e} {})", p.within.1, p.unit))
 }
 
-/// Friction takes energy. One that gives back part of it along the measured motion is a curve through something else.
-fn pushes(fitted: &Fitted, effect: &Effect) -> Option<String> {
-    let Site::Force { velocity, .. } = &effect.place.site else { return None };
-    // A contact that gives way stores energy, and may give it back.
-    if effect.entry.law.family != "friction" || !effect.entry.law.internal.is_empty() {
+/// An elastic contact whose force stays below this part of its level never slips.
+const SLIPS: f64 = 0.5;
+
+/// A contact that gives way and never slips is a spring from where the record begins.
+fn clings(fitted: &Fitted, effect: &Effect) -> Option<String> {
+    let law = &effect.entry.law;
+    if law.family != "friction" || law.internal.is_empty() {
         return None;
     }
+    let level = *numbers(fitted, effect)?.first()?;
+    let most = along(fitted, effect)?.into_iter().fold(0.0_f64, |m, (force, _)| m.max(force.abs()));
+    (most < SLIPS * level).then(|| "its contact never slips: it stands for a spring".to_owned())
+}
+
+/// Force of an effect on its body, and the velocity of its place, along the motion of all Fit records, where they are finite.
+fn along(fitted: &Fitted, effect: &Effect) -> Option<Vec<(f64, f64)>> {
+    let Site::Force { velocity, .. } = &effect.place.site else { return None };
     let (draft, system) = (&fitted.draft, &fitted.draft.case.system);
     let (_, _, expression) = draft.effects.iter().find(|(e, ..)| e.same(effect))?;
     let mut graph = system.graph.clone();
     let (force, speed) = (node(&mut graph, system, expression)?, node(&mut graph, system, velocity)?);
     let tape = Tape::compile(&graph, &system.arguments(), &[force, speed]).ok()?;
-    let (mut taken, mut given) = (0.0, 0.0);
+    let mut all = Vec::new();
     for (r, record) in draft.records.iter().enumerate().filter(|(_, d)| d.role == Role::Fit) {
         let motion = Motion::new(system, record, &draft.smooth[r], r, &fitted.cal);
         let values = crate::screen::evaluated(&tape, &motion, &[], &[]);
-        for (force, speed) in values[0].iter().zip(&values[1]) {
-            // The expression is what acts on the body.
-            let power = force * speed;
-            if power.is_finite() {
-                if power < 0.0 { taken -= power } else { given += power }
-            }
-        }
+        let pairs = values[0].iter().copied().zip(values[1].iter().copied());
+        all.extend(pairs.filter(|(force, speed)| (force * speed).is_finite()));
+    }
+    Some(all)
+}
+
+/// Friction takes energy. One that gives back part of it along the measured motion is a curve through something else.
+fn pushes(fitted: &Fitted, effect: &Effect) -> Option<String> {
+    // A contact that gives way stores energy, and may give it back.
+    if effect.entry.law.family != "friction" || !effect.entry.law.internal.is_empty() {
+        return None;
+    }
+    let (mut taken, mut given) = (0.0, 0.0);
+    for (force, speed) in along(fitted, effect)? {
+        // The expression is what acts on the body.
+        let power = force * speed;
+        if power < 0.0 { taken -= power } else { given += power }
     }
     (given > GIVES_BACK * taken).then(|| "in places it would push instead of brake".to_owned())
 }
