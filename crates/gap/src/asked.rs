@@ -2,8 +2,7 @@
 
 use crate::draft::Draft;
 use crate::effect::{Effect, Entry, fits};
-use crate::fitted::{Fitted, noise};
-use crate::fitted::{current, values};
+use crate::fitted::{Fitted, current, noise, values};
 use crate::place::{Site, places};
 use crate::proposals::neutral;
 use crate::screen::{imitated, screen};

@@ -132,15 +132,4 @@ mod tests {
             assert_eq!(drive.line_at(frequency), None, "{frequency}");
         }
     }
-
-    #[test]
-    fn a_tone_holds_its_part_of_the_power() {
-        let tones: Vec<f64> = (0..5000)
-            .map(|i| 3.0 + (0.07 * f64::from(i)).sin() + 0.5 * (0.31 * f64::from(i) + 1.0).cos())
-            .collect();
-        for (turn, due) in [(0.07, 0.8), (0.31, 0.2), (0.2, 0.0)] {
-            let found = share(&tones, turn);
-            assert!((found - due).abs() < 0.01, "{turn}: {found}");
-        }
-    }
 }

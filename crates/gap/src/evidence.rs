@@ -24,24 +24,13 @@ const NO_END: f64 = 0.5;
 
 /// Why an effect cannot be, although it fits; `None` if nothing speaks against it.
 pub(crate) fn against(fitted: &Fitted, effect: &Effect) -> Option<String> {
-    if let Some(why) = feeds(fitted, effect) {
-        return Some(why);
-    }
-    if let Some(why) = lacks(fitted, effect) {
-        return Some(why);
-    }
-    if let Some(why) = endless(fitted, effect) {
-        return Some(why);
-    }
-    if let Some(why) = clings(fitted, effect) {
-        return Some(why);
-    }
-    if let Some(why) = pushes(fitted, effect) {
-        return Some(why);
-    }
-    if let Some(why) = echoes(fitted, effect) {
-        return Some(why);
-    }
+    [feeds, lacks, endless, clings, pushes, echoes, stands_firm]
+        .into_iter()
+        .find_map(|speaks| speaks(fitted, effect))
+}
+
+/// An elastic contact must give way, in the stops, in proportion to the force on it.
+fn stands_firm(fitted: &Fitted, effect: &Effect) -> Option<String> {
     // Of a model that leaves nothing but noise the stops, too, are as measured.
     if fitted.is_white() && fitted.fit < EXPLAINED {
         return None;
@@ -177,12 +166,12 @@ fn echoes(fitted: &Fitted, effect: &Effect) -> Option<String> {
     // The drive of the model as it was: in this one the force is part of it.
     let base = fitted.draft.without_effects();
     let span = |r: &Record| r.time[r.len() - 1] - r.time[0];
-    let longest = base.records.iter().filter(|r| r.role == Role::Fit).map(span).fold(0.0, f64::max);
+    let fits = || base.records.iter().filter(|r| r.role == Role::Fit);
+    let longest = fits().map(span).fold(0.0, f64::max);
     if frequency * longest < std::f64::consts::PI {
         return Some(format!("no record lasts half of one of its periods ({:.0} s)", TAU / frequency));
     }
-    let mut fits = base.records.iter().filter(|r| r.role == Role::Fit);
-    let line = fits.find_map(|r| Drive::new(&base.case.system, r)?.line_at(frequency))?;
+    let line = fits().find_map(|r| Drive::new(&base.case.system, r)?.line_at(frequency))?;
     Some(format!(
         "its frequency is that of the drive ({line:.4} rad/s), where it would stand for anything else that is missing"
     ))

@@ -35,10 +35,7 @@ impl Search<'_> {
         let Some(leader) = singles.first() else { return vec![] };
         let Some((effect, names, _)) = leader.draft.effects.last() else { return vec![] };
         let law = &effect.entry.law;
-        if law.family.is_empty()
-            || !law.internal.is_empty()
-            || leader.draft.effects.len() != draft.effects.len() + 1
-        {
+        if !law.internal.is_empty() || leader.draft.effects.len() != draft.effects.len() + 1 {
             return vec![];
         }
         let found = Effect {
@@ -46,9 +43,8 @@ impl Search<'_> {
             beside: leader.found(|p| !p.each),
             ..effect.clone()
         };
-        self.catalogue
-            .iter()
-            .filter(|e| e.law.family == law.family && e.law.internal.is_empty() && e.id != effect.entry.id)
+        family(self.catalogue, &effect.entry)
+            .filter(|e| e.id != effect.entry.id)
             .filter_map(|e| imitated(&leader.draft, &leader.cal, &found, e))
             .flatten()
             .filter_map(|e| draft.with(&e).ok())
@@ -71,9 +67,8 @@ impl Search<'_> {
         let here = look(&leader.draft);
         let free = |p: &&Place| fits(law, p) && p.at != last.place.at;
         let everywhere = places(&draft.case.system, &draft.case.records, &draft.internal);
-        let family =
-            self.catalogue.iter().filter(|e| e.law.family == law.family && e.law.internal.is_empty());
-        let family: Vec<Effect> = family.map(|entry| relative(last, entry)).collect();
+        let family: Vec<Effect> =
+            family(self.catalogue, &last.entry).map(|entry| relative(last, entry)).collect();
         everywhere
             .iter()
             .filter(free)
@@ -147,6 +142,12 @@ impl Search<'_> {
             })
             .collect()
     }
+}
+
+/// The laws of a law's family that have no memory; none if it has no family.
+pub(crate) fn family<'a>(catalogue: &'a [Entry], of: &'a Entry) -> impl Iterator<Item = &'a Entry> {
+    let name = &of.law.family;
+    catalogue.iter().filter(move |e| !name.is_empty() && e.law.family == *name && e.law.internal.is_empty())
 }
 
 /// Whether two forces act on one body.

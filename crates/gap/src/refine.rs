@@ -1,10 +1,10 @@
 //! A model that was found, mended: effects at other places, siblings in each other's place, fewer and simpler effects.
 
 use crate::draft::Draft;
-use crate::effect::{Effect, Entry, fits};
+use crate::effect::{Effect, fits};
 use crate::fitted::{Fitted, current};
 use crate::place::{Site, places};
-use crate::proposals::relative;
+use crate::proposals::{family, relative};
 use crate::screen::{excludes, imitated};
 use crate::search::{EFFECTS, Measure, RACE, SIMPLER, Search};
 use phisindy_learn::Effort;
@@ -57,17 +57,8 @@ impl Search<'_> {
         let kin = |k: usize| {
             let own = &effects[k];
             let law = &own.entry.law;
-            let related = move |e: &&Entry| {
-                !law.family.is_empty()
-                    && law.internal.is_empty()
-                    && e.law.family == law.family
-                    && e.law.internal.is_empty()
-                    && e.id != own.entry.id
-                    && !law.simpler.contains(&e.id)
-            };
-            self.catalogue
-                .iter()
-                .filter(related)
+            family(self.catalogue, &own.entry)
+                .filter(|e| law.internal.is_empty() && e.id != own.entry.id && !law.simpler.contains(&e.id))
                 .filter_map(|e| imitated(&now.draft, &now.cal, own, e))
                 .flatten()
                 .collect::<Vec<Effect>>()

@@ -90,8 +90,8 @@ struct Ground {
     known: Vec<f64>,
     /// For each place of a force, where it rests.
     still: Vec<Still>,
-    /// What the fitted model leaves of each column.
-    left: Vec<Vec<f64>>,
+    /// The strongest lines of what the fitted model leaves of each column: noise of a few per cent hides them from the smoothed motion.
+    left: Vec<f64>,
     /// Frequencies of the drive, without the effects that the model has been given.
     drive: Vec<f64>,
 }
@@ -513,7 +513,8 @@ impl Base {
             .collect();
         let linear = Linear::new(&a, n, &motion.time);
         let known = linear.response(&bracket, &motion.states[..n]);
-        let left = fitted.records[record].residuals.clone();
+        let step = span / (samples - 1) as f64;
+        let left = fitted.records[record].residuals.iter().flat_map(|e| lines(e, step, 4, 0)).collect();
         let bare = draft.without_effects();
         let drive = Drive::new(&bare.case.system, &bare.records[record]).map_or(vec![], |mut d| d.lines());
         Some(Ground { motion, linear, known, bracket, rows, rates, stride, still, left, drive })
@@ -925,9 +926,7 @@ fn grids(
             let lack = smoothed(&lack, ground.motion.period / step);
             let strong = lines(&lack, step, 6, 0);
             let clear = lines(&lack, step, 4, 4);
-            // Noise of a few per cent hides a line from the smoothed motion; the whole of what a fit leaves still shows it.
-            let left = ground.left.iter().flat_map(|residual| lines(residual, step, 4, 0));
-            for line in strong.into_iter().chain(clear).chain(left) {
+            for line in strong.into_iter().chain(clear).chain(ground.left.iter().copied()) {
                 if !echo(line) {
                     let near = [-0.5, -0.25, 0.0, 0.25, 0.5].map(|d| line + d * fine);
                     frequencies.extend(near.into_iter().filter(|w| *w > 0.0));

@@ -167,4 +167,15 @@ mod tests {
         assert_eq!(score(&[0.0; 1024], &motion), 0.0);
         assert!(lines(&motion[..15], 0.1, 1, 0).is_empty());
     }
+
+    #[test]
+    fn a_tone_holds_its_part_of_the_power() {
+        let tones: Vec<f64> = (0..5000)
+            .map(|i| 3.0 + (0.07 * f64::from(i)).sin() + 0.5 * (0.31 * f64::from(i) + 1.0).cos())
+            .collect();
+        for (turn, due) in [(0.07, 0.8), (0.31, 0.2), (0.2, 0.0)] {
+            let found = share(&tones, turn);
+            assert!((found - due).abs() < 0.01, "{turn}: {found}");
+        }
+    }
 }
