@@ -174,7 +174,7 @@ fn as_json(loaded: &Loaded, found: &Gap, seconds: f64) -> Value {
         "partial": found.partial.iter().map(step).collect::<Vec<_>>(),
         "left": regions(&found.left),
         "initial": { "fit": found.before.0, "validate": found.before.1 },
-        "final": { "fit": found.after.0, "validate": found.after.1 },
+        "final": { "fit": found.after.0, "validate": found.after.1, "within_errors": found.carried },
         "whiteness": { "before": found.colour.0, "after": found.colour.1 },
         "records": records,
         "repeatability": repeat,
@@ -213,6 +213,9 @@ fn as_text(found: &Gap, catalogue: &[Entry], seconds: f64) -> String {
             String::new()
         };
         out.push(format!("where: in {}{share}, {}", first.column, first.region));
+    }
+    if found.status == Status::Unexplained && !found.steps.is_empty() {
+        out.push("brings the gap far down, whatever else is missing:".into());
     }
     for (k, s) in found.steps.iter().enumerate() {
         out.push(format!(
@@ -269,17 +272,19 @@ pub(crate) fn ending(found: &Gap) -> String {
     let (before, last) = (shown(found.before), shown(found.after));
     match found.status {
         Status::NothingMissing => {
-            format!("nothing-missing: the model explains the data to their noise (gap {})", short(last))
+            format!(
+                "nothing-missing: the model explains the data to their noise (gap {}{})",
+                short(last),
+                hangs(found)
+            )
         }
         Status::Explained => {
-            let repeats =
-                if last > NOISE { ", which is about what the motion itself repeats to" } else { "" };
-            format!(
-                "explained: the gap {} went from {} to {}{repeats}",
-                whose(found),
-                short(before),
-                short(last)
-            )
+            let why = match hangs(found) {
+                hangs if !hangs.is_empty() => hangs,
+                _ if last > NOISE => ", which is about what the motion itself repeats to".into(),
+                _ => String::new(),
+            };
+            format!("explained: the gap {} went from {} to {}{why}", whose(found), short(before), short(last))
         }
         Status::Unexplained => {
             let place = found
@@ -291,6 +296,19 @@ pub(crate) fn ending(found: &Gap) -> String {
                 short(last)
             )
         }
+    }
+}
+
+/// Where the motion on Validate records hangs on numbers that are not known so well: what their errors leave of the gap.
+fn hangs(found: &Gap) -> String {
+    match (found.after.1, found.carried) {
+        (Some(gap), Some(left)) if gap > NOISE && left < NOISE => {
+            format!(
+                "; {} with the numbers moved within their error bars, on which the motion there hangs",
+                short(left)
+            )
+        }
+        _ => String::new(),
     }
 }
 

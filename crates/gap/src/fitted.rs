@@ -20,7 +20,8 @@ pub(crate) fn noise(records: &[Record]) -> Vec<Vec<f64>> {
     records.iter().map(|r| r.columns.iter().map(of).collect()).collect()
 }
 
-/// A gap below this may be the uncertainty of what was fitted.
+/// A gap on Validate records below this may be the uncertainty of what was fitted, if Fit records leave hardly more than noise.
+const UNCERTAIN: f64 = 10.0;
 const LITTLE: f64 = 1.1;
 /// The price of a sensor that is early.
 const EARLY: f64 = 15.0;
@@ -36,6 +37,10 @@ pub(crate) struct Fitted {
     /// rms of residual / noise over all columns and samples of the Fit records, and of the Validate records if there are any.
     pub(crate) fit: f64,
     pub(crate) validate: Option<f64>,
+    /// The gap on Validate records but for what the errors of the numbers found account for, where that was asked; else the same.
+    pub(crate) carried: Option<f64>,
+    /// Fit and Validate records fitted together, where that moves the numbers no further than their errors allow.
+    joint: Option<Calibration>,
     /// The largest score of whiteness of any column; see [`crate::whiteness`].
     pub(crate) colour: f64,
 }
@@ -46,38 +51,37 @@ impl Fitted {
         let cal = calibrate(&draft.case.system, &draft.records, &draft.smooth, noise, effort)?;
         let (fit, validate) = gaps(&cal, noise);
         let colour = colour(&cal, &draft.records, |_| true);
-        let fitted = Fitted { draft, cal, fit, validate, colour };
-        Ok(match fitted.joint_colour(noise) {
-            Some(colour) => Fitted { colour, ..fitted },
-            None => fitted,
+        let alone = Fitted { draft, cal, fit, validate, carried: validate, joint: None, colour };
+        Ok(match alone.together(noise) {
+            Some((joint, colour)) => Fitted { joint: Some(joint), colour, ..alone }.measured_by(noise),
+            None => alone,
         })
     }
 
-    /// The colour of what is left when Validate records are fitted too, where that decides: on Fit records nothing but noise is left, and what is left on Validate
-    /// records is so little that the uncertainty of starts and parameters may account for it. It does if the same model leaves nothing but noise on both, and Fit
-    /// records are fitted no worse for it. The fit itself stays as it is.
-    fn joint_colour(&self, noise: &[Vec<f64>]) -> Option<f64> {
-        let little = self.validate.is_some_and(|gap| gap < LITTLE) && self.fit < LITTLE;
+    /// Fit and Validate records fitted together, and the colour of what that leaves, where it decides: on Fit records nothing but noise is left, and what is left on
+    /// Validate records may come from the errors of starts and parameters. It does if the same model leaves nothing but noise on both, and Fit records are fitted no worse
+    /// than chance has it (the predictive test of Chow 1960, doi 10.2307/1910133). The fit itself stays as it is.
+    fn together(&self, noise: &[Vec<f64>]) -> Option<(Calibration, f64)> {
+        let little = self.validate.is_some_and(|gap| gap < UNCERTAIN) && self.fit < LITTLE;
         if !little || self.is_white() {
             return None;
         }
-        let alone = |r: &RecordFit| r.role == Role::Fit;
-        if colour(&self.cal, &self.draft.records, alone) >= COLOURED {
+        if colour(&self.cal, &self.draft.records, |r| r.role == Role::Fit) >= COLOURED {
             return None;
         }
         let draft = self.settled().ok()?;
         let joint = |records: &[Record]| -> Vec<Record> {
-            records.iter().map(|r| Record { role: Role::Fit, ..r.clone() }).collect()
+            records.iter().map(|r| Record { role: Role::Fit, continues: None, ..r.clone() }).collect()
         };
         let (records, smooth) = (joint(&draft.records), joint(&draft.smooth));
-        let cal = calibrate(&draft.case.system, &records, &smooth, noise, Effort::Thorough).ok()?;
-        let fits: Vec<usize> =
-            (0..records.len()).filter(|&r| self.draft.records[r].role == Role::Fit).collect();
+        let cal = calibrate(&draft.case.system, &records, &smooth, noise, Effort::Plain).ok()?;
+        let fits = of(&self.cal, Role::Fit);
         let rise = power(&cal, noise, &fits).0 - power(&self.cal, noise, &fits).0;
         // The rise of chi^2 that as many numbers make by chance, five standard deviations high.
         let freedom = (self.cal.moved + fits.len() * draft.case.system.states.len()) as f64;
         let chance = freedom + 5.0 * (2.0 * freedom).sqrt();
-        (rise < chance).then(|| colour(&cal, &records, |_| true))
+        let colour = colour(&cal, &records, |_| true);
+        (rise < chance && colour < COLOURED).then_some((cal, colour))
     }
 
     /// The noise as its residuals have it, by record and state: what a model that leaves nothing but noise shows better than the columns do, in which the motion
@@ -96,6 +100,13 @@ impl Fitted {
     /// Its gaps in units of this noise.
     pub(crate) fn measured_by(mut self, noise: &[Vec<f64>]) -> Fitted {
         (self.fit, self.validate) = gaps(&self.cal, noise);
+        self.carried = self.validate;
+        if let Some(joint) = &self.joint {
+            let (fits, validates) = (of(&self.cal, Role::Fit), of(&self.cal, Role::Validate));
+            let rise = power(joint, noise, &fits).0 - power(&self.cal, noise, &fits).0;
+            let (left, samples) = power(joint, noise, &validates);
+            self.carried = Some(((left + rise.max(0.0)) / samples.max(1) as f64).sqrt());
+        }
         self
     }
 
@@ -202,6 +213,11 @@ fn colour(cal: &Calibration, records: &[Record], of: impl Fn(&RecordFit) -> bool
     colour
 }
 
+/// The records of one role.
+fn of(cal: &Calibration, role: Role) -> Vec<usize> {
+    (0..cal.records.len()).filter(|&r| cal.records[r].role == role).collect()
+}
+
 /// Sum of (residual / noise)^2 over some of the records, and how many samples that are; infinite where a run fails.
 fn power(cal: &Calibration, noise: &[Vec<f64>], of: &[usize]) -> (f64, usize) {
     let (mut sum, mut count) = (0.0, 0);
@@ -220,8 +236,7 @@ fn power(cal: &Calibration, noise: &[Vec<f64>], of: &[usize]) -> (f64, usize) {
 /// rms of residual / noise over the Fit records, and over the Validate records; infinite where a run fails.
 fn gaps(cal: &Calibration, noise: &[Vec<f64>]) -> (f64, Option<f64>) {
     let gap = |role: Role| -> Option<f64> {
-        let of: Vec<usize> = (0..cal.records.len()).filter(|&r| cal.records[r].role == role).collect();
-        let (sum, count) = power(cal, noise, &of);
+        let (sum, count) = power(cal, noise, &of(cal, role));
         (count > 0).then(|| (sum / count as f64).sqrt())
     };
     (gap(Role::Fit).unwrap_or(f64::INFINITY), gap(Role::Validate))

@@ -73,7 +73,7 @@ impl Search<'_> {
             list.iter().all(|e| veto(&other, e).is_none()).then_some(other)
         };
         let others: Vec<Fitted> = trials.par_iter().filter_map(fitted).collect();
-        let carries = |f: &Fitted| f.validate.zip(now.validate).is_none_or(|(a, b)| a < ALIKE * b);
+        let carries = |f: &Fitted| f.carried.zip(now.carried).is_none_or(|(a, b)| a < ALIKE * b);
         better(&now, others, candidates).filter(carries).unwrap_or(now)
     }
 
@@ -132,7 +132,7 @@ impl Search<'_> {
                     let Some(simple) = instead(&base, &now, &list, self.noise, self.veto) else { continue };
                     let same = self.as_good(&simple, &now, candidates);
                     let by = Measure::of([&simple, &now], candidates);
-                    let carries = simple.validate.zip(now.validate).is_none_or(|(a, b)| a < ALIKE * b)
+                    let carries = simple.carried.zip(now.carried).is_none_or(|(a, b)| a < ALIKE * b)
                         || !now.is_white()
                         || by.score(&simple) + SIMPLER < by.score(&now);
                     if same && carries && (simple.is_white() || !now.is_white()) {

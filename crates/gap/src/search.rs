@@ -105,7 +105,7 @@ impl Search<'_> {
         let (mut stopped, mut weak) = (false, 0);
         while now.draft.effects.len() < EFFECTS && !now.is_white() {
             // Below what the rig repeats to only an effect that leaves nothing but noise shows that it was none of the rig's scatter.
-            let below = now.validate.is_some_and(|v| v <= self.floor);
+            let below = now.carried.is_some_and(|v| v <= self.floor);
             if below && !rounds.is_empty() {
                 break;
             }
@@ -206,7 +206,7 @@ impl Search<'_> {
                 let better = by.score(&pair) + WORTH < by.score(&single);
                 // A pair that does not explain everything is taken only where it says much more than one of its parts: greed goes on otherwise.
                 let (own, both) = (label(&single.draft, before), label(&pair.draft, before));
-                let much = pair.validate.zip(single.validate).is_none_or(|(p, s)| p < HALF * s)
+                let much = pair.carried.zip(single.carried).is_none_or(|(p, s)| p < HALF * s)
                     || on_the_way(&single, &pair)
                     || !own.iter().all(|e| both.contains(e));
                 if better && (pair.is_white() || much) { pair } else { single }
@@ -229,7 +229,7 @@ impl Search<'_> {
     fn worth(&self, now: &Fitted, next: &Fitted, candidates: usize) -> bool {
         let by = Measure::of([now, next], candidates);
         let gain = by.score(now) - by.score(next);
-        let carries = match (now.validate, next.validate) {
+        let carries = match (now.carried, next.carried) {
             (Some(before), Some(after)) => after < SHRINK * before || (next.is_white() && after < before),
             _ => true,
         };
@@ -318,7 +318,7 @@ fn preferred(all: &[Fitted], candidates: usize) -> Option<&Fitted> {
     let best = all.iter().min_by(|a, b| by.score(a).total_cmp(&by.score(b)))?;
     let near = |f: &&Fitted| by.score(f) - by.score(best) < SIMPLER || carries_no_further(f, best);
     let least = all.iter().filter(near).map(|f| size(&f.draft)).min()?;
-    let carried = |f: &&Fitted| f.validate.unwrap_or(0.0);
+    let carried = |f: &&Fitted| f.carried.unwrap_or(0.0);
     all.iter()
         .filter(near)
         .filter(|f| size(&f.draft) == least)
@@ -327,7 +327,7 @@ fn preferred(all: &[Fitted], candidates: usize) -> Option<&Fitted> {
 
 /// Whether, of two models that both leave more than noise, the second predicts Validate records no better than the first.
 fn carries_no_further(simple: &Fitted, rich: &Fitted) -> bool {
-    let further = simple.validate.zip(rich.validate).is_none_or(|(a, b)| b < RICHER * a);
+    let further = simple.carried.zip(rich.carried).is_none_or(|(a, b)| b < RICHER * a);
     !rich.is_white() && !simple.is_white() && !further && !on_the_way(simple, rich)
 }
 

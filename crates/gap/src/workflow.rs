@@ -135,6 +135,8 @@ pub struct Gap {
     pub before: (f64, Option<f64>),
     /// The gap of the final model.
     pub after: (f64, Option<f64>),
+    /// What is left of that on Validate records if the numbers of the model may move within their errors; the same where that was not asked.
+    pub carried: Option<f64>,
     /// NRMSE of each record and column in the final model, and in the model as it was.
     pub nrmse: Vec<(String, Role, String, f64, f64)>,
     /// Repeatability of the motion: record, column, value.
@@ -405,7 +407,7 @@ fn finished(
         .collect();
     warnings.extend(at_bounds(&last.cal.parameters));
     warnings.extend(sensitive_starts(&last.cal.records));
-    let end = last.validate.unwrap_or(last.fit);
+    let end = last.carried.unwrap_or(last.fit);
     let white = last.is_white() && end < EXPLAINED;
     let repeats = floor > 0.0 && end <= REPEATS * floor;
     // Below the estimated noise, which of clean columns is too large, there is nothing to find.
@@ -481,6 +483,7 @@ fn finished(
         partial,
         before: (base.fit, base.validate),
         after: (last.fit, last.validate),
+        carried: last.carried,
         nrmse,
         repeat,
         colour: (base.colour, last.colour),
