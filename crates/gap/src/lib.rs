@@ -17,6 +17,7 @@ mod drive;
 mod effect;
 mod evidence;
 mod fitted;
+mod held;
 mod mistaken;
 mod motion;
 mod place;

@@ -233,7 +233,8 @@ impl Search<'_> {
             (Some(before), Some(after)) => after < SHRINK * before || (next.is_white() && after < before),
             _ => true,
         };
-        gain > WORTH && (carries || on_the_way(now, next))
+        // A motion that hangs on every number is missed on Validate records as long as anything is missing, and they say nothing of who is near.
+        on_the_way(now, next) || (gain > WORTH && carries)
     }
 
     /// Fits those of some models that stay in a race, best first, without those that evidence speaks against. If such a one led, the race goes on among the others: it has outrun what might be
@@ -378,7 +379,7 @@ fn named(d: &Draft) -> Vec<(String, String)> {
     label(d, 0).into_iter().map(|(law, at)| (law.to_owned(), at.to_owned())).collect()
 }
 
-fn label(d: &Draft, from: usize) -> Vec<(&str, &str)> {
+pub(crate) fn label(d: &Draft, from: usize) -> Vec<(&str, &str)> {
     d.effects[from.min(d.effects.len())..]
         .iter()
         .map(|(e, ..)| (e.entry.id.as_str(), e.place.at.as_str()))

@@ -5,6 +5,7 @@ use crate::drive::Drive;
 use crate::effect::{Effect, Entry};
 use crate::evidence::against;
 use crate::fitted::{Fitted, current, noise};
+use crate::held::held;
 use crate::mistaken::mistaken;
 use crate::refine::refitted;
 use crate::region::{Region, regions};
@@ -446,6 +447,10 @@ fn finished(
     };
     if status == Status::Unexplained {
         warnings.extend(tones(&last));
+    }
+    if status != Status::NothingMissing && !repeats {
+        hear(0.98, "constants that are held");
+        warnings.extend(held(&last, noise, candidates));
     }
     for (law, why) in rounds.iter().flat_map(|r| &r.vetoed) {
         let text = format!("{law} fits, but evidence speaks against it: {why}");

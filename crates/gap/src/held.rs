@@ -1,0 +1,122 @@
+//! Is it a missing effect, or a constant of the known part that is not what the spec says? A mass that is wrong by a few per cent bends a motion in a way that two or
+//! three laws imitate; what was found is told together with the constant that would do instead.
+
+use crate::draft::Draft;
+use crate::effect::Effect;
+use crate::fitted::{Fitted, current};
+use crate::search::{Measure, RACE, SIMPLER, label};
+use crate::workflow::EXPLAINED;
+use phisindy_learn::Effort;
+use phisindy_phys::spec::{self, ConstantSpec};
+use phisindy_phys::unit::Unit;
+use phisindy_phys::{SourceId, splice};
+use rayon::prelude::*;
+
+/// A constant that is held may be off by this part.
+const OFF: f64 = 0.3;
+/// Models that are fitted in full.
+const FITTED: usize = 4;
+/// What the error of a constant must bring beside effects that explain nothing without it.
+const WORTH: f64 = 10.0;
+
+/// A constant as the spec has it.
+#[derive(Clone, Debug)]
+struct Constant {
+    name: String,
+    unit: String,
+    value: f64,
+}
+
+/// The best model in which one constant that the spec holds is free, and at least one effect less is needed, if it explains the data as well as `last` does, or explains them where
+/// `last` does not: in words. One number for one number says nothing new: a spring that is missing and a stiffness that is too small are one force.
+pub(crate) fn held(last: &Fitted, noise: &[Vec<f64>], candidates: usize) -> Option<String> {
+    let effects = current(last);
+    let base = last.draft.without_effects();
+    let trials: Vec<(Constant, Vec<Effect>)> = constants(&base.text)
+        .into_iter()
+        .flat_map(|c| subsets(&effects, last.is_white()).into_iter().map(move |s| (c.clone(), s)))
+        .collect();
+    let looked = trials.into_par_iter().filter_map(|(constant, effects)| {
+        let draft = freed(&base, &constant)?.with_all(&effects).ok()?;
+        Some((draft.glance(noise, 1)?, constant, draft))
+    });
+    let mut looked: Vec<(f64, Constant, Draft)> = looked.collect();
+    looked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let least = looked.first()?.0;
+    looked.retain(|(look, ..)| *look <= RACE * least);
+    looked.truncate(FITTED);
+    let fitted = looked
+        .into_par_iter()
+        .filter_map(|(_, constant, draft)| Some((constant, Fitted::new(draft, noise, Effort::Plain).ok()?)));
+    let fitted: Vec<(Constant, Fitted)> = fitted.collect();
+    let by = Measure::of(fitted.iter().map(|(_, f)| f).chain([last]), candidates);
+    // A free constant is a number like any other.
+    let price = (last.cal.samples as f64).ln();
+    let worse = |f: &Fitted| by.score(f) + price - by.score(last);
+    let explains = |f: &Fitted| f.is_white() && f.carried.unwrap_or(f.fit) < EXPLAINED;
+    let numbers = |f: &Fitted| -> usize {
+        f.draft.effects.iter().map(|(e, ..)| e.entry.law.parameters.len()).sum::<usize>()
+    };
+    let simpler = |f: &Fitted| numbers(f) + 1 < numbers(last);
+    let limit = |f: &Fitted| if explains(last) && simpler(f) { SIMPLER } else { -WORTH };
+    let (constant, best) = fitted
+        .into_iter()
+        .filter(|(_, f)| explains(f) && worse(f) < limit(f))
+        .min_by(|(_, a), (_, b)| worse(a).total_cmp(&worse(b)))?;
+    let (_, found) = best.found(|p| p.name == constant.name).pop()?;
+    let factor = Unit::parse(&constant.unit).map_or(1.0, |u| u.factor);
+    let kept: Vec<(&str, &str)> = label(&best.draft, 0);
+    let needless: Vec<String> = label(&last.draft, 0)
+        .iter()
+        .filter(|l| !kept.contains(l))
+        .map(|(law, at)| format!("{law} at {at}"))
+        .collect();
+    let less =
+        if needless.is_empty() { String::new() } else { format!(" without {}", needless.join(" and ")) };
+    Some(format!(
+        "the known part may be wrong instead: with {} = {} (the spec says {}) the model explains the data{less} (BIC {:.1} {}): is that constant known so well?",
+        constant.name,
+        in_unit(found / factor, &constant.unit),
+        in_unit(constant.value, &constant.unit),
+        worse(&best).abs(),
+        if worse(&best) < 0.0 { "lower" } else { "higher" }
+    ))
+}
+
+/// A number to five digits with its unit.
+fn in_unit(value: f64, unit: &str) -> String {
+    let digits = format!("{value:.4e}").parse::<f64>().unwrap_or(value);
+    if unit.is_empty() { format!("{digits}") } else { format!("{digits} {unit}") }
+}
+
+/// The constants that a spec holds, but for those that are zero.
+fn constants(text: &str) -> Vec<Constant> {
+    let Ok((spec, _)) = spec::read(text, SourceId(0)) else { return vec![] };
+    let of = |(name, constant): &(spec::Text, ConstantSpec)| match constant {
+        ConstantSpec::Number { value, unit } if value.value != 0.0 => Some(Constant {
+            name: name.value.clone(),
+            unit: unit.as_ref().map_or(String::new(), |u| u.value.clone()),
+            value: value.value,
+        }),
+        _ => None,
+    };
+    spec.constants.iter().filter_map(of).collect()
+}
+
+/// The model with one of its constants free.
+fn freed(base: &Draft, constant: &Constant) -> Option<Draft> {
+    let (a, b) = ((1.0 - OFF) * constant.value, (1.0 + OFF) * constant.value);
+    let unit = if constant.unit.is_empty() { String::new() } else { format!("unit: {:?}, ", constant.unit) };
+    let free = format!("(value: {:?}, {unit}within: ({:?}, {:?}))", constant.value, a.min(b), a.max(b));
+    let text = splice::set(&base.text, &format!("constants.{}", constant.name), &free).ok()?;
+    base.rebuilt(text, vec![], vec![]).ok()
+}
+
+/// All choices of some effects; without all of them themselves where they explain the data.
+fn subsets(effects: &[Effect], explain: bool) -> Vec<Vec<Effect>> {
+    let all = 1usize << effects.len();
+    let of = |bits: usize| {
+        effects.iter().enumerate().filter(|(k, _)| bits >> k & 1 == 1).map(|(_, e)| e.clone()).collect()
+    };
+    (0..if explain { all - 1 } else { all }).map(of).collect()
+}
