@@ -193,3 +193,77 @@ fn feeds(fitted: &Fitted, effect: &Effect) -> Option<String> {
     (mean > 0.0)
         .then(|| "with it the damping of the body is negative in total: it would feed the motion".to_owned())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::draft::Draft;
+    use crate::effect::Entry;
+    use crate::fitted::noise;
+    use crate::place::places;
+    use phisindy_learn::Effort;
+    use phisindy_phys::{Law, Origin, SourceId, check, spec};
+    use phisindy_sim::synthesize;
+    use std::sync::Arc;
+
+    /// A law at the velocity of an oscillator that lacks `truth`, fitted to its motion from these numbers (SI) on.
+    fn fitted(truth: &str, id: &str, law: &str, start: &[f64]) -> (Fitted, Effect) {
+        let text = format!(
+            r#"(states: {{ "x": "m", "v": "m/s" }}, constants: {{ "k": (1.0, "N/m"), "m": (1.0, "kg"), "c": (0.1, "N*s/m"), "F0": (1.0, "N"), "W": (0.7, "rad/s") }},
+            known: {{ "x": "v", "v": "(-k*x - c*v + F0*cos(W*t))/m" }},
+            inertia: {{ "v": "m" }}, unknown: {{}}, data: [ Synthetic(truth: {{ "v": "{truth}" }}, start: {{ "x": 1.0, "v": 0.0 }}, duration: 40.0, step: 0.05, noise: Additive(0.02), seed: 1) ])"#
+        );
+        let (spec, _) = spec::read(&text, SourceId(0)).expect("a spec");
+        let (case, _) = check(&spec, SourceId(0)).expect("a case");
+        let Origin::Synthetic(plan) = &case.records[0].origin else { panic!("a measured record") };
+        let (record, _) =
+            synthesize(&case.records[0], plan, &case.system, None, &|_| Err("no files here".into()))
+                .expect("a record");
+        let records = vec![record];
+        let noise = noise(&records);
+        let draft = Draft::base(&text, case, records);
+        let entry = Entry { id: id.into(), law: Arc::new(Law::read(law).expect("a law")) };
+        let place = places(&draft.case.system, &draft.case.records, &[]).into_iter().find(|p| p.at == "v");
+        let place = place.expect("a place");
+        let effect =
+            Effect { entry, place, mirror: false, load: None, start: start.to_vec(), beside: vec![] };
+        let draft = draft.with(&effect).expect("a draft");
+        (Fitted::new(draft, &noise, Effort::Plain).expect("a fit"), effect)
+    }
+
+    fn said(truth: &str, id: &str, law: &str, start: &[f64]) -> String {
+        let (fitted, effect) = fitted(truth, id, law, start);
+        against(&fitted, &effect).unwrap_or_default()
+    }
+
+    const PRESLIDING: &str = include_str!("../../../specs/laws/presliding.ron");
+    const DEAD_ZONE: &str = include_str!("../../../specs/laws/dead-zone.ron");
+    const TONE: &str = include_str!("../../../specs/laws/harmonic-force.ron");
+
+    /// A contact that holds whatever comes is a spring; one that slips is none.
+    #[test]
+    fn an_elastic_contact_that_never_slips_is_a_spring() {
+        let (spring, contact) = fitted("-0.5*x", "presliding", PRESLIDING, &[100.0, 0.5]);
+        assert!(clings(&spring, &contact).is_some_and(|why| why.contains("never slips")));
+        assert_eq!(said("-0.3*sgn(v)", "presliding", PRESLIDING, &[0.3, 5.0]), "");
+    }
+
+    /// A gap beyond all that the body does is none: what is left is a constant force, or a spring that is gone.
+    #[test]
+    fn a_parameter_without_an_end_is_none() {
+        let law = DEAD_ZONE.replace("within: (0.0, 10.0)", "within: (0.0, 0.5)");
+        assert_ne!(law, DEAD_ZONE);
+        let truth = "-0.8*(max(x-0.3, 0) + min(x+0.3, 0) - x)";
+        let why = said(truth, "dead-zone", &law, &[0.8, 0.3]);
+        assert!(why.contains("runs to the end"), "{why}");
+        assert_eq!(said(truth, "dead-zone", DEAD_ZONE, &[0.8, 0.3]), "");
+    }
+
+    /// Half a period in a record is a slope; one and a half are a tone.
+    #[test]
+    fn a_tone_slower_than_the_record_is_none() {
+        let why = said("0.2*cos(0.05*t+1)", "harmonic-force", TONE, &[0.2, 0.05, 1.0]);
+        assert!(why.contains("half of one of its periods"), "{why}");
+        assert_eq!(said("0.2*cos(0.25*t+1)", "harmonic-force", TONE, &[0.2, 0.25, 1.0]), "");
+    }
+}

@@ -20,10 +20,10 @@ pub(crate) const SIMPLER: f64 = 3.0;
 const SHRINK: f64 = 0.98;
 /// A richer law must lower the gap on Validate records to this part, where something is left that is not noise.
 const RICHER: f64 = 0.95;
-/// A round that leaves more than this part of a gap that is far above the noise is a weak one; after two of them nothing in the catalogue helps.
+/// A round that leaves more than this part of a gap that is far above the noise is a weak one; after two of them, or after one that is not among the first two rounds, nothing in the catalogue helps.
 const FAR: f64 = 0.8;
 /// ... where a gap is that is above this.
-const LITTLE: f64 = 5.0;
+pub(crate) const LITTLE: f64 = 5.0;
 /// A model far from the noise that brings the gap on Fit records to this part is on the way, whatever Validate records say.
 const HALF: f64 = 0.5;
 /// How often a family of friction laws is tried again from a new leader.
@@ -130,7 +130,7 @@ impl Search<'_> {
             rounds.push(round);
             weak += usize::from(next.fit > LITTLE.max(FAR * now.fit));
             now = next;
-            if weak > 1 {
+            if weak > 1 || (weak > 0 && rounds.len() > 2) {
                 break;
             }
         }

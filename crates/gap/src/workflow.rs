@@ -10,7 +10,7 @@ use crate::mistaken::mistaken;
 use crate::refine::refitted;
 use crate::region::{Region, regions};
 use crate::repeat::{Repeat, prediction, repeatability};
-use crate::search::{Measure, Search, Searched};
+use crate::search::{LITTLE, Measure, Search, Searched};
 use crate::whiteness::{lines, share};
 use phisindy_learn::{Effort, FoundParameter, RecordFit, at_bounds, dead_column, sensitive_starts};
 use phisindy_phys::spec::Role;
@@ -448,7 +448,8 @@ fn finished(
     if status == Status::Unexplained {
         warnings.extend(tones(&last));
     }
-    if status != Status::NothingMissing && !repeats {
+    // Where much is missing no constant is to blame alone.
+    if status != Status::NothingMissing && !repeats && last.fit < LITTLE {
         hear(0.98, "constants that are held");
         warnings.extend(held(&last, noise, candidates));
     }

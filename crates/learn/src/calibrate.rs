@@ -77,7 +77,11 @@ pub fn calibrate(
         let last = pieces == 1;
         // A gain of a hundredth in the logarithm of the likelihood is none.
         let least = 0.01 / samples.max(1) as f64;
-        let limits = Limits::new(if last { 40 } else { 10 }, if last { least } else { 1e-3 });
+        let limits = match (last, effort) {
+            (true, Effort::Plain) => Limits { far: far(samples), ..Limits::new(40, least) },
+            (true, _) => Limits::new(40, least),
+            (false, _) => Limits::new(10, 1e-3),
+        };
         match problem.minimise(&mut x, &weights, limits) {
             Ok(_) => best = Some((problem, x)),
             Err(e) => trouble = e.to_string(),
@@ -178,6 +182,11 @@ fn tolerance(problem: &Problem<'_>, noise: &Noise) -> f64 {
 const MISFIT: f64 = 1.01;
 /// chi^2 per sample of a fit that [`Effort::Thorough`] tries other starts for: below it there is nothing to gain, above it the model is wrong.
 pub const RESTARTED: std::ops::Range<f64> = MISFIT..30.0;
+/// Far from the noise a gain of a thousandth is none: what is missing there is no digit.
+fn far(samples: usize) -> (f64, f64) {
+    (RESTARTED.end * samples as f64, 1e-3)
+}
+
 /// Starts round an end that misses.
 const RESTARTS: u32 = 4;
 
@@ -201,7 +210,7 @@ fn again(
         Ok(there) if there.cost < PROMISE * now.cost => {}
         _ => return,
     }
-    let limits = Limits::new(25, 1e-5);
+    let limits = Limits { far: far(samples), ..Limits::new(25, 1e-5) };
     let end = problem.minimise(&mut other, weights, limits);
     if end.is_ok_and(|end| end.cost < now.cost) {
         *x = other;

@@ -18,6 +18,8 @@ pub(crate) struct Limits {
     pub(crate) iterations: usize,
     /// Stops when a step lowers the cost by less than this part of it.
     pub(crate) gain: f64,
+    /// ... or, as long as the cost is above the first of these, by less than the second: where a model is far off nobody asks for digits.
+    pub(crate) far: (f64, f64),
     /// Gives up if [`CHANCES`] steps, or twice as many failures, leave the cost above this.
     pub(crate) hopeless: f64,
 }
@@ -30,7 +32,7 @@ const ROUNDING: f64 = 1.0 + 1e-14;
 impl Limits {
     /// So many steps, as long as each lowers the cost by that part.
     pub(crate) fn new(iterations: usize, gain: f64) -> Limits {
-        Limits { iterations, gain, hopeless: f64::INFINITY }
+        Limits { iterations, gain, far: (f64::INFINITY, gain), hopeless: f64::INFINITY }
     }
 }
 
@@ -86,7 +88,8 @@ pub(crate) fn minimise(
         let gain = (now.cost - next.cost) / now.cost.max(f64::MIN_POSITIVE);
         values.copy_from_slice(&trial);
         now = next;
-        if gain < limits.gain {
+        let least = if now.cost > limits.far.0 { limits.far.1 } else { limits.gain };
+        if gain < least {
             break;
         }
     }
@@ -181,6 +184,8 @@ mod tests {
         assert_eq!(steps(Limits::new(5, 0.0)), 5);
         // The first step brings the cost from 24.2 to about 4.7: a gain of less than 0.99 of it.
         assert_eq!(steps(Limits::new(200, 0.99)), 1);
+        assert_eq!(steps(Limits { far: (4.0, 0.99), ..limits }), 1);
+        assert!(steps(Limits { far: (5.0, 0.99), ..limits }) > 3);
     }
 
     #[test]
