@@ -119,6 +119,8 @@ fn clings(fitted: &Fitted, effect: &Effect) -> Option<String> {
         return None;
     }
     let level = *numbers(fitted, effect)?.first()?;
+    // How far it gave way only its own run knows.
+    fitted.cal.records.iter().map(|r| r.run.as_ref()).collect::<Option<Vec<_>>>()?;
     let most = along(fitted, effect)?.into_iter().fold(0.0_f64, |m, (force, _)| m.max(force.abs()));
     (most < SLIPS * level).then(|| "its contact never slips: it stands for a spring".to_owned())
 }
