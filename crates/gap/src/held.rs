@@ -4,7 +4,7 @@
 use crate::draft::Draft;
 use crate::effect::Effect;
 use crate::fitted::{Fitted, current};
-use crate::search::{Measure, RACE, SIMPLER, label};
+use crate::search::{Measure, RACE, SIMPLER, label, size};
 use crate::workflow::EXPLAINED;
 use phisindy_learn::Effort;
 use phisindy_phys::spec::{self, ConstantSpec};
@@ -15,7 +15,7 @@ use rayon::prelude::*;
 /// A constant that is held may be off by this part.
 const OFF: f64 = 0.3;
 /// Models that are fitted in full.
-const FITTED: usize = 4;
+const FITTED: usize = 6;
 /// What the error of a constant must bring beside effects that explain nothing without it.
 const WORTH: f64 = 10.0;
 
@@ -41,23 +41,23 @@ pub(crate) fn held(last: &Fitted, noise: &[Vec<f64>], candidates: usize) -> Opti
         Some((draft.glance(noise, 1)?, constant, draft))
     });
     let mut looked: Vec<(f64, Constant, Draft)> = looked.collect();
-    looked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let least = looked.first()?.0;
+    let least = looked.iter().map(|(look, ..)| *look).fold(f64::INFINITY, f64::min);
     looked.retain(|(look, ..)| *look <= RACE * least);
+    // A free constant is a number like any other.
+    let price = (last.cal.samples as f64).ln();
+    let promise = |(look, _, d): &(f64, Constant, Draft)| {
+        last.cal.samples as f64 * (1.0 + look.ln()) + price * size(d) as f64
+    };
+    looked.sort_by(|a, b| promise(a).total_cmp(&promise(b)));
     looked.truncate(FITTED);
     let fitted = looked
         .into_par_iter()
         .filter_map(|(_, constant, draft)| Some((constant, Fitted::new(draft, noise, Effort::Plain).ok()?)));
     let fitted: Vec<(Constant, Fitted)> = fitted.collect();
     let by = Measure::of(fitted.iter().map(|(_, f)| f).chain([last]), candidates);
-    // A free constant is a number like any other.
-    let price = (last.cal.samples as f64).ln();
     let worse = |f: &Fitted| by.score(f) + price - by.score(last);
     let explains = |f: &Fitted| f.is_white() && f.carried.unwrap_or(f.fit) < EXPLAINED;
-    let numbers = |f: &Fitted| -> usize {
-        f.draft.effects.iter().map(|(e, ..)| e.entry.law.parameters.len()).sum::<usize>()
-    };
-    let simpler = |f: &Fitted| numbers(f) + 1 < numbers(last);
+    let simpler = |f: &Fitted| size(&f.draft) + 1 < size(&last.draft);
     let limit = |f: &Fitted| if explains(last) && simpler(f) { SIMPLER } else { -WORTH };
     let (constant, best) = fitted
         .into_iter()

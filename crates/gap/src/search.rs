@@ -370,7 +370,7 @@ fn round(
 }
 
 /// Parameters of all effects of a model.
-fn size(d: &Draft) -> usize {
+pub(crate) fn size(d: &Draft) -> usize {
     d.effects.iter().map(|(e, ..)| e.entry.law.parameters.len()).sum()
 }
 
