@@ -17,7 +17,7 @@ use phisindy_expr::Span;
 use phisindy_phys::spec::{CsvSpec, Text};
 use phisindy_phys::unit::{Scale, Unit};
 use phisindy_phys::{Blocks, Diagnostic, SourceId, Sources, Table, Units};
-use stated::{Reading, contradiction};
+use stated::{Reading, contradiction, crossed};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::path::Path;
@@ -202,7 +202,7 @@ impl Reader<'_> {
         if wrong.is_empty() { Ok(layout) } else { Err(wrong) }
     }
 
-    /// Warns of headings that say another unit than the spec.
+    /// Warns of headings that say another unit than the spec, or name each other's column.
     fn contradicted(&mut self, names: &[String], row: Option<&[String]>, units: &Units, layout: &Layout) {
         let time = layout.time.map(|k| (k, Reading { name: None, column: &self.csv.time, unit: units.time }));
         let columns = self.csv.columns.iter().zip(&units.columns).zip(&layout.columns);
@@ -212,7 +212,8 @@ impl Reader<'_> {
             let unit = row.and_then(|row| row.get(k)).map(String::as_str);
             contradiction(&reading, &names[k], unit, self.mistakes.spec)
         });
-        self.warnings.extend(told.collect::<Vec<_>>());
+        let crossed = crossed(self.csv, self.mistakes.spec);
+        self.warnings.extend(told.chain(crossed).collect::<Vec<_>>());
     }
 
     /// One line of the file.

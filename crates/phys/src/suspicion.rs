@@ -1,6 +1,7 @@
 //! What is odd about a record before any model is fitted: holes in time, cut peaks, columns that stand still or freeze, spikes, jumps, inputs with too few samples, a
 //! velocity that is not the rate of its displacement, and columns that are swapped.
 
+mod balance;
 mod frozen;
 mod jumps;
 mod rates;
@@ -8,6 +9,7 @@ mod scatter;
 mod spikes;
 
 use crate::{Interpolation, Record, Signal, System, noise_level, standard_deviation};
+use balance::balance;
 use frozen::frozen;
 use jumps::jumps;
 use rates::rates;
@@ -34,7 +36,9 @@ pub fn suspicions(system: &System, record: &Record) -> Vec<String> {
         cut(record, &input.name, signal.values(), &mut found);
         coarse(record, &input.name, signal, &mut found);
     }
-    rates(system, record, &mut found);
+    if !rates(system, record, &mut found) {
+        balance(system, record, &mut found);
+    }
     found
 }
 
@@ -144,7 +148,14 @@ fn torn(
             }
         ));
     }
-    let spikes: Vec<usize> = spikes(column).into_iter().filter(|&k| whole(k)).collect();
+    // A velocity may jump: when a body strikes a stop. A level that is taken from frozen samples is none.
+    let apart = |k: usize| frozen.iter().all(|r| k + jumps::LEVEL < r.start || k > r.end + jumps::LEVEL);
+    let jumps = velocity.map_or(vec![], |v| jumps(time, column, v));
+    let jumps: Vec<usize> = jumps.into_iter().filter(|&k| apart(k)).collect();
+    let spikes: Vec<usize> = spikes(column)
+        .into_iter()
+        .filter(|&k| whole(k) && jumps.iter().all(|j| k.abs_diff(*j) > 1))
+        .collect();
     if let Some(&first) = spikes.first() {
         found.push(format!(
             "{record}: `{name}` jumps to {:.6} and back in the sample at {:.6} s{}: a spike of the sensor weighs as much as a hundred good samples; repair or cut it",
@@ -153,9 +164,6 @@ fn torn(
             more(spikes.len())
         ));
     }
-    // A velocity may jump: when a body strikes a stop.
-    let jumps = velocity.map_or(vec![], |v| jumps(time, column, v));
-    let jumps: Vec<usize> = jumps.into_iter().filter(|&k| whole(k)).collect();
     if let Some(&k) = jumps.first() {
         found.push(format!(
             "{record}: `{name}` is elsewhere from {:.6} s to {:.6} s and stays there ({:.6}, then {:.6}){}: a body does not do that, so the sensor slipped or was set anew; cut the \

@@ -1,7 +1,7 @@
-//! A heading that carries a unit (`x_mm`, `v (mm/s)`), beside the unit in which the spec reads its column.
+//! A heading that carries a unit (`x_mm`, `v (mm/s)`) or the name of another column, beside what the spec reads it as.
 
 use crate::new::heading::Heading;
-use phisindy_phys::spec::{ColumnSpec, Text};
+use phisindy_phys::spec::{ColumnSpec, CsvSpec, Text};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{Diagnostic, SourceId};
 
@@ -56,6 +56,30 @@ pub(super) fn contradiction(
     ((factor - 1.0).abs() > 1e-9).then(|| told(message, help))
 }
 
+/// A warning where the heading of each of two columns is the name of the other one.
+pub(super) fn crossed(csv: &CsvSpec, spec: SourceId) -> Option<Diagnostic> {
+    let called = |c: &ColumnSpec, name: &Text| {
+        let heading = c.header.value.as_str();
+        heading == name.value || Heading::parse(heading).name == name.value.to_lowercase()
+    };
+    let columns = &csv.columns;
+    let pairs =
+        (0..columns.len()).flat_map(|i| (i + 1..columns.len()).map(move |j| (&columns[i], &columns[j])));
+    let swapped = pairs
+        .into_iter()
+        .find(|((x, a), (y, b))| called(a, y) && called(b, x) && !called(a, x) && !called(b, y));
+    swapped.map(|((x, a), (y, b))| {
+        let (x, y, a, b) = (&x.value, &y.value, &a.header, &b.header);
+        Diagnostic::warning(format!(
+            "`{x}` is read from `{}` and `{y}` from `{}`: the two columns are probably swapped",
+            a.value, b.value
+        ))
+        .at(spec, a.span, format!("the name of `{y}`"))
+        .also(spec, b.span, format!("the name of `{x}`"))
+        .help("exchange the two headings, or rename the columns of the file")
+    })
+}
+
 /// A factor in words.
 fn times(factor: f64) -> String {
     let digits = |x: f64| format!("{}", (x * 1e6).round() / 1e6);
@@ -108,6 +132,32 @@ mod tests {
             ("torque [Nm]", Some("N*m")),
         ] {
             assert_eq!(told(heading, None, stated), "", "{heading}");
+        }
+    }
+
+    #[test]
+    fn headings_that_name_each_other_are_told() {
+        let told = |columns: &str| {
+            let text = format!(
+                "(states: {{ \"x\": \"m\" }}, known: {{ \"x\": \"1\" }}, data: [Csv(path: \"a.csv\", time: \"t\", columns: {{ {columns} }})])"
+            );
+            let (spec, _) = phisindy_phys::spec::read(&text, SourceId(0)).expect("well formed");
+            let phisindy_phys::spec::DataSpec::Csv(csv) = &spec.data[0] else { panic!("a Csv record") };
+            crossed(csv, SourceId(0)).map_or(String::new(), |d| d.message)
+        };
+        for swapped in [
+            r#""x": ("u_mm", "mm"), "u": ("x_mm", "mm")"#,
+            r#""x": "F [N]", "v": "v", "F": "x""#,
+            r#""x1": "x2", "x2": "x1""#,
+        ] {
+            assert!(told(swapped).ends_with("probably swapped"), "{swapped}");
+        }
+        for good in [
+            r#""x": ("x_mm", "mm"), "u": ("u_mm", "mm")"#,
+            r#""x": "u", "u": "base""#,
+            r#""x": "a", "v": "b""#,
+        ] {
+            assert_eq!(told(good), "", "{good}");
         }
     }
 }

@@ -8,7 +8,7 @@ const JUMP: f64 = 10.0;
 /// ... and so many times the steps round it.
 const ABRUPT: f64 = 4.0;
 /// Samples on either side of which the level is taken, where a measured velocity says what the motion does meanwhile.
-const LEVEL: usize = 20;
+pub(super) const LEVEL: usize = 20;
 /// Levels scatter: a shift is so many times that ...
 const SHIFT: f64 = 8.0;
 /// ... and so many times what the fastest motion does in one step.
@@ -67,7 +67,11 @@ fn shifted(time: &[f64], x: &[f64], v: &[f64]) -> Vec<usize> {
             let own = |j: usize| (rest[j + 1] - rest[j]).abs();
             own(*a).total_cmp(&own(*b))
         });
-        if let Some(at) = near.filter(|at| told(*at, shift(*at).abs()) && shift(*at).abs() > 0.8 * size)
+        let steps = |at: &usize| {
+            let whole = shift(*at);
+            told(*at, whole.abs()) && whole.abs() > 0.8 * size && (rest[at + 1] - rest[*at]) / whole > 0.5
+        };
+        if let Some(at) = near.filter(steps)
             && all.last().is_none_or(|last| at > last + LEVEL)
         {
             all.push(at);

@@ -11,8 +11,9 @@ const UNLIKE: f64 = 0.5;
 const SAME: f64 = 0.35;
 const OTHER: f64 = 0.5;
 
-/// Compares each measured velocity with the rate of its measured displacement.
-pub(super) fn rates(system: &System, record: &Record, found: &mut Vec<String>) {
+/// Compares each measured velocity with the rate of its measured displacement. Returns whether it told of anything.
+pub(super) fn rates(system: &System, record: &Record, found: &mut Vec<String>) -> bool {
+    let before = found.len();
     let swapped = swapped(system, record);
     if let Some(told) = &swapped.told {
         found.push(format!("{}: {told}", record.name));
@@ -34,6 +35,7 @@ pub(super) fn rates(system: &System, record: &Record, found: &mut Vec<String>) {
             ));
         }
     }
+    found.len() > before
 }
 
 /// The displacements and velocities of which both are measured.

@@ -19,7 +19,7 @@ pub(super) fn spikes(column: &[f64]) -> Vec<usize> {
         let (left, right) = (at(k) - at(k - 1), at(k) - at(k + 1));
         let quiet = |a: usize, b: usize, c: usize| (at(a) - at(b)).abs().min((at(a) - at(c)).abs());
         left * right > 0.0
-            && left.abs().min(right.abs()) > 0.5 * size
+            && left.abs().min(right.abs()) > 0.7 * size
             && quiet(k - 1, k - 2, k - 3).max(quiet(k + 1, k + 2, k + 3)) < size / 3.0
     };
     let apart = |k: usize| {
