@@ -24,6 +24,7 @@ const GUESSED: f64 = 0.01;
 pub fn suspicions(system: &System, record: &Record) -> Vec<String> {
     let mut found = Vec::new();
     holes(record, &mut found);
+    let before = found.len();
     for (state, column) in system.states.iter().zip(&record.columns) {
         if let Some(column) = column {
             still(record, &state.name, column, &mut found);
@@ -32,11 +33,13 @@ pub fn suspicions(system: &System, record: &Record) -> Vec<String> {
             torn(record, &state.name, column, velocity, &mut found);
         }
     }
+    let whole = found.len() == before;
     for (input, signal) in system.inputs.iter().zip(&record.inputs) {
         cut(record, &input.name, signal.values(), &mut found);
         coarse(record, &input.name, signal, &mut found);
     }
-    if !rates(system, record, &mut found) {
+    // What is wrong with a column is wrong with what the model makes of it.
+    if !rates(system, record, &mut found) && whole {
         balance(system, record, &mut found);
     }
     found

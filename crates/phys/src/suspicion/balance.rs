@@ -9,14 +9,9 @@ use phisindy_expr::{Binary, Graph, Id, Node, Scratch, Tape, Unary};
 use std::f64::consts::{PI, TAU};
 use std::ops::RangeInclusive;
 
-/// The known part leaves more than this part of the acceleration where something is wrong, ...
-const WRONG: f64 = 0.7;
-/// ... and less than this once it is put right, ...
-const RIGHT: f64 = 0.35;
-/// ... and so many times less than before. Friction that the model lacks may leave more, where the whole was out of all proportion.
-const FALL: f64 = 3.0;
-const MUCH: f64 = 0.6;
-const FAR: f64 = 30.0;
+/// What a part of the acceleration the known part must leave before something is wrong, may leave once that is put right, and how many times less that must be. A model that
+/// leaves little before must be right afterwards; of one that was out of all proportion friction may be missing besides.
+const MENDED: [(f64, f64, f64); 3] = [(0.25, 0.35, 5.0), (0.7, 0.35, 3.0), (10.0, 0.6, 30.0)];
 /// What a unit is wrong by.
 const FACTORS: [f64; 6] = [1e3, 1e-3, 1e6, 1e-6, 1e9, 1e-9];
 /// More samples or parts say no more.
@@ -31,7 +26,7 @@ pub(super) fn balance(system: &System, record: &Record, found: &mut Vec<String>)
     let rates: Vec<Rate> = system.states.iter().filter_map(|s| Rate::of(system, s.velocity?)).collect();
     let now: Vec<Sums> = rates.iter().filter_map(|rate| Sums::new(system, record, rate)).collect();
     let left = worst(&now);
-    if !left.is_finite() || left < WRONG {
+    if !left.is_finite() || left < MENDED[0].0 {
         return;
     }
     let columns = system.states.len() + system.inputs.len();
@@ -56,7 +51,7 @@ pub(super) fn balance(system: &System, record: &Record, found: &mut Vec<String>)
 
 /// Whether what is left now falls to what an incomplete model may leave.
 fn mended(now: f64, after: f64) -> bool {
-    now > WRONG && (after < RIGHT && FALL * after < now || after < MUCH && FAR * after < now)
+    MENDED.iter().any(|(least, most, fall)| now > *least && after < *most && fall * after < now)
 }
 
 /// The largest misfit; nothing where there is nothing to compare.
@@ -190,7 +185,9 @@ impl<'r> Sums<'r> {
         let states: Vec<Id> = system.states.iter().map(|s| s.node).collect();
         let drives: Vec<usize> = (0..parts.len()).filter(|&k| !graph.uses(&[parts[k]], &states)).collect();
         let alone = (0..parts.len()).map(|k| vec![k]);
-        let groups = alone.chain((drives.len() > 1).then_some(drives));
+        // An inertia is in all of them.
+        let together = [drives, (0..parts.len()).collect()].into_iter().filter(|group| group.len() > 1);
+        let groups = alone.chain(together);
         let trials = groups
             .flat_map(|group| FACTORS.map(|f| (group.clone(), f)))
             .map(|(group, f)| (self.misfit(&|k| if group.contains(&k) { f } else { 1.0 }), group, f));
@@ -209,7 +206,7 @@ impl<'r> Sums<'r> {
         let times = if f > 1.0 { format!("{f} times") } else { format!("1/{} times", (1.0 / f).round()) };
         let (plural, are) = if texts.len() > 1 { ("s", "are") } else { ("", "is") };
         Some(format!(
-            "{}: the model tells the acceleration in `{}` once its part{plural} in {} {are} {times} as large: look at the units of the constants and columns in it, and of the \
+            "{}: the model tells the acceleration in `{}` once its part{plural} in {} {are} {times} as large: look at the units of the constants and columns there, and of the \
              measured motion",
             record.name,
             system.states[*velocity].name,
@@ -345,6 +342,7 @@ mod tests {
         assert_eq!(told(2.0, 600.0, ORDER, ONE), "");
         assert_eq!(told(2.5, 500.0, ORDER, ONE), "");
         assert_eq!(told(2.0, 1200.0, ORDER, ONE), "");
+        assert_eq!(told(20.0, 600.0, ORDER, ONE), "");
     }
 
     #[test]
@@ -353,6 +351,8 @@ mod tests {
         assert!(stiff.contains("x - u") && stiff.contains("is 1/1000 times as"), "{stiff}");
         let soft = told(2.0, 0.6, ORDER, ONE);
         assert!(soft.contains("x - u") && soft.contains("is 1000 times as"), "{soft}");
+        let light = told(2e-3, 600.0, ORDER, ONE);
+        assert!(light.contains("its parts in") && light.contains("are 1/1000 times as"), "{light}");
         let force = told(2.0, 600.0, ORDER, [1.0, 1.0, 1e6]);
         assert!(force.contains("in `F`") && force.contains("is 1/1000000 times as"), "{force}");
     }
