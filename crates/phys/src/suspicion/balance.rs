@@ -314,7 +314,7 @@ mod tests {
         let slope = |t: f64| 36e-3 * (9.0 * t).cos() + 46e-3 * (23.0 * t + 1.0).cos();
         let force = |t: f64| 1.5 * (14.0 * t).cos();
         let (mut x, mut v, h) = (0.0_f64, 0.0_f64, 1e-4);
-        let mut columns = vec![vec![], vec![], vec![]];
+        let mut columns = [vec![], vec![], vec![]];
         let noise = gaussian(2500, 2);
         for (i, &start) in time.iter().enumerate() {
             columns[0].push(scale[0] * (x + 1e-4 * noise[i]));

@@ -47,16 +47,19 @@ fn pairs(system: &System, record: &Record) -> impl Iterator<Item = (usize, usize
     system.states.iter().map(|s| s.velocity).enumerate().filter_map(of)
 }
 
+/// Displacements and their velocities.
+type Pairs = Vec<(usize, usize)>;
+
 /// Columns that are exchanged, in words, and the pairs that are wrong because of it.
 #[derive(Default)]
 struct Swapped {
     told: Option<String>,
-    pairs: Vec<(usize, usize)>,
+    pairs: Pairs,
 }
 
 /// Looks for two columns that make each velocity the rate of its displacement once they are exchanged.
 fn swapped(system: &System, record: &Record) -> Swapped {
-    let pairs: Vec<(usize, usize)> = pairs(system, record).collect();
+    let pairs: Pairs = pairs(system, record).collect();
     let states = system.states.iter().zip(&record.columns).map(|(s, c)| (&s.name, &s.unit, c.as_deref()));
     let derived = |k: usize| record.derivations.iter().any(|d| d.input == k);
     let inputs = system.inputs.iter().zip(&record.inputs).enumerate();
@@ -77,7 +80,7 @@ fn swapped(system: &System, record: &Record) -> Swapped {
             return Swapped { told: Some(told), pairs: vec![(k, v)] };
         }
     }
-    let mut best: Vec<(f64, usize, usize, Vec<(usize, usize)>)> = Vec::new();
+    let mut best: Vec<(f64, [usize; 2], Pairs)> = Vec::new();
     for i in 0..columns.len() {
         for j in i + 1..columns.len() {
             let exchanged = |k: usize| {
@@ -89,7 +92,7 @@ fn swapped(system: &System, record: &Record) -> Swapped {
                     k
                 }
             };
-            let touched: Vec<(usize, usize)> =
+            let touched: Pairs =
                 pairs.iter().copied().filter(|&(k, v)| [k, v].iter().any(|&c| exchanged(c) != c)).collect();
             // A pair among itself was looked at, and says nothing of a pair with another one.
             let alone = touched.contains(&(i, j)) || touched.contains(&(j, i));
@@ -107,7 +110,7 @@ fn swapped(system: &System, record: &Record) -> Swapped {
                 && then.iter().all(|r| r.as_ref().is_some_and(good))
             {
                 let misfit = then.iter().flatten().map(|r| r.misfit).fold(0.0, f64::max);
-                best.push((misfit, i, j, touched));
+                best.push((misfit, [i, j], touched));
             }
         }
     }
@@ -117,7 +120,7 @@ fn swapped(system: &System, record: &Record) -> Swapped {
     let named: Vec<String> = best
         .iter()
         .filter(|(misfit, .., other)| *misfit < 1.2 * least && other == touched)
-        .map(|(_, i, j, _)| format!("`{}` and `{}`", columns[*i].0, columns[*j].0))
+        .map(|(_, [i, j], _)| format!("`{}` and `{}`", columns[*i].0, columns[*j].0))
         .collect();
     let told = format!(
         "with {} exchanged each velocity is the rate of its displacement, and as they are it is not: the two columns are probably swapped",
