@@ -168,6 +168,43 @@ fn odd_records_are_told_of() {
     assert!(odd("hole", hole, "(\"x\", \"m\")").contains("no samples from"));
 }
 
+/// A unit that is off makes the model leave all bounds: every command says which one, and the failure what to look at.
+#[test]
+fn all_commands_tell_of_a_wrong_unit() {
+    let rows = (0..600).fold("t,x_mm,F\n".to_owned(), |mut all, k| {
+        let t = 0.02 * f64::from(k);
+        let x = 100.0 * (3.0 * t).cos() - 62.5 * (5.0 * t).cos();
+        let _ = writeln!(all, "{t:.5},{:.6},{:.7}", x + 0.2 * scatter(k as u64), (5.0 * t).cos());
+        all
+    });
+    let scratch = Scratch::new("unit");
+    std::fs::write(scratch.path("a.csv"), rows).expect("a file");
+    let path = scratch.path("case.ron");
+    let said = |command: &str, unit: &str| {
+        let text = format!(
+            "(constants: {{ \"k\": (value: 8.0, unit: \"1/s^2\", within: (4.0, 20.0)) }}, states: {{ \"x\": \"m\", \"v\": \"m/s\" }}, inputs: {{ \"F\": \"m/s^2\" }},\n\
+             known: {{ \"x\": \"v\", \"v\": \"F - k*x\" }}, data: [Csv(path: \"a.csv\", time: \"t\", columns: {{ \"x\": (\"x_mm\", \"{unit}\"), \"F\": \"F\" }})])"
+        );
+        std::fs::write(&path, text).expect("a file");
+        phisindy(&[command, &path])
+    };
+    for (command, code) in [("check", 0), ("run", 3), ("gap", 3)] {
+        let wrong = said(command, "nm");
+        assert_eq!(wrong.code, code, "{command}: {}", wrong.err);
+        for part in ["the heading `x_mm` says mm", "its part in `F` is 1/1000000 times as large"] {
+            assert!(wrong.err.contains(part), "{command}: {}", wrong.err);
+        }
+        assert_eq!(
+            wrong.err.contains("look at the units of the columns"),
+            code == 3,
+            "{command}: {}",
+            wrong.err
+        );
+    }
+    let right = said("check", "mm").err;
+    assert!(right.contains("no mistakes\n"), "{right}");
+}
+
 /// Scatter from -1 to 1 without a pattern.
 fn scatter(k: u64) -> f64 {
     let mixed = (k + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);

@@ -11,6 +11,7 @@ use crate::{
 use anyhow::{Context, Result, anyhow};
 use phisindy_learn::{Identified, LearnError, LearnOptions, Verdict, identify};
 use phisindy_phys::{Diagnostic, Sources};
+use phisindy_sim::DIVERGED;
 use std::io::{self, IsTerminal, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -76,6 +77,19 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
 /// A message on standard error.
 pub(crate) fn complain(message: &str) {
     draw::show([&Diagnostic::error(message)], &Sources::default());
+}
+
+/// Why a spec came to nothing, on standard error, with what to do where that is known.
+pub(crate) fn failed(spec: &str, why: &str) {
+    let d = Diagnostic::error(format!("{spec}: {why}"));
+    draw::show([&advice(why).into_iter().fold(d, Diagnostic::help)], &Sources::default());
+}
+
+/// What to do about a failure.
+pub(crate) fn advice(why: &str) -> Option<&'static str> {
+    why.contains(DIVERGED).then_some(
+        "look at the units of the columns and of the constants that drive it (warnings above may say which), at the signs of stiffness and damping, and at where movable constants start",
+    )
 }
 
 /// Reads a spec and draws what there is to say about it; mistakes also into the report of a folder.
@@ -150,7 +164,7 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
     let found = match identified(&loaded, options) {
         Ok(found) => found,
         Err(error) => {
-            complain(&format!("{}: {error}", loaded.spec));
+            failed(&loaded.spec, &error.to_string());
             interrupt::tell();
             if let Some(folder) = folder {
                 html::write_failure(&error.to_string(), &loaded, options, folder)?;
@@ -242,7 +256,7 @@ fn simulate(spec: &Path, record: Option<&str>, options: &Options) -> Result<u8> 
     let runs = match simulate::runs(&loaded) {
         Ok(runs) => runs,
         Err(why) => {
-            complain(&format!("{}: {why}", loaded.spec));
+            failed(&loaded.spec, &why.to_string());
             return Ok(NUMERICS);
         }
     };

@@ -8,6 +8,7 @@
 mod dialect;
 mod lines;
 mod mistake;
+mod stated;
 
 pub(crate) use dialect::{Dialect, is_units_row, looks_like_number};
 pub(crate) use lines::{Line, Lines, open};
@@ -16,6 +17,7 @@ use phisindy_expr::Span;
 use phisindy_phys::spec::{CsvSpec, Text};
 use phisindy_phys::unit::{Scale, Unit};
 use phisindy_phys::{Blocks, Diagnostic, SourceId, Sources, Table, Units};
+use stated::{Reading, contradiction, crossed};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::path::Path;
@@ -93,8 +95,18 @@ pub(crate) fn table(
         run: 0,
         clock: None,
     };
-    // A second heading line that only holds units says nothing that the spec does not say.
-    let second = second.filter(|line| !(has_header && is_units_row(&dialect, &line.text)));
+    // A second heading line that only holds units is no row.
+    let (units_row, second) = match second {
+        Some(line) if has_header && is_units_row(&dialect, &line.text) => (Some(line), None),
+        other => (None, other),
+    };
+    if has_header {
+        let row = units_row.map(|line| {
+            let fields = dialect.fields(&line.text);
+            fields.iter().map(|f| dialect.unquoted(&line.text, f)).collect::<Vec<_>>()
+        });
+        reader.contradicted(&names, row.as_deref(), units, &layout);
+    }
     let begin = if has_header { [None, second] } else { [Some(first), second] };
     let mut pending = begin.into_iter().flatten();
     loop {
@@ -188,6 +200,20 @@ impl Reader<'_> {
             rows: self.csv.rows.iter().map(|(name, _)| find(name)).collect(),
         };
         if wrong.is_empty() { Ok(layout) } else { Err(wrong) }
+    }
+
+    /// Warns of headings that say another unit than the spec, or name each other's column.
+    fn contradicted(&mut self, names: &[String], row: Option<&[String]>, units: &Units, layout: &Layout) {
+        let time = layout.time.map(|k| (k, Reading { name: None, column: &self.csv.time, unit: units.time }));
+        let columns = self.csv.columns.iter().zip(&units.columns).zip(&layout.columns);
+        let columns =
+            columns.map(|(((name, column), &unit), &k)| (k, Reading { name: Some(name), column, unit }));
+        let told = time.into_iter().chain(columns).filter_map(|(k, reading)| {
+            let unit = row.and_then(|row| row.get(k)).map(String::as_str);
+            contradiction(&reading, &names[k], unit, self.mistakes.spec)
+        });
+        let crossed = crossed(self.csv, self.mistakes.spec);
+        self.warnings.extend(told.chain(crossed).collect::<Vec<_>>());
     }
 
     /// One line of the file.

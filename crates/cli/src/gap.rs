@@ -1,7 +1,7 @@
 //! `phisindy gap`: the workflow, and what it found for people, for programs and for files.
 
 use crate::args::{Format, Options};
-use crate::command::{INPUT, NUMERICS, REJECTED, complain, loaded, print, remark};
+use crate::command::{INPUT, NUMERICS, REJECTED, complain, failed, loaded, print, remark};
 use crate::load::{Loaded, Purpose};
 use crate::progress::Progress;
 use crate::table::{interval, short};
@@ -46,7 +46,7 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
     let found = match found {
         Ok(found) => found,
         Err(error) => {
-            complain(&format!("{}: {error}", loaded.spec));
+            failed(&loaded.spec, &error.to_string());
             interrupt::tell();
             if let Some(folder) = &folder {
                 html::write_failure(&error.to_string(), &loaded, options, folder)?;

@@ -22,6 +22,7 @@ mod shrink;
 mod table;
 
 use crate::args::Options;
+use crate::command::advice;
 use crate::load::Loaded;
 use crate::outdir::OutDir;
 use crate::report::Report;
@@ -72,7 +73,8 @@ pub(crate) fn write_refusal(
 
 /// Writes why there is no result, beside what was measured.
 pub(crate) fn write_failure(why: &str, loaded: &Loaded, options: &Options, folder: &OutDir) -> Result<()> {
-    let banner = Banner { tone: Tone::Bad, headline: "Failed".to_owned(), text: why.to_owned() };
+    let text = advice(why).map_or_else(|| why.to_owned(), |advice| format!("{why}: {advice}"));
+    let banner = Banner { tone: Tone::Bad, headline: "Failed".to_owned(), text };
     let mut page = Page::new(loaded, banner);
     add_remarks(&mut page, &[], &data::notes(loaded));
     let seen = data::measured(loaded);

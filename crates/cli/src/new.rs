@@ -7,7 +7,7 @@
 mod clock;
 mod draft;
 mod estimate;
-mod heading;
+pub(crate) mod heading;
 mod look;
 mod role;
 mod survey;

@@ -1,15 +1,22 @@
-//! What is odd about a record before any model is fitted: holes in time, cut peaks, columns that stand still, spikes, inputs with too few samples, and a velocity that is
-//! not the rate of its displacement.
+//! What is odd about a record before any model is fitted: holes in time, cut peaks, columns that stand still or freeze, spikes, jumps, inputs with too few samples, a
+//! velocity that is not the rate of its displacement, and columns that are swapped.
+
+mod balance;
+mod frozen;
+mod jumps;
+mod rates;
+mod scatter;
+mod spikes;
 
 use crate::{Interpolation, Record, Signal, System, noise_level, standard_deviation};
+use balance::balance;
+use frozen::frozen;
+use jumps::jumps;
+use rates::rates;
+use spikes::spikes;
 
 /// A step in time that is this many times the usual one is a hole.
 const HOLE: f64 = 5.0;
-/// A single sample this many noise levels away from the mean of its neighbours is a spike, unless the motion bends there.
-const SPIKE: f64 = 25.0;
-/// A scale between a displacement and its velocity beyond this is a mistake in a unit and not a sensor out of tune.
-const SCALE: f64 = 3.0;
-
 /// Between its samples an input is guessed; an error beyond this part of its standard deviation moves the result.
 const GUESSED: f64 = 0.01;
 
@@ -17,18 +24,24 @@ const GUESSED: f64 = 0.01;
 pub fn suspicions(system: &System, record: &Record) -> Vec<String> {
     let mut found = Vec::new();
     holes(record, &mut found);
+    let before = found.len();
     for (state, column) in system.states.iter().zip(&record.columns) {
         if let Some(column) = column {
             still(record, &state.name, column, &mut found);
             cut(record, &state.name, column, &mut found);
-            spikes(record, &state.name, column, &mut found);
+            let velocity = state.velocity.map(|v| record.columns[v].as_deref());
+            torn(record, &state.name, column, velocity, &mut found);
         }
     }
+    let whole = found.len() == before;
     for (input, signal) in system.inputs.iter().zip(&record.inputs) {
         cut(record, &input.name, signal.values(), &mut found);
         coarse(record, &input.name, signal, &mut found);
     }
-    rates(system, record, &mut found);
+    // What is wrong with a column is wrong with what the model makes of it.
+    if !rates(system, record, &mut found) && whole {
+        balance(system, record, &mut found);
+    }
     found
 }
 
@@ -112,101 +125,61 @@ fn coarse(record: &Record, name: &str, signal: &Signal, found: &mut Vec<String>)
     }
 }
 
-fn spikes(record: &Record, name: &str, column: &[f64], found: &mut Vec<String>) {
-    let noise = noise_level(column);
-    if noise <= 0.0 {
-        return;
-    }
-    let apart = |k: usize| {
-        let at = |j: usize| column[j];
-        let size = at(k) - 0.5 * (at(k - 1) + at(k + 1));
-        // What a bend of the motion itself would be, three times over: seen on the samples round it.
-        let bend = 0.5 * (at(k - 1) + at(k + 1) - at(k - 2) - at(k + 2));
-        let alone = (at(k) - at(k - 1)) * (at(k) - at(k + 1)) > 0.0;
-        alone && size.abs() > SPIKE * noise && size.abs() > 5.0 * bend.abs()
-    };
-    let all: Vec<usize> = (2..column.len().saturating_sub(2)).filter(|&k| apart(k)).collect();
-    if let (Some(&first), true) = (all.first(), all.len() * 200 <= column.len()) {
-        let more = if all.len() > 1 { format!(" (and in {} more)", all.len() - 1) } else { String::new() };
+/// Samples that are not what the sensor saw. `velocity` is that of a displacement, with its column if it has one.
+fn torn(
+    record: &Record,
+    name: &str,
+    column: &[f64],
+    velocity: Option<Option<&[f64]>>,
+    found: &mut Vec<String>,
+) {
+    let (record, time) = (&record.name, &record.time);
+    let more = |count: usize| if count > 1 { format!(" (and in {} more)", count - 1) } else { String::new() };
+    let frozen = frozen(column);
+    let whole = |k: usize| frozen.iter().all(|r| k + 1 < r.start || k > r.end);
+    if let Some(first) = frozen.first() {
         found.push(format!(
-            "{}: `{name}` jumps to {:.6} and back in the sample at {:.6} s{more}: a spike of the sensor weighs as much as a hundred good samples; repair or cut it",
-            record.name, column[first], record.time[first]
+            "{record}: `{name}` is {:.6} in {} samples from {:.6} s to {:.6} s{}, and moves or has noise before and after them: the sensor dropped out or the logger \
+             repeated a value; repair or cut this part",
+            column[first.start],
+            first.len(),
+            time[first.start],
+            time[first.end - 1],
+            match frozen.len() {
+                1 => String::new(),
+                n => format!(" (and in {} more such stretches)", n - 1),
+            }
         ));
     }
-}
-
-/// Compares each measured velocity with the rate of its measured displacement.
-fn rates(system: &System, record: &Record, found: &mut Vec<String>) {
-    for (k, state) in system.states.iter().enumerate() {
-        let Some(v) = state.velocity else { continue };
-        let (Some(x), Some(y)) = (&record.columns[k], &record.columns[v]) else { continue };
-        let other = &system.states[v].name;
-        let (straight, crossed) = (agreement(record, x, y), agreement(record, y, x));
-        let Some((slope, correlation)) = straight else { continue };
-        if correlation > 0.9 && !(1.0 / SCALE..SCALE).contains(&slope) {
-            found.push(format!(
-                "{}: `{}` moves at {} the rate that `{other}` gives: is the unit of one of them right?",
-                record.name,
-                state.name,
-                factor(slope)
-            ));
-        } else if correlation < -0.9 {
-            // In a swing the rate of a velocity is minus the displacement: which of the two stories has the right size?
-            let off = |slope: f64| slope.abs().ln().abs();
-            let swapped = crossed.is_some_and(|(other, better)| better > 0.9 && off(other) < off(slope));
-            found.push(if swapped {
-                format!(
-                    "{}: `{}` is the rate of `{other}`, and not the other way round: the two columns are probably swapped",
-                    record.name, state.name
-                )
-            } else {
-                format!(
-                    "{}: `{other}` has the opposite sign of the rate of `{}`: one of the two sensors is mounted the other way round",
-                    record.name, state.name
-                )
-            });
-        }
+    // A velocity may jump: when a body strikes a stop. A level that is taken from frozen samples is none.
+    let apart = |k: usize| frozen.iter().all(|r| k + jumps::LEVEL < r.start || k > r.end + jumps::LEVEL);
+    let jumps = velocity.map_or(vec![], |v| jumps(time, column, v));
+    let jumps: Vec<usize> = jumps.into_iter().filter(|&k| apart(k)).collect();
+    let spikes: Vec<usize> = spikes(column)
+        .into_iter()
+        .filter(|&k| whole(k) && jumps.iter().all(|j| k.abs_diff(*j) > 1))
+        .collect();
+    if let Some(&first) = spikes.first() {
+        found.push(format!(
+            "{record}: `{name}` jumps to {:.6} and back in the sample at {:.6} s{}: a spike of the sensor weighs as much as a hundred good samples; repair or cut it",
+            column[first],
+            time[first],
+            more(spikes.len())
+        ));
     }
-}
-
-/// Slope and correlation of the rate of `x` against `y`, both as differences over a stretch long enough that noise does not count.
-fn agreement(record: &Record, x: &[f64], y: &[f64]) -> Option<(f64, f64)> {
-    let (noise, size) = (noise_level(x), standard_deviation(x));
-    if !(size > 0.0 && standard_deviation(y) > 0.0) || x.len() < 64 || noise > 0.2 * size {
-        return None;
-    }
-    // The mean of the velocity over a stretch is the difference of the displacement over it.
-    let mut sums = vec![0.0];
-    for (w, t) in y.windows(2).zip(record.time.windows(2)) {
-        sums.push(sums[sums.len() - 1] + 0.5 * (w[0] + w[1]) * (t[1] - t[0]));
-    }
-    // As long as it takes to move well beyond the noise, and no longer.
-    let mut stretch = 1;
-    while stretch < x.len() / 8 {
-        let moved = (0..x.len() - stretch).map(|i| (x[i + stretch] - x[i]).powi(2)).sum::<f64>();
-        if (moved / (x.len() - stretch) as f64).sqrt() > (10.0 * noise).min(0.5 * size) {
-            break;
-        }
-        stretch += 1 + stretch / 8;
-    }
-    let pairs = (0..x.len() - stretch).map(|i| (sums[i + stretch] - sums[i], x[i + stretch] - x[i]));
-    let (mut aa, mut ab, mut bb) = (0.0, 0.0, 0.0);
-    for (a, b) in pairs {
-        aa += a * a;
-        ab += a * b;
-        bb += b * b;
-    }
-    (aa > 0.0 && bb > 0.0).then(|| (ab / aa, ab / (aa * bb).sqrt()))
-}
-
-/// A factor in words; near a power of ten as that.
-fn factor(value: f64) -> String {
-    let power = value.abs().log10().round();
-    let round = (value.abs() / 10f64.powf(power) - 1.0).abs() < 0.15;
-    match (round, power > 0.0) {
-        (true, true) => format!("{:.0} times", 10f64.powf(power)),
-        (true, false) => format!("1/{:.0} of", 10f64.powf(-power)),
-        _ => format!("{value:.3} times"),
+    if let Some(&k) = jumps.first() {
+        found.push(format!(
+            "{record}: `{name}` is elsewhere from {:.6} s to {:.6} s and stays there ({:.6}, then {:.6}){}: a body does not do that, so the sensor slipped or was set anew; cut the \
+             record there with `window`",
+            time[k],
+            time[k + 1],
+            column[k],
+            column[k + 1],
+            match jumps.len() {
+                1 => String::new(),
+                n => format!(" ({n} such jumps)"),
+            }
+        ));
     }
 }
 

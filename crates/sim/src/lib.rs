@@ -26,4 +26,4 @@ pub use noise::{Noise, Streams, add_noise};
 pub use run::simulate;
 pub use switched::{Switch, Switched};
 pub use synthetic::{SyntheticError, synthesize};
-pub use trajectory::{Drive, Event, Options, SimError, Trajectory};
+pub use trajectory::{DIVERGED, Drive, Event, Options, SimError, Trajectory};

@@ -78,6 +78,9 @@ impl Trajectory {
     }
 }
 
+/// What [`SimError::Diverged`] says of a state; whoever shows it may add what to do.
+pub const DIVERGED: &str = "grows without bound";
+
 /// Why a run ended early.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SimError {
@@ -115,7 +118,7 @@ impl fmt::Display for SimError {
             SimError::NotFinite { time, state } => {
                 write!(f, "the rate of `{state}` is not finite at t = {time:.6}")
             }
-            SimError::Diverged { time, state } => write!(f, "`{state}` grows without bound at t = {time:.6}"),
+            SimError::Diverged { time, state } => write!(f, "`{state}` {DIVERGED} at t = {time:.6}"),
             SimError::TooManySteps { time } => write!(f, "the step length collapsed at t = {time:.6}"),
             SimError::TooManyEvents { time, switch } => {
                 write!(f, "`{switch}` changes sign without end at t = {time:.6}")

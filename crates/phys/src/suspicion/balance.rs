@@ -1,0 +1,383 @@
+//! The measured accelerations beside what the known part makes of the measured motion, before any fit: a unit that is off by a power of 1000, or two exchanged columns,
+//! are far more than a missing effect.
+//!
+//! Nothing is differentiated twice: with a test function `f` that vanishes with its slope at both ends of a stretch, the integral of `f v'` is that of `-f' v`, and of
+//! `f'' x`. Both sides are such integrals over half a period each.
+
+use crate::{Differentiator, Record, Signal, System, strongest_line};
+use phisindy_expr::{Binary, Graph, Id, Node, Scratch, Tape, Unary};
+use std::f64::consts::{PI, TAU};
+use std::ops::RangeInclusive;
+
+/// What a part of the acceleration the known part must leave before something is wrong, may leave once that is put right, and how many times less that must be. A model that
+/// leaves little before must be right afterwards; of one that was out of all proportion friction may be missing besides.
+const MENDED: [(f64, f64, f64); 3] = [(0.25, 0.35, 5.0), (0.7, 0.35, 3.0), (10.0, 0.6, 30.0)];
+/// What a unit is wrong by.
+const FACTORS: [f64; 6] = [1e3, 1e-3, 1e6, 1e-6, 1e9, 1e-9];
+/// More samples or parts say no more.
+const SAMPLES: usize = 50_000;
+const PARTS: usize = 100;
+/// Fewer samples make no stretch, fewer stretches no comparison.
+const STRETCH: usize = 12;
+const STRETCHES: usize = 8;
+
+/// Tells of two columns of one unit that should be exchanged, or else of a part of a rate that is off by a power of 1000.
+pub(super) fn balance(system: &System, record: &Record, found: &mut Vec<String>) {
+    let rates: Vec<Rate> = system.states.iter().filter_map(|s| Rate::of(system, s.velocity?)).collect();
+    let now: Vec<Sums> = rates.iter().filter_map(|rate| Sums::new(system, record, rate)).collect();
+    let left = worst(&now);
+    if !left.is_finite() || left < MENDED[0].0 {
+        return;
+    }
+    let columns = system.states.len() + system.inputs.len();
+    let pairs = (0..columns).flat_map(|i| (i + 1..columns).map(move |j| (i, j)));
+    let then = |(i, j): (usize, usize)| {
+        let other = exchanged(system, record, i, j)?;
+        let sums: Vec<Sums> = rates.iter().filter_map(|rate| Sums::new(system, &other, rate)).collect();
+        (sums.len() == now.len()).then(|| (worst(&sums), i, j))
+    };
+    let best = pairs.filter_map(then).min_by(|a, b| a.0.total_cmp(&b.0));
+    if let Some((_, i, j)) = best.filter(|(after, ..)| mended(left, *after)) {
+        found.push(format!(
+            "{}: with `{}` and `{}` exchanged the model tells the acceleration, and as they are it does not: the two columns are probably swapped",
+            record.name,
+            system.measured(i).0,
+            system.measured(j).0
+        ));
+        return;
+    }
+    found.extend(now.iter().filter_map(|sums| sums.off(system, record)));
+}
+
+/// Whether what is left now falls to what an incomplete model may leave.
+fn mended(now: f64, after: f64) -> bool {
+    MENDED.iter().any(|(least, most, fall)| now > *least && after < *most && fall * after < now)
+}
+
+/// The largest misfit; nothing where there is nothing to compare.
+fn worst(all: &[Sums]) -> f64 {
+    all.iter().map(|s| s.misfit(&|_| 1.0)).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// The known rate of a velocity as a sum.
+struct Rate {
+    velocity: usize,
+    graph: Graph,
+    parts: Vec<Id>,
+}
+
+impl Rate {
+    /// None if something in it is still to be found, or if it has no parts.
+    fn of(system: &System, velocity: usize) -> Option<Rate> {
+        let mut graph = system.graph.clone();
+        let known = system.known[velocity];
+        let open = system.parameters.iter().any(|p| !p.known && graph.uses(&[known], &[p.node]));
+        let parts = parts(&mut graph, known);
+        (!open && !parts.is_empty() && parts.len() <= PARTS).then_some(Rate { velocity, graph, parts })
+    }
+}
+
+/// The parts of a sum, whatever it is multiplied with or divided by; `k*(x - u)` stays together.
+fn parts(graph: &mut Graph, root: Id) -> Vec<Id> {
+    let one = graph.constant(1.0);
+    let (mut stack, mut all) = (vec![(root, one)], Vec::new());
+    while let Some((id, factor)) = stack.pop() {
+        let name = |id: Id| matches!(graph.node(id), Node::Symbol(_));
+        let sum = |id: Id| {
+            matches!(graph.node(id), Node::Binary(Binary::Add | Binary::Sub, ..) | Node::Unary(Unary::Neg, _))
+        };
+        match graph.node(id) {
+            Node::Binary(op @ (Binary::Add | Binary::Sub), a, b)
+                if factor == one || !(name(a) && name(b)) =>
+            {
+                let other = if op == Binary::Sub { graph.neg(factor) } else { factor };
+                stack.extend([(b, other), (a, factor)]);
+            }
+            Node::Unary(Unary::Neg, a) => {
+                let factor = graph.neg(factor);
+                stack.push((a, factor));
+            }
+            Node::Binary(Binary::Div, a, b) => {
+                let factor = graph.div(factor, b);
+                stack.push((a, factor));
+            }
+            Node::Binary(Binary::Mul, a, b) if sum(a) || sum(b) => {
+                let (open, other) = if sum(a) { (a, b) } else { (b, a) };
+                let factor = graph.mul(factor, other);
+                stack.push((open, factor));
+            }
+            _ => all.push(graph.mul(factor, id)),
+        }
+    }
+    all.retain(|&part| graph.value(part).is_none());
+    all
+}
+
+/// Integrals over stretches of the measured acceleration and of each part of the known one, their means taken off: what a sensor's zero and a weight make.
+struct Sums<'r> {
+    rate: &'r Rate,
+    measured: Vec<f64>,
+    parts: Vec<Vec<f64>>,
+}
+
+impl<'r> Sums<'r> {
+    fn new(system: &System, record: &Record, rate: &'r Rate) -> Option<Sums<'r>> {
+        let v = rate.velocity;
+        let x = system.states.iter().position(|s| s.velocity == Some(v))?;
+        let n = record.len().min(SAMPLES);
+        let time = &record.time[..n];
+        let (displacement, velocity) = (record.columns[x].as_ref(), record.columns[v].as_ref());
+        let column = velocity.or(displacement)?;
+        let step = (time[n - 1] - time[0]) / (n - 1) as f64;
+        let half = strongest_line(time, &column[..n]).map_or(n / 40, |l| (0.5 / l.frequency / step) as usize);
+        let stretch = half.clamp(STRETCH, (n / STRETCHES).max(STRETCH));
+        let states = motion(system, record, n, stretch);
+        let needed = |k: &usize| rate.graph.uses(&rate.parts, &[system.states[*k].node]);
+        if (0..states.len()).filter(needed).any(|k| states[k].is_none()) {
+            return None;
+        }
+        let tape = Tape::compile(&rate.graph, &system.arguments(), &rate.parts).ok()?;
+        let mut scratch = Scratch::<1>::new(&tape);
+        let numbers: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();
+        let mut values = vec![Vec::with_capacity(n); rate.parts.len()];
+        for i in 0..n {
+            let at = states.iter().map(|s| s.as_ref().map_or(0.0, |s| s[i]));
+            scratch.at(record.arguments_at(i, at, &numbers));
+            values.iter_mut().enumerate().for_each(|(k, column)| column.push(scratch.output(k)[0]));
+        }
+        let starts = (0..n.saturating_sub(stretch)).step_by((stretch / 2).max(1));
+        let stretches = || starts.clone().map(|from| from..=from + stretch);
+        // Where the motion is measured from is no acceleration, however coarse the grid.
+        let rate_of = |column: &[f64], kernel: &dyn Fn(f64, f64) -> f64| -> Vec<f64> {
+            let centred = |at: RangeInclusive<usize>| {
+                integral(&time[at.clone()], &less_mean(column[at].to_vec()), kernel)
+            };
+            less_mean(stretches().map(centred).collect())
+        };
+        let measured = match velocity {
+            Some(v) => rate_of(v, &|s, length| -PI / length * (TAU * s).sin()),
+            None => rate_of(column, &|s, length| 2.0 * (PI / length).powi(2) * (TAU * s).cos()),
+        };
+        let weight = |s: f64, _: f64| 0.5 * (1.0 - (TAU * s).cos());
+        let over = |c: &Vec<f64>| {
+            less_mean(stretches().map(|at| integral(&time[at.clone()], &c[at], &weight)).collect())
+        };
+        let parts: Vec<Vec<f64>> = values.iter().map(over).collect();
+        let finite = parts.iter().chain([&measured]).flatten().all(|v| v.is_finite());
+        (finite && measured.len() >= STRETCHES).then_some(Sums { rate, measured, parts })
+    }
+
+    /// What is left of the measured acceleration, as a part of it, with each part times a factor.
+    fn misfit(&self, factor: &dyn Fn(usize) -> f64) -> f64 {
+        let (mut left, mut whole) = (0.0, 0.0);
+        for (i, measured) in self.measured.iter().enumerate() {
+            let model: f64 = self.parts.iter().enumerate().map(|(k, part)| factor(k) * part[i]).sum();
+            left += (measured - model).powi(2);
+            whole += measured * measured;
+        }
+        if whole > 0.0 { (left / whole).sqrt() } else { f64::NAN }
+    }
+
+    /// Whether one part, or all that drives, is off by a power of 1000, in words.
+    fn off(&self, system: &System, record: &Record) -> Option<String> {
+        let Rate { velocity, graph, parts } = self.rate;
+        let now = self.misfit(&|_| 1.0);
+        let states: Vec<Id> = system.states.iter().map(|s| s.node).collect();
+        let drives: Vec<usize> = (0..parts.len()).filter(|&k| !graph.uses(&[parts[k]], &states)).collect();
+        let alone = (0..parts.len()).map(|k| vec![k]);
+        // An inertia is in all of them.
+        let together = [drives, (0..parts.len()).collect()].into_iter().filter(|group| group.len() > 1);
+        let groups = alone.chain(together);
+        // A part a thousand times too large is out of all proportion; one that may as well be left out is not.
+        let factors = FACTORS.into_iter().filter(|f| *f > 1.0 || now > MENDED[2].0);
+        let trials = groups
+            .flat_map(|group| factors.clone().map(move |f| (group.clone(), f)))
+            .map(|(group, f)| (self.misfit(&|k| if group.contains(&k) { f } else { 1.0 }), group, f));
+        let (after, group, f) = trials.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        if !mended(now, after) {
+            return None;
+        }
+        // Without the number in front: nobody wrote that one.
+        let bare = |part: Id| match graph.node(part) {
+            Node::Binary(Binary::Mul, a, b) if graph.value(a).is_some() => b,
+            Node::Binary(Binary::Mul, a, b) if graph.value(b).is_some() => a,
+            _ => part,
+        };
+        let texts: Vec<String> =
+            group.iter().map(|&k| format!("`{}`", graph.text(bare(parts[k]), &system.names))).collect();
+        let times = if f > 1.0 { format!("{f} times") } else { format!("1/{} times", (1.0 / f).round()) };
+        let (plural, are) = if texts.len() > 1 { ("s", "are") } else { ("", "is") };
+        Some(format!(
+            "{}: the model tells the acceleration in `{}` once its part{plural} in {} {are} {times} as large: look at the units of the constants and columns there, and of the \
+             measured motion",
+            record.name,
+            system.states[*velocity].name,
+            texts.join(", ")
+        ))
+    }
+}
+
+/// The integral of a column over a stretch, times a kernel of the place in it (0 to 1) and its length.
+fn integral(time: &[f64], column: &[f64], kernel: &dyn Fn(f64, f64) -> f64) -> f64 {
+    let length = time[time.len() - 1] - time[0];
+    let at = |i: usize| kernel((time[i] - time[0]) / length, length) * column[i];
+    (1..time.len()).map(|i| 0.5 * (at(i) + at(i - 1)) * (time[i] - time[i - 1])).sum()
+}
+
+fn less_mean(mut values: Vec<f64>) -> Vec<f64> {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    values.iter_mut().for_each(|v| *v -= mean);
+    values
+}
+
+/// The first `n` samples of every state as far as columns say it: a velocity without one as the slope over a part of a stretch, a displacement as the integral.
+fn motion(system: &System, record: &Record, n: usize, stretch: usize) -> Vec<Option<Vec<f64>>> {
+    let time = &record.time;
+    let reach = (stretch / 10).max(1);
+    let slope = |x: &[f64]| -> Vec<f64> {
+        (0..n)
+            .map(|i| {
+                let (a, b) = (i.saturating_sub(reach), (i + reach).min(n - 1));
+                (x[b] - x[a]) / (time[b] - time[a])
+            })
+            .collect()
+    };
+    let sum = |v: &[f64]| -> Vec<f64> {
+        let mut x = vec![0.0];
+        (1..n).for_each(|i| x.push(x[i - 1] + 0.5 * (v[i] + v[i - 1]) * (time[i] - time[i - 1])));
+        less_mean(x)
+    };
+    let mut states: Vec<Option<Vec<f64>>> =
+        record.columns.iter().map(|c| c.as_ref().map(|c| c[..n].to_vec())).collect();
+    for (x, v) in system.states.iter().enumerate().filter_map(|(x, s)| Some((x, s.velocity?))) {
+        match (&record.columns[x], &record.columns[v]) {
+            (Some(column), None) => states[v] = Some(slope(column)),
+            (None, Some(column)) => states[x] = Some(sum(column)),
+            _ => {}
+        }
+    }
+    states
+}
+
+/// The record with two measured columns of one unit exchanged, states first; what was derived from them is derived anew.
+fn exchanged(system: &System, record: &Record, i: usize, j: usize) -> Option<Record> {
+    let states = system.states.len();
+    let derived = |input: usize| record.derivations.iter().any(|d| d.input == input);
+    let raw = |input: usize| {
+        let source = record.derivations.iter().find(|d| d.of == input);
+        source.map_or_else(|| record.inputs[input].values().to_vec(), |d| d.column.clone())
+    };
+    let column = |k: usize| match k.checked_sub(states) {
+        None => record.columns[k].clone(),
+        Some(input) => (!derived(input)).then(|| raw(input)),
+    };
+    let (a, b) = (column(i)?, column(j)?);
+    if system.measured(i).1 != system.measured(j).1 {
+        return None;
+    }
+    let mut out = record.clone();
+    for (k, values) in [(i, b), (j, a)] {
+        match k.checked_sub(states) {
+            None => out.columns[k] = Some(values),
+            Some(input) => {
+                out.derivations
+                    .iter_mut()
+                    .filter(|d| d.of == input)
+                    .for_each(|d| d.column.clone_from(&values));
+                let kind = record.inputs[input].kind();
+                out.inputs[input] = Signal::new(record.time.clone(), values, kind).ok()?;
+            }
+        }
+    }
+    out.rederived(Differentiator::Spline)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::derivative::test_signals::gaussian;
+
+    /// What is told of a body on a spring to a base that moves, driven by a force besides: `x` measured, `v` not. Constants as given; columns in the order x, u, F.
+    fn told(m: f64, c: f64, k: f64, order: [usize; 3], scale: [f64; 3]) -> String {
+        let text = format!(
+            r#"(constants: {{"m": ({m}, "kg"), "c": ({c}, "N*s/m"), "k": (value: {k}, unit: "N/m", within: (1e-9, 1e9))}}, states: {{"x": "m", "v": "m/s"}},
+            inputs: {{"u": "m", "du": "m/s", "F": "N"}}, known: {{"x": "v", "v": "(-c*(v-du) - k*(x-u) + F)/m"}}, unknown: {{}},
+            data: [Csv(path: "a.csv", name: "a", time: "t", columns: {{"x": "a", "u": "b", "F": "c"}}, derive: {{"du": Derivative("u")}})])"#
+        );
+        let mut sources = crate::Sources::default();
+        let id = sources.add("spec", text.as_str());
+        let (spec, _) = crate::spec::read(&text, id).unwrap();
+        let (case, _) = crate::check(&spec, id).unwrap();
+        let time: Vec<f64> = (0..2500).map(|i| 0.01 * f64::from(i)).collect();
+        // 2 kg on 600 N/m, friction of 0.5 N that the model lacks.
+        let base = |t: f64| 4e-3 * (9.0 * t).sin() + 2e-3 * (23.0 * t + 1.0).sin();
+        let slope = |t: f64| 36e-3 * (9.0 * t).cos() + 46e-3 * (23.0 * t + 1.0).cos();
+        let force = |t: f64| 1.5 * (14.0 * t).cos();
+        let (mut x, mut v, h) = (0.0_f64, 0.0_f64, 1e-4);
+        let mut columns = [vec![], vec![], vec![]];
+        let noise = gaussian(2500, 2);
+        for (i, &start) in time.iter().enumerate() {
+            columns[0].push(scale[0] * (x + 1e-4 * noise[i]));
+            columns[1].push(scale[1] * base(start));
+            columns[2].push(scale[2] * force(start));
+            for s in 0..100 {
+                let t = start + h * f64::from(s);
+                let a = (-2.0 * (v - slope(t)) - 600.0 * (x - base(t)) + force(t) - 0.5 * (v / 1e-3).tanh())
+                    / 2.0;
+                v += h * a;
+                x += h * v;
+            }
+        }
+        let columns = order.map(|k| columns[k].clone()).to_vec();
+        let table = crate::Table { time: time.clone(), columns, lines: vec![], extent: None };
+        let record = Record::from_table(&case.records[0], &table, &case.system, id).unwrap();
+        let mut found = vec![];
+        balance(&case.system, &record, &mut found);
+        found.join("; ")
+    }
+
+    const ORDER: [usize; 3] = [0, 1, 2];
+    const ONE: [f64; 3] = [1.0; 3];
+
+    #[test]
+    fn a_model_that_lacks_friction_or_is_a_little_off_is_not_told() {
+        assert_eq!(told(2.0, 2.0, 600.0, ORDER, ONE), "");
+        assert_eq!(told(2.5, 2.0, 500.0, ORDER, ONE), "");
+        assert_eq!(told(2.0, 2.0, 1200.0, ORDER, ONE), "");
+        assert_eq!(told(20.0, 2.0, 600.0, ORDER, ONE), "");
+        // What is too much by less than a thousand is better left out than in, and that is no unit.
+        assert_eq!(told(2.0, 30.0, 600.0, ORDER, ONE), "");
+    }
+
+    #[test]
+    fn a_unit_that_is_off_by_a_thousand_is_told() {
+        let stiff = told(2.0, 2.0, 600e3, ORDER, ONE);
+        assert!(stiff.contains("x - u") && stiff.contains("is 1/1000 times as"), "{stiff}");
+        let soft = told(2.0, 2.0, 0.6, ORDER, ONE);
+        assert!(soft.contains("x - u") && soft.contains("is 1000 times as"), "{soft}");
+        let light = told(2e-3, 2.0, 600.0, ORDER, ONE);
+        assert!(light.contains("its parts in") && light.contains("are 1/1000 times as"), "{light}");
+        let force = told(2.0, 2.0, 600.0, ORDER, [1.0, 1.0, 1e6]);
+        assert!(force.contains("in `F`") && force.contains("is 1/1000000 times as"), "{force}");
+    }
+
+    #[test]
+    fn a_state_and_an_input_that_are_swapped_are_told() {
+        let swapped = told(2.0, 2.0, 600.0, [1, 0, 2], ONE);
+        assert!(swapped.contains("with `x` and `u` exchanged"), "{swapped}");
+    }
+
+    #[test]
+    fn sums_come_apart() {
+        let model = crate::Model::build(
+            &["x", "v"],
+            &["u"],
+            &["k", "m"],
+            &["v", "(-2*v - k*(x-u) + 3*(u + 4*x))/m + 1"],
+        )
+        .unwrap();
+        let mut graph = model.graph.clone();
+        let all = parts(&mut graph, model.rates[1]);
+        assert_eq!(all.len(), 4);
+    }
+}

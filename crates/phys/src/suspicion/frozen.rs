@@ -1,0 +1,118 @@
+//! Stretches in which a logger repeats its last value.
+
+use crate::noise_level;
+use crate::noise_level::quantum::rounding_error;
+use crate::spread::standard_deviation;
+use std::ops::Range;
+
+/// Fewer equal samples are no stretch.
+const SHORTEST: usize = 5;
+/// ... nor as many as come by chance in one of so many records.
+const CHANCE: f64 = 1e6;
+/// A sensor whose noise is below this part of its motion may show a body at rest as one number.
+const OWN: f64 = 1e-3;
+/// A step that is so many times those before and after it leads back to where the motion is.
+const CATCH_UP: f64 = 4.0;
+
+/// The stretches of equal values that no rest of the body explains: the sensor has noise everywhere else, or what follows is far away.
+pub(super) fn frozen(column: &[f64]) -> Vec<Range<usize>> {
+    let n = column.len();
+    let (min, max) = super::bounds(column);
+    let mut runs: Vec<Range<usize>> = Vec::new();
+    let mut k = 0;
+    while k < n {
+        let end = (k..n).find(|&j| column[j] != column[k]).unwrap_or(n);
+        runs.push(k..end);
+        k = end;
+    }
+    // How often a value is repeated: a coarse sensor does it all the time.
+    let repeated = runs.iter().filter(|r| r.len() > 1).count();
+    let often = (repeated + 1) as f64 / (runs.len() + 1) as f64;
+    let by_chance = (CHANCE * n as f64).ln() / -often.ln();
+    let noise = noise_level(column);
+    let noisy = noise > 2.0 * rounding_error(column) && noise > OWN * standard_deviation(column);
+    let frozen = |r: &Range<usize>| {
+        let value = column[r.start];
+        let long = r.len() >= SHORTEST && (r.len() - 1) as f64 > by_chance;
+        // What is cut off at the end of a range stands there, too. Noise that grows with the motion is none at zero.
+        long && value != min && value != max && (noisy && value != 0.0 || catches_up(column, r))
+    };
+    runs.into_iter().filter(|r| r.len() < n && frozen(r)).collect()
+}
+
+/// Whether the motion went on meanwhile: the step into the stretch or out of it is many times those beside it.
+fn catches_up(column: &[f64], stretch: &Range<usize>) -> bool {
+    if stretch.start < 5 || stretch.end + 5 > column.len() {
+        return false;
+    }
+    let step = |k: usize| (column[k] - column[k - 1]).abs();
+    let beside = |range: Range<usize>| range.map(step).fold(0.0, f64::max);
+    let usual = beside(stretch.start - 4..stretch.start).max(beside(stretch.end + 1..stretch.end + 5));
+    // Before a motion that begins all is at rest.
+    usual > 0.0
+        && beside(stretch.start - 4..stretch.start) > 0.0
+        && step(stretch.start).max(step(stretch.end)) > CATCH_UP * usual
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::derivative::test_signals::{gaussian, stick_slip};
+
+    /// A swing with noise of this standard deviation.
+    fn swing(noise: f64) -> Vec<f64> {
+        let swing = |i: usize| (0.03 * i as f64).sin();
+        gaussian(3000, 5).iter().enumerate().map(|(i, e)| swing(i) + noise * e).collect()
+    }
+
+    fn holding(mut x: Vec<f64>, stretches: &[Range<usize>]) -> Vec<f64> {
+        for r in stretches {
+            let value = x[r.start];
+            x[r.clone()].fill(value);
+        }
+        x
+    }
+
+    #[test]
+    fn repeated_values_are_told() {
+        let stretches = [500..540, 1200..1206, 2000..2030];
+        assert_eq!(frozen(&holding(swing(0.02), &stretches)), stretches);
+        // Without noise, by the way back to the motion: in a turning point there is none.
+        assert_eq!(frozen(&holding(swing(0.0), &[1250..1290, 2000..2030])), [1250..1290, 2000..2030]);
+        // A sensor that drops out.
+        let mut x = swing(0.02);
+        x[700..706].fill(0.0);
+        assert_eq!(frozen(&x), vec![700..706; 1]);
+    }
+
+    #[test]
+    fn rest_and_coarse_steps_are_not_told() {
+        let round =
+            |x: Vec<f64>, step: f64| x.iter().map(|v| (v / step).round() * step).collect::<Vec<f64>>();
+        let clamped: Vec<f64> = swing(0.02).iter().map(|v| v.clamp(-0.9, 0.9)).collect();
+        let (_, resting, speed) = stick_slip();
+        // Noise that grows with the speed, of a body that sticks half of the time.
+        let slips = |i: usize| {
+            let s = (0.03 * i as f64).sin();
+            s.signum() * (s.abs() - 0.5).max(0.0)
+        };
+        let relative =
+            gaussian(3000, 9).iter().enumerate().map(|(i, e)| slips(i) * (1.0 + 0.1 * e)).collect();
+        let columns = [
+            swing(0.02),
+            swing(0.0),
+            round(swing(0.02), 0.1),
+            round(swing(0.0), 0.1),
+            round(swing(0.02), 1e-3),
+            clamped,
+            round(resting.clone(), 0.02),
+            resting,
+            speed,
+            relative,
+            (0..3000).map(slips).collect(),
+        ];
+        for (k, column) in columns.iter().enumerate() {
+            assert_eq!(frozen(column), [], "{k}");
+        }
+    }
+}

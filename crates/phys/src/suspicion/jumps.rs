@@ -1,0 +1,137 @@
+//! A displacement that is elsewhere from one sample to the next, and stays there: no body does that, a sensor that slips does.
+
+use super::scatter;
+use crate::noise_level::median;
+
+/// A step that is so many times the scatter of the samples ...
+const JUMP: f64 = 10.0;
+/// ... and so many times the steps round it.
+const ABRUPT: f64 = 4.0;
+/// Samples on either side of which the level is taken, where a measured velocity says what the motion does meanwhile.
+pub(super) const LEVEL: usize = 20;
+/// Levels scatter: a shift is so many times that ...
+const SHIFT: f64 = 8.0;
+/// ... and so many times what the fastest motion does in one step.
+const STEPS: f64 = 3.0;
+
+/// The samples before a jump of a displacement `x`; `v` is its measured velocity.
+pub(super) fn jumps(time: &[f64], x: &[f64], v: Option<&[f64]>) -> Vec<usize> {
+    let n = x.len();
+    let all = v.map_or_else(|| abrupt(time, x), |v| shifted(time, x, v));
+    // What happens all the time is a motion that was sampled too seldom.
+    if all.len() * 200 <= n { all } else { vec![] }
+}
+
+/// Steps far larger than those before and after them.
+fn abrupt(time: &[f64], x: &[f64]) -> Vec<usize> {
+    let least = scatter::of(x);
+    let steps: Vec<f64> = x.windows(2).map(|w| w[1] - w[0]).collect();
+    let lengths: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
+    let usual = median(&mut lengths.clone());
+    let jump = |k: usize| {
+        let beside = [k - 3, k - 2, k - 1, k + 1, k + 2, k + 3].map(|j| steps[j]);
+        let trend = median(&mut beside.clone());
+        let other = beside.iter().map(|s| (s - trend).abs()).fold(0.0, f64::max);
+        let size = (steps[k] - trend).abs();
+        lengths[k] < 1.5 * usual && size > JUMP * least && size > ABRUPT * other
+    };
+    (3..steps.len().saturating_sub(3)).filter(|&k| jump(k)).collect()
+}
+
+/// Where the level of `x` less the integral of `v` is another one from one sample on.
+fn shifted(time: &[f64], x: &[f64], v: &[f64]) -> Vec<usize> {
+    let n = x.len();
+    if n < 8 * LEVEL {
+        return vec![];
+    }
+    let mut integral = 0.0;
+    let mut rest = vec![x[0]];
+    for k in 1..n {
+        integral += 0.5 * (v[k] + v[k - 1]) * (time[k] - time[k - 1]);
+        rest.push(x[k] - integral);
+    }
+    let level = |from: usize| median(&mut rest[from..from + LEVEL].to_vec());
+    let shift = |k: usize| level(k + 1) - level(k + 1 - LEVEL);
+    let coarse: Vec<(usize, f64)> =
+        (LEVEL - 1..n - LEVEL).step_by(LEVEL / 4).map(|k| (k, shift(k).abs())).collect();
+    let scatter = median(&mut coarse.iter().map(|(_, s)| *s).collect::<Vec<f64>>()) / 0.6745;
+    let fastest = v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let longest = |k: usize| (k + 1 - LEVEL..k + LEVEL).map(|j| time[j + 1] - time[j]).fold(0.0, f64::max);
+    let told = |k: usize, size: f64| {
+        size > (SHIFT * scatter).max(STEPS * fastest * longest(k)).max(STEPS * scatter::near(x, k, LEVEL))
+    };
+    let mut all: Vec<usize> = Vec::new();
+    for &(k, size) in coarse.iter().filter(|(k, size)| told(*k, *size)) {
+        // Where the step itself is, near the largest shift.
+        let near = (k.max(2 * LEVEL) - LEVEL..(k + LEVEL).min(n - LEVEL)).max_by(|a, b| {
+            let own = |j: usize| (rest[j + 1] - rest[j]).abs();
+            own(*a).total_cmp(&own(*b))
+        });
+        let steps = |at: &usize| {
+            let whole = shift(*at);
+            told(*at, whole.abs()) && whole.abs() > 0.8 * size && (rest[at + 1] - rest[*at]) / whole > 0.5
+        };
+        if let Some(at) = near.filter(steps)
+            && all.last().is_none_or(|last| at > last + LEVEL)
+        {
+            all.push(at);
+        }
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::derivative::test_signals::{gaussian, stick_slip};
+
+    /// Time, displacement and velocity of a swing with noise of this part of each.
+    fn swing(noise: f64) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+        let time: Vec<f64> = (0..3000).map(|i| 0.01 * f64::from(i)).collect();
+        let noisy = |seed: u64, f: fn(f64) -> f64| {
+            time.iter().zip(gaussian(3000, seed)).map(|(t, e)| f(*t) + noise * e).collect()
+        };
+        let (x, v) = (noisy(3, |t| (3.0 * t).sin()), noisy(4, |t| 3.0 * (3.0 * t).cos()));
+        (time, x, v)
+    }
+
+    #[test]
+    fn a_level_that_shifts_is_told() {
+        for (noise, size) in [(0.0, 0.3), (0.01, 0.3), (0.05, 1.0)] {
+            let (time, mut x, v) = swing(noise);
+            x[1234..].iter_mut().for_each(|x| *x += size);
+            assert_eq!(jumps(&time, &x, None), [1233], "{noise}");
+            assert_eq!(jumps(&time, &x, Some(&v)), [1233], "{noise}");
+        }
+        // Six times the noise: only beside a velocity.
+        let (time, mut x, v) = swing(0.05);
+        x[1234..].iter_mut().for_each(|x| *x += 0.3);
+        assert_eq!(jumps(&time, &x, None), []);
+        let told = jumps(&time, &x, Some(&v));
+        assert!(told.len() == 1 && told[0].abs_diff(1233) < LEVEL, "{told:?}");
+    }
+
+    #[test]
+    fn fast_motion_spikes_and_holes_are_no_jumps() {
+        let (time, x, v) = swing(0.02);
+        assert_eq!((jumps(&time, &x, None), jumps(&time, &x, Some(&v))), (vec![], vec![]));
+        let mut spiked = x.clone();
+        spiked[700] = 5.0;
+        assert_eq!((jumps(&time, &spiked, None), jumps(&time, &spiked, Some(&v))), (vec![], vec![]));
+        let cut = |c: &[f64]| [&c[..1000], &c[1100..]].concat();
+        assert_eq!(jumps(&cut(&time), &cut(&x), None), []);
+        assert_eq!(jumps(&cut(&time), &cut(&x), Some(&cut(&v))), []);
+        // Slips of four samples.
+        let slips: Vec<f64> = (0..3000)
+            .map(|i| (i / 100) as f64 + [0.0, 0.15, 0.5, 0.85].get(i % 100).copied().unwrap_or(1.0))
+            .collect();
+        assert_eq!(jumps(&time, &slips, None), []);
+        let (time, x, v) = stick_slip();
+        assert_eq!((jumps(&time, &x, None), jumps(&time, &x, Some(&v))), (vec![], vec![]));
+        // Bounces with a velocity that turns between two samples.
+        let (time, ..) = swing(0.0);
+        let bounce: Vec<f64> = time.iter().map(|t| (3.0 * t).sin().abs()).collect();
+        let turns: Vec<f64> = time.iter().map(|t| 3.0 * (3.0 * t).cos() * (3.0 * t).sin().signum()).collect();
+        assert_eq!(jumps(&time, &bounce, Some(&turns)), []);
+    }
+}

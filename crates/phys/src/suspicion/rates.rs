@@ -1,0 +1,254 @@
+//! A velocity is the rate of its displacement. Where it is not, a unit is wrong, a sensor is mounted the other way round, or columns are swapped.
+
+use crate::{Record, System, noise_level, standard_deviation};
+
+/// A scale between a displacement and its velocity beyond this is a mistake in a unit and not a sensor out of tune.
+const SCALE: f64 = 3.0;
+/// Correlation above which two curves have one shape, and below which they have not.
+const ALIKE: f64 = 0.9;
+const UNLIKE: f64 = 0.5;
+/// The rate differs from the velocity by less than this part of it if they are one, sensors and noise as they are, and by more than that if they are not.
+const SAME: f64 = 0.35;
+const OTHER: f64 = 0.5;
+
+/// Compares each measured velocity with the rate of its measured displacement. Returns whether it told of anything.
+pub(super) fn rates(system: &System, record: &Record, found: &mut Vec<String>) -> bool {
+    let before = found.len();
+    let swapped = swapped(system, record);
+    if let Some(told) = &swapped.told {
+        found.push(format!("{}: {told}", record.name));
+    }
+    for (k, v) in pairs(system, record).filter(|pair| !swapped.pairs.contains(pair)) {
+        let (Some(x), Some(y)) = (&record.columns[k], &record.columns[v]) else { continue };
+        let (name, other) = (&system.states[k].name, &system.states[v].name);
+        let Some(Rate { slope, correlation, .. }) = rate(record, x, y) else { continue };
+        if correlation > ALIKE && !(1.0 / SCALE..SCALE).contains(&slope) {
+            found.push(format!(
+                "{}: `{name}` moves at {} the rate that `{other}` gives: is the unit of one of them right?",
+                record.name,
+                factor(slope)
+            ));
+        } else if correlation < -ALIKE {
+            found.push(format!(
+                "{}: `{other}` has the opposite sign of the rate of `{name}`: one of the two sensors is mounted the other way round",
+                record.name
+            ));
+        }
+    }
+    found.len() > before
+}
+
+/// The displacements and velocities of which both are measured.
+fn pairs(system: &System, record: &Record) -> impl Iterator<Item = (usize, usize)> {
+    let measured = |k: usize| record.columns[k].is_some();
+    let of = move |(k, velocity): (usize, Option<usize>)| {
+        Some((k, velocity.filter(|&v| measured(k) && measured(v))?))
+    };
+    system.states.iter().map(|s| s.velocity).enumerate().filter_map(of)
+}
+
+/// Displacements and their velocities.
+type Pairs = Vec<(usize, usize)>;
+
+/// Columns that are exchanged, in words, and the pairs that are wrong because of it.
+#[derive(Default)]
+struct Swapped {
+    told: Option<String>,
+    pairs: Pairs,
+}
+
+/// Looks for two columns that make each velocity the rate of its displacement once they are exchanged.
+fn swapped(system: &System, record: &Record) -> Swapped {
+    let pairs: Pairs = pairs(system, record).collect();
+    let states = system.states.iter().zip(&record.columns).map(|(s, c)| (&s.name, &s.unit, c.as_deref()));
+    let derived = |k: usize| record.derivations.iter().any(|d| d.input == k);
+    let inputs = system.inputs.iter().zip(&record.inputs).enumerate();
+    let inputs = inputs.map(|(k, (u, signal))| (&u.name, &u.unit, (!derived(k)).then(|| signal.values())));
+    let columns: Vec<(&String, &String, Option<&[f64]>)> = states.chain(inputs).collect();
+    let rate_of = |k: usize, v: usize| rate(record, columns[k].2?, columns[v].2?);
+    // A pair alone, whose rate runs the other way.
+    for &(k, v) in &pairs {
+        let (Some(straight), Some(crossed)) = (rate_of(k, v), rate_of(v, k)) else { continue };
+        // In a swing the rate of a velocity is minus the displacement: which of the two stories has the right size?
+        let off = |rate: &Rate| rate.slope.abs().ln().abs();
+        let likelier = straight.correlation > -ALIKE || off(&crossed) < off(&straight);
+        if straight.correlation < UNLIKE && crossed.correlation > ALIKE && likelier {
+            let told = format!(
+                "`{}` is the rate of `{}`, and not the other way round: the two columns are probably swapped",
+                columns[k].0, columns[v].0
+            );
+            return Swapped { told: Some(told), pairs: vec![(k, v)] };
+        }
+    }
+    let mut best: Vec<(f64, [usize; 2], Pairs)> = Vec::new();
+    for i in 0..columns.len() {
+        for j in i + 1..columns.len() {
+            let exchanged = |k: usize| {
+                if k == i {
+                    j
+                } else if k == j {
+                    i
+                } else {
+                    k
+                }
+            };
+            let touched: Pairs =
+                pairs.iter().copied().filter(|&(k, v)| [k, v].iter().any(|&c| exchanged(c) != c)).collect();
+            // A pair among itself was looked at, and says nothing of a pair with another one.
+            let alone = touched.contains(&(i, j)) || touched.contains(&(j, i));
+            if alone || touched.is_empty() || columns[i].2.is_none() || columns[j].2.is_none() {
+                continue;
+            }
+            let same_unit = columns[i].1 == columns[j].1;
+            let good =
+                |r: &Rate| if same_unit { r.misfit < SAME } else { r.correlation > ALIKE && r.slope > 0.0 };
+            let bad = |r: &Rate| if same_unit { r.misfit > OTHER } else { r.correlation < UNLIKE };
+            let now = touched.iter().map(|&(k, v)| rate_of(k, v));
+            let then: Vec<Option<Rate>> =
+                touched.iter().map(|&(k, v)| rate_of(exchanged(k), exchanged(v))).collect();
+            if now.into_iter().all(|r| r.is_some_and(|r| bad(&r)))
+                && then.iter().all(|r| r.as_ref().is_some_and(good))
+            {
+                let misfit = then.iter().flatten().map(|r| r.misfit).fold(0.0, f64::max);
+                best.push((misfit, [i, j], touched));
+            }
+        }
+    }
+    best.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((least, .., touched)) = best.first() else { return Swapped::default() };
+    // Of two bodies both displacements or both velocities may be the ones.
+    let named: Vec<String> = best
+        .iter()
+        .filter(|(misfit, .., other)| *misfit < 1.2 * least && other == touched)
+        .map(|(_, [i, j], _)| format!("`{}` and `{}`", columns[*i].0, columns[*j].0))
+        .collect();
+    let told = format!(
+        "with {} exchanged each velocity is the rate of its displacement, and as they are it is not: the two columns are probably swapped",
+        named.join(" (or ") + if named.len() > 1 { ")" } else { "" }
+    );
+    Swapped { told: Some(told), pairs: touched.clone() }
+}
+
+/// The rate of a displacement against a velocity.
+#[derive(Clone, Copy, Debug)]
+struct Rate {
+    slope: f64,
+    correlation: f64,
+    /// Size of the difference, as a part of that of the larger of them.
+    misfit: f64,
+}
+
+/// Compares the rate of `x` with `y`, both as differences over a stretch long enough that noise does not count.
+fn rate(record: &Record, x: &[f64], y: &[f64]) -> Option<Rate> {
+    let (noise, size) = (noise_level(x), standard_deviation(x));
+    if !(size > 0.0 && standard_deviation(y) > 0.0) || x.len() < 64 || noise > 0.2 * size {
+        return None;
+    }
+    // The mean of the velocity over a stretch is the difference of the displacement over it.
+    let mut sums = vec![0.0];
+    for (w, t) in y.windows(2).zip(record.time.windows(2)) {
+        sums.push(sums[sums.len() - 1] + 0.5 * (w[0] + w[1]) * (t[1] - t[0]));
+    }
+    // As long as it takes to move well beyond the noise, and no longer.
+    let mut stretch = 1;
+    while stretch < x.len() / 8 {
+        let moved = (0..x.len() - stretch).map(|i| (x[i + stretch] - x[i]).powi(2)).sum::<f64>();
+        if (moved / (x.len() - stretch) as f64).sqrt() > (10.0 * noise).min(0.5 * size) {
+            break;
+        }
+        stretch += 1 + stretch / 8;
+    }
+    let pairs = (0..x.len() - stretch).map(|i| (sums[i + stretch] - sums[i], x[i + stretch] - x[i]));
+    let (mut aa, mut ab, mut bb) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for (a, b) in pairs {
+        aa += a * a;
+        ab += a * b;
+        bb += b * b;
+    }
+    (aa > 0.0 && bb > 0.0).then(|| Rate {
+        slope: ab / aa,
+        correlation: ab / (aa * bb).sqrt(),
+        misfit: ((aa + bb - 2.0 * ab).max(0.0) / aa.max(bb)).sqrt(),
+    })
+}
+
+/// A factor in words; near a power of ten as that.
+fn factor(value: f64) -> String {
+    let power = value.abs().log10().round();
+    let round = (value.abs() / 10f64.powf(power) - 1.0).abs() < 0.15;
+    match (round, power > 0.0) {
+        (true, true) => format!("{:.0} times", 10f64.powf(power)),
+        (true, false) => format!("1/{:.0} of", 10f64.powf(-power)),
+        _ => format!("{value:.3} times"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::derivative::test_signals::gaussian;
+
+    /// Two bodies and the base `u`, each with a motion of its own, in a file of which two columns may be exchanged: what is told.
+    fn told(exchange: Option<(usize, usize)>, modes: [[f64; 3]; 3]) -> String {
+        let text = r#"(states: {"x1": "m", "x2": "m", "v1": "m/s", "v2": "m/s"}, inputs: {"u": "m"},
+            known: {"x1": "v1", "x2": "v2", "v1": "u-x1", "v2": "-x2"}, unknown: {},
+            data: [Csv(path: "a.csv", name: "a", time: "t", columns: {"x1": "a", "x2": "b", "v1": "c", "v2": "d", "u": "e"})])"#;
+        let mut sources = crate::Sources::default();
+        let id = sources.add("spec", text);
+        let (spec, _) = crate::spec::read(text, id).unwrap();
+        let (case, _) = crate::check(&spec, id).unwrap();
+        let time: Vec<f64> = (0..2500).map(|i| 0.01 * f64::from(i)).collect();
+        // Each motion is a sum of sines of 1.1, 2.9 and 5.3 rad/s.
+        let motion = |body: usize, rate: bool, seed: u64| -> Vec<f64> {
+            let at = |t: f64| -> f64 {
+                let mode = |k: usize| {
+                    let (w, phase) = ([1.1, 2.9, 5.3][k], k as f64);
+                    modes[body][k] * if rate { w * (w * t + phase).cos() } else { (w * t + phase).sin() }
+                };
+                (0..3).map(mode).sum()
+            };
+            time.iter().zip(gaussian(2500, seed)).map(|(t, e)| at(*t) + 0.02 * e).collect()
+        };
+        let mut columns = vec![
+            motion(0, false, 1),
+            motion(1, false, 2),
+            motion(0, true, 3),
+            motion(1, true, 4),
+            motion(2, false, 5),
+        ];
+        if let Some((i, j)) = exchange {
+            columns.swap(i, j);
+        }
+        let table = crate::Table { time: time.clone(), columns, lines: vec![], extent: None };
+        let record = Record::from_table(&case.records[0], &table, &case.system, id).unwrap();
+        let mut found = vec![];
+        rates(&case.system, &record, &mut found);
+        found.join("; ")
+    }
+
+    const MOTIONS: [[f64; 3]; 3] = [[1.0, 0.6, 0.2], [0.5, -0.9, 0.3], [0.8, -0.2, -0.5]];
+
+    #[test]
+    fn any_two_columns_that_are_swapped_are_told() {
+        assert_eq!(told(None, MOTIONS), "");
+        for (exchange, names) in [
+            ((0, 1), "`x1` and `x2` (or `v1` and `v2`)"),
+            ((2, 3), "`x1` and `x2` (or `v1` and `v2`)"),
+            ((0, 3), "`x1` and `v2`"),
+            ((1, 4), "`x2` and `u`"),
+            ((1, 3), "`x2` is the rate of `v2`"),
+            ((0, 2), "`x1` is the rate of `v1`"),
+        ] {
+            let said = told(Some(exchange), MOTIONS);
+            assert!(said.contains(names) && said.ends_with("swapped"), "{exchange:?}: {said}");
+        }
+    }
+
+    /// Bodies that move as one cannot be told apart, so nothing is said; with another size they can.
+    #[test]
+    fn equal_motions_are_not_told() {
+        let alike = |size: f64| [MOTIONS[0], MOTIONS[0].map(|a| size * a), MOTIONS[2]];
+        assert_eq!(told(Some((0, 1)), alike(1.1)), "");
+        assert!(told(Some((0, 1)), alike(2.5)).contains("`x1` and `x2`"));
+    }
+}

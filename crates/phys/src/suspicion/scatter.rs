@@ -1,0 +1,33 @@
+//! How far a sample lies from the mean of its neighbours, and how far samples do: by medians, which spikes do not move.
+
+use crate::noise_level::median;
+use crate::noise_level::quantum::rounding_error;
+
+/// Median of |normal|, times the standard deviation of `e1 - (e0 + e2)/2`.
+const UNIT: f64 = 0.674_489_750_196_081_7 * 1.224_744_871_391_589;
+
+/// What one in ten of |normal| exceeds, times the same.
+const TENTH: f64 = 1.644_853_626_951_472_6 * 1.224_744_871_391_589;
+
+/// A sample less the mean of its two neighbours.
+pub(super) fn size(column: &[f64], k: usize) -> f64 {
+    column[k] - 0.5 * (column[k - 1] + column[k + 1])
+}
+
+/// Standard deviation of the samples about their neighbours, over the whole column; not less than its rounding.
+pub(super) fn of(column: &[f64]) -> f64 {
+    let mut sizes: Vec<f64> = (1..column.len().saturating_sub(1)).map(|k| size(column, k).abs()).collect();
+    median(&mut sizes) / UNIT + rounding_error(column)
+}
+
+/// The same over `round` samples before `k` and after it, or what the largest tenth of them says if that is more: noise that comes and goes with the motion.
+pub(super) fn near(column: &[f64], k: usize, round: usize) -> f64 {
+    let from = k.saturating_sub(round).max(1);
+    let to = (k + round + 1).min(column.len().saturating_sub(1));
+    let mut sizes: Vec<f64> =
+        (from..to).filter(|j| j.abs_diff(k) > 2).map(|j| size(column, j).abs()).collect();
+    let middle = median(&mut sizes) / UNIT;
+    sizes.sort_by(f64::total_cmp);
+    let tenth = sizes.get(sizes.len() * 9 / 10).copied().unwrap_or(0.0);
+    middle.max(tenth / TENTH)
+}
