@@ -45,8 +45,7 @@ fn a_line_is_calibrated_by_regression() {
     let other: Vec<f64> = (0..SAMPLES).map(|i| -0.2 * STEP * i as f64).collect();
     let noise = [vec![7.0], vec![SIGMA]];
     for (samples, white) in [(line(), true), (wave, false)] {
-        let (case, records) =
-            records(LINE, &[(Role::Validate, other.clone()), (Role::Fit, samples.clone())]);
+        let (case, records) = records(LINE, &[(Role::Validate, other.clone()), (Role::Fit, samples.clone())]);
         let (slope, left) = regression(&samples);
         for effort in [Effort::Plain, Effort::Thorough, Effort::Errors] {
             let found = calibrate(&case.system, &records, &records, &noise, effort).unwrap();

@@ -92,7 +92,9 @@ fn a_validation_that_is_much_worse_than_the_fit_is_told() {
             ran(Role::Fit, &[0.1 * fit]),
         ];
         let found = said(vec![], records);
-        let due = times.map(|n| format!("validation is {n} times worse than the fit (NRMSE {validate:.3} against {fit:.3})"));
+        let due = times.map(|n| {
+            format!("validation is {n} times worse than the fit (NRMSE {validate:.3} against {fit:.3})")
+        });
         let heard = found.warnings.first().and_then(|w| w.split(": ").next().map(str::to_owned));
         assert_eq!(heard, due);
     }
@@ -111,16 +113,25 @@ fn what_makes_a_verdict() {
         Verdict::Identified => panic!("not rejected: {why}"),
     };
     assert_eq!(of(&one, &[0.1, 0.5], &[0.4, 0.4]), Verdict::Identified);
-    rejected(of(&[], &[0.1], &[0.25]), "no term of the dictionary survives: nothing is missing that it could name (NRMSE of the known part alone: r 0.250)");
+    rejected(
+        of(&[], &[0.1], &[0.25]),
+        "no term of the dictionary survives: nothing is missing that it could name (NRMSE of the known part alone: r 0.250)",
+    );
     rejected(of(&one, &[0.1, 0.51], &[0.9, 0.9]), "the free run of r misses the data: NRMSE 0.51");
     rejected(of(&one, &[0.1, 0.3], &[0.2, 0.1]), "no better with the identified part than without it");
     rejected(of(&one, &[0.25], &[0.25]), "no better");
     let mut failed = ran(Role::Validate, &[]);
     failed.failure = Some("at t = 3".into());
-    rejected(verdict(system, &one, &[failed], &[ran(Role::Fit, &[0.9])]), "the free run of r fails: at t = 3");
+    rejected(
+        verdict(system, &one, &[failed], &[ran(Role::Fit, &[0.9])]),
+        "the free run of r fails: at t = 3",
+    );
     // Nothing to choose from: parameters alone.
     let bare = records(r#"states: {"x": ""}, known: {"x": "0"}, unknown: {}"#, &[(Role::Fit, line())]).0;
-    assert_eq!(verdict(&bare.system, &[], &[ran(Role::Fit, &[0.2])], &[ran(Role::Fit, &[0.2])]), Verdict::Identified);
+    assert_eq!(
+        verdict(&bare.system, &[], &[ran(Role::Fit, &[0.2])], &[ran(Role::Fit, &[0.2])]),
+        Verdict::Identified
+    );
 }
 
 #[test]
@@ -152,9 +163,13 @@ fn the_shorter_list_says_how_many_stages_there_are() {
 #[test]
 fn a_parameter_at_a_bound_is_told() {
     let system = case().0.system;
-    for (value, says) in [(4e-3, "c ended at its bound 4:"), (-3e-3, "c ended at its bound -3:"), (1e-3, "")] {
+    for (value, says) in [(4e-3, "c ended at its bound 4:"), (-3e-3, "c ended at its bound -3:"), (1e-3, "")]
+    {
         let found = found_parameters(&system, &[value], &[1e-4]);
-        assert_eq!((found[0].parameter, found[0].factor, found[0].at_bound), (Some(0), 1e-3, !says.is_empty()));
+        assert_eq!(
+            (found[0].parameter, found[0].factor, found[0].at_bound),
+            (Some(0), 1e-3, !says.is_empty())
+        );
         let told = at_bounds(&found).concat();
         assert!(told.starts_with(says) && told.is_empty() == says.is_empty(), "{told}");
     }
@@ -162,10 +177,8 @@ fn a_parameter_at_a_bound_is_told() {
 
 fn by_method_step(learn: &str, change: impl Fn(&mut Record)) -> Identified {
     let text = LINE.replace(r#""x", "x^2"], within: {"1": (0.0, 5.0)}"#, r#"], within: {"1": (0.0, 5.0)}"#);
-    let (case, mut records) = records(
-        &format!("{text}, learn: ({learn})"),
-        &[(Role::Fit, line()), (Role::Validate, line())],
-    );
+    let (case, mut records) =
+        records(&format!("{text}, learn: ({learn})"), &[(Role::Fit, line()), (Role::Validate, line())]);
     records.iter_mut().for_each(change);
     let options = LearnOptions { method: Some(Method::Step) };
     identify(&case, &records, &options, &mut |_| ControlFlow::Continue(())).unwrap()
@@ -182,7 +195,11 @@ fn the_steps_of_a_line_are_met_by_their_mean() {
     assert_eq!((found.verdict, found.method, found.stopped), (Verdict::Identified, Method::Step, false));
     assert_eq!(found.parameters.iter().map(|p| p.name.as_str()).collect::<Vec<_>>(), ["c"]);
     assert_eq!((found.covariance.len(), found.covariance[0].len()), (2, 2));
-    assert_relative_eq!(found.covariance[0][0].sqrt(), found.terms[0].coefficient.std_error, max_relative = 1e-9);
+    assert_relative_eq!(
+        found.covariance[0][0].sqrt(),
+        found.terms[0].coefficient.std_error,
+        max_relative = 1e-9
+    );
 }
 
 #[test]
@@ -194,5 +211,8 @@ fn what_method_step_holds_is_told() {
     };
     assert_eq!(told("", |_| {}), [true, false]);
     assert_eq!(told("optimiser: GaussNewton", |_| {}), [false, false]);
-    assert_eq!(told("optimiser: GaussNewton", |r| r.sensors[0].gain.within = Some((-9.0, 9.0))), [false, true]);
+    assert_eq!(
+        told("optimiser: GaussNewton", |r| r.sensors[0].gain.within = Some((-9.0, 9.0))),
+        [false, true]
+    );
 }
