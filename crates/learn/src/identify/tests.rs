@@ -202,6 +202,26 @@ fn the_steps_of_a_line_are_met_by_their_mean() {
     );
 }
 
+/// A velocity that is derived may be derived otherwise; one that is measured is what it is.
+#[test]
+fn a_derived_velocity_is_doubted() {
+    let text = r#"states: {"x": "", "v": ""}, known: {"x": "v", "v": "0"}, unknown: {"v": (factor: "1", candidates: ["x"])}, learn: (optimiser: GaussNewton, cutoff: 1e-3)"#;
+    let wave = |turn: f64| (0..200).map(|i| (STEP * i as f64 + turn).cos()).collect::<Vec<_>>();
+    let (case, mut records) = records(text, &[(Role::Fit, wave(0.0))]);
+    let told = |records: &[Record]| {
+        let options = LearnOptions { method: Some(Method::Step) };
+        let found = identify(&case, records, &options, &mut |_| ControlFlow::Continue(())).unwrap();
+        assert_relative_eq!(found.terms[0].coefficient.value, -1.0, max_relative = 0.05);
+        found.warnings.iter().any(|w| {
+            w.starts_with("the result depends on how columns are differentiated")
+                && w.contains(" x in v' would move")
+        })
+    };
+    assert!(told(&records));
+    records[0].columns[1] = Some(wave(0.5 * std::f64::consts::PI));
+    assert!(!told(&records));
+}
+
 #[test]
 fn what_method_step_holds_is_told() {
     let told = |learn: &str, change: fn(&mut Record)| {
