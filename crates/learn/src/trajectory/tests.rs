@@ -4,7 +4,7 @@ use super::*;
 use crate::identified::Verdict;
 use crate::straight::{STEP, fitted, fitted_terms, lever, records, scatter};
 use approx::assert_relative_eq;
-use phisindy_phys::SensorParameter;
+use phisindy_phys::{SensorParameter, effective_samples};
 
 const SIGMA: f64 = 0.1;
 const SAMPLES: usize = 100;
@@ -107,28 +107,55 @@ fn all_terms_or_those_above_a_cut_off() {
     }
 }
 
-/// A parabola that only a level may explain.
+/// A wave that no term may explain: told, and the samples count as few.
 #[test]
 fn what_is_left_and_is_not_noise_is_told() {
-    let bent: Vec<f64> =
-        line(0.0).iter().enumerate().map(|(i, x)| x + 0.4 * (STEP * i as f64).cos()).collect();
-    let found = identified("", &[(Role::Fit, bent)]);
-    let told: Vec<&String> =
-        found.warnings.iter().filter(|w| w.contains("the residual is not white")).collect();
-    assert_eq!(told.len(), 1, "{:?}", found.warnings);
+    let wave: Vec<f64> =
+        line(0.0).iter().enumerate().map(|(i, x)| x + 0.4 * (2.0 * STEP * i as f64).cos()).collect();
+    let (case, records) = records(&RATES.replace(r#", "2*t", "3*t^2""#, ""), &[(Role::Fit, wave.clone())]);
+    let found = by_trajectory(&case, &records, &mut |_| ControlFlow::Continue(())).unwrap();
+    let left: Vec<f64> = found.records[0].residuals[0].clone();
+    let few = effective_samples(&left);
+    let says = format!(
+        "the residual is not white ({few:.0} % of the samples are independent): something is still missing"
+    );
+    assert!(found.warnings.len() == 1 && found.warnings[0].starts_with(&says), "{:?}", found.warnings);
+    let (_, error, _) = regression(&wave);
+    let error = error * (100.0_f64 / 98.0 * 100.0 / few).sqrt();
+    // The noise has a relative part, so that not all samples weigh the same.
+    assert_relative_eq!(found.terms[0].coefficient.std_error, error, max_relative = 0.1);
+    assert_relative_eq!(
+        found.covariance[0][0].sqrt(),
+        found.terms[0].coefficient.std_error,
+        max_relative = 1e-9
+    );
 }
 
+/// A wave far below the noise: most samples count, and yet it is there.
+#[test]
+fn what_is_left_and_is_small_is_told() {
+    let noise = scatter(2000);
+    for (size, told) in [(0.025, true), (0.01, false)] {
+        let time = |i: usize| STEP * i as f64;
+        let of = |i: usize| 2.0 + 0.5 * time(i) + size * (0.5 * time(i)).cos() + SIGMA * noise[i];
+        let found = identified("", &[(Role::Fit, (0..2000).map(of).collect())]);
+        let says = |w: &String| w.starts_with("the residual is not white: what is left is small");
+        assert_eq!(found.warnings.iter().any(says), told, "{:?}", found.warnings);
+    }
+}
+
+/// Whenever it is said, once is enough.
 #[test]
 fn who_stops_it_gets_the_best_so_far() {
-    for stop in [0.0, 0.2, 0.5, 0.95] {
+    for (from, to, stopped) in [(0.0, 0.05, true), (0.05, 0.5, true), (0.5, 0.95, true), (0.95, 1.0, false)] {
         let (case, records) = records(RATES, &[(Role::Fit, line(0.0))]);
         let mut heard = vec![];
         let found = by_trajectory(&case, &records, &mut |part| {
             heard.push(part);
-            if part >= stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            if (from..to).contains(&part) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
         let found = found.unwrap();
-        assert_eq!(found.stopped, stop <= 0.9, "{stop}");
+        assert_eq!(found.stopped, stopped, "{from}");
         assert_relative_eq!(found.terms[0].coefficient.value, 0.5, max_relative = 0.05);
         assert!(heard.is_sorted() && heard.iter().all(|p| (0.0..=1.0).contains(p)), "{heard:?}");
     }
