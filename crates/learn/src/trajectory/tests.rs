@@ -66,6 +66,7 @@ fn what_is_told_of_a_line_is_its_regression() {
     assert_relative_eq!(found.records[0].noise[0].1, phisindy_phys::noise_level(&calm), max_relative = 1e-12);
     assert_eq!((found.records[1].noise[0].0.as_str(), found.records[1].noise.len()), ("x", 1));
     assert_relative_eq!(found.records[1].noise[0].1, left.sqrt(), max_relative = 0.1);
+    assert_eq!(found.noise_model, "additive");
     let told: Vec<&PathPoint> = found.selection.iter().filter(|p| p.nrmse.is_some()).collect();
     assert_eq!((told.len(), told[0].terms, told[0].nrmse), (1, 1, Some(found.records[1].worst())));
 }
@@ -113,7 +114,17 @@ fn what_is_left_and_is_not_noise_is_told() {
     let wave: Vec<f64> =
         line(0.0).iter().enumerate().map(|(i, x)| x + 0.4 * (2.0 * STEP * i as f64).cos()).collect();
     let (case, records) = records(&RATES.replace(r#", "2*t", "3*t^2""#, ""), &[(Role::Fit, wave.clone())]);
-    let found = by_trajectory(&case, &records, &mut |_| ControlFlow::Continue(())).unwrap();
+    let mut heard = vec![];
+    let found = by_trajectory(&case, &records, &mut |part| {
+        heard.push(part);
+        ControlFlow::Continue(())
+    });
+    let found = found.unwrap();
+    // As long as something is left another start is tried.
+    assert!(
+        heard.len() > 3 && heard.is_sorted() && heard.iter().all(|p| (0.0..=1.0).contains(p)),
+        "{heard:?}"
+    );
     let left: Vec<f64> = found.records[0].residuals[0].clone();
     let few = effective_samples(&left);
     let says = format!(
@@ -193,6 +204,28 @@ fn what_changes_places_is_named() {
         told.starts_with("3*t^2 in the place of 2*t in x' describes the data as well (criterion 1.3 higher"),
         "{told}"
     );
+}
+
+/// A rate that hardly changes is as good as one that does not; who asks for all terms has chosen.
+#[test]
+fn another_choice_is_told_of_where_there_was_a_choice() {
+    let text = RATES.replace("2*t", "1 + 0.01*t");
+    for (learn, told) in [("", true), ("selection: All", false)] {
+        let (case, records) = records(&format!("{text}, learn: ({learn})"), &[(Role::Fit, line(0.0))]);
+        let found = by_trajectory(&case, &records, &mut |_| ControlFlow::Continue(())).unwrap();
+        let says = |w: &String| w.contains(" in the place of ");
+        assert_eq!(found.warnings.iter().any(says), told, "{:?}", found.warnings);
+    }
+}
+
+/// The only record needs no name.
+#[test]
+fn a_sensor_is_named_by_its_column() {
+    let (case, mut records) = records(RATES, &[(Role::Fit, line(0.0))]);
+    records[0].sensors[0].delay = SensorParameter { within: Some((-1.0, 1.0)), ..SensorParameter::held(0.0) };
+    let found = by_trajectory(&case, &records, &mut |_| ControlFlow::Continue(())).unwrap();
+    let of = &found.parameters[0];
+    assert_eq!((of.name.as_str(), of.unit.as_str(), of.record), ("x.delay", "s", Some(0)));
 }
 
 /// A second state that nothing measures: the rest has the sandwich, the unseen start no end.
