@@ -205,6 +205,9 @@ fn what_hardly_matters_goes_unless_the_data_insist() {
         let rise = one.x[1].powi(2) / covariance(&one.normal.matrix)[(1, 1)];
         assert_eq!(negligible(&fitted((rise / 55.0).sqrt())), small.then_some(1));
         assert_eq!(negligible(&fitted((rise / 65.0).sqrt())), None);
+        // The search keeps it, whose price is less; the last look does not.
+        let found = select(&context(&case, &records), fitted((rise / 55.0).sqrt()), &[0, 1], &mut vec![]);
+        assert_eq!(found.fit.problem.terms, if small { vec![0] } else { vec![0, 1] });
         let mut correlated = fitted((rise / 65.0).sqrt());
         correlated.effective /= 2.0;
         assert_eq!(negligible(&correlated), small.then_some(1));
