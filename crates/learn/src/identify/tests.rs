@@ -113,6 +113,7 @@ fn what_makes_a_verdict() {
         Verdict::Identified => panic!("not rejected: {why}"),
     };
     assert_eq!(of(&one, &[0.1, 0.5], &[0.4, 0.4]), Verdict::Identified);
+    assert_eq!(of(&one, &[0.4, 0.4], &[2.4, 0.1]), Verdict::Identified);
     rejected(
         of(&[], &[0.1], &[0.25]),
         "no term of the dictionary survives: nothing is missing that it could name (NRMSE of the known part alone: r 0.250)",
@@ -143,6 +144,22 @@ fn twenty_samples_that_move_are_enough() {
     assert_eq!(of(line()[..20].to_vec()), None);
     assert!(of(line()[..19].to_vec()).unwrap().contains("r0: 19 samples are too few"));
     assert!(of(vec![0.7; 30]).unwrap().contains("r0: the column of x is constant"));
+}
+
+/// A record to validate with may be dead; one to learn from there must be, and not a dead one.
+#[test]
+fn only_what_is_fitted_must_be_fit_for_it() {
+    let refused = |of: &[(Role, Vec<f64>)]| {
+        let (case, records) = records(LINE, of);
+        let found = identify(&case, &records, &LearnOptions::default(), &mut |_| ControlFlow::Continue(()));
+        found.err().map(|e| e.to_string()).unwrap_or_default()
+    };
+    let dead = vec![0.7; SAMPLES];
+    assert_eq!(refused(&[(Role::Fit, line()), (Role::Validate, dead.clone())]), "");
+    assert!(
+        refused(&[(Role::Validate, line()), (Role::Fit, dead)]).contains("r1: the column of x is constant")
+    );
+    assert!(refused(&[(Role::Validate, line())]).contains("no record has the role Fit"));
 }
 
 /// Where the spec gives one list alone.
@@ -226,7 +243,7 @@ fn a_derived_velocity_is_doubted() {
 fn what_method_step_holds_is_told() {
     let told = |learn: &str, change: fn(&mut Record)| {
         let warnings = by_method_step(&format!("epochs: [20], cutoff: 1e-3, {learn}"), change).warnings;
-        ["RAdam holds c at the spec's value", "holds sensor offsets, gains and delays"]
+        [" holds c at the spec's value", "holds sensor offsets, gains and delays"]
             .map(|says| warnings.iter().any(|w| w.contains(says)))
     };
     assert_eq!(told("", |_| {}), [true, false]);
