@@ -41,7 +41,7 @@ def built():
     """All programs, instrumented, and of those that are tests the folder of their crate."""
     command = ["cargo", "test", "--workspace", "--no-run", "--message-format", "json-render-diagnostics"]
     # Only crates of the workspace go through this wrapper: what they depend on keeps its speed.
-    os.environ["RUSTC_WORKSPACE_WRAPPER"] = __file__
+    os.environ["RUSTC_WORKSPACE_WRAPPER"] = str(pathlib.Path(__file__).resolve())
     messages = [json.loads(line) for line in output(*command).splitlines()]
     made = [m for m in messages if m.get("executable")]
     return [m["executable"] for m in made], {m["executable"]: pathlib.Path(m["manifest_path"]).parent for m in made if m["profile"]["test"]}

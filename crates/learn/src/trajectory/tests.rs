@@ -287,8 +287,8 @@ fn each_record_has_its_own_numbers() {
     let roles = [Role::Validate, Role::Fit, Role::Validate, Role::Fit];
     let (case, mut records) = records(text, &roles.map(|role| (role, line(0.0))));
     records[2].continues = Some(3);
-    let free = |start: f64| SensorParameter { within: Some((-90.0, 90.0)), ..SensorParameter::held(start) };
-    records[3].sensors[0].gain = free(1.0);
+    records[3].sensors[0].gain =
+        SensorParameter { within: Some((-90.0, 90.0)), ..SensorParameter::held(1.0) };
     let two = [&records[1], &records[3]];
     let problem = Problem::new(&case.system, &[0], &two, &[1, 1]).unwrap();
     // The coefficient, c, e and the start of the one, e, gain and start of the other.
