@@ -270,6 +270,22 @@ fn masses_that_never_move_do_not_stop_the_simulation() {
     moves_but("rounding", &COUPLED.replace(r#""nu": (0.9, "N")"#, r#""nu": (1.5, "N")"#), &["x1", "y1"]);
 }
 
+/// The third contact is decided by the first two, which hold the blocks; the drive overcomes the one of another mass.
+#[test]
+fn what_is_held_twice_does_not_hold_another_mass() {
+    let spec = r#"(
+    constants: { "mu": (0.5, "m/s^2"), "nu": (0.25, "m/s^2"), "a": (0.1, "m/s^3"), "k": (0.2, "1/s^2") },
+    states: { "y1": "m/s", "y2": "m/s", "x3": "m", "y3": "m/s" },
+    known: {
+        "y1": "a*t/4 - mu*sgn(y1) - mu*sgn(y1-y2)", "y2": "mu*sgn(y1-y2) - mu*sgn(y2)",
+        "x3": "y3", "y3": "a*t - k*x3 - nu*sgn(y3)",
+    },
+    contacts: ["y1", "y1-y2", "y2", "y3"],
+    data: [Synthetic(truth: {}, noise: Relative(0.0), start: {}, duration: 20.0, step: 0.05)],
+)"#;
+    moves_but("held-twice", spec, &["x3", "y3"]);
+}
+
 /// As [`moves_as_ours`], where only these states move.
 #[track_caller]
 fn moves_but(name: &str, spec: &str, moving: &[&str]) {

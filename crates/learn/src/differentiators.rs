@@ -57,3 +57,32 @@ pub(crate) fn otherwise(fit: &Fit<'_>, how: Differentiator) -> Option<Normal> {
     (other.continuity, other.belief) = (problem.continuity.clone(), problem.belief);
     other.normal(&fit.x, &fit.weights).ok()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use faer::Mat;
+
+    /// Curvatures 4 and 9: another slope of 8 and 9 moves the minimum by 2 and 1.
+    #[test]
+    fn the_number_that_moves_farthest_out_of_its_interval_is_named() {
+        let of = |gradient: [f64; 2]| Normal {
+            cost: 0.0,
+            matrix: Mat::from_fn(2, 2, |i, j| if i == j { [4.0, 9.0][i] } else { 0.0 }),
+            gradient: gradient.to_vec(),
+        };
+        let here = of([1.0, 1.0]);
+        let told = |errors: [f64; 2], how: Differentiator, there: [f64; 2]| {
+            let numbers: Vec<Number> = (0..2).map(|k| (k, ["a", "b"][k].to_owned(), errors[k])).collect();
+            dependence(&numbers, &here, |other| (other == how).then(|| of(there)))
+        };
+        for how in Differentiator::ALL {
+            let says = told([1.0, 0.2], how, [-7.0, -8.0]).expect("b moves by five errors");
+            assert!(says.contains(&format!("with {} b would move by 2.6 times", how.name())), "{says}");
+            let says = told([0.25, 10.0], how, [9.0, 1.0]).expect("a moves by eight errors");
+            assert!(says.contains("a would move by 4.1 times"), "{says}");
+        }
+        assert_eq!(told([1.03, 0.52], Differentiator::Spline, [-7.0, -8.0]), None);
+        assert_eq!(dependence(&[(0, "a".into(), 1e-9)], &here, |_| None), None);
+    }
+}

@@ -300,3 +300,6 @@ pub(crate) fn verdict(
     }
     Verdict::Identified
 }
+
+#[cfg(test)]
+mod tests;

@@ -480,3 +480,6 @@ pub(crate) fn solution(
     }
     out
 }
+
+#[cfg(test)]
+mod tests;

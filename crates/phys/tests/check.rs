@@ -1,7 +1,7 @@
 //! Specs that read well and mean nothing: each mistake by its words and its help.
 
 use phisindy_phys::unit::Unit;
-use phisindy_phys::{SourceId, check, spec};
+use phisindy_phys::{Law, Model, SourceId, check, spec};
 
 /// A good spec; each row breaks one thing.
 const GOOD: &str = r#"(
@@ -73,6 +73,16 @@ fn each_mistake_is_told_with_what_to_do() {
             "unknown state or input in `measure` `z` | known here: x, y, u, du",
         ),
         (
+            r#"contacts: ["y"]"#,
+            r#"contacts: ["y", "y^2"]"#.into(),
+            "`y^2` is no velocity, so it cannot stick | a contact is a velocity or a difference of velocities",
+        ),
+        (
+            noise,
+            and(r#"sensors: { "w": (offset: 1.0) }"#),
+            "unknown column in `sensors` `w` | known here: x, y, u, du",
+        ),
+        (
             r#""du": Derivative("u")"#,
             r#""du": Derivative("u"), "dw": Derivative("u")"#.into(),
             "unknown input in `derive` `dw` | did you mean `du`?",
@@ -104,6 +114,13 @@ fn each_mistake_is_told_with_what_to_do() {
         said[0].starts_with("`N` must be a number in each record | use numbers and fixed constants only"),
         "{said:#?}"
     );
+    // A sensor's number may be a constant of the case.
+    let named = GOOD
+        .replace(noise, &and(r#"sensors: { "x": (gain: "g") }"#))
+        .replace("constants: { \"k\"", "constants: { \"g\": 1.5, \"k\"");
+    let (spec, _) = spec::read(&named, SourceId(0)).expect("a spec");
+    let (case, _) = check(&spec, SourceId(0)).expect("a case");
+    assert_eq!(case.records[0].sensors[0].gain.start, 1.5);
     // What one record has the other one needs.
     let one = &GOOD[GOOD.find("Synthetic").unwrap()..GOOD.rfind(" ]").unwrap()];
     let two =
@@ -112,6 +129,24 @@ fn each_mistake_is_told_with_what_to_do() {
         mistakes(&two),
         ["this record has no value for constant `N` | add `constants: { \"N\": ... }` to it"]
     );
+}
+
+#[test]
+fn a_law_has_each_name_once() {
+    let law = |more: &str| {
+        Law::read(&format!(
+            r#"(name: "Drag", roles: {{ "v": "m/s" }}, parameters: {{ "d": (unit: "N*s^2/m^2", within: (0.0, 10.0)){more} }}, force: "d*v*|v|")"#
+        ))
+    };
+    assert!(law("").is_ok());
+    let said = law(r#", "d": (unit: "N", within: (0.0, 1.0))"#).unwrap_err();
+    assert!(said.contains("`d` stands here twice"), "{said}");
+}
+
+#[test]
+fn each_state_has_a_rate() {
+    let said = Model::build(&["x", "v"], &[], &[], &["v"]).err();
+    assert_eq!(said.as_deref(), Some("2 states but 1 rates"));
 }
 
 #[test]

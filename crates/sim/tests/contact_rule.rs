@@ -187,6 +187,22 @@ fn contacts_that_hold_the_same_thing_share_the_load() {
     assert_eq!(run.states[5], 0.0);
 }
 
+/// What of three contacts is decided by the others takes nothing away from a fourth one, wherever it stands.
+#[test]
+fn contacts_that_hold_the_same_thing_leave_the_others_alone() {
+    let pair =
+        [("y1", 0.0, "0.1*t - 0.5*sgn(y1) - 0.5*sgn(y1-y2)"), ("y2", 0.0, "-0.5*sgn(y2) + 0.5*sgn(y1-y2)")];
+    let third = ("y3", 0.0, "0.1*t - 0.25*sgn(y3)");
+    for states in [[pair[0], pair[1], third], [third, pair[0], pair[1]], [pair[0], third, pair[1]]] {
+        let of = states.iter().position(|s| s.0 == "y3").unwrap();
+        let run = Case::new(&states, &[]).run(&[2.0, 4.5]);
+        assert_eq!(run.events.len(), 1, "{:?}", run.events);
+        assert_abs_diff_eq!(run.events[0].time, 2.5, epsilon = 1e-9);
+        assert_eq!(run.states[..3], [0.0; 3]);
+        assert_abs_diff_eq!(run.states[3 + of], 0.05 * 4.0, epsilon = 1e-9);
+    }
+}
+
 #[test]
 fn friction_that_is_singular_at_rest_holds_and_lets_go() {
     // 0.5 - 0.02 ln(|v|/V): infinite at rest; as large as it is a millionth off rest by the rule, at the scale 1 of speed.
@@ -242,6 +258,67 @@ fn two_uncoupled_equal_masses_stop_at_the_same_time() {
         "{:?}",
         run.events
     );
+}
+
+/// Each mass goes with its own belt, whose speed is an input of its own.
+#[test]
+fn two_masses_stick_to_two_belts() {
+    let belt = |slope: f64| signal(&[0.0, 10.0], |t| slope * t, Interpolation::Linear);
+    let states = [("v", 0.0, "-0.5*sgn(v-u)"), ("z", 0.0, "-0.5*sgn(z-w)")];
+    let run = Case::driven(&states, &[], vec![("u", belt(0.3)), ("w", belt(-0.1))]).run(&[2.0, 7.0]);
+    for (found, due) in run.states.iter().zip([0.6, -0.2, 2.1, -0.7]) {
+        assert_abs_diff_eq!(*found, due, epsilon = 1e-12);
+    }
+    assert_eq!(run.modes, [0; 4]);
+}
+
+/// Three that do not touch, each with a shape of friction of its own, in one model and one by one: the same motion, the same events, the same derivatives.
+#[test]
+fn bodies_that_do_not_touch_move_as_each_alone() {
+    let laws = [
+        ("-2*x0 + cos(0.7*t) - (f0 + d*exp(-|v0|/V))*sgn(v0)", vec![("f0", 0.2), ("d", 0.3), ("V", 0.2)]),
+        ("-x1 + 2*sin(0.5*t) - (f1 - b*ln(|v1|/W))*sgn(v1)", vec![("f1", 0.5), ("b", 0.02), ("W", 0.003)]),
+        ("-3*x2 + 2*cos(0.4*t) - (f2 + g*|v2|)*sgn(v2)", vec![("f2", 0.4), ("g", 0.3)]),
+    ];
+    let names = [("x0", "v0"), ("x1", "v1"), ("x2", "v2")];
+    let body = |k: usize| vec![(names[k].0, 0.1, names[k].1), (names[k].1, 0.2 + 0.1 * k as f64, laws[k].0)];
+    let all: Vec<_> = (0..3).flat_map(body).collect();
+    let numbers: Vec<_> = laws.iter().flat_map(|(_, numbers)| numbers.clone()).collect();
+    let times = grid(25.0, 250);
+    let together = Case::new(&all, &numbers).run_with_sensitivities(&times);
+    let m = 6 + numbers.len();
+    let mut parameter = 0;
+    for (k, (_, own_numbers)) in laws.iter().enumerate() {
+        let alone = Case::new(&body(k), own_numbers).run_with_sensitivities(&times);
+        let own = together.events.iter().filter(|e| e.switch == k);
+        assert!(alone.events.len() >= 4);
+        assert_eq!(
+            own.clone().map(|e| (e.from, e.to)).collect::<Vec<_>>(),
+            alone.events.iter().map(|e| (e.from, e.to)).collect::<Vec<_>>()
+        );
+        for (a, b) in own.zip(&alone.events) {
+            assert_abs_diff_eq!(a.time, b.time, epsilon = 1e-7);
+        }
+        // Columns of the derivatives: starts, then parameters.
+        let columns: Vec<usize> =
+            (2 * k..2 * k + 2).chain((0..own_numbers.len()).map(|p| 6 + parameter + p)).collect();
+        parameter += own_numbers.len();
+        for i in 0..times.len() {
+            for state in 0..2 {
+                assert_abs_diff_eq!(
+                    together.states[6 * i + 2 * k + state],
+                    alone.states[2 * i + state],
+                    epsilon = 1e-7
+                );
+                let row = &together.sensitivities[(6 * i + 2 * k + state) * m..][..m];
+                let due = &alone.sensitivities[(2 * i + state) * columns.len()..][..columns.len()];
+                for (j, &value) in row.iter().enumerate() {
+                    let due = columns.iter().position(|&c| c == j).map_or(0.0, |c| due[c]);
+                    assert_abs_diff_eq!(value, due, epsilon = 1e-4 * due.abs().max(1.0));
+                }
+            }
+        }
+    }
 }
 
 /// Stops, departures and reversals come when they do, whatever the unit of length.

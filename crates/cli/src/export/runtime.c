@@ -175,33 +175,41 @@ static bool any_stuck(const Field *f)
 
 static void field_look(Field *f, double t, const double *x) { evaluate(f, surfaces, t, x, f->surface); }
 
-/* Gauss-Jordan elimination on m rows of m + 1 numbers; an unknown that the others decide becomes zero. */
+/* Gauss-Jordan elimination on m rows of m + 1 numbers; an unknown that the others decide becomes zero, and takes no row from those that come after it. */
 static void solve_rows(double *a, int m)
 {
-    int width = m + 1;
-    double largest = 0.0;
+    int width = m + 1, used = 0, row_of[ROOM(CONTACTS)];
+    double largest = 0.0, found[ROOM(CONTACTS)];
     for (int i = 0; i < m*m; i++)
         largest = fmax(largest, fabs(a[i/m*width + i%m]));
     for (int col = 0; col < m; col++) {
-        int pivot = col;
-        for (int r = col + 1; r < m; r++)
+        int pivot = used;
+        for (int r = used + 1; r < m; r++)
             if (fabs(a[r*width + col]) > fabs(a[pivot*width + col]))
                 pivot = r;
+        row_of[col] = -1;
+        if (used == m || fabs(a[pivot*width + col]) <= 1e-13*largest)
+            continue;
         for (int j = 0; j < width; j++) {
             double other = a[pivot*width + j];
-            a[pivot*width + j] = a[col*width + j];
-            a[col*width + j] = other;
+            a[pivot*width + j] = a[used*width + j];
+            a[used*width + j] = other;
         }
-        double inverse = fabs(a[col*width + col]) <= 1e-13*largest ? 0.0 : 1.0/a[col*width + col];
+        double inverse = 1.0/a[used*width + col];
         for (int j = 0; j < width; j++)
-            a[col*width + j] *= inverse;
+            a[used*width + j] *= inverse;
         for (int r = 0; r < m; r++) {
             double factor = a[r*width + col];
-            if (r != col && inverse != 0.0 && factor != 0.0)
+            if (r != used && factor != 0.0)
                 for (int j = 0; j < width; j++)
-                    a[r*width + j] -= factor*a[col*width + j];
+                    a[r*width + j] -= factor*a[used*width + j];
         }
+        row_of[col] = used++;
     }
+    for (int col = 0; col < m; col++)
+        found[col] = row_of[col] < 0 ? 0.0 : a[row_of[col]*width + m];
+    for (int col = 0; col < m; col++)
+        a[col*width + m] = found[col];
 }
 
 /* Sets the modes of all that sticks to the fractions of friction that keep it at rest: one linear system. */

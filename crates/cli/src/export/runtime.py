@@ -264,22 +264,23 @@ class Field:
 
 
 def _solved(rows):
-    """Gauss-Jordan elimination; an unknown that the others decide becomes zero."""
-    m = len(rows)
+    """Gauss-Jordan elimination; an unknown that the others decide becomes zero, and takes no row from those that come after it."""
+    m, found = len(rows), {}
     largest = max((abs(a) for row in rows for a in row[:m]), default=0.0)
     for col in range(m):
-        pivot = max(range(col, m), key=lambda r: abs(rows[r][col]))
-        rows[col], rows[pivot] = rows[pivot], rows[col]
-        if abs(rows[col][col]) <= 1e-13*largest:
-            rows[col] = [0.0]*(m + 1)
+        used = len(found)
+        pivot = max(range(used, m), key=lambda r: abs(rows[r][col]), default=None)
+        if pivot is None or abs(rows[pivot][col]) <= 1e-13*largest:
             continue
-        inverse = 1.0/rows[col][col]
-        rows[col] = [a*inverse for a in rows[col]]
+        found[col] = used
+        rows[used], rows[pivot] = rows[pivot], rows[used]
+        inverse = 1.0/rows[used][col]
+        rows[used] = [a*inverse for a in rows[used]]
         for r in range(m):
-            if r != col and rows[r][col] != 0.0:
+            if r != used and rows[r][col] != 0.0:
                 factor = rows[r][col]
-                rows[r] = [a - factor*b for a, b in zip(rows[r], rows[col])]
-    return [row[m] for row in rows]
+                rows[r] = [a - factor*b for a, b in zip(rows[r], rows[used])]
+    return [rows[found[col]][m] if col in found else 0.0 for col in range(m)]
 
 
 def rates(t, x, u, modes, du=None, p=None):

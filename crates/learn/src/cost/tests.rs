@@ -205,7 +205,9 @@ fn the_cost_alone_is_the_cost_to_the_bit() {
     );
     let both: Vec<_> = records.iter().collect();
     let mut problem = Problem::new(&case.system, &[0, 1], &both, &[3, 2]).unwrap();
-    let x = problem.guess(&[0.05, 0.01], None, &records);
+    let mut x = problem.guess(&[0.05, 0.01], None, &records);
+    // Off what is believed, in steps that are not one.
+    (x[problem.priors[0].0], problem.belief) = (1.47, BELIEF);
     let noise = vec![vec![crate::noise::ColumnNoise { additive: 0.1, relative: 0.05 }; 2]; 2];
     let weights = problem.weights(&noise, None);
     let mut all = Vec::new();

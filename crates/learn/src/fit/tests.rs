@@ -240,6 +240,21 @@ fn a_side_minimum_is_left_by_a_hop() {
     }
 }
 
+/// What a hop gains by going on for some more steps is not worth it.
+#[test]
+fn a_minimum_that_is_not_at_the_side_is_kept() {
+    let spec = r#"states: {"x": "", "v": ""}, known: {"x": "v", "v": "0"}, unknown: {"v": (factor: "-sgn(v)", candidates: ["1"])}, contacts: ["v"]"#;
+    let place = |i: usize| (STEP * i as f64).min(3.0);
+    let noise = scatter(60);
+    let throw = (0..60).map(|i| 1.5 * place(i) - 0.25 * place(i).powi(2) + 0.01 * noise[i]).collect();
+    let (case, records) = records(spec, &[(Role::Fit, throw)]);
+    let mut fit = fitted_terms(&case, &records, 0.01, &[0]);
+    (fit.effective, fit.excess) = (1.0, 9.0);
+    let before = fit.x.clone();
+    assert!(fit.comes_to_rest());
+    assert_eq!(context(&case, &records, SegmentsSpec::Auto).hopped(fit).x, before);
+}
+
 /// Level and bend of the rate: the one is a constant that may move, the other a term.
 #[test]
 fn a_parameter_is_fitted_beside_a_term() {

@@ -127,6 +127,46 @@ fn what_may_not_have_its_coefficient_is_not_offered() {
     }
 }
 
+/// The second of a pair, too, enters only with a coefficient that it may have: that of the fit with both.
+#[test]
+fn neither_of_a_pair_may_miss_its_bounds() {
+    let (case, records) = two_equations("");
+    let due = fitted_terms(&case, &records, SIGMA, &[0, 1, 2, 4]).x[2];
+    for (low, high, offered) in [(-1e-4, 1e-4, true), (1e-4, 1.0, false), (-1.0, -1e-4, false)] {
+        let (case, records) = two_equations(&format!(r#""3*t^2": ({:?}, {:?})"#, due + low, due + high));
+        let now = fitted_terms(&case, &records, SIGMA, &[0, 4]);
+        let found = scores(&context(&case, &records), &now, &[0, 1, 2, 3, 4, 5]);
+        assert_eq!(found.iter().any(|(terms, _)| *terms == [1, 2]), offered, "{low}");
+    }
+}
+
+/// One equation after the other: each term of it alone, then each pair less, the rest of the model as it is. What fits ten times as badly is not looked at again.
+#[test]
+fn simpler_models_are_looked_at_equation_by_equation() {
+    let (case, records) = two_equations("");
+    let of = |terms: &[usize], hopeless: &mut Vec<Vec<usize>>| {
+        let now = fitted_terms(&case, &records, SIGMA, terms);
+        let criterion = |cost: f64, k: usize| cost + price(k, 6, 2.0 * SAMPLES as f64);
+        pruned(&context(&case, &records), now, &criterion, hopeless)
+    };
+    // All that is too much goes: two of the first equation together, one of the second one.
+    let mut hopeless = vec![];
+    let found = of(&[0, 1, 2, 3, 4, 5], &mut hopeless);
+    assert_eq!(found.problem.terms, [0, 1, 4]);
+    assert_relative_eq!(found.normal.cost, cost(&case, &records, &[0, 1, 4]), max_relative = 1e-6);
+    // Nothing goes from what is due, and all that is less is hopeless.
+    let mut hopeless = vec![];
+    assert_eq!(of(&[0, 1, 4], &mut hopeless).problem.terms, [0, 1, 4]);
+    let here = cost(&case, &records, &[0, 1, 4]);
+    for less in [vec![0, 4], vec![1, 4]] {
+        assert_eq!(hopeless.contains(&less), cost(&case, &records, &less) > HOPELESS * here, "{less:?}");
+    }
+    assert!(!hopeless.is_empty());
+    // What is known to be hopeless is not looked at, however good it is.
+    let mut told = vec![vec![0, 1, 4]];
+    assert_eq!(of(&[0, 1, 4, 5], &mut told).problem.terms, [0, 1, 4, 5]);
+}
+
 /// Of all 64 subsets the one whose criterion is least, from the whole dictionary and from too little of it.
 #[test]
 fn what_is_selected_is_the_best_of_all_subsets() {
@@ -165,6 +205,9 @@ fn what_hardly_matters_goes_unless_the_data_insist() {
         let rise = one.x[1].powi(2) / covariance(&one.normal.matrix)[(1, 1)];
         assert_eq!(negligible(&fitted((rise / 55.0).sqrt())), small.then_some(1));
         assert_eq!(negligible(&fitted((rise / 65.0).sqrt())), None);
+        // The search keeps it, whose price is less; the last look does not.
+        let found = select(&context(&case, &records), fitted((rise / 55.0).sqrt()), &[0, 1], &mut vec![]);
+        assert_eq!(found.fit.problem.terms, if small { vec![0] } else { vec![0, 1] });
         let mut correlated = fitted((rise / 65.0).sqrt());
         correlated.effective /= 2.0;
         assert_eq!(negligible(&correlated), small.then_some(1));

@@ -1,0 +1,255 @@
+//! What is said of a result, from results written down by hand; and the paper's method on a line, whose loss has its minimum at the mean of the steps.
+
+use super::*;
+use crate::straight::{STEP, records, scatter};
+use approx::assert_relative_eq;
+use phisindy_sim::Trajectory;
+
+const SAMPLES: usize = 40;
+/// Three terms, the first one between bounds, and a millimetre that may move.
+const LINE: &str = r#"constants: {"c": (value: 1.0, unit: "mm", within: (-3.0, 4.0))}, states: {"x": ""}, known: {"x": "0"},
+    unknown: {"x": (factor: "1", candidates: ["1", "x", "x^2"], within: {"1": (0.0, 5.0)})}"#;
+
+/// 2 + 0.5 t and noise.
+fn line() -> Vec<f64> {
+    scatter(SAMPLES).iter().enumerate().map(|(i, e)| 2.0 + 0.5 * STEP * i as f64 + 0.01 * e).collect()
+}
+
+fn case() -> (Case, Vec<Record>) {
+    records(LINE, &[(Role::Fit, line())])
+}
+
+/// A record whose columns are missed by this much.
+fn ran(role: Role, nrmse: &[f64]) -> RecordFit {
+    RecordFit {
+        name: "r".into(),
+        role,
+        samples: SAMPLES,
+        start_took: None,
+        nrmse: nrmse.iter().map(|&e| ("x".into(), e)).collect(),
+        noise: vec![],
+        residuals: vec![],
+        start: vec![],
+        run: Some(Trajectory::default()),
+        failure: None,
+    }
+}
+
+fn term(value: f64, std_error: f64) -> FoundTerm {
+    FoundTerm::new(0, Estimate { value, std_error, ci95: (value - 2.0 * std_error, value + 2.0 * std_error) })
+}
+
+fn said(terms: Vec<FoundTerm>, records: Vec<RecordFit>) -> Identified {
+    let mut found = Identified {
+        method: Method::Step,
+        terms,
+        parameters: vec![],
+        records,
+        noise_model: String::new(),
+        selection: vec![],
+        covariance: vec![],
+        warnings: vec![],
+        verdict: Verdict::Identified,
+        stopped: false,
+    };
+    remarks(&case().0.system, &mut found);
+    found
+}
+
+#[test]
+fn a_term_that_may_be_zero_or_is_at_its_bound_is_told() {
+    // Value, error; the interval within the bounds; at a bound; what is said.
+    for (value, error, interval, at_bound, says) in [
+        (1.0, 0.3, (0.4, 1.6), false, ""),
+        (1.0, 0.6, (0.0, 2.2), false, "1 of x' may as well be zero: its interval holds it"),
+        (4.5, 0.5, (3.5, 5.0), false, ""),
+        (0.0, 0.1, (0.0, 0.2), true, "1 of x' ended at its bound 0: the data want to go beyond it"),
+        (5.0, 0.1, (4.8, 5.0), true, "1 of x' ended at its bound 5: the data want to go beyond it"),
+        (1.0, f64::INFINITY, (0.0, 5.0), false, ""),
+    ] {
+        let found = said(vec![term(value, error)], vec![]);
+        let of = &found.terms[0];
+        assert_relative_eq!(of.coefficient.ci95.0, interval.0, max_relative = 1e-12);
+        assert_relative_eq!(of.coefficient.ci95.1, interval.1, max_relative = 1e-12);
+        assert_eq!((of.at_bound, found.warnings.join("\n").as_str()), (at_bound, says), "{value}");
+    }
+    // Without bounds, on either side of zero.
+    for value in [-1.0, 1.0] {
+        let mut free = term(value, 0.3);
+        free.term = 1;
+        assert_eq!(said(vec![free], vec![]).warnings, [""; 0]);
+    }
+}
+
+/// The worst column of the worst record of each role counts.
+#[test]
+fn a_validation_that_is_much_worse_than_the_fit_is_told() {
+    for (fit, validate, times) in [(0.01, 0.06, Some(6)), (0.01, 0.04, None), (0.03, 0.08, None)] {
+        let records = vec![
+            ran(Role::Fit, &[0.5 * fit, fit]),
+            ran(Role::Validate, &[validate, 0.001]),
+            ran(Role::Validate, &[0.001]),
+            ran(Role::Fit, &[0.1 * fit]),
+        ];
+        let found = said(vec![], records);
+        let due = times.map(|n| {
+            format!("validation is {n} times worse than the fit (NRMSE {validate:.3} against {fit:.3})")
+        });
+        let heard = found.warnings.first().and_then(|w| w.split(": ").next().map(str::to_owned));
+        assert_eq!(heard, due);
+    }
+}
+
+#[test]
+fn what_makes_a_verdict() {
+    let system = &case().0.system;
+    let one = [term(1.0, 0.1)];
+    let of = |terms: &[FoundTerm], fits: &[f64], without: &[f64]| {
+        let all = |e: &[f64]| e.iter().map(|&e| ran(Role::Fit, &[e])).collect::<Vec<_>>();
+        verdict(system, terms, &all(fits), &all(without))
+    };
+    let rejected = |v: Verdict, why: &str| match v {
+        Verdict::Rejected(text) => assert!(text.contains(why), "{text}"),
+        Verdict::Identified => panic!("not rejected: {why}"),
+    };
+    assert_eq!(of(&one, &[0.1, 0.5], &[0.4, 0.4]), Verdict::Identified);
+    assert_eq!(of(&one, &[0.4, 0.4], &[2.4, 0.1]), Verdict::Identified);
+    rejected(
+        of(&[], &[0.1], &[0.25]),
+        "no term of the dictionary survives: nothing is missing that it could name (NRMSE of the known part alone: r 0.250)",
+    );
+    rejected(of(&one, &[0.1, 0.51], &[0.9, 0.9]), "the free run of r misses the data: NRMSE 0.51");
+    rejected(of(&one, &[0.1, 0.3], &[0.2, 0.1]), "no better with the identified part than without it");
+    rejected(of(&one, &[0.25], &[0.25]), "no better");
+    let mut failed = ran(Role::Validate, &[]);
+    failed.failure = Some("at t = 3".into());
+    rejected(
+        verdict(system, &one, &[failed], &[ran(Role::Fit, &[0.9])]),
+        "the free run of r fails: at t = 3",
+    );
+    // Nothing to choose from: parameters alone.
+    let bare = records(r#"states: {"x": ""}, known: {"x": "0"}, unknown: {}"#, &[(Role::Fit, line())]).0;
+    assert_eq!(
+        verdict(&bare.system, &[], &[ran(Role::Fit, &[0.2])], &[ran(Role::Fit, &[0.2])]),
+        Verdict::Identified
+    );
+}
+
+#[test]
+fn twenty_samples_that_move_are_enough() {
+    let of = |samples: Vec<f64>| {
+        let (case, records) = records(LINE, &[(Role::Fit, samples)]);
+        suitable(&case.system, &records[0]).err().map(|e| e.to_string())
+    };
+    assert_eq!(of(line()[..20].to_vec()), None);
+    assert!(of(line()[..19].to_vec()).unwrap().contains("r0: 19 samples are too few"));
+    assert!(of(vec![0.7; 30]).unwrap().contains("r0: the column of x is constant"));
+}
+
+/// A record to validate with may be dead; one to learn from there must be, and not a dead one.
+#[test]
+fn only_what_is_fitted_must_be_fit_for_it() {
+    let refused = |of: &[(Role, Vec<f64>)]| {
+        let (case, records) = records(LINE, of);
+        let found = identify(&case, &records, &LearnOptions::default(), &mut |_| ControlFlow::Continue(()));
+        found.err().map(|e| e.to_string()).unwrap_or_default()
+    };
+    let dead = vec![0.7; SAMPLES];
+    assert_eq!(refused(&[(Role::Fit, line()), (Role::Validate, dead.clone())]), "");
+    assert!(
+        refused(&[(Role::Validate, line()), (Role::Fit, dead)]).contains("r1: the column of x is constant")
+    );
+    assert!(refused(&[(Role::Validate, line())]).contains("no record has the role Fit"));
+}
+
+/// Where the spec gives one list alone.
+#[test]
+fn the_shorter_list_says_how_many_stages_there_are() {
+    let stages = |learn: &str| {
+        let case = records(&format!("{LINE}, learn: ({learn})"), &[(Role::Fit, line())]).0;
+        let StepOptions { epochs, rates, horizon, .. } = step_options(&case);
+        (epochs, rates, horizon)
+    };
+    let default = StepOptions::default();
+    assert_eq!(stages(""), (default.epochs.clone(), default.rates.clone(), 1));
+    assert_eq!(stages("epochs: [5, 6], horizon: 3"), (vec![5, 6], default.rates[..2].to_vec(), 3));
+    assert_eq!(stages("rates: [0.5]"), (default.epochs[..1].to_vec(), vec![0.5], 1));
+}
+
+/// In the unit of the spec.
+#[test]
+fn a_parameter_at_a_bound_is_told() {
+    let system = case().0.system;
+    for (value, says) in [(4e-3, "c ended at its bound 4:"), (-3e-3, "c ended at its bound -3:"), (1e-3, "")]
+    {
+        let found = found_parameters(&system, &[value], &[1e-4]);
+        assert_eq!(
+            (found[0].parameter, found[0].factor, found[0].at_bound),
+            (Some(0), 1e-3, !says.is_empty())
+        );
+        let told = at_bounds(&found).concat();
+        assert!(told.starts_with(says) && told.is_empty() == says.is_empty(), "{told}");
+    }
+}
+
+fn by_method_step(learn: &str, change: impl Fn(&mut Record)) -> Identified {
+    let text = LINE.replace(r#""x", "x^2"], within: {"1": (0.0, 5.0)}"#, r#"], within: {"1": (0.0, 5.0)}"#);
+    let (case, mut records) =
+        records(&format!("{text}, learn: ({learn})"), &[(Role::Fit, line()), (Role::Validate, line())]);
+    records.iter_mut().for_each(change);
+    let options = LearnOptions { method: Some(Method::Step) };
+    identify(&case, &records, &options, &mut |_| ControlFlow::Continue(())).unwrap()
+}
+
+/// Each step from one sample to the next, forward and backward, is met best on the mean by the mean of all steps, which is from the first to the last sample.
+#[test]
+fn the_steps_of_a_line_are_met_by_their_mean() {
+    let found = by_method_step("optimiser: GaussNewton, cutoff: 1e-3", |_| {});
+    let x = line();
+    let due = (x[SAMPLES - 1] - x[0]) / (STEP * (SAMPLES - 1) as f64);
+    assert_eq!(found.terms.len(), 1);
+    assert_relative_eq!(found.terms[0].coefficient.value, due, max_relative = 1e-9);
+    assert_eq!((found.verdict, found.method, found.stopped), (Verdict::Identified, Method::Step, false));
+    assert_eq!(found.parameters.iter().map(|p| p.name.as_str()).collect::<Vec<_>>(), ["c"]);
+    assert_eq!((found.covariance.len(), found.covariance[0].len()), (2, 2));
+    assert_relative_eq!(
+        found.covariance[0][0].sqrt(),
+        found.terms[0].coefficient.std_error,
+        max_relative = 1e-9
+    );
+}
+
+/// A velocity that is derived may be derived otherwise; one that is measured is what it is.
+#[test]
+fn a_derived_velocity_is_doubted() {
+    let text = r#"states: {"x": "", "v": ""}, known: {"x": "v", "v": "0"}, unknown: {"v": (factor: "1", candidates: ["x"])}, learn: (optimiser: GaussNewton, cutoff: 1e-3)"#;
+    let wave = |turn: f64| (0..200).map(|i| (STEP * i as f64 + turn).cos()).collect::<Vec<_>>();
+    let (case, mut records) = records(text, &[(Role::Fit, wave(0.0))]);
+    let told = |records: &[Record]| {
+        let options = LearnOptions { method: Some(Method::Step) };
+        let found = identify(&case, records, &options, &mut |_| ControlFlow::Continue(())).unwrap();
+        assert_relative_eq!(found.terms[0].coefficient.value, -1.0, max_relative = 0.05);
+        found.warnings.iter().any(|w| {
+            w.starts_with("the result depends on how columns are differentiated")
+                && w.contains(" x in v' would move")
+        })
+    };
+    assert!(told(&records));
+    records[0].columns[1] = Some(wave(0.5 * std::f64::consts::PI));
+    assert!(!told(&records));
+}
+
+#[test]
+fn what_method_step_holds_is_told() {
+    let told = |learn: &str, change: fn(&mut Record)| {
+        let warnings = by_method_step(&format!("epochs: [20], cutoff: 1e-3, {learn}"), change).warnings;
+        [" holds c at the spec's value", "holds sensor offsets, gains and delays"]
+            .map(|says| warnings.iter().any(|w| w.contains(says)))
+    };
+    assert_eq!(told("", |_| {}), [true, false]);
+    assert_eq!(told("optimiser: GaussNewton", |_| {}), [false, false]);
+    assert_eq!(
+        told("optimiser: GaussNewton", |r| r.sensors[0].gain.within = Some((-9.0, 9.0))),
+        [false, true]
+    );
+}
