@@ -20,8 +20,7 @@ pub(crate) fn noise(records: &[Record]) -> Vec<Vec<f64>> {
     records.iter().map(|r| r.columns.iter().map(of).collect()).collect()
 }
 
-/// A gap on Validate records below this may be the uncertainty of what was fitted, if Fit records leave hardly more than noise.
-const UNCERTAIN: f64 = 10.0;
+/// Where Fit records leave less than this, what is left on Validate records may be the uncertainty of what was fitted.
 const LITTLE: f64 = 1.1;
 /// The price of a sensor that is early.
 const EARLY: f64 = 15.0;
@@ -62,8 +61,7 @@ impl Fitted {
     /// Validate records may come from the errors of starts and parameters. It does if the same model leaves nothing but noise on both, and Fit records are fitted no worse
     /// than chance has it (the predictive test of Chow 1960, doi 10.2307/1910133). The fit itself stays as it is.
     fn together(&self, noise: &[Vec<f64>]) -> Option<(Calibration, f64)> {
-        let little = self.validate.is_some_and(|gap| gap < UNCERTAIN) && self.fit < LITTLE;
-        if !little || self.is_white() {
+        if self.validate.is_none() || self.fit > LITTLE || self.is_white() {
             return None;
         }
         if colour(&self.cal, &self.draft.records, |r| r.role == Role::Fit) >= COLOURED {

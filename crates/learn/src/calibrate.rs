@@ -47,60 +47,39 @@ pub fn calibrate(
     noise: &[Vec<f64>],
     effort: Effort,
 ) -> Result<Calibration, String> {
-    let levels = noise;
     let samples: usize = records.iter().filter(|r| r.role == Role::Fit).map(Record::readings).sum();
-    let Setup { fitted, of, noise, smooth: starts } = Setup::new(records, smooth, levels);
-    let mut best: Option<(Problem<'_>, Vec<f64>)> = None;
+    let setup = Setup::new(records, smooth, noise);
+    let (mut best, mut parted): (Option<Stage<'_>>, Option<Stage<'_>>) = (None, None);
     let mut trouble = String::new();
     // From a first guess the horizon grows; where a fit ended the next one begins.
     let stages: &[usize] = if effort == Effort::Plain { &STAGES } else { &STAGES[STAGES.len() - 1..] };
     for &pieces in stages {
-        let mut problem = Problem::new(system, &[], &fitted, &vec![pieces; fitted.len()])?;
-        problem.budget = Some(budget(&problem));
-        if effort == Effort::Plain {
-            problem.tolerance = tolerance(&problem, &noise);
-        }
-        let mut x = problem.guess(&[], None, &starts);
-        if let Some((before, at)) = &best {
-            carry(before, at, &problem, &mut x);
-            // Start states too: short segments find them near the data, whatever run the guess came from.
-            for segment in &problem.segments {
-                let same = |s: &&Segment| s.record == segment.record && s.samples.0 == segment.samples.0;
-                if let Some(earlier) = before.segments.iter().find(same) {
-                    let n = system.states.len();
-                    x[segment.start..segment.start + n]
-                        .copy_from_slice(&at[earlier.start..earlier.start + n]);
-                }
-            }
-        }
-        let weights = problem.weights(&noise, None);
-        let last = pieces == 1;
-        // A gain of a hundredth in the logarithm of the likelihood is none.
-        let least = 0.01 / samples.max(1) as f64;
-        let limits = match (last, effort) {
-            (true, Effort::Plain) => Limits { far: far(samples), ..Limits::new(40, least) },
-            (true, _) => Limits::new(40, least),
-            (false, _) => Limits::new(10, 1e-3),
-        };
-        match problem.minimise(&mut x, &weights, limits) {
-            Ok(_) => best = Some((problem, x)),
-            Err(e) => trouble = e.to_string(),
+        match Stage::new(system, &setup, pieces, effort, samples, best.as_ref()) {
+            Ok(stage) => parted = best.replace(stage),
+            Err(e) => trouble = e,
         }
     }
-    let (problem, mut x) = match best {
+    let Stage { problem, mut x, .. } = match best {
         Some(best) => best,
         // No single run can be simulated: in segments, then.
-        None if effort != Effort::Plain => return calibrate(system, records, smooth, levels, Effort::Plain),
+        None if effort != Effort::Plain => return calibrate(system, records, smooth, noise, Effort::Plain),
         None => return Err(trouble),
     };
-    let weights = problem.weights(&noise, None);
+    let Setup { fitted, of, noise, smooth: starts } = &setup;
+    let weights = problem.weights(noise, None);
     let single = problem.segments.len() == fitted.len();
     if single {
         if effort == Effort::Plain {
             // Where the spec starts may be better than where the segments led: after an earlier fit it is.
-            let start = problem.guess(&[], None, &starts);
+            let start = problem.guess(&[], None, starts);
             again(&problem, &mut x, &weights, samples, start);
-            if let Some(start) = on_the_data(&problem, &x, &noise, &starts) {
+            if let Some(start) = on_the_data(&problem, &x, noise, starts) {
+                again(&problem, &mut x, &weights, samples, start);
+            }
+            let misses = problem.normal(&x, &weights).is_ok_and(|n| n.cost > MISFIT * samples as f64);
+            if let Some(start) =
+                parted.filter(|_| misses).and_then(|p| step_by_step(system, &setup, samples, p))
+            {
                 again(&problem, &mut x, &weights, samples, start);
             }
         } else {
@@ -114,11 +93,12 @@ pub fn calibrate(
     }
     let normal = problem.normal(&x, &weights).map_err(|e| e.to_string())?;
     let residuals = problem.residuals(&x).map_err(|e| e.to_string())?;
-    let Tally { samples, effective, power: chi2 } = tally(&noise, &residuals);
+    let Tally { samples, effective, power: chi2 } = tally(noise, &residuals);
     let pieces: Vec<usize> =
         (0..fitted.len()).map(|r| problem.segments.iter().filter(|s| s.record == r).count()).collect();
     let segments = pieces.iter().copied().max().unwrap_or(1);
-    let fit = Fit { problem, x, noise, weights, normal, samples, effective, excess: 1.0, pieces };
+    let fit =
+        Fit { problem, x, noise: noise.clone(), weights, normal, samples, effective, excess: 1.0, pieces };
     let (cov, bread) = if effort == Effort::Errors {
         (robust_covariance(&fit), crate::linear::covariance(&fit.normal.matrix))
     } else {
@@ -138,9 +118,9 @@ pub fn calibrate(
         .meanings()
         .into_iter()
         .enumerate()
-        .filter_map(|(k, meaning)| found(system, &fit.problem, &fit, k, meaning, &of, records, &estimate))
+        .filter_map(|(k, meaning)| found(system, &fit.problem, &fit, k, meaning, of, records, &estimate))
         .collect();
-    let mut solved = solution(system, records, &fit, &of);
+    let mut solved = solution(system, records, &fit, of);
     let replays = assess(system, records, smooth, &mut solved);
     Ok(Calibration {
         chi2,
@@ -151,6 +131,67 @@ pub fn calibrate(
         records: replays,
         segments,
     })
+}
+
+/// A fit over segments.
+struct Stage<'a> {
+    problem: Problem<'a>,
+    x: Vec<f64>,
+    cost: f64,
+}
+
+impl<'a> Stage<'a> {
+    /// Fits over so many segments of each record, from where an earlier stage ended.
+    fn new(
+        system: &'a System,
+        setup: &'a Setup<'a>,
+        pieces: usize,
+        effort: Effort,
+        samples: usize,
+        before: Option<&Stage<'_>>,
+    ) -> Result<Stage<'a>, String> {
+        let Setup { fitted, noise, smooth: starts, .. } = setup;
+        let mut problem = Problem::new(system, &[], fitted, &vec![pieces; fitted.len()])?;
+        problem.budget = Some(budget(&problem));
+        if effort == Effort::Plain {
+            problem.tolerance = tolerance(&problem, noise);
+        }
+        let mut x = problem.guess(&[], None, starts);
+        if let Some(before) = before {
+            carry(&before.problem, &before.x, &problem, &mut x);
+            // Start states too: short segments find them near the data, whatever run the guess came from.
+            for segment in &problem.segments {
+                let same = |s: &&Segment| s.record == segment.record && s.samples.0 == segment.samples.0;
+                if let Some(earlier) = before.problem.segments.iter().find(same) {
+                    let n = system.states.len();
+                    x[segment.start..segment.start + n]
+                        .copy_from_slice(&before.x[earlier.start..earlier.start + n]);
+                }
+            }
+        }
+        let weights = problem.weights(noise, None);
+        // A gain of a hundredth in the logarithm of the likelihood is none.
+        let least = 0.01 / samples.max(1) as f64;
+        let limits = match (pieces == 1, effort) {
+            (true, Effort::Plain) => Limits { far: far(samples), ..Limits::new(40, least) },
+            (true, _) => Limits::new(40, least),
+            (false, _) => Limits::new(10, 1e-3),
+        };
+        let cost = problem.minimise(&mut x, &weights, limits).map_err(|e| e.to_string())?.cost;
+        Ok(Stage { problem, x, cost })
+    }
+}
+
+/// From segments to one run in smaller steps: where neighbouring motions part fast, a run five times as long as the segments that led there ends in a side minimum.
+const STEPS_TO_ONE: [usize; 3] = [3, 2, 1];
+
+/// Where such steps lead, if the segments leave nothing but noise.
+fn step_by_step(system: &System, setup: &Setup<'_>, samples: usize, parted: Stage<'_>) -> Option<Vec<f64>> {
+    let mut stage = Some(parted).filter(|p| p.cost < MISFIT * samples as f64)?;
+    for pieces in STEPS_TO_ONE {
+        stage = Stage::new(system, setup, pieces, Effort::Plain, samples, Some(&stage)).ok()?;
+    }
+    Some(stage.x)
 }
 
 /// Steps for each sample that a trial may take, and a trial of a model with memory.
