@@ -112,11 +112,13 @@ fn freed(base: &Draft, constant: &Constant) -> Option<Draft> {
     base.rebuilt(text, vec![], vec![]).ok()
 }
 
-/// All choices of some effects; without all of them themselves where they explain the data.
+/// Where some effects explain the data all choices of fewer of them; else the first of them, however many.
 fn subsets(effects: &[Effect], explain: bool) -> Vec<Vec<Effect>> {
-    let all = 1usize << effects.len();
-    let of = |bits: usize| {
-        effects.iter().enumerate().filter(|(k, _)| bits >> k & 1 == 1).map(|(_, e)| e.clone()).collect()
-    };
-    (0..if explain { all - 1 } else { all }).map(of).collect()
+    let n = effects.len();
+    let of = |bits: usize| (0..n).filter(|k| bits >> k & 1 == 1).map(|k| effects[k].clone()).collect();
+    if explain {
+        (0..(1usize << n) - 1).map(of).collect()
+    } else {
+        (0..=n).map(|k| effects[..k].to_vec()).collect()
+    }
 }

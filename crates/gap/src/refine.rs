@@ -128,8 +128,10 @@ impl Search<'_> {
                     let others = effects.iter().enumerate().filter(|(i, _)| *i != k && *i != j);
                     trials.push(others.map(|(_, e)| e.clone()).chain([one]).collect());
                 }
-                for list in trials {
-                    let Some(simple) = instead(&base, &now, &list, self.noise, self.veto) else { continue };
+                let (noise, veto, model) = (self.noise, self.veto, &now);
+                let fitted: Vec<Fitted> =
+                    trials.par_iter().filter_map(|list| instead(&base, model, list, noise, veto)).collect();
+                for simple in fitted {
                     let same = self.as_good(&simple, &now, candidates);
                     let by = Measure::of([&simple, &now], candidates);
                     let carries = simple.carried.zip(now.carried).is_none_or(|(a, b)| a < ALIKE * b)

@@ -22,8 +22,6 @@ const SHRINK: f64 = 0.98;
 const RICHER: f64 = 0.95;
 /// A round that leaves more than this part of a gap that is far above the noise is a weak one; after two of them, or after one that is not among the first two rounds, nothing in the catalogue helps.
 const FAR: f64 = 0.8;
-/// ... where a gap is that is above this.
-pub(crate) const LITTLE: f64 = 5.0;
 /// A model far from the noise that brings the gap on Fit records to this part is on the way, whatever Validate records say.
 const HALF: f64 = 0.5;
 /// How often a family of friction laws is tried again from a new leader.
@@ -111,7 +109,7 @@ impl Search<'_> {
             }
             // The last effect is tried where not much is missing: so many explain nothing, but one more may make others needless.
             let last = now.draft.effects.len() + 1 == EFFECTS;
-            if last && now.fit > LITTLE * self.floor.max(1.0) {
+            if last && now.fit > FAR_OFF * self.floor.max(1.0) {
                 break;
             }
             let part = 0.1 + 0.8 * (rounds.len() as f64 / EFFECTS as f64);
@@ -128,7 +126,7 @@ impl Search<'_> {
                 break;
             }
             rounds.push(round);
-            weak += usize::from(next.fit > LITTLE.max(FAR * now.fit));
+            weak += usize::from(next.fit > FAR_OFF.max(FAR * now.fit));
             now = next;
             if weak > 1 || (weak > 0 && rounds.len() > 2) {
                 break;

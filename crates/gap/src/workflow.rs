@@ -10,7 +10,7 @@ use crate::mistaken::mistaken;
 use crate::refine::refitted;
 use crate::region::{Region, regions};
 use crate::repeat::{Repeat, prediction, repeatability};
-use crate::search::{LITTLE, Measure, Search, Searched};
+use crate::search::{Measure, Search, Searched};
 use crate::whiteness::{lines, share};
 use phisindy_learn::{Effort, FoundParameter, RecordFit, at_bounds, dead_column, sensitive_starts};
 use phisindy_phys::spec::Role;
@@ -27,6 +27,9 @@ const SCATTERS: f64 = 5.0;
 const LOOK: usize = 6_000;
 /// What is left when an effect is kept although something else is missing too: each must have brought the gap down by this factor.
 const SUBSTANTIAL: f64 = 3.0;
+
+/// A gap above this on Fit records is not the work of one constant.
+const MUCH: f64 = 5.0;
 
 /// Effects that explain: more of them cover up whatever is missing ("with four parameters I can fit an elephant").
 const ELEPHANT: usize = 4;
@@ -449,7 +452,7 @@ fn finished(
         warnings.extend(tones(&last));
     }
     // Where much is missing no constant is to blame alone.
-    if status != Status::NothingMissing && !repeats && last.fit < LITTLE {
+    if status != Status::NothingMissing && !repeats && last.fit < MUCH {
         hear(0.98, "constants that are held");
         warnings.extend(held(&last, noise, candidates));
     }
