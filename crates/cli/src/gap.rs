@@ -58,7 +58,9 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
         }
     };
     if !options.quiet {
-        found.warnings.iter().for_each(|w| remark(&format!("note: {w}")));
+        // What the text says itself is no note.
+        let notes = found.warnings.iter().filter(|w| found.instead.as_ref() != Some(w));
+        notes.for_each(|w| remark(&format!("note: {w}")));
     }
     let seconds = begin.elapsed().as_secs_f64();
     let object = as_json(&loaded, &found, seconds);
@@ -214,6 +216,7 @@ fn as_text(found: &Gap, catalogue: &[Entry], seconds: f64) -> String {
         };
         out.push(format!("where: in {}{share}, {}", first.column, first.region));
     }
+    out.extend(found.instead.clone());
     if found.status == Status::Unexplained && !found.steps.is_empty() {
         out.push("brings the gap far down, whatever else is missing:".into());
     }
@@ -292,7 +295,11 @@ pub(crate) fn ending(found: &Gap) -> String {
                 .first()
                 .map_or(String::new(), |r| format!(", mostly in {}, {}", r.column, r.region));
             format!(
-                "unexplained: something is missing that no law here explains: a gap of {} is left{place}",
+                "unexplained: {}: a gap of {} is left{place}",
+                match found.instead {
+                    Some(_) => "no law here explains it, but a constant of the known part would, see above",
+                    None => "something is missing that no law here explains",
+                },
                 short(last)
             )
         }
@@ -383,13 +390,18 @@ const ALIKE: &[(&str, &str, &str)] = &[
         "check the zero of the displacement sensor, and whether the rig stands level",
     ),
     (
+        "harmonic-force",
+        "the same, where the rig answers in proportion: a tone of this frequency on the sensor itself (hum of the mains, perhaps folded down by the sampling)",
+        "look at the signal with the rig at rest",
+    ),
+    (
         "sensor-delay",
         "the same: what drives the motion is recorded early (of a negative delay: late)",
         "check the clocks of both channels",
     ),
     (
         "sensor-gain",
-        "the same: the drive is stronger or weaker than the spec says, or inertia, damping and stiffness are all off by one factor",
+        "the same: the drive is stronger or weaker than the spec says, or inertia, damping and stiffness are all off by one factor; levels of friction then scale with it",
         "check the constants that are held, and the scale of the inputs",
     ),
 ];

@@ -141,6 +141,8 @@ pub struct Gap {
     pub after: (f64, Option<f64>),
     /// What is left of that on Validate records if the numbers of the model may move within their errors; the same where that was not asked.
     pub carried: Option<f64>,
+    /// A constant that the spec holds and that would explain the data in place of what was found, in words.
+    pub instead: Option<String>,
     /// NRMSE of each record and column in the final model, and in the model as it was.
     pub nrmse: Vec<(String, Role, String, f64, f64)>,
     /// Repeatability of the motion: record, column, value.
@@ -452,9 +454,11 @@ fn finished(
         warnings.extend(tones(&last));
     }
     // Where much is missing no constant is to blame alone.
+    let mut instead = None;
     if status != Status::NothingMissing && !repeats && last.fit < MUCH {
         hear(0.98, "constants that are held");
-        warnings.extend(held(&last, noise, candidates));
+        instead = held(&last, noise, candidates);
+        warnings.extend(instead.clone());
     }
     for (law, why) in rounds.iter().flat_map(|r| &r.vetoed) {
         let text = format!("{law} fits, but evidence speaks against it: {why}");
@@ -493,6 +497,7 @@ fn finished(
         before: (base.fit, base.validate),
         after: (last.fit, last.validate),
         carried: last.carried,
+        instead,
         nrmse,
         repeat,
         colour: (base.colour, last.colour),
@@ -553,9 +558,11 @@ fn tones(last: &Fitted) -> Vec<String> {
         for (state, residual) in draft.case.system.states.iter().zip(&fit.residuals) {
             let Some(&line) = lines(residual, step, 1, 0).first() else { continue };
             let part = share(residual, line * step);
-            if part > TONE {
+            // What answers the drive is what the model lacks.
+            let driven = Drive::new(&draft.case.system, record).and_then(|mut d| d.line_at(line)).is_some();
+            if part > TONE && !driven {
                 told.push(format!(
-                    "{:.0} % of what is left of {} in {} is one tone of {:.4} rad/s ({:.4} Hz): hum of the sensor or the mains, or a drive that the model does not know",
+                    "{:.0} % of what is left of {} in {} is one tone of {:.4} rad/s ({:.4} Hz): hum of the sensor or the mains, a drive that the model does not know, or the rig's own frequency where it is another one than the model's",
                     100.0 * part,
                     state.name,
                     record.name,

@@ -119,7 +119,22 @@ pub fn sensitive_starts(records: &[RecordFit]) -> Vec<String> {
     records.iter().filter_map(of).collect()
 }
 
+/// A residual below this many times the noise of its column is noise.
+const AT_NOISE: f64 = 1.5;
+
 impl RecordFit {
+    /// The largest NRMSE of those columns of which more than noise is left; infinite if the run failed. Of a rig at rest a column is noise, and so is what any model leaves of it.
+    pub(crate) fn worst_beyond_noise(&self) -> f64 {
+        if self.run.is_none() {
+            return f64::INFINITY;
+        }
+        let rms = |r: &Vec<f64>| (r.iter().map(|e| e * e).sum::<f64>() / r.len() as f64).sqrt();
+        let left = self.residuals.iter().filter(|r| !r.is_empty()).zip(&self.nrmse).zip(&self.noise);
+        left.filter(|((r, _), (_, noise))| rms(r) > AT_NOISE * noise)
+            .map(|((_, (_, e)), _)| *e)
+            .fold(0.0, f64::max)
+    }
+
     /// The largest NRMSE of all columns; infinite if the run failed.
     pub fn worst(&self) -> f64 {
         if self.run.is_none() {

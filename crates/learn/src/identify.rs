@@ -90,7 +90,7 @@ fn remarks(system: &System, found: &mut Identified) {
         }
     }
     let worst = |role: Role| {
-        found.records.iter().filter(|r| r.role == role).map(RecordFit::worst).fold(0.0, f64::max)
+        found.records.iter().filter(|r| r.role == role).map(RecordFit::worst_beyond_noise).fold(0.0, f64::max)
     };
     let (fit, validate) = (worst(Role::Fit), worst(Role::Validate));
     if validate > FINE && validate > WORSE * fit {
@@ -286,11 +286,11 @@ pub(crate) fn verdict(
         if let Some(failure) = &fit.failure {
             return Verdict::Rejected(format!("the free run of {} fails: {failure}", fit.name));
         }
-        if fit.worst() > WORST_NRMSE {
+        let worst = fit.worst_beyond_noise();
+        if worst > WORST_NRMSE {
             return Verdict::Rejected(format!(
-                "the free run of {} misses the data: NRMSE {:.2}",
-                fit.name,
-                fit.worst()
+                "the free run of {} misses the data: NRMSE {worst:.2}",
+                fit.name
             ));
         }
     }

@@ -12,8 +12,8 @@ use std::ops::RangeInclusive;
 /// What a part of the acceleration the known part must leave before something is wrong, may leave once that is put right, and how many times less that must be. A model that
 /// leaves little before must be right afterwards; of one that was out of all proportion friction may be missing besides.
 const MENDED: [(f64, f64, f64); 3] = [(0.25, 0.35, 5.0), (0.7, 0.35, 3.0), (10.0, 0.6, 30.0)];
-/// What a unit is wrong by.
-const FACTORS: [f64; 6] = [1e3, 1e-3, 1e6, 1e-6, 1e9, 1e-9];
+/// What a unit, or a sign, is wrong by.
+const FACTORS: [f64; 7] = [1e3, 1e-3, 1e6, 1e-6, 1e9, 1e-9, -1.0];
 /// More samples or parts say no more.
 const SAMPLES: usize = 50_000;
 const PARTS: usize = 100;
@@ -189,7 +189,7 @@ impl<'r> Sums<'r> {
         let together = [drives, (0..parts.len()).collect()].into_iter().filter(|group| group.len() > 1);
         let groups = alone.chain(together);
         // A part a thousand times too large is out of all proportion; one that may as well be left out is not.
-        let factors = FACTORS.into_iter().filter(|f| *f > 1.0 || now > MENDED[2].0);
+        let factors = FACTORS.into_iter().filter(|f| f.abs() >= 1.0 || now > MENDED[2].0);
         let trials = groups
             .flat_map(|group| factors.clone().map(move |f| (group.clone(), f)))
             .map(|(group, f)| (self.misfit(&|k| if group.contains(&k) { f } else { 1.0 }), group, f));
@@ -205,6 +205,14 @@ impl<'r> Sums<'r> {
         };
         let texts: Vec<String> =
             group.iter().map(|&k| format!("`{}`", graph.text(bare(parts[k]), &system.names))).collect();
+        if f < 0.0 {
+            return Some(format!(
+                "{}: the model tells the acceleration in `{}` once its part in {} has the other sign: look at the signs of the equation, and at which way the sensors count",
+                record.name,
+                system.states[*velocity].name,
+                texts.join(", ")
+            ));
+        }
         let times = if f > 1.0 { format!("{f} times") } else { format!("1/{} times", (1.0 / f).round()) };
         let (plural, are) = if texts.len() > 1 { ("s", "are") } else { ("", "is") };
         Some(format!(
@@ -300,7 +308,7 @@ mod tests {
     /// What is told of a body on a spring to a base that moves, driven by a force besides: `x` measured, `v` not. Constants as given; columns in the order x, u, F.
     fn told(m: f64, c: f64, k: f64, order: [usize; 3], scale: [f64; 3]) -> String {
         let text = format!(
-            r#"(constants: {{"m": ({m}, "kg"), "c": ({c}, "N*s/m"), "k": (value: {k}, unit: "N/m", within: (1e-9, 1e9))}}, states: {{"x": "m", "v": "m/s"}},
+            r#"(constants: {{"m": ({m}, "kg"), "c": ({c}, "N*s/m"), "k": (value: {k}, unit: "N/m", within: (-1e9, 1e9))}}, states: {{"x": "m", "v": "m/s"}},
             inputs: {{"u": "m", "du": "m/s", "F": "N"}}, known: {{"x": "v", "v": "(-c*(v-du) - k*(x-u) + F)/m"}}, unknown: {{}},
             data: [Csv(path: "a.csv", name: "a", time: "t", columns: {{"x": "a", "u": "b", "F": "c"}}, derive: {{"du": Derivative("u")}})])"#
         );
@@ -359,6 +367,14 @@ mod tests {
         assert!(light.contains("its parts in") && light.contains("are 1/1000 times as"), "{light}");
         let force = told(2.0, 2.0, 600.0, ORDER, [1.0, 1.0, 1e6]);
         assert!(force.contains("in `F`") && force.contains("is 1/1000000 times as"), "{force}");
+    }
+
+    #[test]
+    fn a_sign_that_is_wrong_is_told() {
+        let force = told(2.0, 2.0, 600.0, ORDER, [1.0, 1.0, -1.0]);
+        assert!(force.contains("in `F`") && force.contains("other sign"), "{force}");
+        let spring = told(2.0, 2.0, -600.0, ORDER, ONE);
+        assert!(spring.contains("other sign"), "{spring}");
     }
 
     #[test]
