@@ -120,7 +120,8 @@ fn loaded_with(
         let written = html::write_refusal(&name, text, &draw::text(drawn(), &sources), options, folder);
         written.unwrap_or_else(|error| complain(&format!("{error:#}")));
     }
-    loaded.map(|loaded| (loaded, found.len())).map_err(refused)
+    let doubts = || found.iter().map(|d| d.message.clone()).collect();
+    loaded.map(|loaded| (Loaded { doubts: doubts(), ..loaded }, found.len())).map_err(refused)
 }
 
 /// The exit code of a refusal.

@@ -182,6 +182,7 @@ fn as_json(loaded: &Loaded, found: &Gap, seconds: f64) -> Value {
         "repeatability": repeat,
         "parameters": parameters,
         "warnings": found.warnings,
+        "doubts": loaded.doubts,
         "seconds": seconds,
         "version": env!("CARGO_PKG_VERSION"),
     })

@@ -76,7 +76,7 @@ pub(crate) fn write_failure(why: &str, loaded: &Loaded, options: &Options, folde
     let text = advice(why).map_or_else(|| why.to_owned(), |advice| format!("{why}: {advice}"));
     let banner = Banner { tone: Tone::Bad, headline: "Failed".to_owned(), text };
     let mut page = Page::new(loaded, banner);
-    add_remarks(&mut page, &[], &data::notes(loaded));
+    add_remarks(&mut page, &[], &loaded.doubts, &data::notes(loaded));
     let seen = data::measured(loaded);
     page.figures("Measured", motion::charts(&seen));
     repeat::add(&mut page, loaded, options);

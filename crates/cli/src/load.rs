@@ -29,6 +29,8 @@ pub(crate) struct Loaded {
     pub(crate) records: Vec<Record>,
     /// For each record, if it is synthetic: what it would be without noise.
     pub(crate) truths: Vec<Option<Trajectory>>,
+    /// What was odd about the spec and its data, in words.
+    pub(crate) doubts: Vec<String>,
 }
 
 impl Loaded {
@@ -151,7 +153,7 @@ pub(crate) fn load_text(
         trends: Trends::default(),
     };
     let (records, truths) = loader.records(&case, purpose)?;
-    let loaded = Loaded { spec: shown, text, case, records, truths };
+    let loaded = Loaded { spec: shown, text, case, records, truths, doubts: vec![] };
     match laws {
         Some(laws) => laws.written(loaded, purpose, sources, found),
         None => Ok(loaded),
@@ -178,7 +180,7 @@ impl Laws {
         sources: &mut Sources,
         found: &mut Vec<Diagnostic>,
     ) -> Result<Loaded, Refusal> {
-        let Loaded { spec, text, case, records, truths } = loaded;
+        let Loaded { spec, text, case, records, truths, doubts } = loaded;
         let laws = case.laws.clone();
         let seen = if purpose == Purpose::Run { records } else { vec![] };
         let draft = written_in(&text, case, seen, &self.effects, &self.catalogue).map_err(|why| {
@@ -199,6 +201,7 @@ impl Laws {
                     case: Case { laws, ..case },
                     records: draft.records,
                     truths,
+                    doubts,
                 })
             }
             Err(mistakes) => {

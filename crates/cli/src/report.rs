@@ -29,6 +29,8 @@ pub(crate) struct Report<'a> {
     pub(crate) held: Vec<Held>,
     /// What a careful reader should know.
     pub(crate) warnings: Vec<String>,
+    /// What was odd about the spec and its data.
+    pub(crate) doubts: &'a [String],
     /// What was done to the data.
     pub(crate) notes: Vec<String>,
     /// How long it took.
@@ -57,7 +59,18 @@ impl<'a> Report<'a> {
         let unknown = spec.map_or(vec![], |(spec, _)| spec.unknown);
         let factor = |(state, u): (Text, UnknownSpec)| Some((state.value, u.factor?.value));
         let factors = unknown.into_iter().filter_map(factor).collect();
-        Report { spec: &loaded.spec, case, found, equations, factors, held, warnings, notes, seconds }
+        Report {
+            spec: &loaded.spec,
+            case,
+            found,
+            equations,
+            factors,
+            held,
+            warnings,
+            doubts: &loaded.doubts,
+            notes,
+            seconds,
+        }
     }
 
     /// The result in one of its forms, with an end of line.

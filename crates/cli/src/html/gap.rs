@@ -31,7 +31,7 @@ pub(crate) fn page(
         model: Some(Model::new(&now.system, &[], &now.records)),
     };
     let mut page = Page::new(loaded, banner(found, seconds));
-    add_remarks(&mut page, &found.warnings, &notes(loaded));
+    add_remarks(&mut page, &found.warnings, &loaded.doubts, &notes(loaded));
     page.figures("The gap", vec![shrink::chart(found)]);
     // What holds of several steps is said once.
     let mut told = Vec::new();

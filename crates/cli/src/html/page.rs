@@ -149,9 +149,10 @@ pub(crate) fn paragraph(text: &str) -> Element {
     element("p").text(text)
 }
 
-/// Warnings and what was done to the data, each in its section.
-pub(crate) fn add_remarks(page: &mut Page, warnings: &[String], notes: &[String]) {
+/// Warnings, what was odd about the data and what was done to them, each in its section.
+pub(crate) fn add_remarks(page: &mut Page, warnings: &[String], doubts: &[String], notes: &[String]) {
     page.list("Warnings", warnings);
+    page.list("What is odd about the data", doubts);
     page.list("What was done to the data", notes);
 }
 

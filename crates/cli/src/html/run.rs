@@ -23,7 +23,7 @@ pub(crate) fn page(report: &Report<'_>, loaded: &Loaded, options: &Options) -> P
     let seen = Seen { system: &case.system, records: &loaded.records, was: None, model: Some(model) };
 
     let mut page = Page::new(loaded, banner(report));
-    add_remarks(&mut page, &report.warnings, &report.notes);
+    add_remarks(&mut page, &report.warnings, report.doubts, &report.notes);
     page.section("Equation", equations(report));
     page.section("Coefficients", coefficients(report));
     page.section("Parameters", parameters(&found.parameters));
