@@ -456,3 +456,31 @@ fn bad_files_are_told_what_where_and_what_to_do() {
         }
     }
 }
+
+/// What is odd about the data stands beside the result, where programs read it, and in the report.
+#[test]
+fn what_is_odd_about_the_data_is_kept_with_the_result() {
+    let rows = (0..600).fold("t,x_mm\n".to_owned(), |mut all, k| {
+        let t = 0.02 * f64::from(k);
+        let _ = writeln!(all, "{t:.5},{:.6}", 5.0 * (3.0 * t).cos() + 0.02 * scatter(k as u64));
+        all
+    });
+    let scratch = Scratch::new("odd");
+    std::fs::write(scratch.path("a.csv"), rows).expect("a file");
+    let path = scratch.path("case.ron");
+    let text = "(constants: { \"k\": (value: 8.0, unit: \"1/s^2\", within: (4.0, 20.0)) }, states: { \"x\": \"m\", \"v\": \"m/s\" },\n\
+                known: { \"x\": \"v\", \"v\": \"-k*x\" }, data: [Csv(path: \"a.csv\", time: \"t\", columns: { \"x\": (\"x_mm\", \"m\") })])";
+    std::fs::write(&path, text).expect("a file");
+    for command in ["run", "gap"] {
+        let out = scratch.path(command);
+        let done = phisindy(&[command, &path, "--format", "json", "--out", &out]);
+        assert!(
+            done.out.contains("\"doubts\":[\"the heading `x_mm` says mm"),
+            "{command}: {}{}",
+            done.out,
+            done.err
+        );
+        let page = std::fs::read_to_string(format!("{out}/report.html")).expect("a report");
+        assert!(page.contains("What is odd about the data"), "{command}");
+    }
+}
