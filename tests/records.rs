@@ -484,3 +484,34 @@ fn what_is_odd_about_the_data_is_kept_with_the_result() {
         assert!(page.contains("What is odd about the data"), "{command}");
     }
 }
+
+/// A rig that has come to rest is noise, and of noise any model leaves all: that is no miss.
+#[test]
+fn a_record_at_rest_rejects_nothing() {
+    let rows = (0..2000).fold("t,x\n".to_owned(), |mut all, k| {
+        let t = 0.02 * f64::from(k);
+        // x'' + 0.8 x' + 9.16 x = 0, from 1.
+        let x = (-0.4 * t).exp() * ((3.0 * t).cos() + 0.4 / 3.0 * (3.0 * t).sin());
+        let _ = writeln!(all, "{t:.5},{:.6}", x + 0.02 * scatter(k as u64));
+        all
+    });
+    let scratch = Scratch::new("rest");
+    std::fs::write(scratch.path("a.csv"), rows).expect("a file");
+    let path = scratch.path("case.ron");
+    let said = |stiffness: &str| {
+        let text = format!(
+            "(constants: {{ \"k\": ({stiffness}, \"1/s^2\") }}, states: {{ \"x\": \"m\", \"v\": \"m/s\" }}, known: {{ \"x\": \"v\", \"v\": \"-k*x\" }},\n\
+             unknown: {{ \"v\": (factor: \"-1\", candidates: [\"v\"]) }}, data: [\n\
+             Csv(path: \"a.csv\", name: \"moves\", time: \"t\", columns: {{ \"x\": (\"x\", \"m\") }}, window: (0.0, 10.0)),\n\
+             Csv(path: \"a.csv\", name: \"rests\", time: \"t\", columns: {{ \"x\": (\"x\", \"m\") }}, window: (25.0, 40.0), role: Validate)])"
+        );
+        std::fs::write(&path, text).expect("a file");
+        phisindy(&["run", &path])
+    };
+    let right = said("9.16");
+    assert!(right.code == 0 && right.out.contains("% identified"), "{}{}", right.out, right.err);
+    assert!(!right.err.contains("does not carry over"), "{}", right.err);
+    // What misses the motion is rejected as before.
+    let wrong = said("30.0");
+    assert!(wrong.code != 0, "{}{}", wrong.out, wrong.err);
+}

@@ -1,7 +1,7 @@
 //! What identification returns: terms with error bars, parameters, the fit of every record, a verdict.
 
-use phisindy_phys::System;
 use phisindy_phys::spec::{Method, Role};
+use phisindy_phys::{System, noise_level};
 use phisindy_sim::Trajectory;
 
 /// A number with its uncertainty.
@@ -119,20 +119,20 @@ pub fn sensitive_starts(records: &[RecordFit]) -> Vec<String> {
     records.iter().filter_map(of).collect()
 }
 
-/// A residual below this many times the noise of its column is noise.
-const AT_NOISE: f64 = 1.5;
+/// A column of which this part of its standard deviation is noise shows no motion.
+const NOISE: f64 = 0.8;
 
 impl RecordFit {
-    /// The largest NRMSE of those columns of which more than noise is left; infinite if the run failed. Of a rig at rest a column is noise, and so is what any model leaves of it.
-    pub(crate) fn worst_beyond_noise(&self) -> f64 {
+    /// The largest NRMSE of all columns that are more than noise; infinite if the run failed. Of a rig at rest a column is noise, and so is what any model leaves of it.
+    pub(crate) fn worst_of_motion(&self) -> f64 {
         if self.run.is_none() {
             return f64::INFINITY;
         }
-        let rms = |r: &Vec<f64>| (r.iter().map(|e| e * e).sum::<f64>() / r.len() as f64).sqrt();
-        let left = self.residuals.iter().filter(|r| !r.is_empty()).zip(&self.nrmse).zip(&self.noise);
-        left.filter(|((r, _), (_, noise))| rms(r) > AT_NOISE * noise)
-            .map(|((_, (_, e)), _)| *e)
-            .fold(0.0, f64::max)
+        let rms = |r: &[f64]| (r.iter().map(|e| e * e).sum::<f64>() / r.len() as f64).sqrt();
+        let left = self.residuals.iter().filter(|r| !r.is_empty()).zip(&self.nrmse);
+        // The column's standard deviation is that of the residual over the NRMSE.
+        let moves = |(r, (_, e)): &(&Vec<f64>, &(String, f64))| noise_level(r) * e < NOISE * rms(r);
+        left.filter(moves).map(|(_, (_, e))| *e).fold(0.0, f64::max)
     }
 
     /// The largest NRMSE of all columns; infinite if the run failed.

@@ -90,7 +90,7 @@ fn remarks(system: &System, found: &mut Identified) {
         }
     }
     let worst = |role: Role| {
-        found.records.iter().filter(|r| r.role == role).map(RecordFit::worst_beyond_noise).fold(0.0, f64::max)
+        found.records.iter().filter(|r| r.role == role).map(RecordFit::worst_of_motion).fold(0.0, f64::max)
     };
     let (fit, validate) = (worst(Role::Fit), worst(Role::Validate));
     if validate > FINE && validate > WORSE * fit {
@@ -286,7 +286,7 @@ pub(crate) fn verdict(
         if let Some(failure) = &fit.failure {
             return Verdict::Rejected(format!("the free run of {} fails: {failure}", fit.name));
         }
-        let worst = fit.worst_beyond_noise();
+        let worst = fit.worst_of_motion();
         if worst > WORST_NRMSE {
             return Verdict::Rejected(format!(
                 "the free run of {} misses the data: NRMSE {worst:.2}",
