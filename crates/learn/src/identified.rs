@@ -129,10 +129,11 @@ impl RecordFit {
             return f64::INFINITY;
         }
         let rms = |r: &[f64]| (r.iter().map(|e| e * e).sum::<f64>() / r.len() as f64).sqrt();
-        let left = self.residuals.iter().filter(|r| !r.is_empty()).zip(&self.nrmse);
+        let residuals: Vec<&Vec<f64>> = self.residuals.iter().filter(|r| !r.is_empty()).collect();
         // The column's standard deviation is that of the residual over the NRMSE.
-        let moves = |(r, (_, e)): &(&Vec<f64>, &(String, f64))| noise_level(r) * e < NOISE * rms(r);
-        left.filter(moves).map(|(_, (_, e))| *e).fold(0.0, f64::max)
+        let rests = |k: usize, e: f64| residuals.get(k).is_some_and(|r| noise_level(r) * e > NOISE * rms(r));
+        let moves = self.nrmse.iter().enumerate().filter(|(k, (_, e))| !rests(*k, *e));
+        moves.map(|(_, (_, e))| *e).fold(0.0, f64::max)
     }
 
     /// The largest NRMSE of all columns; infinite if the run failed.
