@@ -89,10 +89,11 @@ fn remarks(system: &System, found: &mut Identified) {
             found.warnings.push(format!("{name} may as well be zero: its interval holds it"));
         }
     }
-    let worst = |role: Role| {
-        found.records.iter().filter(|r| r.role == role).map(RecordFit::worst_of_motion).fold(0.0, f64::max)
+    let worst = |role: Role, of: fn(&RecordFit) -> f64| {
+        found.records.iter().filter(|r| r.role == role).map(of).fold(0.0, f64::max)
     };
-    let (fit, validate) = (worst(Role::Fit), worst(Role::Validate));
+    let (fit, validate) =
+        (worst(Role::Fit, RecordFit::worst), worst(Role::Validate, RecordFit::worst_of_motion));
     if validate > FINE && validate > WORSE * fit {
         found.warnings.push(format!(
             "validation is {:.0} times worse than the fit (NRMSE {validate:.3} against {fit:.3}): the model does not carry over; the known part may be wrong",
@@ -286,7 +287,8 @@ pub(crate) fn verdict(
         if let Some(failure) = &fit.failure {
             return Verdict::Rejected(format!("the free run of {} fails: {failure}", fit.name));
         }
-        let worst = fit.worst_of_motion();
+        // What is fitted must move; what is validated may have come to rest.
+        let worst = if fit.role == Role::Fit { fit.worst() } else { fit.worst_of_motion() };
         if worst > WORST_NRMSE {
             return Verdict::Rejected(format!(
                 "the free run of {} misses the data: NRMSE {worst:.2}",
