@@ -515,3 +515,19 @@ fn a_record_at_rest_rejects_nothing() {
     let wrong = said("30.0");
     assert!(wrong.code != 0, "{}{}", wrong.out, wrong.err);
 }
+
+/// Friction that falls with the speed, and a contact that lets go with no rate at all: the step after it has no length of its own. (Six of 150 such runs used to fail.)
+#[test]
+fn a_contact_that_lets_go_exactly_at_its_limit_slips() {
+    let scratch = Scratch::new("limit");
+    let path = scratch.path("case.ron");
+    let text = r#"(title: "k", constants: { "m1": 0.6547, "k1": 1.324, "c1": 0.07357, "m2": 0.5866, "k2": 1.093, "c2": 0.06684, "A1": 0.5536, "W1": 1.625, "p1": 1.7, "G": 0.7679 },
+    states: { "x1": "", "x2": "", "v1": "", "v2": "" },
+    known: { "x1": "v1", "x2": "v2", "v1": "(-k1*x1 - c1*v1 - k2*(x1-x2) - c2*(v1-v2) + G*(A1*cos(W1*t+p1)))/m1", "v2": "(k2*(x1-x2) + c2*(v1-v2))/m2" },
+    unknown: {}, contacts: ["v1"],
+    data: [ Synthetic(name: "second", truth: { "v1": "-((0.13029090310261532)*(1) + (0.07229344557337676)*(exp(-|v1|/(2.14e-1))))*sgn(v1)/(6.547e-1)" },
+            start: { "x1": 0.33470296917730996, "x2": -0.3723447023081649, "v1": 0.0, "v2": 0.0 }, duration: 76.0914, step: 0.0594, noise: Additive(0.0), seed: 2) ])"#;
+    std::fs::write(&path, text).expect("a file");
+    let done = phisindy(&["simulate", &path]);
+    assert_eq!(done.code, 0, "{}", done.err);
+}

@@ -313,8 +313,11 @@ impl<'a> Run<'a> {
                     } else {
                         (from / SPEED_RATIO - speed) / rate
                     }
-                } else {
+                } else if rate > 0.0 {
                     (SPEED_RATIO * from - speed) / rate
+                } else {
+                    // It has just let go, exactly at its limit.
+                    f64::INFINITY
                 }
             })
             .fold(f64::INFINITY, f64::min)
