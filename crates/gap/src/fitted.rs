@@ -3,6 +3,7 @@
 use crate::draft::{Draft, starting};
 use crate::effect::Effect;
 use crate::whiteness::{COLOURED, score};
+use crate::workflow::EXPLAINED;
 use phisindy_learn::{Calibration, Effort, FoundParameter, RecordFit, calibrate};
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Parameter, Record, noise_level, standard_deviation};
@@ -124,6 +125,11 @@ impl Fitted {
     /// Whether other starts are worth a try: what is left is more than noise, and not so much that the model is simply wrong.
     pub(crate) fn may_gain(&self) -> bool {
         phisindy_learn::RESTARTED.contains(&(self.fit * self.fit))
+    }
+
+    /// Whether it leaves nothing but noise, on records that were not fitted too but for what the errors of its numbers account for.
+    pub(crate) fn explains(&self) -> bool {
+        self.is_white() && self.carried.unwrap_or(self.fit) < EXPLAINED
     }
 
     pub(crate) fn is_white(&self) -> bool {

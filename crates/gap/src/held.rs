@@ -4,8 +4,7 @@
 use crate::draft::Draft;
 use crate::effect::Effect;
 use crate::fitted::{Fitted, current};
-use crate::search::{Measure, RACE, SIMPLER, label, size};
-use crate::workflow::EXPLAINED;
+use crate::search::{Measure, RACE, SIMPLER, WORTH, label, size};
 use phisindy_learn::Effort;
 use phisindy_phys::spec::{self, ConstantSpec};
 use phisindy_phys::unit::Unit;
@@ -16,11 +15,8 @@ use rayon::prelude::*;
 const OFF: f64 = 0.3;
 /// Models that are fitted in full.
 const FITTED: usize = 6;
-/// What the error of a constant must bring beside effects that explain nothing without it.
-const WORTH: f64 = 10.0;
 
 /// A constant as the spec has it.
-#[derive(Clone, Debug)]
 struct Constant {
     name: String,
     unit: String,
@@ -32,20 +28,21 @@ struct Constant {
 pub(crate) fn held(last: &Fitted, noise: &[Vec<f64>], candidates: usize) -> Option<String> {
     let effects = current(last);
     let base = last.draft.without_effects();
-    let trials: Vec<(Constant, Vec<Effect>)> = constants(&base.text)
-        .into_iter()
-        .flat_map(|c| subsets(&effects, last.is_white()).into_iter().map(move |s| (c.clone(), s)))
-        .collect();
-    let looked = trials.into_par_iter().filter_map(|(constant, effects)| {
-        let draft = freed(&base, &constant)?.with_all(&effects).ok()?;
+    let fewer = subsets(&effects, last.is_white());
+    let constants: Vec<(Constant, Draft)> =
+        constants(&base.text).into_iter().filter_map(|c| freed(&base, &c).map(|free| (c, free))).collect();
+    let trials: Vec<(&Constant, &Draft, &Vec<Effect>)> =
+        constants.iter().flat_map(|(c, free)| fewer.iter().map(move |effects| (c, free, effects))).collect();
+    let looked = trials.into_par_iter().filter_map(|(constant, free, effects)| {
+        let draft = free.with_all(effects).ok()?;
         Some((draft.glance(noise, 1)?, constant, draft))
     });
-    let mut looked: Vec<(f64, Constant, Draft)> = looked.collect();
+    let mut looked: Vec<(f64, &Constant, Draft)> = looked.collect();
     let least = looked.iter().map(|(look, ..)| *look).fold(f64::INFINITY, f64::min);
     looked.retain(|(look, ..)| *look <= RACE * least);
     // A free constant is a number like any other.
     let price = (last.cal.samples as f64).ln();
-    let promise = |(look, _, d): &(f64, Constant, Draft)| {
+    let promise = |(look, _, d): &(f64, &Constant, Draft)| {
         last.cal.samples as f64 * (1.0 + look.ln()) + price * size(d) as f64
     };
     looked.sort_by(|a, b| promise(a).total_cmp(&promise(b)));
@@ -53,15 +50,14 @@ pub(crate) fn held(last: &Fitted, noise: &[Vec<f64>], candidates: usize) -> Opti
     let fitted = looked
         .into_par_iter()
         .filter_map(|(_, constant, draft)| Some((constant, Fitted::new(draft, noise, Effort::Plain).ok()?)));
-    let fitted: Vec<(Constant, Fitted)> = fitted.collect();
+    let fitted: Vec<(&Constant, Fitted)> = fitted.collect();
     let by = Measure::of(fitted.iter().map(|(_, f)| f).chain([last]), candidates);
     let worse = |f: &Fitted| by.score(f) + price - by.score(last);
-    let explains = |f: &Fitted| f.is_white() && f.carried.unwrap_or(f.fit) < EXPLAINED;
     let simpler = |f: &Fitted| size(&f.draft) + 1 < size(&last.draft);
-    let limit = |f: &Fitted| if explains(last) && simpler(f) { SIMPLER } else { -WORTH };
+    let limit = |f: &Fitted| if last.explains() && simpler(f) { SIMPLER } else { -WORTH };
     let (constant, best) = fitted
         .into_iter()
-        .filter(|(_, f)| explains(f) && worse(f) < limit(f))
+        .filter(|(_, f)| f.explains() && worse(f) < limit(f))
         .min_by(|(_, a), (_, b)| worse(a).total_cmp(&worse(b)))?;
     let (_, found) = best.found(|p| p.name == constant.name).pop()?;
     let factor = Unit::parse(&constant.unit).map_or(1.0, |u| u.factor);

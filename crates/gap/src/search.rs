@@ -13,7 +13,7 @@ pub(crate) const EFFECTS: usize = 4;
 /// Singles, and pairs, that are fitted in full.
 pub(crate) const BEST: usize = 6;
 /// What a new effect must bring.
-const WORTH: f64 = 10.0;
+pub(crate) const WORTH: f64 = 10.0;
 /// A simpler description within this is preferred.
 pub(crate) const SIMPLER: f64 = 3.0;
 /// An effect that leaves more than this part of the gap on Validate records explains nothing of note.

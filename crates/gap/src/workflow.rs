@@ -414,7 +414,7 @@ fn finished(
     warnings.extend(at_bounds(&last.cal.parameters));
     warnings.extend(sensitive_starts(&last.cal.records));
     let end = last.carried.unwrap_or(last.fit);
-    let white = last.is_white() && end < EXPLAINED;
+    let white = last.explains();
     let repeats = floor > 0.0 && end <= REPEATS * floor;
     // Below the estimated noise, which of clean columns is too large, there is nothing to find.
     let below = last.fit <= 1.0 && end <= 1.0;

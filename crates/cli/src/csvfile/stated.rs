@@ -37,15 +37,13 @@ pub(super) fn contradiction(
         Diagnostic::warning(message).at(spec, at, format!("read in {read}")).help(help)
     };
     if theirs.dimension != unit.dimension {
-        // `F_N` may be a normal force, `v_s` the speed of a slider, and `v_ms` is in m/s.
+        // `F_N` may be a normal force, `v_s` the speed of a slider.
         let letter = said.len() == 1 && heading.ends_with(&format!("_{said}"));
-        let slash = said == "ms" && Unit::parse("m/s").is_ok_and(|speed| speed.dimension == unit.dimension);
-        let ambiguous = letter || slash;
         let message =
             format!("the heading `{heading}` says {said}, but the spec reads it as `{what}` in {read}");
         let help =
             format!("is `{heading}` the column that is `{what}`? if it is, write it with a unit of its kind");
-        return (!ambiguous).then(|| told(message, help));
+        return (!letter).then(|| told(message, help));
     }
     let factor = unit.factor / theirs.factor;
     let message = format!(
@@ -127,6 +125,7 @@ mod tests {
             ("x_m", None),
             ("x", Some("mm")),
             ("v_m_per_s", Some("m/s")),
+            ("v_ms", Some("m/s")),
             ("phi_rad", Some("")),
             ("phi_deg", Some("")),
             // North, not newton: one letter may be a part of the name.

@@ -65,10 +65,13 @@ impl Heading {
         self.understood()
     }
 
-    /// With the kind that its unit says; an acceleration in `g` is no mass in grams.
+    /// With the kind that its unit says; an acceleration in `g` is no mass in grams, a velocity in `ms` no time.
     fn understood(mut self) -> Heading {
         if self.unit.as_deref() == Some("g") && self.says(ACCELERATIONS) {
             self.unit = Some("gn".to_owned());
+        }
+        if self.unit.as_deref() == Some("ms") && self.says(SPEEDS) {
+            self.unit = Some("m/s".to_owned());
         }
         self.kind = self.unit.as_deref().map_or(Kind::Unsaid, kind);
         self
@@ -95,6 +98,26 @@ pub(crate) fn factor(unit: Option<&str>) -> f64 {
     unit.and_then(|u| Unit::parse(u).ok()).map_or(1.0, |u| u.factor)
 }
 
+/// Names of a column of velocities.
+pub(super) const SPEEDS: &[&str] = &[
+    "v",
+    "vel",
+    "velocity",
+    "speed",
+    "dx",
+    "dq",
+    "dy",
+    "dtheta",
+    "xdot",
+    "qdot",
+    "thetadot",
+    "dot",
+    "omega",
+    "w",
+    "rate",
+    "vx",
+    "geschwindigkeit",
+];
 /// Names of a column of accelerations.
 const ACCELERATIONS: &[&str] = &["a", "acc", "accel", "acceleration", "beschleunigung"];
 
@@ -235,6 +258,8 @@ mod tests {
             ("F_1 / N", "f_1", Some("N"), Kind::Force),
             ("t / s", "t", Some("s"), Kind::Time),
             ("t_ms", "t", Some("ms"), Kind::Time),
+            ("v_ms", "v", Some("m/s"), Kind::Speed),
+            ("vel_ms", "vel", Some("m/s"), Kind::Speed),
             ("a [m/s²]", "a", Some("m/s^2"), Kind::Acceleration),
             ("acc (m/s2)", "acc", Some("m/s^2"), Kind::Acceleration),
             ("acc (g)", "acc", Some("gn"), Kind::Acceleration),

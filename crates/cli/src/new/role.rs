@@ -1,7 +1,7 @@
 //! What each column is for: a guess from its name, its unit and its numbers.
 
 use super::clock::{Clock, is_counter};
-use super::heading::{Heading, Kind, factor};
+use super::heading::{Heading, Kind, SPEEDS, factor};
 use super::look::Look;
 use super::survey::Survey;
 use phisindy_phys::{automatic, standard_deviation};
@@ -81,25 +81,6 @@ const COPIES: &[&str] = &[
 ];
 const ORDERS: &[&str] =
     &["ref", "reference", "goal", "target", "set", "setpoint", "desired", "cmd", "command", "soll", "demand"];
-const SPEEDS: &[&str] = &[
-    "v",
-    "vel",
-    "velocity",
-    "speed",
-    "dx",
-    "dq",
-    "dy",
-    "dtheta",
-    "xdot",
-    "qdot",
-    "thetadot",
-    "dot",
-    "omega",
-    "w",
-    "rate",
-    "vx",
-    "geschwindigkeit",
-];
 const ACCELERATIONS: &[&str] = &["a", "acc", "accel", "acceleration", "ddx", "xddot", "beschleunigung"];
 const FORCES: &[&str] = &[
     "f",

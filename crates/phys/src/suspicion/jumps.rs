@@ -58,7 +58,9 @@ fn shifted(time: &[f64], x: &[f64], v: &[f64]) -> Vec<usize> {
     let fastest = v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let longest = |k: usize| (k + 1 - LEVEL..k + LEVEL).map(|j| time[j + 1] - time[j]).fold(0.0, f64::max);
     let told = |k: usize, size: f64| {
-        size > (SHIFT * scatter).max(STEPS * fastest * longest(k)).max(STEPS * scatter::near(x, k, LEVEL))
+        size > SHIFT * scatter
+            && size > STEPS * fastest * longest(k)
+            && size > STEPS * scatter::near(x, k, LEVEL)
     };
     let mut all: Vec<usize> = Vec::new();
     for &(k, size) in coarse.iter().filter(|(k, size)| told(*k, *size)) {
