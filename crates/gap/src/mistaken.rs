@@ -1,9 +1,14 @@
 //! Mistakes in a file that no missing effect explains: columns of two bodies exchanged, a unit that is off by a factor.
 
 use crate::fitted::Fitted;
+use phisindy_phys::{noise_level, standard_deviation};
 
 /// A column that is this many times what the model gives, in its very shape, has the wrong unit.
 const SCALE: f64 = 5.0;
+/// A model that moves this many times as much as the rig, whatever the shape, or so many times less, lacks no effect: friction would rather stop it.
+const OUT_OF_ALL_PROPORTION: f64 = 300.0;
+/// A rig that is at rest shows its noise; its motion is more than so many times that.
+const MOVES: f64 = 10.0;
 /// Correlation above which two curves have one shape.
 const ALIKE: f64 = 0.95;
 
@@ -25,6 +30,14 @@ pub(crate) fn mistaken(base: &Fitted) -> Vec<String> {
             if alike > ALIKE && !(1.0 / SCALE..SCALE).contains(&slope) {
                 found.push(format!(
                     "{}: `{}` has the shape that the model gives, but {slope:.3} times its size: are the units of the column, and of the forces, right?",
+                    record.name, states[*a].name
+                ));
+            }
+            let larger = standard_deviation(own) / standard_deviation(measured);
+            let far = !(1.0 / OUT_OF_ALL_PROPORTION..OUT_OF_ALL_PROPORTION).contains(&larger);
+            if alike <= ALIKE && far && standard_deviation(measured) > MOVES * noise_level(measured) {
+                found.push(format!(
+                    "{}: the model moves `{}` {larger:.1e} times as much as the record shows: are the units of the columns, of the forces and of the constants right?",
                     record.name, states[*a].name
                 ));
             }

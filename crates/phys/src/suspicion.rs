@@ -8,6 +8,7 @@ mod rates;
 mod scatter;
 mod spikes;
 
+use crate::noise_level::quantum::quantum;
 use crate::{Interpolation, Record, Signal, System, noise_level, standard_deviation};
 use balance::balance;
 use frozen::frozen;
@@ -17,6 +18,9 @@ use spikes::spikes;
 
 /// A step in time that is this many times the usual one is a hole.
 const HOLE: f64 = 5.0;
+/// Steps of a column beyond this part of its standard deviation hide how it moves; fewer levels are a switch.
+const ROUNDED: f64 = 0.2;
+const LEVELS: usize = 3;
 /// Between its samples an input is guessed; an error beyond this part of its standard deviation moves the result.
 const GUESSED: f64 = 0.01;
 
@@ -30,7 +34,10 @@ pub fn suspicions(system: &System, record: &Record) -> Vec<String> {
             still(record, &state.name, column, &mut found);
             cut(record, &state.name, column, &mut found);
             let velocity = state.velocity.map(|v| record.columns[v].as_deref());
-            torn(record, &state.name, column, velocity, &mut found);
+            // Between the few levels of a rounded column every step is a jump.
+            if !rounded(record, &state.name, column, &mut found) {
+                torn(record, &state.name, column, velocity, &mut found);
+            }
         }
     }
     let whole = found.len() == before;
@@ -73,6 +80,21 @@ fn still(record: &Record, name: &str, column: &[f64], found: &mut Vec<String>) {
             column.len()
         ));
     }
+}
+
+/// Whether a column is written with too few digits, or counted by too coarse a sensor.
+fn rounded(record: &Record, name: &str, column: &[f64], found: &mut Vec<String>) -> bool {
+    let size = standard_deviation(column);
+    let Some(step) = quantum(column, LEVELS).filter(|step| *step > ROUNDED * size) else { return false };
+    let (min, max) = bounds(column);
+    found.push(format!(
+        "{}: `{name}` has only {:.0} different values, {step:.1e} apart: each is wrong by up to {:.0} % of the size of the motion, and by as much from sample to sample; write more \
+         digits, or use a finer sensor",
+        record.name,
+        ((max - min) / step).round() + 1.0,
+        50.0 * step / size
+    ));
+    true
 }
 
 fn cut(record: &Record, name: &str, column: &[f64], found: &mut Vec<String>) {
@@ -188,17 +210,20 @@ fn bounds(values: &[f64]) -> (f64, f64) {
 }
 
 /// Samples in runs at exactly the least or greatest value into which the signal does not come to rest but is cut: the step before is
-/// large, and the run is longer than those in which the column repeats values anyway (a coarse sensor, a slow one).
+/// large, beyond one step of a rounded column, and the run is longer than those in which the column repeats values anyway (a coarse sensor, a slow one).
 pub fn clipped(values: &[f64], min: f64, max: f64) -> usize {
     let steps = values.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>() / values.len().max(2) as f64;
     let usual = steps.sqrt();
+    let (low, high) = (last_step(values, |v| v), last_step(values, |v| -v));
     let (mut inner, mut outer, mut k) = (vec![], vec![], 0);
     while k < values.len() {
         let x = values[k];
         let end = (k..values.len()).find(|&j| values[j] != x).unwrap_or(values.len());
         if x != min && x != max {
             inner.push(end - k);
-        } else if k > 0 && (x - values[k - 1]).abs() > 0.3 * usual {
+        } else if k > 0
+            && (x - values[k - 1]).abs() > (0.3 * usual).max(1.5 * if x == min { low } else { high })
+        {
             outer.push(end - k);
         }
         k = end;
@@ -209,6 +234,20 @@ pub fn clipped(values: &[f64], min: f64, max: f64) -> usize {
     let cut = outer.iter().filter(|n| **n > 2 * common.max(1));
     let (total, runs) = cut.fold((0, 0), |(total, runs), n| (total + n, runs + 1));
     if runs >= 3 || total >= 20 { total } else { 0 }
+}
+
+/// The step of the rounding at one end of a column, 0 if its last three levels are not equally far apart.
+fn last_step(values: &[f64], order: impl Fn(f64) -> f64) -> f64 {
+    let mut ends = [f64::INFINITY; 3];
+    for v in values.iter().map(|v| order(*v)) {
+        let at = ends.iter().position(|e| v <= *e).filter(|&at| v < ends[at]);
+        if let Some(at) = at {
+            ends[at..].rotate_right(1);
+            ends[at] = v;
+        }
+    }
+    let (step, next) = (ends[1] - ends[0], ends[2] - ends[1]);
+    if (step - next).abs() < 0.1 * step { step } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -263,6 +302,23 @@ mod tests {
         let mut spiked = x.clone();
         spiked[700] = 3.0;
         assert!(told(spiked, v.clone()).contains("at 17.500000 s"));
+    }
+
+    #[test]
+    fn a_rounded_column_is_told_and_nothing_else_of_it() {
+        let rounded =
+            |c: &[f64], step: f64| c.iter().map(|v| (v / step).round() * step).collect::<Vec<f64>>();
+        let (x, v) = (sine(2000, 0.0), velocity());
+        let said = told(rounded(&x, 0.4), v.clone());
+        assert!(
+            said.contains("`x` has only 7 different values") && said.matches("a: ").count() == 1,
+            "{said}"
+        );
+        // Fine enough: the tops of a swing are a long run of the greatest value, and yet not cut off.
+        assert_eq!(told(rounded(&x, 0.02), v.clone()), "");
+        // Cut and rounded is still cut.
+        let cut: Vec<f64> = x.iter().map(|v| v.clamp(-0.8, 0.8)).collect();
+        assert!(told(rounded(&cut, 0.001), v).contains("cut off"));
     }
 
     /// The error that is told beside the one that a sine has: (w h)^2/8 of the amplitude in the middle, 1/sqrt(30) of that more over a whole interval than in its middle.

@@ -11,11 +11,11 @@ const LEAST_REPEATS: f64 = 0.02;
 ///
 /// A column at rest shows no noise, but it still does not know its value better than its step.
 pub(crate) fn rounding_error(values: &[f64]) -> f64 {
-    quantum(values).unwrap_or(0.0) / f64::sqrt(12.0)
+    quantum(values, LEAST_LEVELS).unwrap_or(0.0) / f64::sqrt(12.0)
 }
 
-/// The smallest change from sample to sample, if samples often repeat and all changes are multiples of it.
-fn quantum(values: &[f64]) -> Option<f64> {
+/// The smallest change from sample to sample, if samples often repeat, all changes are multiples of it, and there are this many levels.
+pub(crate) fn quantum(values: &[f64], least_levels: usize) -> Option<f64> {
     let scale = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let changes = || values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     // Equal up to rounding is equal.
@@ -35,7 +35,7 @@ fn quantum(values: &[f64]) -> Option<f64> {
         .filter(|c| *c > same)
         .fold((0, 0), |(fitting, moved), c| (fitting + usize::from(multiple(c)), moved + 1));
     let levels: BTreeSet<i64> = values.iter().map(|v| ((v - values[0]) / step).round() as i64).collect();
-    (fitting * 100 >= moved * 98 && levels.len() >= LEAST_LEVELS).then_some(step)
+    (fitting * 100 >= moved * 98 && levels.len() >= least_levels).then_some(step)
 }
 
 #[cfg(test)]

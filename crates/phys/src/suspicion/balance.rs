@@ -21,7 +21,7 @@ const PARTS: usize = 100;
 const STRETCH: usize = 12;
 const STRETCHES: usize = 8;
 
-/// Tells of two columns of one unit that should be exchanged, or else of a part of a rate that is off by a power of 1000.
+/// Tells of two columns of one unit that should be exchanged, of a column or a part of a rate that is off by a power of 1000.
 pub(super) fn balance(system: &System, record: &Record, found: &mut Vec<String>) {
     let rates: Vec<Rate> = system.states.iter().filter_map(|s| Rate::of(system, s.velocity?)).collect();
     let now: Vec<Sums> = rates.iter().filter_map(|rate| Sums::new(system, record, rate)).collect();
@@ -30,23 +30,77 @@ pub(super) fn balance(system: &System, record: &Record, found: &mut Vec<String>)
         return;
     }
     let columns = system.states.len() + system.inputs.len();
-    let pairs = (0..columns).flat_map(|i| (i + 1..columns).map(move |j| (i, j)));
-    let then = |(i, j): (usize, usize)| {
-        let other = exchanged(system, record, i, j)?;
+    let exchanges = (0..columns).flat_map(|i| (i + 1..columns).map(move |j| Change::Exchange(i, j)));
+    let scales = (0..columns).flat_map(|k| FACTORS.into_iter().map(move |f| Change::Scale(k, f)));
+    let then = |change: Change| {
+        let other = change.made(system, record)?;
         let sums: Vec<Sums> = rates.iter().filter_map(|rate| Sums::new(system, &other, rate)).collect();
-        (sums.len() == now.len()).then(|| (worst(&sums), i, j))
+        (sums.len() == now.len()).then(|| (worst(&sums), change))
     };
-    let best = pairs.filter_map(then).min_by(|a, b| a.0.total_cmp(&b.0));
-    if let Some((_, i, j)) = best.filter(|(after, ..)| mended(left, *after)) {
-        found.push(format!(
-            "{}: with `{}` and `{}` exchanged the model tells the acceleration, and as they are it does not: the two columns are probably swapped",
-            record.name,
-            system.measured(i).0,
-            system.measured(j).0
-        ));
-        return;
+    let best =
+        exchanges.chain(scales.filter(Change::is_a_unit)).filter_map(then).min_by(|a, b| a.0.total_cmp(&b.0));
+    let best = best.filter(|(after, _)| mended(left, *after));
+    let off: Vec<(f64, String)> = now.iter().filter_map(|sums| sums.off(system, record)).collect();
+    // In a linear model a drive that is too large is a motion that is too small: a part says where to look.
+    let parts = off.iter().map(|(after, _)| *after).fold(f64::NEG_INFINITY, f64::max);
+    match best {
+        Some((after, change))
+            if off.is_empty() || matches!(change, Change::Exchange(..)) || after < 0.8 * parts =>
+        {
+            found.push(change.told(system, record));
+        }
+        _ => found.extend(off.into_iter().map(|(_, told)| told)),
     }
-    found.extend(now.iter().filter_map(|sums| sums.off(system, record)));
+}
+
+/// What may be wrong with the columns of a record, counted with states first.
+#[derive(Clone, Copy)]
+enum Change {
+    Exchange(usize, usize),
+    Scale(usize, f64),
+}
+
+impl Change {
+    fn is_a_unit(&self) -> bool {
+        !matches!(self, Change::Scale(_, f) if *f < 0.0)
+    }
+
+    /// The record as it should be; none if the columns have two units, or are not measured.
+    fn made(self, system: &System, record: &Record) -> Option<Record> {
+        match self {
+            Change::Exchange(i, j) => {
+                let same = system.measured(i).1 == system.measured(j).1;
+                let (a, b) = (measured(system, record, i)?, measured(system, record, j)?);
+                if same { replaced(system, record, vec![(i, b), (j, a)]) } else { None }
+            }
+            Change::Scale(k, factor) => {
+                let column = measured(system, record, k)?.iter().map(|v| factor * v).collect();
+                replaced(system, record, vec![(k, column)])
+            }
+        }
+    }
+
+    fn told(self, system: &System, record: &Record) -> String {
+        match self {
+            Change::Exchange(i, j) => format!(
+                "{}: with `{}` and `{}` exchanged the model tells the acceleration, and as they are it does not: the two columns are probably swapped",
+                record.name,
+                system.measured(i).0,
+                system.measured(j).0
+            ),
+            Change::Scale(k, factor) => format!(
+                "{}: the model tells the acceleration once the column `{}` is {} as large: is it in the unit that the spec says?",
+                record.name,
+                system.measured(k).0,
+                times(factor)
+            ),
+        }
+    }
+}
+
+/// `1000 times`, `1/1000 times`.
+fn times(factor: f64) -> String {
+    if factor > 1.0 { format!("{factor} times") } else { format!("1/{} times", (1.0 / factor).round()) }
 }
 
 /// Whether what is left now falls to what an incomplete model may leave.
@@ -178,8 +232,8 @@ impl<'r> Sums<'r> {
         if whole > 0.0 { (left / whole).sqrt() } else { f64::NAN }
     }
 
-    /// Whether one part, or all that drives, is off by a power of 1000, in words.
-    fn off(&self, system: &System, record: &Record) -> Option<String> {
+    /// Whether one part, or all that drives, is off by a power of 1000: what is left once it is put right, and in words.
+    fn off(&self, system: &System, record: &Record) -> Option<(f64, String)> {
         let Rate { velocity, graph, parts } = self.rate;
         let now = self.misfit(&|_| 1.0);
         let states: Vec<Id> = system.states.iter().map(|s| s.node).collect();
@@ -206,22 +260,24 @@ impl<'r> Sums<'r> {
         let texts: Vec<String> =
             group.iter().map(|&k| format!("`{}`", graph.text(bare(parts[k]), &system.names))).collect();
         if f < 0.0 {
-            return Some(format!(
+            let told = format!(
                 "{}: the model tells the acceleration in `{}` once its part in {} has the other sign: look at the signs of the equation, and at which way the sensors count",
                 record.name,
                 system.states[*velocity].name,
                 texts.join(", ")
-            ));
+            );
+            return Some((after, told));
         }
-        let times = if f > 1.0 { format!("{f} times") } else { format!("1/{} times", (1.0 / f).round()) };
         let (plural, are) = if texts.len() > 1 { ("s", "are") } else { ("", "is") };
-        Some(format!(
-            "{}: the model tells the acceleration in `{}` once its part{plural} in {} {are} {times} as large: look at the units of the constants and columns there, and of the \
+        let told = format!(
+            "{}: the model tells the acceleration in `{}` once its part{plural} in {} {are} {} as large: look at the units of the constants and columns there, and of the \
              measured motion",
             record.name,
             system.states[*velocity].name,
-            texts.join(", ")
-        ))
+            texts.join(", "),
+            times(f)
+        );
+        Some((after, told))
     }
 }
 
@@ -267,25 +323,19 @@ fn motion(system: &System, record: &Record, n: usize, stretch: usize) -> Vec<Opt
     states
 }
 
-/// The record with two measured columns of one unit exchanged, states first; what was derived from them is derived anew.
-fn exchanged(system: &System, record: &Record, i: usize, j: usize) -> Option<Record> {
-    let states = system.states.len();
-    let derived = |input: usize| record.derivations.iter().any(|d| d.input == input);
-    let raw = |input: usize| {
-        let source = record.derivations.iter().find(|d| d.of == input);
-        source.map_or_else(|| record.inputs[input].values().to_vec(), |d| d.column.clone())
-    };
-    let column = |k: usize| match k.checked_sub(states) {
-        None => record.columns[k].clone(),
-        Some(input) => (!derived(input)).then(|| raw(input)),
-    };
-    let (a, b) = (column(i)?, column(j)?);
-    if system.measured(i).1 != system.measured(j).1 {
-        return None;
-    }
+/// A measured column, states first; none if there is none, or if it is derived from another one.
+fn measured(system: &System, record: &Record, k: usize) -> Option<Vec<f64>> {
+    let Some(input) = k.checked_sub(system.states.len()) else { return record.columns[k].clone() };
+    let source = record.derivations.iter().find(|d| d.of == input);
+    let raw = || source.map_or_else(|| record.inputs[input].values().to_vec(), |d| d.column.clone());
+    (!record.derivations.iter().any(|d| d.input == input)).then(raw)
+}
+
+/// The record with other values in some of its columns, states first; what was derived from them is derived anew.
+fn replaced(system: &System, record: &Record, columns: Vec<(usize, Vec<f64>)>) -> Option<Record> {
     let mut out = record.clone();
-    for (k, values) in [(i, b), (j, a)] {
-        match k.checked_sub(states) {
+    for (k, values) in columns {
+        match k.checked_sub(system.states.len()) {
             None => out.columns[k] = Some(values),
             Some(input) => {
                 out.derivations
@@ -367,6 +417,17 @@ mod tests {
         assert!(light.contains("its parts in") && light.contains("are 1/1000 times as"), "{light}");
         let force = told(2.0, 2.0, 600.0, ORDER, [1.0, 1.0, 1e6]);
         assert!(force.contains("in `F`") && force.contains("is 1/1000000 times as"), "{force}");
+    }
+
+    #[test]
+    fn a_column_in_the_wrong_unit_is_told_and_not_called_swapped() {
+        let base = told(2.0, 2.0, 600.0, ORDER, [1e-3, 1.0, 1.0]);
+        assert!(
+            base.contains("the column `x` is 1000 times as large") && !base.contains("swapped"),
+            "{base}"
+        );
+        let far = told(2.0, 2.0, 600.0, ORDER, [1e3, 1.0, 1.0]);
+        assert!(far.contains("the column `x` is 1/1000 times as large"), "{far}");
     }
 
     #[test]

@@ -7,6 +7,11 @@ const SCALE: f64 = 3.0;
 /// Correlation above which two curves have one shape, and below which they have not.
 const ALIKE: f64 = 0.9;
 const UNLIKE: f64 = 0.5;
+/// Of two bodies that move nearly alike: as they are, the velocities differ from the rates by more than this, and so many times more than exchanged.
+const APART: f64 = 0.15;
+const NEARER: f64 = 4.0;
+/// Two exchanges that leave so nearly the same cannot be told apart.
+const ALSO: (f64, f64) = (1.2, 0.03);
 /// The rate differs from the velocity by less than this part of it if they are one, sensors and noise as they are, and by more than that if they are not.
 const SAME: f64 = 0.35;
 const OTHER: f64 = 0.5;
@@ -102,14 +107,16 @@ fn swapped(system: &System, record: &Record) -> Swapped {
             let same_unit = columns[i].1 == columns[j].1;
             let good =
                 |r: &Rate| if same_unit { r.misfit < SAME } else { r.correlation > ALIKE && r.slope > 0.0 };
-            let bad = |r: &Rate| if same_unit { r.misfit > OTHER } else { r.correlation < UNLIKE };
-            let now = touched.iter().map(|&(k, v)| rate_of(k, v));
-            let then: Vec<Option<Rate>> =
-                touched.iter().map(|&(k, v)| rate_of(exchanged(k), exchanged(v))).collect();
-            if now.into_iter().all(|r| r.is_some_and(|r| bad(&r)))
-                && then.iter().all(|r| r.as_ref().is_some_and(good))
-            {
-                let misfit = then.iter().flatten().map(|r| r.misfit).fold(0.0, f64::max);
+            let all = |of: &dyn Fn(usize, usize) -> Option<Rate>| -> Option<Vec<Rate>> {
+                touched.iter().map(|&(k, v)| of(k, v)).collect()
+            };
+            let now = all(&rate_of);
+            let then = all(&|k, v| rate_of(exchanged(k), exchanged(v)));
+            let (Some(now), Some(then)) = (now, then) else { continue };
+            let misfit = then.iter().map(|r| r.misfit).fold(0.0, f64::max);
+            let limit = OTHER.min(APART.max(NEARER * misfit));
+            let bad = |r: &Rate| if same_unit { r.misfit > limit } else { r.correlation < UNLIKE };
+            if now.iter().all(bad) && then.iter().all(good) {
                 best.push((misfit, [i, j], touched));
             }
         }
@@ -119,7 +126,7 @@ fn swapped(system: &System, record: &Record) -> Swapped {
     // Of two bodies both displacements or both velocities may be the ones.
     let named: Vec<String> = best
         .iter()
-        .filter(|(misfit, .., other)| *misfit < 1.2 * least && other == touched)
+        .filter(|(misfit, .., other)| *misfit < ALSO.0 * least + ALSO.1 && other == touched)
         .map(|(_, [i, j], _)| format!("`{}` and `{}`", columns[*i].0, columns[*j].0))
         .collect();
     let told = format!(
@@ -134,7 +141,7 @@ fn swapped(system: &System, record: &Record) -> Swapped {
 struct Rate {
     slope: f64,
     correlation: f64,
-    /// Size of the difference, as a part of that of the larger of them.
+    /// Size of the difference less the noise of the displacement, as a part of that of the larger of them.
     misfit: f64,
 }
 
@@ -165,10 +172,11 @@ fn rate(record: &Record, x: &[f64], y: &[f64]) -> Option<Rate> {
         ab += a * b;
         bb += b * b;
     }
+    let noise = 2.0 * noise * noise * (x.len() - stretch) as f64;
     (aa > 0.0 && bb > 0.0).then(|| Rate {
         slope: ab / aa,
         correlation: ab / (aa * bb).sqrt(),
-        misfit: ((aa + bb - 2.0 * ab).max(0.0) / aa.max(bb)).sqrt(),
+        misfit: ((aa + bb - 2.0 * ab - noise).max(0.0) / aa.max(bb)).sqrt(),
     })
 }
 
@@ -250,5 +258,7 @@ mod tests {
         let alike = |size: f64| [MOTIONS[0], MOTIONS[0].map(|a| size * a), MOTIONS[2]];
         assert_eq!(told(Some((0, 1)), alike(1.1)), "");
         assert!(told(Some((0, 1)), alike(2.5)).contains("`x1` and `x2`"));
+        // Nearly alike, but as they are ten times further from the rates than exchanged.
+        assert!(told(Some((0, 1)), alike(1.4)).contains("`x1` and `x2`"));
     }
 }
