@@ -5,10 +5,10 @@ use crate::drive::Drive;
 use crate::effect::Effect;
 use crate::fitted::{Fitted, values};
 use crate::motion::{Motion, rest_threshold, resting};
+use crate::need::fulfilled;
 use crate::place::Site;
-use crate::recipe::compiled;
 use crate::workflow::EXPLAINED;
-use phisindy_expr::{Scratch, Tape};
+use phisindy_expr::Tape;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{LawParameter, Record};
 use std::f64::consts::TAU;
@@ -93,10 +93,7 @@ fn numbers(fitted: &Fitted, effect: &Effect) -> Option<Vec<f64>> {
 fn lacks(fitted: &Fitted, effect: &Effect) -> Option<String> {
     let law = &effect.entry.law;
     let need = law.needs.as_ref()?;
-    let of: Vec<String> = law.parameters.iter().map(|(name, _)| name.clone()).collect();
-    let mut scratch = Scratch::<1>::new(&compiled(&of, &[&need.positive])?);
-    scratch.at(numbers(fitted, effect)?);
-    (scratch.output(0)[0] < 0.0).then(|| need.because.clone())
+    (fulfilled(law, &numbers(fitted, effect)?)? < 0.0).then(|| need.because.clone())
 }
 
 /// A parameter that runs to the end of what its law allows stands for a simpler law.

@@ -20,6 +20,7 @@ mod fitted;
 mod held;
 mod mistaken;
 mod motion;
+mod need;
 mod place;
 mod proposals;
 mod recipe;

@@ -214,7 +214,7 @@ fn formulas(law: &phisindy_phys::Law, screen: &phisindy_phys::Screen) -> Option<
 }
 
 /// Expressions of named numbers.
-pub(crate) fn compiled(of: &[String], texts: &[&str]) -> Option<Tape> {
+fn compiled(of: &[String], texts: &[&str]) -> Option<Tape> {
     let (mut graph, mut names) = (Graph::default(), Names::default());
     let mut inputs = Vec::new();
     for name in of {

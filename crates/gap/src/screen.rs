@@ -4,6 +4,7 @@ use crate::draft::Draft;
 use crate::drive::Drive;
 use crate::effect::{Effect, Entry, fits};
 use crate::motion::{Motion, rest_threshold, resting};
+use crate::need;
 use crate::place::{Place, Site, places};
 use crate::recipe::{Recipe, Scale};
 use crate::response::{Linear, shift};
@@ -359,7 +360,7 @@ fn seeded(effect: &Effect, recipe: Option<&Recipe>, coefficients: &[f64], grid: 
         let slack = 1e-9 * (p.within.1 - p.within.0).abs().min(1.0);
         *v >= p.within.0 - slack && *v <= p.within.1 + slack
     });
-    inside.then(|| Effect { start: values, ..effect.clone() })
+    inside.then(|| Effect { start: need::inside(&effect.entry.law, &values), ..effect.clone() })
 }
 
 /// Gain and coefficients of some columns of a projected Gram matrix whose target is column 0.

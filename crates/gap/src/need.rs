@@ -1,0 +1,67 @@
+//! The condition that the parameters of a law fulfil, from its file: friction that falls with the speed starts above where it ends.
+
+use phisindy_expr::{Graph, Id, Names, Scratch, Tape, parse};
+use phisindy_phys::Law;
+
+/// A start fulfils the condition by this part of the law's level: on the border the numbers that shape the law have no say.
+const INSIDE: f64 = 0.25;
+
+/// The condition at these parameters; nothing if the law has none.
+pub(crate) fn fulfilled(law: &Law, parameters: &[f64]) -> Option<f64> {
+    Some(value_and_gradient(law, parameters)?.0)
+}
+
+/// The nearest parameters that fulfil the condition by a part of the level, which is the first of them; the same if they do, or if there is none.
+pub(crate) fn inside(law: &Law, parameters: &[f64]) -> Vec<f64> {
+    let level = parameters.first().map_or(0.0, |p| p.abs());
+    let moved = || {
+        let (value, gradient) = value_and_gradient(law, parameters)?;
+        let steep: f64 = gradient.iter().map(|g| g * g).sum();
+        let step = (INSIDE * level - value) / steep;
+        let move_by = |((p, g), (_, of)): ((&f64, &f64), &(String, phisindy_phys::LawParameter))| {
+            (p + step * g).clamp(of.within.0, of.within.1)
+        };
+        let moved = parameters.iter().zip(&gradient).zip(&law.parameters).map(move_by).collect();
+        (step > 0.0 && step.is_finite()).then_some(moved)
+    };
+    moved().unwrap_or_else(|| parameters.to_vec())
+}
+
+fn value_and_gradient(law: &Law, parameters: &[f64]) -> Option<(f64, Vec<f64>)> {
+    let (mut graph, mut names) = (Graph::default(), Names::default());
+    let mut symbols: Vec<Id> = Vec::new();
+    for (name, _) in &law.parameters {
+        let symbol = names.intern(name);
+        symbols.push(graph.symbol(symbol));
+    }
+    let value = graph.lower(&parse(&law.needs.as_ref()?.positive).ok()?, |n| names.get(n)).ok()?;
+    let mut outputs = vec![value];
+    outputs.extend(graph.gradient(value, &symbols));
+    let mut scratch = Scratch::<1>::new(&Tape::compile(&graph, &symbols, &outputs).ok()?);
+    scratch.at(parameters.iter().copied());
+    Some((scratch.output(0)[0], (1..outputs.len()).map(|k| scratch.output(k)[0]).collect()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn law(text: &str) -> Law {
+        Law::read(text).expect("a law")
+    }
+
+    #[test]
+    fn a_start_is_moved_inside_and_no_further() {
+        let stribeck = law(include_str!("../../../specs/laws/stribeck.ron"));
+        assert_eq!(fulfilled(&stribeck, &[2.0, 1.0, 0.1]), Some(-1.0));
+        // From the border and from beyond it; the speed has no part in it.
+        for start in [[2.0, 2.0, 0.1], [2.0, 1.0, 0.1]] {
+            let moved = inside(&stribeck, &start);
+            assert!((moved[1] - moved[0] - 0.5).abs() < 1e-12 && moved[2] == 0.1, "{moved:?}");
+            assert!((moved[1] + moved[0] - start[0] - start[1]).abs() < 1e-12);
+        }
+        assert_eq!(inside(&stribeck, &[1.0, 2.0, 0.1]), [1.0, 2.0, 0.1]);
+        let coulomb = law(include_str!("../../../specs/laws/coulomb.ron"));
+        assert_eq!((fulfilled(&coulomb, &[1.0]), inside(&coulomb, &[1.0])), (None, vec![1.0]));
+    }
+}
