@@ -4,7 +4,7 @@ use crate::draft::Draft;
 use crate::effect::{Effect, Entry};
 use crate::fitted::{FAR_OFF, Fitted};
 use crate::proposals::{is_composed, rubbing, singles};
-use crate::screen::{Screening, screen};
+use crate::screen::{Candidate, Screening, screen};
 use phisindy_learn::Effort;
 use rayon::prelude::*;
 
@@ -148,11 +148,7 @@ impl Search<'_> {
         let added = |lists: Vec<Vec<Effect>>| -> Vec<Draft> {
             lists.iter().filter_map(|list| draft.with_all(list).ok()).collect()
         };
-        let mut drafts = if now.rests() || now.strikes() {
-            added(self.approached(draft, found))
-        } else {
-            added(self.seeded(draft, singles(found)))
-        };
+        let mut drafts = self.begun(draft, now, found);
         drafts.extend(self.richer(draft, now));
         let mut singles = self.tried(drafts, RACE, candidates, &mut vetoed);
         if singles.first().is_some_and(|leader| !leader.is_white()) {
@@ -194,6 +190,11 @@ impl Search<'_> {
         (self.hear)(0.1 + 0.8 * (before as f64 + 0.5) / EFFECTS as f64, "fitting the best pairs");
         let pairs = self.tried(added(pairs), RACE, candidates, &mut vetoed);
         let pair = preferred(&pairs, candidates).filter(|p| self.worth(now, p, candidates)).cloned();
+        let pairs = match &pair {
+            Some(pair) if pair.is_white() => self.followed(pairs, &singles, pair, candidates, &mut vetoed),
+            _ => pairs,
+        };
+        let pair = preferred(&pairs, candidates).filter(|p| self.worth(now, p, candidates)).cloned();
         // Two that nearly do may stand in wrong places.
         let pair = pair.map(|pair| if pair.is_white() { pair } else { self.moved(pair, candidates) });
         let settled = pair.as_ref().filter(|pair| !pair.is_white()).map(|pair| named(&pair.draft));
@@ -221,6 +222,43 @@ impl Search<'_> {
             return None;
         }
         Some((chosen.clone(), round(before, &chosen, &all, vetoed, candidates)))
+    }
+
+    /// Two that explain everything, found at once, beside those that follow from the better of them alone and promise more there: far from the data a linear response confuses what is alike.
+    fn followed(
+        &self,
+        mut pairs: Vec<Fitted>,
+        singles: &[Fitted],
+        pair: &Fitted,
+        candidates: usize,
+        vetoed: &mut Vec<(String, String)>,
+    ) -> Vec<Fitted> {
+        let parts = named(&pair.draft);
+        let Some(single) = singles.iter().find(|f| named(&f.draft).iter().all(|own| parts.contains(own)))
+        else {
+            return pairs;
+        };
+        let screened = single.settled().ok().and_then(|draft| {
+            let found = screen(&draft, &single.cal, self.catalogue, self.noise)?;
+            Some((draft, found))
+        });
+        let Some((draft, mut found)) = screened else { return pairs };
+        let own = |c: &Candidate| pair.draft.effects.iter().any(|(e, ..)| e.same(&c.effect));
+        let better = found.candidates.iter().position(own).unwrap_or(found.candidates.len());
+        found.candidates.truncate(better);
+        pairs.extend(self.tried(self.begun(&draft, single, &found), RACE, candidates, vetoed));
+        rank(&mut pairs, candidates);
+        pairs
+    }
+
+    /// The best laws of a screening beside a model, each from the best of its starts.
+    fn begun(&self, draft: &Draft, now: &Fitted, found: &Screening) -> Vec<Draft> {
+        let lists = if now.rests() || now.strikes() {
+            self.approached(draft, found)
+        } else {
+            self.seeded(draft, singles(found))
+        };
+        lists.iter().filter_map(|list| draft.with_all(list).ok()).collect()
     }
 
     /// Whether a model is worth its price against another one.
