@@ -396,6 +396,16 @@ const ALIKE: &[(&str, &str, &str)] = &[
         "look at the signal with the rig at rest",
     ),
     (
+        "stiffness",
+        "the same, where the model has a spring there: its stiffness is another one than the spec says, by this much",
+        "measure the stiffness at rest",
+    ),
+    (
+        "viscous",
+        "the same, where the model has a damper there: its constant is another one than the spec says, by this much",
+        "a decay at small amplitude",
+    ),
+    (
         "sensor-delay",
         "the same: what drives the motion is recorded early (of a negative delay: late)",
         "check the clocks of both channels",

@@ -395,7 +395,7 @@ fn round(
         })
         .collect();
     // From a worse start a law may fit with numbers that nothing speaks against: it stays ruled out.
-    rivals.retain(|r| !vetoed.iter().any(|(law, _)| *law == r.law));
+    rivals.retain(|r| r.worse.is_finite() && !vetoed.iter().any(|(law, _)| *law == r.law));
     rivals.sort_by(|a, b| a.worse.total_cmp(&b.worse));
     rivals.dedup_by(|a, b| a.law == b.law && a.at == b.at);
     rivals.truncate(5);

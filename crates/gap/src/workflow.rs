@@ -517,7 +517,7 @@ fn way(base: &Fitted, last: &Fitted, noise: &[Vec<f64>]) -> Vec<Fitted> {
     for k in 1..effects.len() {
         let fitted = plain.with_all(&effects[..k]).ok().and_then(|d| refitted(d, last, noise));
         let before = way[way.len() - 1].clone();
-        way.push(fitted.unwrap_or(before));
+        way.push(fitted.filter(|f| f.fit.is_finite()).unwrap_or(before));
     }
     way
 }
