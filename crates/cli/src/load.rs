@@ -339,6 +339,16 @@ impl Loader<'_> {
         refusal.map_or(Ok((records, truths)), Err)
     }
 
+    /// Something odd about a record; what several records share is said once.
+    fn doubt(&mut self, record: &str, what: &str) {
+        let what = format!(": {what}");
+        let records = |d: &Diagnostic| d.message.strip_suffix(&what).map(str::to_owned);
+        match self.found.iter_mut().find_map(|d| Some((records(d)?, d))) {
+            Some((others, said)) => said.message = format!("{others}, {record}{what}"),
+            None => self.found.push(Diagnostic::warning(format!("{record}{what}"))),
+        }
+    }
+
     fn push(&mut self, diagnostic: Diagnostic) {
         // Two records of one file have the same mistakes.
         if !self.found.iter().any(|d| d.message == diagnostic.message && d.help == diagnostic.help) {
@@ -378,7 +388,7 @@ impl Loader<'_> {
             Ok(record)
         });
         if let Ok(record) = &record {
-            suspicions(&case.system, record).into_iter().for_each(|s| self.push(Diagnostic::warning(s)));
+            suspicions(&case.system, record).into_iter().for_each(|s| self.doubt(&record.name, &s));
         }
         record.map(Some).map_err(|mistakes| {
             mistakes.into_iter().for_each(|d| self.push(d));

@@ -24,26 +24,26 @@ const LEVELS: usize = 3;
 /// Between its samples an input is guessed; an error beyond this part of its standard deviation moves the result.
 const GUESSED: f64 = 0.01;
 
-/// Oddities of a record, in words with what to do; empty if there are none. None of them stops anything.
+/// Oddities of a record, in words with what to do and without its name; empty if there are none. None of them stops anything.
 pub fn suspicions(system: &System, record: &Record) -> Vec<String> {
     let mut found = Vec::new();
     holes(record, &mut found);
     let before = found.len();
     for (state, column) in system.states.iter().zip(&record.columns) {
         if let Some(column) = column {
-            still(record, &state.name, column, &mut found);
-            cut(record, &state.name, column, &mut found);
+            still(&state.name, column, &mut found);
+            cut(&state.name, column, &mut found);
             let velocity = state.velocity.map(|v| record.columns[v].as_deref());
             // Between the few levels of a rounded column every step is a jump.
-            if !rounded(record, &state.name, column, &mut found) {
-                torn(record, &state.name, column, velocity, &mut found);
+            if !rounded(&state.name, column, &mut found) {
+                torn(&record.time, &state.name, column, velocity, &mut found);
             }
         }
     }
     let whole = found.len() == before;
     for (input, signal) in system.inputs.iter().zip(&record.inputs) {
-        cut(record, &input.name, signal.values(), &mut found);
-        coarse(record, &input.name, signal, &mut found);
+        cut(&input.name, signal.values(), &mut found);
+        coarse(&input.name, signal, &mut found);
     }
     // What is wrong with a column is wrong with what the model makes of it.
     if !rates(system, record, &mut found) && whole {
@@ -64,53 +64,46 @@ fn holes(record: &Record, found: &mut Vec<String>) {
         let (a, b) = after(first);
         let more = if all.len() > 1 { format!(" ({} such holes)", all.len()) } else { String::new() };
         found.push(format!(
-            "{}: no samples from {a:.6} s to {b:.6} s, {:.0} times the usual step{more}: inputs are interpolated across it, and noise and smoothing count samples as if there were none; cut the record there with `window`",
-            record.name,
+            "no samples from {a:.6} s to {b:.6} s, {:.0} times the usual step{more}: inputs are interpolated across it, and noise and smoothing count samples as if there were none; cut the record there with `window`",
             (b - a) / usual
         ));
     }
 }
 
-fn still(record: &Record, name: &str, column: &[f64], found: &mut Vec<String>) {
+fn still(name: &str, column: &[f64], found: &mut Vec<String>) {
     let (min, max) = bounds(column);
     if min == max {
-        found.push(format!(
-            "{}: `{name}` is {min} in all {} samples: is the sensor connected?",
-            record.name,
-            column.len()
-        ));
+        found.push(format!("`{name}` is {min} in all {} samples: is the sensor connected?", column.len()));
     }
 }
 
 /// Whether a column is written with too few digits, or counted by too coarse a sensor.
-fn rounded(record: &Record, name: &str, column: &[f64], found: &mut Vec<String>) -> bool {
+fn rounded(name: &str, column: &[f64], found: &mut Vec<String>) -> bool {
     let size = standard_deviation(column);
     let Some(step) = quantum(column, LEVELS).filter(|step| *step > ROUNDED * size) else { return false };
     let (min, max) = bounds(column);
     found.push(format!(
-        "{}: `{name}` has only {:.0} different values, {step:.1e} apart: each is wrong by up to {:.0} % of the size of the motion, and by as much from sample to sample; write more \
+        "`{name}` has only {:.0} different values, {step:.1e} apart: each is wrong by up to {:.0} % of the size of the motion, and by as much from sample to sample; write more \
          digits, or use a finer sensor",
-        record.name,
         ((max - min) / step).round() + 1.0,
         50.0 * step / size
     ));
     true
 }
 
-fn cut(record: &Record, name: &str, column: &[f64], found: &mut Vec<String>) {
+fn cut(name: &str, column: &[f64], found: &mut Vec<String>) {
     let (min, max) = bounds(column);
     let samples = if min < max { clipped(column, min, max) } else { 0 };
     if samples > 0 {
         found.push(format!(
-            "{}: `{name}` is cut off at {min:.6} or {max:.6} in {samples} samples: the sensor was at the end of its range, and what it hides is fitted as if it were motion",
-            record.name
+            "`{name}` is cut off at {min:.6} or {max:.6} in {samples} samples: the sensor was at the end of its range, and what it hides is fitted as if it were motion",
         ));
     }
 }
 
 /// Leaves out every second sample and looks how well the others tell it: what is guessed between all samples is wrong by a quarter of that (straight lines), or by a
 /// sixteenth (cubics), of which noise is no part.
-fn coarse(record: &Record, name: &str, signal: &Signal, found: &mut Vec<String>) {
+fn coarse(name: &str, signal: &Signal, found: &mut Vec<String>) {
     let (time, values) = (signal.time(), signal.values());
     let finer = match signal.kind() {
         Interpolation::Linear => 4.0,
@@ -140,28 +133,20 @@ fn coarse(record: &Record, name: &str, signal: &Signal, found: &mut Vec<String>)
             "sample it faster".to_owned()
         };
         found.push(format!(
-            "{}: between its samples `{name}` is guessed, and wrong by about {:.1} % of its size: that much of the drive is not what it was; {help}",
-            record.name,
+            "between its samples `{name}` is guessed, and wrong by about {:.1} % of its size: that much of the drive is not what it was; {help}",
             100.0 * error
         ));
     }
 }
 
 /// Samples that are not what the sensor saw. `velocity` is that of a displacement, with its column if it has one.
-fn torn(
-    record: &Record,
-    name: &str,
-    column: &[f64],
-    velocity: Option<Option<&[f64]>>,
-    found: &mut Vec<String>,
-) {
-    let (record, time) = (&record.name, &record.time);
+fn torn(time: &[f64], name: &str, column: &[f64], velocity: Option<Option<&[f64]>>, found: &mut Vec<String>) {
     let more = |count: usize| if count > 1 { format!(" (and in {} more)", count - 1) } else { String::new() };
     let frozen = frozen(column);
     let whole = |k: usize| frozen.iter().all(|r| k + 1 < r.start || k > r.end);
     if let Some(first) = frozen.first() {
         found.push(format!(
-            "{record}: `{name}` is {:.6} in {} samples from {:.6} s to {:.6} s{}, and moves or has noise before and after them: the sensor dropped out or the logger \
+            "`{name}` is {:.6} in {} samples from {:.6} s to {:.6} s{}, and moves or has noise before and after them: the sensor dropped out or the logger \
              repeated a value; repair or cut this part",
             column[first.start],
             first.len(),
@@ -183,7 +168,7 @@ fn torn(
         .collect();
     if let Some(&first) = spikes.first() {
         found.push(format!(
-            "{record}: `{name}` jumps to {:.6} and back in the sample at {:.6} s{}: a spike of the sensor weighs as much as a hundred good samples; repair or cut it",
+            "`{name}` jumps to {:.6} and back in the sample at {:.6} s{}: a spike of the sensor weighs as much as a hundred good samples; repair or cut it",
             column[first],
             time[first],
             more(spikes.len())
@@ -191,7 +176,7 @@ fn torn(
     }
     if let Some(&k) = jumps.first() {
         found.push(format!(
-            "{record}: `{name}` is elsewhere from {:.6} s to {:.6} s and stays there ({:.6}, then {:.6}){}: a body does not do that, so the sensor slipped or was set anew; cut the \
+            "`{name}` is elsewhere from {:.6} s to {:.6} s and stays there ({:.6}, then {:.6}){}: a body does not do that, so the sensor slipped or was set anew; cut the \
              record there with `window`",
             time[k],
             time[k + 1],
@@ -311,7 +296,7 @@ mod tests {
         let (x, v) = (sine(2000, 0.0), velocity());
         let said = told(rounded(&x, 0.4), v.clone());
         assert!(
-            said.contains("`x` has only 7 different values") && said.matches("a: ").count() == 1,
+            said.contains("`x` has only 7 different values") && said.matches("`x`").count() == 1,
             "{said}"
         );
         // Fine enough: the tops of a swing are a long run of the greatest value, and yet not cut off.
@@ -324,13 +309,12 @@ mod tests {
     /// The error that is told beside the one that a sine has: (w h)^2/8 of the amplitude in the middle, 1/sqrt(30) of that more over a whole interval than in its middle.
     #[test]
     fn an_input_with_few_samples_is_told() {
-        let (_, record) = record(sine(2000, 0.0), velocity());
         let told = |per_period: usize, kind: Interpolation| {
             let step = 1.0 / per_period as f64;
             let time: Vec<f64> = (0..600).map(|i| step * i as f64).collect();
             let values = time.iter().map(|t| (std::f64::consts::TAU * t).sin()).collect();
             let mut found = vec![];
-            coarse(&record, "u", &Signal::new(time.into(), values, kind).unwrap(), &mut found);
+            coarse("u", &Signal::new(time.into(), values, kind).unwrap(), &mut found);
             found.join("; ")
         };
         assert_eq!(told(40, Interpolation::Linear), "");

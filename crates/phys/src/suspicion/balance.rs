@@ -40,14 +40,14 @@ pub(super) fn balance(system: &System, record: &Record, found: &mut Vec<String>)
     let best =
         exchanges.chain(scales.filter(Change::is_a_unit)).filter_map(then).min_by(|a, b| a.0.total_cmp(&b.0));
     let best = best.filter(|(after, _)| mended(left, *after));
-    let off: Vec<(f64, String)> = now.iter().filter_map(|sums| sums.off(system, record)).collect();
+    let off: Vec<(f64, String)> = now.iter().filter_map(|sums| sums.off(system)).collect();
     // In a linear model a drive that is too large is a motion that is too small: a part says where to look.
     let parts = off.iter().map(|(after, _)| *after).fold(f64::NEG_INFINITY, f64::max);
     match best {
         Some((after, change))
             if off.is_empty() || matches!(change, Change::Exchange(..)) || after < 0.8 * parts =>
         {
-            found.push(change.told(system, record));
+            found.push(change.told(system));
         }
         _ => found.extend(off.into_iter().map(|(_, told)| told)),
     }
@@ -80,17 +80,15 @@ impl Change {
         }
     }
 
-    fn told(self, system: &System, record: &Record) -> String {
+    fn told(self, system: &System) -> String {
         match self {
             Change::Exchange(i, j) => format!(
-                "{}: with `{}` and `{}` exchanged the model tells the acceleration, and as they are it does not: the two columns are probably swapped",
-                record.name,
+                "with `{}` and `{}` exchanged the model tells the acceleration, and as they are it does not: the two columns are probably swapped",
                 system.measured(i).0,
                 system.measured(j).0
             ),
             Change::Scale(k, factor) => format!(
-                "{}: the model tells the acceleration once the column `{}` is {} as large: is it in the unit that the spec says?",
-                record.name,
+                "the model tells the acceleration once the column `{}` is {} as large: is it in the unit that the spec says?",
                 system.measured(k).0,
                 times(factor)
             ),
@@ -233,7 +231,7 @@ impl<'r> Sums<'r> {
     }
 
     /// Whether one part, or all that drives, is off by a power of 1000: what is left once it is put right, and in words.
-    fn off(&self, system: &System, record: &Record) -> Option<(f64, String)> {
+    fn off(&self, system: &System) -> Option<(f64, String)> {
         let Rate { velocity, graph, parts } = self.rate;
         let now = self.misfit(&|_| 1.0);
         let states: Vec<Id> = system.states.iter().map(|s| s.node).collect();
@@ -261,8 +259,7 @@ impl<'r> Sums<'r> {
             group.iter().map(|&k| format!("`{}`", graph.text(bare(parts[k]), &system.names))).collect();
         if f < 0.0 {
             let told = format!(
-                "{}: the model tells the acceleration in `{}` once its part in {} has the other sign: look at the signs of the equation, and at which way the sensors count",
-                record.name,
+                "the model tells the acceleration in `{}` once its part in {} has the other sign: look at the signs of the equation, and at which way the sensors count",
                 system.states[*velocity].name,
                 texts.join(", ")
             );
@@ -270,9 +267,8 @@ impl<'r> Sums<'r> {
         }
         let (plural, are) = if texts.len() > 1 { ("s", "are") } else { ("", "is") };
         let told = format!(
-            "{}: the model tells the acceleration in `{}` once its part{plural} in {} {are} {} as large: look at the units of the constants and columns there, and of the \
+            "the model tells the acceleration in `{}` once its part{plural} in {} {are} {} as large: look at the units of the constants and columns there, and of the \
              measured motion",
-            record.name,
             system.states[*velocity].name,
             texts.join(", "),
             times(f)

@@ -21,7 +21,7 @@ pub(super) fn rates(system: &System, record: &Record, found: &mut Vec<String>) -
     let before = found.len();
     let swapped = swapped(system, record);
     if let Some(told) = &swapped.told {
-        found.push(format!("{}: {told}", record.name));
+        found.push(told.clone());
     }
     for (k, v) in pairs(system, record).filter(|pair| !swapped.pairs.contains(pair)) {
         let (Some(x), Some(y)) = (&record.columns[k], &record.columns[v]) else { continue };
@@ -29,14 +29,12 @@ pub(super) fn rates(system: &System, record: &Record, found: &mut Vec<String>) -
         let Some(Rate { slope, correlation, .. }) = rate(record, x, y) else { continue };
         if correlation > ALIKE && !(1.0 / SCALE..SCALE).contains(&slope) {
             found.push(format!(
-                "{}: `{name}` moves at {} the rate that `{other}` gives: is the unit of one of them right?",
-                record.name,
+                "`{name}` moves at {} the rate that `{other}` gives: is the unit of one of them right?",
                 factor(slope)
             ));
         } else if correlation < -ALIKE {
             found.push(format!(
-                "{}: `{other}` has the opposite sign of the rate of `{name}`: one of the two sensors is mounted the other way round",
-                record.name
+                "`{other}` has the opposite sign of the rate of `{name}`: one of the two sensors is mounted the other way round",
             ));
         }
     }
