@@ -192,6 +192,15 @@ fn a_faint_tone_is_found_beside_friction_that_sticks() {
     assert!((tone.as_f64().unwrap_or(0.0) - 4.45).abs() < 0.01, "{tone}");
 }
 
+/// What the spring leaves is white by every test, and yet a push of 0.6 % of the drive is worth its price.
+#[test]
+fn a_faint_second_effect_is_not_overlooked() {
+    let (found, _) = gap(&folder("gap-faint"), &spec("\"v\": \"-0.2*x^3 + 0.006\"", 0.05));
+    assert_eq!(named(&found), [effect("cubic-stiffness", "v"), effect("offset", "v")], "{found}");
+    let push = &found["steps"][1]["parameters"]["f0"]["value"];
+    assert!((push.as_f64().unwrap_or(0.0) - 0.006).abs() < 0.003, "{push}");
+}
+
 /// Noise of this standard deviation: sums of twelve uniform numbers.
 fn noise(seed: u64, size: f64) -> impl FnMut() -> f64 {
     let mut state = seed;

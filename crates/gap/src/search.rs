@@ -2,8 +2,9 @@
 
 use crate::draft::Draft;
 use crate::effect::{Effect, Entry};
-use crate::fitted::{FAR_OFF, Fitted};
+use crate::fitted::{FAR_OFF, Fitted, current};
 use crate::proposals::{is_composed, rubbing, singles};
+use crate::refine::refitted;
 use crate::screen::{Candidate, Screening, screen};
 use phisindy_learn::Effort;
 use rayon::prelude::*;
@@ -48,6 +49,14 @@ pub(crate) struct Round {
     pub(crate) rivals: Vec<Rival>,
     /// Laws that evidence outside the fit speaks against, and why.
     pub(crate) vetoed: Vec<(String, String)>,
+}
+
+/// What a second look at effects that leave noise alone finds.
+enum Overlooked {
+    /// A model with one effect more, or with others.
+    More(Box<Fitted>, Round),
+    /// Models with one effect more that are nearly worth their price.
+    Near(Vec<Rival>),
 }
 
 /// How a search ended.
@@ -130,6 +139,15 @@ impl Search<'_> {
             now = next;
             if weak > 1 || (weak > 0 && rounds.len() > 2) {
                 break;
+            }
+        }
+        if !stopped && let Some(last) = rounds.last_mut() {
+            match self.overlooked(&now, candidates) {
+                Overlooked::More(more, round) => {
+                    rounds.push(round);
+                    now = *more;
+                }
+                Overlooked::Near(rivals) => last.rivals.extend(rivals),
             }
         }
         Ok(Searched { base, last: now, rounds, candidates, stopped })
@@ -222,6 +240,45 @@ impl Search<'_> {
             return None;
         }
         Some((chosen.clone(), round(before, &chosen, &all, vetoed, candidates)))
+    }
+
+    /// What is still worth its price beside effects that leave what looks like noise: a faint second effect does not colour what is left. Where the motion is smooth a
+    /// linear response tells what to try; of stops it knows nothing.
+    fn overlooked(&mut self, now: &Fitted, candidates: usize) -> Overlooked {
+        let before = now.draft.effects.len();
+        let nothing = Overlooked::Near(vec![]);
+        if before == 0 || before + 1 >= EFFECTS || !now.is_white() || now.rests() {
+            return nothing;
+        }
+        let Ok(draft) = now.settled() else { return nothing };
+        let Some(mut found) = screen(&draft, &now.cal, self.catalogue, self.noise) else { return nothing };
+        let price = (now.cal.samples as f64).ln();
+        found.candidates.retain(|c| c.gain > price * c.size as f64);
+        let mut vetoed = Vec::new();
+        let all = self.tried(self.begun(&draft, now, &found), RACE, candidates, &mut vetoed);
+        let more = |f: &&Fitted| f.is_white() && self.worth(now, f, candidates);
+        let Some(best) = preferred(&all, candidates).filter(more).cloned() else {
+            let near = round(0, now, &all, vetoed, candidates).rivals.into_iter();
+            return Overlooked::Near(near.filter(|r| r.worse < WORTH).collect());
+        };
+        // What was found first may have stood for part of it.
+        let effects = current(&best);
+        let without = |k: usize| {
+            let rest: Vec<Effect> =
+                effects.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, e)| e.clone()).collect();
+            refitted(draft.without_effects().with_all(&rest).ok()?, &best, self.noise)
+        };
+        let mut rest: Vec<Fitted> = (0..before).filter_map(without).collect();
+        rank(&mut rest, candidates);
+        let mut all = self.followed(all, &rest, &best, candidates, &mut vetoed);
+        let best = preferred(&all, candidates).cloned().unwrap_or(best);
+        let best = self.exchanged(self.simplified(best, candidates), candidates);
+        let first = named(&now.draft);
+        let stands = |f: &Fitted| named(&f.draft).starts_with(&first);
+        let from = if stands(&best) { before } else { 0 };
+        all.retain(|f| from == 0 || stands(f));
+        let round = round(from, &best, &all, vetoed, candidates);
+        Overlooked::More(Box::new(best), round)
     }
 
     /// Two that explain everything, found at once, beside those that follow from the better of them alone and promise more there: far from the data a linear response confuses what is alike.
