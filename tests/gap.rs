@@ -124,6 +124,21 @@ fn candidates_and_contacts_that_do_not_rub_are_no_obstacle() {
     assert!(completed.contains("unknown: {}"), "{completed}");
 }
 
+/// A body on a belt whose speed is a constant: friction is found against the belt, where the spec has a contact, and not against the ground.
+#[test]
+fn friction_on_a_belt_is_found_at_the_contact_of_the_spec() {
+    let friction = "(0.3+0.2*exp(-((v-V)/0.1)^2))*sgn(v-V)";
+    let belt = spec(&format!("\"v\": \"-{friction}\""), 0.02)
+        .replace("\"c\":", "\"V\": (0.2, \"m/s\"), \"c\":")
+        .replace("unknown: {}", "unknown: {}, contacts: [\"v - V\"]");
+    let folder = folder("gap-belt");
+    let (found, code) = gap(&folder, &belt);
+    assert_eq!((found["status"].as_str(), code), (Some("explained"), 0), "{found}");
+    assert_eq!(named(&found), [effect("stribeck", "v-V")], "{found}");
+    let completed = std::fs::read_to_string(folder.join("out/completed.ron")).expect("completed.ron");
+    assert!(completed.contains("contacts: [\"v - V\"]"), "{completed}");
+}
+
 /// Any model leaves noise of noise: that is no explanation.
 #[test]
 fn noise_without_motion_is_refused() {

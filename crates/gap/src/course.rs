@@ -6,6 +6,7 @@ use crate::workflow::{Gap, Step};
 use phisindy_expr::{Graph, Id, Scratch, Tape, parse};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{Record, System};
+use std::collections::HashMap;
 
 /// Samples of a record that are looked at, about: more would not show in a picture.
 const ROWS: usize = 4_000;
@@ -100,9 +101,20 @@ pub fn course(found: &Gap, step: &Step, records: &[Record]) -> Option<Course> {
     })
 }
 
-/// A text of the completed spec as a node.
+/// A text of the completed spec as a node, its constants as their values.
 pub(crate) fn node(graph: &mut Graph, system: &System, text: &str) -> Option<Id> {
-    graph.lower(&parse(text).ok()?, |name| system.names.get(name)).ok()
+    let root = graph.lower(&parse(text).ok()?, |name| system.names.get(name)).ok()?;
+    let values = constants(graph, system);
+    Some(graph.replace(&[root], &values)[0])
+}
+
+/// The constants of a spec and their values, as nodes.
+pub(crate) fn constants(graph: &mut Graph, system: &System) -> HashMap<Id, Id> {
+    let value = |(name, value): &(String, f64)| {
+        let symbol = system.names.get(name)?;
+        Some((graph.symbol(symbol), graph.constant(*value)))
+    };
+    system.constants.iter().filter_map(value).collect()
 }
 
 /// The numbers of the final model in a record: its parameters, then the constants of the record.

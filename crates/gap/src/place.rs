@@ -1,11 +1,12 @@
 //! Where a law can act: at a velocity, between two bodies, between a body and an input, on a column, on all columns.
 
-use phisindy_phys::{RecordPlan, System};
+use phisindy_expr::Id;
+use phisindy_phys::{Contact, RecordPlan, System};
 
 /// A place where a law can act.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// As the user reads it: `v`, `v1-v2`, `v-du`, the column `x`, or `motion`.
+    /// As the user reads it: `v`, `v1-v2`, `v-du`, a contact of the spec such as `v-V`, the column `x`, or `motion`.
     pub at: String,
     /// What it is.
     pub site: Site,
@@ -108,6 +109,14 @@ pub fn places(system: &System, plans: &[RecordPlan], own: &[String]) -> Vec<Plac
             });
         }
     }
+    for (v, at) in belts(system, &bodies) {
+        // Friction against what the spec calls a contact: of a body on a belt the way there is no displacement of a spring.
+        if !all.iter().any(|p: &Place| p.at == at) {
+            let velocity = format!("({at})");
+            let site = Site::Force { displacement: None, velocity, acts: vec![(v, -1.0)], state: v };
+            all.push(Place { at, site });
+        }
+    }
     let measured: Vec<usize> =
         (0..states.len()).filter(|&k| plans.iter().any(|p| is_measured(p, &states[k].name, k))).collect();
     all.extend(measured.iter().map(|&k| Place { at: states[k].name.clone(), site: Site::Sensor(vec![k]) }));
@@ -115,6 +124,22 @@ pub fn places(system: &System, plans: &[RecordPlan], own: &[String]) -> Vec<Plac
         all.push(Place { at: "motion".into(), site: Site::Sensor(measured) });
     }
     all
+}
+
+/// Contacts of one body with something that moves as it is told, `v - V` or `v - belt`: the body and the relative velocity.
+fn belts(system: &System, bodies: &[usize]) -> Vec<(usize, String)> {
+    let nodes: Vec<Id> = system.states.iter().map(|s| s.node).collect();
+    let mut graph = system.graph.clone();
+    let mut of = |c: &Contact| {
+        let slopes = graph.gradient(c.node, &nodes);
+        let values: Vec<Option<f64>> = slopes.iter().map(|&s| graph.value(s)).collect();
+        let moved: Vec<usize> = (0..values.len()).filter(|&k| values[k] != Some(0.0)).collect();
+        match moved[..] {
+            [v] if values[v] == Some(1.0) && bodies.contains(&v) => Some((v, c.text.replace(' ', ""))),
+            _ => None,
+        }
+    };
+    system.contacts.iter().filter_map(&mut of).collect()
 }
 
 fn is_measured(plan: &RecordPlan, name: &str, state: usize) -> bool {

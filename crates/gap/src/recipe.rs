@@ -1,11 +1,11 @@
 //! How a law at a place is screened: columns that enter linearly, numbers tried on a grid, and the way back to the law's parameters.
 
+use crate::course::constants;
 use crate::effect::{Effect, substitute};
 use crate::place::Site;
 use phisindy_expr::{Graph, Id, Names, Scratch, Tape, parse};
 use phisindy_phys::System;
 use phisindy_phys::unit::{Dimension, Unit};
-use std::collections::HashMap;
 
 /// What a number of the grid is compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,14 +54,7 @@ impl Recipe {
         let Site::Force { displacement, velocity, .. } = &effect.place.site else { return None };
         let law = &effect.entry.law;
         let (mut graph, mut names) = (system.graph.clone(), system.names.clone());
-        let fixed: HashMap<Id, Id> = system
-            .constants
-            .iter()
-            .filter_map(|(name, value)| {
-                let symbol = names.get(name)?;
-                Some((graph.symbol(symbol), graph.constant(*value)))
-            })
-            .collect();
+        let fixed = constants(&mut graph, system);
         let mut lower = |text: &str, with: &[(String, String)], graph: &mut Graph| -> Option<Id> {
             let ast = parse(&substitute(text, with)).ok()?;
             let root = graph.lower(&ast, |name| Some(names.intern(name))).ok()?;

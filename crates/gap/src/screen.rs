@@ -1,5 +1,6 @@
 //! Every law at every place, at a glance: the linear response to the measured motion, one Gram matrix for all.
 
+use crate::course::node;
 use crate::draft::Draft;
 use crate::drive::Drive;
 use crate::effect::{Effect, Entry, fits};
@@ -735,20 +736,10 @@ pub(crate) fn evaluated(tape: &Tape, motion: &Motion, grid: &[f64], series: &[&[
 /// The velocity of a place along a motion.
 fn speed(system: &System, motion: &Motion, place: &Place) -> Option<Vec<f64>> {
     let Site::Force { velocity, .. } = &place.site else { return None };
-    let samples = motion.samples();
-    let (n, m) = (motion.states.len() / samples, motion.inputs.len() / samples);
-    let plain = velocity.trim_start_matches('(').trim_end_matches(')');
-    let (first, second) = plain.split_once('-').map_or((plain, None), |(a, b)| (a, Some(b)));
-    let a = system.state(first)?;
-    let mut out: Vec<f64> = (0..samples).map(|i| motion.states[i * n + a]).collect();
-    if let Some(second) = second {
-        match (system.state(second), system.input(second)) {
-            (Some(b), _) => (0..samples).for_each(|i| out[i] -= motion.states[i * n + b]),
-            (None, Some(u)) => (0..samples).for_each(|i| out[i] -= motion.inputs[i * m + u]),
-            (None, None) => return None,
-        }
-    }
-    Some(out)
+    let mut graph = system.graph.clone();
+    let speed = node(&mut graph, system, velocity)?;
+    let tape = Tape::compile(&graph, &system.arguments(), &[speed]).ok()?;
+    evaluated(&tape, motion, &[], &[]).pop()
 }
 
 /// Offset, gain or delay of the sensors of some states.
