@@ -2,9 +2,10 @@
 //! three laws imitate; what was found is told together with the constant that would do instead.
 
 use crate::draft::Draft;
-use crate::effect::Effect;
+use crate::effect::{Effect, Entry};
 use crate::fitted::{Fitted, current};
-use crate::search::{Measure, RACE, SIMPLER, WORTH, label, size};
+use crate::screen::screen;
+use crate::search::{BEST, Measure, RACE, SIMPLER, WORTH, label, size};
 use phisindy_learn::Effort;
 use phisindy_phys::spec::{self, ConstantSpec};
 use phisindy_phys::unit::Unit;
@@ -16,6 +17,9 @@ const OFF: f64 = 0.3;
 /// Models that are fitted in full.
 const FITTED: usize = 6;
 
+/// Constants beside which the catalogue is looked at anew.
+const ANEW: usize = 2;
+
 /// A constant as the spec has it.
 struct Constant {
     name: String,
@@ -25,7 +29,12 @@ struct Constant {
 
 /// The best model in which one constant that the spec holds is free, and at least one effect less is needed, if it explains the data as well as `last` does, or explains them where
 /// `last` does not: in words. One number for one number says nothing new: a spring that is missing and a stiffness that is too small are one force.
-pub(crate) fn held(last: &Fitted, noise: &[Vec<f64>], candidates: usize) -> Option<String> {
+pub(crate) fn held(
+    last: &Fitted,
+    catalogue: &[Entry],
+    noise: &[Vec<f64>],
+    candidates: usize,
+) -> Option<String> {
     let effects = current(last);
     let base = last.draft.without_effects();
     let fewer = subsets(&effects, last.is_white());
@@ -50,7 +59,11 @@ pub(crate) fn held(last: &Fitted, noise: &[Vec<f64>], candidates: usize) -> Opti
     let fitted = looked
         .into_par_iter()
         .filter_map(|(_, constant, draft)| Some((constant, Fitted::new(draft, noise, Effort::Plain).ok()?)));
-    let fitted: Vec<(&Constant, Fitted)> = fitted.collect();
+    let mut fitted: Vec<(&Constant, Fitted)> = fitted.collect();
+    // Beside a constant that is wrong the search may have gone astray from the start.
+    if !last.explains() && !fitted.iter().any(|(_, f)| f.explains()) {
+        fitted.extend(anew(&constants, catalogue, noise));
+    }
     let by = Measure::of(fitted.iter().map(|(_, f)| f).chain([last]), candidates);
     let worse = |f: &Fitted| by.score(f) + price - by.score(last);
     let simpler = |f: &Fitted| size(&f.draft) + 1 < size(&last.draft);
@@ -69,14 +82,43 @@ pub(crate) fn held(last: &Fitted, noise: &[Vec<f64>], candidates: usize) -> Opti
         .collect();
     let less =
         if needless.is_empty() { String::new() } else { format!(" without {}", needless.join(" and ")) };
+    let own = label(&last.draft, 0);
+    let other: Vec<String> =
+        kept.iter().filter(|l| !own.contains(l)).map(|(law, at)| format!(" and {law} at {at}")).collect();
     Some(format!(
-        "the known part may be wrong instead: with {} = {} (the spec says {}) the model explains the data{less} (BIC {:.1} {}): is that constant known so well?",
+        "the known part may be wrong instead: with {} = {} (the spec says {}){} the model explains the data{less} (BIC {:.1} {}): is that constant known so well?",
         constant.name,
         in_unit(found / factor, &constant.unit),
         in_unit(constant.value, &constant.unit),
+        other.concat(),
         worse(&best).abs(),
         if worse(&best) < 0.0 { "lower" } else { "higher" }
     ))
+}
+
+/// Models with one constant free and one effect: for the constants that alone leave least, the laws that promise most beside them.
+fn anew<'c>(
+    constants: &'c [(Constant, Draft)],
+    catalogue: &[Entry],
+    noise: &[Vec<f64>],
+) -> Vec<(&'c Constant, Fitted)> {
+    let alone = constants
+        .par_iter()
+        .filter_map(|(c, free)| Some((c, Fitted::new(free.clone(), noise, Effort::Plain).ok()?)));
+    let mut alone: Vec<(&Constant, Fitted)> = alone.collect();
+    alone.sort_by(|(_, a), (_, b)| a.fit.total_cmp(&b.fit));
+    alone.truncate(ANEW);
+    let beside = |(constant, free): &(&'c Constant, Fitted)| -> Option<Vec<(&'c Constant, Draft)>> {
+        let draft = free.settled().ok()?;
+        let found = screen(&draft, &free.cal, catalogue, noise)?;
+        let best = found.candidates.iter().take(BEST);
+        Some(best.filter_map(|c| Some((*constant, draft.with(&c.effect).ok()?))).collect())
+    };
+    let drafts: Vec<(&Constant, Draft)> = alone.iter().filter_map(beside).flatten().collect();
+    drafts
+        .into_par_iter()
+        .filter_map(|(c, draft)| Some((c, Fitted::new(draft, noise, Effort::Plain).ok()?)))
+        .collect()
 }
 
 /// A number to five digits with its unit.

@@ -255,7 +255,7 @@ pub fn gap(
         }
         None => search.run(whole).map_err(cannot)?,
     };
-    finished(searched, &noise, repeat, floor, warnings, &mut hear)
+    finished(searched, catalogue, &noise, repeat, floor, warnings, &mut hear)
 }
 
 /// The part of a column's standard deviation that may be noise.
@@ -350,6 +350,7 @@ fn floor(case: &Case, records: &[Record], noise: &[Vec<f64>]) -> (Vec<(String, S
 
 fn finished(
     searched: Searched,
+    catalogue: &[Entry],
     noise: &[Vec<f64>],
     repeat: Vec<(String, String, Repeat)>,
     floor: f64,
@@ -457,7 +458,7 @@ fn finished(
     let mut instead = None;
     if status != Status::NothingMissing && !repeats && last.fit < MUCH {
         hear(0.98, "constants that are held");
-        instead = held(&last, noise, candidates);
+        instead = held(&last, catalogue, noise, candidates);
         warnings.extend(instead.clone());
     }
     for (law, why) in rounds.iter().flat_map(|r| &r.vetoed) {
