@@ -407,12 +407,12 @@ const ALIKE: &[(&str, &str, &str)] = &[
     ),
     (
         "sensor-delay",
-        "the same: what drives the motion is recorded early (of a negative delay: late)",
+        "the same, if it is all that was measured: what drives the motion is recorded early (of a negative delay: late)",
         "check the clocks of both channels",
     ),
     (
         "sensor-gain",
-        "the same: the drive is stronger or weaker than the spec says, or inertia, damping and stiffness are all off by one factor; levels of friction then scale with it",
+        "the same, if it is all that was measured: the drive is stronger or weaker than the spec says, or inertia, damping and stiffness are all off by one factor; levels of friction then scale with it",
         "check the constants that are held, and the scale of the inputs",
     ),
 ];

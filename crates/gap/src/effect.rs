@@ -3,7 +3,7 @@
 use crate::place::{Place, Site};
 use phisindy_phys::spec::{self, Spec};
 use phisindy_phys::unit::{Dimension, Unit};
-use phisindy_phys::{Law, SourceId, System, splice};
+use phisindy_phys::{Law, SourceId, System, splice, takes_units};
 use std::sync::Arc;
 
 /// A law of the catalogue with its id.
@@ -90,9 +90,10 @@ impl Effect {
         let labels = self.labels();
         let mut taken: Vec<String> = taken(&spec);
         let names: Vec<String> = labels.iter().map(|label| free(label, &self.place.at, &mut taken)).collect();
+        let units = takes_units(&spec, SourceId(0));
         let mut text = text.to_owned();
         for (k, (_, p)) in law.parameters.iter().enumerate() {
-            let unit = self.unit(&p.unit, system);
+            let unit = if units { self.unit(&p.unit, system) } else { String::new() };
             let start = self.start[k].clamp(p.within.0, p.within.1);
             let unit = if unit.is_empty() { String::new() } else { format!(", unit: \"{unit}\"") };
             let each = if p.each { ", each: true" } else { "" };
@@ -354,6 +355,28 @@ mod tests {
     fn names_are_replaced_whole_and_at_once() {
         let with = [("x".to_owned(), "v".to_owned()), ("v".to_owned(), "(x-y)".to_owned())];
         assert_eq!(substitute("x*exp(v)+1e-6*ex", &with), "v*exp((x-y))+1e-6*ex");
+    }
+
+    /// Where only states and inputs have units, and these do not fit without a mass, a constant with a unit would turn a warning into a mistake.
+    #[test]
+    fn a_spec_without_units_gets_none() {
+        let written = |k: &str| {
+            let text = format!(
+                r#"(constants: {{ "k": {k} }}, states: {{ "x": "m", "v": "m/s" }}, inputs: {{ "F": "N" }}, known: {{ "x": "v", "v": "F - k*x" }}, unknown: {{}},
+                data: [Csv(path: "a.csv", time: "t", columns: {{ "x": "x", "v": "v", "F": "F" }})])"#
+            );
+            let (spec, _) = spec::read(&text, SourceId(0)).expect("a spec");
+            let (case, _) = phisindy_phys::check_names(&spec, SourceId(0)).expect("a case");
+            let law = Law::read(include_str!("../../../specs/laws/coulomb.ron")).expect("a law");
+            let place = crate::place::places(&case.system, &case.records, &[]).remove(0);
+            let entry = Entry { id: "coulomb".into(), law: Arc::new(law) };
+            let effect = Effect { entry, place, mirror: false, load: None, start: vec![1.0], beside: vec![] };
+            effect.written(&text, &case.system).expect("a text").text
+        };
+        let plain = written("7.5");
+        let (spec, _) = spec::read(&plain, SourceId(0)).expect("a spec");
+        assert!(!plain.contains("m/s^2") && phisindy_phys::check(&spec, SourceId(0)).is_ok(), "{plain}");
+        assert!(written("(7.5, \"N/m\")").contains("m/s^2"));
     }
 
     #[test]

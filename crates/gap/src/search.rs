@@ -141,13 +141,15 @@ impl Search<'_> {
                 break;
             }
         }
-        if !stopped && let Some(last) = rounds.last_mut() {
+        if !stopped {
             match self.overlooked(&now, candidates) {
                 Overlooked::More(more, round) => {
                     rounds.push(round);
                     now = *more;
                 }
-                Overlooked::Near(rivals) => last.rivals.extend(rivals),
+                Overlooked::Near(rivals) => {
+                    rounds.iter_mut().last().into_iter().for_each(|last| last.rivals.extend(rivals.clone()));
+                }
             }
         }
         Ok(Searched { base, last: now, rounds, candidates, stopped })
@@ -247,16 +249,22 @@ impl Search<'_> {
     fn overlooked(&mut self, now: &Fitted, candidates: usize) -> Overlooked {
         let before = now.draft.effects.len();
         let nothing = Overlooked::Near(vec![]);
-        if before == 0 || before + 1 >= EFFECTS || !now.is_white() || now.rests() {
+        if before + 1 >= EFFECTS || !now.is_white() || now.rests() {
             return nothing;
         }
         let Ok(draft) = now.settled() else { return nothing };
         let Some(mut found) = screen(&draft, &now.cal, self.catalogue, self.noise) else { return nothing };
+        let candidates = candidates.max(found.candidates.len());
         let price = (now.cal.samples as f64).ln();
         found.candidates.retain(|c| c.gain > price * c.size as f64);
         let mut vetoed = Vec::new();
         let all = self.tried(self.begun(&draft, now, &found), RACE, candidates, &mut vetoed);
-        let more = |f: &&Fitted| f.is_white() && self.worth(now, f, candidates);
+        // To a model that may lack nothing at all it must be more than worth it.
+        let doubted = if before == 0 { WORTH } else { 0.0 };
+        let more = |f: &&Fitted| {
+            let by = Measure::of([now, *f], candidates);
+            f.is_white() && self.worth(now, f, candidates) && by.score(f) + WORTH + doubted < by.score(now)
+        };
         let Some(best) = preferred(&all, candidates).filter(more).cloned() else {
             let near = round(0, now, &all, vetoed, candidates).rivals.into_iter();
             return Overlooked::Near(near.filter(|r| r.worse < WORTH).collect());
@@ -367,6 +375,7 @@ impl Search<'_> {
     fn fitted(&self, drafts: Vec<(f64, Draft)>, candidates: usize) -> Vec<(f64, Fitted)> {
         let fit = |(look, d): (f64, Draft)| Some((look, Fitted::new(d, self.noise, Effort::Plain).ok()?));
         let mut all: Vec<(f64, Fitted)> = drafts.into_par_iter().filter_map(fit).collect();
+        all.retain(|(_, f)| f.fit.is_finite());
         let by = Measure::of(all.iter().map(|(_, f)| f), candidates);
         all.sort_by(|(_, a), (_, b)| by.score(a).total_cmp(&by.score(b)));
         // Those that are near but not there are worth more starts: a run through stops has side minima.
@@ -439,9 +448,14 @@ fn round(
 ) -> Round {
     let own: Vec<(&str, &str)> = label(&chosen.draft, 0);
     let by = Measure::of(all.iter().chain([chosen]), candidates);
+    let in_order = |mut names: Vec<(String, String)>| {
+        names.sort();
+        names
+    };
+    let answer = in_order(named(&chosen.draft));
     let mut rivals: Vec<Rival> = all
         .iter()
-        .filter(|f| label(&f.draft, before) != own[before.min(own.len())..] && f.draft.effects.len() > before)
+        .filter(|f| in_order(named(&f.draft)) != answer && f.draft.effects.len() > before)
         .map(|f| {
             let names = label(&f.draft, before);
             Rival {

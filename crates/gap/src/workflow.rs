@@ -381,8 +381,8 @@ fn finished(
     let count = last.draft.effects.len();
     let settled = last.settled().map_err(GapError::Numerics)?;
     let last = match Fitted::new(settled, noise, Effort::Errors) {
-        Ok(fitted) => fitted,
-        Err(_) => last,
+        Ok(fitted) if fitted.fit.is_finite() => fitted,
+        _ => last,
     };
     if count > 0 {
         way.push(last.clone());

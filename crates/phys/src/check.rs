@@ -66,6 +66,11 @@ pub fn check_names(spec: &Spec, source: SourceId) -> Result<(Case, Vec<Diagnosti
     checked(spec, source, false)
 }
 
+/// Whether a constant with a unit may be added: not where the units of the states and inputs alone do not fit, which is only a warning as long as no constant speaks of units.
+pub fn takes_units(spec: &Spec, source: SourceId) -> bool {
+    speaks_of_units(spec) || dimensions(spec, source).is_ok()
+}
+
 /// Whether any constant has a unit: a spec without one does not speak of units, and is warned, not refused.
 fn speaks_of_units(spec: &Spec) -> bool {
     use crate::spec::ConstantSpec;
@@ -434,7 +439,7 @@ impl Checker {
             // A law may bring the friction; its force is not known here.
             if self.laws.is_empty() && !holds_sign(&mut self.graph, &roots, node) {
                 let message = format!(
-                    "no rate holds `sgn({0})`: contact `{0}` has no friction and can never stick",
+                    "no rate holds `sgn({0})`: contact `{0}` has no friction and never sticks, unless `gap` finds some there",
                     text.value
                 );
                 self.warn(message, text.span, "");

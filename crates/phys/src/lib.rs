@@ -34,7 +34,7 @@ pub mod unit;
 mod whiteness;
 
 pub use blocks::Blocks;
-pub use check::{Case, check, check_names};
+pub use check::{Case, check, check_names, takes_units};
 pub use constants::Value;
 pub use derivative::{Differentiated, Differentiator, automatic, differentiate};
 pub use diagnostic::{Diagnostic, Label, Severity, Source, SourceId, Sources};

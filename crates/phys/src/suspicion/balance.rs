@@ -7,11 +7,13 @@
 use crate::{Differentiator, Record, Signal, System, strongest_line};
 use phisindy_expr::{Binary, Graph, Id, Node, Scratch, Tape, Unary};
 use std::f64::consts::{PI, TAU};
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
 /// What a part of the acceleration the known part must leave before something is wrong, may leave once that is put right, and how many times less that must be. A model that
 /// leaves little before must be right afterwards; of one that was out of all proportion friction may be missing besides.
 const MENDED: [(f64, f64, f64); 3] = [(0.25, 0.35, 5.0), (0.7, 0.35, 3.0), (10.0, 0.6, 30.0)];
+/// What a sign that is put right leaves of the acceleration in either half of a record, at most.
+const HALVES: f64 = 0.5;
 /// What a unit, or a sign, is wrong by.
 const FACTORS: [f64; 7] = [1e3, 1e-3, 1e6, 1e-6, 1e9, 1e-9, -1.0];
 /// More samples or parts say no more.
@@ -32,13 +34,15 @@ pub(super) fn balance(system: &System, record: &Record, found: &mut Vec<String>)
     let columns = system.states.len() + system.inputs.len();
     let exchanges = (0..columns).flat_map(|i| (i + 1..columns).map(move |j| Change::Exchange(i, j)));
     let scales = (0..columns).flat_map(|k| FACTORS.into_iter().map(move |f| Change::Scale(k, f)));
+    // An input of the other sign is a part of the other sign.
+    let changes = exchanges.chain(scales.filter(|c| !c.turns() || c.is_of_a_state(system)));
     let then = |change: Change| {
         let other = change.made(system, record)?;
         let sums: Vec<Sums> = rates.iter().filter_map(|rate| Sums::new(system, &other, rate)).collect();
-        (sums.len() == now.len()).then(|| (worst(&sums), change))
+        let steady = !change.turns() || sums.iter().all(|s| s.holds_in_halves(&|_| 1.0));
+        (sums.len() == now.len() && steady).then(|| (worst(&sums), change))
     };
-    let best =
-        exchanges.chain(scales.filter(Change::is_a_unit)).filter_map(then).min_by(|a, b| a.0.total_cmp(&b.0));
+    let best = changes.filter_map(then).min_by(|a, b| a.0.total_cmp(&b.0));
     let best = best.filter(|(after, _)| mended(left, *after));
     let off: Vec<(f64, String)> = now.iter().filter_map(|sums| sums.off(system)).collect();
     // In a linear model a drive that is too large is a motion that is too small: a part says where to look.
@@ -61,8 +65,12 @@ enum Change {
 }
 
 impl Change {
-    fn is_a_unit(&self) -> bool {
-        !matches!(self, Change::Scale(_, f) if *f < 0.0)
+    fn turns(&self) -> bool {
+        matches!(self, Change::Scale(_, f) if *f < 0.0)
+    }
+
+    fn is_of_a_state(&self, system: &System) -> bool {
+        matches!(self, Change::Scale(k, _) if *k < system.states.len())
     }
 
     /// The record as it should be; none if the columns have two units, or are not measured.
@@ -86,6 +94,10 @@ impl Change {
                 "with `{}` and `{}` exchanged the model tells the acceleration, and as they are it does not: the two columns are probably swapped",
                 system.measured(i).0,
                 system.measured(j).0
+            ),
+            Change::Scale(k, factor) if factor < 0.0 => format!(
+                "the model tells the acceleration once the column `{}` has the other sign: which way does its sensor count?",
+                system.measured(k).0
             ),
             Change::Scale(k, factor) => format!(
                 "the model tells the acceleration once the column `{}` is {} as large: is it in the unit that the spec says?",
@@ -221,13 +233,24 @@ impl<'r> Sums<'r> {
 
     /// What is left of the measured acceleration, as a part of it, with each part times a factor.
     fn misfit(&self, factor: &dyn Fn(usize) -> f64) -> f64 {
+        self.misfit_in(0..self.measured.len(), factor)
+    }
+
+    /// The same over some of the stretches.
+    fn misfit_in(&self, stretches: Range<usize>, factor: &dyn Fn(usize) -> f64) -> f64 {
         let (mut left, mut whole) = (0.0, 0.0);
-        for (i, measured) in self.measured.iter().enumerate() {
+        for i in stretches {
             let model: f64 = self.parts.iter().enumerate().map(|(k, part)| factor(k) * part[i]).sum();
-            left += (measured - model).powi(2);
-            whole += measured * measured;
+            left += (self.measured[i] - model).powi(2);
+            whole += self.measured[i] * self.measured[i];
         }
         if whole > 0.0 { (left / whole).sqrt() } else { f64::NAN }
+    }
+
+    /// Whether it leaves little in either half of the record: a drive at another frequency has the other sign for a while.
+    fn holds_in_halves(&self, factor: &dyn Fn(usize) -> f64) -> bool {
+        let half = self.measured.len() / 2;
+        [0..half, half..self.measured.len()].into_iter().all(|of| self.misfit_in(of, factor) < HALVES)
     }
 
     /// Whether one part, or all that drives, is off by a power of 1000: what is left once it is put right, and in words.
@@ -258,6 +281,9 @@ impl<'r> Sums<'r> {
         let texts: Vec<String> =
             group.iter().map(|&k| format!("`{}`", graph.text(bare(parts[k]), &system.names))).collect();
         if f < 0.0 {
+            if !self.holds_in_halves(&|k| if group.contains(&k) { f } else { 1.0 }) {
+                return None;
+            }
             let told = format!(
                 "the model tells the acceleration in `{}` once its part in {} has the other sign: look at the signs of the equation, and at which way the sensors count",
                 system.states[*velocity].name,
@@ -273,6 +299,9 @@ impl<'r> Sums<'r> {
             texts.join(", "),
             times(f)
         );
+        // Seconds read as milliseconds, or the other way round, square in an acceleration.
+        let clock = parts.len() > 1 && group.len() == parts.len() && (f == 1e6 || f == 1e-6);
+        let told = if clock { format!("{told}, or of the time column") } else { told };
         Some((after, told))
     }
 }
@@ -432,6 +461,9 @@ mod tests {
         assert!(force.contains("in `F`") && force.contains("other sign"), "{force}");
         let spring = told(2.0, 2.0, -600.0, ORDER, ONE);
         assert!(spring.contains("other sign"), "{spring}");
+        // With a wall and a force that drive, no part alone can be turned in the place of the motion.
+        let motion = told(2.0, 2.0, 600.0, ORDER, [-1.0, 1.0, 1.0]);
+        assert!(motion.contains("the column `x` has the other sign"), "{motion}");
     }
 
     #[test]

@@ -29,7 +29,7 @@ pub(super) fn rates(system: &System, record: &Record, found: &mut Vec<String>) -
         let Some(Rate { slope, correlation, .. }) = rate(record, x, y) else { continue };
         if correlation > ALIKE && !(1.0 / SCALE..SCALE).contains(&slope) {
             found.push(format!(
-                "`{name}` moves at {} the rate that `{other}` gives: is the unit of one of them right?",
+                "`{name}` moves at {} the rate that `{other}` gives: is the unit of one of them, or of time, right?",
                 factor(slope)
             ));
         } else if correlation < -ALIKE {
