@@ -11,6 +11,8 @@ use phisindy_phys::{Record, System, chance_of_white, effective_samples, noise_le
 
 /// Segments of the stages that a fit from scratch goes through.
 const STAGES: [usize; 3] = [20, 5, 1];
+/// A start that misses by up to so many times what a fit misses by may end below it.
+const PROMISE: f64 = 3.0;
 /// A single run whose residual is this many times that of five segments is not trusted.
 const DRIFT: f64 = 3.0;
 
@@ -105,6 +107,12 @@ impl<'a> Context<'a> {
                 && size > DRIFT * last
                 && self.segments == SegmentsSpec::Auto
             {
+                let straight = self.straight(terms, coefficients, &fit);
+                if let Some(fit) =
+                    straight.filter(|f| self.misfit(f).is_some_and(|size| size <= DRIFT * last))
+                {
+                    return Some(fit);
+                }
                 // Back to many segments, joined as loosely as they were found to jump.
                 let Fit { mut problem, x, noise, .. } = finest?;
                 problem.continuity = problem.jumps(&x).ok();
@@ -117,7 +125,23 @@ impl<'a> Context<'a> {
         }
         let (_, fit) = before?;
         let Fit { problem, x, noise, .. } = fit;
-        self.settle(problem, x, noise, 3).map(|fit| self.hopped(fit))
+        let fit = self.settle(problem, x, noise, 3).map(|fit| self.hopped(fit))?;
+        Some(self.straight(terms, coefficients, &fit).unwrap_or(fit))
+    }
+
+    /// A known model from where the spec starts, in one run, if that is better than where the segments led: after an earlier fit it is, and through clearances they may lead astray.
+    fn straight(&self, terms: &[usize], coefficients: &[f64], found: &Fit<'a>) -> Option<Fit<'a>> {
+        if !terms.is_empty() || self.segments != SegmentsSpec::Auto {
+            return None;
+        }
+        let problem = Problem::new(self.system, terms, &self.records, &vec![1; self.records.len()]).ok()?;
+        let x = problem.guess(coefficients, None, &self.smooth);
+        let least = self.misfit(found)?;
+        if misfit(&problem, &x)? > PROMISE * least {
+            return None;
+        }
+        let fit = self.settle(problem, x, found.noise.clone(), 3)?;
+        (self.misfit(&fit)? < least).then_some(fit)
     }
 
     /// A motion that comes to rest has a side minimum for each number of swings before it does: a little more or less of all that is unknown may find a better
