@@ -216,6 +216,18 @@ fn a_faint_second_effect_is_not_overlooked() {
     assert!((push.as_f64().unwrap_or(0.0) - 0.006).abs() < 0.003, "{push}");
 }
 
+/// A damper that may move takes most of a faint friction upon it and leaves white noise; what it masks is looked for all the same.
+#[test]
+fn what_a_movable_constant_masks_is_not_called_nothing() {
+    let free = spec("\"v\": \"-0.015*sgn(v)\"", 0.05)
+        .replace("(0.1, \"N*s/m\")", "(value: 0.1, unit: \"N*s/m\", within: (0.0, 1.0))");
+    let (found, _) = gap(&folder("gap-masked"), &free);
+    assert_eq!(found["status"].as_str(), Some("explained"), "{found}");
+    let rivals = found["steps"][0]["rivals"].as_array().expect("rivals");
+    let near = |law: &str| rivals.iter().any(|r| r["law"] == law && r["delta_bic"].as_f64() < Some(10.0));
+    assert!(named(&found) == [effect("coulomb", "v")] || near("coulomb"), "{found}");
+}
+
 /// Noise of this standard deviation: sums of twelve uniform numbers.
 fn noise(seed: u64, size: f64) -> impl FnMut() -> f64 {
     let mut state = seed;

@@ -150,6 +150,40 @@ fn a_sketch_fits_nothing() {
     }
 }
 
+/// Where the spec starts at the deepest of many minima, a fit that ended in another one goes back; where it starts far away, not.
+#[test]
+fn a_known_model_never_ends_above_where_its_spec_starts() {
+    let due = 30.0 / STEP / SAMPLES as f64;
+    let wave = |i: usize| 2.0 + (due * STEP * i as f64).sin();
+    let samples: Vec<f64> =
+        scatter(SAMPLES).iter().enumerate().map(|(i, e)| wave(i) + 0.1 * SIGMA * e).collect();
+    for (start, back) in [(due, true), (1.5 * due, false)] {
+        let (case, records) = records(
+            &format!(
+                r#"constants: {{"w": (value: {start:?}, within: (0.1, 90.0))}}, states: {{"x": ""}}, known: {{"x": "w*cos(w*t)"}}, unknown: {{}}"#
+            ),
+            &[(Role::Fit, samples.clone())],
+        );
+        let auto = context(&case, &records, SegmentsSpec::Auto);
+        let problem = Problem::new(&case.system, &[], &auto.records, &[1]).unwrap();
+        let mut x = problem.guess(&[], None, &records);
+        let w = problem
+            .meanings()
+            .iter()
+            .position(|m| matches!(m, crate::problem::Meaning::Parameter(..)))
+            .unwrap();
+        x[w] = 1.3 * due;
+        let noise = auto.first_noise(&problem);
+        let astray = auto.settle(problem, x, noise, 3).unwrap();
+        assert!((astray.x[w] / due - 1.0).abs() > 0.05, "{}", astray.x[w] / due);
+        let straight = auto.straight(&[], &[], &astray);
+        assert_eq!(straight.is_some(), back);
+        if let Some(fit) = straight {
+            assert_relative_eq!(fit.x[w], due, max_relative = 1e-3);
+        }
+    }
+}
+
 /// A line in pieces is one line; one that jumps between them is not, and a spec that asks for pieces gets them.
 #[test]
 fn pieces_are_joined_unless_the_run_drifts() {
