@@ -34,8 +34,13 @@ pub(super) fn balance(system: &System, record: &Record, found: &mut Vec<String>)
     let columns = system.states.len() + system.inputs.len();
     let exchanges = (0..columns).flat_map(|i| (i + 1..columns).map(move |j| Change::Exchange(i, j)));
     let scales = (0..columns).flat_map(|k| FACTORS.into_iter().map(move |f| Change::Scale(k, f)));
-    // An input of the other sign is a part of the other sign.
-    let changes = exchanges.chain(scales.filter(|c| !c.turns() || c.is_of_a_state(system)));
+    // An input of the other sign is a part of the other sign; a drive that may as well be left out is none that is out of all proportion.
+    let plausible = |c: &Change| match *c {
+        Change::Scale(k, f) if k < system.states.len() => f <= 1.0 || left > MENDED[2].0,
+        Change::Scale(_, f) => f >= 1.0 || (f > 0.0 && left > MENDED[2].0),
+        Change::Exchange(..) => true,
+    };
+    let changes = exchanges.chain(scales.filter(plausible));
     let then = |change: Change| {
         let other = change.made(system, record)?;
         let sums: Vec<Sums> = rates.iter().filter_map(|rate| Sums::new(system, &other, rate)).collect();
@@ -67,10 +72,6 @@ enum Change {
 impl Change {
     fn turns(&self) -> bool {
         matches!(self, Change::Scale(_, f) if *f < 0.0)
-    }
-
-    fn is_of_a_state(&self, system: &System) -> bool {
-        matches!(self, Change::Scale(k, _) if *k < system.states.len())
     }
 
     /// The record as it should be; none if the columns have two units, or are not measured.
