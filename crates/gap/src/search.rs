@@ -148,7 +148,9 @@ impl Search<'_> {
                     now = *more;
                 }
                 Overlooked::Near(rivals) => {
-                    rounds.iter_mut().last().into_iter().for_each(|last| last.rivals.extend(rivals.clone()));
+                    if let Some(last) = rounds.last_mut() {
+                        last.rivals.extend(rivals);
+                    }
                 }
             }
         }
