@@ -216,6 +216,14 @@ fn a_faint_second_effect_is_not_overlooked() {
     assert!((push.as_f64().unwrap_or(0.0) - 0.006).abs() < 0.003, "{push}");
 }
 
+/// A cubic spring, a dead zone and a spring together draw the curve of a spring of the fifth power, and are not what it is.
+#[test]
+fn three_corrections_of_one_spring_explain_nothing() {
+    let (found, code) = gap(&folder("gap-fifth"), &spec("\"v\": \"-0.004*x^5\"", 0.05));
+    assert_eq!((found["status"].as_str(), code), (Some("unexplained"), 1), "{found}");
+    assert!(found["warnings"].to_string().contains("corrections of the spring at v"), "{found}");
+}
+
 /// A damper that may move takes most of a faint friction upon it and leaves white noise; what it masks is looked for all the same.
 #[test]
 fn what_a_movable_constant_masks_is_not_called_nothing() {

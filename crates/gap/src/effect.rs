@@ -250,7 +250,7 @@ fn product(parts: &[(&str, f64)]) -> String {
 }
 
 /// The name that a law gives to displacement (`x`) or velocity (`v`): by the unit of the role.
-fn role(law: &Law, which: char) -> Option<String> {
+pub(crate) fn role(law: &Law, which: char) -> Option<String> {
     let of = |unit: &str| Unit::parse(unit).map(|u| u.dimension).ok();
     let wanted = if which == 'x' { Dimension::METRE } else { Dimension::METRE.div(Dimension::SECOND) };
     law.roles.iter().find(|(_, unit)| of(unit) == Some(wanted)).map(|(name, _)| name.clone())

@@ -2,7 +2,7 @@
 
 use crate::draft::Draft;
 use crate::drive::Drive;
-use crate::effect::{Effect, Entry};
+use crate::effect::{Effect, Entry, role};
 use crate::evidence::against;
 use crate::fitted::{Fitted, current, noise};
 use crate::held::held;
@@ -420,8 +420,13 @@ fn finished(
     // Below the estimated noise, which of clean columns is too large, there is nothing to find.
     let below = last.fit <= 1.0 && end <= 1.0;
     let little_left = steps.len() + 1 == ELEPHANT && last.fit > CLEAN && !repeats;
-    let covered = steps.len() >= ELEPHANT || little_left;
-    if covered && white {
+    let bent = bent(&steps);
+    let covered = steps.len() >= ELEPHANT || little_left || bent.is_some();
+    if let Some(at) = bent.filter(|_| white) {
+        warnings.push(format!(
+            "{BENT} corrections of the spring at {at} describe its curve, as so many would any: which law it follows they do not say; a static test, force against displacement, would"
+        ));
+    } else if covered && white {
         let what = if little_left { "hardly more than noise" } else { "nothing but noise" };
         warnings.push(format!(
             "with {} effects the model leaves {what}, but so many corrections may cover up one effect that no law here describes",
@@ -509,6 +514,21 @@ fn finished(
         warnings,
         stopped,
     })
+}
+
+/// So many elastic effects at one place draw any curve.
+const BENT: usize = 3;
+
+/// Where so many steps are forces of one displacement alone that they are one spring.
+fn bent(steps: &[Step]) -> Option<String> {
+    let elastic = |s: &&Step| {
+        let law = &s.effect.entry.law;
+        role(law, 'x').is_some() && role(law, 'v').is_none() && law.internal.is_empty()
+    };
+    let at: Vec<&String> = steps.iter().filter(elastic).map(|s| &s.effect.place.at).collect();
+    at.iter()
+        .find(|place| at.iter().filter(|other| other == place).count() >= BENT)
+        .map(|place| (*place).clone())
 }
 
 /// The model as it was, with the first effect, with the first two, and so on, but for the last.
