@@ -248,7 +248,7 @@ impl Search<'_> {
 
     /// What is still worth its price beside effects that leave what looks like noise: a faint second effect does not colour what is left. Where the motion is smooth a
     /// linear response tells what to try; of stops it knows nothing.
-    fn overlooked(&mut self, now: &Fitted, candidates: usize) -> Overlooked {
+    fn overlooked(&self, now: &Fitted, candidates: usize) -> Overlooked {
         let before = now.draft.effects.len();
         let nothing = Overlooked::Near(vec![]);
         if before + 1 >= EFFECTS || !now.is_white() || now.rests() {

@@ -107,7 +107,7 @@ impl<'a> Context<'a> {
                 && size > DRIFT * last
                 && self.segments == SegmentsSpec::Auto
             {
-                let straight = self.straight(terms, coefficients, &fit);
+                let straight = self.straight(&fit);
                 if let Some(fit) =
                     straight.filter(|f| self.misfit(f).is_some_and(|size| size <= DRIFT * last))
                 {
@@ -126,16 +126,16 @@ impl<'a> Context<'a> {
         let (_, fit) = before?;
         let Fit { problem, x, noise, .. } = fit;
         let fit = self.settle(problem, x, noise, 3).map(|fit| self.hopped(fit))?;
-        Some(self.straight(terms, coefficients, &fit).unwrap_or(fit))
+        Some(self.straight(&fit).unwrap_or(fit))
     }
 
     /// A known model from where the spec starts, in one run, if that is better than where the segments led: after an earlier fit it is, and through clearances they may lead astray.
-    fn straight(&self, terms: &[usize], coefficients: &[f64], found: &Fit<'a>) -> Option<Fit<'a>> {
-        if !terms.is_empty() || self.segments != SegmentsSpec::Auto {
+    fn straight(&self, found: &Fit<'a>) -> Option<Fit<'a>> {
+        if !found.problem.terms.is_empty() || self.segments != SegmentsSpec::Auto {
             return None;
         }
-        let problem = Problem::new(self.system, terms, &self.records, &vec![1; self.records.len()]).ok()?;
-        let x = problem.guess(coefficients, None, &self.smooth);
+        let problem = Problem::new(self.system, &[], &self.records, &vec![1; self.records.len()]).ok()?;
+        let x = problem.guess(&[], None, &self.smooth);
         let least = self.misfit(found)?;
         if misfit(&problem, &x)? > PROMISE * least {
             return None;

@@ -176,7 +176,7 @@ fn a_known_model_never_ends_above_where_its_spec_starts() {
         let noise = auto.first_noise(&problem);
         let astray = auto.settle(problem, x, noise, 3).unwrap();
         assert!((astray.x[w] / due - 1.0).abs() > 0.05, "{}", astray.x[w] / due);
-        let straight = auto.straight(&[], &[], &astray);
+        let straight = auto.straight(&astray);
         assert_eq!(straight.is_some(), back);
         if let Some(fit) = straight {
             assert_relative_eq!(fit.x[w], due, max_relative = 1e-3);
