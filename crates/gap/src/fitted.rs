@@ -29,6 +29,9 @@ const EARLY: f64 = 15.0;
 /// A gap on Fit records above this is far from the noise: more than one effect is missing.
 pub(crate) const FAR_OFF: f64 = 2.0;
 
+/// A column of which so much is left is not followed: as much as that a model leaves that stands still.
+const STANDS_STILL: f64 = 0.95;
+
 /// A calibrated draft.
 #[derive(Clone, Debug)]
 pub(crate) struct Fitted {
@@ -115,6 +118,13 @@ impl Fitted {
             let still = run.modes.iter().filter(|m| **m == 0).count();
             50 * still > run.modes.len().max(1)
         })
+    }
+
+    /// Whether it follows the motion in any column of the records that count: those of the role Validate, if there are any.
+    pub(crate) fn follows(&self) -> bool {
+        let role = if self.validate.is_some() { Role::Validate } else { Role::Fit };
+        let counts = self.cal.records.iter().filter(|r| r.role == role);
+        counts.flat_map(|r| &r.nrmse).any(|(_, left)| *left < STANDS_STILL)
     }
 
     /// Whether there is a clearance in it: a body that strikes a stop answers in a way that no linear response knows.

@@ -11,6 +11,8 @@
 //! The crate reads no files: it takes the text of a spec with its records and gives back a text with effects written into it.
 
 mod asked;
+mod causes;
+mod clock;
 mod course;
 mod draft;
 mod drive;

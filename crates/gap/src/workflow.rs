@@ -1,5 +1,7 @@
 //! The whole workflow: noise, where, what, add, how it ends.
 
+use crate::causes::causes;
+use crate::clock::clock;
 use crate::draft::Draft;
 use crate::drive::Drive;
 use crate::effect::{Effect, Entry, role};
@@ -11,7 +13,6 @@ use crate::refine::refitted;
 use crate::region::{Region, regions};
 use crate::repeat::{Repeat, prediction, repeatability};
 use crate::search::{Measure, Search, Searched};
-use crate::whiteness::{lines, share};
 use phisindy_learn::{Effort, FoundParameter, RecordFit, at_bounds, dead_column, sensitive_starts};
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Case, Record, System, splice, standard_deviation};
@@ -378,15 +379,30 @@ fn finished(
         last = before.clone();
         way.pop();
     }
-    let count = last.draft.effects.len();
-    let settled = last.settled().map_err(GapError::Numerics)?;
-    let last = match Fitted::new(settled, noise, Effort::Errors) {
-        Ok(fitted) if fitted.fit.is_finite() => fitted,
-        _ => last,
-    };
+    let mut count = last.draft.effects.len();
+    let mut last = with_errors(last, noise)?;
     if count > 0 {
         way.push(last.clone());
     }
+    let repeats = floor > 0.0 && last.carried.unwrap_or(last.fit) <= REPEATS * floor;
+    let status = status(&last, repeats, &mut warnings);
+    let whole = last.clone();
+    let mut instead = None;
+    if status == Status::Unexplained {
+        hear(0.95, "other causes");
+        instead = clock(&base, noise);
+        // Beside a drive at the wrong frequency no effect means anything.
+        let helps = if instead.is_some() { 0 } else { helpful(&way) };
+        warnings.extend((helps..count).filter_map(|k| refused(&whole, k, &way[k], &way[k + 1])));
+        if helps < count {
+            way.truncate(helps + 1);
+            last = with_errors(way[helps].clone(), noise)?;
+            way[helps] = last.clone();
+            count = helps;
+        }
+    }
+    warnings.extend(at_bounds(&last.cal.parameters));
+    warnings.extend(sensitive_starts(&last.cal.records));
     let steps: Vec<Step> = (0..count)
         .map(|k| {
             let (effect, names, expression) = &last.draft.effects[k];
@@ -412,32 +428,6 @@ fn finished(
             }
         })
         .collect();
-    warnings.extend(at_bounds(&last.cal.parameters));
-    warnings.extend(sensitive_starts(&last.cal.records));
-    let end = last.carried.unwrap_or(last.fit);
-    let white = last.explains();
-    let repeats = floor > 0.0 && end <= REPEATS * floor;
-    // Below the estimated noise, which of clean columns is too large, there is nothing to find.
-    let below = last.fit <= 1.0 && end <= 1.0;
-    let little_left = steps.len() + 1 == ELEPHANT && last.fit > CLEAN && !repeats;
-    let bent = bent(&steps);
-    let covered = steps.len() >= ELEPHANT || little_left || bent.is_some();
-    if let Some(at) = bent.filter(|_| white) {
-        warnings.push(format!(
-            "{BENT} corrections of the spring at {at} describe its curve, as so many would any: which law it follows they do not say; a static test, force against displacement, would"
-        ));
-    } else if covered && white {
-        let what = if little_left { "hardly more than noise" } else { "nothing but noise" };
-        warnings.push(format!(
-            "with {} effects the model leaves {what}, but so many corrections may cover up one effect that no law here describes",
-            steps.len()
-        ));
-    }
-    let status = match ((white || repeats || below) && !covered, steps.is_empty()) {
-        (true, true) => Status::NothingMissing,
-        (true, false) => Status::Explained,
-        (false, _) => Status::Unexplained,
-    };
     let (steps, partial) = if status == Status::Unexplained {
         // What brought the gap far down is a finding of its own, whatever else is missing. Of two stops the first helps little until the second is there.
         let gap = |of: (f64, f64), validate: Option<(f64, f64)>| validate.unwrap_or(of);
@@ -456,16 +446,15 @@ fn finished(
     } else {
         (steps, vec![])
     };
-    if status == Status::Unexplained {
-        warnings.extend(tones(&last));
-    }
     // Where much is missing no constant is to blame alone.
-    let mut instead = None;
-    if status != Status::NothingMissing && !repeats && last.fit < MUCH {
+    if instead.is_none() && status != Status::NothingMissing && !repeats && whole.fit < MUCH {
         hear(0.98, "constants that are held");
-        instead = held(&last, catalogue, noise, candidates);
-        warnings.extend(instead.clone());
+        instead = held(&whole, catalogue, noise, candidates);
     }
+    if status == Status::Unexplained {
+        warnings.extend(causes(&last, noise));
+    }
+    warnings.extend(instead.clone());
     for (law, why) in rounds.iter().flat_map(|r| &r.vetoed) {
         let text = format!("{law} fits, but evidence speaks against it: {why}");
         if !warnings.contains(&text) {
@@ -516,19 +505,77 @@ fn finished(
     })
 }
 
+/// A fit once more, with the errors of its numbers.
+fn with_errors(last: Fitted, noise: &[Vec<f64>]) -> Result<Fitted, GapError> {
+    let settled = last.settled().map_err(GapError::Numerics)?;
+    Ok(match Fitted::new(settled, noise, Effort::Errors) {
+        Ok(fitted) if fitted.fit.is_finite() => fitted,
+        _ => last,
+    })
+}
+
+/// How a search that ended here ends; what a reader should know of it goes to the warnings.
+fn status(last: &Fitted, repeats: bool, warnings: &mut Vec<String>) -> Status {
+    let count = last.draft.effects.len();
+    let white = last.explains();
+    // Below the estimated noise, which of clean columns is too large, there is nothing to find.
+    let below = last.fit <= 1.0 && last.carried.unwrap_or(last.fit) <= 1.0;
+    let little_left = count + 1 == ELEPHANT && last.fit > CLEAN && !repeats;
+    let bent = bent(last);
+    let covered = count >= ELEPHANT || little_left || bent.is_some();
+    if let Some(at) = bent.filter(|_| white) {
+        warnings.push(format!(
+            "{BENT} corrections of the spring at {at} describe its curve, as so many would any: which law it follows they do not say; a static test, force against displacement, would"
+        ));
+    } else if covered && white {
+        let what = if little_left { "hardly more than noise" } else { "nothing but noise" };
+        warnings.push(format!(
+            "with {count} effects the model leaves {what}, but so many corrections may cover up one effect that no law here describes"
+        ));
+    }
+    match ((white || repeats || below) && !covered, count == 0) {
+        (true, true) => Status::NothingMissing,
+        (true, false) => Status::Explained,
+        (false, _) => Status::Unexplained,
+    }
+}
+
+/// How many of the effects help on data not used: those up to where the gap there is least. A model that hardly moves misses less than one that moves otherwise than the rig,
+/// and explains nothing.
+fn helpful(way: &[Fitted]) -> usize {
+    let carried = |k: &usize| way[*k].carried.unwrap_or(way[*k].fit);
+    let moves = |k: &usize| *k == 0 || way[*k].follows();
+    let last = way.len() - 1;
+    if way[last].carried.is_none() {
+        return if moves(&last) { last } else { 0 };
+    }
+    (0..=last).filter(moves).min_by(|a, b| carried(a).total_cmp(&carried(b))).unwrap_or(0)
+}
+
 /// So many elastic effects at one place draw any curve.
 const BENT: usize = 3;
 
-/// Where so many steps are forces of one displacement alone that they are one spring.
-fn bent(steps: &[Step]) -> Option<String> {
-    let elastic = |s: &&Step| {
-        let law = &s.effect.entry.law;
+/// Where so many effects are forces of one displacement alone that they are one spring.
+fn bent(last: &Fitted) -> Option<String> {
+    let elastic = |effect: &&Effect| {
+        let law = &effect.entry.law;
         role(law, 'x').is_some() && role(law, 'v').is_none() && law.internal.is_empty()
     };
-    let at: Vec<&String> = steps.iter().filter(elastic).map(|s| &s.effect.place.at).collect();
+    let effects = last.draft.effects.iter().map(|(effect, ..)| effect);
+    let at: Vec<&String> = effects.filter(elastic).map(|effect| &effect.place.at).collect();
     at.iter()
         .find(|place| at.iter().filter(|other| other == place).count() >= BENT)
         .map(|place| (*place).clone())
+}
+
+/// An effect that is not added, though it brings the gap on Fit records down: how far, and what it does to the other gap.
+fn refused(whole: &Fitted, k: usize, before: &Fitted, after: &Fitted) -> Option<String> {
+    let (effect, ..) = &whole.draft.effects[k];
+    let (from, to) = before.validate.zip(after.validate)?;
+    Some(format!(
+        "{} at {} is not added: it takes the gap on the fitted data from {:.3} to {:.3}, and that on data not used from {from:.3} to {to:.3}",
+        effect.entry.id, effect.place.at, before.fit, after.fit
+    ))
 }
 
 /// The model as it was, with the first effect, with the first two, and so on, but for the last.
@@ -565,33 +612,4 @@ fn parameters(last: &Fitted, effect: &Effect, names: &[String]) -> Vec<StepParam
         }
     }
     out
-}
-
-/// A tone that holds at least this part of what is left of a column is told.
-const TONE: f64 = 0.5;
-
-/// Of each column of which little but one tone is left: which, for no law of a force has to be behind it.
-fn tones(last: &Fitted) -> Vec<String> {
-    let (draft, cal) = (&last.draft, &last.cal);
-    let mut told = Vec::new();
-    for (record, fit) in draft.records.iter().zip(&cal.records).filter(|(r, _)| r.role == Role::Fit) {
-        let step = (record.time[record.len() - 1] - record.time[0]) / (record.len() - 1) as f64;
-        for (state, residual) in draft.case.system.states.iter().zip(&fit.residuals) {
-            let Some(&line) = lines(residual, step, 1, 0).first() else { continue };
-            let part = share(residual, line * step);
-            // What answers the drive is what the model lacks.
-            let driven = Drive::new(&draft.case.system, record).and_then(|mut d| d.line_at(line)).is_some();
-            if part > TONE && !driven {
-                told.push(format!(
-                    "{:.0} % of what is left of {} in {} is one tone of {:.4} rad/s ({:.4} Hz): hum of the sensor or the mains, a drive that the model does not know, or the rig's own frequency where it is another one than the model's",
-                    100.0 * part,
-                    state.name,
-                    record.name,
-                    line,
-                    line / std::f64::consts::TAU
-                ));
-            }
-        }
-    }
-    told
 }

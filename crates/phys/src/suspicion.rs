@@ -7,6 +7,7 @@ mod jumps;
 mod rates;
 mod scatter;
 mod spikes;
+mod stairs;
 
 use crate::noise_level::quantum::quantum;
 use crate::{Interpolation, Record, Signal, System, noise_level, standard_deviation};
@@ -15,6 +16,7 @@ use frozen::frozen;
 use jumps::jumps;
 use rates::rates;
 use spikes::spikes;
+use stairs::stairs;
 
 /// A step in time that is this many times the usual one is a hole.
 const HOLE: f64 = 5.0;
@@ -34,8 +36,9 @@ pub fn suspicions(system: &System, record: &Record) -> Vec<String> {
             still(&state.name, column, &mut found);
             cut(&state.name, column, &mut found);
             let velocity = state.velocity.map(|v| record.columns[v].as_deref());
-            // Between the few levels of a rounded column every step is a jump.
-            if !rounded(&state.name, column, &mut found) {
+            // Between the few levels of a rounded column, and from stair to stair, every step is a jump.
+            let few = rounded(&state.name, column, &mut found);
+            if !repeated(&state.name, column, None, &mut found) && !few {
                 torn(&record.time, &state.name, column, velocity, &mut found);
             }
         }
@@ -43,7 +46,9 @@ pub fn suspicions(system: &System, record: &Record) -> Vec<String> {
     let whole = found.len() == before;
     for (input, signal) in system.inputs.iter().zip(&record.inputs) {
         cut(&input.name, signal.values(), &mut found);
-        coarse(&input.name, signal, &mut found);
+        if !repeated(&input.name, signal.values(), Some(signal.kind()), &mut found) {
+            coarse(&input.name, signal, &mut found);
+        }
     }
     // What is wrong with a column is wrong with what the model makes of it.
     if !rates(system, record, &mut found) && whole {
@@ -87,6 +92,22 @@ fn rounded(name: &str, column: &[f64], found: &mut Vec<String>) -> bool {
          digits, or use a finer sensor",
         ((max - min) / step).round() + 1.0,
         50.0 * step / size
+    ));
+    true
+}
+
+/// Whether each value of a column stands until the next one comes: of an input so it may have been.
+fn repeated(name: &str, column: &[f64], input: Option<Interpolation>, found: &mut Vec<String>) -> bool {
+    let Some(length) = stairs(column).filter(|_| input != Some(Interpolation::Hold)) else { return false };
+    let help = match input {
+        None => "write each value once, at the time when it was measured".to_owned(),
+        Some(_) => format!(
+            "if the actuator held it, too, say `interpolate: {{ \"{name}\": Hold }}`; if not, write each value once, at the time when it was measured"
+        ),
+    };
+    found.push(format!(
+        "`{name}` has a new value only every {length} samples, and repeats the old one between them: what is written there is up to {} samples late; {help}",
+        length - 1
     ));
     true
 }

@@ -1,0 +1,102 @@
+//! Is the drive at the frequency that the spec says? A rig that is driven a little faster or slower than its model lacks no force, and no law describes what that leaves.
+
+use crate::draft::Draft;
+use crate::drive::Drive;
+use crate::fitted::Fitted;
+use crate::whiteness::lines;
+use phisindy_learn::Effort;
+use phisindy_phys::spec::{self, Role};
+use phisindy_phys::{SourceId, splice};
+use rayon::prelude::*;
+
+/// The time of the drive may run so much slower or faster than that of the record.
+const OFF: f64 = 0.1;
+/// A gap that falls to this part of what it was has found its cause, whatever else is missing.
+const CAUSE: f64 = 1.0 / 3.0;
+
+/// The drive of a model at another frequency, if the model as it was follows the records then as it does not follow them now: in words.
+pub(crate) fn clock(base: &Fitted, noise: &[Vec<f64>]) -> Option<String> {
+    let fits = starts(&base.draft).into_par_iter().filter_map(|start| {
+        let (draft, name) = freed(&base.draft, start)?;
+        Some((Fitted::new(draft, noise, Effort::Plain).ok()?, name))
+    });
+    let all: Vec<(Fitted, String)> = fits.collect();
+    let (best, name) = all.into_iter().min_by(|(a, _), (b, _)| a.fit.total_cmp(&b.fit))?;
+    let falls = |from: Option<f64>, to: Option<f64>| from.zip(to).is_none_or(|(a, b)| b < CAUSE * a);
+    let found = best.explains() || falls(Some(base.fit), Some(best.fit)) && falls(base.carried, best.carried);
+    let (_, speed) = best.found(|p| p.name == name).pop()?;
+    found.then(|| {
+        let gap = |of: &Fitted| of.carried.unwrap_or(of.fit);
+        format!(
+            "the drive may be off its frequency: at {speed:.5} times what the spec says the gap of the model as it is goes from {:.3} to {:.3}: look at that frequency, and at the clock of the records",
+            gap(base),
+            gap(&best)
+        )
+    })
+}
+
+/// Where to begin: with what the spec says, and with the strongest line of each column beside the line of the drive that is next to it.
+fn starts(draft: &Draft) -> Vec<f64> {
+    let mut all = vec![1.0];
+    for record in draft.records.iter().filter(|r| r.role == Role::Fit) {
+        let step = (record.time[record.len() - 1] - record.time[0]) / (record.len() - 1) as f64;
+        let driven = Drive::new(&draft.case.system, record).map_or(vec![], |mut drive| drive.lines());
+        for column in record.columns.iter().flatten() {
+            let own = lines(column, step, 1, 0);
+            let pairs = own.iter().flat_map(|own| driven.iter().map(move |line| own / line));
+            all.extend(pairs.filter(|ratio| (ratio - 1.0).abs() < OFF));
+        }
+    }
+    let apart = |a: &f64, b: &f64| (a - b).abs() < 1e-3;
+    all.sort_by(f64::total_cmp);
+    all.dedup_by(|a, b| apart(a, b));
+    all
+}
+
+/// The model whose known rates run in a time of their own, and the constant that says how fast it goes; `None` where they do not know the time.
+fn freed(base: &Draft, start: f64) -> Option<(Draft, String)> {
+    let (spec, _) = spec::read(&base.text, SourceId(0)).ok()?;
+    let taken = |name: &str| base.text.contains(name);
+    let name = (0..).map(|k| format!("clock{k}")).find(|name| !taken(name))?;
+    let constant = format!("(value: {start:?}, unit: \"1\", within: ({:?}, {:?}))", 1.0 - OFF, 1.0 + OFF);
+    let mut text = splice::set(&base.text, &format!("constants.{name}"), &constant).ok()?;
+    let mut timed = false;
+    for (state, rate) in &spec.known {
+        let other = in_time(&rate.value, &format!("({name}*t)"));
+        timed |= other != rate.value;
+        text = splice::set(&text, &format!("known.{}", state.value), &format!("{other:?}")).ok()?;
+    }
+    if !timed {
+        return None;
+    }
+    Some((base.rebuilt(text, vec![], vec![]).ok()?, name))
+}
+
+/// An expression with its time written otherwise.
+fn in_time(expression: &str, time: &str) -> String {
+    let part_of_name = |c: char| c.is_alphanumeric() || c == '_';
+    let mut out = String::new();
+    let mut rest = expression;
+    while let Some(first) = rest.chars().next() {
+        let end = if part_of_name(first) {
+            rest.find(|c| !part_of_name(c)).unwrap_or(rest.len())
+        } else {
+            first.len_utf8()
+        };
+        out += if &rest[..end] == "t" { time } else { &rest[..end] };
+        rest = &rest[end..];
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_time_is_written_otherwise() {
+        let other = in_time("F*cos(2.5*t + t0) - dt*tanh(t)/(t_1+t)", "(s*t)");
+        assert_eq!(other, "F*cos(2.5*(s*t) + t0) - dt*tanh((s*t))/(t_1+(s*t))");
+        assert_eq!(in_time("-k*x", "(s*t)"), "-k*x");
+    }
+}
