@@ -393,6 +393,17 @@ fn a_mass_that_is_wrong_is_told_beside_what_imitates_it() {
     assert!(found["warnings"].to_string().contains("with m = 1.05"), "{}", found["warnings"]);
 }
 
+/// ... and beside friction, which is then told with the number that it has.
+#[test]
+fn friction_beside_a_mass_that_is_wrong_is_told_with_its_number() {
+    let truth = "\"v\": \"-0.05*(-c*v - k*x + F0*cos(W*t))/m - 0.3*sgn(v)\"";
+    let (found, _) = gap(&folder("gap-mass-friction"), &spec(truth, 0.01));
+    let said = found["warnings"].to_string();
+    assert!(said.contains("with m = 1.05") && said.contains("coulomb at v the model explains"), "{said}");
+    // 0.3 N/kg of 1.053 kg.
+    assert!(said.contains("then Fc = 0.31"), "{said}");
+}
+
 /// An oscillator released at t = 0, its frequency another one from t = 8 on: eight seconds to fit, the rest to validate.
 fn released(name: &str, [first, then]: [f64; 2]) -> (Value, i32) {
     let folder = folder(name);

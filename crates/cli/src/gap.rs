@@ -58,16 +58,14 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
         }
     };
     if !options.quiet {
-        // What the text says itself is no note.
-        let notes = found.warnings.iter().filter(|w| found.instead.as_ref() != Some(w));
-        notes.for_each(|w| remark(&format!("note: {w}")));
+        notes(&found).for_each(|w| remark(&format!("note: {w}")));
     }
     let seconds = begin.elapsed().as_secs_f64();
     let object = as_json(&loaded, &found, seconds);
     let text = as_text(&found, &catalogue, seconds);
     let kept = folder.as_ref().map_or(Ok(()), |folder| {
         folder.write("result.json", &format!("{object:#}\n"))?;
-        folder.write("gap.txt", &text)?;
+        folder.write("gap.txt", &(text.clone() + &remarks(&loaded, &found)))?;
         folder.write(COMPLETED, &completed(&loaded, &found))?;
         html::write_gap(&found, &catalogue, &loaded, seconds, options, folder)
     });
@@ -85,6 +83,17 @@ pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
         (false, Status::Unexplained) => REJECTED,
         (false, _) => 0,
     })
+}
+
+/// What the terminal was told beside the text: what is odd about the data, and what a careful reader should know.
+fn remarks(loaded: &Loaded, found: &Gap) -> String {
+    let data = loaded.doubts.iter().map(|doubt| format!("warning: {doubt}\n"));
+    data.chain(notes(found).map(|note| format!("note: {note}\n"))).collect()
+}
+
+/// Warnings, but for what the text says itself.
+fn notes(found: &Gap) -> impl Iterator<Item = &String> {
+    found.warnings.iter().filter(|w| found.instead.as_ref() != Some(w))
 }
 
 /// The spec with the effects in it.

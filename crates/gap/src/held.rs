@@ -61,8 +61,10 @@ pub(crate) fn held(
         .filter_map(|(_, constant, draft)| Some((constant, Fitted::new(draft, noise, Effort::Plain).ok()?)));
     let mut fitted: Vec<(&Constant, Fitted)> = fitted.collect();
     // Beside a constant that is wrong the search may have gone astray from the start.
-    if !last.explains() && !fitted.iter().any(|(_, f)| f.explains()) {
-        fitted.extend(anew(&constants, catalogue, noise));
+    if !last.explains() {
+        let blamed = fitted.iter().filter(|(_, f)| f.explains()).map(|(c, _)| *c).next();
+        let looked = |c: &Constant| blamed.is_none_or(|blamed| blamed.name == c.name);
+        fitted.extend(anew(constants.iter().filter(|(c, _)| looked(c)), catalogue, noise));
     }
     let by = Measure::of(fitted.iter().map(|(_, f)| f).chain([last]), candidates);
     let worse = |f: &Fitted| by.score(f) + price - by.score(last);
@@ -85,8 +87,9 @@ pub(crate) fn held(
     let own = label(&last.draft, 0);
     let other: Vec<String> =
         kept.iter().filter(|l| !own.contains(l)).map(|(law, at)| format!(" and {law} at {at}")).collect();
+    let numbers = numbers(&best);
     Some(format!(
-        "the known part may be wrong instead: with {} = {} (the spec says {}){} the model explains the data{less} (BIC {:.1} {}): is that constant known so well?",
+        "the known part may be wrong instead: with {} = {} (the spec says {}){} the model explains the data{less} (BIC {:.1} {}){numbers}: is that constant known so well?",
         constant.name,
         in_unit(found / factor, &constant.unit),
         in_unit(constant.value, &constant.unit),
@@ -96,14 +99,27 @@ pub(crate) fn held(
     ))
 }
 
+/// What the effects of a model are then.
+fn numbers(best: &Fitted) -> String {
+    let parameters = &best.draft.case.system.parameters;
+    let of = |name: &String| {
+        let unit = parameters.iter().find(|p| p.name == *name).map_or("", |p| p.unit.as_str());
+        let (_, value) = best.found(|p| p.name == *name).pop()?;
+        Some(format!("{name} = {}", in_unit(value / Unit::parse(unit).map_or(1.0, |u| u.factor), unit)))
+    };
+    let all: Vec<String> = best.draft.effects.iter().flat_map(|(_, names, _)| names).filter_map(of).collect();
+    if all.is_empty() { String::new() } else { format!(", then {}", all.join(", ")) }
+}
+
 /// Models with one constant free and one effect: for the constants that alone leave least, the laws that promise most beside them.
 fn anew<'c>(
-    constants: &'c [(Constant, Draft)],
+    constants: impl Iterator<Item = &'c (Constant, Draft)>,
     catalogue: &[Entry],
     noise: &[Vec<f64>],
 ) -> Vec<(&'c Constant, Fitted)> {
+    let constants: Vec<_> = constants.collect();
     let alone = constants
-        .par_iter()
+        .into_par_iter()
         .filter_map(|(c, free)| Some((c, Fitted::new(free.clone(), noise, Effort::Plain).ok()?)));
     let mut alone: Vec<(&Constant, Fitted)> = alone.collect();
     alone.sort_by(|(_, a), (_, b)| a.fit.total_cmp(&b.fit));

@@ -41,7 +41,8 @@ pub(crate) fn page(
         let picture = picture.map(|(chart, said)| page.figure(chart, &said));
         missing.extend(shown(Some(k + 1), step, catalogue, picture, &mut told));
     }
-    page.section("What is missing", missing);
+    let whole = found.status != Status::Unexplained;
+    page.section(if whole { "What is missing" } else { "What brings the gap far down" }, missing);
     let mut helps = Vec::new();
     for step in &found.partial {
         helps.extend(shown(None, step, catalogue, None, &mut told));
