@@ -60,20 +60,24 @@ pub(crate) fn held(
         .into_par_iter()
         .filter_map(|(_, constant, draft)| Some((constant, Fitted::new(draft, noise, Effort::Plain).ok()?)));
     let mut fitted: Vec<(&Constant, Fitted)> = fitted.collect();
+    let chosen = |fitted: &[(&Constant, Fitted)]| -> Option<(f64, usize)> {
+        let by = Measure::of(fitted.iter().map(|(_, f)| f).chain([last]), candidates);
+        let simpler = |f: &Fitted| size(&f.draft) + 1 < size(&last.draft);
+        let limit = |f: &Fitted| if last.explains() && simpler(f) { SIMPLER } else { -WORTH };
+        let worse = fitted.iter().map(|(_, f)| by.score(f) + price - by.score(last));
+        let found = worse.enumerate().map(|(k, worse)| (worse, k));
+        found
+            .filter(|(worse, k)| fitted[*k].1.explains() && *worse < limit(&fitted[*k].1))
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+    };
     // Beside a constant that is wrong the search may have gone astray from the start.
-    if !last.explains() {
-        let blamed = fitted.iter().filter(|(_, f)| f.explains()).map(|(c, _)| *c).next();
+    let blamed = chosen(&fitted).map(|(_, k)| fitted[k].0);
+    if blamed.is_some() || !last.explains() {
         let looked = |c: &Constant| blamed.is_none_or(|blamed| blamed.name == c.name);
         fitted.extend(anew(constants.iter().filter(|(c, _)| looked(c)), catalogue, noise));
     }
-    let by = Measure::of(fitted.iter().map(|(_, f)| f).chain([last]), candidates);
-    let worse = |f: &Fitted| by.score(f) + price - by.score(last);
-    let simpler = |f: &Fitted| size(&f.draft) + 1 < size(&last.draft);
-    let limit = |f: &Fitted| if last.explains() && simpler(f) { SIMPLER } else { -WORTH };
-    let (constant, best) = fitted
-        .into_iter()
-        .filter(|(_, f)| f.explains() && worse(f) < limit(f))
-        .min_by(|(_, a), (_, b)| worse(a).total_cmp(&worse(b)))?;
+    let (worse, k) = chosen(&fitted)?;
+    let (constant, best) = fitted.swap_remove(k);
     let (_, found) = best.found(|p| p.name == constant.name).pop()?;
     let factor = Unit::parse(&constant.unit).map_or(1.0, |u| u.factor);
     let kept: Vec<(&str, &str)> = label(&best.draft, 0);
@@ -94,8 +98,8 @@ pub(crate) fn held(
         in_unit(found / factor, &constant.unit),
         in_unit(constant.value, &constant.unit),
         other.concat(),
-        worse(&best).abs(),
-        if worse(&best) < 0.0 { "lower" } else { "higher" }
+        worse.abs(),
+        if worse < 0.0 { "lower" } else { "higher" }
     ))
 }
 
