@@ -1,8 +1,8 @@
 //! The force of an effect along the motion of the final model: what a picture of it shows.
 
 use crate::effect::Effect;
+use crate::found::{Gap, Step};
 use crate::place::Site;
-use crate::workflow::{Gap, Step};
 use phisindy_expr::{Graph, Id, Scratch, Tape, parse};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{Record, System};

@@ -7,7 +7,7 @@ use crate::fitted::{Fitted, values};
 use crate::motion::{Motion, rest_threshold, resting};
 use crate::need::fulfilled;
 use crate::place::Site;
-use crate::workflow::EXPLAINED;
+use crate::verdict::EXPLAINED;
 use phisindy_expr::Tape;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{LawParameter, Record};
@@ -133,7 +133,7 @@ fn along(fitted: &Fitted, effect: &Effect) -> Option<Vec<(f64, f64)>> {
     let mut all = Vec::new();
     for (r, record) in draft.records.iter().enumerate().filter(|(_, d)| d.role == Role::Fit) {
         let motion = Motion::new(system, record, &draft.smooth[r], r, &fitted.cal);
-        let values = crate::screen::evaluated(&tape, &motion, &[], &[]);
+        let values = crate::along::evaluated(&tape, &motion, &[], &[]);
         let pairs = values[0].iter().copied().zip(values[1].iter().copied());
         all.extend(pairs.filter(|(force, speed)| (force * speed).is_finite()));
     }
@@ -188,7 +188,7 @@ fn feeds(fitted: &Fitted, effect: &Effect) -> Option<String> {
     let slope = graph.gradient(system.known[v], &[system.states[v].node])[0];
     let record = fitted.draft.records.first()?;
     let motion = Motion::new(system, record, fitted.draft.smooth.first()?, 0, &fitted.cal);
-    let mean = crate::screen::mean_along(system, &graph, slope, &motion)?;
+    let mean = crate::along::mean_along(system, &graph, slope, &motion)?;
     (mean > 0.0)
         .then(|| "with it the damping of the body is negative in total: it would feed the motion".to_owned())
 }

@@ -2,8 +2,8 @@
 
 use crate::draft::{Draft, starting};
 use crate::effect::Effect;
+use crate::verdict::EXPLAINED;
 use crate::whiteness::{COLOURED, score};
-use crate::workflow::EXPLAINED;
 use phisindy_learn::{Calibration, Effort, FoundParameter, RecordFit, calibrate};
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Parameter, Record, noise_level, standard_deviation};

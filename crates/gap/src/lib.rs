@@ -10,6 +10,7 @@
 //!
 //! The crate reads no files: it takes the text of a spec with its records and gives back a text with effects written into it.
 
+mod along;
 mod asked;
 mod causes;
 mod clock;
@@ -19,6 +20,7 @@ mod drive;
 mod effect;
 mod evidence;
 mod fitted;
+mod found;
 mod held;
 mod mistaken;
 mod motion;
@@ -32,6 +34,7 @@ mod repeat;
 mod response;
 mod screen;
 mod search;
+mod verdict;
 mod whiteness;
 mod workflow;
 
@@ -39,7 +42,8 @@ pub use asked::{asked, written_in};
 pub use course::{Course, course};
 pub use draft::Draft;
 pub use effect::{Effect, Entry};
+pub use found::{Gap, GapError, Rival, Simulated, Status, Step, StepParameter};
 pub use place::{Place, Site, places};
 pub use region::Region;
 pub use repeat::{Repeat, repeatability};
-pub use workflow::{Gap, GapError, Rival, Simulated, Status, Step, StepParameter, gap};
+pub use workflow::gap;

@@ -4,23 +4,23 @@ use crate::causes::causes;
 use crate::clock::clock;
 use crate::draft::Draft;
 use crate::drive::Drive;
-use crate::effect::{Effect, Entry, role};
+use crate::effect::{Effect, Entry};
 use crate::evidence::against;
 use crate::fitted::{Fitted, current, noise};
+use crate::found::{Gap, GapError, Rival, Simulated, Status, Step, StepParameter};
 use crate::held::held;
 use crate::mistaken::mistaken;
 use crate::refine::refitted;
-use crate::region::{Region, regions};
+use crate::region::regions;
 use crate::repeat::{Repeat, prediction, repeatability};
 use crate::search::{Measure, Search, Searched};
-use phisindy_learn::{Effort, FoundParameter, RecordFit, at_bounds, dead_column, sensitive_starts};
+use crate::verdict::{helpful, refused, status};
+use phisindy_learn::{Effort, at_bounds, dead_column, sensitive_starts};
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Case, Record, System, splice, standard_deviation};
 use std::ops::ControlFlow;
 
-/// An explained record ends below this many times its noise.
-pub(crate) const EXPLAINED: f64 = 1.1;
-/// ... or below this many times what the motion itself repeats to.
+/// A motion that is followed to this many times what it repeats to is explained.
 const REPEATS: f64 = 1.25;
 /// A motion whose cycles differ by more than this many times the noise has a scatter of its own.
 const SCATTERS: f64 = 5.0;
@@ -31,157 +31,6 @@ const SUBSTANTIAL: f64 = 3.0;
 
 /// A gap above this on Fit records is not the work of one constant.
 const MUCH: f64 = 5.0;
-
-/// Effects that explain: more of them cover up whatever is missing ("with four parameters I can fit an elephant").
-const ELEPHANT: usize = 4;
-/// One fewer must leave no more than this many times the noise on the records that they were fitted to: what is a little more is what a curve through something else leaves.
-const CLEAN: f64 = 1.02;
-
-/// How the workflow ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
-    /// The model explains the data as it is.
-    NothingMissing,
-    /// It does so with the effects that were added.
-    Explained,
-    /// Something is missing that no law of the catalogue explains.
-    Unexplained,
-}
-
-impl Status {
-    /// As the JSON has it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Status::NothingMissing => "nothing-missing",
-            Status::Explained => "explained",
-            Status::Unexplained => "unexplained",
-        }
-    }
-}
-
-/// A parameter of an effect.
-#[derive(Clone, Debug)]
-pub struct StepParameter {
-    /// As the law calls it.
-    pub name: String,
-    /// As the completed spec calls it.
-    pub constant: String,
-    /// Value in its unit.
-    pub value: f64,
-    /// 95 % interval.
-    pub ci95: (f64, f64),
-    /// Unit.
-    pub unit: String,
-}
-
-/// A description that was fitted and not chosen.
-#[derive(Clone, Debug)]
-pub struct Rival {
-    /// Law, or laws joined by ` + `.
-    pub law: String,
-    /// Their places.
-    pub at: String,
-    /// By how much its criterion is worse.
-    pub delta_bic: f64,
-}
-
-/// An effect that was added.
-#[derive(Clone, Debug)]
-pub struct Step {
-    /// Which and where.
-    pub effect: Effect,
-    /// What was added.
-    pub expression: String,
-    /// Its numbers in the final model.
-    pub parameters: Vec<StepParameter>,
-    /// Gap on the Fit records before and after.
-    pub fit: (f64, f64),
-    /// The same on the Validate records.
-    pub validate: Option<(f64, f64)>,
-    /// By how much the criterion fell.
-    pub delta_bic: f64,
-    /// What else would nearly do.
-    pub rivals: Vec<Rival>,
-    /// What evidence speaks against: law, why.
-    pub vetoed: Vec<(String, String)>,
-}
-
-/// A model and what it makes of the records.
-#[derive(Clone, Debug)]
-pub struct Simulated {
-    /// The model; its states are in the order of its runs.
-    pub system: System,
-    /// In the order of the spec.
-    pub records: Vec<RecordFit>,
-}
-
-impl Simulated {
-    fn of(fitted: Fitted) -> Simulated {
-        Simulated { system: fitted.draft.case.system, records: fitted.cal.records }
-    }
-}
-
-/// What the workflow found.
-#[derive(Clone, Debug)]
-pub struct Gap {
-    /// How it ended.
-    pub status: Status,
-    /// Estimated standard deviation of each measured column's noise (SI), over all records.
-    pub noise: Vec<(String, f64)>,
-    /// Where the model as it was misses.
-    pub located: Vec<Region>,
-    /// Where the final model misses.
-    pub left: Vec<Region>,
-    /// The effects that were added, in order.
-    pub steps: Vec<Step>,
-    /// What helped a little before the search gave up.
-    pub partial: Vec<Step>,
-    /// The gap of the model as it was, on Fit and Validate records.
-    pub before: (f64, Option<f64>),
-    /// The gap of the final model.
-    pub after: (f64, Option<f64>),
-    /// What is left of that on Validate records if the numbers of the model may move within their errors; the same where that was not asked.
-    pub carried: Option<f64>,
-    /// A constant that the spec holds and that would explain the data in place of what was found, in words.
-    pub instead: Option<String>,
-    /// NRMSE of each record and column in the final model, and in the model as it was.
-    pub nrmse: Vec<(String, Role, String, f64, f64)>,
-    /// Repeatability of the motion: record, column, value.
-    pub repeat: Vec<(String, String, Repeat)>,
-    /// The residual's score of whiteness before and after.
-    pub colour: (f64, f64),
-    /// All numbers of the final model.
-    pub parameters: Vec<FoundParameter>,
-    /// The spec with the effects in it.
-    pub completed: String,
-    /// The model as it was, running freely along the records.
-    pub was: Simulated,
-    /// The final model, running freely along the records.
-    pub simulated: Simulated,
-    /// What a careful reader should know.
-    pub warnings: Vec<String>,
-    /// Whether it was stopped by the user.
-    pub stopped: bool,
-}
-
-/// Why there is nothing to say.
-#[derive(Clone, Debug, PartialEq)]
-pub enum GapError {
-    /// The records do not suit: what to do, in words.
-    Data(String),
-    /// The model cannot be simulated.
-    Numerics(String),
-}
-
-impl std::fmt::Display for GapError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            GapError::Data(text) | GapError::Numerics(text) => f.write_str(text),
-        }
-    }
-}
-
-impl std::error::Error for GapError {}
 
 /// Runs the gap workflow on a checked spec and its records. `observe` hears a fraction and what is being done, and may stop the search.
 ///
@@ -512,70 +361,6 @@ fn with_errors(last: Fitted, noise: &[Vec<f64>]) -> Result<Fitted, GapError> {
         Ok(fitted) if fitted.fit.is_finite() => fitted,
         _ => last,
     })
-}
-
-/// How a search that ended here ends; what a reader should know of it goes to the warnings.
-fn status(last: &Fitted, repeats: bool, warnings: &mut Vec<String>) -> Status {
-    let count = last.draft.effects.len();
-    let white = last.explains();
-    // Below the estimated noise, which of clean columns is too large, there is nothing to find.
-    let below = last.fit <= 1.0 && last.carried.unwrap_or(last.fit) <= 1.0;
-    let little_left = count + 1 == ELEPHANT && last.fit > CLEAN && !repeats;
-    let bent = bent(last);
-    let covered = count >= ELEPHANT || little_left || bent.is_some();
-    if let Some(at) = bent.filter(|_| white) {
-        warnings.push(format!(
-            "{BENT} corrections of the spring at {at} describe its curve, as so many would any: which law it follows they do not say; a static test, force against displacement, would"
-        ));
-    } else if covered && white {
-        let what = if little_left { "hardly more than noise" } else { "nothing but noise" };
-        warnings.push(format!(
-            "with {count} effects the model leaves {what}, but so many corrections may cover up one effect that no law here describes"
-        ));
-    }
-    match ((white || repeats || below) && !covered, count == 0) {
-        (true, true) => Status::NothingMissing,
-        (true, false) => Status::Explained,
-        (false, _) => Status::Unexplained,
-    }
-}
-
-/// How many of the effects help on data not used: those up to where the gap there is least. A model that hardly moves misses less than one that moves otherwise than the rig,
-/// and explains nothing.
-fn helpful(way: &[Fitted]) -> usize {
-    let carried = |k: &usize| way[*k].carried.unwrap_or(way[*k].fit);
-    let moves = |k: &usize| *k == 0 || way[*k].follows();
-    let last = way.len() - 1;
-    if way[last].carried.is_none() {
-        return if moves(&last) { last } else { 0 };
-    }
-    (0..=last).filter(moves).min_by(|a, b| carried(a).total_cmp(&carried(b))).unwrap_or(0)
-}
-
-/// So many elastic effects at one place draw any curve.
-const BENT: usize = 3;
-
-/// Where so many effects are forces of one displacement alone that they are one spring.
-fn bent(last: &Fitted) -> Option<String> {
-    let elastic = |effect: &&Effect| {
-        let law = &effect.entry.law;
-        role(law, 'x').is_some() && role(law, 'v').is_none() && law.internal.is_empty()
-    };
-    let effects = last.draft.effects.iter().map(|(effect, ..)| effect);
-    let at: Vec<&String> = effects.filter(elastic).map(|effect| &effect.place.at).collect();
-    at.iter()
-        .find(|place| at.iter().filter(|other| other == place).count() >= BENT)
-        .map(|place| (*place).clone())
-}
-
-/// An effect that is not added, though it brings the gap on Fit records down: how far, and what it does to the other gap.
-fn refused(whole: &Fitted, k: usize, before: &Fitted, after: &Fitted) -> Option<String> {
-    let (effect, ..) = &whole.draft.effects[k];
-    let (from, to) = before.validate.zip(after.validate)?;
-    Some(format!(
-        "{} at {} is not added: it takes the gap on the fitted data from {:.3} to {:.3}, and that on data not used from {from:.3} to {to:.3}",
-        effect.entry.id, effect.place.at, before.fit, after.fit
-    ))
 }
 
 /// The model as it was, with the first effect, with the first two, and so on, but for the last.

@@ -1,0 +1,56 @@
+//! Expressions along a measured motion.
+
+use crate::course::node;
+use crate::motion::Motion;
+use crate::place::{Place, Site};
+use phisindy_expr::{Id, Scratch, Tape};
+use phisindy_phys::System;
+
+/// All outputs of a tape along a motion; `grid` are further inputs, and `series` further inputs that vary.
+pub(crate) fn evaluated(tape: &Tape, motion: &Motion, grid: &[f64], series: &[&[f64]]) -> Vec<Vec<f64>> {
+    const LANES: usize = 64;
+    let samples = motion.samples();
+    let (n, m) = (motion.states.len() / samples, motion.inputs.len() / samples);
+    let mut scratch = Scratch::<LANES>::new(tape);
+    let after = 1 + n + m;
+    for (k, v) in motion.numbers.iter().chain(grid).enumerate() {
+        *scratch.input(after + k) = [*v; LANES];
+    }
+    let last = after + motion.numbers.len() + grid.len();
+    let mut out = vec![Vec::with_capacity(samples); tape.outputs()];
+    for first in (0..samples).step_by(LANES) {
+        let count = LANES.min(samples - first);
+        for lane in 0..LANES {
+            let i = first + lane.min(count - 1);
+            scratch.input(0)[lane] = motion.time[i];
+            (0..n).for_each(|k| scratch.input(1 + k)[lane] = motion.states[i * n + k]);
+            (0..m).for_each(|k| scratch.input(1 + n + k)[lane] = motion.inputs[i * m + k]);
+            series.iter().enumerate().for_each(|(k, s)| scratch.input(last + k)[lane] = s[i]);
+        }
+        scratch.run();
+        out.iter_mut().enumerate().for_each(|(k, o)| o.extend(&scratch.output(k)[..count]));
+    }
+    out
+}
+
+/// The velocity of a place along a motion.
+pub(crate) fn speed(system: &System, motion: &Motion, place: &Place) -> Option<Vec<f64>> {
+    let Site::Force { velocity, .. } = &place.site else { return None };
+    let mut graph = system.graph.clone();
+    let speed = node(&mut graph, system, velocity)?;
+    let tape = Tape::compile(&graph, &system.arguments(), &[speed]).ok()?;
+    evaluated(&tape, motion, &[], &[]).pop()
+}
+
+/// The mean of an expression along a motion.
+pub(crate) fn mean_along(
+    system: &System,
+    graph: &phisindy_expr::Graph,
+    node: Id,
+    motion: &Motion,
+) -> Option<f64> {
+    let tape = Tape::compile(graph, &system.arguments(), &[node]).ok()?;
+    let values = evaluated(&tape, motion, &[], &[]);
+    let mean = values[0].iter().sum::<f64>() / values[0].len().max(1) as f64;
+    mean.is_finite().then_some(mean)
+}

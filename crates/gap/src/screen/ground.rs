@@ -1,0 +1,343 @@
+//! A record as a regression sees it: the measured motion, the linear system that responds to it, and what may move already.
+
+use crate::along::{evaluated, speed};
+use crate::draft::Draft;
+use crate::drive::Drive;
+use crate::motion::{Motion, rest_threshold, resting};
+use crate::place::{Place, Site};
+use crate::response::{Linear, shift};
+use crate::whiteness::lines;
+use phisindy_expr::{Id, Tape};
+use phisindy_learn::Calibration;
+use phisindy_phys::System;
+use rayon::prelude::*;
+
+/// Decay of the linear stand-in of a body that comes to rest, per period.
+const FORGET: f64 = 4.0;
+
+/// A movable constant of the model, whose column is projected out.
+pub(super) struct Movable {
+    pub(super) name: String,
+    /// Where the model has it (SI).
+    pub(super) now: f64,
+    /// Its row in [`Screening::follow`].
+    pub(super) row: usize,
+}
+
+/// One record, ready.
+pub(super) struct Ground {
+    pub(super) motion: Motion,
+    /// Responses of the linear system.
+    pub(super) linear: Linear,
+    /// Rate less A x, samples x n: what drives the linear system.
+    bracket: Vec<f64>,
+    /// Measured columns: state, value, weight.
+    rows: Vec<(usize, Vec<f64>, f64)>,
+    /// Rate of every state at every sample, contacts at rest taken into account.
+    pub(super) rates: Vec<f64>,
+    stride: usize,
+    /// The response of the model as it is, samples x n.
+    pub(super) known: Vec<f64>,
+    /// For each place of a force, where it rests.
+    pub(super) still: Vec<Still>,
+    /// The strongest lines of what the fitted model leaves of each column: noise of a few per cent hides them from the smoothed motion.
+    pub(super) left: Vec<f64>,
+    /// Frequencies of the drive, without the effects that the model has been given.
+    pub(super) drive: Vec<f64>,
+}
+
+/// Where the velocity of a place rests.
+pub(super) struct Still {
+    pub(super) at: String,
+    pub(super) rests: Vec<bool>,
+    /// The state that is held there by friction which the model has already.
+    pub(super) held: Option<usize>,
+}
+
+/// The known rates, their Jacobian and their slopes by the parameters, on a tape.
+pub(super) struct Base {
+    tape: Tape,
+    n: usize,
+    parameters: usize,
+}
+
+impl Base {
+    pub(super) fn new(system: &System) -> Option<Base> {
+        let mut graph = system.graph.clone();
+        let n = system.states.len();
+        let states: Vec<Id> = system.states.iter().map(|s| s.node).collect();
+        let parameters: Vec<Id> = system.parameters.iter().map(|p| p.node).collect();
+        let mut outputs = system.known.clone();
+        for row in 0..n {
+            outputs.extend(graph.gradient(system.known[row], &states));
+        }
+        for row in 0..n {
+            outputs.extend(graph.gradient(system.known[row], &parameters));
+        }
+        let one = graph.constant(1.0);
+        outputs.extend(system.inertia.iter().map(|m| m.unwrap_or(one)));
+        let tape = Tape::compile(&graph, &system.arguments(), &outputs).ok()?;
+        Some(Base { tape, n, parameters: parameters.len() })
+    }
+
+    #[allow(clippy::too_many_arguments)] // what a record is, and what is known of it
+    pub(super) fn ground(
+        &self,
+        system: &System,
+        draft: &Draft,
+        record: usize,
+        fitted: &Calibration,
+        noise: &[Vec<f64>],
+        stride: usize,
+        places: &[Place],
+    ) -> Option<Ground> {
+        let n = self.n;
+        let data = &draft.records[record];
+        let motion = Motion::new(system, data, &draft.smooth[record], record, fitted);
+        let samples = motion.samples();
+        let values = evaluated(&self.tape, &motion, &[], &[]);
+        if values[..n + n * n].iter().flatten().any(|v| !v.is_finite()) {
+            return None;
+        }
+        let mean = |column: &[f64]| column.iter().sum::<f64>() / samples as f64;
+        let mut a: Vec<f64> = values[n..n + n * n].iter().map(|c| mean(c)).collect();
+        let span = motion.time[samples - 1] - motion.time[0];
+        let mut rates: Vec<f64> = vec![0.0; samples * n];
+        (0..samples * n).for_each(|i| rates[i] = values[i % n][i / n]);
+        // What rests: bodies for which friction is or may be missing.
+        let mut still: Vec<Still> = Vec::new();
+        for place in places {
+            let Site::Force { acts, velocity, .. } = &place.site else { continue };
+            let speed = speed(system, &motion, place)?;
+            let least = ((0.04 * motion.period / (span / samples as f64)) as usize).clamp(5, samples);
+            let rests = resting(&speed, rest_threshold(&speed), least);
+            // Friction that is in the model already holds with what force it needs.
+            let bare = |text: &str| text.replace([' ', '(', ')'], "");
+            let own = system.contacts.iter().any(|c| bare(&c.text) == bare(velocity) && system.rubs(c));
+            if own {
+                let inertia = |k: usize, i: usize| values[n + n * n + n * self.parameters + k][i];
+                for i in (0..samples).filter(|&i| rests[i]) {
+                    let (mut toward, mut give) = (0.0, 0.0);
+                    for (j, &(k, sign)) in acts.iter().enumerate() {
+                        let c = if j == 0 { 1.0 } else { -1.0 };
+                        toward += c * rates[i * n + k];
+                        give += c * sign / inertia(k, i);
+                    }
+                    for &(k, sign) in acts {
+                        rates[i * n + k] -= toward / give * sign / inertia(k, i);
+                    }
+                }
+            }
+            let held = system.state(&place.at).filter(|_| own);
+            still.push(Still { at: place.at.clone(), rests, held });
+        }
+        // A body at rest forgets; so must its linear stand-in, or errors made before a stop are carried past it.
+        let forgets = still.iter().any(|s| s.rests.iter().filter(|r| **r).count() * 50 > samples);
+        let decay = shift(&a, n, span).max(if forgets { FORGET / motion.period } else { 0.0 });
+        (0..n).for_each(|k| a[k * n + k] -= decay);
+        let bracket: Vec<f64> = (0..samples)
+            .flat_map(|i| {
+                let x = &motion.states[i * n..(i + 1) * n];
+                let rates = &rates;
+                let a = &a;
+                (0..n).map(move |row| rates[i * n + row] - (0..n).map(|k| a[row * n + k] * x[k]).sum::<f64>())
+            })
+            .collect();
+        let rows = (0..n)
+            .filter_map(|k| {
+                let column = data.columns[k].as_ref()?;
+                Some((k, column.clone(), 1.0 / noise[record][k]))
+            })
+            .collect();
+        let linear = Linear::new(&a, n, &motion.time);
+        let known = linear.response(&bracket, &motion.states[..n]);
+        let step = span / (samples - 1) as f64;
+        let left = fitted.records[record].residuals.iter().flat_map(|e| lines(e, step, 4, 0)).collect();
+        let bare = draft.without_effects();
+        let drive = Drive::new(&bare.case.system, &bare.records[record]).map_or(vec![], |mut d| d.lines());
+        Some(Ground { motion, linear, known, bracket, rows, rates, stride, still, left, drive })
+    }
+
+    /// Target and columns to project out, over all records: start states, parameters, sensors.
+    pub(super) fn fixed(
+        &self,
+        system: &System,
+        draft: &Draft,
+        of: &[usize],
+        grounds: &[Ground],
+    ) -> (Vec<Vec<f64>>, Vec<Movable>) {
+        let n = self.n;
+        let mut movable = Vec::new();
+        let mut all: Vec<Vec<f64>> = Vec::new();
+        let total: usize = grounds.iter().map(Ground::height).sum();
+        let mut target = Vec::with_capacity(total);
+        for ground in grounds {
+            let predicted = ground.read(&ground.known, true);
+            target.extend(ground.measured().iter().zip(&predicted).map(|(y, p)| y - p));
+        }
+        all.push(target);
+        let mut before = 0;
+        for ground in grounds {
+            let zero = vec![0.0; ground.bracket.len()];
+            let mut push = |rows: Vec<f64>| {
+                let mut column = vec![0.0; total];
+                column[before..before + rows.len()].copy_from_slice(&rows);
+                all.push(column);
+            };
+            for k in 0..n {
+                let mut start = vec![0.0; n];
+                start[k] = 1.0;
+                push(ground.read(&ground.linear.response(&zero, &start), false));
+            }
+            before += ground.height();
+        }
+        // Parameters: shared ones over all records, others (and sensors) record by record.
+        let responses: Vec<Vec<Vec<f64>>> = grounds
+            .par_iter()
+            .map(|ground| {
+                let values = evaluated(&self.tape, &ground.motion, &[], &[]);
+                (0..self.parameters)
+                    .map(|p| {
+                        let samples = ground.motion.samples();
+                        let mut g = vec![0.0; samples * n];
+                        for row in 0..n {
+                            let column = &values[n + n * n + row * self.parameters + p];
+                            (0..samples).for_each(|i| g[i * n + row] = column[i]);
+                        }
+                        ground.quiet(&mut g);
+                        ground.read(&ground.linear.response(&g, &vec![0.0; n]), false)
+                    })
+                    .collect()
+            })
+            .collect();
+        for (p, parameter) in system.parameters.iter().enumerate() {
+            let mut before = 0;
+            let mut joint = vec![0.0; total];
+            for (r, ground) in grounds.iter().enumerate() {
+                let mut rows = responses[r][p].clone();
+                let sensors = &draft.records[of[r]].sensors;
+                for which in 0..3 {
+                    let states: Vec<usize> = (0..n)
+                        .filter(|&k| {
+                            let s = &sensors[k];
+                            [&s.offset, &s.gain, &s.delay][which].shared == Some(p)
+                        })
+                        .collect();
+                    if !states.is_empty() {
+                        let own = ground.sensor(&states, which);
+                        rows.iter_mut().zip(own).for_each(|(a, b)| *a += b);
+                    }
+                }
+                if parameter.each {
+                    let mut column = vec![0.0; total];
+                    column[before..before + rows.len()].copy_from_slice(&rows);
+                    all.push(column);
+                } else {
+                    joint[before..before + rows.len()].copy_from_slice(&rows);
+                }
+                before += ground.height();
+            }
+            if !parameter.each {
+                // Column 0 is the target.
+                movable.push(Movable {
+                    name: parameter.name.clone(),
+                    now: parameter.start,
+                    row: all.len() - 1,
+                });
+                all.push(joint);
+            }
+        }
+        let mut before = 0;
+        for (r, ground) in grounds.iter().enumerate() {
+            for k in 0..n {
+                let s = &draft.records[of[r]].sensors[k];
+                for (which, p) in [&s.offset, &s.gain, &s.delay].into_iter().enumerate() {
+                    if p.within.is_some()
+                        && p.shared.is_none()
+                        && ground.rows.iter().any(|(state, ..)| *state == k)
+                    {
+                        let rows = ground.sensor(&[k], which);
+                        let mut column = vec![0.0; total];
+                        column[before..before + rows.len()].copy_from_slice(&rows);
+                        all.push(column);
+                    }
+                }
+            }
+            before += ground.height();
+        }
+        (all, movable)
+    }
+}
+
+impl Ground {
+    /// The distance of two frequencies that the record tells apart.
+    pub(super) fn resolution(&self) -> f64 {
+        let (time, samples) = (&self.motion.time, self.motion.samples());
+        2.0 * std::f64::consts::PI * (samples - 1) as f64 / (samples as f64 * (time[samples - 1] - time[0]))
+    }
+
+    /// Rows of this record.
+    pub(super) fn height(&self) -> usize {
+        self.rows.len() * self.motion.samples().div_ceil(self.stride)
+    }
+
+    /// The measured columns as rows.
+    pub(super) fn measured(&self) -> Vec<f64> {
+        let mut out = Vec::with_capacity(self.height());
+        for (_, column, weight) in &self.rows {
+            out.extend(column.iter().step_by(self.stride).map(|y| y * weight));
+        }
+        out
+    }
+
+    /// A response of all states (samples x n) as the sensors read it; the offset belongs to the whole, not to a part.
+    pub(super) fn read(&self, states: &[f64], whole: bool) -> Vec<f64> {
+        let n = states.len() / self.motion.samples();
+        let mut out = Vec::with_capacity(self.height());
+        for (k, _, weight) in &self.rows {
+            let (gain, offset) = self.motion.sensors[*k];
+            let offset = if whole { offset } else { 0.0 };
+            out.extend(
+                (0..self.motion.samples())
+                    .step_by(self.stride)
+                    .map(|i| weight * (gain * states[i * n + k] + offset)),
+            );
+        }
+        out
+    }
+
+    /// What a small change of a sensor parameter of some states adds: 0 offset, 1 gain, 2 delay.
+    pub(super) fn sensor(&self, states: &[usize], which: usize) -> Vec<f64> {
+        let n = self.rates.len() / self.motion.samples();
+        let mut out = Vec::with_capacity(self.height());
+        for (k, _, weight) in &self.rows {
+            let on = states.contains(k);
+            let gain = self.motion.sensors[*k].0;
+            out.extend((0..self.motion.samples()).step_by(self.stride).map(|i| {
+                let change = match which {
+                    0 => 1.0,
+                    // Of what the model says, not of what is measured: that would explain everything.
+                    1 => self.known[i * n + k],
+                    _ => -gain * self.slope(i, *k, n),
+                };
+                if on { weight * change } else { 0.0 }
+            }));
+        }
+        out
+    }
+
+    /// The slope of a state: of a displacement its smoothed velocity would do; by differences it serves every state.
+    pub(super) fn slope(&self, i: usize, k: usize, n: usize) -> f64 {
+        let t = &self.motion.time;
+        let (a, b) = (i.saturating_sub(1), (i + 1).min(t.len() - 1));
+        (self.motion.states[b * n + k] - self.motion.states[a * n + k]) / (t[b] - t[a])
+    }
+
+    /// Takes away what a force would do to a body that rests in a contact of the model.
+    pub(super) fn quiet(&self, g: &mut [f64]) {
+        let n = g.len() / self.motion.samples();
+        for (k, rests) in self.still.iter().filter_map(|s| Some((s.held?, &s.rests))) {
+            rests.iter().enumerate().filter(|(_, r)| **r).for_each(|(i, _)| g[i * n + k] = 0.0);
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! Starts of a law from the force that a fitted sibling has.
+
+use super::gram::solve;
+use super::seeded;
+use crate::along::{evaluated, speed};
+use crate::draft::Draft;
+use crate::effect::{Effect, Entry};
+use crate::motion::Motion;
+use crate::place::Site;
+use crate::recipe::Recipe;
+use faer::Mat;
+use phisindy_expr::Tape;
+use phisindy_learn::Calibration;
+use phisindy_phys::spec::Role;
+
+/// An imitation that explains this part of what the best one does is worth a fit of its own: the regression weighs speeds as the sibling's force has them.
+const NEARLY: f64 = 0.9;
+/// Of the highest speed, what counts as rest for it, and a speed at which a contact has just begun to slip.
+const SLOW: f64 = 2e-3;
+const JUST: f64 = 1e-5;
+
+/// Starts of a law from the force that a fitted sibling at the same place has: its columns regressed on that force along the motion, one for each of its inner
+/// parameters that does nearly as well as the best. None where that gives nothing within the law's bounds.
+pub(crate) fn imitated(
+    draft: &Draft,
+    fitted: &Calibration,
+    sibling: &Effect,
+    entry: &Entry,
+) -> Option<Vec<Effect>> {
+    let system = &draft.case.system;
+    let r = draft.records.iter().position(|r| r.role == Role::Fit)?;
+    let mut motion = Motion::new(system, &draft.records[r], &draft.smooth[r], r, fitted);
+    let start = entry.law.parameters.iter().map(|_| 0.0).collect();
+    let wanted = Effect { entry: entry.clone(), start, mirror: false, ..sibling.clone() };
+    let (own, other) = (Recipe::new(sibling, system)?, Recipe::new(&wanted, system)?);
+    // What a contact holds at rest it holds just before it slips.
+    let speeds: Vec<f64> = speed(system, &motion, &sibling.place)?;
+    let top = speeds.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let (slow, n) = (SLOW * top, system.states.len());
+    let Site::Force { acts, .. } = &sibling.place.site else { return None };
+    let &(state, _) = acts.first()?;
+    for (i, speed) in speeds.iter().enumerate().filter(|(_, speed)| speed.abs() <= slow) {
+        motion.states[i * n + state] += JUST * top * speed.signum() - speed;
+    }
+    let along = |recipe: &Recipe, grid: &[f64]| -> Option<Vec<Vec<f64>>> {
+        let mut all = system.arguments();
+        all.extend(&recipe.symbols);
+        let tape = Tape::compile(&recipe.graph, &all, &recipe.columns).ok()?;
+        Some(evaluated(&tape, &motion, grid, &[]))
+    };
+    let (coefficients, grid) = own.direct(&sibling.start)?;
+    let columns = along(&own, &grid)?;
+    let samples = motion.samples();
+    let force: Vec<f64> =
+        (0..samples).map(|i| columns.iter().zip(&coefficients).map(|(c, k)| c[i] * k).sum()).collect();
+    let tried: Vec<Vec<f64>> = match other.grid.len() {
+        0 => vec![vec![]],
+        1 => [0.01, 0.03, 0.1, 0.3].iter().map(|q| vec![q * top]).collect(),
+        _ => return None,
+    };
+    let mut all: Vec<(f64, Effect)> = Vec::new();
+    for grid in tried {
+        let columns = along(&other, &grid)?;
+        let n = columns.len() + 1;
+        let value = |k: usize, i: usize| if k == 0 { force[i] } else { columns[k - 1][i] };
+        let gram = Mat::from_fn(n, n, |a, b| (0..samples).map(|i| value(a, i) * value(b, i)).sum::<f64>());
+        let at: Vec<usize> = (1..n).collect();
+        let Some((gain, found)) = solve(&gram, &at) else { continue };
+        all.extend(seeded(&wanted, Some(&other), &found, &grid).map(|effect| (gain, effect)));
+    }
+    let best = all.iter().map(|(gain, _)| *gain).fold(0.0, f64::max);
+    Some(all.into_iter().filter(|(gain, _)| *gain > NEARLY * best).map(|(_, e)| e).collect())
+}
