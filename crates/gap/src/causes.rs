@@ -26,7 +26,7 @@ pub(crate) fn causes(last: &Fitted, noise: &[Vec<f64>]) -> Vec<String> {
         for ((state, residual), column) in system.states.iter().zip(&fit.residuals).zip(&record.columns) {
             let Some(column) = column.as_ref().filter(|c| c.len() == residual.len()) else { continue };
             let of = format!("of what is left of {} in {}", state.name, record.name);
-            told.extend(drift(&record.time, residual, column, &of));
+            told.extend(drift(&record.time, residual, column, &state.name, &of));
             told.extend(tone(record, residual, drive.as_mut(), &of));
         }
     }
@@ -35,7 +35,7 @@ pub(crate) fn causes(last: &Fitted, noise: &[Vec<f64>]) -> Vec<String> {
 }
 
 /// A residual that is a straight line in time above all.
-fn drift(time: &[f64], residual: &[f64], column: &[f64], of: &str) -> Option<String> {
+fn drift(time: &[f64], residual: &[f64], column: &[f64], name: &str, of: &str) -> Option<String> {
     let n = residual.len() as f64;
     let mean = |v: &[f64]| v.iter().sum::<f64>() / n;
     let (middle, level) = (mean(time), mean(residual));
@@ -49,7 +49,7 @@ fn drift(time: &[f64], residual: &[f64], column: &[f64], of: &str) -> Option<Str
     let swing = te / tt * (time.last()? - time.first()?);
     (part > MOST && swing.abs() > noise_level(column)).then(|| {
         format!(
-            "{:.0} % {of} grows with time, by {swing:.3e} (SI) from end to end: drift of a sensor, perhaps as it warms up; take it off the column, or cut the record into windows",
+            "{:.0} % {of} grows with time, by {swing:.3e} (SI) from end to end: drift of a sensor, perhaps as it warms up; `detrend: {{ \"{name}\": Linear }}` takes it off",
             100.0 * part
         )
     })
