@@ -322,6 +322,37 @@ fn a_drive_off_its_frequency_is_told() {
     assert!(named(&found).is_empty() && found["partial"].as_array().is_some_and(Vec::is_empty), "{found}");
 }
 
+/// ... also where friction is missing beside it, which no search finds while the drive is off.
+#[test]
+fn a_drive_off_its_frequency_is_told_beside_friction() {
+    let truth = "\"v\": \"F0*(cos(0.707*t) - cos(0.7*t))/m - 0.3*sgn(v)\"";
+    let (found, _) = gap(&folder("gap-frequency-friction"), &spec(truth, 0.01));
+    let said = found["warnings"].to_string();
+    assert!(said.contains("at 1.0100") || said.contains("at 1.0099"), "{said}");
+    assert!(said.contains("with coulomb at v") && said.contains("then Fc = 0.3"), "{said}");
+    assert!(named(&found).is_empty(), "{found}");
+}
+
+/// A stiffness that swings at nearly the frequency of one of many tones of the drive is no force at that frequency.
+#[test]
+fn a_stiffness_that_swings_beside_a_tone_of_the_drive_is_found() {
+    let record = |seed: u32, role: &str| {
+        format!(
+            "Synthetic(inputs: {{ \"F\": Multisine(band: (0.5, 3.0), count: 8, amplitude: 0.3) }}, truth: {{ \"v\": \"-0.3*cos(1.25*t+0.4)*x\" }}, \
+             start: {{ \"x\": 0.3, \"v\": 0.0 }}, duration: 60.0, step: 0.03, noise: Additive(0.02), seed: {seed}, role: {role})"
+        )
+    };
+    let spec = format!(
+        "(constants: {{ \"m\": (1.0, \"kg\"), \"c\": (0.2, \"N*s/m\"), \"k\": (2.0, \"N/m\") }}, states: {{ \"x\": \"m\", \"v\": \"m/s\" }}, inputs: {{ \"F\": \"N\" }}, \
+         known: {{ \"x\": \"v\", \"v\": \"(-c*v - k*x + F)/m\" }}, inertia: {{ \"v\": \"m\" }}, unknown: {{}}, data: [{}, {}])",
+        record(1, "Fit"),
+        record(2, "Validate")
+    );
+    let (found, code) = gap(&folder("gap-swing"), &spec);
+    assert_eq!((found["status"].as_str(), code), (Some("explained"), 0), "{found}");
+    assert_eq!(named(&found), [effect("parametric-stiffness", "v")], "{found}");
+}
+
 /// What an input has of noise drives the model and not the rig: no law explains what that leaves.
 #[test]
 fn noise_of_an_input_is_told() {
@@ -400,6 +431,8 @@ fn friction_beside_a_mass_that_is_wrong_is_told_with_its_number() {
     let (found, _) = gap(&folder("gap-mass-friction"), &spec(truth, 0.01));
     let said = found["warnings"].to_string();
     assert!(said.contains("with m = 1.05") && said.contains("coulomb at v the model explains"), "{said}");
+    // The three effects that imitate it leave noise, and are not called an explanation.
+    assert_eq!(found["status"].as_str(), Some("unexplained"), "{found}");
     // 0.3 N/kg of 1.053 kg.
     assert!(said.contains("then Fc = 0.31"), "{said}");
 }

@@ -307,7 +307,7 @@ pub(crate) fn ending(found: &Gap) -> String {
             format!(
                 "unexplained: {}: a gap of {} is left{place}",
                 match found.instead {
-                    Some(_) => "no law here explains it, but a constant of the known part would, see above",
+                    Some(_) => "no law here explains it, but something else would, as is said beside it",
                     None => "something is missing that no law here explains",
                 },
                 short(last)

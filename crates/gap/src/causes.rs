@@ -1,37 +1,61 @@
 //! What may be behind a gap that no law of a force explains: a tone, a drift, noise of the measured inputs.
 
+use crate::draft::Draft;
 use crate::drive::Drive;
 use crate::fitted::Fitted;
+use crate::verdict::EXPLAINED;
 use crate::whiteness::{lines, share};
 use phisindy_learn::Effort;
 use phisindy_phys::spec::Role;
-use phisindy_phys::{Interpolation, Record, Signal, noise_level, standard_deviation};
+use phisindy_phys::{Differentiator, Interpolation, Record, Signal, noise_level, standard_deviation};
 use phisindy_sim::{Noise, Streams, add_noise};
+use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// A tone, or a drift, that holds at least this part of what is left of a column is told.
 const MOST: f64 = 0.5;
 /// Noise of inputs that accounts for this part of a gap is told.
 const PART: f64 = 0.25;
+/// How often as much noise is drawn: a rig that swings at one frequency answers each draw otherwise.
+const DRAWS: usize = 4;
 /// An input that changes from sample to sample by more than this part of its size does so because that is what it is.
 const ROUGH: f64 = 0.2;
 
 /// What else than a force may be behind what is left, in words with what to do.
-pub(crate) fn causes(last: &Fitted, noise: &[Vec<f64>]) -> Vec<String> {
+/// `base` is the model as it was: an effect may bend a drift.
+pub(crate) fn causes(base: &Fitted, last: &Fitted) -> Vec<String> {
     let mut told = Vec::new();
     let system = &last.draft.case.system;
-    let fitted = |(r, _): &(&Record, _)| r.role == Role::Fit;
-    for (record, fit) in last.draft.records.iter().zip(&last.cal.records).filter(fitted) {
+    let fitted = |(_, (r, _)): &(usize, (&Record, _))| r.role == Role::Fit;
+    let was = |r: usize, name: &str| {
+        let state = base.draft.case.system.state(name)?;
+        base.cal.records[r].residuals.get(state)
+    };
+    for (r, (record, fit)) in last.draft.records.iter().zip(&last.cal.records).enumerate().filter(fitted) {
         let mut drive = Drive::new(system, record);
         for ((state, residual), column) in system.states.iter().zip(&fit.residuals).zip(&record.columns) {
             let Some(column) = column.as_ref().filter(|c| c.len() == residual.len()) else { continue };
             let of = format!("of what is left of {} in {}", state.name, record.name);
-            told.extend(drift(&record.time, residual, column, &state.name, &of));
+            let drifts = |residual: &Vec<f64>| drift(&record.time, residual, column, &state.name, &of);
+            told.extend(was(r, &state.name).and_then(drifts).or_else(|| drifts(residual)));
             told.extend(tone(record, residual, drive.as_mut(), &of));
         }
     }
-    told.extend(noise_of_inputs(last, noise));
     told
+}
+
+/// The noise of the measured inputs, where most of what is left may come from it: in words.
+pub(crate) fn inputs(last: &Fitted, noise: &[Vec<f64>]) -> Option<String> {
+    let left = last.fit.powi(2) - 1.0;
+    let Noisy { names, made } = noise_of_inputs(last, noise)?;
+    (last.fit > EXPLAINED && made > PART * left).then(|| {
+        format!(
+            "what changes in {} from sample to sample, as noise does, moves the model and not the rig: so much noise alone leaves a gap of about {:.2} on the fitted data, where {:.2} is left; measure that input with less noise, or say in the spec what was commanded",
+            names.join(" and "),
+            (1.0 + made).sqrt(),
+            last.fit
+        )
+    })
 }
 
 /// A residual that is a straight line in time above all.
@@ -75,40 +99,82 @@ fn tone(record: &Record, residual: &[f64], drive: Option<&mut Drive<'_>>, of: &s
     })
 }
 
-/// What the noise of the measured inputs does to the model: the same inputs with as much noise once more leave more.
-fn noise_of_inputs(last: &Fitted, noise: &[Vec<f64>]) -> Option<String> {
+/// What the noise of the measured inputs does to the model: how far the same inputs with as much noise once more lead it from where it went, and the inputs.
+fn noise_of_inputs(last: &Fitted, noise: &[Vec<f64>]) -> Option<Noisy> {
     let system = &last.draft.case.system;
-    let mut draft = last.settled().ok()?;
-    let mut names: Vec<&str> = Vec::new();
-    for record in draft.records.iter_mut().filter(|r| r.role == Role::Fit) {
-        for (input, of) in record.inputs.iter_mut().zip(&system.inputs) {
-            let sigma = noise_level(input.values());
-            let measured = input.kind() != Interpolation::Hold && sigma > 0.0;
-            if !measured || sigma > ROUGH * standard_deviation(input.values()) {
-                continue;
+    let settled = last.settled().ok()?;
+    let mut names: Vec<String> = Vec::new();
+    let draws: Vec<Draft> = (0..DRAWS)
+        .filter_map(|draw| {
+            let mut draft = settled.clone();
+            for (r, record) in draft.records.iter_mut().enumerate().filter(|(_, d)| d.role == Role::Fit) {
+                let how = draft.case.records[r]
+                    .differentiators
+                    .first()
+                    .copied()
+                    .unwrap_or(Differentiator::Spectral);
+                let (noisy, of) = noisier(record, how, draw)?;
+                *record = noisy;
+                names.extend(of.into_iter().map(|k| system.inputs[k].name.clone()));
             }
-            let mut values = input.values().to_vec();
-            let mut stream = Streams(1).stream(&format!("noise of {} in {}", of.name, record.name));
-            add_noise(&mut values, Noise::Sensor(sigma), &mut stream);
-            *input = Signal::new(input.time().clone(), values, input.kind()).ok()?;
-            if !names.contains(&of.name.as_str()) {
-                names.push(&of.name);
-            }
-        }
-    }
+            Some(draft)
+        })
+        .collect();
+    names.sort();
+    names.dedup();
     if names.is_empty() {
         return None;
     }
-    let twice = Fitted::new(draft, noise, Effort::Thorough).ok()?;
-    let made = twice.fit.powi(2) - last.fit.powi(2);
-    (made > PART * (last.fit.powi(2) - 1.0)).then(|| {
-        format!(
-            "what changes in {} from sample to sample, as noise does, moves the model and not the rig: it alone leaves a gap of about {:.3} on the fitted data, of the {:.3} that are left; measure the input with less noise, smooth it, or say in the spec what was commanded",
-            names.join(" and "),
-            (1.0 + made).sqrt(),
-            last.fit
-        )
-    })
+    let parted = draws.into_par_iter().filter_map(|draft| {
+        let other = Fitted::new(draft, noise, Effort::Thorough).ok()?;
+        let (mut sum, mut count) = (0.0, 0usize);
+        let pairs = other.cal.records.iter().zip(&last.cal.records).zip(noise);
+        for ((other, own), noise) in pairs.filter(|((own, _), _)| own.role == Role::Fit) {
+            for ((a, b), noise) in other.residuals.iter().zip(&own.residuals).zip(noise) {
+                sum += a.iter().zip(b).map(|(a, b)| ((a - b) / noise).powi(2)).sum::<f64>();
+                count += a.len();
+            }
+        }
+        Some(sum / count.max(1) as f64)
+    });
+    let parted: Vec<f64> = parted.collect();
+    let made = parted.iter().sum::<f64>() / parted.len().max(1) as f64;
+    made.is_finite().then_some(Noisy { names, made })
+}
+
+/// What the noise of inputs leaves.
+struct Noisy {
+    names: Vec<String>,
+    /// The square of the gap that it alone leaves, but for the noise of what it is compared with.
+    made: f64,
+}
+
+/// A record whose measured inputs have as much noise once more, with those of which that is so; what is derived from them follows.
+fn noisier(record: &Record, how: Differentiator, draw: usize) -> Option<(Record, Vec<usize>)> {
+    let (mut out, mut of) = (record.clone(), Vec::new());
+    let mut disturb = |k: usize, values: &mut Vec<f64>| {
+        let sigma = noise_level(values);
+        if sigma > 0.0 && sigma < ROUGH * standard_deviation(values) {
+            let mut stream = Streams(draw as u64).stream(&format!("noise of input {k} in {}", record.name));
+            add_noise(values, Noise::Sensor(sigma), &mut stream);
+            of.push(k);
+        }
+    };
+    for derivation in &mut out.derivations {
+        disturb(derivation.of, &mut derivation.column);
+    }
+    if !out.derivations.is_empty() {
+        out = out.rederived(how)?;
+    }
+    let derived = |k: usize| out.derivations.iter().any(|d| d.of == k || d.input == k);
+    let measured = |k: &usize| !derived(*k) && out.inputs[*k].kind() != Interpolation::Hold;
+    let own: Vec<usize> = (0..out.inputs.len()).filter(measured).collect();
+    for k in own {
+        let mut values = out.inputs[k].values().to_vec();
+        disturb(k, &mut values);
+        out.inputs[k] = Signal::new(out.inputs[k].time().clone(), values, out.inputs[k].kind()).ok()?;
+    }
+    Some((out, of))
 }
 
 /// The mean step of time.

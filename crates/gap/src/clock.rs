@@ -3,7 +3,10 @@
 use crate::draft::Draft;
 use crate::drive::Drive;
 use crate::fitted::Fitted;
+use crate::held::numbers;
+use crate::search::{Search, label};
 use crate::whiteness::lines;
+use crate::workflow::shortened;
 use phisindy_learn::Effort;
 use phisindy_phys::spec::{self, Role};
 use phisindy_phys::{SourceId, splice};
@@ -11,28 +14,53 @@ use rayon::prelude::*;
 
 /// The time of the drive may run so much slower or faster than that of the record.
 const OFF: f64 = 0.1;
+/// A frequency that lowers the gap to this part may be what the search went astray on.
+const HELPS: f64 = 0.9;
 /// A gap that falls to this part of what it was has found its cause, whatever else is missing.
 const CAUSE: f64 = 1.0 / 3.0;
 
-/// The drive of a model at another frequency, if the model as it was follows the records then as it does not follow them now: in words.
-pub(crate) fn clock(base: &Fitted, noise: &[Vec<f64>]) -> Option<String> {
+/// A drive at another frequency than the spec says.
+pub(crate) struct Off {
+    /// In words.
+    pub(crate) text: String,
+    /// Whether that explains the data, or does so with what is missing beside it.
+    pub(crate) explains: bool,
+}
+
+/// The drive of a model at another frequency, if the model as it was follows the records then as it does not follow them now, or does so with the effects that are missing beside it.
+pub(crate) fn clock(base: &Fitted, search: &mut Search<'_>) -> Option<Off> {
     let fits = starts(&base.draft).into_par_iter().filter_map(|start| {
         let (draft, name) = freed(&base.draft, start)?;
-        Some((Fitted::new(draft, noise, Effort::Plain).ok()?, name))
+        Some((Fitted::new(draft, search.noise, Effort::Plain).ok()?, name))
     });
     let all: Vec<(Fitted, String)> = fits.collect();
-    let (best, name) = all.into_iter().min_by(|(a, _), (b, _)| a.fit.total_cmp(&b.fit))?;
-    let falls = |from: Option<f64>, to: Option<f64>| from.zip(to).is_none_or(|(a, b)| b < CAUSE * a);
-    let found = best.explains() || falls(Some(base.fit), Some(best.fit)) && falls(base.carried, best.carried);
+    let (alone, name) = all.into_iter().min_by(|(a, _), (b, _)| a.fit.total_cmp(&b.fit))?;
+    let gap = |of: &Fitted| of.carried.unwrap_or(of.fit);
+    let cause = alone.fit < CAUSE * base.fit && gap(&alone) < CAUSE * gap(base);
+    let mut best = alone;
+    if !best.explains() && best.fit < HELPS * base.fit && shortened(&best.draft.records).is_none() {
+        let searched = best.settled().and_then(|draft| search.run(draft));
+        best = searched.ok().map(|s| s.last).filter(Fitted::explains).unwrap_or(best);
+    }
+    let explains = best.explains();
+    if !explains && !cause {
+        return None;
+    }
     let (_, speed) = best.found(|p| p.name == name).pop()?;
-    found.then(|| {
-        let gap = |of: &Fitted| of.carried.unwrap_or(of.fit);
-        format!(
-            "the drive may be off its frequency: at {speed:.5} times what the spec says the gap of the model as it is goes from {:.3} to {:.3}: look at that frequency, and at the clock of the records",
-            gap(base),
-            gap(&best)
-        )
-    })
+    let beside: String =
+        label(&best.draft, 0).iter().map(|(law, at)| format!(", with {law} at {at}")).collect();
+    let what = if explains {
+        "look at that frequency, and at the clock of the records"
+    } else {
+        "something else is missing, too, which may show when that is mended: free it, `(value: .., within: (.., ..))`, and look again"
+    };
+    let text = format!(
+        "the drive may be off its frequency: at {speed:.5} times what the spec says{beside} the gap of the model as it is goes from {:.3} to {:.3}{}: {what}",
+        gap(base),
+        gap(&best),
+        numbers(&best)
+    );
+    Some(Off { text, explains })
 }
 
 /// Where to begin: with what the spec says, and with the strongest line of each column beside the line of the drive that is next to it.

@@ -3,6 +3,7 @@
 
 use crate::draft::Draft;
 use crate::effect::{Effect, Entry};
+use crate::evidence::against;
 use crate::fitted::{Fitted, current};
 use crate::screen::screen;
 use crate::search::{BEST, Measure, RACE, SIMPLER, WORTH, label, size};
@@ -27,6 +28,14 @@ struct Constant {
     value: f64,
 }
 
+/// A constant that would do instead of what was found.
+pub(crate) struct Instead {
+    /// In words.
+    pub(crate) text: String,
+    /// Whether the data speak for it.
+    pub(crate) much_better: bool,
+}
+
 /// The best model in which one constant that the spec holds is free, and at least one effect less is needed, if it explains the data as well as `last` does, or explains them where
 /// `last` does not: in words. One number for one number says nothing new: a spring that is missing and a stiffness that is too small are one force.
 pub(crate) fn held(
@@ -34,7 +43,7 @@ pub(crate) fn held(
     catalogue: &[Entry],
     noise: &[Vec<f64>],
     candidates: usize,
-) -> Option<String> {
+) -> Option<Instead> {
     let effects = current(last);
     let base = last.draft.without_effects();
     let fewer = subsets(&effects, last.is_white());
@@ -60,7 +69,8 @@ pub(crate) fn held(
         .into_par_iter()
         .filter_map(|(_, constant, draft)| Some((constant, Fitted::new(draft, noise, Effort::Plain).ok()?)));
     let mut fitted: Vec<(&Constant, Fitted)> = fitted.collect();
-    let chosen = |fitted: &[(&Constant, Fitted)]| -> Option<(f64, usize)> {
+    let stands = |f: &Fitted| f.draft.effects.iter().all(|(e, ..)| against(f, e).is_none());
+    let chosen = |fitted: &[(&Constant, Fitted)], strict: bool| -> Option<(f64, usize)> {
         let by = Measure::of(fitted.iter().map(|(_, f)| f).chain([last]), candidates);
         let simpler = |f: &Fitted| size(&f.draft) + 1 < size(&last.draft);
         let limit = |f: &Fitted| if last.explains() && simpler(f) { SIMPLER } else { -WORTH };
@@ -68,15 +78,16 @@ pub(crate) fn held(
         let found = worse.enumerate().map(|(k, worse)| (worse, k));
         found
             .filter(|(worse, k)| fitted[*k].1.explains() && *worse < limit(&fitted[*k].1))
+            .filter(|(_, k)| !strict || stands(&fitted[*k].1))
             .min_by(|a, b| a.0.total_cmp(&b.0))
     };
     // Beside a constant that is wrong the search may have gone astray from the start.
-    let blamed = chosen(&fitted).map(|(_, k)| fitted[k].0);
+    let blamed = chosen(&fitted, false).map(|(_, k)| fitted[k].0);
     if blamed.is_some() || !last.explains() {
         let looked = |c: &Constant| blamed.is_none_or(|blamed| blamed.name == c.name);
         fitted.extend(anew(constants.iter().filter(|(c, _)| looked(c)), catalogue, noise));
     }
-    let (worse, k) = chosen(&fitted)?;
+    let (worse, k) = chosen(&fitted, true)?;
     let (constant, best) = fitted.swap_remove(k);
     let (_, found) = best.found(|p| p.name == constant.name).pop()?;
     let factor = Unit::parse(&constant.unit).map_or(1.0, |u| u.factor);
@@ -92,7 +103,7 @@ pub(crate) fn held(
     let other: Vec<String> =
         kept.iter().filter(|l| !own.contains(l)).map(|(law, at)| format!(" and {law} at {at}")).collect();
     let numbers = numbers(&best);
-    Some(format!(
+    let text = format!(
         "the known part may be wrong instead: with {} = {} (the spec says {}){} the model explains the data{less} (BIC {:.1} {}){numbers}: is that constant known so well?",
         constant.name,
         in_unit(found / factor, &constant.unit),
@@ -100,11 +111,12 @@ pub(crate) fn held(
         other.concat(),
         worse.abs(),
         if worse < 0.0 { "lower" } else { "higher" }
-    ))
+    );
+    Some(Instead { text, much_better: worse < -WORTH })
 }
 
 /// What the effects of a model are then.
-fn numbers(best: &Fitted) -> String {
+pub(crate) fn numbers(best: &Fitted) -> String {
     let parameters = &best.draft.case.system.parameters;
     let of = |name: &String| {
         let unit = parameters.iter().find(|p| p.name == *name).map_or("", |p| p.unit.as_str());

@@ -5,13 +5,16 @@ use crate::fitted::Fitted;
 use crate::found::Status;
 
 /// An explained record ends below this many times its noise.
-pub(crate) const EXPLAINED: f64 = 1.1;
+pub(crate) const EXPLAINED: f64 = 1.08;
 /// Effects that explain: more of them cover up whatever is missing ("with four parameters I can fit an elephant").
 const ELEPHANT: usize = 4;
 /// One fewer must leave no more than this many times the noise on the records that they were fitted to: what is a little more is what a curve through something else leaves.
 const CLEAN: f64 = 1.02;
 /// So many elastic effects at one place draw any curve.
 const BENT: usize = 3;
+
+/// Effects that lower a gap by less are no help.
+const HELPS: f64 = 0.95;
 
 /// How a search that ended here ends; what a reader should know of it goes to the warnings.
 pub(crate) fn status(last: &Fitted, repeats: bool, warnings: &mut Vec<String>) -> Status {
@@ -39,7 +42,7 @@ pub(crate) fn status(last: &Fitted, repeats: bool, warnings: &mut Vec<String>) -
     }
 }
 
-/// How many of the effects help on data not used: those up to where the gap there is least. A model that hardly moves misses less than one that moves otherwise than the rig,
+/// How many of the effects help on data not used: those up to where the gap there is about as small as it gets. A model that hardly moves misses less than one that moves otherwise than the rig,
 /// and explains nothing.
 pub(crate) fn helpful(way: &[Fitted]) -> usize {
     let carried = |k: &usize| way[*k].carried.unwrap_or(way[*k].fit);
@@ -48,7 +51,8 @@ pub(crate) fn helpful(way: &[Fitted]) -> usize {
     if way[last].carried.is_none() {
         return if moves(&last) { last } else { 0 };
     }
-    (0..=last).filter(moves).min_by(|a, b| carried(a).total_cmp(&carried(b))).unwrap_or(0)
+    let least = (0..=last).filter(moves).map(|k| carried(&k)).fold(f64::INFINITY, f64::min);
+    (0..=last).filter(moves).find(|k| HELPS * carried(k) <= least).unwrap_or(0)
 }
 
 /// Where so many effects are forces of one displacement alone that they are one spring.
@@ -64,12 +68,13 @@ fn bent(last: &Fitted) -> Option<String> {
         .map(|place| (*place).clone())
 }
 
-/// An effect that is not added, though it brings the gap on Fit records down: how far, and what it does to the other gap.
-pub(crate) fn refused(whole: &Fitted, k: usize, before: &Fitted, after: &Fitted) -> Option<String> {
+/// An effect that is not added, though it may bring the gap on Fit records down: how far, and what it does to the other gap beside the effects that are.
+pub(crate) fn refused(whole: &Fitted, k: usize, kept: &Fitted, with: &Fitted) -> Option<String> {
     let (effect, ..) = &whole.draft.effects[k];
-    let (from, to) = before.validate.zip(after.validate)?;
+    let (from, to) = kept.validate.zip(with.validate)?;
+    let why = if with.follows() { "" } else { ", where the model hardly moves any more" };
     Some(format!(
-        "{} at {} is not added: it takes the gap on the fitted data from {:.3} to {:.3}, and that on data not used from {from:.3} to {to:.3}",
-        effect.entry.id, effect.place.at, before.fit, after.fit
+        "{} at {} is not added: it takes the gap on the fitted data from {:.3} to {:.3}, and that on data not used from {from:.3} to {to:.3}{why}",
+        effect.entry.id, effect.place.at, kept.fit, with.fit
     ))
 }

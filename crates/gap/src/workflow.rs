@@ -1,7 +1,7 @@
 //! The whole workflow: noise, where, what, add, how it ends.
 
-use crate::causes::causes;
-use crate::clock::clock;
+use crate::causes::{causes, inputs};
+use crate::clock::{Off, clock};
 use crate::draft::Draft;
 use crate::drive::Drive;
 use crate::effect::{Effect, Entry};
@@ -13,7 +13,7 @@ use crate::mistaken::mistaken;
 use crate::refine::refitted;
 use crate::region::regions;
 use crate::repeat::{Repeat, prediction, repeatability};
-use crate::search::{Measure, Search, Searched};
+use crate::search::{self, Measure, Search, Searched, label};
 use crate::verdict::{helpful, refused, status};
 use phisindy_learn::{Effort, at_bounds, dead_column, sensitive_starts};
 use phisindy_phys::spec::Role;
@@ -105,7 +105,7 @@ pub fn gap(
         }
         None => search.run(whole).map_err(cannot)?,
     };
-    finished(searched, catalogue, &noise, repeat, floor, warnings, &mut hear)
+    finished(searched, &mut search, repeat, warnings)
 }
 
 /// The part of a column's standard deviation that may be noise.
@@ -200,20 +200,18 @@ fn floor(case: &Case, records: &[Record], noise: &[Vec<f64>]) -> (Vec<(String, S
 
 fn finished(
     searched: Searched,
-    catalogue: &[Entry],
-    noise: &[Vec<f64>],
+    search: &mut Search<'_>,
     repeat: Vec<(String, String, Repeat)>,
-    floor: f64,
     mut warnings: Vec<String>,
-    hear: &mut dyn FnMut(f64, &str) -> bool,
 ) -> Result<Gap, GapError> {
+    let (noise, floor) = (search.noise, search.floor);
     let Searched { base, last, rounds, candidates, stopped } = searched;
     // What a model that leaves nothing but noise leaves is the noise: a better estimate than the one from the columns.
     let told = if last.is_white() { Some(last.noise(noise)) } else { None };
     let noise = told.as_deref().unwrap_or(noise);
     let (base, last) = (base.measured_by(noise), last.measured_by(noise));
     warnings.extend(mistaken(&base));
-    hear(0.92, "error bars");
+    (search.hear)(0.92, "error bars");
     // Each effect's part: the models on the way.
     let mut way = way(&base, &last, noise);
     // An effect that the model does as well without does not belong to it.
@@ -234,22 +232,42 @@ fn finished(
         way.push(last.clone());
     }
     let repeats = floor > 0.0 && last.carried.unwrap_or(last.fit) <= REPEATS * floor;
-    let status = status(&last, repeats, &mut warnings);
+    let mut status = status(&last, repeats, &mut warnings);
     let whole = last.clone();
+    // Where much is missing no constant is to blame alone.
     let mut instead = None;
+    if status != Status::NothingMissing && !repeats && whole.fit < MUCH {
+        (search.hear)(0.95, "constants that are held");
+        if let Some(found) = held(&whole, search.catalogue, noise, candidates) {
+            if found.much_better {
+                status = Status::Unexplained;
+            }
+            instead = Some(found.text);
+        }
+    }
     if status == Status::Unexplained {
-        hear(0.95, "other causes");
-        instead = clock(&base, noise);
+        (search.hear)(0.97, "other causes");
+        let off = if instead.is_none() { clock(&base, search) } else { None };
+        let (off, part): (Vec<Off>, Vec<Off>) = off.into_iter().partition(|off| off.explains);
+        warnings.extend(part.into_iter().map(|off| off.text));
+        let off = off.into_iter().next().map(|off| off.text);
         // Beside a drive at the wrong frequency no effect means anything.
-        let helps = if instead.is_some() { 0 } else { helpful(&way) };
-        warnings.extend((helps..count).filter_map(|k| refused(&whole, k, &way[k], &way[k + 1])));
+        let helps = if off.is_some() { 0 } else { helpful(&way) };
+        if off.is_none() {
+            let steps = way[helps..].iter().skip(1).enumerate();
+            warnings.extend(steps.filter_map(|(k, with)| refused(&whole, helps + k, &way[helps], with)));
+        }
+        instead = instead.or(off);
         if helps < count {
             way.truncate(helps + 1);
             last = with_errors(way[helps].clone(), noise)?;
             way[helps] = last.clone();
             count = helps;
         }
+        instead = instead.or_else(|| inputs(&last, noise));
+        warnings.extend(causes(&base, &last));
     }
+    warnings.extend(instead.clone());
     warnings.extend(at_bounds(&last.cal.parameters));
     warnings.extend(sensitive_starts(&last.cal.records));
     let steps: Vec<Step> = (0..count)
@@ -270,6 +288,7 @@ fn finished(
                 rivals: round.map_or(vec![], |r| {
                     r.rivals
                         .iter()
+                        .filter(|v| !part_of(v, &last))
                         .map(|v| Rival { law: v.law.clone(), at: v.at.clone(), delta_bic: v.worse })
                         .collect()
                 }),
@@ -295,15 +314,6 @@ fn finished(
     } else {
         (steps, vec![])
     };
-    // Where much is missing no constant is to blame alone.
-    if instead.is_none() && status != Status::NothingMissing && !repeats && whole.fit < MUCH {
-        hear(0.98, "constants that are held");
-        instead = held(&whole, catalogue, noise, candidates);
-    }
-    if status == Status::Unexplained {
-        warnings.extend(causes(&last, noise));
-    }
-    warnings.extend(instead.clone());
     for (law, why) in rounds.iter().flat_map(|r| &r.vetoed) {
         let text = format!("{law} fits, but evidence speaks against it: {why}");
         if !warnings.contains(&text) {
@@ -352,6 +362,12 @@ fn finished(
         warnings,
         stopped,
     })
+}
+
+/// Whether all of a rival is in the model by now.
+fn part_of(rival: &search::Rival, last: &Fitted) -> bool {
+    let own = label(&last.draft, 0);
+    rival.law.split(" + ").zip(rival.at.split(", ")).all(|named| own.contains(&named))
 }
 
 /// A fit once more, with the errors of its numbers.

@@ -48,7 +48,9 @@ pub(crate) fn page(
         helps.extend(shown(None, step, catalogue, None, &mut told));
     }
     page.section("What helps, but does not explain", helps);
-    page.section("The completed equation", completed(found));
+    if !found.steps.is_empty() || !found.partial.is_empty() {
+        page.section("The completed equation", completed(found));
+    }
     let maps: Vec<Element> =
         map::charts(&seen, &found.noise).into_iter().map(|(chart, said)| page.figure(chart, &said)).collect();
     page.section("Where the gap sits", located(found).into_iter().chain(maps));

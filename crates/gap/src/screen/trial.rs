@@ -194,9 +194,10 @@ fn grids(
             let fine = ground.resolution();
             // In a motion of one period every periodic lack can be written as forces at its multiples: they would explain anything.
             let own = 2.0 * std::f64::consts::PI / ground.motion.period;
+            let force = values[0].iter().all(|v| *v == values[0][0]);
             let echo = |w: f64| {
-                // At a frequency of the drive a force stands for anything that is missing.
-                ground.drive.iter().any(|line| (w - line).abs() < fine)
+                // At a frequency of the drive a force stands for anything that is missing; what multiplies the motion does not.
+                force && ground.drive.iter().any(|line| (w - line).abs() < fine)
                     || ground.motion.periodic && (w / own - (w / own).round()).abs() * own < 2.0 * fine
             };
             // Strong as a force, or far above the noise of a second derivative.
