@@ -32,7 +32,7 @@ struct Constant {
 pub(crate) struct Instead {
     /// In words.
     pub(crate) text: String,
-    /// Whether the data speak for it.
+    /// Whether the data speak for it: it needs fewer numbers, and says more.
     pub(crate) much_better: bool,
 }
 
@@ -112,7 +112,9 @@ pub(crate) fn held(
         worse.abs(),
         if worse < 0.0 { "lower" } else { "higher" }
     );
-    Some(Instead { text, much_better: worse < -WORTH })
+    // One number for another is the same thing under another name.
+    let simpler = size(&best.draft) + 1 < size(&last.draft);
+    Some(Instead { text, much_better: simpler && worse < -WORTH })
 }
 
 /// What the effects of a model are then.
