@@ -4,7 +4,7 @@ use crate::draft::Draft;
 use crate::drive::Drive;
 use crate::fitted::Fitted;
 use crate::verdict::EXPLAINED;
-use crate::whiteness::{lines, share};
+use crate::whiteness::{lines, mean_step, share};
 use phisindy_learn::Effort;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Differentiator, Interpolation, Record, Signal, noise_level, standard_deviation};
@@ -81,7 +81,7 @@ fn drift(time: &[f64], residual: &[f64], column: &[f64], name: &str, of: &str) -
 
 /// A residual that is one tone above all, for no law of a force has to be behind it.
 fn tone(record: &Record, residual: &[f64], drive: Option<&mut Drive<'_>>, of: &str) -> Option<String> {
-    let step = step(record);
+    let step = mean_step(&record.time);
     let line = *lines(residual, step, 1, 0).first()?;
     let part = share(residual, line * step);
     // What is slower than the record is no tone, and what answers the drive is what the model lacks.
@@ -175,9 +175,4 @@ fn noisier(record: &Record, how: Differentiator, draw: usize) -> Option<(Record,
         out.inputs[k] = Signal::new(out.inputs[k].time().clone(), values, out.inputs[k].kind()).ok()?;
     }
     Some((out, of))
-}
-
-/// The mean step of time.
-fn step(record: &Record) -> f64 {
-    (record.time[record.len() - 1] - record.time[0]) / (record.len() - 1) as f64
 }

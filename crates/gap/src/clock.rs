@@ -5,7 +5,7 @@ use crate::drive::Drive;
 use crate::fitted::Fitted;
 use crate::held::numbers;
 use crate::search::{Search, label};
-use crate::whiteness::lines;
+use crate::whiteness::{lines, mean_step};
 use crate::workflow::shortened;
 use phisindy_learn::Effort;
 use phisindy_phys::spec::{self, Role};
@@ -18,6 +18,9 @@ const OFF: f64 = 0.1;
 const HELPS: f64 = 0.9;
 /// A gap that falls to this part of what it was has found its cause, whatever else is missing.
 const CAUSE: f64 = 1.0 / 3.0;
+
+/// How far the workflow is by now.
+const LATE: f64 = 0.97;
 
 /// A drive at another frequency than the spec says.
 pub(crate) struct Off {
@@ -39,7 +42,9 @@ pub(crate) fn clock(base: &Fitted, search: &mut Search<'_>) -> Option<Off> {
     let cause = alone.fit < CAUSE * base.fit && gap(&alone) < CAUSE * gap(base);
     let mut best = alone;
     if !best.explains() && best.fit < HELPS * base.fit && shortened(&best.draft.records).is_none() {
-        let searched = best.settled().and_then(|draft| search.run(draft));
+        let mut hear = |_: f64, what: &str| (search.hear)(LATE, what);
+        let mut beside = Search { hear: &mut hear, ..*search };
+        let searched = best.settled().and_then(|draft| beside.run(draft));
         best = searched.ok().map(|s| s.last).filter(Fitted::explains).unwrap_or(best);
     }
     let explains = best.explains();
@@ -67,7 +72,7 @@ pub(crate) fn clock(base: &Fitted, search: &mut Search<'_>) -> Option<Off> {
 fn starts(draft: &Draft) -> Vec<f64> {
     let mut all = vec![1.0];
     for record in draft.records.iter().filter(|r| r.role == Role::Fit) {
-        let step = (record.time[record.len() - 1] - record.time[0]) / (record.len() - 1) as f64;
+        let step = mean_step(&record.time);
         let driven = Drive::new(&draft.case.system, record).map_or(vec![], |mut drive| drive.lines());
         for column in record.columns.iter().flatten() {
             let own = lines(column, step, 1, 0);

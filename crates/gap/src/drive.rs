@@ -1,6 +1,6 @@
 //! What drives a record: the part of the known rates that is there while everything stands still.
 
-use crate::whiteness::{lines, share};
+use crate::whiteness::{lines, mean_step, share};
 use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::{Record, System};
 
@@ -70,7 +70,7 @@ impl<'a> Drive<'a> {
     /// The lines of the drive (rad/s), rate by rate.
     pub(crate) fn lines(&mut self) -> Vec<f64> {
         let (n, first) = (self.record.len(), self.record.time[0]);
-        let step = (self.record.time[n - 1] - first) / (n - 1) as f64;
+        let step = mean_step(&self.record.time);
         let rates: Vec<Vec<f64>> = (0..n).map(|i| self.at(first + i as f64 * step)).collect();
         let of = |k: usize| {
             let rate: Vec<f64> = rates.iter().map(|r| r[k]).collect();

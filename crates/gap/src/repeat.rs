@@ -1,6 +1,6 @@
 //! How well the motion itself repeats: no model of a rig can be asked to be better than the rig.
 
-use crate::whiteness::lines;
+use crate::whiteness::{lines, mean_step};
 use phisindy_phys::{Record, standard_deviation};
 
 /// A motion counts as periodic if its best periodic prediction misses less than this part of it.
@@ -25,7 +25,7 @@ pub struct Repeat {
 /// Cycle-to-cycle scatter of a column. `None` where the motion is not periodic, has fewer than four cycles, or where cycles differ by a trend (a transient is not scatter).
 pub fn repeatability(record: &Record, column: &[f64]) -> Option<Repeat> {
     let n = column.len();
-    let step = (record.time[n - 1] - record.time[0]) / (n - 1) as f64;
+    let step = mean_step(&record.time);
     let uniform = record.time.windows(2).all(|t| (t[1] - t[0] - step).abs() < 0.01 * step);
     let first = *lines(column, step, 1, 0).first()?;
     if !uniform {
@@ -73,8 +73,7 @@ pub(crate) fn prediction(
     continued: &[f64],
 ) -> Option<Repeat> {
     let own = repeatability(before, column)?;
-    let n = column.len();
-    let step = (before.time[n - 1] - before.time[0]) / (n - 1) as f64;
+    let step = mean_step(&before.time);
     let deviation = standard_deviation(continued);
     let mut best: Option<(f64, f64)> = None;
     for k in -10..=10 {

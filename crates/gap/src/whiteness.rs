@@ -76,6 +76,11 @@ fn periodogram(values: &[f64]) -> Vec<f64> {
     spectrum.iter().map(|z| z.norm_sqr()).collect()
 }
 
+/// The mean step of a time grid of two samples or more.
+pub(crate) fn mean_step(time: &[f64]) -> f64 {
+    (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64
+}
+
 /// The strongest frequencies (rad/s) of a uniformly sampled signal, refined between bins, strongest first. The power of its noise is taken
 /// to rise with this power of the frequency: 4 for the second derivative of white noise.
 pub(crate) fn lines(values: &[f64], step: f64, count: usize, rise: i32) -> Vec<f64> {

@@ -1,7 +1,7 @@
 //! The whole workflow: noise, where, what, add, how it ends.
 
 use crate::causes::{causes, inputs};
-use crate::clock::{Off, clock};
+use crate::clock::clock;
 use crate::draft::Draft;
 use crate::drive::Drive;
 use crate::effect::{Effect, Entry};
@@ -236,7 +236,7 @@ fn finished(
     let whole = last.clone();
     // Where much is missing no constant is to blame alone.
     let mut instead = None;
-    if status != Status::NothingMissing && !repeats && whole.fit < MUCH {
+    if status != Status::NothingMissing && !repeats && !stopped && whole.fit < MUCH {
         (search.hear)(0.95, "constants that are held");
         if let Some(found) = held(&whole, search.catalogue, noise, candidates) {
             if found.much_better {
@@ -247,24 +247,27 @@ fn finished(
     }
     if status == Status::Unexplained {
         (search.hear)(0.97, "other causes");
-        let off = if instead.is_none() { clock(&base, search) } else { None };
-        let (off, part): (Vec<Off>, Vec<Off>) = off.into_iter().partition(|off| off.explains);
-        warnings.extend(part.into_iter().map(|off| off.text));
-        let off = off.into_iter().next().map(|off| off.text);
+        let off = if instead.is_none() && !stopped { clock(&base, search) } else { None };
         // Beside a drive at the wrong frequency no effect means anything.
-        let helps = if off.is_some() { 0 } else { helpful(&way) };
-        if off.is_none() {
-            let steps = way[helps..].iter().skip(1).enumerate();
-            warnings.extend(steps.filter_map(|(k, with)| refused(&whole, helps + k, &way[helps], with)));
+        let nothing_holds = off.as_ref().is_some_and(|off| off.explains);
+        let helps = if nothing_holds { 0 } else { helpful(&way) };
+        match off {
+            Some(off) if nothing_holds => instead = Some(off.text),
+            off => {
+                warnings.extend(off.map(|off| off.text));
+                let rest = way[helps..].iter().skip(1).enumerate();
+                warnings.extend(rest.filter_map(|(k, with)| refused(&whole, helps + k, &way[helps], with)));
+            }
         }
-        instead = instead.or(off);
         if helps < count {
             way.truncate(helps + 1);
             last = with_errors(way[helps].clone(), noise)?;
             way[helps] = last.clone();
             count = helps;
         }
-        instead = instead.or_else(|| inputs(&last, noise));
+        if instead.is_none() && !stopped {
+            instead = inputs(&last, noise);
+        }
         warnings.extend(causes(&base, &last));
     }
     warnings.extend(instead.clone());

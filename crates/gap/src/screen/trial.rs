@@ -6,7 +6,7 @@ use crate::effect::Effect;
 use crate::motion::Motion;
 use crate::place::{Place, Site};
 use crate::recipe::{Recipe, Scale};
-use crate::whiteness::lines;
+use crate::whiteness::{lines, mean_step};
 use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::System;
 
@@ -186,7 +186,7 @@ fn grids(
         places.extend(values[outputs - 1].iter().copied());
         if recipe.grid.iter().any(|(s, _)| *s == Scale::Frequency) {
             let Site::Force { state, .. } = &effect.place.site else { continue };
-            let step = (ground.motion.time[samples - 1] - ground.motion.time[0]) / (samples - 1) as f64;
+            let step = mean_step(&ground.motion.time);
             // The missing rate, times what the law multiplies its oscillation with.
             let lack: Vec<f64> = (0..samples)
                 .map(|i| (ground.slope(i, *state, n) - ground.rates[i * n + state]) * values[0][i])
