@@ -44,9 +44,15 @@ pub fn suspicions(system: &System, record: &Record) -> Vec<String> {
         }
     }
     let whole = found.len() == before;
-    for (input, signal) in system.inputs.iter().zip(&record.inputs) {
-        cut(&input.name, signal.values(), &mut found);
-        if !repeated(&input.name, signal.values(), Some(signal.kind()), &mut found) {
+    for (k, (input, signal)) in system.inputs.iter().zip(&record.inputs).enumerate() {
+        // What an input was before it was smoothed for its derivative.
+        let raw = record.derivations.iter().find(|d| d.of == k).map(|d| d.column.as_slice());
+        let values = raw.unwrap_or(signal.values());
+        cut(&input.name, values, &mut found);
+        let derived = record.derivations.iter().any(|d| d.input == k);
+        let stands = repeated(&input.name, values, Some(signal.kind()), &mut found);
+        let follows = derived && repeats(record);
+        if !stands && !follows {
             coarse(&input.name, signal, &mut found);
         }
     }
@@ -96,13 +102,18 @@ fn rounded(name: &str, column: &[f64], found: &mut Vec<String>) -> bool {
     true
 }
 
+/// Whether an input from which others are derived repeats its values: what is guessed of those between samples follows from that.
+fn repeats(record: &Record) -> bool {
+    record.derivations.iter().any(|d| stairs(&d.column).is_some())
+}
+
 /// Whether each value of a column stands until the next one comes: of an input so it may have been.
 fn repeated(name: &str, column: &[f64], input: Option<Interpolation>, found: &mut Vec<String>) -> bool {
     let Some(length) = stairs(column).filter(|_| input != Some(Interpolation::Hold)) else { return false };
     let help = match input {
-        None => "write each value once, at the time when it was measured".to_owned(),
+        None => format!("keep only the rows in which it changes, one in {length}"),
         Some(_) => format!(
-            "if the actuator held it, too, say `interpolate: {{ \"{name}\": Hold }}`; if not, write each value once, at the time when it was measured"
+            "if the actuator held it, too, say `interpolate: {{ \"{name}\": Hold }}`; if not, keep only the rows in which it changes"
         ),
     };
     found.push(format!(
