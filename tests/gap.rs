@@ -338,7 +338,7 @@ fn a_drive_off_its_frequency_is_told_beside_friction() {
 fn a_stiffness_that_swings_beside_a_tone_of_the_drive_is_found() {
     let record = |seed: u32, role: &str| {
         format!(
-            "Synthetic(inputs: {{ \"F\": Multisine(band: (0.5, 3.0), count: 8, amplitude: 0.3) }}, truth: {{ \"v\": \"-0.3*cos(1.25*t+0.4)*x\" }}, \
+            "Synthetic(inputs: {{ \"F\": Multisine(band: (0.5, 3.0), count: 8, amplitude: 0.3) }}, truth: {{ \"v\": \"-0.3*cos(3.2*t+0.4)*x\" }}, \
              start: {{ \"x\": 0.3, \"v\": 0.0 }}, duration: 60.0, step: 0.03, noise: Additive(0.02), seed: {seed}, role: {role})"
         )
     };
