@@ -44,11 +44,22 @@ pub(crate) fn causes(base: &Fitted, last: &Fitted) -> Vec<String> {
     told
 }
 
-/// The noise of the measured inputs, where most of what is left may come from it: in words.
+/// The noise of the measured inputs, where much of what is left may come from it, in words: the same inputs with as much noise once more lead the model as far from where it went.
 pub(crate) fn inputs(last: &Fitted, noise: &[Vec<f64>]) -> Option<String> {
-    let left = last.fit.powi(2) - 1.0;
-    let Noisy { names, made } = noise_of_inputs(last, noise)?;
-    (last.fit > EXPLAINED && made > PART * left).then(|| {
+    if last.fit <= EXPLAINED {
+        return None;
+    }
+    let settled = last.settled().ok()?;
+    let (draws, of): (Vec<Draft>, Vec<Vec<usize>>) =
+        (0..DRAWS).filter_map(|draw| disturbed(&settled, draw)).unzip();
+    let names: Vec<&str> = of.first()?.iter().map(|k| settled.case.system.inputs[*k].name.as_str()).collect();
+    if names.is_empty() {
+        return None;
+    }
+    let apart: Vec<f64> = draws.into_par_iter().filter_map(|draft| parted(last, draft, noise)).collect();
+    // The square of the gap that it alone leaves, but for the noise of what it is compared with.
+    let made = apart.iter().sum::<f64>() / apart.len() as f64;
+    (made > PART * (last.fit.powi(2) - 1.0)).then(|| {
         format!(
             "what changes in {} from sample to sample, as noise does, moves the model and not the rig: so much noise alone leaves a gap of about {:.2} on the fitted data, where {:.2} is left; measure that input with less noise, or say in the spec what was commanded",
             names.join(" and "),
@@ -99,58 +110,22 @@ fn tone(record: &Record, residual: &[f64], drive: Option<&mut Drive<'_>>, of: &s
     })
 }
 
-/// What the noise of the measured inputs does to the model: how far the same inputs with as much noise once more lead it from where it went, and the inputs.
-fn noise_of_inputs(last: &Fitted, noise: &[Vec<f64>]) -> Option<Noisy> {
-    let system = &last.draft.case.system;
-    let settled = last.settled().ok()?;
-    let mut names: Vec<String> = Vec::new();
-    let draws: Vec<Draft> = (0..DRAWS)
-        .filter_map(|draw| {
-            let mut draft = settled.clone();
-            for (r, record) in draft.records.iter_mut().enumerate().filter(|(_, d)| d.role == Role::Fit) {
-                let how = draft.case.records[r]
-                    .differentiators
-                    .first()
-                    .copied()
-                    .unwrap_or(Differentiator::Spectral);
-                let (noisy, of) = noisier(record, how, draw)?;
-                *record = noisy;
-                names.extend(of.into_iter().map(|k| system.inputs[k].name.clone()));
-            }
-            Some(draft)
-        })
-        .collect();
-    names.sort();
-    names.dedup();
-    if names.is_empty() {
-        return None;
+/// A model with as much noise once more on the measured inputs of its Fit records, and those inputs.
+fn disturbed(draft: &Draft, draw: usize) -> Option<(Draft, Vec<usize>)> {
+    let (mut out, mut all) = (draft.clone(), Vec::new());
+    for (record, plan) in out.records.iter_mut().zip(&draft.case.records).filter(|(r, _)| r.role == Role::Fit)
+    {
+        let (noisy, of) = noisier(record, &plan.differentiators, draw)?;
+        *record = noisy;
+        all.extend(of);
     }
-    let parted = draws.into_par_iter().filter_map(|draft| {
-        let other = Fitted::new(draft, noise, Effort::Thorough).ok()?;
-        let (mut sum, mut count) = (0.0, 0usize);
-        let pairs = other.cal.records.iter().zip(&last.cal.records).zip(noise);
-        for ((other, own), noise) in pairs.filter(|((own, _), _)| own.role == Role::Fit) {
-            for ((a, b), noise) in other.residuals.iter().zip(&own.residuals).zip(noise) {
-                sum += a.iter().zip(b).map(|(a, b)| ((a - b) / noise).powi(2)).sum::<f64>();
-                count += a.len();
-            }
-        }
-        Some(sum / count.max(1) as f64)
-    });
-    let parted: Vec<f64> = parted.collect();
-    let made = parted.iter().sum::<f64>() / parted.len().max(1) as f64;
-    made.is_finite().then_some(Noisy { names, made })
-}
-
-/// What the noise of inputs leaves.
-struct Noisy {
-    names: Vec<String>,
-    /// The square of the gap that it alone leaves, but for the noise of what it is compared with.
-    made: f64,
+    all.sort_unstable();
+    all.dedup();
+    Some((out, all))
 }
 
 /// A record whose measured inputs have as much noise once more, with those of which that is so; what is derived from them follows.
-fn noisier(record: &Record, how: Differentiator, draw: usize) -> Option<(Record, Vec<usize>)> {
+fn noisier(record: &Record, how: &[Differentiator], draw: usize) -> Option<(Record, Vec<usize>)> {
     let (mut out, mut of) = (record.clone(), Vec::new());
     let mut disturb = |k: usize, values: &mut Vec<f64>| {
         let sigma = noise_level(values);
@@ -163,8 +138,8 @@ fn noisier(record: &Record, how: Differentiator, draw: usize) -> Option<(Record,
     for derivation in &mut out.derivations {
         disturb(derivation.of, &mut derivation.column);
     }
-    if !out.derivations.is_empty() {
-        out = out.rederived(how)?;
+    if let Some(derivation) = out.derivations.first() {
+        out = out.rederived(how[derivation.input])?;
     }
     let derived = |k: usize| out.derivations.iter().any(|d| d.of == k || d.input == k);
     let measured = |k: &usize| !derived(*k) && out.inputs[*k].kind() != Interpolation::Hold;
@@ -175,4 +150,18 @@ fn noisier(record: &Record, how: Differentiator, draw: usize) -> Option<(Record,
         out.inputs[k] = Signal::new(out.inputs[k].time().clone(), values, out.inputs[k].kind()).ok()?;
     }
     Some((out, of))
+}
+
+/// The mean square, in units of the noise, by which another model's residuals differ on Fit records.
+fn parted(last: &Fitted, other: Draft, noise: &[Vec<f64>]) -> Option<f64> {
+    let other = Fitted::new(other, noise, Effort::Thorough).ok()?;
+    let (mut sum, mut count) = (0.0, 0usize);
+    let records = other.cal.records.iter().zip(&last.cal.records).zip(noise);
+    for ((other, own), noise) in records.filter(|((own, _), _)| own.role == Role::Fit) {
+        for ((a, b), noise) in other.residuals.iter().zip(&own.residuals).zip(noise) {
+            sum += a.iter().zip(b).map(|(a, b)| ((a - b) / noise).powi(2)).sum::<f64>();
+            count += a.len();
+        }
+    }
+    Some(sum / count.max(1) as f64)
 }

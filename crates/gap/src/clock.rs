@@ -2,6 +2,7 @@
 
 use crate::draft::Draft;
 use crate::drive::Drive;
+use crate::effect::substitute;
 use crate::fitted::Fitted;
 use crate::held::numbers;
 use crate::search::{Search, label};
@@ -18,6 +19,8 @@ const OFF: f64 = 0.1;
 const HELPS: f64 = 0.9;
 /// A gap that falls to this part of what it was has found its cause, whatever else is missing.
 const CAUSE: f64 = 1.0 / 3.0;
+/// Two starts as near as this are one.
+const ONE: f64 = 1e-3;
 
 /// How far the workflow is by now.
 const LATE: f64 = 0.97;
@@ -80,22 +83,21 @@ fn starts(draft: &Draft) -> Vec<f64> {
             all.extend(pairs.filter(|ratio| (ratio - 1.0).abs() < OFF));
         }
     }
-    let apart = |a: &f64, b: &f64| (a - b).abs() < 1e-3;
     all.sort_by(f64::total_cmp);
-    all.dedup_by(|a, b| apart(a, b));
+    all.dedup_by(|a, b| (*a - *b).abs() < ONE);
     all
 }
 
 /// The model whose known rates run in a time of their own, and the constant that says how fast it goes; `None` where they do not know the time.
 fn freed(base: &Draft, start: f64) -> Option<(Draft, String)> {
     let (spec, _) = spec::read(&base.text, SourceId(0)).ok()?;
-    let taken = |name: &str| base.text.contains(name);
-    let name = (0..).map(|k| format!("clock{k}")).find(|name| !taken(name))?;
+    let name = (0..).map(|k| format!("clock{k}")).find(|name| !base.text.contains(name))?;
+    let own_time = [("t".to_owned(), format!("({name}*t)"))];
     let constant = format!("(value: {start:?}, unit: \"1\", within: ({:?}, {:?}))", 1.0 - OFF, 1.0 + OFF);
     let mut text = splice::set(&base.text, &format!("constants.{name}"), &constant).ok()?;
     let mut timed = false;
     for (state, rate) in &spec.known {
-        let other = in_time(&rate.value, &format!("({name}*t)"));
+        let other = substitute(&rate.value, &own_time);
         timed |= other != rate.value;
         text = splice::set(&text, &format!("known.{}", state.value), &format!("{other:?}")).ok()?;
     }
@@ -103,33 +105,4 @@ fn freed(base: &Draft, start: f64) -> Option<(Draft, String)> {
         return None;
     }
     Some((base.rebuilt(text, vec![], vec![]).ok()?, name))
-}
-
-/// An expression with its time written otherwise.
-fn in_time(expression: &str, time: &str) -> String {
-    let part_of_name = |c: char| c.is_alphanumeric() || c == '_';
-    let mut out = String::new();
-    let mut rest = expression;
-    while let Some(first) = rest.chars().next() {
-        let end = if part_of_name(first) {
-            rest.find(|c| !part_of_name(c)).unwrap_or(rest.len())
-        } else {
-            first.len_utf8()
-        };
-        out += if &rest[..end] == "t" { time } else { &rest[..end] };
-        rest = &rest[end..];
-    }
-    out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_the_time_is_written_otherwise() {
-        let other = in_time("F*cos(2.5*t + t0) - dt*tanh(t)/(t_1+t)", "(s*t)");
-        assert_eq!(other, "F*cos(2.5*(s*t) + t0) - dt*tanh((s*t))/(t_1+(s*t))");
-        assert_eq!(in_time("-k*x", "(s*t)"), "-k*x");
-    }
 }

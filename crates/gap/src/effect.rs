@@ -355,6 +355,11 @@ mod tests {
     fn names_are_replaced_whole_and_at_once() {
         let with = [("x".to_owned(), "v".to_owned()), ("v".to_owned(), "(x-y)".to_owned())];
         assert_eq!(substitute("x*exp(v)+1e-6*ex", &with), "v*exp((x-y))+1e-6*ex");
+        // The time is a name like any other.
+        let time = [("t".to_owned(), "(s*t)".to_owned())];
+        let other = substitute("F*cos(2.5*t + t0) - dt*tanh(t)/(t_1+t)", &time);
+        assert_eq!(other, "F*cos(2.5*(s*t) + t0) - dt*tanh((s*t))/(t_1+(s*t))");
+        assert_eq!(substitute("-k*x", &time), "-k*x");
     }
 
     /// Where only states and inputs have units, and these do not fit without a mass, a constant with a unit would turn a warning into a mistake.

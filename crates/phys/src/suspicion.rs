@@ -49,9 +49,9 @@ pub fn suspicions(system: &System, record: &Record) -> Vec<String> {
         let raw = record.derivations.iter().find(|d| d.of == k).map(|d| d.column.as_slice());
         let values = raw.unwrap_or(signal.values());
         cut(&input.name, values, &mut found);
-        let derived = record.derivations.iter().any(|d| d.input == k);
         let stands = repeated(&input.name, values, Some(signal.kind()), &mut found);
-        let follows = derived && repeats(record);
+        // What is guessed of a derivative between samples follows from what it is the derivative of.
+        let follows = record.derivations.iter().any(|d| d.input == k && stairs(&d.column).is_some());
         if !stands && !follows {
             coarse(&input.name, signal, &mut found);
         }
@@ -100,11 +100,6 @@ fn rounded(name: &str, column: &[f64], found: &mut Vec<String>) -> bool {
         50.0 * step / size
     ));
     true
-}
-
-/// Whether an input from which others are derived repeats its values: what is guessed of those between samples follows from that.
-fn repeats(record: &Record) -> bool {
-    record.derivations.iter().any(|d| stairs(&d.column).is_some())
 }
 
 /// Whether each value of a column stands until the next one comes: of an input so it may have been.
