@@ -9,9 +9,10 @@ use phisindy_expr::Span;
 use phisindy_gap::{Effect, Entry, asked, written_in};
 use phisindy_phys::spec::{ColumnSpec, CsvSpec, InputSpec, Role, Text};
 use phisindy_phys::{
-    Case, Diagnostic, Interpolation, Origin, Record, RecordPlan, Severity, Signal, SourceId, Sources, Table,
-    Units, link_continuations, overlaps, strongest_line, suspicions, unit::Unit,
+    Case, Diagnostic, Origin, Record, RecordPlan, Severity, SourceId, Sources, Table, Units,
+    link_continuations, overlaps, suspicions, unit::Unit,
 };
+use phisindy_signal::{Interpolation, Signal, strongest_line};
 use phisindy_sim::{SyntheticError, Trajectory, synthesize};
 use std::fs::File;
 use std::io::{self, Read};

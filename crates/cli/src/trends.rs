@@ -1,7 +1,9 @@
 //! The trends that `detrend` takes off, shared by the records of one file.
 
-use phisindy_phys::spec::{CsvSpec, Detrend};
-use phisindy_phys::{Table, Trend, Units};
+use phisindy_phys::spec::CsvSpec;
+use phisindy_phys::{Table, Units};
+use phisindy_signal::Detrend;
+use phisindy_signal::Trend;
 
 /// Trends of the columns met so far. The windows of a file share the trend of the first one: a window that continues another one would
 /// begin with a jump if each had its own, and a Validate window must not be fitted, not even to a line.

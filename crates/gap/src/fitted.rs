@@ -6,7 +6,8 @@ use crate::verdict::EXPLAINED;
 use crate::whiteness::{COLOURED, score};
 use phisindy_learn::{Calibration, Effort, FoundParameter, RecordFit, calibrate};
 use phisindy_phys::spec::Role;
-use phisindy_phys::{Parameter, Record, noise_level, standard_deviation};
+use phisindy_phys::{Parameter, Record};
+use phisindy_signal::{noise_level, standard_deviation};
 
 /// A clean column still counts as known to this part of its standard deviation: the simulation itself is not better.
 const CLEAN: f64 = 1e-5;

@@ -1,7 +1,7 @@
 //! Mistakes in a file that no missing effect explains: columns of two bodies exchanged, a unit that is off by a factor.
 
 use crate::fitted::Fitted;
-use phisindy_phys::{noise_level, standard_deviation};
+use phisindy_signal::{noise_level, standard_deviation};
 
 /// A column that is this many times what the model gives, in its very shape, has the wrong unit.
 const SCALE: f64 = 5.0;

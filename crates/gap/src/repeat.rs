@@ -1,7 +1,8 @@
 //! How well the motion itself repeats: no model of a rig can be asked to be better than the rig.
 
 use crate::whiteness::{lines, mean_step};
-use phisindy_phys::{Record, standard_deviation};
+use phisindy_phys::Record;
+use phisindy_signal::standard_deviation;
 
 /// A motion counts as periodic if its best periodic prediction misses less than this part of it.
 const PERIODIC: f64 = 0.1;

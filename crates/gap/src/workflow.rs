@@ -17,7 +17,8 @@ use crate::search::{self, Measure, Search, Searched, label};
 use crate::verdict::{helpful, refused, status};
 use phisindy_learn::{Effort, at_bounds, dead_column, sensitive_starts};
 use phisindy_phys::spec::Role;
-use phisindy_phys::{Case, Record, System, splice, standard_deviation};
+use phisindy_phys::{Case, Record, System, splice};
+use phisindy_signal::standard_deviation;
 use std::ops::ControlFlow;
 
 /// A motion that is followed to this many times what it repeats to is explained.

@@ -6,7 +6,8 @@ use crate::linear::covariance;
 use crate::problem::{Meaning, Problem, Segment};
 use faer::Mat;
 use phisindy_phys::spec::Role;
-use phisindy_phys::{Record, System, noise_level, standard_deviation};
+use phisindy_phys::{Record, System};
+use phisindy_signal::{noise_level, standard_deviation};
 use phisindy_sim::{Options, SimError, Trajectory};
 
 /// A model with all its numbers: what a fit leaves behind.

@@ -8,7 +8,8 @@ use crate::onestep::OneStep;
 use crate::train::StepOptions;
 use phisindy_expr::{Cost, Id, Scratch, Tape, wide};
 use phisindy_phys::spec::Crossings;
-use phisindy_phys::{Record, System, standard_deviation};
+use phisindy_phys::{Record, System};
+use phisindy_signal::standard_deviation;
 use rayon::prelude::*;
 use std::sync::Mutex;
 

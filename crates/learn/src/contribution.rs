@@ -4,7 +4,8 @@ use crate::identified::{Contribution, Identified};
 use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::spec::Role;
 use phisindy_phys::unit::{Dimension, Unit};
-use phisindy_phys::{Record, System, strongest_line};
+use phisindy_phys::{Record, System};
+use phisindy_signal::strongest_line;
 use phisindy_sim::{Automaton, Trajectory};
 
 /// A motion of which at least this part lies in one line of its spectrum goes in cycles.

@@ -5,7 +5,8 @@ use crate::fit::Fit;
 use crate::least_squares::Normal;
 use crate::linear::solve_damped;
 use crate::problem::Problem;
-use phisindy_phys::{Differentiator, Record};
+use phisindy_phys::Record;
+use phisindy_signal::Differentiator;
 
 /// Half of a 95 % interval in standard errors.
 const REACH: f64 = 1.959_963_984_540_054;

@@ -7,7 +7,8 @@ use crate::least_squares::{Limits, Normal};
 use crate::noise::ColumnNoise;
 use crate::problem::{ColumnResidual, Meaning, Noise, Problem};
 use phisindy_phys::spec::SegmentsSpec;
-use phisindy_phys::{Record, System, chance_of_white, effective_samples, noise_level};
+use phisindy_phys::{Record, System};
+use phisindy_signal::{chance_of_white, effective_samples, noise_level};
 
 /// Segments of the stages that a fit from scratch goes through.
 const STAGES: [usize; 3] = [20, 5, 1];

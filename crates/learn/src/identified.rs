@@ -1,7 +1,8 @@
 //! What identification returns: terms with error bars, parameters, the fit of every record, a verdict.
 
+use phisindy_phys::System;
 use phisindy_phys::spec::{Method, Role};
-use phisindy_phys::{System, noise_level};
+use phisindy_signal::noise_level;
 use phisindy_sim::Trajectory;
 
 /// A number with its uncertainty.

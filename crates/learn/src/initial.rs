@@ -5,7 +5,8 @@
 
 use crate::linear::{solve_damped, symmetric};
 use phisindy_expr::{Id, Scratch, Tape, Unary};
-use phisindy_phys::{Differentiator, Record, System, differentiate};
+use phisindy_phys::{Record, System};
+use phisindy_signal::{Differentiator, differentiate};
 use rayon::prelude::*;
 
 /// Samples per stretch at most.

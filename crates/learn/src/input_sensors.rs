@@ -3,7 +3,8 @@
 //! The model gets `(u + d w - o)/g` in the place of such an input `u`: offset `o` and gain `g` are parameters of a run. A run reads the input earlier by its
 //! delay, so that the number `d` is zero; the derivative by it is the input's slope `w`, which is one more input.
 
-use phisindy_phys::{Interpolation, Model, Record, Signal};
+use phisindy_phys::{Model, Record};
+use phisindy_signal::{Interpolation, Signal};
 use std::borrow::Cow;
 
 /// The inputs with such sensors, with their columns and slopes in each record.

@@ -6,7 +6,8 @@
 use crate::input_sensors::InputSensors;
 use crate::looks::{Looks, Seen};
 use crate::noise::ColumnNoise;
-use phisindy_phys::{Record, Sensor, System, standard_deviation};
+use phisindy_phys::{Record, Sensor, System};
+use phisindy_signal::standard_deviation;
 use phisindy_sim::{Automaton, Drive, Options, SimError, Trajectory, simulate};
 use rayon::prelude::*;
 

@@ -6,7 +6,8 @@ use phisindy_learn::{
     unknown_parts,
 };
 use phisindy_phys::spec::Role;
-use phisindy_phys::{Case, Origin, Record, SensorParameter, standard_deviation};
+use phisindy_phys::{Case, Origin, Record, SensorParameter};
+use phisindy_signal::standard_deviation;
 use phisindy_sim::synthesize;
 use std::ops::ControlFlow;
 

@@ -9,8 +9,8 @@ use crate::spec::{
     Text,
 };
 use crate::system::System;
-use crate::{Differentiator, Interpolation};
 use phisindy_expr::Id;
+use phisindy_signal::{Differentiator, Interpolation};
 use std::collections::HashMap;
 
 /// What all records have.

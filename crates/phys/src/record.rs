@@ -1,12 +1,12 @@
 //! A record: sampled data of one run, in SI, checked against the system.
 
-use crate::derivative::{Differentiated, Differentiator, differentiate};
 use crate::plan::{Origin, RecordPlan};
 use crate::sensor::Sensor;
 use crate::spec::{ColumnSpec, CsvSpec, Role, Text};
 use crate::system::System;
 use crate::unit::Unit;
-use crate::{Diagnostic, Signal, SignalError, SourceId};
+use crate::{Diagnostic, SourceId};
+use phisindy_signal::{Differentiated, Differentiator, Signal, SignalError, differentiate};
 use std::sync::Arc;
 
 /// One run as it was sampled.

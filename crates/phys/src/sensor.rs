@@ -1,6 +1,6 @@
 //! Sensors: how a column differs from the quantity that it measures.
 
-use crate::{Interpolation, Signal, SignalError};
+use phisindy_signal::{Interpolation, Signal, SignalError};
 use std::sync::Arc;
 
 /// A sensor parameter: held, or found in the fit.
@@ -26,7 +26,8 @@ impl SensorParameter {
 /// What a column says: `gain * quantity(t - delay) + offset`.
 ///
 /// ```
-/// use phisindy_phys::{Interpolation, Sensor, SensorParameter};
+/// use phisindy_phys::{Sensor, SensorParameter};
+/// use phisindy_signal::Interpolation;
 /// // A laser whose zero is off by 2 mm.
 /// let laser = Sensor { offset: SensorParameter::held(2e-3), ..Sensor::default() };
 /// let place = laser.undone(&[0.0, 0.1].into(), vec![2e-3, 5e-3], Interpolation::Linear).unwrap();

@@ -12,11 +12,10 @@ mod read;
 pub(crate) mod reader;
 mod record;
 
-pub use crate::derivative::Differentiator;
-pub use crate::interpolate::Interpolation;
 pub use read::read;
 
 use phisindy_expr::Span;
+use phisindy_signal::{Detrend, Differentiator, Interpolation};
 
 /// A value and where it stands.
 #[derive(Clone, Debug, PartialEq)]
@@ -195,19 +194,10 @@ pub struct CsvSpec {
     pub constants: Vec<(Text, ConstantSpec)>,
     /// The mean of each n rows in place of them, n at least 1.
     pub decimate: Option<Spanned<u32>>,
-    /// What is taken off these columns before anything else sees them.
+    /// What is taken off these columns before anything else sees them, as the first record of their file and rows has it.
     pub detrend: Vec<(Text, Detrend)>,
     /// The whole record.
     pub span: Span,
-}
-
-/// What is taken off a column, as the first record of its file and rows has it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Detrend {
-    /// The mean.
-    Mean,
-    /// The straight line by least squares.
-    Linear,
 }
 
 /// How an input is computed.

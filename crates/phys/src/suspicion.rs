@@ -9,11 +9,11 @@ mod scatter;
 mod spikes;
 mod stairs;
 
-use crate::noise_level::quantum::quantum;
-use crate::{Interpolation, Record, Signal, System, noise_level, standard_deviation};
+use crate::{Record, System};
 use balance::balance;
 use frozen::frozen;
 use jumps::jumps;
+use phisindy_signal::{Interpolation, Signal, noise_level, quantum, standard_deviation};
 use rates::rates;
 use spikes::spikes;
 use stairs::stairs;

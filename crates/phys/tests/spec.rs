@@ -1,10 +1,11 @@
 //! Specs as texts: the contract's examples read, places are exact, and every mistake of form is named.
 
 use phisindy_phys::spec::{
-    ConstantSpec, DataSpec, DeriveSpec, InputSpec, Interpolation, Method, NoiseSpec, Optimiser, Role,
-    SegmentsSpec, SelectionSpec, SensorValue, Spec, Text, read,
+    ConstantSpec, DataSpec, DeriveSpec, InputSpec, Method, NoiseSpec, Optimiser, Role, SegmentsSpec,
+    SelectionSpec, SensorValue, Spec, Text, read,
 };
 use phisindy_phys::{Diagnostic, SourceId};
+use phisindy_signal::Interpolation;
 use proptest::prelude::*;
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 //! Seeded random streams, one per purpose, and the noise of sensors.
 
-use phisindy_phys::standard_deviation;
+use phisindy_signal::standard_deviation;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;

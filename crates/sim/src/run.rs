@@ -6,7 +6,7 @@ use crate::events::Search;
 use crate::field::Field;
 use crate::sensitivity::Sensitivity;
 use crate::trajectory::{Drive, Options, SimError, Trajectory};
-use phisindy_phys::Interpolation;
+use phisindy_signal::Interpolation;
 
 /// A step spans no more samples than this, so that a burst of force on something at rest cannot be stepped over.
 const SAMPLES_A_STEP: f64 = 32.0;

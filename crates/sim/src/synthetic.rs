@@ -6,9 +6,9 @@ use crate::{Automaton, Drive, Options, SimError, Trajectory, simulate};
 use phisindy_expr::{Id, Scratch, Tape};
 use phisindy_phys::spec::{InputSpec, NoiseSpec};
 use phisindy_phys::{
-    Derivation, Interpolation, Record, RecordPlan, Signal, Synthetic, SyntheticInput, System, Value,
-    derivation_note, differentiate,
+    Derivation, Record, RecordPlan, Synthetic, SyntheticInput, System, Value, derivation_note,
 };
+use phisindy_signal::{Interpolation, Signal, differentiate};
 use std::fmt;
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 //! What goes into a run and what comes out: drive, options, events, samples, errors.
 
-use phisindy_phys::Signal;
+use phisindy_signal::Signal;
 use std::fmt;
 
 /// What drives a run: inputs as functions of time, and numbers for the parameters.

@@ -4,7 +4,7 @@ mod common;
 
 use approx::assert_abs_diff_eq;
 use common::{Case, grid, story};
-use phisindy_phys::{Interpolation, Signal};
+use phisindy_signal::{Interpolation, Signal};
 use std::sync::Arc;
 
 fn signal(time: &[f64], value: impl Fn(f64) -> f64, kind: Interpolation) -> Signal {

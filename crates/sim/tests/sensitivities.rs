@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Case, grid};
-use phisindy_phys::{Interpolation, Signal};
+use phisindy_signal::{Interpolation, Signal};
 use std::sync::Arc;
 
 /// All derivatives of the case by central differences with two Richardson steps, at the sample times.

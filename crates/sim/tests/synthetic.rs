@@ -2,7 +2,8 @@
 
 use approx::assert_abs_diff_eq;
 use phisindy_phys::spec::InputSpec;
-use phisindy_phys::{Interpolation, Origin, Record, Signal, SourceId, check, spec};
+use phisindy_phys::{Origin, Record, SourceId, check, spec};
+use phisindy_signal::{Interpolation, Signal};
 use phisindy_sim::{ExcitationError, SyntheticError, Trajectory, synthesize};
 use std::sync::Arc;
 

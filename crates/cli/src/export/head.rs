@@ -2,7 +2,8 @@
 
 use super::identifier::Identifiers;
 use super::subject::{Quantity, Subject};
-use phisindy_phys::{Interpolation, Sensor};
+use phisindy_phys::Sensor;
+use phisindy_signal::Interpolation;
 
 /// The rule that decides sticking, in words.
 pub(crate) const RULE: [&str; 6] = [

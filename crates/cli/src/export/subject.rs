@@ -6,9 +6,9 @@ use phisindy_expr::{Id, parse};
 use phisindy_phys::spec::{ConstantSpec, DataSpec, Movable, Number, Role, Spec, Text};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{
-    Case, Diagnostic, Interpolation, Model, Origin, Sensor, SourceId, Sources, System, Value, check_names,
-    spec,
+    Case, Diagnostic, Model, Origin, Sensor, SourceId, Sources, System, Value, check_names, spec,
 };
+use phisindy_signal::Interpolation;
 use phisindy_sim::Switched;
 use std::collections::HashSet;
 use std::path::Path;

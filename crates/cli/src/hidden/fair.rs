@@ -4,7 +4,7 @@ use super::effect::{Action, Effect};
 use super::motion::{Course, Motion, motion};
 use super::rig::{Drive, Rig};
 use super::rivals::{Seen, along, largest};
-use phisindy_phys::standard_deviation;
+use phisindy_signal::standard_deviation;
 
 /// A start known to this part of the noise must predict the record to that part of it, or the gap cannot end below 1.05.
 const START_ERROR: f64 = 0.1;

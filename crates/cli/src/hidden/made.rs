@@ -12,7 +12,7 @@ use super::rivals::{Judgement, Seen, along, judge, largest};
 use super::told::{alternatives, described, hidden};
 use super::truth::{Gaps, Truth};
 use super::wish::{HOLDING, Kind, Wish};
-use phisindy_phys::standard_deviation;
+use phisindy_signal::standard_deviation;
 use phisindy_sim::{Noise, Streams, add_noise};
 
 /// Draws before giving up.

@@ -3,8 +3,8 @@
 use super::data::{Column, Model, Part, Seen};
 use super::table::unit;
 use crate::chart::{Axis, Chart, Mark, Panel, Place, Swatch, WIDTH, digits, legend};
-use phisindy_phys::autocorrelation;
 use phisindy_phys::spec::Role;
+use phisindy_signal::autocorrelation;
 
 const HIGH: f64 = 150.0;
 const LEFT: f64 = 70.0;

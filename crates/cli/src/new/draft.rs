@@ -344,7 +344,7 @@ impl Draft {
         let swing = self.roles.angle && self.roles.place.is_some() && 0.5 * (whole.1 - whole.0) > LARGE_ANGLE;
         let grow = time.windows(2).position(|w| w[1] <= w[0]).map_or(time.len(), |k| k + 1);
         time.truncate(grow);
-        let line = phisindy_phys::strongest_line(&time, &place[..grow.min(place.len())]);
+        let line = phisindy_signal::strongest_line(&time, &place[..grow.min(place.len())]);
         // Periods per unit of the file's time.
         let frequency = line.map(|l| l.frequency * self.unit(self.clock.column));
         self.stops = stops(&self.time()[chosen.clone()], &self.values(self.moving())[chosen], frequency);

@@ -1,6 +1,6 @@
 //! First numbers for the constants: a regression on smoothed derivatives. Only good enough to start from.
 
-use phisindy_phys::{automatic, standard_deviation};
+use phisindy_signal::{automatic, standard_deviation};
 
 /// More rows say no more about a start value.
 const MOST: usize = 20_000;

@@ -1,6 +1,7 @@
 //! What the numbers of one column look like.
 
-use phisindy_phys::{Line, automatic, clipped, noise_level, standard_deviation, strongest_line};
+use phisindy_phys::clipped;
+use phisindy_signal::{Line, automatic, noise_level, standard_deviation, strongest_line};
 use std::ops::Range;
 
 /// Noise and stops are estimated on at most so many rows.

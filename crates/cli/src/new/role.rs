@@ -4,7 +4,7 @@ use super::clock::{Clock, is_counter};
 use super::heading::{Heading, Kind, SPEEDS, factor};
 use super::look::Look;
 use super::survey::Survey;
-use phisindy_phys::{automatic, standard_deviation};
+use phisindy_signal::{automatic, standard_deviation};
 use std::ops::Range;
 
 const PLACES: &[&str] = &[

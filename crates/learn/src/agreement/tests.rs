@@ -4,7 +4,8 @@ use super::*;
 use crate::assess::assess;
 use crate::straight::{STEP, fitted, lever, records, scatter};
 use approx::assert_relative_eq;
-use phisindy_phys::{Case, effective_samples};
+use phisindy_phys::Case;
+use phisindy_signal::effective_samples;
 
 const SIGMA: f64 = 0.3;
 const SAMPLES: usize = 120;

@@ -3,8 +3,9 @@
 use super::*;
 use crate::straight::{STEP, fitted_terms, lever, records, scatter};
 use approx::assert_relative_eq;
+use phisindy_phys::Case;
 use phisindy_phys::spec::Role;
-use phisindy_phys::{Case, standard_deviation};
+use phisindy_signal::standard_deviation;
 
 /// A level and a slope of the rate of `x`.
 const LINE: &str =

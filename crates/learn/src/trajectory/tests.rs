@@ -4,7 +4,8 @@ use super::*;
 use crate::identified::Verdict;
 use crate::straight::{STEP, fitted, fitted_terms, lever, records, scatter};
 use approx::assert_relative_eq;
-use phisindy_phys::{SensorParameter, effective_samples};
+use phisindy_phys::SensorParameter;
+use phisindy_signal::effective_samples;
 
 const SIGMA: f64 = 0.1;
 const SAMPLES: usize = 100;
@@ -63,7 +64,11 @@ fn what_is_told_of_a_line_is_its_regression() {
         (Verdict::Identified, Method::Trajectory, false)
     );
     // By the column where nothing was fitted, by what is left where it was.
-    assert_relative_eq!(found.records[0].noise[0].1, phisindy_phys::noise_level(&calm), max_relative = 1e-12);
+    assert_relative_eq!(
+        found.records[0].noise[0].1,
+        phisindy_signal::noise_level(&calm),
+        max_relative = 1e-12
+    );
     assert_eq!((found.records[1].noise[0].0.as_str(), found.records[1].noise.len()), ("x", 1));
     assert_relative_eq!(found.records[1].noise[0].1, left.sqrt(), max_relative = 0.1);
     assert_eq!(found.noise_model, "additive");

@@ -2,11 +2,9 @@
 
 use super::limits::SAMPLES;
 use super::reader::{Fields, Reader};
-use super::{
-    ColumnSpec, CsvSpec, DeriveSpec, Detrend, Differentiator, Interpolation, NoiseSpec, Number, Role,
-    Spanned, SyntheticSpec, Text,
-};
+use super::{ColumnSpec, CsvSpec, DeriveSpec, NoiseSpec, Number, Role, Spanned, SyntheticSpec, Text};
 use crate::raw::{Node, Shape};
+use phisindy_signal::{Detrend, Differentiator, Interpolation};
 
 impl Reader<'_> {
     pub(super) fn csv(&mut self, node: &Node) -> Option<CsvSpec> {

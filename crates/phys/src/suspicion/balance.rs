@@ -4,8 +4,9 @@
 //! Nothing is differentiated twice: with a test function `f` that vanishes with its slope at both ends of a stretch, the integral of `f v'` is that of `-f' v`, and of
 //! `f'' x`. Both sides are such integrals over half a period each.
 
-use crate::{Differentiator, Record, Signal, System, strongest_line};
+use crate::{Record, System};
 use phisindy_expr::{Binary, Graph, Id, Node, Scratch, Tape, Unary};
+use phisindy_signal::{Differentiator, Signal, strongest_line};
 use std::f64::consts::{PI, TAU};
 use std::ops::{Range, RangeInclusive};
 
@@ -379,7 +380,7 @@ fn replaced(system: &System, record: &Record, columns: Vec<(usize, Vec<f64>)>) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::derivative::test_signals::gaussian;
+    use phisindy_signal::test_signals::gaussian;
 
     /// What is told of a body on a spring to a base that moves, driven by a force besides: `x` measured, `v` not. Constants as given; columns in the order x, u, F.
     fn told(m: f64, c: f64, k: f64, order: [usize; 3], scale: [f64; 3]) -> String {

@@ -1,8 +1,6 @@
 //! Stretches in which a logger repeats its last value.
 
-use crate::noise_level;
-use crate::noise_level::quantum::rounding_error;
-use crate::spread::standard_deviation;
+use phisindy_signal::{noise_level, rounding_error, standard_deviation};
 use std::ops::Range;
 
 /// Fewer equal samples are no stretch.
@@ -57,7 +55,7 @@ fn catches_up(column: &[f64], stretch: &Range<usize>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::derivative::test_signals::{gaussian, stick_slip};
+    use phisindy_signal::test_signals::{gaussian, stick_slip};
 
     /// A swing with noise of this standard deviation.
     fn swing(noise: f64) -> Vec<f64> {

@@ -1,7 +1,7 @@
 //! A displacement that is elsewhere from one sample to the next, and stays there: no body does that, a sensor that slips does.
 
 use super::scatter;
-use crate::noise_level::median;
+use phisindy_signal::median;
 
 /// A step that is so many times the scatter of the samples ...
 const JUMP: f64 = 10.0;
@@ -85,7 +85,7 @@ fn shifted(time: &[f64], x: &[f64], v: &[f64]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::derivative::test_signals::{gaussian, stick_slip};
+    use phisindy_signal::test_signals::{gaussian, stick_slip};
 
     /// Time, displacement and velocity of a swing with noise of this part of each.
     fn swing(noise: f64) -> (Vec<f64>, Vec<f64>, Vec<f64>) {

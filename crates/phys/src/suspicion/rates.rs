@@ -1,6 +1,7 @@
 //! A velocity is the rate of its displacement. Where it is not, a unit is wrong, a sensor is mounted the other way round, or columns are swapped.
 
-use crate::{Record, System, noise_level, standard_deviation};
+use crate::{Record, System};
+use phisindy_signal::{noise_level, standard_deviation};
 
 /// A scale between a displacement and its velocity beyond this is a mistake in a unit and not a sensor out of tune.
 const SCALE: f64 = 3.0;
@@ -192,7 +193,7 @@ fn factor(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::derivative::test_signals::gaussian;
+    use phisindy_signal::test_signals::gaussian;
 
     /// Two bodies and the base `u`, each with a motion of its own, in a file of which two columns may be exchanged: what is told.
     fn told(exchange: Option<(usize, usize)>, modes: [[f64; 3]; 3]) -> String {

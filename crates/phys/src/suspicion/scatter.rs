@@ -1,7 +1,6 @@
 //! How far a sample lies from the mean of its neighbours, and how far samples do: by medians, which spikes do not move.
 
-use crate::noise_level::median;
-use crate::noise_level::quantum::rounding_error;
+use phisindy_signal::{median, rounding_error};
 
 /// Median of |normal|, times the standard deviation of `e1 - (e0 + e2)/2`.
 const UNIT: f64 = 0.674_489_750_196_081_7 * 1.224_744_871_391_589;

@@ -33,7 +33,7 @@ pub(super) fn spikes(column: &[f64]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::derivative::test_signals::gaussian;
+    use phisindy_signal::test_signals::gaussian;
 
     /// A swing with noise of this standard deviation.
     fn swing(noise: f64) -> Vec<f64> {

@@ -31,7 +31,7 @@ pub(super) fn stairs(column: &[f64]) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::derivative::test_signals::{gaussian, stick_slip};
+    use phisindy_signal::test_signals::{gaussian, stick_slip};
 
     fn swing(noise: f64) -> Vec<f64> {
         gaussian(3000, 5).iter().enumerate().map(|(i, e)| (0.03 * i as f64).sin() + noise * e).collect()

@@ -1,7 +1,8 @@
 //! Models of the tests and short words to run them.
 #![allow(dead_code, unreachable_pub, missing_docs)]
 
-use phisindy_phys::{Model, Signal};
+use phisindy_phys::Model;
+use phisindy_signal::Signal;
 use phisindy_sim::{Automaton, Drive, Options, SimError, Trajectory, simulate};
 
 /// A model with numbers: what a test runs.

@@ -1,5 +1,6 @@
 //! The strongest line in the spectrum of a column.
 
+use crate::trend::{Detrend, Trend};
 use realfft::RealFftPlanner;
 
 /// Longer columns are read on a coarser grid: no motion of interest has so many periods.
@@ -20,7 +21,7 @@ pub struct Line {
 /// ```
 /// let time: Vec<f64> = (0..1000).map(|i| 0.01 * f64::from(i)).collect();
 /// let swing: Vec<f64> = time.iter().map(|t| (2.0 * std::f64::consts::PI * 1.23 * t).sin()).collect();
-/// let line = phisindy_phys::strongest_line(&time, &swing).unwrap();
+/// let line = phisindy_signal::strongest_line(&time, &swing).unwrap();
 /// assert!((line.frequency - 1.23).abs() < 0.005 && line.share > 0.9);
 /// ```
 pub fn strongest_line(time: &[f64], values: &[f64]) -> Option<Line> {
@@ -42,8 +43,7 @@ pub fn strongest_line(time: &[f64], values: &[f64]) -> Option<Line> {
         let part = ((t - time[k]) / (time[k + 1] - time[k])).clamp(0.0, 1.0);
         even.push(values[k] + part * (values[k + 1] - values[k]));
     }
-    let trend =
-        crate::Trend::of(&(0..n).map(|i| i as f64).collect::<Vec<_>>(), &even, crate::spec::Detrend::Linear);
+    let trend = Trend::of(&(0..n).map(|i| i as f64).collect::<Vec<_>>(), &even, Detrend::Linear);
     let mut windowed: Vec<f64> = even
         .iter()
         .enumerate()
@@ -72,6 +72,70 @@ pub fn strongest_line(time: &[f64], values: &[f64]) -> Option<Line> {
     Some(Line { frequency: bin / (n as f64 * step), share: around / total })
 }
 
+/// Power at the frequencies k/n, k = 0 .. n/2, Hann window, mean removed.
+pub(crate) fn periodogram(values: &[f64]) -> Vec<f64> {
+    let n = values.len();
+    let mean = values.iter().sum::<f64>() / n as f64;
+    let mut windowed: Vec<f64> = values
+        .iter()
+        .enumerate()
+        .map(|(i, v)| (v - mean) * (std::f64::consts::PI * (i as f64 + 0.5) / n as f64).sin().powi(2))
+        .collect();
+    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(n);
+    let mut spectrum = transform.make_output_vec();
+    // The buffers come from the plan, so the transform cannot fail.
+    let _ = transform.process(&mut windowed, &mut spectrum);
+    spectrum.iter().map(|z| z.norm_sqr()).collect()
+}
+
+/// The mean step of a time grid of two samples or more.
+pub fn mean_step(time: &[f64]) -> f64 {
+    (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64
+}
+
+/// The strongest frequencies (rad/s) of a uniformly sampled signal, refined between bins, strongest first. The power of its noise is taken
+/// to rise with this power of the frequency: 4 for the second derivative of white noise.
+pub fn strongest_lines(values: &[f64], step: f64, count: usize, rise: i32) -> Vec<f64> {
+    let n = values.len();
+    if n < 16 {
+        return vec![];
+    }
+    let power: Vec<f64> =
+        periodogram(values).iter().enumerate().map(|(k, p)| p / (k.max(1) as f64).powi(rise)).collect();
+    let mut peaks: Vec<usize> =
+        (1..power.len() - 1).filter(|&k| power[k] > power[k - 1] && power[k] >= power[k + 1]).collect();
+    peaks.sort_unstable_by(|&a, &b| power[b].total_cmp(&power[a]));
+    let mut chosen: Vec<f64> = Vec::new();
+    for k in peaks {
+        // A parabola through the logarithms.
+        let [a, b, c] = [power[k - 1], power[k], power[k + 1]].map(|p| p.max(f64::MIN_POSITIVE).ln());
+        let bend = a - 2.0 * b + c;
+        let at = k as f64 + if bend < 0.0 { 0.5 * (a - c) / bend } else { 0.0 };
+        let omega = 2.0 * std::f64::consts::PI * at / (n as f64 * step);
+        if chosen.iter().all(|w| (w - omega).abs() * n as f64 * step > 2.0 * std::f64::consts::PI * 2.5) {
+            chosen.push(omega);
+        }
+        if chosen.len() == count {
+            break;
+        }
+    }
+    chosen
+}
+
+/// The part of the variance of values that oscillates at so many radians per sample.
+pub fn tone_share(values: &[f64], turn: f64) -> f64 {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let (mut re, mut im, mut power) = (0.0, 0.0, 0.0);
+    for (i, value) in values.iter().enumerate() {
+        let (sin, cos) = (turn * i as f64).sin_cos();
+        re += (value - mean) * cos;
+        im += (value - mean) * sin;
+        power += (value - mean).powi(2);
+    }
+    if power > 0.0 { 2.0 * (re * re + im * im) / (n * power) } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -91,5 +155,24 @@ mod tests {
         assert_eq!(strongest_line(&time, &vec![3.0; 100]), None);
         assert_eq!(strongest_line(&time, &time), None);
         assert_eq!(strongest_line(&time[..3], &time[..3]), None);
+    }
+
+    #[test]
+    fn a_line_is_found_between_bins() {
+        let x: Vec<f64> = (0..2000).map(|i| (0.1234 * f64::from(i)).cos()).collect();
+        let found = strongest_lines(&x, 0.1, 1, 0);
+        assert!((found[0] - 1.234).abs() < 2e-3, "{found:?}");
+        assert!(strongest_lines(&x[..15], 0.1, 1, 0).is_empty());
+    }
+
+    #[test]
+    fn a_tone_holds_its_part_of_the_power() {
+        let tones: Vec<f64> = (0..5000)
+            .map(|i| 3.0 + (0.07 * f64::from(i)).sin() + 0.5 * (0.31 * f64::from(i) + 1.0).cos())
+            .collect();
+        for (turn, due) in [(0.07, 0.8), (0.31, 0.2), (0.2, 0.0)] {
+            let found = tone_share(&tones, turn);
+            assert!((found - due).abs() < 0.01, "{turn}: {found}");
+        }
     }
 }

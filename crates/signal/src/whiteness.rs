@@ -2,6 +2,7 @@
 //! share, are not.
 
 use crate::noise_level::median;
+use crate::spectrum::periodogram;
 use realfft::RealFftPlanner;
 
 /// Fewer samples than this tell nothing.
@@ -17,7 +18,7 @@ const NARROW: usize = 4;
 /// ```
 /// let noise: Vec<f64> = (0..2000_u32).map(|i| f64::from(i.wrapping_mul(2_654_435_769) >> 16) / 65536.0 - 0.5).collect();
 /// let line: Vec<f64> = noise.iter().enumerate().map(|(i, e)| e + 0.2 * (0.1 * i as f64).sin()).collect();
-/// assert!(phisindy_phys::chance_of_white(&line) < 1e-6);
+/// assert!(phisindy_signal::chance_of_white(&line) < 1e-6);
 /// ```
 pub fn chance_of_white(residual: &[f64]) -> f64 {
     let n = residual.len();
@@ -54,6 +55,61 @@ fn upper_tail(power: &[f64], level: f64) -> f64 {
     let z = (ratio.cbrt() - (1.0 - 1.0 / (9.0 * m))) * (9.0 * m).sqrt();
     // An upper bound of the tail of a normal number, good where it is small.
     if z <= 1.0 { 1.0 } else { (-0.5 * z * z).exp() / (z * (2.0 * std::f64::consts::PI).sqrt()) }
+}
+
+/// `(mean power in the band of the motion / mean power above - 1) sqrt(bins in the band)` of a residual, by a Hann periodogram: about a standard normal number for
+/// white noise, in the hundreds for a missing effect. `motion` is the column, which says where its band ends. 0 for records too short to tell.
+pub fn whiteness_score(residual: &[f64], motion: &[f64]) -> f64 {
+    let n = residual.len();
+    if n < 64 || motion.len() != n {
+        return 0.0;
+    }
+    let (left, column) = (periodogram(residual), periodogram(motion));
+    let bins = left.len();
+    let edge = band(&column);
+    // The floor: the upper part, without lines.
+    let above = &left[edge..];
+    let floor = trimmed_mean(above);
+    if floor <= 0.0 {
+        return if left[..edge].iter().any(|p| *p > 0.0) { f64::INFINITY } else { 0.0 };
+    }
+    let inside = left[1..edge].iter().sum::<f64>() / (edge - 1) as f64;
+    // Neighbouring bins of a Hann window are correlated: 1.94 bins count as one.
+    let wide = (inside / floor - 1.0) * ((edge - 1) as f64 / 1.94).sqrt();
+    // Where lines or slow drifts hold it all, a narrow band sees them better.
+    let narrow_edge = (bins / 50).clamp(16, edge.max(17) - 1);
+    let narrow = left[1..narrow_edge].iter().sum::<f64>() / (narrow_edge - 1) as f64;
+    let narrow = (narrow / floor - 1.0) * ((narrow_edge - 1) as f64 / 1.94).sqrt();
+    // The mean, which the periodogram leaves out: white noise of this floor has one of sqrt(floor / energy of the window / n).
+    let mean = residual.iter().sum::<f64>() / n as f64;
+    let variance = floor / (n as f64 * 0.375);
+    let level = mean.abs() / (variance / n as f64).sqrt();
+    wide.max(narrow).max(level)
+}
+
+/// The bin where the motion's band ends: from there up its power is that of the noise. Between a twentieth and a half of the axis.
+fn band(column: &[f64]) -> usize {
+    let bins = column.len();
+    let floor = trimmed_mean(&column[bins / 2..]);
+    let block = (bins / 64).max(4);
+    let mut edge = bins / 20;
+    for start in (0..bins / 2).step_by(block) {
+        let slice = &column[start..(start + block).min(bins)];
+        if slice.iter().sum::<f64>() / slice.len() as f64 > 3.0 * floor {
+            edge = edge.max(start + block);
+        }
+    }
+    edge.clamp((bins / 20).max(17), (bins / 2).max(18))
+}
+
+/// Mean of exponentially distributed powers from the lower nine tenths.
+fn trimmed_mean(power: &[f64]) -> f64 {
+    let mut sorted = power.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let kept = (sorted.len() * 9 / 10).max(1).min(sorted.len());
+    // The lower 90 % of an exponential of mean 1 have the mean 1 - 0.1 ln(10)/0.9.
+    let share = 1.0 - 0.1 * 10f64.ln() / 0.9;
+    sorted[..kept].iter().sum::<f64>() / kept.max(1) as f64 / share
 }
 
 #[cfg(test)]
@@ -100,5 +156,27 @@ mod tests {
         assert_eq!(chance_of_white(&[]), 1.0);
         assert_eq!(chance_of_white(&[0.0; 500]), 1.0);
         assert_eq!(chance_of_white(&[f64::NAN; 500]), 0.0);
+    }
+
+    #[test]
+    fn noise_is_white_and_a_faint_line_is_not() {
+        let n = 4000;
+        let motion: Vec<f64> = (0..n).map(|i| 30.0 * (0.05 * i as f64).sin()).collect();
+        let mut left = noise(n, 1);
+        let column: Vec<f64> = motion.iter().zip(&left).map(|(a, b)| a + b).collect();
+        assert!(whiteness_score(&left, &column).abs() < 4.0, "{}", whiteness_score(&left, &column));
+        // A line of a third of the noise: gap 1.05.
+        left.iter_mut().zip(&motion).for_each(|(l, m)| *l += m / 30.0 * 0.45);
+        assert!(whiteness_score(&left, &column) > 6.0, "{}", whiteness_score(&left, &column));
+    }
+
+    /// Too short to tell, nothing at all, or a line without any noise round it.
+    #[test]
+    fn the_ends_of_the_score() {
+        let motion: Vec<f64> =
+            (0..1024).map(|i| (std::f64::consts::TAU * f64::from(i) / 64.0).cos()).collect();
+        assert_eq!(whiteness_score(&noise(63, 1), &motion[..63]), 0.0);
+        assert_eq!(whiteness_score(&noise(64, 1), &motion[..65]), 0.0);
+        assert_eq!(whiteness_score(&[0.0; 1024], &motion), 0.0);
     }
 }

@@ -1,5 +1,5 @@
-use super::test_signals::*;
 use super::*;
+use crate::test_signals::*;
 
 const ALL: [Differentiator; 3] =
     [Differentiator::SavitzkyGolay, Differentiator::Spline, Differentiator::Spectral];

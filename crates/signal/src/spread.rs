@@ -3,7 +3,7 @@
 /// Root of the mean squared deviation from the mean (divided by n); 0 for nothing.
 ///
 /// ```
-/// assert_eq!(phisindy_phys::standard_deviation(&[1.0, 3.0]), 1.0);
+/// assert_eq!(phisindy_signal::standard_deviation(&[1.0, 3.0]), 1.0);
 /// ```
 pub fn standard_deviation(values: &[f64]) -> f64 {
     if values.is_empty() {

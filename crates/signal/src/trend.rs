@@ -1,6 +1,13 @@
 //! The mean or the straight line of a column.
 
-use crate::spec::Detrend;
+/// What is taken off a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Detrend {
+    /// The mean.
+    Mean,
+    /// The straight line by least squares.
+    Linear,
+}
 
 /// `offset + slope * (time - at)`
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +24,7 @@ impl Trend {
     /// The trend of a column by least squares.
     ///
     /// ```
-    /// use phisindy_phys::{Trend, spec::Detrend};
+    /// use phisindy_signal::{Detrend, Trend};
     /// let trend = Trend::of(&[0.0, 1.0, 2.0], &[1.0, 3.0, 5.0], Detrend::Linear);
     /// assert_eq!((trend.at, trend.offset, trend.slope), (1.0, 3.0, 2.0));
     /// ```

@@ -10,7 +10,7 @@ const GAP: f64 = 5.0;
 /// time that do not fill a block are left out, and so are those at the end.
 ///
 /// ```
-/// let mut blocks = phisindy_phys::Blocks::new(2);
+/// let mut blocks = phisindy_signal::Blocks::new(2);
 /// assert_eq!(blocks.push(0.0, &[1.0]), None);
 /// assert_eq!(blocks.push(0.1, &[3.0]), Some((0.05, [2.0].as_slice())));
 /// ```

@@ -10,12 +10,12 @@ const LEAST_REPEATS: f64 = 0.02;
 /// Standard deviation of the rounding of a quantised column, step/sqrt(12); 0 if none is found.
 ///
 /// A column at rest shows no noise, but it still does not know its value better than its step.
-pub(crate) fn rounding_error(values: &[f64]) -> f64 {
+pub fn rounding_error(values: &[f64]) -> f64 {
     quantum(values, LEAST_LEVELS).unwrap_or(0.0) / f64::sqrt(12.0)
 }
 
 /// The smallest change from sample to sample, if samples often repeat, all changes are multiples of it, and there are this many levels.
-pub(crate) fn quantum(values: &[f64], least_levels: usize) -> Option<f64> {
+pub fn quantum(values: &[f64], least_levels: usize) -> Option<f64> {
     let scale = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let changes = || values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     // Equal up to rounding is equal.
@@ -41,7 +41,7 @@ pub(crate) fn quantum(values: &[f64], least_levels: usize) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::rounding_error;
-    use crate::derivative::test_signals::{gaussian, stick_slip};
+    use crate::test_signals::{gaussian, stick_slip};
 
     fn swing(f: impl Fn(f64) -> f64) -> Vec<f64> {
         (0..2000).map(|i| f((0.005 * f64::from(i)).sin())).collect()

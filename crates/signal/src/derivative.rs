@@ -4,8 +4,6 @@ mod local;
 mod spectral;
 mod spline;
 #[cfg(test)]
-pub(crate) mod test_signals;
-#[cfg(test)]
 mod tests;
 
 use crate::interpolate::{SignalError, check_samples};
@@ -78,12 +76,12 @@ pub struct Differentiated {
 /// Different lengths, fewer than 5 samples, a number that is not finite, or times that do not increase.
 ///
 /// ```
-/// use phisindy_phys::{Differentiator, differentiate};
+/// use phisindy_signal::{Differentiator, differentiate};
 /// let time: Vec<f64> = (0..200).map(|i| 0.01 * f64::from(i)).collect();
 /// let values: Vec<f64> = time.iter().map(|t| (3.0 * t).sin()).collect();
 /// let slope = differentiate(&time, &values, Differentiator::SavitzkyGolay)?;
 /// assert!((slope.derivative[100] - 3.0 * 3f64.cos()).abs() < 1e-5);
-/// # Ok::<(), phisindy_phys::SignalError>(())
+/// # Ok::<(), phisindy_signal::SignalError>(())
 /// ```
 pub fn differentiate(
     time: &[f64],
@@ -106,9 +104,9 @@ pub fn differentiate(
 /// ```
 /// let time: Vec<f64> = (0..50).map(|i| 0.1 * f64::from(i)).collect();
 /// let line: Vec<f64> = time.iter().map(|t| 2.0 - 0.5 * t).collect();
-/// let slope = phisindy_phys::automatic(&time, &line)?;
+/// let slope = phisindy_signal::automatic(&time, &line)?;
 /// assert!(slope.derivative.iter().all(|d| (d + 0.5).abs() < 1e-12));
-/// # Ok::<(), phisindy_phys::SignalError>(())
+/// # Ok::<(), phisindy_signal::SignalError>(())
 /// ```
 pub fn automatic(time: &[f64], values: &[f64]) -> Result<Differentiated, SignalError> {
     differentiate(time, values, Differentiator::default())

@@ -90,11 +90,11 @@ pub(crate) fn check_samples(time: &[f64], values: &[f64], needed: usize) -> Resu
 ///
 /// ```
 /// use std::sync::Arc;
-/// use phisindy_phys::{Interpolation, Signal};
+/// use phisindy_signal::{Interpolation, Signal};
 ///
 /// let base = Signal::new(Arc::from([0.0, 1.0, 3.0]), vec![0.0, 2.0, 0.0], Interpolation::Linear)?;
 /// assert_eq!((base.value(2.0), base.slope(2.0)), (1.0, -1.0));
-/// # Ok::<(), phisindy_phys::SignalError>(())
+/// # Ok::<(), phisindy_signal::SignalError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Signal {

@@ -25,7 +25,7 @@ const LEAST_FLAT: f64 = 0.2;
 /// // A swing with a deterministic disturbance of +-0.01 that changes sign in a pattern without period.
 /// let pattern = |i: u32| if i.wrapping_mul(2_654_435_769).count_ones() % 2 == 0 { 0.01 } else { -0.01 };
 /// let column: Vec<f64> = (0..2000).map(|i| (0.02 * f64::from(i)).sin() + pattern(i)).collect();
-/// let level = phisindy_phys::noise_level(&column);
+/// let level = phisindy_signal::noise_level(&column);
 /// assert!((level - 0.01).abs() < 0.003);
 /// ```
 pub fn noise_level(values: &[f64]) -> f64 {
@@ -104,7 +104,7 @@ fn clipped_mean(power: &[f64]) -> f64 {
 }
 
 /// Median by selection; 0 for nothing.
-pub(crate) fn median(values: &mut [f64]) -> f64 {
+pub fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return 0.0;
     }
@@ -197,7 +197,7 @@ fn level_of_differences(values: &[f64]) -> f64 {
 ///
 /// ```
 /// let alternating_slowly: Vec<f64> = (0..1000).map(|i| (0.01 * f64::from(i)).sin()).collect();
-/// assert!(phisindy_phys::effective_samples(&alternating_slowly) < 20.0);
+/// assert!(phisindy_signal::effective_samples(&alternating_slowly) < 20.0);
 /// ```
 pub fn effective_samples(residual: &[f64]) -> f64 {
     let n = residual.len();
@@ -225,7 +225,7 @@ pub fn effective_samples(residual: &[f64]) -> f64 {
 /// the values do not vary.
 ///
 /// ```
-/// let alternating = phisindy_phys::autocorrelation(&[1.0, -1.0, 1.0, -1.0]);
+/// let alternating = phisindy_signal::autocorrelation(&[1.0, -1.0, 1.0, -1.0]);
 /// assert_eq!(alternating[..2], [1.0, -0.75]);
 /// ```
 pub fn autocorrelation(values: &[f64]) -> Vec<f64> {

@@ -1,5 +1,5 @@
 use super::*;
-use crate::derivative::test_signals::{gaussian, noisy, rig_twin, rms, stick_slip};
+use crate::test_signals::{gaussian, noisy, rig_twin, rms, stick_slip};
 
 fn deviation(values: &[f64]) -> f64 {
     let mean = values.iter().sum::<f64>() / values.len() as f64;

@@ -1,7 +1,7 @@
 //! Motions with known velocity, and noise, for tests.
 
 /// Standard normal numbers: SplitMix64 and the method of Box and Muller.
-pub(crate) fn gaussian(count: usize, seed: u64) -> Vec<f64> {
+pub fn gaussian(count: usize, seed: u64) -> Vec<f64> {
     let mut state = seed.wrapping_mul(0x2545_f491_4f6c_dd1d);
     let mut uniform = || {
         state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -19,16 +19,16 @@ pub(crate) fn gaussian(count: usize, seed: u64) -> Vec<f64> {
 }
 
 /// A mass on a spring and damper with dry friction on the ground: `x'' = drive(t) - c x' - k x - friction sgn x'`.
-pub(crate) struct Slider {
-    pub(crate) c: f64,
-    pub(crate) k: f64,
-    pub(crate) friction: f64,
-    pub(crate) substeps: usize,
+pub struct Slider {
+    pub c: f64,
+    pub k: f64,
+    pub friction: f64,
+    pub substeps: usize,
 }
 
 impl Slider {
     /// Displacement and velocity every `step`, by many small steps; a reversal within one is a stop to be examined.
-    pub(crate) fn run(&self, drive: impl Fn(f64) -> f64, step: f64, count: usize) -> (Vec<f64>, Vec<f64>) {
+    pub fn run(&self, drive: impl Fn(f64) -> f64, step: f64, count: usize) -> (Vec<f64>, Vec<f64>) {
         let h = step / self.substeps as f64;
         let (mut x, mut v) = (0.0_f64, 0.0_f64);
         let (mut xs, mut vs) = (Vec::new(), Vec::new());
@@ -54,7 +54,7 @@ impl Slider {
 }
 
 /// The laboratory rig's twin (cases 8-10): base `amplitude cos(omega t)`, 2 kHz, 10 s: time, x and x'.
-pub(crate) fn rig_twin(amplitude: f64, omega: f64) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+pub fn rig_twin(amplitude: f64, omega: f64) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     let (c, k) = (0.0658, 386.36);
     let slider = Slider { c, k, friction: 0.0856, substeps: 20 };
     let drive = move |t: f64| amplitude * (k * (omega * t).cos() - c * omega * (omega * t).sin());
@@ -63,17 +63,17 @@ pub(crate) fn rig_twin(amplitude: f64, omega: f64) -> (Vec<f64>, Vec<f64>, Vec<f
 }
 
 /// Case 1 of the paper in small: stick-slip under `cos t`-like forcing, 5000 samples at 0.01 s.
-pub(crate) fn stick_slip() -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+pub fn stick_slip() -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     let slider = Slider { c: 0.2, k: 1.0, friction: 0.5, substeps: 100 };
     let (x, v) = slider.run(|t| (0.6 * t).cos(), 0.01, 5000);
     ((0..5000).map(|i| f64::from(i) * 0.01).collect(), x, v)
 }
 
-pub(crate) fn rms(values: impl Iterator<Item = f64>) -> f64 {
+pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0), |(sum, count), v| (sum + v * v, count + 1));
     f64::sqrt(sum / f64::from(count.max(1)))
 }
 
-pub(crate) fn noisy(values: &[f64], sigma: f64, seed: u64) -> Vec<f64> {
+pub fn noisy(values: &[f64], sigma: f64, seed: u64) -> Vec<f64> {
     values.iter().zip(gaussian(values.len(), seed)).map(|(v, z)| v + sigma * z).collect()
 }
