@@ -9,7 +9,8 @@ mod scatter;
 mod spikes;
 mod stairs;
 
-use crate::{Record, System};
+use crate::system::equations::System;
+use crate::system::record::Record;
 use balance::balance;
 use frozen::frozen;
 use jumps::jumps;
@@ -280,12 +281,12 @@ mod tests {
     fn record(x: Vec<f64>, v: Vec<f64>) -> (System, Record) {
         let text = r#"(states: {"x": "m", "v": "m/s"}, known: {"x": "v", "v": "-x"}, unknown: {},
             data: [Csv(path: "a.csv", name: "a", time: "t", columns: {"x": ("x", "m"), "v": ("v", "m/s")})])"#;
-        let mut sources = crate::Sources::default();
+        let mut sources = crate::text::diagnostic::Sources::default();
         let id = sources.add("spec", text);
-        let (spec, _) = crate::spec::read(text, id).unwrap();
-        let (case, _) = crate::check(&spec, id).unwrap();
+        let (spec, _) = crate::text::spec::read(text, id).unwrap();
+        let (case, _) = crate::system::check::check(&spec, id).unwrap();
         let time = (0..x.len()).map(|i| 0.025 * i as f64).collect();
-        let table = crate::Table { time, columns: vec![x, v], lines: vec![], extent: None };
+        let table = crate::system::record::Table { time, columns: vec![x, v], lines: vec![], extent: None };
         let record = Record::from_table(&case.records[0], &table, &case.system, id).unwrap();
         (case.system, record)
     }

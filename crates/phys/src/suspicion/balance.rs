@@ -4,7 +4,8 @@
 //! Nothing is differentiated twice: with a test function `f` that vanishes with its slope at both ends of a stretch, the integral of `f v'` is that of `-f' v`, and of
 //! `f'' x`. Both sides are such integrals over half a period each.
 
-use crate::{Record, System};
+use crate::system::equations::System;
+use crate::system::record::Record;
 use phisindy_expr::{Binary, Graph, Id, Node, Scratch, Tape, Unary};
 use phisindy_signal::{Differentiator, Signal, strongest_line};
 use std::f64::consts::{PI, TAU};
@@ -389,10 +390,10 @@ mod tests {
             inputs: {{"u": "m", "du": "m/s", "F": "N"}}, known: {{"x": "v", "v": "(-c*(v-du) - k*(x-u) + F)/m"}}, unknown: {{}},
             data: [Csv(path: "a.csv", name: "a", time: "t", columns: {{"x": "a", "u": "b", "F": "c"}}, derive: {{"du": Derivative("u")}})])"#
         );
-        let mut sources = crate::Sources::default();
+        let mut sources = crate::text::diagnostic::Sources::default();
         let id = sources.add("spec", text.as_str());
-        let (spec, _) = crate::spec::read(&text, id).unwrap();
-        let (case, _) = crate::check(&spec, id).unwrap();
+        let (spec, _) = crate::text::spec::read(&text, id).unwrap();
+        let (case, _) = crate::system::check::check(&spec, id).unwrap();
         let time: Vec<f64> = (0..2500).map(|i| 0.01 * f64::from(i)).collect();
         // 2 kg on 600 N/m, friction of 0.5 N that the model lacks.
         let base = |t: f64| 4e-3 * (9.0 * t).sin() + 2e-3 * (23.0 * t + 1.0).sin();
@@ -414,7 +415,7 @@ mod tests {
             }
         }
         let columns = order.map(|k| columns[k].clone()).to_vec();
-        let table = crate::Table { time: time.clone(), columns, lines: vec![], extent: None };
+        let table = crate::system::record::Table { time: time.clone(), columns, lines: vec![], extent: None };
         let record = Record::from_table(&case.records[0], &table, &case.system, id).unwrap();
         let mut found = vec![];
         balance(&case.system, &record, &mut found);
@@ -476,7 +477,7 @@ mod tests {
 
     #[test]
     fn sums_come_apart() {
-        let model = crate::Model::build(
+        let model = crate::system::model::Model::build(
             &["x", "v"],
             &["u"],
             &["k", "m"],

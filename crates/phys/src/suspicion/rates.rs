@@ -1,6 +1,7 @@
 //! A velocity is the rate of its displacement. Where it is not, a unit is wrong, a sensor is mounted the other way round, or columns are swapped.
 
-use crate::{Record, System};
+use crate::system::equations::System;
+use crate::system::record::Record;
 use phisindy_signal::{noise_level, standard_deviation};
 
 /// A scale between a displacement and its velocity beyond this is a mistake in a unit and not a sensor out of tune.
@@ -200,10 +201,10 @@ mod tests {
         let text = r#"(states: {"x1": "m", "x2": "m", "v1": "m/s", "v2": "m/s"}, inputs: {"u": "m"},
             known: {"x1": "v1", "x2": "v2", "v1": "u-x1", "v2": "-x2"}, unknown: {},
             data: [Csv(path: "a.csv", name: "a", time: "t", columns: {"x1": "a", "x2": "b", "v1": "c", "v2": "d", "u": "e"})])"#;
-        let mut sources = crate::Sources::default();
+        let mut sources = crate::text::diagnostic::Sources::default();
         let id = sources.add("spec", text);
-        let (spec, _) = crate::spec::read(text, id).unwrap();
-        let (case, _) = crate::check(&spec, id).unwrap();
+        let (spec, _) = crate::text::spec::read(text, id).unwrap();
+        let (case, _) = crate::system::check::check(&spec, id).unwrap();
         let time: Vec<f64> = (0..2500).map(|i| 0.01 * f64::from(i)).collect();
         // Each motion is a sum of sines of 1.1, 2.9 and 5.3 rad/s.
         let motion = |body: usize, rate: bool, seed: u64| -> Vec<f64> {
@@ -226,7 +227,7 @@ mod tests {
         if let Some((i, j)) = exchange {
             columns.swap(i, j);
         }
-        let table = crate::Table { time: time.clone(), columns, lines: vec![], extent: None };
+        let table = crate::system::record::Table { time: time.clone(), columns, lines: vec![], extent: None };
         let record = Record::from_table(&case.records[0], &table, &case.system, id).unwrap();
         let mut found = vec![];
         rates(&case.system, &record, &mut found);

@@ -2,8 +2,8 @@
 
 use super::reader::Reader;
 use super::{ConstantSpec, Find, Movable, Number, SensorSpec, SensorValue, Text};
-use crate::diagnostic::Diagnostic;
-use crate::raw::{Node, Shape};
+use crate::text::diagnostic::Diagnostic;
+use crate::text::raw::{Node, Shape};
 
 /// How a constant may be written.
 const FORMS: &str = "a constant is 1.0, (1.0, \"kg\"), \"sqrt(k/m)\", (value: 1.0, unit: \"kg\", within: (0.5, 2.0)), \

@@ -2,7 +2,7 @@
 
 use super::reader::Reader;
 use super::{InputSpec, Number, Spanned};
-use crate::raw::Node;
+use crate::text::raw::Node;
 
 /// Most cosines of a sum.
 const MOST_COSINES: f64 = 1e5;

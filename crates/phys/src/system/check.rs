@@ -1,13 +1,13 @@
 //! Spec to [`System`]: every name resolved, every mistake of the file collected.
 
-use crate::constants::{Constants, Value};
-use crate::dimensions::dimensions;
-use crate::plan::{RecordPlan, plan_records};
-use crate::spec::{LearnSpec, Spec, Text, UnknownSpec};
-use crate::system::holds_sign;
-use crate::system::{Contact, Input, State, System, Term};
-use crate::unit::Unit;
-use crate::{Diagnostic, SourceId};
+use crate::system::constants::{Constants, Value};
+use crate::system::equations::holds_sign;
+use crate::system::equations::{Contact, Input, State, System, Term};
+use crate::system::plan::{RecordPlan, plan_records};
+use crate::text::diagnostic::{Diagnostic, SourceId};
+use crate::text::spec::{LearnSpec, Spec, Text, UnknownSpec};
+use crate::units::dimensions::dimensions;
+use crate::units::unit::Unit;
 use phisindy_expr::{Graph, Id, Names, Span, Symbol, nearest, ops, parse};
 use std::collections::{HashMap, HashSet};
 
@@ -73,8 +73,9 @@ pub fn takes_units(spec: &Spec, source: SourceId) -> bool {
 
 /// Whether any constant has a unit: a spec without one does not speak of units, and is warned, not refused.
 fn speaks_of_units(spec: &Spec) -> bool {
-    use crate::spec::ConstantSpec;
-    let all = spec.constants.iter().chain(spec.data.iter().flat_map(crate::constants::record_constants));
+    use crate::text::spec::ConstantSpec;
+    let all =
+        spec.constants.iter().chain(spec.data.iter().flat_map(crate::system::constants::record_constants));
     all.into_iter().any(|(_, c)| match c {
         ConstantSpec::Number { unit, .. } => unit.is_some(),
         ConstantSpec::Movable(m) => m.unit.is_some(),
@@ -102,7 +103,7 @@ fn checked(
             }
             Err(mut mistakes) => {
                 if !speaks_of_units(spec) {
-                    mistakes.iter_mut().for_each(|m| m.severity = crate::Severity::Warning);
+                    mistakes.iter_mut().for_each(|m| m.severity = crate::text::diagnostic::Severity::Warning);
                 }
                 checker.diagnostics.extend(mistakes);
             }

@@ -1,8 +1,8 @@
 //! Reads the outline of a RON text into values and collects what is wrong on the way.
 
 use super::{Number, Text};
-use crate::diagnostic::{Diagnostic, SourceId};
-use crate::raw::{Node, Shape};
+use crate::text::diagnostic::{Diagnostic, SourceId};
+use crate::text::raw::{Node, Shape};
 use phisindy_expr::{Span, nearest};
 use std::collections::HashMap;
 

@@ -1,14 +1,14 @@
 //! What a record will be: its columns, constants, sensors; how synthetic data are made. Checked against the system.
 
-use crate::check::Checker;
-use crate::constants::{Value, record_constants};
-use crate::model::Model;
-use crate::sensor::{Sensor, SensorParameter};
-use crate::spec::{
+use crate::system::check::Checker;
+use crate::system::constants::{Value, record_constants};
+use crate::system::equations::System;
+use crate::system::model::Model;
+use crate::system::sensor::{Sensor, SensorParameter};
+use crate::text::spec::{
     CsvSpec, DataSpec, DeriveSpec, InputSpec, NoiseSpec, Role, SensorSpec, SensorValue, Spec, SyntheticSpec,
     Text,
 };
-use crate::system::System;
 use phisindy_expr::Id;
 use phisindy_signal::{Differentiator, Interpolation};
 use std::collections::HashMap;
@@ -224,7 +224,7 @@ impl Checker {
         all
     }
 
-    fn start(&mut self, given: &[(Text, crate::spec::Number)], system: &System) -> Vec<Option<f64>> {
+    fn start(&mut self, given: &[(Text, crate::text::spec::Number)], system: &System) -> Vec<Option<f64>> {
         let mut start = vec![None; system.states.len()];
         let names: Vec<&str> = system.states.iter().map(|s| s.name.as_str()).collect();
         for (name, value) in given {
@@ -261,7 +261,8 @@ impl Checker {
             let own: HashMap<&String, &String> = own.collect();
             if let Some(unit) = &column.unit {
                 let theirs = self.unit(unit);
-                let ours = crate::unit::Unit::parse(own[&name.value]).unwrap_or(crate::unit::Unit::ONE);
+                let ours = crate::units::unit::Unit::parse(own[&name.value])
+                    .unwrap_or(crate::units::unit::Unit::ONE);
                 if theirs.dimension != ours.dimension {
                     let message = format!(
                         "`{}` cannot be converted to `{}`, the unit of `{}`",

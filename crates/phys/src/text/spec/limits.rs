@@ -2,7 +2,7 @@
 
 use super::reader::Reader;
 use super::{DataSpec, Spec};
-use crate::diagnostic::Diagnostic;
+use crate::text::diagnostic::Diagnostic;
 use phisindy_expr::Span;
 
 /// Most constants, those of the records included.
@@ -25,8 +25,10 @@ const NUMBERS: f64 = 2e7;
 impl Reader<'_> {
     /// Refuses what is too large. The first thing of each kind that is too much has its place.
     pub(super) fn limits(&mut self, spec: &Spec) {
-        let constants =
-            spec.constants.iter().chain(spec.data.iter().flat_map(crate::constants::record_constants));
+        let constants = spec
+            .constants
+            .iter()
+            .chain(spec.data.iter().flat_map(crate::system::constants::record_constants));
         self.at_most(
             "constants",
             CONSTANTS,

@@ -1,7 +1,8 @@
 //! Specs that fit, specs that do not and where, and expressions made at random.
 
 use super::*;
-use crate::{check, spec};
+use crate::system::check::check;
+use crate::text::spec;
 use proptest::prelude::*;
 
 /// The mistakes of a spec with some of its parts replaced: the text they point at, and the message.

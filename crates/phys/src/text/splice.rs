@@ -2,7 +2,7 @@
 
 mod insert;
 
-use crate::raw::{Node, Shape, content, parse};
+use crate::text::raw::{Node, Shape, content, parse};
 use phisindy_expr::nearest;
 use std::fmt;
 

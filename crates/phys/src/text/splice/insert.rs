@@ -1,7 +1,7 @@
 //! A field or key that is not there yet.
 
 use super::SetError;
-use crate::raw::{Node, Shape};
+use crate::text::raw::{Node, Shape};
 
 /// Fields that are maps: what is created in them has a key in quotes.
 const MAPS: &[&str] = &[
@@ -75,7 +75,7 @@ fn comma_after(text: &str, end: usize, close: usize) -> Option<usize> {
         } else if rest.starts_with("//") {
             at += rest.find('\n')?;
         } else if rest.starts_with("/*") {
-            at += crate::raw::comment_length(rest)?;
+            at += crate::text::raw::comment_length(rest)?;
         } else {
             return None;
         }

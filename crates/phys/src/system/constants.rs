@@ -1,9 +1,9 @@
 //! Constants: numbers, expressions of other constants, movable and unknown ones, and those that come with each record.
 
-use crate::check::Checker;
-use crate::spec::{ConstantSpec, DataSpec, Number, Spec, Text};
-use crate::system::Parameter;
-use crate::unit::Scale;
+use crate::system::check::Checker;
+use crate::system::equations::Parameter;
+use crate::text::spec::{ConstantSpec, DataSpec, Number, Spec, Text};
+use crate::units::unit::Scale;
 use phisindy_expr::{Graph, Id, parse};
 use std::collections::HashMap;
 

@@ -2,8 +2,8 @@
 
 use super::form::Form;
 use super::quantity::Conflict;
-use crate::spec::Text;
-use crate::{Diagnostic, SourceId};
+use crate::text::diagnostic::{Diagnostic, SourceId};
+use crate::text::spec::Text;
 use phisindy_expr::{Binary, Span, Unary};
 
 /// Writes diagnostics that point into one text. Pairs of forms are what is due and what is there.

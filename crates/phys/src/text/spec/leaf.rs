@@ -2,7 +2,7 @@
 
 use super::reader::Reader;
 use super::{Number, Spanned, Text};
-use crate::raw::{Node, Shape, content};
+use crate::text::raw::{Node, Shape, content};
 use phisindy_expr::Span;
 
 impl Reader<'_> {

@@ -2,8 +2,8 @@
 
 use super::reader::Reader;
 use super::{DataSpec, Spec, UnknownSpec};
-use crate::diagnostic::{Diagnostic, SourceId};
-use crate::raw::{Node, Shape, parse};
+use crate::text::diagnostic::{Diagnostic, SourceId};
+use crate::text::raw::{Node, Shape, parse};
 
 /// Reads the text of a spec. With the spec come warnings; spans point into `text`.
 ///

@@ -5,7 +5,7 @@
 
 mod scan;
 
-use crate::diagnostic::{Diagnostic, SourceId};
+use crate::text::diagnostic::{Diagnostic, SourceId};
 use phisindy_expr::Span;
 use ron::extensions::Extensions;
 use scan::{Kind, Token, tokens};

@@ -46,7 +46,7 @@ impl Unknowns {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::unit::Unit;
+    use crate::units::unit::Unit;
     use proptest::prelude::*;
 
     fn form(unit: &str) -> Form {

@@ -2,7 +2,7 @@
 
 use super::reader::Reader;
 use super::{Crossings, LearnSpec, Method, Optimiser, SegmentsSpec, SelectionSpec};
-use crate::raw::{Node, Shape};
+use crate::text::raw::{Node, Shape};
 
 /// What the lists of stages ask for.
 const STAGES: &str = "give one number for each stage, or leave the list out";

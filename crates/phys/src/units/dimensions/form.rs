@@ -1,6 +1,6 @@
 //! A dimension that may hold unknown ones.
 
-use crate::unit::Dimension;
+use crate::units::unit::Dimension;
 use std::fmt;
 
 /// Powers nearer than this are the same: they come from exponents such as 1/3, written as decimals or quotients.

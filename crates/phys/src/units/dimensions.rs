@@ -9,13 +9,13 @@ mod quantity;
 mod unknowns;
 mod words;
 
-use crate::constants::record_constants;
-use crate::spec::{
+use crate::system::constants::record_constants;
+use crate::text::diagnostic::{Diagnostic, SourceId};
+use crate::text::spec::{
     ConstantSpec, CsvSpec, DataSpec, DeriveSpec, InputSpec, NoiseSpec, SensorSpec, SensorValue, Spec,
     SyntheticSpec, Text,
 };
-use crate::unit::{Dimension, Unit};
-use crate::{Diagnostic, SourceId};
+use crate::units::unit::{Dimension, Unit};
 use form::Form;
 use phisindy_expr::{Ast, parse};
 use quantity::{Conflict, Measure, Quantity, infer};

@@ -3,7 +3,7 @@
 use super::limits::SAMPLES;
 use super::reader::{Fields, Reader};
 use super::{ColumnSpec, CsvSpec, DeriveSpec, NoiseSpec, Number, Role, Spanned, SyntheticSpec, Text};
-use crate::raw::{Node, Shape};
+use crate::text::raw::{Node, Shape};
 use phisindy_signal::{Detrend, Differentiator, Interpolation};
 
 impl Reader<'_> {

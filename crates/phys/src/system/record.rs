@@ -1,11 +1,11 @@
 //! A record: sampled data of one run, in SI, checked against the system.
 
-use crate::plan::{Origin, RecordPlan};
-use crate::sensor::Sensor;
-use crate::spec::{ColumnSpec, CsvSpec, Role, Text};
-use crate::system::System;
-use crate::unit::Unit;
-use crate::{Diagnostic, SourceId};
+use crate::system::equations::System;
+use crate::system::plan::{Origin, RecordPlan};
+use crate::system::sensor::Sensor;
+use crate::text::diagnostic::{Diagnostic, SourceId};
+use crate::text::spec::{ColumnSpec, CsvSpec, Role, Text};
+use crate::units::unit::Unit;
 use phisindy_signal::{Differentiated, Differentiator, Signal, SignalError, differentiate};
 use std::sync::Arc;
 
@@ -165,7 +165,7 @@ impl Record {
             let signal = Signal::new(time.clone(), values, plan.interpolation[k]);
             inputs.push(signal.map_err(|e| vec![no_signal(name, &e)])?);
         }
-        let constants = plan.constants.iter().filter_map(crate::check::number).collect();
+        let constants = plan.constants.iter().filter_map(crate::system::check::number).collect();
         Ok(Record {
             name: plan.name.clone(),
             role: plan.role,

@@ -1,0 +1,210 @@
+//! A checked system: known rates, unknown terms, parameters, contacts. It exists only if every name in the spec resolved.
+
+use crate::system::model::Model;
+use crate::units::unit::Dimension;
+use phisindy_expr::{Graph, Id, Names, Node, Unary};
+use std::collections::HashMap;
+
+/// A state of the system.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// As in the spec.
+    pub name: String,
+    /// As in the spec; numbers are in SI throughout.
+    pub unit: String,
+    /// Factor from `unit` to SI.
+    pub factor: f64,
+    /// Its node.
+    pub node: Id,
+    /// If its known rate is exactly another state: that state, its velocity.
+    pub velocity: Option<usize>,
+}
+
+/// A given function of time.
+#[derive(Clone, Debug)]
+pub struct Input {
+    /// As in the spec.
+    pub name: String,
+    /// As in the spec.
+    pub unit: String,
+    /// Factor from `unit` to SI.
+    pub factor: f64,
+    /// Its node.
+    pub node: Id,
+}
+
+/// A candidate of the unknown part: the rate of `state` may contain `coefficient * value`.
+#[derive(Clone, Debug)]
+pub struct Term {
+    /// Which rate.
+    pub state: usize,
+    /// The candidate as the spec writes it.
+    pub candidate: String,
+    /// `factor`, fixed constants as numbers.
+    pub factor: Id,
+    /// The candidate, fixed constants as numbers.
+    pub bare: Id,
+    /// `factor * candidate`.
+    pub value: Id,
+    /// Bounds of the coefficient (SI); infinite where the spec states none.
+    pub within: (f64, f64),
+    /// SI unit of the coefficient; `None` where the spec does not determine it.
+    pub unit: Option<Dimension>,
+    /// SI unit of the coefficient times the inertia of the state, where that has one and neither factor nor candidate holds it: such a
+    /// coefficient is a rate, and the product is the force behind it.
+    pub force: Option<Dimension>,
+    /// SI unit of the work of the term on its state: energy where the spec states the inertia, else energy per inertia.
+    pub energy: Option<Dimension>,
+}
+
+/// A number of the model that may move in the fit.
+#[derive(Clone, Debug)]
+pub struct Parameter {
+    /// As in the spec.
+    pub name: String,
+    /// As in the spec.
+    pub unit: String,
+    /// Its node.
+    pub node: Id,
+    /// Where the fit starts, and the value a simulation of the spec uses (SI).
+    pub start: f64,
+    /// Bounds (SI).
+    pub within: (f64, f64),
+    /// Standard deviation of what is believed beforehand, round `start`; `None` for no belief.
+    pub sigma: Option<f64>,
+    /// Whether every record has a value of its own.
+    pub each: bool,
+    /// Whether it is known in principle (`within`) rather than wholly unknown (`Find`).
+    pub known: bool,
+}
+
+/// A velocity that can stick.
+#[derive(Clone, Debug)]
+pub struct Contact {
+    /// As in the spec.
+    pub text: String,
+    /// Its node.
+    pub node: Id,
+}
+
+/// A checked system.
+#[derive(Clone, Debug)]
+pub struct System {
+    /// Title of the case; empty if it has none.
+    pub title: String,
+    /// Where the expressions live.
+    pub graph: Graph,
+    /// Names of the symbols.
+    pub names: Names,
+    /// The node of time.
+    pub time: Id,
+    /// In the order of the spec.
+    pub states: Vec<State>,
+    /// In the order of the spec.
+    pub inputs: Vec<Input>,
+    /// The known part of each rate; fixed constants are numbers.
+    pub known: Vec<Id>,
+    /// What turns a force into the rate of a state, where the spec says it.
+    pub inertia: Vec<Option<Id>>,
+    /// The dictionary, in the order of the spec.
+    pub terms: Vec<Term>,
+    /// What may move, in the order of the spec.
+    pub parameters: Vec<Parameter>,
+    /// Constants whose values come with each record: name and node.
+    pub record_constants: Vec<(String, Id)>,
+    /// Fixed constants and their values (SI), in the order of the spec.
+    pub constants: Vec<(String, f64)>,
+    /// In the order of the spec.
+    pub contacts: Vec<Contact>,
+}
+
+impl System {
+    /// The model with some terms of the dictionary. Its parameters are, in this order: the coefficients of `terms`, [`System::parameters`],
+    /// [`System::record_constants`].
+    ///
+    /// # Panics
+    /// If a term does not exist.
+    pub fn model(&self, terms: &[usize]) -> Model {
+        let (mut graph, mut names) = (self.graph.clone(), self.names.clone());
+        let mut rates = self.known.clone();
+        let mut parameters = Vec::new();
+        // factor * (sum of coefficient * candidate): the factor is multiplied once, not once for each term.
+        let mut sums: Vec<Option<(Id, Id)>> = vec![None; rates.len()];
+        for &k in terms {
+            let term = &self.terms[k];
+            // A space keeps the name out of reach of any spec.
+            let symbol = names.intern(&format!("coefficient {k}"));
+            let coefficient = graph.symbol(symbol);
+            let share = graph.mul(coefficient, term.bare);
+            let sum = sums[term.state].map_or(share, |(_, sum)| graph.add(sum, share));
+            sums[term.state] = Some((term.factor, sum));
+            parameters.push(coefficient);
+        }
+        for (rate, sum) in rates.iter_mut().zip(sums) {
+            if let Some((factor, sum)) = sum {
+                let unknown = graph.mul(factor, sum);
+                *rate = graph.add(*rate, unknown);
+            }
+        }
+        parameters.extend(self.parameters.iter().map(|p| p.node));
+        parameters.extend(self.record_constants.iter().map(|&(_, node)| node));
+        Model {
+            graph,
+            names,
+            time: self.time,
+            states: self.states.iter().map(|s| s.node).collect(),
+            inputs: self.inputs.iter().map(|u| u.node).collect(),
+            parameters,
+            rates,
+        }
+    }
+
+    /// Whether the known rates hold the sign of a contact's velocity: friction that the model has already.
+    pub fn rubs(&self, contact: &Contact) -> bool {
+        holds_sign(&mut self.graph.clone(), &self.known, contact.node)
+    }
+
+    /// What the system's expressions depend on, in one order for every tape: time, states, inputs, parameters, constants of the records.
+    pub fn arguments(&self) -> Vec<Id> {
+        let states = self.states.iter().map(|s| s.node);
+        let inputs = self.inputs.iter().map(|u| u.node);
+        let parameters = self.parameters.iter().map(|p| p.node);
+        let constants = self.record_constants.iter().map(|&(_, node)| node);
+        [self.time].into_iter().chain(states).chain(inputs).chain(parameters).chain(constants).collect()
+    }
+
+    /// Index of a state by name.
+    pub fn state(&self, name: &str) -> Option<usize> {
+        self.states.iter().position(|s| s.name == name)
+    }
+
+    /// Index of an input by name.
+    pub fn input(&self, name: &str) -> Option<usize> {
+        self.inputs.iter().position(|u| u.name == name)
+    }
+
+    /// Name and unit of what a sensor measures: the states, then the inputs.
+    pub fn measured(&self, sensor: usize) -> (&str, &str) {
+        match self.states.get(sensor) {
+            Some(state) => (&state.name, &state.unit),
+            None => {
+                let input = &self.inputs[sensor - self.states.len()];
+                (&input.name, &input.unit)
+            }
+        }
+    }
+
+    /// A node with numbers in the place of parameters, for printing.
+    pub fn with_values(&self, graph: &mut Graph, node: Id, values: &[(Id, f64)]) -> Id {
+        let map: HashMap<Id, Id> = values.iter().map(|&(id, v)| (id, graph.constant(v))).collect();
+        graph.replace(&[node], &map)[0]
+    }
+}
+
+/// Whether expressions hold the sign, or the step, of `w` or of `-w`.
+pub(crate) fn holds_sign(graph: &mut Graph, roots: &[Id], w: Id) -> bool {
+    let own = [w, graph.neg(w)];
+    let sign =
+        |id: &Id| matches!(graph.node(*id), Node::Unary(Unary::Sgn | Unary::Step, a) if own.contains(&a));
+    graph.reachable(roots).iter().any(sign)
+}

@@ -1,0 +1,12 @@
+//! What a spec says: its text read field by field, edited without loss of comments, and mistakes that point into it.
+//!
+//! ```text
+//! text --raw--> nodes with spans --spec--> Spec (every field with its place)
+//!                        |                       +--> Diagnostic (message, labels, help)
+//!                        +--splice--> text with one value changed
+//! ```
+
+pub(crate) mod diagnostic;
+pub(crate) mod raw;
+pub mod spec;
+pub mod splice;
