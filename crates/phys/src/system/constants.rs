@@ -1,10 +1,6 @@
-//! Constants: numbers, expressions of other constants, movable and unknown ones, and those that come with each record.
+//! The table of constants: what replaces each in expressions, and which of them come with each record.
 
-use crate::system::check::Checker;
-use crate::system::equations::Parameter;
-use crate::text::spec::{ConstantSpec, DataSpec, Number, Spec, Text};
-use crate::units::unit::Scale;
-use phisindy_expr::{Graph, Id, parse};
+use phisindy_expr::{Graph, Id};
 use std::collections::HashMap;
 
 /// Where the value of a record constant comes from.
@@ -16,6 +12,13 @@ pub enum Value {
     MaxAbs(usize),
 }
 
+impl Value {
+    /// The number, where it is one.
+    pub(crate) fn number(&self) -> Option<f64> {
+        if let Value::Number(x) = self { Some(*x) } else { None }
+    }
+}
+
 /// All constants of a spec.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Constants {
@@ -25,10 +28,39 @@ pub(crate) struct Constants {
     fixed: Vec<(String, f64)>,
     records: Vec<(String, Id)>,
     /// Values of record constants for records that do not say.
-    pub(crate) defaults: HashMap<String, Value>,
+    defaults: HashMap<String, Value>,
 }
 
 impl Constants {
+    pub(crate) fn declare(&mut self, name: &str) {
+        self.order.push(name.to_owned());
+    }
+
+    /// A constant whose value comes with each record.
+    pub(crate) fn declare_of_records(&mut self, name: &str, node: Id) {
+        self.records.push((name.to_owned(), node));
+    }
+
+    /// The value of a record constant for records that do not say.
+    pub(crate) fn set_default(&mut self, name: &str, value: Value) {
+        self.defaults.insert(name.to_owned(), value);
+    }
+
+    pub(crate) fn default_of(&self, name: &str) -> Option<&Value> {
+        self.defaults.get(name)
+    }
+
+    /// A constant that is `value`, whose node in the graph is `number`.
+    pub(crate) fn fix(&mut self, name: &str, node: Id, number: Id, value: f64) {
+        self.fold.insert(node, number);
+        self.fixed.push((name.to_owned(), value));
+    }
+
+    /// A constant that is an expression of constants that may move.
+    pub(crate) fn replace(&mut self, node: Id, expression: Id) {
+        self.fold.insert(node, expression);
+    }
+
     pub(crate) fn knows(&self, name: &str) -> bool {
         self.order.iter().any(|n| n == name)
     }
@@ -47,223 +79,5 @@ impl Constants {
 
     pub(crate) fn fixed(&self) -> Vec<(String, f64)> {
         self.fixed.clone()
-    }
-}
-
-impl Checker {
-    /// Declares and evaluates all constants; returns those that may move.
-    pub(crate) fn gather_constants(&mut self, spec: &Spec) -> Vec<Parameter> {
-        let of_records: Vec<&Text> =
-            spec.data.iter().flat_map(record_constants).map(|(name, _)| name).collect();
-        let mut parameters = Vec::new();
-        let mut pending: Vec<(&Text, &Text)> = Vec::new();
-        for (name, constant) in &spec.constants {
-            let symbol = self.declare(name, "constant");
-            let node = self.graph.symbol(symbol);
-            self.constants.order.push(name.value.clone());
-            if of_records.iter().any(|n| n.value == name.value) || matches!(constant, ConstantSpec::MaxAbs(_))
-            {
-                self.constants.records.push((name.value.clone(), node));
-                if let Some(value) = self.record_value(name, constant, spec) {
-                    self.constants.defaults.insert(name.value.clone(), value);
-                }
-                continue;
-            }
-            match constant {
-                ConstantSpec::Number { value, unit } => {
-                    let factor = unit.as_ref().map_or(1.0, |u| self.unit(u).factor);
-                    let value = self.si(value, factor);
-                    self.fix(name, node, value);
-                }
-                ConstantSpec::Movable(m) => {
-                    parameters.push(self.parameter(
-                        name,
-                        node,
-                        &m.value,
-                        m.unit.as_ref(),
-                        &m.within,
-                        m.sigma.as_ref(),
-                        m.each,
-                        true,
-                    ));
-                }
-                ConstantSpec::Find(f) => {
-                    parameters.push(self.parameter(
-                        name,
-                        node,
-                        &f.start,
-                        f.unit.as_ref(),
-                        &f.within,
-                        f.sigma.as_ref(),
-                        f.each,
-                        false,
-                    ));
-                }
-                ConstantSpec::Expression(text) => pending.push((name, text)),
-                ConstantSpec::MaxAbs(_) => {}
-            }
-        }
-        for name in of_records {
-            if !self.constants.knows(&name.value) {
-                let symbol = self.declare(name, "constant");
-                let node = self.graph.symbol(symbol);
-                self.constants.order.push(name.value.clone());
-                self.constants.records.push((name.value.clone(), node));
-            }
-        }
-        self.resolve(pending);
-        parameters
-    }
-
-    /// A number in SI, which may be too large for a double; 1 after a diagnostic.
-    pub(crate) fn si(&mut self, number: &Number, factor: f64) -> f64 {
-        // As numbers in files are converted: by the decimal point where that will do, so that 3 mm are 0.003 m to the last bit.
-        let si = Scale::of(factor).converted(number.value);
-        if si.is_finite() {
-            return si;
-        }
-        self.error("this number is too large in SI units", number.span, "")
-            .help
-            .push("numbers go up to 1.7e308: choose a larger unit".into());
-        1.0
-    }
-
-    fn fix(&mut self, name: &Text, node: Id, value: f64) {
-        let number = self.graph.constant(value);
-        self.constants.fold.insert(node, number);
-        self.constants.fixed.push((name.value.clone(), value));
-    }
-
-    #[allow(clippy::too_many_arguments)] // the fields that Movable and Find share
-    fn parameter(
-        &mut self,
-        name: &Text,
-        node: Id,
-        start: &Number,
-        unit: Option<&Text>,
-        within: &(Number, Number),
-        sigma: Option<&Number>,
-        each: bool,
-        known: bool,
-    ) -> Parameter {
-        let factor = unit.map_or(1.0, |u| self.unit(u).factor);
-        Parameter {
-            name: name.value.clone(),
-            unit: unit.map_or(String::new(), |u| u.value.clone()),
-            node,
-            start: self.si(start, factor),
-            within: (self.si(&within.0, factor), self.si(&within.1, factor)),
-            sigma: sigma.map(|s| self.si(s, factor)),
-            each,
-            known,
-        }
-    }
-
-    /// Constants given by expressions, in whatever order they stand: each is resolved once all that it names are.
-    fn resolve(&mut self, mut pending: Vec<(&Text, &Text)>) {
-        let names_in = |text: &Text| -> Vec<String> {
-            parse(&text.value).map(|ast| ast.names().map(|(n, _)| n.to_owned()).collect()).unwrap_or_default()
-        };
-        loop {
-            let waiting: Vec<String> = pending.iter().map(|(n, _)| n.value.clone()).collect();
-            let ready =
-                pending.iter().position(|(_, text)| !names_in(text).iter().any(|n| waiting.contains(n)));
-            let Some(k) = ready else { break };
-            let (name, text) = pending.remove(k);
-            let Some(root) = self.expression(text, &[]) else { continue };
-            let Some(symbol) = self.names.get(&name.value) else { continue };
-            let node = self.graph.symbol(symbol);
-            match self.graph.value(root) {
-                Some(value) => self.fix(name, node, value),
-                None if self.graph.symbols(&[root]).is_empty() => {
-                    self.error(format!("constant `{}` is not a finite number", name.value), text.span, "")
-                        .help
-                        .push(
-                            "look for a division by zero, or the root or logarithm of what is not positive"
-                                .into(),
-                        );
-                }
-                None => {
-                    self.constants.fold.insert(node, root);
-                }
-            }
-        }
-        // What is left waits for itself: follow it round once to name the circle.
-        if let Some(&(first, text)) = pending.first() {
-            let mut circle = vec![first.value.clone()];
-            let mut at = text;
-            loop {
-                let next = names_in(at)
-                    .into_iter()
-                    .find_map(|n| pending.iter().find(|(p, _)| p.value == n).copied());
-                let Some((name, text)) = next else { break };
-                if let Some(start) = circle.iter().position(|n| *n == name.value) {
-                    circle.drain(..start);
-                    circle.push(name.value.clone());
-                    break;
-                }
-                circle.push(name.value.clone());
-                at = text;
-            }
-            let start = pending
-                .iter()
-                .find(|(n, _)| Some(&n.value) == circle.first())
-                .copied()
-                .unwrap_or((first, text));
-            self.error(
-                format!("constants refer to each other in a circle: {}", circle.join(" -> ")),
-                start.1.span,
-                "",
-            )
-            .help
-            .push("give one of them a number".into());
-        }
-    }
-
-    /// The value of a constant that belongs to a record.
-    pub(crate) fn record_value(
-        &mut self,
-        name: &Text,
-        constant: &ConstantSpec,
-        spec: &Spec,
-    ) -> Option<Value> {
-        match constant {
-            ConstantSpec::Number { value, unit } => {
-                let factor = unit.as_ref().map_or(1.0, |u| self.unit(u).factor);
-                Some(Value::Number(self.si(value, factor)))
-            }
-            ConstantSpec::MaxAbs(input) => {
-                let index = spec.inputs.iter().position(|(n, _)| n.value == input.value);
-                if index.is_none() {
-                    let inputs: Vec<&str> = spec.inputs.iter().map(|(n, _)| n.value.as_str()).collect();
-                    self.unknown_name(&input.value, input.span, "input", &inputs);
-                }
-                index.map(Value::MaxAbs)
-            }
-            ConstantSpec::Expression(text) => {
-                let root = self.expression(text, &[])?;
-                let value = self.graph.value(root).map(Value::Number);
-                if value.is_none() {
-                    self.error(format!("`{}` must be a number in each record", name.value), text.span, "")
-                        .help
-                        .push("use numbers and fixed constants only".into());
-                }
-                value
-            }
-            ConstantSpec::Movable(_) | ConstantSpec::Find(_) => {
-                self.error(format!("`{}` cannot move inside a record", name.value), name.span, "")
-                    .help
-                    .push("declare it in the case's `constants` with `each: true`".into());
-                None
-            }
-        }
-    }
-}
-
-/// The constants that a record brings.
-pub(crate) fn record_constants(data: &DataSpec) -> &[(Text, ConstantSpec)] {
-    match data {
-        DataSpec::Csv(csv) => &csv.constants,
-        DataSpec::Synthetic(synthetic) => &synthetic.constants,
     }
 }

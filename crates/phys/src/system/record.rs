@@ -1,5 +1,6 @@
 //! A record: sampled data of one run, in SI, checked against the system.
 
+use crate::system::constants::Value;
 use crate::system::equations::System;
 use crate::system::plan::{Origin, RecordPlan};
 use crate::system::sensor::Sensor;
@@ -165,7 +166,7 @@ impl Record {
             let signal = Signal::new(time.clone(), values, plan.interpolation[k]);
             inputs.push(signal.map_err(|e| vec![no_signal(name, &e)])?);
         }
-        let constants = plan.constants.iter().filter_map(crate::system::check::number).collect();
+        let constants = plan.constants.iter().filter_map(Value::number).collect();
         Ok(Record {
             name: plan.name.clone(),
             role: plan.role,

@@ -134,6 +134,16 @@ pub enum DataSpec {
     Synthetic(Box<SyntheticSpec>),
 }
 
+impl DataSpec {
+    /// The constants that the record brings.
+    pub fn constants(&self) -> &[(Text, ConstantSpec)] {
+        match self {
+            DataSpec::Csv(csv) => &csv.constants,
+            DataSpec::Synthetic(synthetic) => &synthetic.constants,
+        }
+    }
+}
+
 /// What a record is for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Role {

@@ -9,7 +9,6 @@ mod quantity;
 mod unknowns;
 mod words;
 
-use crate::system::constants::record_constants;
 use crate::text::diagnostic::{Diagnostic, SourceId};
 use crate::text::spec::{
     ConstantSpec, CsvSpec, DataSpec, DeriveSpec, InputSpec, NoiseSpec, SensorSpec, SensorValue, Spec,
@@ -113,7 +112,7 @@ impl<'s> Survey<'s> {
 
     fn constants(&mut self) {
         let spec = self.spec;
-        let of_records = || spec.data.iter().flat_map(record_constants);
+        let of_records = || spec.data.iter().flat_map(DataSpec::constants);
         let overridden: HashSet<&str> = of_records().map(|(name, _)| name.value.as_str()).collect();
         let mut pending = Vec::new();
         for (name, constant) in spec.constants.iter().chain(of_records()) {

@@ -25,10 +25,7 @@ const NUMBERS: f64 = 2e7;
 impl Reader<'_> {
     /// Refuses what is too large. The first thing of each kind that is too much has its place.
     pub(super) fn limits(&mut self, spec: &Spec) {
-        let constants = spec
-            .constants
-            .iter()
-            .chain(spec.data.iter().flat_map(crate::system::constants::record_constants));
+        let constants = spec.constants.iter().chain(spec.data.iter().flat_map(DataSpec::constants));
         self.at_most(
             "constants",
             CONSTANTS,

@@ -1,0 +1,158 @@
+//! The state of a check: names so far, expressions lowered among them, and what was found wrong.
+
+use crate::system::constants::Constants;
+use crate::text::diagnostic::{Diagnostic, SourceId};
+use crate::text::spec::{Number, Text};
+use crate::units::unit::{Scale, Unit};
+use phisindy_expr::{Graph, Id, Names, Span, Symbol, nearest, ops, parse};
+use std::collections::HashSet;
+
+/// Most bytes of a name.
+const LONGEST_NAME: usize = 100;
+
+/// The state of a check: names so far, and what was found wrong.
+pub(super) struct Checker {
+    pub(super) source: SourceId,
+    pub(super) graph: Graph,
+    pub(super) names: Names,
+    pub(super) diagnostics: Vec<Diagnostic>,
+    /// Where each name of the system was declared, to explain clashes and to offer hints.
+    declared: Vec<(String, Span)>,
+    pub(super) constants: Constants,
+    /// Constants that some expression uses.
+    pub(super) used: HashSet<String>,
+    /// Laws of the catalogue that `unknown` names, each with its state.
+    pub(super) laws: Vec<(usize, Text)>,
+}
+
+impl Checker {
+    pub(super) fn new(source: SourceId) -> Self {
+        Checker {
+            source,
+            graph: Graph::default(),
+            names: Names::default(),
+            diagnostics: vec![],
+            declared: vec![],
+            constants: Constants::default(),
+            used: HashSet::new(),
+            laws: vec![],
+        }
+    }
+
+    pub(super) fn error(&mut self, message: impl Into<String>, span: Span, label: &str) -> &mut Diagnostic {
+        self.diagnostics.push(Diagnostic::error(message).at(self.source, span, label));
+        let last = self.diagnostics.len() - 1;
+        &mut self.diagnostics[last]
+    }
+
+    pub(super) fn warn(&mut self, message: impl Into<String>, span: Span, label: &str) -> &mut Diagnostic {
+        self.diagnostics.push(Diagnostic::warning(message).at(self.source, span, label));
+        let last = self.diagnostics.len() - 1;
+        &mut self.diagnostics[last]
+    }
+
+    /// Declares a name of the system.
+    pub(super) fn declare(&mut self, name: &Text, what: &str) -> Symbol {
+        let text = name.value.as_str();
+        let mut letters = text.chars();
+        let proper = letters.next().is_some_and(|c| c.is_alphabetic() || c == '_')
+            && letters.all(|c| c.is_alphanumeric() || c == '_');
+        if !proper {
+            self.error(format!("`{text}` cannot be a name"), name.span, "")
+                .help
+                .push("a name starts with a letter and holds letters, digits and underscores".into());
+        } else if text.len() > LONGEST_NAME {
+            self.error(format!("a name has at most {LONGEST_NAME} letters"), name.span, "")
+                .help
+                .push("shorten it: it stands in tables and in names of files".into());
+        } else if text == "t" || text == "pi" || ops::function(text).is_some() {
+            self.error(format!("`{text}` has a meaning of its own and cannot name a {what}"), name.span, "")
+                .help
+                .push("give it another name, here and in the expressions".into());
+        }
+        if let Some((_, span)) = self.declared.iter().find(|(n, _)| n == text) {
+            let (span, source) = (*span, self.source);
+            let d = self.error(format!("`{text}` is declared twice"), name.span, "again here");
+            *d = d.clone().also(source, span, "first here").help("give one of the two another name");
+        } else {
+            self.declared.push((text.to_owned(), name.span));
+        }
+        self.names.intern(text)
+    }
+
+    /// Says that a name is not known, with the nearest of `allowed`.
+    pub(super) fn unknown_name(&mut self, name: &str, span: Span, what: &str, allowed: &[&str]) {
+        let near = nearest(name, allowed.iter().copied());
+        let declared = near.and_then(|n| self.declared.iter().find(|(d, _)| d == n)).map(|(_, s)| *s);
+        let source = self.source;
+        let d = self.error(format!("unknown {what} `{name}`"), span, "");
+        if let Some(span) = declared {
+            *d = d.clone().also(source, span, "a similar name is declared here");
+        }
+        d.help.push(match near {
+            Some(near) => format!("did you mean `{near}`?"),
+            None if allowed.is_empty() => format!("there is no {what} here"),
+            None => format!("known here: {}", allowed.join(", ")),
+        });
+    }
+
+    /// Parses and lowers an expression in which the `allowed` names (and constants) may stand; fixed constants become numbers.
+    pub(super) fn expression(&mut self, text: &Text, allowed: &[&str]) -> Option<Id> {
+        let ast = match parse(&text.value) {
+            Ok(ast) => ast,
+            Err(e) => {
+                let hint = e.hint();
+                let d = self.error(e.to_string(), e.span.shifted(text.span.start), "");
+                d.help.extend(hint);
+                return None;
+            }
+        };
+        for (name, _) in ast.names() {
+            if self.constants.knows(name) {
+                self.used.insert(name.to_owned());
+            }
+        }
+        let (names, constants) = (&self.names, &self.constants);
+        let known = |name: &str| allowed.contains(&name) || constants.knows(name);
+        let lowered = self.graph.lower(&ast, |name| known(name).then(|| names.get(name)).flatten());
+        match lowered {
+            Ok(root) => Some(self.constants.folded(&mut self.graph, root)),
+            Err(unknown) => {
+                let constants: Vec<String> = self.constants.names().map(str::to_owned).collect();
+                let mut all: Vec<&str> = allowed.to_vec();
+                all.extend(constants.iter().map(String::as_str));
+                let mut seen = HashSet::new();
+                for u in unknown.into_iter().filter(|u| seen.insert(u.name.clone())) {
+                    self.unknown_name(&u.name, u.span.shifted(text.span.start), "name", &all);
+                }
+                None
+            }
+        }
+    }
+
+    /// A unit's factor to SI; 1 after a diagnostic.
+    pub(super) fn unit(&mut self, unit: &Text) -> Unit {
+        match Unit::parse(&unit.value) {
+            Ok(unit) => unit,
+            Err(e) => {
+                let hint = e.hint();
+                let d = self.error(e.message, e.span.shifted(unit.span.start), "");
+                d.help.extend(hint);
+                Unit::ONE
+            }
+        }
+    }
+
+    /// A number in SI, which may be too large for a double; 1 after a diagnostic.
+    pub(super) fn si(&mut self, number: &Number, factor: f64) -> f64 {
+        // As numbers in files are converted: by the decimal point where that will do, so that 3 mm are 0.003 m to the last bit.
+        let si = Scale::of(factor).converted(number.value);
+        if si.is_finite() {
+            return si;
+        }
+        self.error("this number is too large in SI units", number.span, "")
+            .help
+            .push("numbers go up to 1.7e308: choose a larger unit".into());
+        1.0
+    }
+}

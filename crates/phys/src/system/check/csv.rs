@@ -1,0 +1,82 @@
+//! Records that are read from a file.
+
+use super::checker::Checker;
+use super::record::quantity_names;
+use crate::system::equations::System;
+use crate::system::plan::{Origin, RecordPlan};
+use crate::text::spec::{CsvSpec, DataSpec, Spec};
+use crate::units::unit::Unit;
+use std::collections::HashMap;
+
+impl Checker {
+    /// The plan of a record whose rows a file holds; none after a diagnostic.
+    pub(super) fn csv(&mut self, csv: &CsvSpec, spec: &Spec, system: &System) -> Option<RecordPlan> {
+        let errors = self.diagnostics.len();
+        let path = std::path::Path::new(&csv.path.value);
+        let plain = path
+            .components()
+            .all(|c| matches!(c, std::path::Component::Normal(_) | std::path::Component::CurDir));
+        if !plain || csv.path.value.contains('\\') {
+            self.error(format!("`{}` leads out of the data folder", csv.path.value), csv.path.span, "")
+                .help
+                .push("name the file alone, and its folder with --data".into());
+        }
+        let names = quantity_names(system);
+        for (name, column) in &csv.columns {
+            if !names.contains(&name.value.as_str()) {
+                self.unknown_name(&name.value, name.span, "state or input in `columns`", &names);
+                continue;
+            }
+            let own = system
+                .states
+                .iter()
+                .map(|s| (&s.name, &s.unit))
+                .chain(system.inputs.iter().map(|u| (&u.name, &u.unit)));
+            let own: HashMap<&String, &String> = own.collect();
+            if let Some(unit) = &column.unit {
+                let theirs = self.unit(unit);
+                let ours = Unit::parse(own[&name.value]).unwrap_or(Unit::ONE);
+                if theirs.dimension != ours.dimension {
+                    let message = format!(
+                        "`{}` cannot be converted to `{}`, the unit of `{}`",
+                        unit.value, own[&name.value], name.value
+                    );
+                    let help = format!(
+                        "`(header, unit)` says in which unit the file's numbers stand: give one of `{}`, or another column",
+                        own[&name.value]
+                    );
+                    self.error(message, unit.span, "").help.push(help);
+                }
+            }
+        }
+        if !csv.columns.iter().any(|(n, _)| system.state(&n.value).is_some()) {
+            self.error("no column measures a state, so there is nothing to fit", csv.path.span, "")
+                .help
+                .push(format!("give at least one of {} a column", names[..system.states.len()].join(", ")));
+        }
+        let (derived, differentiators) = self.derived(&csv.derive, system);
+        for (k, input) in system.inputs.iter().enumerate() {
+            if derived[k].is_none() && !csv.columns.iter().any(|(n, _)| n.value == input.name) {
+                self.error(format!("input `{}` has neither a column nor a derivation in this record", input.name), csv.path.span, "")
+                    .help
+                    .push(format!("add `\"{0}\": (\"header\", \"{1}\")` to `columns`, or `derive: {{ \"{0}\": Derivative(...) }}`", input.name, input.unit));
+            }
+        }
+        let measured = |k: usize| csv.columns.iter().any(|(n, _)| n.value == system.inputs[k].name);
+        let unmeasured: Vec<_> =
+            derived.iter().enumerate().map(|(k, of)| of.filter(|_| !measured(k))).collect();
+        let constants = self.record_constants(&DataSpec::Csv(Box::new(csv.clone())), spec, system, &csv.path);
+        let plan = RecordPlan {
+            name: csv.name.as_ref().map_or(csv.path.value.clone(), |n| n.value.clone()),
+            role: csv.role,
+            constants,
+            sensors: self.sensors(&csv.sensors, &unmeasured, system),
+            derived,
+            differentiators,
+            interpolation: self.interpolation(&csv.interpolate, system),
+            start: self.start(&csv.start, system),
+            origin: Origin::Csv(Box::new(csv.clone())),
+        };
+        (self.diagnostics.len() == errors).then_some(plan)
+    }
+}

@@ -1,0 +1,215 @@
+//! Rates, terms and contacts: the fields of a spec that become a [`System`].
+
+use super::checker::Checker;
+use crate::system::equations::{Contact, Input, State, System, Term, holds_sign};
+use crate::text::spec::{Spec, Text, UnknownSpec};
+use phisindy_expr::{Id, Span};
+use std::collections::HashMap;
+
+impl Checker {
+    /// The system that a spec describes.
+    pub(super) fn system(&mut self, spec: &Spec) -> System {
+        let time = self.names.intern("t");
+        let time = self.graph.symbol(time);
+        let mut states = Vec::new();
+        for (name, unit) in &spec.states {
+            let symbol = self.declare(name, "state");
+            let node = self.graph.symbol(symbol);
+            let factor = self.unit(unit).factor;
+            states.push(State {
+                name: name.value.clone(),
+                unit: unit.value.clone(),
+                factor,
+                node,
+                velocity: None,
+            });
+        }
+        let mut inputs = Vec::new();
+        for (name, unit) in &spec.inputs {
+            let symbol = self.declare(name, "input");
+            let node = self.graph.symbol(symbol);
+            let factor = self.unit(unit).factor;
+            inputs.push(Input { name: name.value.clone(), unit: unit.value.clone(), factor, node });
+        }
+        let parameters = self.gather_constants(spec);
+        let mut allowed: Vec<&str> = vec!["t"];
+        allowed.extend(spec.states.iter().map(|(n, _)| n.value.as_str()));
+        allowed.extend(spec.inputs.iter().map(|(n, _)| n.value.as_str()));
+
+        let zero = self.graph.constant(0.0);
+        let mut known = vec![zero; states.len()];
+        let mut inertia = vec![None; states.len()];
+        self.per_state("known", &spec.known, spec, |checker, k, text| {
+            if let Some(id) = checker.expression(text, &allowed) {
+                known[k] = id;
+            }
+        });
+        for (name, _) in
+            spec.states.iter().filter(|(n, _)| !spec.known.iter().any(|(k, _)| k.value == n.value))
+        {
+            self.error(format!("state `{}` has no rate", name.value), name.span, "declared here")
+                .help
+                .push(format!("add `\"{}\": \"...\"` to `known`; the rate may be \"0\"", name.value));
+        }
+        self.per_state("inertia", &spec.inertia, spec, |checker, k, text| {
+            inertia[k] = checker.expression(text, &allowed);
+        });
+        for k in 0..states.len() {
+            states[k].velocity = (0..states.len()).find(|&v| v != k && states[v].node == known[k]);
+        }
+        let mut terms = Vec::new();
+        let entries: Vec<(Text, UnknownSpec)> = spec.unknown.clone();
+        self.per_state("unknown", &entries, spec, |checker, k, unknown| {
+            checker.terms(k, unknown, &allowed, &mut terms);
+        });
+        let system_states: Vec<Id> = states.iter().map(|s: &State| s.node).collect();
+        let contacts = self.contacts(spec, &allowed, &states, &system_states, &known, &terms);
+        System {
+            title: spec.title.as_ref().map_or(String::new(), |t| t.value.clone()),
+            graph: self.graph.clone(),
+            names: self.names.clone(),
+            time,
+            states,
+            inputs,
+            known,
+            inertia,
+            terms,
+            parameters,
+            record_constants: self.constants.of_records(),
+            constants: self.constants.fixed(),
+            contacts,
+        }
+    }
+
+    /// Calls `each` for the entries of a map from states to something.
+    fn per_state<T>(
+        &mut self,
+        field: &str,
+        map: &[(Text, T)],
+        spec: &Spec,
+        mut each: impl FnMut(&mut Self, usize, &T),
+    ) {
+        let names: Vec<&str> = spec.states.iter().map(|(n, _)| n.value.as_str()).collect();
+        for (name, value) in map {
+            match names.iter().position(|n| *n == name.value) {
+                Some(k) => each(self, k, value),
+                None => self.unknown_name(&name.value, name.span, &format!("state in `{field}`"), &names),
+            }
+        }
+    }
+
+    fn terms(&mut self, state: usize, unknown: &UnknownSpec, allowed: &[&str], terms: &mut Vec<Term>) {
+        let one = self.graph.constant(1.0);
+        let factor = match &unknown.factor {
+            Some(text) => self.expression(text, allowed),
+            None => Some(one),
+        };
+        if unknown.candidates.is_empty() && unknown.laws.is_empty() {
+            self.error("there is nothing to look for: `candidates` is empty", unknown.span, "")
+                .help
+                .push("list candidates such as \"1\", or leave this entry out".into());
+        }
+        for law in &unknown.laws {
+            if self.laws.iter().any(|(k, before)| *k == state && before.value == law.value) {
+                self.error("the same law twice", law.span, "again here")
+                    .help
+                    .push("delete one of the two: no data can tell them apart".into());
+                continue;
+            }
+            self.laws.push((state, law.clone()));
+        }
+        let texts: Vec<&str> = unknown.candidates.iter().map(|c| c.value.as_str()).collect();
+        for (name, _) in unknown.within.iter().filter(|(name, _)| !texts.contains(&name.value.as_str())) {
+            self.unknown_name(&name.value, name.span, "candidate in `within`", &texts);
+        }
+        let mut seen: HashMap<Id, Span> = HashMap::new();
+        for candidate in &unknown.candidates {
+            let (Some(factor), Some(bare)) = (factor, self.expression(candidate, allowed)) else { continue };
+            if self.graph.value(bare) == Some(0.0) {
+                self.error("this candidate is zero", candidate.span, "")
+                    .help
+                    .push("delete it, or correct the expression".into());
+                continue;
+            }
+            if let Some(&first) = seen.get(&bare) {
+                let source = self.source;
+                let d = self.error("the same candidate twice", candidate.span, "again here");
+                *d = d
+                    .clone()
+                    .also(source, first, "first here")
+                    .help("delete one of the two: no data can tell them apart");
+                continue;
+            }
+            seen.insert(bare, candidate.span);
+            let value = self.graph.mul(factor, bare);
+            let candidate = candidate.value.clone();
+            let bounds = unknown.within.iter().find(|(name, _)| name.value == candidate);
+            let within = bounds.map_or((f64::NEG_INFINITY, f64::INFINITY), |(_, within)| *within);
+            let (unit, force, energy) = (None, None, None);
+            terms.push(Term { state, candidate, factor, bare, value, within, unit, force, energy });
+        }
+    }
+
+    /// Contacts are velocities: linear in states, inputs and constants, with a state that is nobody's displacement.
+    fn contacts(
+        &mut self,
+        spec: &Spec,
+        allowed: &[&str],
+        states: &[State],
+        nodes: &[Id],
+        known: &[Id],
+        terms: &[Term],
+    ) -> Vec<Contact> {
+        let mut contacts: Vec<Contact> = Vec::new();
+        for text in &spec.contacts {
+            let Some(node) = self.expression(text, allowed) else { continue };
+            let gradient = self.graph.gradient(node, nodes);
+            let parts: Vec<usize> =
+                (0..nodes.len()).filter(|&k| self.graph.value(gradient[k]) != Some(0.0)).collect();
+            let linear = gradient.iter().all(|&g| self.graph.value(g).is_some());
+            let displacement = parts.iter().copied().find(|&k| states[k].velocity.is_some());
+            if parts.is_empty() || !linear || displacement.is_some() {
+                let d =
+                    self.error(format!("`{}` is no velocity, so it cannot stick", text.value), text.span, "");
+                d.help.push(match displacement {
+                    Some(k) => {
+                        let (x, v) = (&states[k].name, states[k].velocity.map_or("", |v| &states[v].name));
+                        format!("`{x}` is a displacement; its velocity is `{v}`")
+                    }
+                    None => {
+                        "a contact is a velocity or a difference of velocities, such as \"v\" or \"v1-v2\""
+                            .into()
+                    }
+                });
+                continue;
+            }
+            let minus = self.graph.neg(node);
+            if contacts.iter().any(|c| c.node == node || c.node == minus) {
+                self.error("the same contact twice", text.span, "")
+                    .help
+                    .push("delete one of the two: the sign of a velocity makes no difference".into());
+                continue;
+            }
+            let mut roots: Vec<Id> = known.to_vec();
+            roots.extend(terms.iter().map(|t| t.value));
+            // A law may bring the friction; its force is not known here.
+            if self.laws.is_empty() && !holds_sign(&mut self.graph, &roots, node) {
+                let message = format!(
+                    "no rate holds `sgn({0})`: contact `{0}` has no friction and never sticks, unless `gap` finds some there",
+                    text.value
+                );
+                self.warn(message, text.span, "");
+            }
+            contacts.push(Contact { text: text.value.clone(), node });
+        }
+        contacts
+    }
+
+    pub(super) fn unused_constants(&mut self, spec: &Spec) {
+        for (name, _) in &spec.constants {
+            if !self.used.contains(&name.value) {
+                self.warn(format!("constant `{}` is not used", name.value), name.span, "");
+            }
+        }
+    }
+}

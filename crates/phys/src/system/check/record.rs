@@ -1,0 +1,169 @@
+//! What measured and synthetic records share: constants, sensors, derived inputs, interpolation, start values.
+
+use super::checker::Checker;
+use crate::system::constants::Value;
+use crate::system::equations::System;
+use crate::system::sensor::{Sensor, SensorParameter};
+use crate::text::spec::{DataSpec, DeriveSpec, Number, SensorSpec, SensorValue, Spec, Text};
+use phisindy_signal::{Differentiator, Interpolation};
+
+impl Checker {
+    pub(super) fn record_constants(
+        &mut self,
+        data: &DataSpec,
+        spec: &Spec,
+        system: &System,
+        name: &Text,
+    ) -> Vec<Value> {
+        let mut values = Vec::new();
+        for (constant, _) in &system.record_constants {
+            let own = data.constants().iter().find(|(n, _)| n.value == *constant);
+            let value = match own {
+                Some((name, c)) => self.record_value(name, c, spec),
+                None => self.constants.default_of(constant).cloned(),
+            };
+            if value.is_none() && own.is_none() {
+                self.error(format!("this record has no value for constant `{constant}`"), name.span, "")
+                    .help
+                    .push(format!("add `constants: {{ \"{constant}\": ... }}` to it"));
+            }
+            values.push(value.unwrap_or(Value::Number(1.0)));
+        }
+        values
+    }
+
+    /// The sensors of a record, in which `derived` inputs have those of the inputs that they are derived from.
+    pub(super) fn sensors(
+        &mut self,
+        sensors: &[(Text, SensorSpec)],
+        derived: &[Option<usize>],
+        system: &System,
+    ) -> Vec<Sensor> {
+        let mut all = vec![Sensor::default(); system.states.len() + system.inputs.len()];
+        for (name, sensor) in sensors {
+            let index =
+                system.state(&name.value).or(system.input(&name.value).map(|u| u + system.states.len()));
+            let Some(index) = index else {
+                self.unknown_name(&name.value, name.span, "column in `sensors`", &quantity_names(system));
+                continue;
+            };
+            let slots = [(&sensor.offset, 0), (&sensor.gain, 1), (&sensor.delay, 2)];
+            for (value, which) in slots {
+                let Some(value) = value else { continue };
+                let parameter = match value {
+                    SensorValue::Number(x) => SensorParameter::held(x.value),
+                    SensorValue::Constant(name) => match self.sensor_constant(name, system) {
+                        Some(parameter) => parameter,
+                        None => continue,
+                    },
+                    SensorValue::Find(f) => {
+                        let factor = f.unit.as_ref().map_or(1.0, |u| self.unit(u).factor);
+                        let within = Some((self.si(&f.within.0, factor), self.si(&f.within.1, factor)));
+                        SensorParameter {
+                            start: self.si(&f.start, factor),
+                            within,
+                            sigma: f.sigma.as_ref().map(|s| self.si(s, factor)),
+                            shared: None,
+                        }
+                    }
+                };
+                let target = &mut all[index];
+                *[&mut target.offset, &mut target.gain, &mut target.delay]
+                    .into_iter()
+                    .nth(which)
+                    .expect("three sensor parameters") = parameter;
+            }
+        }
+        let n = system.states.len();
+        for (k, of) in derived.iter().enumerate().filter_map(|(k, of)| Some((k, (*of)?))) {
+            // A zero error has no derivative.
+            all[n + k] =
+                Sensor { offset: SensorParameter::held(0.0), follows: Some(of), ..all[n + of].clone() };
+        }
+        all
+    }
+
+    /// A sensor parameter that is a constant of the case.
+    fn sensor_constant(&mut self, name: &Text, system: &System) -> Option<SensorParameter> {
+        self.used.insert(name.value.clone());
+        if let Some((_, value)) = system.constants.iter().find(|(n, _)| *n == name.value) {
+            return Some(SensorParameter::held(*value));
+        }
+        let Some(shared) = system.parameters.iter().position(|p| p.name == name.value) else {
+            let names: Vec<&str> = system
+                .constants
+                .iter()
+                .map(|(n, _)| n.as_str())
+                .chain(system.parameters.iter().map(|p| p.name.as_str()))
+                .collect();
+            self.unknown_name(&name.value, name.span, "constant", &names);
+            return None;
+        };
+        let p = &system.parameters[shared];
+        Some(SensorParameter { start: p.start, within: Some(p.within), sigma: None, shared: Some(shared) })
+    }
+
+    /// For each input, what it is derived from, and how.
+    pub(super) fn derived(
+        &mut self,
+        derive: &[(Text, DeriveSpec)],
+        system: &System,
+    ) -> (Vec<Option<usize>>, Vec<Differentiator>) {
+        let names: Vec<&str> = system.inputs.iter().map(|u| u.name.as_str()).collect();
+        let mut derived = vec![None; names.len()];
+        let mut differentiators = vec![Differentiator::default(); names.len()];
+        for (name, DeriveSpec::Derivative(of, how)) in derive {
+            match (system.input(&name.value), system.input(&of.value)) {
+                (Some(k), Some(u)) if k != u => {
+                    (derived[k], differentiators[k]) = (Some(u), how.unwrap_or_default());
+                }
+                (Some(_), Some(_)) => {
+                    self.error(format!("`{}` cannot be its own derivative", name.value), of.span, "");
+                }
+                (None, _) => self.unknown_name(&name.value, name.span, "input in `derive`", &names),
+                (_, None) => self.unknown_name(&of.value, of.span, "input", &names),
+            }
+        }
+        (derived, differentiators)
+    }
+
+    pub(super) fn interpolation(
+        &mut self,
+        given: &[(Text, Interpolation)],
+        system: &System,
+    ) -> Vec<Interpolation> {
+        let mut all = vec![Interpolation::Cubic; system.inputs.len()];
+        for (name, kind) in given {
+            match system.input(&name.value) {
+                Some(k) => all[k] = *kind,
+                None => {
+                    let names: Vec<&str> = system.inputs.iter().map(|u| u.name.as_str()).collect();
+                    self.unknown_name(&name.value, name.span, "input in `interpolate`", &names);
+                }
+            }
+        }
+        all
+    }
+
+    pub(super) fn start(&mut self, given: &[(Text, Number)], system: &System) -> Vec<Option<f64>> {
+        let mut start = vec![None; system.states.len()];
+        let names: Vec<&str> = system.states.iter().map(|s| s.name.as_str()).collect();
+        for (name, value) in given {
+            match system.state(&name.value) {
+                Some(k) => start[k] = Some(self.si(value, system.states[k].factor)),
+                None => self.unknown_name(&name.value, name.span, "state in `start`", &names),
+            }
+        }
+        start
+    }
+}
+
+/// The names of what a sensor can measure: the states, then the inputs.
+pub(super) fn quantity_names(system: &System) -> Vec<&str> {
+    system
+        .states
+        .iter()
+        .map(|s| s.name.as_str())
+        .chain(system.inputs.iter().map(|u| u.name.as_str()))
+        .collect()
+}

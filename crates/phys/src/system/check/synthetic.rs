@@ -1,0 +1,155 @@
+//! Records that are simulated from a truth.
+
+use super::checker::Checker;
+use super::record::quantity_names;
+use crate::system::equations::System;
+use crate::system::model::Model;
+use crate::system::plan::{Origin, RecordPlan, Synthetic, SyntheticInput};
+use crate::text::spec::{DataSpec, InputSpec, Spec, SyntheticSpec, Text};
+use phisindy_expr::Id;
+use std::collections::HashMap;
+
+impl Checker {
+    /// The plan of a record that is simulated; none after an error.
+    pub(super) fn synthetic(
+        &mut self,
+        index: usize,
+        data: &SyntheticSpec,
+        spec: &Spec,
+        system: &System,
+    ) -> Option<RecordPlan> {
+        let errors = self.diagnostics.iter().filter(|d| d.is_error()).count();
+        let mut allowed: Vec<&str> = vec!["t"];
+        allowed.extend(system.states.iter().map(|s| s.name.as_str()));
+        allowed.extend(system.inputs.iter().map(|u| u.name.as_str()));
+        let zero = self.graph.constant(0.0);
+        let mut extra = vec![zero; system.states.len()];
+        let state_names: Vec<&str> = system.states.iter().map(|s| s.name.as_str()).collect();
+        for (name, text) in &data.truth {
+            match system.state(&name.value) {
+                Some(k) => extra[k] = self.expression(text, &allowed).unwrap_or(zero),
+                None => self.unknown_name(&name.value, name.span, "state in `truth`", &state_names),
+            }
+        }
+        let (derived, differentiators) = self.derived(&data.derive, system);
+        let mut inputs = Vec::new();
+        let input_names: Vec<&str> = system.inputs.iter().map(|u| u.name.as_str()).collect();
+        for (name, _) in data.inputs.iter().filter(|(n, _)| system.input(&n.value).is_none()) {
+            self.unknown_name(&name.value, name.span, "input", &input_names);
+        }
+        for (k, input) in system.inputs.iter().enumerate() {
+            let given = data.inputs.iter().find(|(n, _)| n.value == input.name);
+            inputs.push(match (given, derived[k]) {
+                (Some((_, InputSpec::Formula(text))), _) => {
+                    SyntheticInput::Formula(self.expression(text, &["t"]).unwrap_or(zero))
+                }
+                (Some((_, other)), _) => SyntheticInput::Generated(other.clone()),
+                (None, Some(of)) => SyntheticInput::Derivative(of),
+                (None, None) => {
+                    self.error(
+                        format!("input `{}` has no excitation in this record", input.name),
+                        data.span,
+                        "",
+                    )
+                    .help
+                    .push(format!("add `inputs: {{ \"{}\": Formula(\"...\") }}`", input.name));
+                    SyntheticInput::Formula(zero)
+                }
+            });
+        }
+        let start = self.start(&data.start, system);
+        let (measured_states, measured_inputs) = self.measured(data, system);
+        let title = Text { value: format!("record {index}"), span: data.span };
+        let own = |k: usize| data.inputs.iter().any(|(n, _)| n.value == system.inputs[k].name);
+        let unexcited: Vec<_> = derived.iter().enumerate().map(|(k, of)| of.filter(|_| !own(k))).collect();
+        let constants =
+            self.record_constants(&DataSpec::Synthetic(Box::new(data.clone())), spec, system, &title);
+        let truth = self.truth_model(system, &extra, &inputs);
+        let plan = RecordPlan {
+            name: data.name.as_ref().map_or(format!("synthetic {index}"), |n| n.value.clone()),
+            role: data.role,
+            constants,
+            sensors: self.sensors(&data.sensors, &unexcited, system),
+            derived,
+            differentiators,
+            interpolation: self.interpolation(&data.interpolate, system),
+            start: vec![None; system.states.len()],
+            origin: Origin::Synthetic(Box::new(Synthetic {
+                truth,
+                extra,
+                inputs,
+                start: start.into_iter().map(|x| x.unwrap_or(0.0)).collect(),
+                duration: data.duration.value,
+                step: data.step.value,
+                noise: data.noise.clone(),
+                seed: data.seed.unwrap_or(0),
+                measured_states,
+                measured_inputs,
+                window: data.window.as_ref().map(|w| (w.0.value, w.1.value)),
+            })),
+        };
+        (self.diagnostics.iter().filter(|d| d.is_error()).count() == errors).then_some(plan)
+    }
+
+    fn measured(&mut self, data: &SyntheticSpec, system: &System) -> (Vec<bool>, Vec<bool>) {
+        let Some(list) = &data.measure else {
+            return (vec![true; system.states.len()], vec![false; system.inputs.len()]);
+        };
+        let (mut states, mut inputs) = (vec![false; system.states.len()], vec![false; system.inputs.len()]);
+        for name in list {
+            match (system.state(&name.value), system.input(&name.value)) {
+                (Some(k), _) => states[k] = true,
+                (_, Some(k)) => inputs[k] = true,
+                _ => self.unknown_name(
+                    &name.value,
+                    name.span,
+                    "state or input in `measure`",
+                    &quantity_names(system),
+                ),
+            }
+        }
+        if !states.contains(&true) {
+            self.error("no state is measured, so there is nothing to fit", data.span, "");
+        }
+        (states, inputs)
+    }
+
+    /// Known rates plus truth, formulas in the place of inputs, movable constants at their nominal values.
+    fn truth_model(&mut self, system: &System, extra: &[Id], inputs: &[SyntheticInput]) -> Model {
+        let mut with: HashMap<Id, Id> = HashMap::new();
+        for parameter in &system.parameters {
+            let value = self.graph.constant(parameter.start);
+            with.insert(parameter.node, value);
+        }
+        let formulas: Vec<Option<Id>> =
+            (0..inputs.len()).map(|k| self.formula(inputs, k, system.time)).collect();
+        for (input, formula) in system.inputs.iter().zip(formulas) {
+            if let Some(formula) = formula {
+                with.insert(input.node, formula);
+            }
+        }
+        let sums: Vec<Id> = system.known.iter().zip(extra).map(|(&g, &f)| self.graph.add(g, f)).collect();
+        let rates = self.graph.replace(&sums, &with);
+        Model {
+            graph: self.graph.clone(),
+            names: self.names.clone(),
+            time: system.time,
+            states: system.states.iter().map(|s| s.node).collect(),
+            inputs: system.inputs.iter().map(|u| u.node).collect(),
+            parameters: system.record_constants.iter().map(|&(_, node)| node).collect(),
+            rates,
+        }
+    }
+
+    /// The expression of an input, or of the derivative of one, if it has one.
+    fn formula(&mut self, inputs: &[SyntheticInput], k: usize, time: Id) -> Option<Id> {
+        match inputs[k] {
+            SyntheticInput::Formula(id) => Some(id),
+            SyntheticInput::Derivative(of) => match inputs[of] {
+                SyntheticInput::Formula(id) => Some(self.graph.gradient(id, &[time])[0]),
+                _ => None,
+            },
+            SyntheticInput::Generated(_) => None,
+        }
+    }
+}
