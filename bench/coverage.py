@@ -22,7 +22,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "target" / "coverage"
-CRATES = ["expr", "phys", "sim", "learn", "gap"]
+CRATES = ["expr", "phys", "sim", "learn", "gap", "import"]
 
 
 def output(*command):

@@ -1,11 +1,10 @@
 //! A data file with the record that asks for it.
 
-use crate::program::csvfile::{self, Lines};
 use crate::told_well;
+use phisindy_import::DataFile;
 use phisindy_phys::spec::{DataSpec, read};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{Sources, Units};
-use std::io::Cursor;
 
 /// Fields of a `Csv` record, a zero, the file: a table has as many numbers in each column, all finite, times that grow; a mistake has its place.
 pub fn csv(input: &[u8]) {
@@ -13,15 +12,15 @@ pub fn csv(input: &[u8]) {
     let (fields, file) = input.split_at(zero);
     let Ok(fields) = std::str::from_utf8(fields) else { return };
     let fields = if fields.is_empty() { "time: \"t\", columns: { \"x\": \"x\" }" } else { fields };
-    let file = file.strip_prefix(b"\0").unwrap_or(file).to_vec();
+    let file = file.strip_prefix(b"\0").unwrap_or(file);
     let text = format!("(states: {{ \"x\": \"m\" }}, known: {{ \"x\": \"1\" }}, data: [Csv(path: \"a.csv\", {fields})])");
     let mut sources = Sources::default();
     let source = sources.add("case.ron", text.clone());
     let Ok((spec, _)) = read(&text, source) else { return };
     let [DataSpec::Csv(csv)] = spec.data.as_slice() else { return };
     let units = Units { time: Unit::ONE, columns: vec![Unit::ONE; csv.columns.len()] };
-    let lines = Lines::of(Cursor::new(file.clone()), file.len() as u64, csv.skip);
-    match csvfile::table(csv, &units, lines, "a.csv", source, &mut sources) {
+    let file = DataFile::of_bytes("a.csv", file);
+    match phisindy_import::csv::record(csv, &units, file, source, &mut sources) {
         Ok((table, said)) => {
             said.iter().for_each(|d| told_well(d, &sources));
             assert_eq!(table.lines.len(), table.time.len());

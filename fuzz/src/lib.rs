@@ -7,13 +7,6 @@
 mod datafile;
 mod meter;
 
-/// The reader of data files is the program's own.
-#[allow(dead_code, unused_imports)]
-#[path = "../../crates/cli/src"]
-mod program {
-    pub(crate) mod csvfile;
-}
-
 pub use datafile::csv;
 pub use meter::measured;
 

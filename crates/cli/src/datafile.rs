@@ -1,8 +1,60 @@
-//! Where data files are looked for: `--data`, then `PHISINDY_DATA`, then beside the spec; never outside of these folders.
+//! Where data files are looked for: `--data`, then `PHISINDY_DATA`, then beside the spec; never outside of these folders. How they are opened.
 
 use phisindy_expr::Span;
-use phisindy_phys::{Diagnostic, SourceId};
+use phisindy_import::{DataFile, csv};
+use phisindy_phys::spec::CsvSpec;
+use phisindy_phys::{Diagnostic, SourceId, Sources, Table, Units};
+use std::fs::File;
+use std::io;
 use std::path::{Component, Path, PathBuf};
+
+/// Opens a file that has an end. Anything else (a pipe, a device) could keep the program waiting, or give it bytes for ever.
+///
+/// # Errors
+/// It is no plain file, or the disk says so.
+pub(crate) fn open(path: &Path) -> io::Result<File> {
+    // Looked at before it is opened: a pipe would wait there for a writer.
+    let kind = std::fs::metadata(path)?.file_type();
+    if kind.is_dir() {
+        return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
+    }
+    if !kind.is_file() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is a pipe or a device, not a file"));
+    }
+    File::open(path)
+}
+
+/// Opens a data file that the user calls `name`; `at` is where it is asked for.
+///
+/// # Errors
+/// As [`open`].
+pub(crate) fn opened<'a>(
+    path: &Path,
+    name: &'a str,
+    at: (SourceId, Span),
+) -> Result<DataFile<'a>, Box<Diagnostic>> {
+    let file = open(path).and_then(|file| Ok((file.metadata()?.len(), file)));
+    match file {
+        Ok((size, file)) => Ok(DataFile::new(name, file, size)),
+        Err(e) => Err(Box::new(csv::unreadable(name, at, &e))),
+    }
+}
+
+/// Reads what `csv` needs from the file at `path`. With the table come warnings.
+///
+/// # Errors
+/// As [`open`], and as [`csv::record`].
+pub(crate) fn read(
+    csv: &CsvSpec,
+    units: &Units,
+    path: &Path,
+    spec: SourceId,
+    sources: &mut Sources,
+) -> Result<(Table, Vec<Diagnostic>), Vec<Diagnostic>> {
+    let name = path.display().to_string();
+    let file = opened(path, &name, (spec, csv.path.span)).map_err(|d| vec![*d])?;
+    csv::record(csv, units, file, spec, sources)
+}
 
 /// Folders of data files, in the order in which they are searched.
 pub(crate) struct Folders {

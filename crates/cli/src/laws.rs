@@ -6,7 +6,7 @@ mod picture;
 pub(crate) use picture::picture;
 
 use crate::args::Options;
-use crate::csvfile;
+use crate::datafile;
 use crate::table::{aligned, short};
 use anyhow::{Context, Result, anyhow, bail};
 use phisindy_phys::Law;
@@ -75,7 +75,7 @@ fn text_of(path: &Path, folder: &Path) -> Result<String> {
         bail!("it is a link that leads out of the folder of laws: copy the file into the folder");
     }
     let mut text = String::new();
-    csvfile::open(path)?.take(LONGEST + 1).read_to_string(&mut text)?;
+    datafile::open(path)?.take(LONGEST + 1).read_to_string(&mut text)?;
     if text.len() as u64 > LONGEST {
         bail!("it is longer than {LONGEST} bytes: a law is a few lines of text");
     }

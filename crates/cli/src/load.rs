@@ -1,8 +1,7 @@
 //! From a spec file to a checked case with its records.
 
 use crate::args::{Assignment, Options};
-use crate::csvfile;
-use crate::datafile::{Folders, Missing};
+use crate::datafile::{self, Folders, Missing};
 use crate::laws;
 use crate::trends::Trends;
 use phisindy_expr::Span;
@@ -377,9 +376,8 @@ impl Loader<'_> {
                 return Err(Refusal::Input);
             }
         };
-        let shown = path.display().to_string();
         let units = Units::of(csv, &case.system);
-        let read = csvfile::read(csv, &units, &path, &shown, self.source, self.sources);
+        let read = datafile::read(csv, &units, &path, self.source, self.sources);
         let record = read.and_then(|(mut table, warnings)| {
             warnings.into_iter().chain(beyond_the_end(csv, &table, self.source)).for_each(|d| self.push(d));
             let done = self.trends.take_off(csv, &units, &mut table);
@@ -487,7 +485,7 @@ fn input_file(
     let csv = column_of(path, time, column);
     let unit = |c: &ColumnSpec| c.unit.as_ref().and_then(|u| Unit::parse(&u.value).ok()).unwrap_or(Unit::ONE);
     let units = Units { time: unit(time), columns: vec![unit(column)] };
-    let (table, _) = csvfile::read(&csv, &units, &found, &found.display().to_string(), source, sources)?;
+    let (table, _) = datafile::read(&csv, &units, &found, source, sources)?;
     let (times, values) = (table.time.into(), table.columns.concat());
     Signal::new(times, values, Interpolation::Cubic).map_err(|e| {
         vec![Diagnostic::error(format!("`{}` is no input: {e}", path.value)).at(source, path.span, "")]

@@ -9,7 +9,6 @@ mod args;
 mod chart;
 mod command;
 mod contribution;
-mod csvfile;
 mod datafile;
 mod draw;
 mod equation;

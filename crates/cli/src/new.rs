@@ -1,27 +1,14 @@
 //! `phisindy new`: looks at a data file and writes a commented spec for it.
-//!
-//! ```text
-//! file --Survey--> columns --Clock, Look, Roles--> what they are --Draft--> records, constants --write--> text of a spec
-//! ```
-
-mod clock;
-mod draft;
-mod estimate;
-pub(crate) mod heading;
-mod look;
-mod role;
-mod survey;
-mod write;
 
 use crate::args::{NewArgs, Options};
 use crate::command::{INPUT, print, remark};
-use crate::{draw, outdir};
+use crate::{datafile, draw, outdir};
 use anyhow::{Result, anyhow};
-use draft::Draft;
 use phisindy_expr::Span;
-use phisindy_phys::{Diagnostic, SourceId, Sources};
+use phisindy_import::csv::Survey;
+use phisindy_import::{Draft, accepted, spec, summary};
+use phisindy_phys::{Diagnostic, Sources};
 use std::path::{Path, PathBuf};
-use survey::Survey;
 
 /// Does it.
 ///
@@ -49,7 +36,7 @@ pub(crate) fn command(args: &NewArgs, options: &Options) -> Result<u8> {
     };
     let file = args.path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let next = next_command(args, out);
-    let text = write::spec(&draft, &file, &next);
+    let text = spec(&draft, &file, &next);
     if let Err(why) = accepted(&text) {
         return Err(anyhow!("the spec for `{file}` would not be accepted ({why}): please report this"));
     }
@@ -58,7 +45,7 @@ pub(crate) fn command(args: &NewArgs, options: &Options) -> Result<u8> {
         None => print(&text)?,
     }
     if !options.quiet {
-        write::summary(&draft, &file, out, &next).iter().for_each(|line| remark(line));
+        summary(&draft, &file, out, &next).iter().for_each(|line| remark(line));
     }
     Ok(0)
 }
@@ -67,30 +54,8 @@ fn drafted(args: &NewArgs, sources: &mut Sources) -> Result<Draft, Box<Diagnosti
     let name = args.path.display().to_string();
     let words = format!("phisindy new {name}");
     let at = (sources.add("command line", words.clone()), Span::new(words.len() - name.len(), words.len()));
-    let survey = Survey::read(&args.path, &name, at, sources)?;
+    let survey = Survey::read(datafile::opened(&args.path, &name, at)?, at, sources)?;
     Draft::of(survey).map_err(|trouble| trouble.diagnostic(&name, at))
-}
-
-/// Why a readable file makes no spec.
-#[derive(Debug)]
-pub(crate) struct Trouble {
-    /// What is wrong.
-    pub(crate) message: String,
-    /// What to do.
-    pub(crate) help: String,
-    /// The mistake in a column that is needed.
-    pub(crate) mistake: Option<Box<Diagnostic>>,
-}
-
-impl Trouble {
-    fn diagnostic(self, name: &str, (source, at): (SourceId, Span)) -> Box<Diagnostic> {
-        let plain = || {
-            Diagnostic::error(format!("`{name}`: {}", self.message))
-                .at(source, at, "this file")
-                .help(&self.help)
-        };
-        self.mistake.unwrap_or_else(|| Box::new(plain()))
-    }
 }
 
 /// What to type after this, as arguments of `run`.
@@ -116,13 +81,4 @@ fn quoted(path: &Path) -> String {
     let text = path.display().to_string();
     let plain = text.chars().all(|c| c.is_alphanumeric() || "/._-+=".contains(c));
     if plain { text } else { format!("'{}'", text.replace('\'', "'\\''")) }
-}
-
-/// Whether the program takes its own spec.
-fn accepted(text: &str) -> Result<(), String> {
-    let first = |all: Vec<Diagnostic>| {
-        all.into_iter().find(Diagnostic::is_error).map_or(String::new(), |d| d.message)
-    };
-    let (spec, _) = phisindy_phys::spec::read(text, SourceId(0)).map_err(first)?;
-    phisindy_phys::check(&spec, SourceId(0)).map(|_| ()).map_err(first)
 }

@@ -1,10 +1,12 @@
 //! The first look at a file: all of its columns as numbers, line by line, up to a stated amount.
 
-use super::heading::Heading;
-use crate::csvfile::{Dialect, Line, Lines, Mistakes, is_units_row, looks_like_number};
+use super::dialect::{Dialect, is_units_row, looks_like_number};
+use super::lines::{Line, Lines};
+use super::mistakes::{Mistakes, unreadable};
+use crate::data_file::DataFile;
+use crate::headings::Heading;
 use phisindy_expr::Span;
 use phisindy_phys::{Diagnostic, SourceId, Sources};
-use std::path::Path;
 
 /// Most numbers that are kept: 80 MB.
 const MOST_NUMBERS: usize = 10_000_000;
@@ -15,7 +17,7 @@ const FEWEST: usize = 20;
 
 /// A column of the file.
 #[derive(Clone, Debug)]
-pub(crate) struct Column {
+pub struct Column {
     /// Its name and unit.
     pub(crate) heading: Heading,
     /// NaN where there is nothing.
@@ -28,7 +30,7 @@ pub(crate) struct Column {
 
 /// What a file holds.
 #[derive(Debug)]
-pub(crate) struct Survey {
+pub struct Survey {
     /// In the order of the file.
     pub(crate) columns: Vec<Column>,
     /// The line of each row.
@@ -46,20 +48,21 @@ pub(crate) struct Survey {
 }
 
 impl Survey {
-    /// Reads the file at `path`; `at` is where the user named it.
+    /// Reads a file; `at` is where the user named it.
     ///
     /// # Errors
     /// What is wrong with the file, where, and what to do.
-    pub(crate) fn read(
-        path: &Path,
-        name: &str,
+    pub fn read(
+        file: DataFile<'_>,
         (source, at): (SourceId, Span),
         sources: &mut Sources,
     ) -> Result<Survey, Box<Diagnostic>> {
+        let name = file.name;
         let mut mistakes = Mistakes { name, spec: source, sources };
-        let skip = preamble(path);
-        let mut lines = Lines::open(path, skip).map_err(|e| mistakes.unreadable(at, &e))?;
-        let next = |lines: &mut Lines, mistakes: &mut Mistakes<'_>| {
+        let mut lines = Lines::of(file, 0);
+        let skip = preamble(&mut lines);
+        let mut lines = lines.restarted(skip).map_err(|e| unreadable(name, (source, at), &e))?;
+        let next = |lines: &mut Lines<'_>, mistakes: &mut Mistakes<'_>| {
             lines.next().map_err(|e| Box::new(mistakes.bad_line(at, &e)))
         };
         let Some(first) = next(&mut lines, &mut mistakes)? else {
@@ -186,8 +189,7 @@ impl Survey {
 const START: usize = 100;
 
 /// How many lines stand before the heading: those before the last line of words above the first rows of numbers.
-fn preamble(path: &Path) -> usize {
-    let Ok(mut lines) = Lines::open(path, 0) else { return 0 };
+fn preamble(lines: &mut Lines<'_>) -> usize {
     let mut start: Vec<Line> = Vec::new();
     while let (true, Ok(Some(line))) = (start.len() < START, lines.next()) {
         start.push(line);

@@ -1,9 +1,9 @@
 //! What each column is for: a guess from its name, its unit and its numbers.
 
-use super::clock::{Clock, is_counter};
-use super::heading::{Heading, Kind, SPEEDS, factor};
-use super::look::Look;
-use super::survey::Survey;
+use crate::csv::Survey;
+use crate::headings::{Heading, Kind, SPEEDS, factor};
+use crate::statistics::Look;
+use crate::time_column::{Clock, is_counter};
 use phisindy_signal::{automatic, standard_deviation};
 use std::ops::Range;
 

@@ -2,7 +2,6 @@
 
 use super::dialect::Dialect;
 use super::lines::{Line, LineError};
-use super::span;
 use phisindy_expr::{Span, nearest};
 use phisindy_phys::spec::{CsvSpec, Spanned, Text};
 use phisindy_phys::{Diagnostic, Severity, SourceId, Sources};
@@ -11,6 +10,18 @@ use std::ops::Range;
 
 /// Longer lines are not drawn as a whole.
 const WIDEST: usize = 160;
+
+/// A file that cannot be read; `at` is where it is asked for.
+pub fn unreadable(name: &str, (source, at): (SourceId, Span), error: &io::Error) -> Diagnostic {
+    let help = match error.kind() {
+        io::ErrorKind::IsADirectory => "name a file in it",
+        io::ErrorKind::InvalidInput => "save the data in a file first",
+        io::ErrorKind::PermissionDenied => "give yourself the right to read it (chmod u+r), or copy it",
+        io::ErrorKind::NotFound => "check its name and its folder",
+        _ => "copy the file to a disk that can be read",
+    };
+    Diagnostic::error(format!("cannot read `{name}`: {error}")).at(source, at, "asked for here").help(help)
+}
 
 /// Makes diagnostics about one file.
 pub(crate) struct Mistakes<'a> {
@@ -57,17 +68,6 @@ impl Mistakes<'_> {
         (self.sources.add_excerpt(self.name, piece, line.number), Span::new(field.start - from, end))
     }
 
-    pub(crate) fn unreadable(&self, at: Span, error: &io::Error) -> Diagnostic {
-        let help = match error.kind() {
-            io::ErrorKind::IsADirectory => "name a file in it",
-            io::ErrorKind::InvalidInput => "save the data in a file first",
-            io::ErrorKind::PermissionDenied => "give yourself the right to read it (chmod u+r), or copy it",
-            io::ErrorKind::NotFound => "check its name and its folder",
-            _ => "copy the file to a disk that can be read",
-        };
-        self.in_spec(format!("cannot read `{}`: {error}", self.name), at).help(help)
-    }
-
     /// The last number of a file that ends without a line end is shorter than all above it.
     pub(crate) fn perhaps_cut(&mut self, line: &Line, field: &Range<usize>) -> Diagnostic {
         let message = format!(
@@ -81,7 +81,7 @@ impl Mistakes<'_> {
 
     pub(crate) fn bad_line(&mut self, at: Span, error: &LineError) -> Diagnostic {
         match error {
-            LineError::Io(e) => self.unreadable(at, e),
+            LineError::Io(e) => unreadable(self.name, (self.spec, at), e),
             LineError::Utf16 => self
                 .in_spec(format!("`{}` is UTF-16 text, not UTF-8", self.name), at)
                 .help("save the file as CSV in UTF-8"),
@@ -319,6 +319,11 @@ impl Mistakes<'_> {
         }
         d
     }
+}
+
+/// The bytes of a range as a span.
+fn span(range: &Range<usize>) -> Span {
+    Span::new(range.start, range.end)
 }
 
 /// 2000000 as `2 000 000`.

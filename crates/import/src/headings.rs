@@ -99,7 +99,7 @@ pub(crate) fn factor(unit: Option<&str>) -> f64 {
 }
 
 /// Names of a column of velocities.
-pub(super) const SPEEDS: &[&str] = &[
+pub(crate) const SPEEDS: &[&str] = &[
     "v",
     "vel",
     "velocity",

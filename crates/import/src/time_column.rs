@@ -1,7 +1,7 @@
 //! The column of time: which one it is, and how regular it is.
 
-use super::heading::Kind;
-use super::survey::{Column, Survey};
+use crate::csv::{Column, Survey};
+use crate::headings::Kind;
 use std::ops::Range;
 
 /// Names that a column of time has.

@@ -12,16 +12,11 @@ fn table(fields: &str, content: &[u8]) -> Result<Table, String> {
     let DataSpec::Csv(csv) = &spec.data[0] else { panic!("a Csv record") };
     let mut sources = Sources::default();
     let id = sources.add("case.ron", text.clone());
-    let unique = std::thread::current().name().unwrap_or("test").replace("::", "_");
-    let path =
-        std::env::temp_dir().join(format!("phisindy_{}_{unique}_{}.csv", std::process::id(), content.len()));
-    std::fs::write(&path, content).expect("a temporary file");
     let unit = |c: &phisindy_phys::spec::ColumnSpec| {
         c.unit.as_ref().map_or(Unit::ONE, |u| Unit::parse(&u.value).expect("a unit"))
     };
     let units = Units { time: unit(&csv.time), columns: csv.columns.iter().map(|(_, c)| unit(c)).collect() };
-    let read = super::read(csv, &units, &path, "a.csv", id, &mut sources);
-    std::fs::remove_file(&path).expect("the temporary file");
+    let read = record(csv, &units, DataFile::of_bytes("a.csv", content), id, &mut sources);
     read.map(|(table, _)| table).map_err(|all| {
         all.iter().map(|d| format!("{} | {}", d.message, d.help.join(" | "))).collect::<Vec<_>>().join("\n")
     })

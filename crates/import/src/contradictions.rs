@@ -1,20 +1,20 @@
 //! A heading that carries a unit (`x_mm`, `v (mm/s)`) or the name of another column, beside what the spec reads it as.
 
-use crate::new::heading::Heading;
+use crate::headings::Heading;
 use phisindy_phys::spec::{ColumnSpec, CsvSpec, Text};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{Diagnostic, SourceId};
 
 /// A column as the spec reads it.
-pub(super) struct Reading<'a> {
+pub(crate) struct Reading<'a> {
     /// The state or input; none for the time.
-    pub(super) name: Option<&'a Text>,
-    pub(super) column: &'a ColumnSpec,
-    pub(super) unit: Unit,
+    pub(crate) name: Option<&'a Text>,
+    pub(crate) column: &'a ColumnSpec,
+    pub(crate) unit: Unit,
 }
 
 /// A warning where the heading says another unit. `row` is the field of a second heading line that holds units.
-pub(super) fn contradiction(
+pub(crate) fn contradiction(
     reading: &Reading<'_>,
     heading: &str,
     row: Option<&str>,
@@ -57,7 +57,7 @@ pub(super) fn contradiction(
 }
 
 /// A warning where the heading of each of two columns is the name of the other one.
-pub(super) fn crossed(csv: &CsvSpec, spec: SourceId) -> Option<Diagnostic> {
+pub(crate) fn crossed(csv: &CsvSpec, spec: SourceId) -> Option<Diagnostic> {
     let called = |c: &ColumnSpec, name: &Text| {
         let heading = c.header.value.as_str();
         heading == name.value || Heading::parse(heading).name == name.value.to_lowercase()

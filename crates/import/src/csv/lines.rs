@@ -1,8 +1,7 @@
 //! Lines of a text file with their numbers: comments, empty lines and the byte order mark taken off.
 
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read};
-use std::path::Path;
+use crate::data_file::{DataFile, ReadSeek};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 
 /// Longer lines are no table (or no text).
 const LONGEST: usize = 1 << 20;
@@ -33,25 +32,9 @@ pub(crate) enum LineError {
     Changed,
 }
 
-/// Opens a file that has an end. Anything else (a pipe, a device) could keep the program waiting, or give it bytes for ever.
-///
-/// # Errors
-/// It is no plain file, or the disk says so.
-pub(crate) fn open(path: &Path) -> io::Result<File> {
-    // Looked at before it is opened: a pipe would wait there for a writer.
-    let kind = std::fs::metadata(path)?.file_type();
-    if kind.is_dir() {
-        return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
-    }
-    if !kind.is_file() {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is a pipe or a device, not a file"));
-    }
-    File::open(path)
-}
-
 /// The lines of a file, one after the other.
-pub(crate) struct Lines {
-    input: BufReader<Box<dyn Read>>,
+pub(crate) struct Lines<'a> {
+    input: BufReader<Box<dyn ReadSeek + 'a>>,
     buffer: Vec<u8>,
     number: usize,
     /// How many lines at the start are passed over.
@@ -61,18 +44,17 @@ pub(crate) struct Lines {
     size: u64,
 }
 
-impl Lines {
-    /// Opens a file whose first `skip` lines are not looked at.
-    pub(crate) fn open(path: &Path, skip: usize) -> io::Result<Lines> {
-        let file = open(path)?;
-        let size = file.metadata()?.len();
-        Ok(Lines::of(file, size, skip))
+impl<'a> Lines<'a> {
+    /// The lines of a file, whose first `skip` lines are not looked at.
+    pub(crate) fn of(file: DataFile<'a>, skip: usize) -> Lines<'a> {
+        let input = BufReader::with_capacity(1 << 16, file.bytes);
+        Lines { input, buffer: vec![], number: 0, skip, read: 0, size: file.size }
     }
 
-    /// The lines of anything that holds `size` bytes.
-    pub(crate) fn of(input: impl Read + 'static, size: u64, skip: usize) -> Lines {
-        let input = BufReader::with_capacity(1 << 16, Box::new(input) as Box<dyn Read>);
-        Lines { input, buffer: vec![], number: 0, skip, read: 0, size }
+    /// The same lines once more, without the first `skip`.
+    pub(crate) fn restarted(mut self, skip: usize) -> io::Result<Lines<'a>> {
+        self.input.seek(SeekFrom::Start(0))?;
+        Ok(Lines { number: 0, skip, read: 0, ..self })
     }
 
     /// The part of the file that was read, from 0 to 1.

@@ -1,64 +1,36 @@
 //! Data files: the columns that a record needs, as numbers. The file streams by; only those numbers stay in memory, and of them only
 //! what is left of `rows`, `window` and `decimate`.
-//!
-//! ```text
-//! lines --Lines--> text lines --Dialect--> fields --Reader--> Table
-//! ```
 
-mod dialect;
-mod lines;
-mod mistake;
-mod stated;
-
-pub(crate) use dialect::{Dialect, is_units_row, looks_like_number};
-pub(crate) use lines::{Line, Lines, open};
-pub(crate) use mistake::Mistakes;
-use phisindy_expr::Span;
+use super::dialect::{Dialect, is_units_row, looks_like_number};
+use super::lines::{Line, Lines};
+use super::mistakes::Mistakes;
+use crate::contradictions::{Reading, contradiction, crossed};
+use crate::data_file::DataFile;
 use phisindy_phys::spec::{CsvSpec, Text};
 use phisindy_phys::unit::{Scale, Unit};
 use phisindy_phys::{Diagnostic, SourceId, Sources, Table, Units};
 use phisindy_signal::Blocks;
-use stated::{Reading, contradiction, crossed};
 use std::borrow::Cow;
 use std::ops::Range;
-use std::path::Path;
 
 /// Fewer rows than this are no record.
 const FEWEST: usize = 10;
 /// Most samples of a record: a fit looks at each of them a thousand times.
 const MOST: usize = 2_000_000;
 
-/// Reads what `csv` needs from the file at `path`, whose columns are in `units`; `name` is what the user calls that file. With the table come
-/// warnings.
+/// Reads what `csv` needs from a file, whose columns are in `units`; `spec` is where `csv` stands. With the table come warnings.
 ///
 /// # Errors
 /// Everything that is wrong with the heading, or the first thing that is wrong in the rows, with the line of the file.
-pub(crate) fn read(
+pub fn record(
     csv: &CsvSpec,
     units: &Units,
-    path: &Path,
-    name: &str,
+    file: DataFile<'_>,
     spec: SourceId,
     sources: &mut Sources,
 ) -> Result<(Table, Vec<Diagnostic>), Vec<Diagnostic>> {
-    match Lines::open(path, csv.skip) {
-        Ok(lines) => table(csv, units, lines, name, spec, sources),
-        Err(e) => Err(vec![Mistakes { name, spec, sources }.unreadable(csv.path.span, &e)]),
-    }
-}
-
-/// The same from lines, wherever they come from.
-///
-/// # Errors
-/// As [`read`].
-pub(crate) fn table(
-    csv: &CsvSpec,
-    units: &Units,
-    lines: Lines,
-    name: &str,
-    spec: SourceId,
-    sources: &mut Sources,
-) -> Result<(Table, Vec<Diagnostic>), Vec<Diagnostic>> {
+    let name = file.name;
+    let lines = Lines::of(file, csv.skip);
     let mistakes = Mistakes { name, spec, sources };
     let mut reader = Reader {
         csv,
@@ -165,7 +137,7 @@ struct Reader<'a> {
     columns: Vec<Scale>,
     mistakes: Mistakes<'a>,
     warnings: Vec<Diagnostic>,
-    lines: Lines,
+    lines: Lines<'a>,
     /// A number with a decimal point, and one with a decimal comma, if any was met.
     seen_point: Option<String>,
     seen_comma: Option<String>,
@@ -354,10 +326,6 @@ impl Reader<'_> {
     }
 }
 
-/// The bytes of a range as a span.
-fn span(range: &Range<usize>) -> Span {
-    Span::new(range.start, range.end)
-}
-
 #[cfg(test)]
+#[path = "tests.rs"]
 mod tests;

@@ -1,8 +1,9 @@
 //! The text of the spec, and a summary of it.
 
-use super::draft::{Draft, Part};
-use super::heading::Kind;
-use super::role::Input;
+use crate::draft::{Draft, Part};
+use crate::headings::Kind;
+use crate::roles::Input;
+use phisindy_phys::{Diagnostic, SourceId};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -78,7 +79,7 @@ impl Words {
 }
 
 /// The whole text; `next` is what `run` takes after this.
-pub(crate) fn spec(draft: &Draft, file: &str, next: &str) -> String {
+pub fn spec(draft: &Draft, file: &str, next: &str) -> String {
     let mut text = String::new();
     for line in head(draft, file, next) {
         // Headings may hold anything.
@@ -106,8 +107,8 @@ fn head(draft: &Draft, file: &str, next: &str) -> Vec<String> {
         String::new(),
         sampling(draft, file),
     ];
-    let step =
-        draft.clock.step * super::heading::factor(survey.columns[draft.clock.column].heading.unit.as_deref());
+    let step = draft.clock.step
+        * crate::headings::factor(survey.columns[draft.clock.column].heading.unit.as_deref());
     let widths = survey.columns.iter().map(|c| c.heading.raw.chars().count());
     let width = widths.max().unwrap_or(6).clamp(6, 40);
     lines.push(String::new());
@@ -115,7 +116,7 @@ fn head(draft: &Draft, file: &str, next: &str) -> Vec<String> {
         "{:width$} {:>11} {:>11} {:>11} {:>10} {:>10}  what it is taken for",
         "column", "min", "max", "std", "noise", "frequency"
     ));
-    let time = super::heading::factor(survey.columns[draft.clock.column].heading.unit.as_deref());
+    let time = crate::headings::factor(survey.columns[draft.clock.column].heading.unit.as_deref());
     for (k, (column, look)) in survey.columns.iter().zip(&draft.looks).enumerate() {
         let is_time = k == draft.clock.column;
         let noise = if is_time || look.noise == 0.0 { "-".to_owned() } else { short(look.noise) };
@@ -176,7 +177,7 @@ fn head(draft: &Draft, file: &str, next: &str) -> Vec<String> {
 /// Rows, duration, rate.
 fn sampling(draft: &Draft, file: &str) -> String {
     let (survey, clock) = (&draft.survey, &draft.clock);
-    let unit = super::heading::factor(survey.columns[clock.column].heading.unit.as_deref());
+    let unit = crate::headings::factor(survey.columns[clock.column].heading.unit.as_deref());
     let time = draft.time();
     let span = clock.runs(survey.rows()).iter().map(|r| time[r.end - 1] - time[r.start]).sum::<f64>() * unit;
     let rows = survey.rows();
@@ -384,7 +385,7 @@ fn record(draft: &Draft, words: &Words, part: &Part, file: &str, text: &mut Stri
         Input::Force(c) | Input::Drive(c) => columns.push(format!("\"F\": {}", column(c))),
     }
     let time = if draft.clock.counted {
-        format!("Rate({:?})", super::clock::RATE)
+        format!("Rate({:?})", crate::time_column::RATE)
     } else {
         column(draft.clock.column)
     };
@@ -490,8 +491,17 @@ fn round(x: f64) -> f64 {
     format!("{x:.2e}").parse().unwrap_or(x)
 }
 
+/// Whether the program takes its own spec.
+pub fn accepted(text: &str) -> Result<(), String> {
+    let first = |all: Vec<Diagnostic>| {
+        all.into_iter().find(Diagnostic::is_error).map_or(String::new(), |d| d.message)
+    };
+    let (spec, _) = phisindy_phys::spec::read(text, SourceId(0)).map_err(first)?;
+    phisindy_phys::check(&spec, SourceId(0)).map(|_| ()).map_err(first)
+}
+
 /// A few lines for the terminal.
-pub(crate) fn summary(draft: &Draft, file: &str, out: Option<&Path>, next: &str) -> Vec<String> {
+pub fn summary(draft: &Draft, file: &str, out: Option<&Path>, next: &str) -> Vec<String> {
     let mut lines = vec![sampling(draft, file)];
     let named = |c: usize| format!("`{}`", draft.raw(c));
     let mut taken =

@@ -1,13 +1,15 @@
 //! What the spec will say: the records with their rows and windows, and the model with its numbers.
 
-use super::Trouble;
-use super::clock::Clock;
-use super::estimate::{Estimate, Motion};
-use super::heading::{Kind, factor};
-use super::look::{Look, Stops, stops};
-use super::role::{Input, Roles};
-use super::survey::Survey;
+mod trouble;
+
+use crate::csv::Survey;
+use crate::headings::{Kind, factor};
+use crate::roles::{Input, Roles};
+use crate::start_values::{Estimate, Motion};
+use crate::statistics::{Look, Stops, stops};
+use crate::time_column::Clock;
 use std::ops::Range;
+pub use trouble::Trouble;
 
 /// More samples than this in a record make a fit slow and hardly better.
 const PLENTY: usize = 25_000;
@@ -33,7 +35,7 @@ pub(crate) struct Part {
 
 /// Everything that the spec says.
 #[derive(Debug)]
-pub(crate) struct Draft {
+pub struct Draft {
     /// The file.
     pub(crate) survey: Survey,
     /// Its time.
@@ -60,7 +62,7 @@ pub(crate) struct Draft {
 
 impl Draft {
     /// From the columns of a file.
-    pub(crate) fn of(mut survey: Survey) -> Result<Draft, Trouble> {
+    pub fn of(mut survey: Survey) -> Result<Draft, Trouble> {
         let clock = Clock::find(&mut survey).map_err(|message| Trouble {
             message,
             help: "add a column `time_s`, in seconds from the start, that grows from row to row".to_owned(),
