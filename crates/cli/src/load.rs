@@ -12,6 +12,7 @@ use phisindy_phys::{
     Case, Diagnostic, Interpolation, Origin, Record, RecordPlan, Severity, Signal, SourceId, Sources, Table,
     Units, link_continuations, overlaps, strongest_line, suspicions, unit::Unit,
 };
+use phisindy_report::Input;
 use phisindy_sim::{SyntheticError, Trajectory, synthesize};
 use std::fs::File;
 use std::io::{self, Read};
@@ -34,6 +35,17 @@ pub(crate) struct Loaded {
 }
 
 impl Loaded {
+    /// What a report needs of it.
+    pub(crate) fn input(&self) -> Input<'_> {
+        Input {
+            spec: &self.spec,
+            text: &self.text,
+            case: &self.case,
+            records: &self.records,
+            doubts: &self.doubts,
+        }
+    }
+
     /// The plans of the records that [`Purpose::Simulate`] makes.
     pub(crate) fn simulated(&self) -> impl Iterator<Item = &RecordPlan> {
         let open = self.case.is_open();
