@@ -22,7 +22,8 @@ mod shrink;
 mod table;
 
 use crate::gap::GapReport;
-use crate::{Input, Invocation, RunReport};
+use crate::input::{Input, Invocation};
+use crate::run::RunReport;
 pub use page::HtmlReport;
 use page::{Banner, Page, Tone, add_remarks, block};
 use phisindy_sim::DIVERGED;

@@ -1,5 +1,6 @@
 //! What every report is about: a case with its records, how the program was called, and how the work ended.
 
+use phisindy_phys::spec::Spec;
 use phisindy_phys::{Case, Record};
 use std::fmt;
 use std::time::Duration;
@@ -8,10 +9,12 @@ use std::time::Duration;
 #[derive(Clone, Copy, Debug)]
 pub struct Input<'a> {
     /// Name of the spec as the user gave it, usually its path.
-    pub spec: &'a str,
+    pub name: &'a str,
     /// Text of the spec with every `--set` in it.
     pub text: &'a str,
-    /// What the text means.
+    /// The text, read.
+    pub spec: &'a Spec,
+    /// What the spec means.
     pub case: &'a Case,
     /// In the order of the spec.
     pub records: &'a [Record],

@@ -5,9 +5,5 @@ mod edit;
 mod identified;
 
 pub use completed::{COMPLETED, completed};
+pub use edit::head;
 pub use identified::{IDENTIFIED, identified};
-
-/// The start of the first line of the spec that a command leaves.
-pub fn head(command: &str) -> String {
-    format!("// What `phisindy {command} ")
-}

@@ -1,6 +1,7 @@
 //! A square of numbers between -1 and 1, coloured by size and sign, each number written into its cell.
 
-use super::{Chart, at, width_of, word};
+use super::label::{at, width_of, word};
+use super::picture::Chart;
 use crate::markup::element;
 
 /// The colour of a full cell still leaves its number readable.

@@ -1,6 +1,6 @@
 //! What the lines of a picture mean, in one row above it.
 
-use super::{at, width_of, word};
+use super::label::{at, width_of, word};
 use crate::markup::{Element, element};
 
 /// How an entry is shown.

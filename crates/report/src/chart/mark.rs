@@ -1,9 +1,7 @@
 //! What is drawn on the axes of a panel.
 
-use super::at;
-use super::axis::Axis;
-use super::decimate::decimated;
-use super::panel::Place;
+use super::coordinates::{Coordinates, Place};
+use super::label::{at, width_of, word};
 use crate::markup::{Element, element};
 
 /// Points with values that are not finite break a line.
@@ -28,58 +26,18 @@ pub(crate) enum Mark {
     Boxes { class: &'static str, boxes: Vec<(f64, f64, f64, f64)> },
 }
 
-/// Where values stand in a picture.
-pub(crate) struct Ground<'a> {
-    pub(crate) x: &'a Axis,
-    pub(crate) y: &'a Axis,
-    pub(crate) place: Place,
-}
-
-impl Ground<'_> {
-    pub(crate) fn x(&self, x: f64) -> f64 {
-        self.place.x + self.place.width * self.x.place(x)
-    }
-
-    pub(crate) fn y(&self, y: f64) -> f64 {
-        self.place.y + self.place.height * (1.0 - self.y.place(y))
-    }
-
-    /// Cut off at the edges: an inner picture hides what lies outside of it.
-    fn clipped(&self, content: Vec<Element>) -> Element {
-        let Place { x, y, width, height } = self.place;
-        let inner = element("svg")
-            .with("x", at(x))
-            .with("y", at(y))
-            .with("width", at(width))
-            .with("height", at(height));
-        let view = format!("{} {} {} {}", at(x), at(y), at(width), at(height));
-        inner.with("viewBox", view).all(content)
-    }
-
-    fn path(&self, points: &[(f64, f64)]) -> String {
-        let columns = self.place.width as usize;
-        let mut out = String::new();
-        for piece in points.split(|p| !(p.0.is_finite() && p.1.is_finite())) {
-            for (k, (x, y)) in decimated(piece, self.x.ends(), columns).into_iter().enumerate() {
-                out += &format!("{}{} {}", if k == 0 { "M" } else { "L" }, at(self.x(x)), at(self.y(y)));
-            }
-        }
-        out
-    }
-}
-
 impl Mark {
     /// The mark as elements.
-    pub(crate) fn drawn(&self, ground: &Ground<'_>) -> Vec<Element> {
-        let Place { x: left, y: top, width, height } = ground.place;
+    pub(crate) fn drawn(&self, coordinates: &Coordinates<'_>) -> Vec<Element> {
+        let Place { x: left, y: top, width, height } = coordinates.place;
         let path = |class: &str, d: String| vec![element("path").class(class).with("d", d)];
         match self {
-            Mark::Line { class, points } => vec![ground.clipped(path(class, ground.path(points)))],
+            Mark::Line { class, points } => vec![coordinates.clipped(path(class, coordinates.path(points)))],
             Mark::Dots { class, points, radius } => {
                 // One path of small circles is a tenth of so many elements.
                 let r = at(*radius);
                 let circle = |&(x, y): &(f64, f64)| {
-                    let (x, y) = (at(ground.x(x) - radius), at(ground.y(y)));
+                    let (x, y) = (at(coordinates.x(x) - radius), at(coordinates.y(y)));
                     format!("M{x} {y}a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0 -{d} 0z", d = at(2.0 * radius))
                 };
                 let finite = points.iter().filter(|p| p.0.is_finite() && p.1.is_finite());
@@ -89,36 +47,38 @@ impl Mark {
                 let side = |f: fn(&(f64, f64, f64)) -> (f64, f64)| points.iter().map(f).collect::<Points>();
                 let (mut low, high) = (side(|p| (p.0, p.1)), side(|p| (p.0, p.2)));
                 low.reverse();
-                let d = ground.path(&high) + &ground.path(&low).replacen('M', "L", 1) + "Z";
-                vec![ground.clipped(path(class, if points.is_empty() { String::new() } else { d }))]
+                let d = coordinates.path(&high) + &coordinates.path(&low).replacen('M', "L", 1) + "Z";
+                vec![coordinates.clipped(path(class, if points.is_empty() { String::new() } else { d }))]
             }
             Mark::Span { from, to, words } => {
-                let (a, b) = (ground.x(*from).max(left), ground.x(*to).min(left + width));
+                let (a, b) = (coordinates.x(*from).max(left), coordinates.x(*to).min(left + width));
                 let area = element("rect").class("unfitted").with("x", at(a)).with("y", at(top));
                 let area = area.with("width", at((b - a).max(0.0))).with("height", at(height));
                 let edge = element("line").class("edge").with("x1", at(a)).with("x2", at(a));
                 let edge = edge.with("y1", at(top)).with("y2", at(top + height));
                 // Above the area, where nothing is drawn; to the left where there is no room to the right.
-                let fits = a + super::width_of(words) <= left + width;
+                let fits = a + width_of(words) <= left + width;
                 let (class, x) = if fits { ("small", a + 1.0) } else { ("small end", b - 1.0) };
-                vec![area, edge, super::word(class, x, top - 6.0, words)]
+                vec![area, edge, word(class, x, top - 6.0, words)]
             }
             Mark::Level { class, y } => {
-                let y = at(ground.y(*y));
+                let y = at(coordinates.y(*y));
                 let line = element("line").class(class).with("x1", at(left)).with("x2", at(left + width));
                 vec![line.with("y1", &y).with("y2", &y)]
             }
             Mark::Stems { class, points } => {
-                let zero = at(ground.y(0.0));
-                let stem = |&(x, y): &(f64, f64)| format!("M{} {zero}V{}", at(ground.x(x)), at(ground.y(y)));
+                let zero = at(coordinates.y(0.0));
+                let stem = |&(x, y): &(f64, f64)| {
+                    format!("M{} {zero}V{}", at(coordinates.x(x)), at(coordinates.y(y)))
+                };
                 path(class, points.iter().map(stem).collect())
             }
             Mark::Boxes { class, boxes } => {
                 let one = |&(a, b, low, high): &(f64, f64, f64, f64)| {
-                    let (a, b) = (ground.x(a), ground.x(b));
+                    let (a, b) = (coordinates.x(a), coordinates.x(b));
                     // The shortest stretch is still seen.
-                    let (y, wide) = (ground.y(high), (b - a).max(0.7));
-                    format!("M{} {}h{}v{}h-{}z", at(a), at(y), at(wide), at(ground.y(low) - y), at(wide))
+                    let (y, wide) = (coordinates.y(high), (b - a).max(0.7));
+                    format!("M{} {}h{}v{}h-{}z", at(a), at(y), at(wide), at(coordinates.y(low) - y), at(wide))
                 };
                 path(class, boxes.iter().map(one).collect())
             }

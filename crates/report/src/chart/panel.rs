@@ -1,22 +1,10 @@
 //! One pair of axes with what is drawn on them.
 
 use super::axis::Axis;
-use super::mark::{Ground, Mark};
-use super::{at, width_of, word};
+use super::coordinates::{Coordinates, Place};
+use super::label::{at, width_of, word};
+use super::mark::Mark;
 use crate::markup::{Element, element};
-
-/// The plotting area of a panel in its picture; labels stand outside of it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
-    /// Left edge.
-    pub(crate) x: f64,
-    /// Upper edge.
-    pub(crate) y: f64,
-    /// Width.
-    pub(crate) width: f64,
-    /// Height.
-    pub(crate) height: f64,
-}
 
 /// Axes and marks.
 #[derive(Clone, Debug)]
@@ -36,18 +24,18 @@ pub(crate) struct Panel {
 impl Panel {
     /// The panel as elements.
     pub(crate) fn drawn(&self, place: Place) -> Vec<Element> {
-        let ground = Ground { x: &self.x, y: &self.y, place };
+        let coordinates = Coordinates { x: &self.x, y: &self.y, place };
         let Place { x: left, y: top, width, height } = place;
         let (right, bottom) = (left + width, top + height);
         let (mut grid, mut ticks, mut words) = (String::new(), String::new(), Vec::new());
         for (value, label) in self.y.ticks((height / 36.0) as usize) {
-            let y = ground.y(value);
+            let y = coordinates.y(value);
             grid += &format!("M{} {}H{}", at(left), at(y), at(right));
             words.push(word("end", left - 8.0, y + 4.5, &label));
         }
         let across = self.x.ticks((width / 84.0) as usize);
         for (value, label) in &across {
-            let x = ground.x(*value);
+            let x = coordinates.x(*value);
             ticks += &format!("M{} {}v5", at(x), at(bottom));
             if self.labelled {
                 words.push(word("middle", x, bottom + 20.0, label));
@@ -71,7 +59,7 @@ impl Panel {
         let path = |class: &str, d: String| element("path").class(class).with("d", d);
         let frame = format!("M{} {}V{}H{}", at(left), at(top), at(bottom), at(right));
         let mut out = vec![path("grid", grid)];
-        out.extend(self.marks.iter().flat_map(|m| m.drawn(&ground)));
+        out.extend(self.marks.iter().flat_map(|m| m.drawn(&coordinates)));
         out.extend([path("frame", frame), path("ticks", ticks)]);
         out.extend(words);
         out

@@ -66,7 +66,7 @@ pub(crate) fn object(report: &GapReport<'_>) -> Value {
         })
         .collect();
     json!({
-        "spec": input.spec,
+        "spec": input.name,
         "title": input.case.system.title,
         "status": found.status.name(),
         "noise": noise,

@@ -1,6 +1,6 @@
 //! The result of the gap workflow with what a report says beside it.
 
-use crate::{Ending, Input};
+use crate::input::{Ending, Input};
 use phisindy_gap::{Entry, Gap};
 
 /// Everything that is told about a spec after the gap workflow.

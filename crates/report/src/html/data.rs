@@ -1,6 +1,6 @@
 //! Records beside what models make of them: the material of the figures.
 
-use crate::Input;
+use crate::input::Input;
 use phisindy_learn::RecordFit;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Record, System};

@@ -8,8 +8,8 @@ use crate::chart::digits;
 use crate::equation::equations;
 use crate::format::role_name as role;
 use crate::gap::{GapReport, ending, rivals, vetoes};
+use crate::input::{Ending, Invocation};
 use crate::markup::{Element, element};
-use crate::{Ending, Invocation};
 use phisindy_gap::{Entry, Gap, Region, Status, Step};
 use phisindy_phys::{SourceId, check_names, spec};
 

@@ -1,7 +1,7 @@
 //! The page: what stands round the sections, and how it is written.
 
-use crate::Input;
 use crate::chart::{self, Chart};
+use crate::input::Input;
 use crate::markup::{Element, element};
 
 const STYLE: &str = include_str!("style.css");
@@ -57,8 +57,8 @@ impl Page {
     /// A page about a spec.
     pub(crate) fn new(input: Input<'_>, banner: Banner) -> Page {
         let title = &input.case.system.title;
-        let title = if title.is_empty() { input.spec.to_owned() } else { title.clone() };
-        Page { title, spec: input.spec.to_owned(), banner, sections: vec![], charts: vec![] }
+        let title = if title.is_empty() { input.name.to_owned() } else { title.clone() };
+        Page { title, spec: input.name.to_owned(), banner, sections: vec![], charts: vec![] }
     }
 
     /// A page about a spec that could not be read.

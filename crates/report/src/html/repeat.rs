@@ -2,16 +2,16 @@
 
 use super::page::{Page, block, paragraph};
 use super::table::{Cell, code, in_unit, table, text};
+use crate::input::{Input, Invocation};
 use crate::markup::{Element, element};
-use crate::{Input, Invocation};
-use phisindy_phys::spec::{self, ConstantSpec};
+use phisindy_phys::spec::ConstantSpec;
 use phisindy_phys::unit::Unit;
-use phisindy_phys::{Origin, Record, SourceId};
+use phisindy_phys::{Origin, Record};
 
 /// Adds the sections at the end of every report.
 pub(crate) fn add(page: &mut Page, input: Input<'_>, invocation: &Invocation) {
     page.section("Held constant", [constants(input), of_records(input)].into_iter().flatten());
-    page.section("To repeat it", command(seeds(input, invocation), input.spec, Some(input.text), invocation));
+    page.section("To repeat it", command(seeds(input, invocation), input.name, Some(input.text), invocation));
 }
 
 /// The version, the command, the spec as far as it could be read.
@@ -53,9 +53,8 @@ fn seeds(input: Input<'_>, invocation: &Invocation) -> Option<Element> {
 
 /// Constants of the spec that are plain numbers, in its units.
 fn constants(input: Input<'_>) -> Option<Element> {
-    let written = spec::read(input.text, SourceId(0)).map_or(vec![], |(spec, _)| spec.constants);
     let row = |(name, value): &(String, f64)| {
-        let given = written.iter().find(|(n, _)| n.value == *name).map(|(_, c)| c);
+        let given = input.spec.constants.iter().find(|(n, _)| n.value == *name).map(|(_, c)| c);
         let own = match given {
             Some(ConstantSpec::Number { unit, .. }) => unit.as_ref().map_or("", |u| u.value.as_str()),
             _ => "",

@@ -7,8 +7,9 @@ use super::{correlation, friction, mathml, motion, repeat, residual, selection};
 use crate::chart::digits;
 use crate::equation::names_of_records;
 use crate::format::{method_name as method, role_name as role};
+use crate::input::Invocation;
 use crate::markup::Element;
-use crate::{Invocation, RunReport};
+use crate::run::RunReport;
 use phisindy_learn::Verdict;
 use phisindy_phys::spec::Role;
 
@@ -88,8 +89,7 @@ fn coefficients(report: &RunReport<'_>) -> Option<Element> {
         let term = &system.terms[f.term];
         let state = &system.states[term.state].name;
         let dimension = term.unit.map_or(String::new(), |unit| unit.to_string());
-        let mut row =
-            vec![code(state), code(report.factor(state)), code(&term.candidate), in_unit(&dimension)];
+        let mut row = vec![code(state), code(&term.factor_text), code(&term.candidate), in_unit(&dimension)];
         row.extend(estimate(&f.coefficient, 1.0));
         if forces {
             let force = report.force(f);

@@ -1,9 +1,9 @@
 //! What was held: the constants and sensor parameters that the fit did not move, and at which values.
 
-use crate::Input;
+use crate::input::Input;
 use crate::table::short;
 use phisindy_learn::Identified;
-use phisindy_phys::spec::{ConstantSpec, DataSpec, Role, Spec};
+use phisindy_phys::spec::{ConstantSpec, DataSpec, Role};
 use phisindy_phys::unit::Unit;
 use serde::Serialize;
 
@@ -21,9 +21,9 @@ pub(crate) struct Held {
 }
 
 /// Everything that was held, in the order of the spec: constants, those of the records, sensors.
-pub(crate) fn held(loaded: Input<'_>, spec: &Spec, found: &Identified) -> Vec<Held> {
-    let mut all = constants(loaded, spec, found);
-    let (system, records) = (&loaded.case.system, loaded.records);
+pub(crate) fn held(input: Input<'_>, found: &Identified) -> Vec<Held> {
+    let mut all = constants(input, found);
+    let (spec, system, records) = (input.spec, &input.case.system, input.records);
     for (k, (name, _)) in system.record_constants.iter().enumerate() {
         let unit = |r: usize| {
             let own: &[_] = match &spec.data[r] {
@@ -37,7 +37,7 @@ pub(crate) fn held(loaded: Input<'_>, spec: &Spec, found: &Identified) -> Vec<He
             let unit = unit(r);
             Some((records[r].constants.get(k)? / factor(&unit), unit))
         };
-        all.extend(of_records(name, loaded, &value));
+        all.extend(of_records(name, input, &value));
     }
     let columns = system
         .states
@@ -63,15 +63,15 @@ pub(crate) fn held(loaded: Input<'_>, spec: &Spec, found: &Identified) -> Vec<He
                     parameter.shared.is_none() && (parameter.start != idle || parameter.within.is_some());
                 (told && !moved(r)).then(|| (parameter.start / factor(unit), unit.to_owned()))
             };
-            all.extend(of_records(&name, loaded, &value));
+            all.extend(of_records(&name, input, &value));
         }
     }
     all
 }
 
 /// Constants of the case that did not move.
-fn constants(loaded: Input<'_>, spec: &Spec, found: &Identified) -> Vec<Held> {
-    let system = &loaded.case.system;
+fn constants(input: Input<'_>, found: &Identified) -> Vec<Held> {
+    let system = &input.case.system;
     let moved = |name: &str| {
         let moves = |p: &phisindy_learn::FoundParameter| {
             p.parameter.is_some_and(|k| system.parameters[k].name == name)
@@ -88,16 +88,16 @@ fn constants(loaded: Input<'_>, spec: &Spec, found: &Identified) -> Vec<Held> {
         let value = value(&name, constant).filter(|_| !moved(&name))?;
         Some(Held { name, value, unit: unit_of(constant), record: None })
     };
-    spec.constants.iter().filter_map(stands).collect()
+    input.spec.constants.iter().filter_map(stands).collect()
 }
 
 /// One number for all Fit records, or one for each of them. (A Validate record has those of the run that it continues, or finds its own.)
-fn of_records(name: &str, loaded: Input<'_>, value: &dyn Fn(usize) -> Option<(f64, String)>) -> Vec<Held> {
+fn of_records(name: &str, input: Input<'_>, value: &dyn Fn(usize) -> Option<(f64, String)>) -> Vec<Held> {
     let fitted: Vec<usize> =
-        (0..loaded.records.len()).filter(|&r| loaded.records[r].role == Role::Fit).collect();
+        (0..input.records.len()).filter(|&r| input.records[r].role == Role::Fit).collect();
     let entry = |&r: &usize| {
         let (value, unit) = value(r)?;
-        Some(Held { name: name.to_owned(), value, unit, record: Some(loaded.records[r].name.clone()) })
+        Some(Held { name: name.to_owned(), value, unit, record: Some(input.records[r].name.clone()) })
     };
     let mut all: Vec<Held> = fitted.iter().filter_map(entry).collect();
     let same = |h: &Held| (h.value, &h.unit) == (all[0].value, &all[0].unit);

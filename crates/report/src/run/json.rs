@@ -134,7 +134,7 @@ pub(crate) fn line(report: &RunReport<'_>) -> String {
     let selection =
         found.selection.iter().map(|p| PointOut { terms: p.terms, criterion: p.criterion, nrmse: p.nrmse });
     let outcome = Outcome {
-        spec: report.input.spec,
+        spec: report.input.name,
         title: &system.title,
         method: method(found.method),
         verdict: if found.verdict == Verdict::Identified { "identified" } else { "rejected" },

@@ -1,8 +1,8 @@
 //! `completed.ron`: the spec's text with the effects that `gap` found in it.
 
-use super::edit::{Text, first, number, records_of, sensor_of};
-use super::head;
-use crate::{GapReport, Input};
+use super::edit::{Text, first, head, number, records_of, sensor_of};
+use crate::gap::GapReport;
+use crate::input::Input;
 use phisindy_gap::Gap;
 use phisindy_phys::spec::{self, DataSpec, Find, SensorValue};
 use phisindy_phys::unit::Unit;
@@ -27,7 +27,7 @@ pub fn completed(report: &GapReport<'_>) -> (String, Option<String>) {
     let text = format!(
         "{}{}` (version {}) made of it: {}.\n// The effects stand in `known`, their numbers in `constants`, `sensors` and `start`, from where a fit ended:\n//     phisindy run completed.ron{data}\n{text}",
         head("gap"),
-        input.spec,
+        input.name,
         env!("CARGO_PKG_VERSION"),
         found.status.name(),
     );

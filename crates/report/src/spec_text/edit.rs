@@ -1,14 +1,14 @@
 //! Edits of a spec's text: values set at paths, and what a result needs to find its place there.
 
-use crate::Input;
+use crate::input::Input;
 use phisindy_phys::splice;
 use phisindy_phys::{Diagnostic, Record};
 
 /// A record and those that continue it.
-pub(super) fn records_of(loaded: Input<'_>, owner: usize) -> impl Iterator<Item = usize> {
+pub(super) fn records_of(input: Input<'_>, owner: usize) -> impl Iterator<Item = usize> {
     let same =
         move |(r, other): (usize, &Record)| (r == owner || other.continues == Some(owner)).then_some(r);
-    loaded.records.iter().enumerate().filter_map(same)
+    input.records.iter().enumerate().filter_map(same)
 }
 
 /// Column and property in the name of a sensor's parameter, `x.offset [run 1]`.
@@ -37,4 +37,9 @@ impl Text {
 /// The shortest text that reads back as the same number.
 pub(super) fn number(x: f64) -> String {
     format!("{x:?}")
+}
+
+/// The start of the first line of the spec that a command leaves.
+pub fn head(command: &str) -> String {
+    format!("// What `phisindy {command} ")
 }

@@ -1,8 +1,7 @@
 //! `identified.ron`: the spec's text with what was identified in it, so that `simulate` predicts. Comments and everything else stay.
 
-use super::edit::{Text, first, number, records_of, sensor_of};
-use super::head;
-use crate::Input;
+use super::edit::{Text, first, head, number, records_of, sensor_of};
+use crate::input::Input;
 use phisindy_expr::{AstKind, Binary, Unary, parse};
 use phisindy_learn::{FoundParameter, Identified, Verdict};
 use phisindy_phys::spec::{ConstantSpec, DataSpec, Spec, UnknownSpec};
@@ -16,15 +15,15 @@ pub const IDENTIFIED: &str = "identified.ron";
 ///
 /// # Errors
 /// In words: the text cannot hold what was identified (a mistake of this program, or a spec that uses a form it does not know).
-pub fn identified(loaded: Input<'_>, found: &Identified) -> Result<String, String> {
-    let (spec, _) = spec::read(loaded.text, SourceId(0)).map_err(|_| "the spec cannot be read again")?;
-    let mut text = Text(loaded.text.to_owned());
-    rates(&mut text, &spec, loaded, found)?;
-    parameters(&mut text, &spec, loaded, found)?;
+pub fn identified(input: Input<'_>, found: &Identified) -> Result<String, String> {
+    let spec = input.spec;
+    let mut text = Text(input.text.to_owned());
+    rates(&mut text, spec, input, found)?;
+    parameters(&mut text, spec, input, found)?;
     for (r, record) in found.records.iter().enumerate() {
         // The start of a synthetic record is that of its run, not that of the window which was seen.
         let windowed = matches!(&spec.data[r], DataSpec::Synthetic(s) if s.window.is_some());
-        for (state, x) in loaded.case.system.states.iter().zip(&record.start).filter(|_| !windowed) {
+        for (state, x) in input.case.system.states.iter().zip(&record.start).filter(|_| !windowed) {
             text.set(&["data", &r.to_string(), "start", &state.name], &number(x / state.factor))?;
         }
         if matches!(spec.data[r], DataSpec::Synthetic(_)) {
@@ -41,7 +40,7 @@ pub fn identified(loaded: Input<'_>, found: &Identified) -> Result<String, Strin
         "{}{}` (version {}) found: {verdict}.\n// The identified terms stand in `known`, their coefficients and the fitted \
          numbers in `constants`, `sensors` and `start`. To predict:\n//     phisindy simulate identified.ron{data}\n",
         head("run"),
-        loaded.spec,
+        input.name,
         env!("CARGO_PKG_VERSION")
     );
     let text = head + &text.0;
@@ -51,8 +50,8 @@ pub fn identified(loaded: Input<'_>, found: &Identified) -> Result<String, Strin
 }
 
 /// The identified terms into the known rates, their coefficients into the constants.
-fn rates(text: &mut Text, spec: &Spec, loaded: Input<'_>, found: &Identified) -> Result<(), String> {
-    let system = &loaded.case.system;
+fn rates(text: &mut Text, spec: &Spec, input: Input<'_>, found: &Identified) -> Result<(), String> {
+    let system = &input.case.system;
     let units = speaks_of_units(spec);
     let mut given: Vec<String> = Vec::new();
     for (k, state) in system.states.iter().enumerate() {
@@ -66,7 +65,7 @@ fn rates(text: &mut Text, spec: &Spec, loaded: Input<'_>, found: &Identified) ->
             let term = &system.terms[f.term];
             let stem = format!("c_{}", state.name);
             let wish = if own.len() == 1 { stem } else { format!("{stem}_{}", place + 1) };
-            let name = free(wish, loaded, &given);
+            let name = free(wish, input, &given);
             given.push(name.clone());
             let unit = term.unit.filter(|_| units).and_then(written_unit);
             let value = number(f.coefficient.value);
@@ -102,8 +101,8 @@ fn written_unit(dimension: Dimension) -> Option<String> {
 }
 
 /// A name that nothing in the spec has, nor any coefficient before.
-fn free(mut name: String, loaded: Input<'_>, given: &[String]) -> String {
-    while loaded.case.system.names.get(&name).is_some() || given.contains(&name) {
+fn free(mut name: String, input: Input<'_>, given: &[String]) -> String {
+    while input.case.system.names.get(&name).is_some() || given.contains(&name) {
         name.push('_');
     }
     name
@@ -158,15 +157,13 @@ fn bracketed(text: &str) -> String {
 }
 
 /// Fitted numbers into constants and sensors.
-fn parameters(text: &mut Text, spec: &Spec, loaded: Input<'_>, found: &Identified) -> Result<(), String> {
+fn parameters(text: &mut Text, spec: &Spec, input: Input<'_>, found: &Identified) -> Result<(), String> {
     for p in &found.parameters {
         let value = p.estimate.value / p.factor;
         match (p.parameter, p.record) {
             (Some(_), None) => constant(text, spec, &p.name, value)?,
-            (Some(k), Some(r)) => {
-                of_record(text, spec, loaded, &loaded.case.system.parameters[k].name, r, p)?
-            }
-            (None, Some(r)) => sensor(text, loaded, r, p)?,
+            (Some(k), Some(r)) => of_record(text, spec, input, &input.case.system.parameters[k].name, r, p)?,
+            (None, Some(r)) => sensor(text, input, r, p)?,
             (None, None) => {}
         }
     }
@@ -189,7 +186,7 @@ fn constant(text: &mut Text, spec: &Spec, name: &str, value: f64) -> Result<(), 
 fn of_record(
     text: &mut Text,
     spec: &Spec,
-    loaded: Input<'_>,
+    input: Input<'_>,
     name: &str,
     record: usize,
     p: &FoundParameter,
@@ -199,7 +196,7 @@ fn of_record(
     // The default, for records that were not fitted.
     text.set(&["constants", name], &value)?;
     for r in 0..spec.data.len() {
-        if r == record || loaded.records.get(r).is_some_and(|other| other.continues == Some(record)) {
+        if r == record || input.records.get(r).is_some_and(|other| other.continues == Some(record)) {
             text.set(&["data", &r.to_string(), "constants", name], &value)?;
         }
     }
@@ -207,9 +204,9 @@ fn of_record(
 }
 
 /// What was found of a sensor is held.
-fn sensor(text: &mut Text, loaded: Input<'_>, record: usize, p: &FoundParameter) -> Result<(), String> {
+fn sensor(text: &mut Text, input: Input<'_>, record: usize, p: &FoundParameter) -> Result<(), String> {
     let Some((column, which)) = sensor_of(&p.name) else { return Ok(()) };
-    for r in records_of(loaded, record) {
+    for r in records_of(input, record) {
         // Plain numbers of sensors are in SI.
         text.set(&["data", &r.to_string(), "sensors", column, which], &number(p.estimate.value))?;
     }
