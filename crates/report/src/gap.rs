@@ -7,20 +7,20 @@ mod text;
 pub use report::GapReport;
 pub(crate) use text::{ending, rivals, vetoes, whose};
 
-use crate::Format;
+use crate::format::Format;
 
 impl GapReport<'_> {
     /// The result in one of its forms, with an end of line; there is none in LaTeX, which is plain text here.
     pub fn written(&self, format: Format) -> String {
         match format {
-            Format::Json => format!("{}\n", json::object(self)),
+            Format::Json => json::line(self) + "\n",
             Format::Text | Format::Latex => text::text(self),
         }
     }
 
     /// `result.json`: the object on lines of its own.
     pub fn json_lines(&self) -> String {
-        format!("{:#}\n", json::object(self))
+        json::lines(self) + "\n"
     }
 
     /// `gap.txt`: the text, and what the terminal is told beside it: what is odd about the data, and what a careful reader

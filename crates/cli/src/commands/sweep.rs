@@ -77,7 +77,7 @@ pub(crate) fn sweep(args: &SweepArgs, options: &Options) -> Result<u8> {
         stopped: outcome.stopped,
         seconds: outcome.seconds,
     };
-    let object = json(&result).to_string() + "\n";
+    let object = json(&result) + "\n";
     match options.format {
         Format::Json => print(&object)?,
         form => {

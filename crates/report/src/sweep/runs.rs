@@ -56,6 +56,16 @@ pub struct CellRuns<'a> {
     pub runs: &'a [Run],
 }
 
+impl<'a> CellRuns<'a> {
+    /// The names of the terms of the truth that a run did not find.
+    pub(super) fn missing(&self, run: &Run) -> Vec<&'a str> {
+        let Ok(named) = self.truth else { return vec![] };
+        let missing =
+            named.names.iter().enumerate().filter(|&(k, _)| run.found.get(k).is_none_or(Option::is_none));
+        missing.map(|(_, name)| name.as_str()).collect()
+    }
+}
+
 /// All runs of a sweep.
 #[derive(Clone, Debug)]
 pub struct SweepRuns<'a> {

@@ -1,6 +1,6 @@
 //! What the runs of one cell say together.
 
-use super::runs::{NamedTruth, Run};
+use super::runs::{NamedTruth, Run, SweepRuns};
 
 /// The runs of one cell in numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,6 +79,17 @@ impl Statistics {
     pub fn coverage(&self) -> Option<(f64, f64)> {
         let least = largest(self.coefficients.iter().map(|c| c.coverage.map(|x| -x)))?;
         Some((-least, largest(self.coefficients.iter().map(|c| c.coverage))?))
+    }
+}
+
+impl SweepRuns<'_> {
+    /// The statistics of each cell, or why there are none.
+    pub(super) fn statistics(&self) -> Vec<Result<Statistics, String>> {
+        let of = self.cells.iter().map(|cell| match cell.truth {
+            Ok(named) => Ok(Statistics::of(named, cell.runs)),
+            Err(why) => Err(why.clone()),
+        });
+        of.collect()
     }
 }
 

@@ -1,21 +1,12 @@
-//! The result of a sweep, for people and as JSON.
+//! The result of a sweep for people.
 
 use super::runs::{CellRuns, Run, SweepRuns};
 use super::statistics::Statistics;
 use crate::format::method_name;
 use crate::table::{aligned, short};
-use serde_json::{Map, Value, json};
 
 /// Seeds of failed runs beyond this many are not listed for people (JSON has all).
 const LISTED: usize = 20;
-
-/// The statistics of each cell, or why there are none.
-fn statistics(sweep: &SweepRuns<'_>) -> Vec<Result<Statistics, String>> {
-    let one = |cell: &CellRuns<'_>| {
-        cell.truth.as_ref().map(|named| Statistics::of(named, cell.runs)).map_err(Clone::clone)
-    };
-    sweep.cells.iter().map(one).collect()
-}
 
 fn word(x: Option<f64>) -> String {
     x.map_or("-".to_owned(), short)
@@ -39,7 +30,7 @@ pub fn table(sweep: &SweepRuns<'_>) -> Vec<String> {
         format!("{} ({})", sweep.title, sweep.spec)
     };
     let mut lines = vec![name, format!("method {}, seeds {first} to {last}", method_name(sweep.method))];
-    let all = statistics(sweep);
+    let all = sweep.statistics();
     if all.len() > 1 {
         let mut rows = vec![words(&[
             "cell",
@@ -123,13 +114,6 @@ fn block(checked: &CellRuns<'_>, statistics: &Statistics) -> Vec<String> {
     lines
 }
 
-fn missing(checked: &CellRuns<'_>, run: &Run) -> Vec<String> {
-    let Ok(named) = &checked.truth else { return vec![] };
-    let missing =
-        named.names.iter().enumerate().filter(|&(k, _)| run.found.get(k).is_none_or(Option::is_none));
-    missing.map(|(_, name)| name.clone()).collect()
-}
-
 /// What is wrong with a run, in words.
 fn brief(checked: &CellRuns<'_>, run: &Run) -> String {
     if run.verdict.starts_with("failed") {
@@ -139,7 +123,7 @@ fn brief(checked: &CellRuns<'_>, run: &Run) -> String {
     if !run.spurious.is_empty() {
         parts.push(format!("spurious {}", run.spurious.join(", ")));
     }
-    let missing = missing(checked, run);
+    let missing = checked.missing(run);
     if !missing.is_empty() {
         parts.push(format!("missing {}", missing.join(", ")));
     }
@@ -147,53 +131,4 @@ fn brief(checked: &CellRuns<'_>, run: &Run) -> String {
         parts.push(run.verdict.clone());
     }
     parts.join("; ")
-}
-
-/// One object (DESIGN.md section 4); with several cells the numbers of each stand in `cells`.
-pub fn json(sweep: &SweepRuns<'_>) -> Value {
-    let all = statistics(sweep);
-    let mut cells: Vec<Map<String, Value>> =
-        sweep.cells.iter().zip(&all).map(|(cell, statistics)| cell_json(cell, statistics)).collect();
-    let mut object = if let [_] = cells.as_slice() {
-        cells.remove(0)
-    } else {
-        let counted = |count: fn(&Statistics) -> usize| all.iter().flatten().map(count).sum::<usize>();
-        let mut object = Map::new();
-        object.insert("runs".into(), counted(|s| s.runs).into());
-        object.insert("exact_support".into(), counted(|s| s.exact).into());
-        object.insert("cells".into(), cells.into());
-        object
-    };
-    object.insert("spec".into(), sweep.spec.into());
-    object.insert("title".into(), sweep.title.into());
-    object.insert("method".into(), method_name(sweep.method).into());
-    object.insert("seed".into(), sweep.first.into());
-    object.insert("seeds".into(), sweep.seeds.into());
-    object.insert("stopped".into(), sweep.stopped.into());
-    object.insert("seconds".into(), sweep.seconds.into());
-    object.insert("version".into(), env!("CARGO_PKG_VERSION").into());
-    Value::Object(object)
-}
-
-fn cell_json(checked: &CellRuns<'_>, cell: &Result<Statistics, String>) -> Map<String, Value> {
-    let mut object = Map::new();
-    object.insert("cell".into(), checked.label.into());
-    let (count, exact) = cell.as_ref().map_or((0, 0), |s| (s.runs, s.exact));
-    object.insert("runs".into(), count.into());
-    object.insert("exact_support".into(), exact.into());
-    let coefficients = cell.as_ref().map_or(&[][..], |s| &s.coefficients).iter().map(|c| {
-        let numbers = json!({
-            "truth": c.truth, "found": c.found, "median": c.median, "rmse": c.rmse, "bound": c.bound, "coverage95": c.coverage,
-        });
-        (c.name.clone(), numbers)
-    });
-    object.insert("coefficients".into(), Value::Object(coefficients.collect()));
-    let failures = checked.runs.iter().filter(|r| !r.exact).map(|r| {
-        json!({ "seed": r.seed, "verdict": r.verdict, "spurious": r.spurious, "missing": missing(checked, r) })
-    });
-    object.insert("failures".into(), failures.collect());
-    if let Err(why) = cell {
-        object.insert("error".into(), why.clone().into());
-    }
-    object
 }
