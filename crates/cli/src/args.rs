@@ -1,8 +1,10 @@
 //! The command line: names, help, and what clap can check by itself (a mistake ends with exit code 2).
 
 use crate::limit::Limit;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, ValueEnum};
 use phisindy_phys::spec::Method;
+use phisindy_report::export::{EXPORTERS, Exporter};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -222,8 +224,8 @@ pub(crate) struct ExportArgs {
     #[arg(value_name = "DIR|SPEC")]
     pub(crate) path: PathBuf,
     /// Language
-    #[arg(long, value_enum, value_name = "LANGUAGE")]
-    pub(crate) to: Target,
+    #[arg(long, value_name = "LANGUAGE", value_parser = exporter())]
+    pub(crate) to: &'static Exporter,
     /// Record whose start state and constants are written, by name or place [default: 0, the first one]
     #[arg(long, value_name = "NAME")]
     pub(crate) record: Option<String>,
@@ -232,17 +234,11 @@ pub(crate) struct ExportArgs {
     pub(crate) force: bool,
 }
 
-/// A language to export to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Target {
-    /// A module that needs the standard library alone.
-    Python,
-    /// One file of C99.
-    C,
-    /// A model of Modelica 3.
-    Modelica,
-    /// The model as data.
-    Json,
+/// A language to export to, by its name.
+fn exporter() -> impl TypedValueParser<Value = &'static Exporter> {
+    let names = EXPORTERS.iter().map(|e| PossibleValue::new(e.name).help(e.about));
+    let named = |name: String| EXPORTERS.iter().find(|e| e.name == name).ok_or("there is no such language");
+    PossibleValuesParser::new(names).try_map(named)
 }
 
 /// What to sweep over.
@@ -363,6 +359,16 @@ pub(crate) enum Format {
     Text,
     /// One JSON object per spec.
     Json,
+}
+
+impl From<Format> for phisindy_report::Format {
+    fn from(format: Format) -> phisindy_report::Format {
+        match format {
+            Format::Latex => phisindy_report::Format::Latex,
+            Format::Text => phisindy_report::Format::Text,
+            Format::Json => phisindy_report::Format::Json,
+        }
+    }
 }
 
 /// A method by its name on the command line.

@@ -1,14 +1,15 @@
 //! What ends the work before its end: Ctrl-C, or a limit. The first Ctrl-C asks the work to end, the second one ends the program; so does a
 //! limit, if the work does not end soon after.
 
-use crate::command::{NUMERICS, complain};
-use crate::limit::{Limit, Met, held};
+use crate::limit::{Limit, held};
+use crate::terminal::{NUMERICS, complain};
+use phisindy_report::StopReason;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 static ASKED: AtomicBool = AtomicBool::new(false);
-static MET: OnceLock<Met> = OnceLock::new();
+static MET: OnceLock<StopReason> = OnceLock::new();
 
 /// Exit code of a program that was interrupted.
 const INTERRUPTED: u8 = 130;
@@ -37,10 +38,10 @@ fn watch(limit: Limit) {
         std::thread::sleep(TICK);
         let (time, memory) = (begin.elapsed(), limit.memory.and_then(|_| held()));
         if let Some(most) = limit.time.filter(|most| time >= *most) {
-            break Met::Time(most);
+            break StopReason::TimeLimit(most);
         }
         if let Some(most) = limit.memory.filter(|most| memory.is_some_and(|held| held >= *most)) {
-            break Met::Memory(most);
+            break StopReason::MemoryLimit(most);
         }
     };
     let _ = MET.set(met);
@@ -68,8 +69,8 @@ pub(crate) fn code() -> u8 {
 }
 
 /// Who asked, for a result that is not finished.
-pub(crate) fn words() -> String {
-    MET.get().map_or_else(|| "stopped by Ctrl-C".to_owned(), |met| format!("stopped: {met}"))
+pub(crate) fn reason() -> StopReason {
+    MET.get().copied().unwrap_or(StopReason::Interrupt)
 }
 
 /// Says that a limit was met, and what to do. Who typed Ctrl-C knows it.

@@ -1,15 +1,12 @@
 //! The catalogue of laws: built in, beside the spec, and in the folder of `--laws`.
 
 mod builtin;
-mod picture;
-
-pub(crate) use picture::picture;
 
 use crate::args::Options;
 use crate::datafile;
-use crate::table::{aligned, short};
 use anyhow::{Context, Result, anyhow, bail};
 use phisindy_phys::Law;
+use phisindy_report::laws::LawFile;
 use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
@@ -19,18 +16,8 @@ const LONGEST: u64 = 1 << 16;
 /// Most laws of a folder.
 const MOST: usize = 1000;
 
-/// A law and where it comes from.
-pub(crate) struct Entry {
-    /// What it is called in specs and results: the name of its file.
-    pub(crate) id: String,
-    /// The text of its file.
-    pub(crate) text: String,
-    /// What the text says.
-    pub(crate) law: Law,
-}
-
 /// All laws: built in, then those of each folder, which may replace earlier ones.
-pub(crate) fn catalogue(folders: &[&Path]) -> Result<Vec<Entry>> {
+pub(crate) fn catalogue(folders: &[&Path]) -> Result<Vec<LawFile>> {
     let mut all = Vec::new();
     for (id, text) in builtin::LAWS {
         all.push(entry(id, (*text).to_owned(), &format!("the built-in law `{id}`"))?);
@@ -82,73 +69,15 @@ fn text_of(path: &Path, folder: &Path) -> Result<String> {
     Ok(text)
 }
 
-fn entry(id: &str, text: String, what: &str) -> Result<Entry> {
+fn entry(id: &str, text: String, what: &str) -> Result<LawFile> {
     let law = Law::read(&text).map_err(|e| anyhow!("{what} cannot be read: {e}"))?;
-    Ok(Entry { id: id.to_owned(), text, law })
-}
-
-/// One line for each law.
-pub(crate) fn list(all: &[Entry]) -> String {
-    let rows: Vec<Vec<String>> =
-        all.iter().map(|e| vec![e.id.clone(), e.law.name.clone(), e.law.about.clone()]).collect();
-    aligned(&rows).join("\n") + "\n"
-}
-
-/// One law, for people: its name, what it says, its parameters, where it comes from, its text.
-pub(crate) fn shown(entry: &Entry) -> String {
-    let law = &entry.law;
-    let mut lines = vec![format!("{} ({})", law.name, entry.id), law.about.clone(), String::new()];
-    lines.extend(law.acts());
-    if !law.parameters.is_empty() {
-        let mut rows = vec![["parameter", "unit", "within"].map(str::to_owned).to_vec()];
-        for (name, p) in &law.parameters {
-            let unit = if p.unit.is_empty() { "-".to_owned() } else { p.unit.clone() };
-            rows.push(vec![name.clone(), unit, format!("{} to {}", short(p.within.0), short(p.within.1))]);
-        }
-        lines.push(String::new());
-        lines.extend(aligned(&rows));
-    }
-    lines.push(String::new());
-    lines.push(format!("Reference: {}", law.reference));
-    lines.push(String::new());
-    lines.push(format!("laws/{}.ron:", entry.id));
-    lines.extend(entry.text.lines().map(|l| format!("    {l}").trim_end().to_owned()));
-    lines.join("\n") + "\n"
-}
-
-/// All laws with their pictures, as a page of Markdown.
-pub(crate) fn gallery(all: &[Entry]) -> String {
-    let mut out = String::from(
-        "# The catalogue of laws\n\nWritten by `phisindy laws --out docs/laws` from the files in `specs/laws`. Each picture is drawn along the motion `x = sin t`, `v = cos t`, with example\nnumbers; a law of your own gets one by a line `sketch: (over: \"v\", with: { ... })`.\n",
-    );
-    for e in all {
-        let law = &e.law;
-        out += &format!("\n## {} (`{}`)\n\n{}\n", law.name, e.id, law.about);
-        if law.sketch.is_some() {
-            out += &format!("\n![{}]({}.svg)\n", law.name, e.id);
-        }
-        out.push('\n');
-        out += &law.acts().iter().map(|l| format!("- {}\n", code(l))).collect::<String>();
-        for (name, p) in &law.parameters {
-            let unit = if p.unit.is_empty() { "no unit" } else { p.unit.as_str() };
-            let each = if p.each { ", one for each record" } else { "" };
-            out += &format!("- `{name}`: {unit}, {} to {}{each}\n", short(p.within.0), short(p.within.1));
-        }
-        if !law.reference.is_empty() {
-            out += &format!("\n{}\n", law.reference);
-        }
-    }
-    out
-}
-
-/// What stands behind the colon as code.
-fn code(line: &str) -> String {
-    line.split_once(": ").map_or_else(|| line.to_owned(), |(what, text)| format!("{what}: `{text}`"))
+    Ok(LawFile { id: id.to_owned(), text, law })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use phisindy_report::laws::{gallery, picture};
 
     /// Every law has a picture, and the page in `docs/laws` is what the program writes.
     #[test]

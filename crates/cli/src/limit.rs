@@ -1,6 +1,5 @@
 //! `--limit`: how long the program may work and how much memory it may hold before it stops as Ctrl-C stops it.
 
-use std::fmt;
 use std::time::Duration;
 
 /// What a normal user never meets, and what stops a spec from somebody else from taking a machine.
@@ -50,24 +49,6 @@ impl Limit {
             }
         }
         Ok(limit)
-    }
-}
-
-/// Which limit was met.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Met {
-    /// Of time.
-    Time(Duration),
-    /// Of memory, in bytes.
-    Memory(u64),
-}
-
-impl fmt::Display for Met {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Met::Time(time) => write!(f, "the limit of {} s is met", time.as_secs_f64()),
-            Met::Memory(bytes) => write!(f, "the limit of {} MB of memory is met", bytes / 1_000_000),
-        }
     }
 }
 

@@ -6,11 +6,12 @@ use crate::laws;
 use crate::trends::Trends;
 use phisindy_expr::Span;
 use phisindy_gap::{Effect, Entry, asked, written_in};
-use phisindy_phys::spec::{ColumnSpec, CsvSpec, InputSpec, Role, Text};
+use phisindy_phys::spec::{ColumnSpec, CsvSpec, InputSpec, Role, Spec, Text};
 use phisindy_phys::{
     Case, Diagnostic, Origin, Record, RecordPlan, Severity, SourceId, Sources, Table, Units,
     link_continuations, overlaps, suspicions, unit::Unit,
 };
+use phisindy_report::Input;
 use phisindy_signal::{Interpolation, Signal, strongest_line};
 use phisindy_sim::{SyntheticError, Trajectory, synthesize};
 use std::fs::File;
@@ -23,6 +24,8 @@ pub(crate) struct Loaded {
     pub(crate) spec: String,
     /// Its text, with every `--set` spliced in.
     pub(crate) text: String,
+    /// The text, read.
+    pub(crate) parsed: Spec,
     /// The checked spec.
     pub(crate) case: Case,
     /// In the order of the spec.
@@ -34,6 +37,18 @@ pub(crate) struct Loaded {
 }
 
 impl Loaded {
+    /// What a report needs of it.
+    pub(crate) fn input(&self) -> Input<'_> {
+        Input {
+            name: &self.spec,
+            text: &self.text,
+            spec: &self.parsed,
+            case: &self.case,
+            records: &self.records,
+            doubts: &self.doubts,
+        }
+    }
+
     /// The plans of the records that [`Purpose::Simulate`] makes.
     pub(crate) fn simulated(&self) -> impl Iterator<Item = &RecordPlan> {
         let open = self.case.is_open();
@@ -125,10 +140,10 @@ pub(crate) fn load_text(
     let shown = path.display().to_string();
     let name = if options.sets.is_empty() { shown.clone() } else { format!("{shown} (after --set)") };
     let source = sources.add(name, text.clone());
-    let case = match checked(&text, source) {
-        Ok((case, warnings)) => {
+    let (parsed, case) = match checked(&text, source) {
+        Ok((parsed, case, warnings)) => {
             found.extend(warnings);
-            case
+            (parsed, case)
         }
         Err(mistakes) => {
             found.extend(mistakes);
@@ -153,7 +168,7 @@ pub(crate) fn load_text(
         trends: Trends::default(),
     };
     let (records, truths) = loader.records(&case, purpose)?;
-    let loaded = Loaded { spec: shown, text, case, records, truths, doubts: vec![] };
+    let loaded = Loaded { spec: shown, text, parsed, case, records, truths, doubts: vec![] };
     match laws {
         Some(laws) => laws.written(loaded, purpose, sources, found),
         None => Ok(loaded),
@@ -180,7 +195,7 @@ impl Laws {
         sources: &mut Sources,
         found: &mut Vec<Diagnostic>,
     ) -> Result<Loaded, Refusal> {
-        let Loaded { spec, text, case, records, truths, doubts } = loaded;
+        let Loaded { spec, text, case, records, truths, doubts, .. } = loaded;
         let laws = case.laws.clone();
         let seen = if purpose == Purpose::Run { records } else { vec![] };
         let draft = written_in(&text, case, seen, &self.effects, &self.catalogue).map_err(|why| {
@@ -191,13 +206,14 @@ impl Laws {
         })?;
         let source = sources.add(format!("{spec} (its laws written out)"), draft.text.clone());
         match checked(&draft.text, source) {
-            Ok((case, warnings)) => {
+            Ok((parsed, case, warnings)) => {
                 let new: Vec<Diagnostic> =
                     warnings.into_iter().filter(|w| found.iter().all(|d| d.message != w.message)).collect();
                 found.extend(new);
                 Ok(Loaded {
                     spec,
                     text: draft.text,
+                    parsed,
                     case: Case { laws, ..case },
                     records: draft.records,
                     truths,
@@ -274,12 +290,12 @@ pub(crate) fn with_sets(
 }
 
 /// Form first, then meaning.
-fn checked(text: &str, source: SourceId) -> Result<(Case, Vec<Diagnostic>), Vec<Diagnostic>> {
+fn checked(text: &str, source: SourceId) -> Result<(Spec, Case, Vec<Diagnostic>), Vec<Diagnostic>> {
     let (spec, mut warnings) = phisindy_phys::spec::read(text, source)?;
     match phisindy_phys::check(&spec, source) {
         Ok((case, more)) => {
             warnings.extend(more);
-            Ok((case, warnings))
+            Ok((spec, case, warnings))
         }
         Err(mistakes) => {
             warnings.extend(mistakes);

@@ -1,45 +1,87 @@
 //! `phisindy`: the program around the crates. The only one that reads and writes files, and that draws.
 //!
 //! ```text
-//! args --> command --> load (spec, data files) --> phisindy_learn --> report (LaTeX, text, JSON) --> standard output, --out
-//!                        +-- diagnostics --> draw --> standard error
+//! args --> commands --> load (spec, data files) --> phisindy_learn, phisindy_gap --> phisindy_report --> terminal, outdir
+//!                         +-- diagnostics --> draw --> terminal
 //! ```
 
 mod args;
-mod chart;
-mod command;
-mod contribution;
+mod commands;
 mod datafile;
 mod draw;
-mod equation;
-mod export;
-mod gap;
-mod held;
 mod hidden;
-mod html;
-mod identified_spec;
 mod interrupt;
-mod json;
 mod laws;
 mod limit;
-mod linear_combination;
 mod load;
-mod manual;
-mod markup;
 mod new;
 mod outdir;
 mod progress;
 mod readme;
-mod report;
-mod simulate;
 mod sweep;
-mod table;
+mod terminal;
 mod trends;
 mod wrong;
 
+use crate::args::{Args, Command, Options};
+use anyhow::{Context, Result};
 use clap::Parser;
+use phisindy_report::table;
+use std::io;
 use std::process::ExitCode;
+// The commands that move to crates of their own still call it so.
+use terminal as command;
 
 fn main() -> ExitCode {
-    command::execute(&args::Args::parse())
+    let args = Args::parse();
+    interrupt::listen(args.options.limit.unwrap_or_default());
+    match execute(&args) {
+        Ok(code) => ExitCode::from(code),
+        // Whoever read the result has read enough.
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            terminal::complain(&format!("{error:#}"));
+            ExitCode::from(terminal::INPUT)
+        }
+    }
+}
+
+/// Does what the command line says, and returns the exit code.
+fn execute(args: &Args) -> Result<u8> {
+    let options = &args.options;
+    start_threads(options)?;
+    match &args.command {
+        Command::Run { specs } => commands::run::run(specs, options),
+        Command::Gap { spec } => commands::gap::gap(spec, options),
+        Command::Simulate { spec, record } => commands::simulate::simulate(spec, record.as_deref(), options),
+        Command::Check { specs } => Ok(commands::check::check(specs, options)),
+        Command::New(args) => new::command(args, options),
+        Command::Laws { name } => commands::laws::laws(name.as_deref(), options),
+        Command::Export(args) => commands::export::export(args, options),
+        Command::Completions { shell } => commands::manual::completions(*shell),
+        Command::Man => commands::manual::pages(options),
+        Command::Sweep(args) => commands::sweep::sweep(args, options),
+        Command::Table(args) => readme::command(args, options),
+    }
+}
+
+fn start_threads(options: &Options) -> Result<()> {
+    if let Some(jobs) = options.jobs {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(usize::from(jobs))
+            .build_global()
+            .context("cannot start the threads of --jobs")?;
+    }
+    Ok(())
+}
+
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| {
+        let direct = cause.downcast_ref::<io::Error>().map(io::Error::kind);
+        let inside = cause.downcast_ref::<csv::Error>().and_then(|e| match e.kind() {
+            csv::ErrorKind::Io(e) => Some(e.kind()),
+            _ => None,
+        });
+        direct.or(inside) == Some(io::ErrorKind::BrokenPipe)
+    })
 }

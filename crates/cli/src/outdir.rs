@@ -1,6 +1,7 @@
 //! The folder of `--out`: made and tried before the work starts, written so that no half-written file is ever seen.
 
 use anyhow::{Context, Result, bail};
+use phisindy_report::spec_text::head;
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -51,11 +52,6 @@ impl OutDir {
     fn temporary(&self, name: &str) -> PathBuf {
         self.0.join(format!(".{name}.{}.part", std::process::id()))
     }
-}
-
-/// How the spec begins that a command leaves.
-pub(crate) fn head(command: &str) -> String {
-    format!("// What `phisindy {command} ")
 }
 
 /// A file whose content is on the disk when this returns: a name must not point to less than the whole, even after a power cut.

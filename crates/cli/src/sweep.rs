@@ -5,15 +5,11 @@
 //! ```
 
 mod cells;
-mod command;
 mod journal;
-mod show;
-mod statistics;
 
-pub(crate) use cells::{Cell, product, vary};
-pub(crate) use command::command;
-pub(crate) use journal::{Found, Journal, Run};
-pub(crate) use statistics::Statistics;
+pub(crate) use cells::{Axis, Cell, listed, product, vary};
+pub(crate) use journal::Journal;
+pub(crate) use phisindy_report::sweep::Statistics;
 
 use crate::args::Options;
 use crate::interrupt;
@@ -22,6 +18,7 @@ use crate::progress::Progress;
 use anyhow::{Result, anyhow};
 use phisindy_learn::{LearnOptions, SweepRun, Truth, Verdict, bound, project, sweep_one};
 use phisindy_phys::{Case, Diagnostic, Origin, Sources};
+use phisindy_report::sweep::{Found, NamedTruth, Run};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -50,16 +47,7 @@ pub(crate) struct Checked {
     /// The cell.
     pub(crate) cell: Cell,
     /// The truth in terms of its dictionary, or why there is none.
-    pub(crate) truth: Result<Named, String>,
-}
-
-/// A truth with the names of its terms.
-#[derive(Clone, Debug)]
-pub(crate) struct Named {
-    /// Indices and coefficients.
-    pub(crate) truth: Truth,
-    /// `STATE:candidate` of each term.
-    pub(crate) names: Vec<String>,
+    pub(crate) truth: Result<NamedTruth, String>,
 }
 
 /// What came of it.
@@ -100,7 +88,7 @@ impl Checked {
         };
         let truth = truth.map(|truth| {
             let names = truth.terms.iter().map(|&t| term_name(&loaded.case, t)).collect();
-            Named { truth, names }
+            NamedTruth { truth, names }
         });
         Ok((Checked { cell, truth }, loaded))
     }

@@ -1,6 +1,7 @@
 //! Finished runs, kept in a file line by line, so that a sweep can go on after an interruption.
 
 use anyhow::{Context, Result, anyhow, bail};
+use phisindy_report::sweep::Run;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -9,38 +10,6 @@ use std::path::Path;
 
 /// The name of the file in the folder of `--out`.
 pub(crate) const NAME: &str = "sweep.jsonl";
-
-/// One finished run.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Run {
-    /// Label of its cell.
-    pub(crate) cell: String,
-    /// Its seed.
-    pub(crate) seed: u64,
-    /// Whether the terms are exactly those of the truth.
-    pub(crate) exact: bool,
-    /// `identified`, `rejected: why` or `failed: why`.
-    pub(crate) verdict: String,
-    /// For each term of the truth.
-    pub(crate) found: Vec<Option<Found>>,
-    /// For each term of the truth, the least standard error that the data allow.
-    pub(crate) bound: Vec<Option<f64>>,
-    /// Terms that are not in the truth.
-    pub(crate) spurious: Vec<String>,
-    /// Not to be reproduced.
-    pub(crate) seconds: f64,
-}
-
-/// A term of the truth that was found; an end of the interval that is missing is at infinity.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Found {
-    /// Coefficient.
-    pub(crate) value: f64,
-    /// Lower end of its 95 % interval.
-    pub(crate) low: Option<f64>,
-    /// Upper end.
-    pub(crate) high: Option<f64>,
-}
 
 /// First line of the file: which case the runs are of.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
@@ -169,6 +138,7 @@ fn fingerprint(text: &str) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use phisindy_report::sweep::Found;
 
     #[test]
     fn the_fingerprint_is_that_of_the_standard() {

@@ -40,6 +40,8 @@ pub struct Term {
     pub state: usize,
     /// The candidate as the spec writes it.
     pub candidate: String,
+    /// The factor as the spec writes it; `1` where it states none.
+    pub factor_text: String,
     /// `factor`, fixed constants as numbers.
     pub factor: Id,
     /// The candidate, fixed constants as numbers.

@@ -146,7 +146,19 @@ impl Checker {
             let bounds = unknown.within.iter().find(|(name, _)| name.value == candidate);
             let within = bounds.map_or((f64::NEG_INFINITY, f64::INFINITY), |(_, within)| *within);
             let (unit, force, energy) = (None, None, None);
-            terms.push(Term { state, candidate, factor, bare, value, within, unit, force, energy });
+            let factor_text = unknown.factor.as_ref().map_or("1", |text| &text.value).to_owned();
+            terms.push(Term {
+                state,
+                candidate,
+                factor_text,
+                factor,
+                bare,
+                value,
+                within,
+                unit,
+                force,
+                energy,
+            });
         }
     }
 

@@ -1,0 +1,11 @@
+//! The subcommands: what is read, what is written, and with which exit code they end.
+
+pub(crate) mod check;
+pub(crate) mod export;
+pub(crate) mod gap;
+pub(crate) mod laws;
+pub(crate) mod manual;
+pub(crate) mod run;
+pub(crate) mod simulate;
+mod spec_file;
+pub(crate) mod sweep;

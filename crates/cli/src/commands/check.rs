@@ -1,0 +1,27 @@
+//! `phisindy check`.
+
+use super::spec_file::loaded_with_warnings;
+use crate::args::Options;
+use crate::load::Purpose;
+use crate::terminal::remark;
+use std::path::PathBuf;
+
+/// Looks for mistakes in specs and their data files, and returns the exit code.
+pub(crate) fn check(specs: &[PathBuf], options: &Options) -> u8 {
+    let codes = specs.iter().map(|spec| match loaded_with_warnings(spec, options, Purpose::Check, None) {
+        Ok((_, warnings)) => {
+            // Silence would leave it open whether anything was looked at.
+            if !options.quiet {
+                let warned = match warnings {
+                    0 => String::new(),
+                    1 => ", 1 warning".to_owned(),
+                    n => format!(", {n} warnings"),
+                };
+                remark(&format!("{}: no mistakes{warned}", spec.display()));
+            }
+            0
+        }
+        Err(code) => code,
+    });
+    codes.max().unwrap_or(0)
+}

@@ -1,0 +1,109 @@
+//! `phisindy export`.
+
+use crate::args::{ExportArgs, Options};
+use crate::load::{self, Purpose};
+use crate::terminal::{INPUT, print};
+use crate::{draw, outdir};
+use anyhow::{Context, Result, anyhow};
+use phisindy_phys::{Diagnostic, Sources, spec};
+use phisindy_report::export::{self, Exporter, Subject, model_name};
+use std::path::{Path, PathBuf};
+
+/// Exports a model to standard output, or to the file of --out.
+pub(crate) fn export(args: &ExportArgs, options: &Options) -> Result<u8> {
+    let spec = spec_of(&args.path)?;
+    let file = options.out.as_deref().map(|out| file_of(out, args.to));
+    file.iter().try_for_each(|file| outdir::unless_there(file, args.force))?;
+    let mut sources = Sources::default();
+    let subject = match subject(&spec, args.record.as_deref(), options, &mut sources) {
+        Ok(subject) => subject,
+        Err(mistakes) => {
+            draw::show(&mistakes, &sources);
+            return Ok(INPUT);
+        }
+    };
+    let stem = file.as_deref().and_then(Path::file_stem).map(|s| s.to_string_lossy());
+    let text = (args.to.write)(&subject, &model_name(&subject, stem.as_deref()));
+    match file {
+        Some(file) => {
+            if let Some(folder) = file.parent().filter(|p| !p.as_os_str().is_empty()) {
+                std::fs::create_dir_all(folder)
+                    .with_context(|| format!("cannot make the folder `{}` of --out", folder.display()))?;
+            }
+            outdir::replace_file(&file, &text)?;
+        }
+        None => print(&text)?,
+    }
+    Ok(0)
+}
+
+/// The spec that is meant: itself, or the one that `run` or `gap` left in a folder.
+fn spec_of(path: &Path) -> Result<PathBuf> {
+    if !path.is_dir() {
+        return Ok(path.to_owned());
+    }
+    let there: Vec<PathBuf> = ["completed.ron", "identified.ron"]
+        .iter()
+        .map(|name| path.join(name))
+        .filter(|p| p.is_file())
+        .collect();
+    let shown = path.display();
+    match there.as_slice() {
+        [one] => Ok(one.clone()),
+        [] => Err(anyhow!(
+            "`{shown}` holds neither identified.ron nor completed.ron: give the folder that `phisindy run SPEC --out DIR` or `phisindy gap SPEC \
+             --out DIR` wrote, or a spec"
+        )),
+        _ => Err(anyhow!(
+            "`{shown}` holds identified.ron and completed.ron: say which one, `phisindy export {shown}/identified.ron`"
+        )),
+    }
+}
+
+/// The file of --out: itself, or one with a plain name if it is a folder.
+fn file_of(out: &Path, to: &Exporter) -> PathBuf {
+    let folder =
+        out.is_dir() || out.as_os_str().to_string_lossy().ends_with(['/', std::path::MAIN_SEPARATOR]);
+    if folder { out.join(to.file) } else { out.to_owned() }
+}
+
+/// Reads a spec. Its warnings are not repeated: `check` and `run` have told of them.
+///
+/// # Errors
+/// Diagnostics: mistakes of the spec, an unknown part, a record that is not there.
+fn subject(
+    path: &Path,
+    record: Option<&str>,
+    options: &Options,
+    sources: &mut Sources,
+) -> Result<Subject, Vec<Diagnostic>> {
+    let text = load::spec_text(path).and_then(|text| load::with_sets(text, &options.sets, sources));
+    let text = text.map_err(|d| vec![d])?;
+    let shown = path.display().to_string();
+    let source = sources.add(shown.clone(), text.clone());
+    let (spec, _) = spec::read(&text, source)?;
+    let (case, _) = phisindy_phys::check(&spec, source)?;
+    if let Some(mistake) = export::refusal(&spec, &case, &shown, source) {
+        return Err(vec![mistake]);
+    }
+    let constants = if export::uses_largest_input(&case) {
+        Some(simulated_constants(path, text, options, sources)?)
+    } else {
+        None
+    };
+    let names = case.records.iter().map(|r| r.name.as_str());
+    let record = record.map_or(Ok(0), |wish| load::record_named(wish, names)).map_err(|why| vec![why])?;
+    Subject::new(spec, &case, &shown, record, constants.as_deref())
+}
+
+/// The constants of each record, once its excitation has been made.
+fn simulated_constants(
+    path: &Path,
+    text: String,
+    options: &Options,
+    sources: &mut Sources,
+) -> Result<Vec<Vec<f64>>, Vec<Diagnostic>> {
+    let mut found = Vec::new();
+    let loaded = load::load_text(path, text, options, Purpose::Simulate, sources, &mut found);
+    loaded.map(|l| l.records.into_iter().map(|r| r.constants).collect()).map_err(|_| found)
+}

@@ -1,0 +1,84 @@
+//! `phisindy gap`.
+
+use super::spec_file::{failed, invocation, keep_failure, loaded, write_html};
+use crate::args::Options;
+use crate::load::Purpose;
+use crate::outdir::{self, OutDir};
+use crate::progress::Progress;
+use crate::terminal::{INPUT, NUMERICS, REJECTED, complain, print, remark};
+use crate::{interrupt, laws};
+use anyhow::Result;
+use phisindy_gap::{GapError, Status};
+use phisindy_report::spec_text::{COMPLETED, IDENTIFIED, completed};
+use phisindy_report::{Ending, GapReport, html};
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::time::Instant;
+
+/// Runs the workflow on one spec, prints and keeps what it found, and returns the exit code.
+pub(crate) fn gap(spec: &Path, options: &Options) -> Result<u8> {
+    let begin = Instant::now();
+    let folder = match &options.out {
+        Some(out) => outdir::folders(out, &[spec.to_path_buf()])?.pop(),
+        None => None,
+    };
+    folder.iter().try_for_each(|folder| folder.without("run", IDENTIFIED))?;
+    let loaded = match loaded(spec, options, Purpose::Gap, folder.as_ref()) {
+        Ok(loaded) => loaded,
+        Err(code) => return Ok(code),
+    };
+    let catalogue = laws::beside(spec, options)?;
+    let found = {
+        let mut progress = Progress::new(&loaded.spec, options.quiet);
+        let (case, records) = (loaded.case.clone(), loaded.records.clone());
+        phisindy_gap::gap(&loaded.text, case, records, &catalogue, &mut |fraction, what| {
+            progress.doing(what);
+            progress.at(fraction);
+            if interrupt::asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        })
+    };
+    let found = match found {
+        Ok(found) => found,
+        Err(error) => {
+            failed(&loaded.spec, &error.to_string());
+            interrupt::tell();
+            if let Some(folder) = &folder {
+                keep_failure(&error.to_string(), loaded.input(), options, folder)?;
+            }
+            return Ok(match error {
+                GapError::Data(_) => INPUT,
+                GapError::Numerics(_) => NUMERICS,
+            });
+        }
+    };
+    let ending =
+        Ending { seconds: begin.elapsed().as_secs_f64(), stopped: found.stopped.then(interrupt::reason) };
+    let report = GapReport { input: loaded.input(), found: &found, catalogue: &catalogue, ending };
+    if !options.quiet {
+        report.notes().for_each(|w| remark(&format!("note: {w}")));
+    }
+    let kept = folder.as_ref().map_or(Ok(()), |folder| keep(&report, options, folder));
+    // A full disk must not take away what was computed: it is printed all the same.
+    print(&report.written(options.format.into()))?;
+    kept?;
+    if found.stopped {
+        interrupt::tell();
+    }
+    Ok(match (found.stopped, found.status) {
+        (true, _) => interrupt::code(),
+        (false, Status::Unexplained) => REJECTED,
+        (false, _) => 0,
+    })
+}
+
+/// Writes the files of a result.
+fn keep(report: &GapReport<'_>, options: &Options, folder: &OutDir) -> Result<()> {
+    folder.write("result.json", &report.json_lines())?;
+    folder.write("gap.txt", &report.text_with_remarks())?;
+    let (text, lacks) = completed(report);
+    if let Some(why) = lacks {
+        complain(&format!("{COMPLETED} has no start states and sensors: {why}"));
+    }
+    folder.write(COMPLETED, &text)?;
+    write_html(&html::gap(report, &invocation(options)), folder)
+}

@@ -1,0 +1,115 @@
+//! `phisindy run`.
+
+use super::spec_file::{failed, invocation, keep_failure, loaded, write_html};
+use crate::args::{Format, Options};
+use crate::load::{Loaded, Purpose};
+use crate::outdir::{self, OutDir};
+use crate::progress::Progress;
+use crate::terminal::{INPUT, NUMERICS, REJECTED, complain, print, remark};
+use crate::{draw, interrupt};
+use anyhow::Result;
+use phisindy_learn::{Identified, LearnError, LearnOptions, Verdict, identify};
+use phisindy_phys::{Diagnostic, Sources};
+use phisindy_report::spec_text::{COMPLETED, IDENTIFIED, identified};
+use phisindy_report::{Ending, RunReport, html};
+use std::io::{self, IsTerminal};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Identifies the unknown part of each spec, and returns the worst exit code.
+pub(crate) fn run(specs: &[PathBuf], options: &Options) -> Result<u8> {
+    let folders = match &options.out {
+        Some(out) => outdir::folders(out, specs)?.into_iter().map(Some).collect(),
+        None => specs.iter().map(|_| None).collect::<Vec<Option<OutDir>>>(),
+    };
+    folders.iter().flatten().try_for_each(|folder| folder.without("gap", COMPLETED))?;
+    let mut worst = 0;
+    for (k, (spec, folder)) in specs.iter().zip(&folders).enumerate() {
+        if interrupt::asked() {
+            interrupt::tell();
+            return Ok(interrupt::code());
+        }
+        let code = run_one(spec, folder.as_ref(), options, k > 0)?;
+        worst = worst.max(code);
+    }
+    Ok(worst)
+}
+
+fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: bool) -> Result<u8> {
+    let begin = Instant::now();
+    let loaded = match loaded(spec, options, Purpose::Run, folder) {
+        Ok(loaded) => loaded,
+        Err(code) => return Ok(code),
+    };
+    let found = match identify_with_progress(&loaded, options) {
+        Ok(found) => found,
+        Err(error) => {
+            failed(&loaded.spec, &error.to_string());
+            interrupt::tell();
+            if let Some(folder) = folder {
+                keep_failure(&error.to_string(), loaded.input(), options, folder)?;
+            }
+            return Ok(match error {
+                LearnError::Data(_) => INPUT,
+                LearnError::Numerics(_) => NUMERICS,
+            });
+        }
+    };
+    let ending =
+        Ending { seconds: begin.elapsed().as_secs_f64(), stopped: found.stopped.then(interrupt::reason) };
+    let report = RunReport::new(loaded.input(), &found, ending);
+    if !options.quiet {
+        caution(&report, options.format);
+    }
+    let kept = folder.map_or(Ok(()), |folder| keep(&report, &loaded, &found, options, folder));
+    // A full disk must not take away what was computed: it is printed all the same.
+    let blank = if follows && options.format != Format::Json { "\n" } else { "" };
+    print(&format!("{blank}{}", report.written(options.format.into())))?;
+    kept?;
+    if found.stopped {
+        interrupt::tell();
+    }
+    Ok(match (found.stopped, &found.verdict) {
+        (true, _) => interrupt::code(),
+        (false, Verdict::Identified) => 0,
+        (false, Verdict::Rejected(_)) => REJECTED,
+    })
+}
+
+/// Writes the files of a run.
+fn keep(
+    report: &RunReport<'_>,
+    loaded: &Loaded,
+    found: &Identified,
+    options: &Options,
+    folder: &OutDir,
+) -> Result<()> {
+    folder.write("result.json", &report.written(phisindy_report::Format::Json))?;
+    folder.write("equation.tex", &report.written(phisindy_report::Format::Latex))?;
+    match identified(loaded.input(), found) {
+        Ok(text) => folder.write(IDENTIFIED, &text)?,
+        Err(why) => complain(&format!("identified.ron cannot be written: {why}")),
+    }
+    write_html(&html::run(report, &invocation(options)), folder)
+}
+
+/// What a reader should know, on standard error; not a second time where the result goes to the same terminal.
+fn caution(report: &RunReport<'_>, format: Format) {
+    let twice = format != Format::Json && io::stdout().is_terminal() && io::stderr().is_terminal();
+    report.notes.iter().for_each(|note| remark(&format!("note: {note}")));
+    if !twice {
+        let said: Vec<Diagnostic> = report.warnings.iter().map(|w| Diagnostic::warning(w.clone())).collect();
+        draw::show(&said, &Sources::default());
+    }
+}
+
+/// The call into the library, with the bar, until the user has enough.
+fn identify_with_progress(loaded: &Loaded, options: &Options) -> Result<Identified, LearnError> {
+    let mut progress = Progress::new(&loaded.spec, options.quiet);
+    let learn = LearnOptions { method: options.method.map(Into::into) };
+    identify(&loaded.case, &loaded.records, &learn, &mut |fraction| {
+        progress.at(fraction);
+        if interrupt::asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    })
+}

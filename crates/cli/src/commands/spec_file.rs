@@ -1,0 +1,89 @@
+//! What commands that work on a spec share: reading it, and reporting that it is wrong or that the work failed.
+
+use crate::args::Options;
+use crate::draw;
+use crate::load::{Loaded, Purpose, Refusal, load};
+use crate::outdir::OutDir;
+use crate::terminal::{INPUT, NUMERICS, complain};
+use anyhow::Result;
+use phisindy_phys::{Diagnostic, Sources};
+use phisindy_report::html::{self, HtmlReport};
+use phisindy_report::{Input, Invocation};
+use std::path::Path;
+
+/// Reads a spec and draws what there is to say about it; mistakes also into the report of a folder.
+///
+/// # Errors
+/// The exit code: the spec or its files are wrong.
+pub(super) fn loaded(
+    spec: &Path,
+    options: &Options,
+    purpose: Purpose,
+    folder: Option<&OutDir>,
+) -> Result<Loaded, u8> {
+    loaded_with_warnings(spec, options, purpose, folder).map(|(loaded, _)| loaded)
+}
+
+/// The same with the number of warnings.
+///
+/// # Errors
+/// The exit code: the spec or its files are wrong.
+pub(super) fn loaded_with_warnings(
+    spec: &Path,
+    options: &Options,
+    purpose: Purpose,
+    folder: Option<&OutDir>,
+) -> Result<(Loaded, usize), u8> {
+    let (mut sources, mut found) = (Sources::default(), Vec::new());
+    let loaded = load(spec, options, purpose, &mut sources, &mut found);
+    // Next to a mistake, warnings are mostly its consequences: what failed to parse leaves constants unused.
+    let drawn = || found.iter().filter(|d| d.is_error() || (loaded.is_ok() && !options.quiet));
+    draw::show(drawn(), &sources);
+    if let (Err(_), Some(folder)) = (&loaded, folder) {
+        let name = spec.display().to_string();
+        let text = sources.files.iter().find(|f| f.name.starts_with(&name)).map(|f| f.text.as_str());
+        let page = html::refusal(&name, text, &draw::text(drawn(), &sources), &invocation(options));
+        write_html(&page, folder).unwrap_or_else(|error| complain(&format!("{error:#}")));
+    }
+    let doubts = || found.iter().map(|d| d.message.clone()).collect();
+    loaded.map(|loaded| (Loaded { doubts: doubts(), ..loaded }, found.len())).map_err(exit_code)
+}
+
+/// The exit code of a refusal.
+pub(super) fn exit_code(refusal: Refusal) -> u8 {
+    match refusal {
+        Refusal::Input => INPUT,
+        Refusal::Numerics => NUMERICS,
+    }
+}
+
+/// Why a spec came to nothing, on standard error, with what to do where that is known.
+pub(super) fn failed(spec: &str, why: &str) {
+    let d = Diagnostic::error(format!("{spec}: {why}"));
+    draw::show([&html::advice(why).into_iter().fold(d, Diagnostic::help)], &Sources::default());
+}
+
+/// The same as a report in the folder of `--out`.
+pub(super) fn keep_failure(why: &str, input: Input<'_>, options: &Options, folder: &OutDir) -> Result<()> {
+    write_html(&html::failure(why, input, &invocation(options)), folder)
+}
+
+/// Writes a report and its figures.
+pub(super) fn write_html(report: &HtmlReport, folder: &OutDir) -> Result<()> {
+    if !report.figures.is_empty() {
+        let figures = OutDir::create(&folder.path().join("figures"))?;
+        for (name, svg) in &report.figures {
+            figures.write(name, svg)?;
+        }
+    }
+    folder.write("report.html", &report.page)
+}
+
+/// How the program was called.
+pub(super) fn invocation(options: &Options) -> Invocation {
+    Invocation {
+        arguments: std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect(),
+        assigned: !options.sets.is_empty(),
+        seed: options.seed,
+    }
+}

@@ -1,0 +1,53 @@
+//! A square of numbers between -1 and 1, coloured by size and sign, each number written into its cell.
+
+use super::label::{at, width_of, word};
+use super::picture::Chart;
+use crate::markup::element;
+
+/// The colour of a full cell still leaves its number readable.
+const FULL: f64 = 0.6;
+
+/// The matrix with its names at the left and, numbered, at the top.
+pub(crate) fn heatmap(
+    name: &str,
+    title: &str,
+    description: &str,
+    names: &[String],
+    values: &[Vec<f64>],
+) -> Chart {
+    let n = names.len();
+    let left = names.iter().map(|name| width_of(name)).fold(40.0, f64::max) + 44.0;
+    let cell = (620.0 / n as f64).clamp(34.0, 62.0);
+    let high = cell.min(40.0);
+    let size = (left + cell * n as f64 + 10.0, 34.0 + high * n as f64 + 8.0);
+    let mut chart = Chart::new(name, title, description, size);
+    for (i, row) in values.iter().enumerate() {
+        let y = 34.0 + high * i as f64;
+        chart.draw([
+            word("label end", left - 34.0, y + 0.5 * high + 4.5, &names[i]),
+            word("end", left - 10.0, y + 0.5 * high + 4.5, &(i + 1).to_string()),
+            word("middle", left + cell * (i as f64 + 0.5), 22.0, &(i + 1).to_string()),
+        ]);
+        for (j, &r) in row.iter().enumerate() {
+            let x = left + cell * j as f64;
+            let sign = if r < 0.0 { "minus" } else { "plus" };
+            let strength = if r.is_finite() { FULL * r.abs().min(1.0) } else { 0.0 };
+            chart.draw([
+                element("rect")
+                    .class(format!("cell {sign}"))
+                    .with("x", at(x + 1.0))
+                    .with("y", at(y + 1.0))
+                    .with("width", at(cell - 2.0))
+                    .with("height", at(high - 2.0))
+                    .with("rx", 3)
+                    .with("fill-opacity", format!("{strength:.3}")),
+                word("value small middle", x + 0.5 * cell, y + 0.5 * high + 4.5, &shown(r)),
+            ]);
+        }
+    }
+    chart
+}
+
+fn shown(r: f64) -> String {
+    if r.is_finite() { format!("{r:.2}").replace('-', "−") } else { "–".to_owned() }
+}

@@ -1,0 +1,87 @@
+//! What is drawn on the axes of a panel.
+
+use super::coordinates::{Coordinates, Place};
+use super::label::{at, width_of, word};
+use crate::markup::{Element, element};
+
+/// Points with values that are not finite break a line.
+pub(crate) type Points = Vec<(f64, f64)>;
+
+/// A mark; `class` names its colour and stroke.
+#[derive(Clone, Debug)]
+pub(crate) enum Mark {
+    /// Points joined in their order.
+    Line { class: &'static str, points: Points },
+    /// Points alone, of a radius.
+    Dots { class: &'static str, points: Points, radius: f64 },
+    /// The area between two values at each x.
+    Band { class: &'static str, points: Vec<(f64, f64, f64)> },
+    /// A stretch of the x axis, over the whole height, with words above it.
+    Span { from: f64, to: f64, words: &'static str },
+    /// A level.
+    Level { class: &'static str, y: f64 },
+    /// From zero up or down to each point.
+    Stems { class: &'static str, points: Points },
+    /// Rectangles: x from, x to, y from, y to.
+    Boxes { class: &'static str, boxes: Vec<(f64, f64, f64, f64)> },
+}
+
+impl Mark {
+    /// The mark as elements.
+    pub(crate) fn drawn(&self, coordinates: &Coordinates<'_>) -> Vec<Element> {
+        let Place { x: left, y: top, width, height } = coordinates.place;
+        let path = |class: &str, d: String| vec![element("path").class(class).with("d", d)];
+        match self {
+            Mark::Line { class, points } => vec![coordinates.clipped(path(class, coordinates.path(points)))],
+            Mark::Dots { class, points, radius } => {
+                // One path of small circles is a tenth of so many elements.
+                let r = at(*radius);
+                let circle = |&(x, y): &(f64, f64)| {
+                    let (x, y) = (at(coordinates.x(x) - radius), at(coordinates.y(y)));
+                    format!("M{x} {y}a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0 -{d} 0z", d = at(2.0 * radius))
+                };
+                let finite = points.iter().filter(|p| p.0.is_finite() && p.1.is_finite());
+                path(&format!("dot {class}"), finite.map(circle).collect())
+            }
+            Mark::Band { class, points } => {
+                let side = |f: fn(&(f64, f64, f64)) -> (f64, f64)| points.iter().map(f).collect::<Points>();
+                let (mut low, high) = (side(|p| (p.0, p.1)), side(|p| (p.0, p.2)));
+                low.reverse();
+                let d = coordinates.path(&high) + &coordinates.path(&low).replacen('M', "L", 1) + "Z";
+                vec![coordinates.clipped(path(class, if points.is_empty() { String::new() } else { d }))]
+            }
+            Mark::Span { from, to, words } => {
+                let (a, b) = (coordinates.x(*from).max(left), coordinates.x(*to).min(left + width));
+                let area = element("rect").class("unfitted").with("x", at(a)).with("y", at(top));
+                let area = area.with("width", at((b - a).max(0.0))).with("height", at(height));
+                let edge = element("line").class("edge").with("x1", at(a)).with("x2", at(a));
+                let edge = edge.with("y1", at(top)).with("y2", at(top + height));
+                // Above the area, where nothing is drawn; to the left where there is no room to the right.
+                let fits = a + width_of(words) <= left + width;
+                let (class, x) = if fits { ("small", a + 1.0) } else { ("small end", b - 1.0) };
+                vec![area, edge, word(class, x, top - 6.0, words)]
+            }
+            Mark::Level { class, y } => {
+                let y = at(coordinates.y(*y));
+                let line = element("line").class(class).with("x1", at(left)).with("x2", at(left + width));
+                vec![line.with("y1", &y).with("y2", &y)]
+            }
+            Mark::Stems { class, points } => {
+                let zero = at(coordinates.y(0.0));
+                let stem = |&(x, y): &(f64, f64)| {
+                    format!("M{} {zero}V{}", at(coordinates.x(x)), at(coordinates.y(y)))
+                };
+                path(class, points.iter().map(stem).collect())
+            }
+            Mark::Boxes { class, boxes } => {
+                let one = |&(a, b, low, high): &(f64, f64, f64, f64)| {
+                    let (a, b) = (coordinates.x(a), coordinates.x(b));
+                    // The shortest stretch is still seen.
+                    let (y, wide) = (coordinates.y(high), (b - a).max(0.7));
+                    format!("M{} {}h{}v{}h-{}z", at(a), at(y), at(wide), at(coordinates.y(low) - y), at(wide))
+                };
+                path(class, boxes.iter().map(one).collect())
+            }
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! A picture as SVG, in a page or as a file of its own.
+
+use super::label::at;
+use crate::markup::{Element, element};
+
+/// The colours of charts; the names of classes are those of the marks.
+pub(crate) const STYLE: &str = include_str!("chart.css");
+
+/// The width of a picture that fills its page, in its own units (about pixels).
+pub(crate) const WIDTH: f64 = 760.0;
+
+/// Below this width the words of a picture are too small.
+const LEAST: f64 = 580.0;
+
+/// A picture, with what it says for those who do not see it.
+#[derive(Clone, Debug)]
+pub(crate) struct Chart {
+    /// Its name: of its file, and unique in its page.
+    pub(crate) name: String,
+    /// What it shows.
+    pub(crate) title: String,
+    /// The same with numbers.
+    pub(crate) description: String,
+    width: f64,
+    height: f64,
+    body: Vec<Element>,
+}
+
+impl Chart {
+    /// An empty picture.
+    pub(crate) fn new(name: &str, title: &str, description: &str, (width, height): (f64, f64)) -> Chart {
+        let [name, title, description] = [name, title, description].map(str::to_owned);
+        Chart { name, title, description, width, height, body: vec![] }
+    }
+
+    /// With a part of it drawn.
+    pub(crate) fn draw(&mut self, parts: impl IntoIterator<Item = Element>) {
+        self.body.extend(parts);
+    }
+
+    /// As an element of a page that has the style.
+    pub(crate) fn inline(&self) -> Element {
+        let (title, description) = (format!("{}-title", self.name), format!("{}-desc", self.name));
+        self.frame()
+            .with("aria-labelledby", format!("{title} {description}"))
+            .add(element("title").with("id", title).text(&self.title))
+            .add(element("desc").with("id", description).text(&self.description))
+            .all(self.body.iter().cloned())
+    }
+
+    /// As a file of its own.
+    pub(crate) fn file(&self) -> String {
+        let svg = self
+            .frame()
+            .with("xmlns", "http://www.w3.org/2000/svg")
+            .add(element("title").text(&self.title))
+            .add(element("desc").text(&self.description))
+            .add(element("style").raw(STYLE))
+            .add(element("rect").class("paper").with("width", self.width).with("height", self.height))
+            .all(self.body.iter().cloned());
+        format!("{svg}\n")
+    }
+
+    fn frame(&self) -> Element {
+        element("svg")
+            .class("chart")
+            .with("role", "img")
+            .with("viewBox", format!("0 0 {} {}", self.width, self.height))
+            .with("width", self.width)
+            .with("height", self.height)
+            // A narrow page scrolls a wide picture: smaller, its words could not be read.
+            .with("style", format!("min-width:{}px", at(self.width.min(LEAST.max(0.8 * self.width)))))
+    }
+}

@@ -1,0 +1,165 @@
+//! What was identified, as equations: the known part with its numbers, then the terms that were found.
+
+mod linear_combination;
+
+use linear_combination::{LinearCombination, split};
+use phisindy_expr::{Binary, Graph, Id, Node, latex_name};
+use phisindy_learn::{FoundParameter, FoundTerm};
+use phisindy_phys::{Case, System};
+use std::collections::{HashMap, HashSet};
+
+/// The equation of one state. Numbers are in SI.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Equation {
+    /// Index of the state.
+    pub state: usize,
+    /// The whole line, `\dot{y} = ...`.
+    pub latex: String,
+    /// The right side in the language of the specs, numbers in full.
+    pub text: String,
+}
+
+/// The equations of all states that have a dictionary; with laws, or without any dictionary, also of all states whose rate is more than another state.
+pub fn equations(case: &Case, terms: &[FoundTerm], parameters: &[FoundParameter]) -> Vec<Equation> {
+    let system = &case.system;
+    let mut asked: Vec<bool> =
+        (0..system.states.len()).map(|k| system.terms.iter().any(|t| t.state == k)).collect();
+    // A law may bring a state of its own.
+    if !asked.contains(&true) || !case.laws.is_empty() {
+        asked.iter_mut().zip(&system.states).for_each(|(asked, s)| *asked |= s.velocity.is_none());
+    }
+    let mut writer = Writer::new(case, parameters);
+    (0..system.states.len()).filter(|&k| asked[k]).map(|k| writer.equation(system, k, terms)).collect()
+}
+
+struct Writer {
+    graph: Graph,
+    /// What stands for each movable constant.
+    values: HashMap<Id, Id>,
+    /// How names that mean the derivative of another one are written.
+    dots: Vec<(String, String)>,
+}
+
+impl Writer {
+    fn new(case: &Case, parameters: &[FoundParameter]) -> Writer {
+        let system = &case.system;
+        let mut graph = system.graph.clone();
+        let mut values = HashMap::new();
+        for found in parameters {
+            // A constant with a value for each record keeps its name, as constants of records do.
+            if let (Some(k), None) = (found.parameter, found.record) {
+                values.insert(system.parameters[k].node, graph.constant(found.estimate.value));
+            }
+        }
+        let derived = |k: usize| case.records.first().and_then(|first| first.derived[k]);
+        let everywhere =
+            |k: usize| case.records.iter().all(|r| r.derived[k].is_some() && r.derived[k] == derived(k));
+        let dots = (0..system.inputs.len()).filter(|&k| everywhere(k)).filter_map(|k| {
+            let of = derived(k)?;
+            Some((latex_name(&system.inputs[k].name), dotted(&system.inputs[of].name)))
+        });
+        Writer { graph, values, dots: dots.filter(|(name, _)| name.len() > 1).collect() }
+    }
+
+    fn filled(&mut self, node: Id) -> Id {
+        let with = std::mem::take(&mut self.values);
+        let filled = self.graph.replace(&[node], &with)[0];
+        self.values = with;
+        filled
+    }
+
+    fn equation(&mut self, system: &System, state: usize, terms: &[FoundTerm]) -> Equation {
+        let known = self.filled(system.known[state]);
+        let mut plain = LinearCombination::of(&mut self.graph, known);
+        let mut brackets: Vec<(Id, LinearCombination)> = Vec::new();
+        for found in terms.iter().filter(|f| system.terms[f.term].state == state) {
+            let term = &system.terms[found.term];
+            let (factor, bare) = (self.filled(term.factor), self.filled(term.bare));
+            let ((c, factor), (d, bare)) = (split(&mut self.graph, factor), split(&mut self.graph, bare));
+            let part = (found.coefficient.value * c * d, bare);
+            match brackets.iter_mut().find(|(f, _)| *f == factor) {
+                Some((_, sum)) => sum.parts.push(part),
+                None => brackets.push((factor, LinearCombination { parts: vec![part] })),
+            }
+        }
+        let one = self.graph.constant(1.0);
+        brackets.retain(|(factor, sum)| {
+            // What needs no brackets continues the sum; it is not added to its like, so that what was found stays visible.
+            let open = *factor == one || sum.parts.len() == 1;
+            if open {
+                plain.parts.extend(sum.parts.iter().map(|&(c, bare)| (c, self.graph.mul(bare, *factor))));
+            }
+            !open
+        });
+        let (names, dots) = (&system.names, &self.dots);
+        let latex = |graph: &Graph, id: Id| {
+            dots.iter().fold(graph.latex(id, names), |text, (name, dotted)| text.replace(name, dotted))
+        };
+        let text = |graph: &Graph, id: Id| graph.text(id, names);
+        let graph = &mut self.graph;
+        let left = dotted(&system.states[state].name);
+        Equation {
+            state,
+            latex: format!(
+                "{left} = {}",
+                written(graph, &plain, &brackets, &latex, ["\\left(", "\\right)", "\\left[", "\\right]"])
+            ),
+            text: written(graph, &plain, &brackets, &text, ["(", ")", "*(", ")"]),
+        }
+    }
+}
+
+/// A sum, then factors times sums in brackets.
+fn written(
+    graph: &mut Graph,
+    plain: &LinearCombination,
+    brackets: &[(Id, LinearCombination)],
+    print: &dyn Fn(&Graph, Id) -> String,
+    [open, close, open_sum, close_sum]: [&str; 4],
+) -> String {
+    let mut out = if plain.parts.is_empty() && !brackets.is_empty() {
+        String::new()
+    } else {
+        plain.written(graph, print)
+    };
+    for (factor, sum) in brackets {
+        let minus = sum.parts.first().is_some_and(|&(c, _)| c < 0.0);
+        let sign = if minus { -1.0 } else { 1.0 };
+        let inner =
+            LinearCombination { parts: sum.parts.iter().map(|&(c, bare)| (sign * c, bare)).collect() };
+        let front = print(graph, *factor);
+        let front = match graph.node(*factor) {
+            Node::Binary(Binary::Add | Binary::Sub, ..) => format!("{open}{front}{close}"),
+            _ => front,
+        };
+        out.push_str(match (out.is_empty(), minus) {
+            (true, true) => "-",
+            (true, false) => "",
+            (false, true) => " - ",
+            (false, false) => " + ",
+        });
+        out.push_str(&format!("{front}{open_sum}{}{close_sum}", inner.written(graph, print)));
+    }
+    out
+}
+
+/// A name with a dot above it: `\dot{y}_{1}`.
+fn dotted(name: &str) -> String {
+    let latex = latex_name(name);
+    match latex.find("_{") {
+        Some(at) => format!("\\dot{{{}}}{}", &latex[..at], &latex[at..]),
+        None => format!("\\dot{{{latex}}}"),
+    }
+}
+
+/// Names that the text of an equation uses and that stand for something else in each record.
+pub(crate) fn names_of_records(system: &System, equations: &[Equation]) -> Vec<String> {
+    let words: HashSet<&str> =
+        equations.iter().flat_map(|e| e.text.split(|c: char| !c.is_alphanumeric() && c != '_')).collect();
+    let each = system.parameters.iter().filter(|p| p.each).map(|p| p.name.as_str());
+    let all = system.record_constants.iter().map(|(name, _)| name.as_str()).chain(each);
+    all.filter(|name| words.contains(name)).map(str::to_owned).collect()
+}
+
+#[cfg(test)]
+mod tests;

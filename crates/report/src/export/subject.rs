@@ -1,0 +1,243 @@
+//! What is exported: a model without unknown part, its constants as parameters, and where its records start.
+
+use phisindy_expr::{Id, parse};
+use phisindy_phys::spec::{ConstantSpec, DataSpec, Movable, Number, Role, Spec, Text};
+use phisindy_phys::unit::Unit;
+use phisindy_phys::{
+    Case, Diagnostic, Model, Origin, Sensor, SourceId, System, Value, check_names,
+};
+use phisindy_signal::Interpolation;
+use phisindy_sim::Switched;
+use std::collections::HashSet;
+
+/// A state or an input.
+pub(crate) struct Quantity {
+    pub(crate) name: String,
+    /// SI.
+    pub(crate) unit: String,
+    pub(crate) node: Id,
+}
+
+/// A number of the model that a user may change.
+pub(crate) struct Constant {
+    pub(crate) name: String,
+    /// SI.
+    pub(crate) value: f64,
+    /// SI; empty where the spec states none.
+    pub(crate) unit: String,
+    pub(crate) node: Id,
+}
+
+/// What a record says beside its samples.
+pub(crate) struct RecordNote {
+    pub(crate) name: String,
+    pub(crate) role: Role,
+    /// When the start state holds; `None`: at the first sample.
+    pub(crate) start_time: Option<f64>,
+    /// SI; `None` where the spec does not say.
+    pub(crate) start: Vec<Option<f64>>,
+    /// Constants that differ between records (SI).
+    pub(crate) constants: Vec<(String, f64)>,
+    /// Of each column that does not read what it measures.
+    pub(crate) sensors: Vec<(String, Sensor)>,
+}
+
+/// A model as it is exported; all numbers in SI.
+pub struct Subject {
+    pub(crate) title: String,
+    /// Path of the spec.
+    pub(crate) spec: String,
+    pub(crate) states: Vec<Quantity>,
+    pub(crate) inputs: Vec<Quantity>,
+    /// One for each input.
+    pub(crate) interpolation: Vec<Interpolation>,
+    pub(crate) constants: Vec<Constant>,
+    pub(crate) model: Model,
+    pub(crate) switched: Switched,
+    pub(crate) records: Vec<RecordNote>,
+    /// The record whose start state and constants are written.
+    pub(crate) record: usize,
+}
+
+impl Subject {
+    /// The model of a checked spec with one of its records, and the constants of all records where those of the plans do not
+    /// say them (see [`uses_largest_input`]).
+    ///
+    /// # Errors
+    /// Diagnostics, which are mistakes of this program: the spec was checked.
+    ///
+    /// # Panics
+    /// `record` is not one of the case's records.
+    pub fn new(
+        mut spec: Spec,
+        case: &Case,
+        name: &str,
+        record: usize,
+        record_constants: Option<&[Vec<f64>]>,
+    ) -> Result<Subject, Vec<Diagnostic>> {
+        let records = notes(case, record_constants);
+        let interpolation = case.records[record].interpolation.clone();
+        freed(&mut spec);
+        // Dimensions were checked above, with the constants as they are written.
+        let (case, _) = check_names(&spec, SourceId(0))?;
+        let system = case.system;
+        let model = system.model(&[]);
+        let constants = constants(&system, &model, &records[record], &spec);
+        let switched = Switched::new(&model);
+        let states = system.states.iter().map(|s| quantity(&s.name, &s.unit, s.node)).collect();
+        let inputs = system.inputs.iter().map(|u| quantity(&u.name, &u.unit, u.node)).collect();
+        let title = system.title;
+        Ok(Subject {
+            title,
+            spec: name.to_owned(),
+            states,
+            inputs,
+            interpolation,
+            constants,
+            model,
+            switched,
+            records,
+            record,
+        })
+    }
+
+    /// The record whose start state and constants are written.
+    pub(crate) fn chosen(&self) -> &RecordNote {
+        &self.records[self.record]
+    }
+
+    /// Every name that an exported text may hold.
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> + Clone {
+        let quantities = self.states.iter().chain(&self.inputs).map(|q| q.name.as_str());
+        quantities.chain(self.constants.iter().map(|c| c.name.as_str()))
+    }
+
+    /// What varies while the model runs.
+    pub(crate) fn moving(&self) -> Vec<Id> {
+        let s = &self.switched;
+        let own = self.states.iter().chain(&self.inputs).map(|q| q.node).chain([self.model.time]);
+        own.chain([&s.slopes, &s.modes, &s.sides, &s.floors, &s.margins].into_iter().flatten().copied())
+            .collect()
+    }
+}
+
+fn quantity(name: &str, unit: &str, node: Id) -> Quantity {
+    Quantity { name: name.to_owned(), unit: si(unit), node }
+}
+
+/// The SI unit behind a unit: itself if it is one.
+fn si(unit: &str) -> String {
+    match Unit::parse(unit) {
+        Ok(parsed) if parsed.factor != 1.0 => parsed.dimension.to_string(),
+        _ => unit.to_owned(),
+    }
+}
+
+/// Lets every number with a name move, so that it stays a name in the expressions; those that records calculate with must stay numbers.
+fn freed(spec: &mut Spec) {
+    let mut held: Vec<String> = Vec::new();
+    for data in &spec.data {
+        let own = match data {
+            DataSpec::Csv(csv) => &csv.constants,
+            DataSpec::Synthetic(synthetic) => &synthetic.constants,
+        };
+        own.iter().for_each(|(_, constant)| held.extend(names_in(constant)));
+    }
+    let mut seen: HashSet<String> = HashSet::new();
+    while let Some(name) = held.pop() {
+        if seen.insert(name.clone())
+            && let Some((_, constant)) = spec.constants.iter().find(|(n, _)| n.value == name)
+        {
+            held.extend(names_in(constant));
+        }
+    }
+    for (name, constant) in &mut spec.constants {
+        if let (ConstantSpec::Number { value, unit }, false) = (&*constant, seen.contains(&name.value)) {
+            let bound = |by: f64| Number { value: value.value + by, span: value.span };
+            *constant = ConstantSpec::Movable(Movable {
+                value: value.clone(),
+                unit: unit.clone(),
+                within: (bound(-1.0), bound(1.0)),
+                sigma: None,
+                each: false,
+                span: value.span,
+            });
+        }
+    }
+}
+
+fn names_in(constant: &ConstantSpec) -> Vec<String> {
+    let ConstantSpec::Expression(Text { value, .. }) = constant else { return vec![] };
+    parse(value).map(|ast| ast.names().map(|(name, _)| name.to_owned()).collect()).unwrap_or_default()
+}
+
+/// Whether a constant of a record is the largest absolute value of an input: the excitation must be made to know it.
+pub fn uses_largest_input(case: &Case) -> bool {
+    case.records.iter().flat_map(|r| &r.constants).any(|c| matches!(c, Value::MaxAbs(_)))
+}
+
+/// Why a model cannot be exported: it has an unknown part.
+pub fn refusal(spec: &Spec, case: &Case, name: &str, source: SourceId) -> Option<Diagnostic> {
+    if !case.is_open() {
+        return None;
+    }
+    let mut d = Diagnostic::error("the model has an unknown part, so there is nothing to export yet");
+    if let Some((name, _)) = spec.unknown.first() {
+        d = d.at(source, name.span, "what is missing here is not known");
+    }
+    Some(d.help(format!("identify it first, `phisindy run {name} --out DIR`, then `phisindy export DIR`")))
+}
+
+fn notes(case: &Case, largest: Option<&[Vec<f64>]>) -> Vec<RecordNote> {
+    let system = &case.system;
+    let note = |(r, plan): (usize, &phisindy_phys::RecordPlan)| {
+        let value = |(k, constant): (usize, &Value)| match (constant, largest) {
+            (Value::Number(x), _) => Some(*x),
+            (Value::MaxAbs(_), Some(all)) => Some(all[r][k]),
+            (Value::MaxAbs(_), None) => None,
+        };
+        let values = plan.constants.iter().enumerate().filter_map(value);
+        let (start_time, start) = match &plan.origin {
+            Origin::Synthetic(made) => (Some(0.0), made.start.iter().copied().map(Some).collect()),
+            Origin::Csv(_) => (None, plan.start.clone()),
+        };
+        let sensors = plan.sensors.iter().enumerate().filter(|(_, sensor)| **sensor != Sensor::default());
+        RecordNote {
+            name: plan.name.clone(),
+            role: plan.role,
+            start_time,
+            start,
+            constants: system.record_constants.iter().map(|(name, _)| name.clone()).zip(values).collect(),
+            sensors: sensors.map(|(k, s)| (system.measured(k).0.to_owned(), s.clone())).collect(),
+        }
+    };
+    case.records.iter().enumerate().map(note).collect()
+}
+
+/// The SI unit of a constant of the records, as the first of them states it.
+fn unit_of(name: &str, spec: &Spec) -> String {
+    let own = spec.data.iter().flat_map(|data| match data {
+        DataSpec::Csv(csv) => &csv.constants,
+        DataSpec::Synthetic(synthetic) => &synthetic.constants,
+    });
+    let mut stated =
+        own.chain(&spec.constants).filter(|(n, _)| n.value == name).filter_map(|(_, c)| match c {
+            ConstantSpec::Number { unit, .. } => unit.as_ref(),
+            _ => None,
+        });
+    stated.next().map_or(String::new(), |unit| si(&unit.value))
+}
+
+/// The constants that the rates use, in the order of the spec, those of the records last.
+fn constants(system: &System, model: &Model, record: &RecordNote, spec: &Spec) -> Vec<Constant> {
+    let movable = system.parameters.iter().map(|p| Constant {
+        name: p.name.clone(),
+        value: p.start,
+        unit: si(&p.unit),
+        node: p.node,
+    });
+    let own = system.record_constants.iter().zip(&record.constants).map(|((name, node), (_, value))| {
+        Constant { name: name.clone(), value: *value, unit: unit_of(name, spec), node: *node }
+    });
+    movable.chain(own).filter(|c| model.graph.uses(&model.rates, &[c.node])).collect()
+}

@@ -1,0 +1,30 @@
+//! The forms of a result, and the names of methods and roles in results.
+
+use phisindy_phys::spec::{Method, Role};
+
+/// The form in which a result is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Equations in LaTeX, all else as comments.
+    Latex,
+    /// Plain text.
+    Text,
+    /// One JSON object on one line.
+    Json,
+}
+
+/// The name of a method on the command line and in results.
+pub(crate) fn method_name(method: Method) -> &'static str {
+    match method {
+        Method::Step => "step",
+        Method::Trajectory => "trajectory",
+    }
+}
+
+/// The name of a role in results.
+pub(crate) fn role_name(role: Role) -> &'static str {
+    match role {
+        Role::Fit => "fit",
+        Role::Validate => "validate",
+    }
+}

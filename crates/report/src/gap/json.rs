@@ -1,0 +1,231 @@
+//! The result of `gap` as JSON: the keys are a contract with users (docs/reference.md).
+//!
+//! Keys stand in alphabetical order, which is the order of the fields here. Numbers that are not finite become null.
+
+use super::report::GapReport;
+use crate::format::role_name;
+use phisindy_gap::{Gap, Region, Step};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+#[derive(Serialize)]
+struct Outcome<'a> {
+    doubts: &'a [String],
+    #[serde(rename = "final")]
+    last: FinalGap,
+    initial: InitialGap,
+    left: Vec<RegionOut<'a>>,
+    /// Standard deviation of the noise of each column, SI.
+    noise: BTreeMap<&'a str, f64>,
+    parameters: Vec<ParameterOut<'a>>,
+    partial: Vec<StepOut<'a>>,
+    records: Vec<RecordOut<'a>>,
+    repeatability: Vec<RepeatOut<'a>>,
+    seconds: f64,
+    spec: &'a str,
+    status: &'a str,
+    steps: Vec<StepOut<'a>>,
+    title: &'a str,
+    version: &'a str,
+    warnings: &'a [String],
+    #[serde(rename = "where")]
+    located: Vec<RegionOut<'a>>,
+    whiteness: Change,
+}
+
+/// A number before and after the effects were added.
+#[derive(Serialize)]
+struct Change {
+    after: f64,
+    before: f64,
+}
+
+#[derive(Serialize)]
+struct InitialGap {
+    fit: f64,
+    validate: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct FinalGap {
+    fit: f64,
+    validate: Option<f64>,
+    /// The gap on Validate records with the numbers of the model moved within their errors.
+    within_errors: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct RegionOut<'a> {
+    column: &'a str,
+    region: &'a str,
+    share: f64,
+}
+
+#[derive(Serialize)]
+struct StepOut<'a> {
+    at: &'a str,
+    delta_bic: f64,
+    expression: &'a str,
+    fit: Change,
+    law: &'a str,
+    mirror: bool,
+    name: &'a str,
+    parameters: BTreeMap<&'a str, StepParameterOut<'a>>,
+    rivals: Vec<RivalOut<'a>>,
+    scales_with: Option<&'a str>,
+    validate: Option<Change>,
+    vetoed: Vec<VetoOut<'a>>,
+}
+
+#[derive(Serialize)]
+struct StepParameterOut<'a> {
+    ci95: [f64; 2],
+    constant: &'a str,
+    unit: &'a str,
+    value: f64,
+}
+
+#[derive(Serialize)]
+struct RivalOut<'a> {
+    at: &'a str,
+    delta_bic: f64,
+    law: &'a str,
+}
+
+#[derive(Serialize)]
+struct VetoOut<'a> {
+    law: &'a str,
+    why: &'a str,
+}
+
+#[derive(Serialize)]
+struct RecordOut<'a> {
+    column: &'a str,
+    nrmse: Change,
+    record: &'a str,
+    role: &'a str,
+}
+
+#[derive(Serialize)]
+struct RepeatOut<'a> {
+    column: &'a str,
+    nrmse: f64,
+    period: f64,
+    record: &'a str,
+    rms: f64,
+}
+
+/// A number of the final model, in its unit.
+#[derive(Serialize)]
+struct ParameterOut<'a> {
+    at_bound: bool,
+    bounds: [f64; 2],
+    ci95: [f64; 2],
+    name: &'a str,
+    std_error: f64,
+    unit: &'a str,
+    value: f64,
+}
+
+/// One line.
+pub(crate) fn line(report: &GapReport<'_>) -> String {
+    // Nothing in there can fail: keys are texts, and numbers that are not finite are null.
+    serde_json::to_string(&outcome(report)).unwrap_or_default()
+}
+
+/// The same on lines of its own, indented.
+pub(crate) fn lines(report: &GapReport<'_>) -> String {
+    serde_json::to_string_pretty(&outcome(report)).unwrap_or_default()
+}
+
+fn outcome<'a>(report: &GapReport<'a>) -> Outcome<'a> {
+    let GapReport { input, found, ending, .. } = *report;
+    Outcome {
+        doubts: input.doubts,
+        last: FinalGap { fit: found.after.0, validate: found.after.1, within_errors: found.carried },
+        initial: InitialGap { fit: found.before.0, validate: found.before.1 },
+        left: found.left.iter().map(region).collect(),
+        noise: found.noise.iter().map(|(name, sigma)| (name.as_str(), *sigma)).collect(),
+        parameters: parameters(found),
+        partial: found.partial.iter().map(step).collect(),
+        records: records(found),
+        repeatability: repeatability(found),
+        seconds: ending.seconds,
+        spec: input.name,
+        status: found.status.name(),
+        steps: found.steps.iter().map(step).collect(),
+        title: &input.case.system.title,
+        version: env!("CARGO_PKG_VERSION"),
+        warnings: &found.warnings,
+        located: found.located.iter().map(region).collect(),
+        whiteness: change(found.colour),
+    }
+}
+
+fn change((before, after): (f64, f64)) -> Change {
+    Change { after, before }
+}
+
+fn region(r: &Region) -> RegionOut<'_> {
+    RegionOut { column: &r.column, region: &r.region, share: r.share }
+}
+
+fn step(s: &Step) -> StepOut<'_> {
+    let parameters = s.parameters.iter().map(|p| {
+        let out =
+            StepParameterOut { ci95: p.ci95.into(), constant: &p.constant, unit: &p.unit, value: p.value };
+        (p.name.as_str(), out)
+    });
+    let rivals = s.rivals.iter().map(|r| RivalOut { at: &r.at, delta_bic: r.delta_bic, law: &r.law });
+    StepOut {
+        at: &s.effect.place.at,
+        delta_bic: s.delta_bic,
+        expression: &s.expression,
+        fit: change(s.fit),
+        law: &s.effect.entry.id,
+        mirror: s.effect.mirror,
+        name: &s.effect.entry.law.name,
+        parameters: parameters.collect(),
+        rivals: rivals.collect(),
+        scales_with: s.effect.load.as_deref(),
+        validate: s.validate.map(change),
+        vetoed: s.vetoed.iter().map(|(law, why)| VetoOut { law, why }).collect(),
+    }
+}
+
+fn records(found: &Gap) -> Vec<RecordOut<'_>> {
+    let all = found.nrmse.iter();
+    let one = all.map(|(record, role, column, before, after)| {
+        let nrmse = change((*before, *after));
+        RecordOut { column, nrmse, record, role: role_name(*role) }
+    });
+    one.collect()
+}
+
+fn repeatability(found: &Gap) -> Vec<RepeatOut<'_>> {
+    let all = found.repeat.iter();
+    let one = all.map(|(record, column, r)| RepeatOut {
+        column,
+        nrmse: r.nrmse,
+        period: r.period,
+        record,
+        rms: r.rms,
+    });
+    one.collect()
+}
+
+fn parameters(found: &Gap) -> Vec<ParameterOut<'_>> {
+    let one = found.parameters.iter().map(|p| {
+        let own = |x: f64| x / p.factor;
+        ParameterOut {
+            at_bound: p.at_bound,
+            bounds: [own(p.bounds.0), own(p.bounds.1)],
+            ci95: [own(p.estimate.ci95.0), own(p.estimate.ci95.1)],
+            name: &p.name,
+            std_error: own(p.estimate.std_error),
+            unit: &p.unit,
+            value: own(p.estimate.value),
+        }
+    });
+    one.collect()
+}

@@ -1,0 +1,291 @@
+//! The result of `gap` for people.
+
+use super::report::GapReport;
+use crate::table::{interval, short};
+use phisindy_gap::{Entry, Gap, Status, Step};
+use phisindy_phys::Law;
+use phisindy_phys::spec::Role;
+
+/// A gap beyond this is more than noise.
+const NOISE: f64 = 1.1;
+/// Cells of the bar that shows the gap shrink.
+const BAR: usize = 24;
+
+/// For people: a line and a bar for each step.
+pub(crate) fn text(report: &GapReport<'_>) -> String {
+    let GapReport { found, catalogue, ending: how, .. } = *report;
+    let mut out: Vec<String> = Vec::new();
+    let shown = |(fit, validate): (f64, Option<f64>)| validate.unwrap_or(fit);
+    let before = shown(found.before);
+    let which = whose(found);
+    out.push(format!("gap {which}, in units of the noise (1 is perfect)"));
+    out.push(format!("  {:>8}  {}  the model as it is", short(before), bar(before, before)));
+    for s in found.steps.iter().chain(&found.partial) {
+        let after = s.validate.map_or(s.fit.1, |v| v.1);
+        out.push(format!(
+            "  {:>8}  {}  + {} at {}",
+            short(after),
+            bar(after, before),
+            s.effect.entry.law.name.to_lowercase(),
+            s.effect.place.at
+        ));
+    }
+    out.push(String::new());
+    if let Some(first) = found.located.first()
+        && found.status != Status::NothingMissing
+    {
+        let share = if found.located.len() > 1 {
+            format!(" ({:.0} % of the gap)", 100.0 * first.share)
+        } else {
+            String::new()
+        };
+        out.push(format!("where: in {}{share}, {}", first.column, first.region));
+    }
+    out.extend(found.instead.clone());
+    if found.status == Status::Unexplained && !found.steps.is_empty() {
+        out.push("brings the gap far down, whatever else is missing:".into());
+    }
+    for (k, s) in found.steps.iter().enumerate() {
+        out.push(format!(
+            "{}. {} at {}: {}",
+            k + 1,
+            s.effect.entry.law.name,
+            s.effect.place.at,
+            s.expression
+        ));
+        details(s, catalogue, &mut out);
+    }
+    if !found.partial.is_empty() {
+        out.push("helps, but does not explain:".into());
+        for s in &found.partial {
+            out.push(format!("  {} at {}: {}", s.effect.entry.law.name, s.effect.place.at, s.expression));
+            details(s, catalogue, &mut out);
+        }
+    }
+    out.extend(moved(found));
+    // The same law is ruled out round after round: once is enough.
+    let steps = found.steps.iter().chain(&found.partial);
+    for veto in steps.flat_map(vetoes) {
+        if !out.contains(&veto) {
+            out.push(veto);
+        }
+    }
+    for (record, column, r) in &found.repeat {
+        out.push(format!(
+            "{record}: {column} repeats from cycle to cycle ({} s) to NRMSE {:.3}",
+            short(r.period),
+            r.nrmse
+        ));
+    }
+    for (record, role, column, a, b) in &found.nrmse {
+        let role = if *role == Role::Fit { "fit" } else { "validate" };
+        out.push(format!("{record} ({role}): NRMSE of {column} {a:.4} -> {b:.4}"));
+    }
+    out.extend(how.stopped_words().map(|stopped| format!("{stopped} before the end; so far:")));
+    out.push(ending(found));
+    out.push(format!("{:.1} s", how.seconds));
+    out.join("\n") + "\n"
+}
+
+/// Of which data a gap is told.
+pub(crate) fn whose(found: &Gap) -> &'static str {
+    if found.before.1.is_some() { "on data not used" } else { "on the fitted data" }
+}
+
+/// How it ended, in words.
+pub(crate) fn ending(found: &Gap) -> String {
+    let shown = |(fit, validate): (f64, Option<f64>)| validate.unwrap_or(fit);
+    let (before, last) = (shown(found.before), shown(found.after));
+    match found.status {
+        Status::NothingMissing => {
+            format!(
+                "nothing-missing: the model explains the data to their noise (gap {}{})",
+                short(last),
+                hangs(found)
+            )
+        }
+        Status::Explained => {
+            let why = match hangs(found) {
+                hangs if !hangs.is_empty() => hangs,
+                _ if last > NOISE => ", which is about what the motion itself repeats to".into(),
+                _ => String::new(),
+            };
+            format!("explained: the gap {} went from {} to {}{why}", whose(found), short(before), short(last))
+        }
+        Status::Unexplained => {
+            let place = found
+                .left
+                .first()
+                .map_or(String::new(), |r| format!(", mostly in {}, {}", r.column, r.region));
+            format!(
+                "unexplained: {}: a gap of {} is left{place}",
+                match found.instead {
+                    Some(_) => "no law here explains it, but something else would, as is said beside it",
+                    None => "something is missing that no law here explains",
+                },
+                short(last)
+            )
+        }
+    }
+}
+
+/// Where the motion on Validate records hangs on numbers that are not known so well: what their errors leave of the gap.
+fn hangs(found: &Gap) -> String {
+    match (found.after.1, found.carried) {
+        (Some(gap), Some(left)) if gap > NOISE && left < NOISE => {
+            format!(
+                "; {} with the numbers moved within their error bars, on which the motion there hangs",
+                short(left)
+            )
+        }
+        _ => String::new(),
+    }
+}
+
+/// The numbers of a step, and of its rivals those that no step before it has named.
+fn details(s: &Step, catalogue: &[Entry], out: &mut Vec<String>) {
+    for p in &s.parameters {
+        out.push(format!(
+            "     {} = {} {} {}",
+            p.constant,
+            short(p.value),
+            p.unit,
+            interval(p.ci95.0, p.ci95.1)
+        ));
+    }
+    for (rival, what) in rivals(s, catalogue) {
+        let rival = format!("     {rival}");
+        if !out.contains(&rival) {
+            out.push(rival);
+            out.extend(what.map(|what| format!("       {what}")));
+        }
+    }
+}
+
+/// What moved beside the effects: constants and sensors of the spec itself.
+fn moved(found: &Gap) -> Vec<String> {
+    let steps = || found.steps.iter().chain(&found.partial);
+    let own = |name: &str| steps().any(|s| s.parameters.iter().any(|p| p.constant == name));
+    let said = found.parameters.iter().filter(|p| !own(&p.name)).map(|p| {
+        let f = p.factor;
+        let (low, high) = p.estimate.ci95;
+        let bound = if p.at_bound { ", at its bound" } else { "" };
+        let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
+        format!(
+            "     {} = {}{unit} [{}, {}]{bound}",
+            p.name,
+            short(p.estimate.value / f),
+            short(low / f),
+            short(high / f)
+        )
+    });
+    let said: Vec<String> = said.collect();
+    if said.is_empty() { said } else { ["with".to_owned()].into_iter().chain(said).collect() }
+}
+
+/// What else would nearly do, and what would decide.
+pub(crate) fn rivals(s: &Step, catalogue: &[Entry]) -> Vec<(String, Option<String>)> {
+    let near = s.rivals.iter().filter(|r| r.delta_bic < 10.0);
+    let said = near.map(|r| {
+        // A richer description may fit better and still not be preferred: what it adds does not carry over to data not used.
+        let by = if r.delta_bic < 0.0 {
+            format!(
+                "fits better, BIC {} lower, but says little more about data not used",
+                short(-r.delta_bic)
+            )
+        } else {
+            format!("BIC {} higher", short(r.delta_bic))
+        };
+        let what = deciding(&s.effect.entry.law, &s.effect.entry.id, &r.law, catalogue);
+        let rival = format!("not excluded: {} ({by})", placed(&r.law, &r.at));
+        (rival, what.map(|what| format!("{what} would decide")))
+    });
+    let id = s.effect.entry.id.as_str();
+    let alike = ALIKE.iter().filter(|(law, ..)| *law == id);
+    said.chain(alike.map(|(_, same, check)| ((*same).to_owned(), Some((*check).to_owned())))).collect()
+}
+
+/// What no record can tell from an effect of a sensor, and what to look at.
+const ALIKE: &[(&str, &str, &str)] = &[
+    (
+        "asymmetric-coulomb",
+        "the same: plain friction of the mean level, and a constant force of half the difference; on linear springs, too, a displacement sensor whose zero is off",
+        "check the zero of the displacement sensor, and whether the rig stands level",
+    ),
+    (
+        "harmonic-force",
+        "the same, where the rig answers in proportion: a tone of this frequency on the sensor itself (hum of the mains, perhaps folded down by the sampling)",
+        "look at the signal with the rig at rest",
+    ),
+    (
+        "stiffness",
+        "the same, where the model has a spring there: its stiffness is another one than the spec says, by this much",
+        "measure the stiffness at rest",
+    ),
+    (
+        "viscous",
+        "the same, where the model has a damper there: its constant is another one than the spec says, by this much",
+        "a decay at small amplitude",
+    ),
+    (
+        "sensor-delay",
+        "the same, if it is all that was measured: what drives the motion is recorded early (of a negative delay: late)",
+        "check the clocks of both channels",
+    ),
+    (
+        "sensor-gain",
+        "the same, if it is all that was measured: the drive is stronger or weaker than the spec says, or inertia, damping and stiffness are all off by one factor; levels of friction then scale with it",
+        "check the constants that are held, and the scale of the inputs",
+    ),
+];
+
+/// Laws joined by ` + ` with their places, which are joined by `, `; a place that all share is said once.
+fn placed(laws: &str, at: &str) -> String {
+    let places: Vec<&str> = at.split(", ").collect();
+    if places.iter().all(|p| *p == places[0]) {
+        return format!("{laws} at {}", places[0]);
+    }
+    laws.split(" + ").zip(places).map(|(law, at)| format!("{law} at {at}")).collect::<Vec<_>>().join(" + ")
+}
+
+/// What other evidence rules out.
+pub(crate) fn vetoes(s: &Step) -> impl Iterator<Item = String> {
+    s.vetoed.iter().map(|(law, why)| format!("{law} is ruled out: {why}"))
+}
+
+/// Pairs of laws, and the measurement that tells one from the other.
+const DECIDING: &[(&str, &str, &str)] = &[
+    ("stribeck", "dieterich-ruina", "a slower run, with speeds well below those of this record,"),
+    ("coulomb", "offset", "a run that sticks"),
+    ("offset", "sensor-offset", "a second displacement, or the same sensor at another zero,"),
+    ("dead-zone", "cubic-stiffness", "a run at a larger and one at a smaller amplitude"),
+    ("one-sided-stop", "cubic-stiffness", "a run at a larger and one at a smaller amplitude"),
+    ("harmonic-force", "parametric-stiffness", "a run about another mean position"),
+];
+
+/// The measurement that tells a law from its rival, where one does.
+fn deciding(own: &Law, id: &str, rival: &str, catalogue: &[Entry]) -> Option<&'static str> {
+    let same = |&&(a, b, _): &&(&str, &str, &str)| (id == a && rival == b) || (id == b && rival == a);
+    if let Some((.., what)) = DECIDING.iter().find(same) {
+        return Some(what);
+    }
+    if own.sensor.is_some() || rival.starts_with("sensor") {
+        return Some("the same motion read by a second sensor");
+    }
+    // Laws joined by ` + ` are no entry of the catalogue.
+    let other = &catalogue.iter().find(|e| e.id == rival)?.law;
+    let both = own.family == "friction" && other.family == "friction";
+    Some(match (both, other.internal.is_empty()) {
+        (true, false) => "a close look at the displacement in the stops",
+        (true, true) => "runs at other speeds and amplitudes",
+        (false, _) => "a run at another amplitude",
+    })
+}
+
+/// A gap as a bar on a logarithmic scale from 1 to the first one.
+fn bar(value: f64, whole: f64) -> String {
+    let full = whole.max(1.5).ln();
+    let part = (value.max(1.0).ln() / full).clamp(0.0, 1.0);
+    let cells = (part * BAR as f64).round() as usize;
+    format!("{}{}", "█".repeat(cells), "·".repeat(BAR - cells))
+}

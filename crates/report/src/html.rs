@@ -1,0 +1,71 @@
+//! `report.html`: what a run or a gap found, in one file that needs no network and no script, and its figures as files of their own.
+//!
+//! ```text
+//! Report, Gap or a failure --> sections (tables, equations, figures) --> Page --> report.html, figures/*.svg
+//! ```
+
+mod correlation;
+mod data;
+mod force;
+mod friction;
+mod gap;
+mod map;
+mod mathml;
+mod motion;
+mod page;
+mod regimes;
+mod repeat;
+mod residual;
+mod run;
+mod selection;
+mod shrink;
+mod table;
+
+use crate::gap::GapReport;
+use crate::input::{Input, Invocation};
+use crate::run::RunReport;
+pub use page::HtmlReport;
+use page::{Banner, Page, Tone, add_remarks, block};
+use phisindy_sim::DIVERGED;
+
+/// The report of `run`.
+pub fn run(report: &RunReport<'_>, invocation: &Invocation) -> HtmlReport {
+    run::page(report, invocation).html()
+}
+
+/// The report of `gap`.
+pub fn gap(report: &GapReport<'_>, invocation: &Invocation) -> HtmlReport {
+    gap::page(report, invocation).html()
+}
+
+/// The report of a spec that is wrong: its mistakes as they were drawn; `text` is the spec as far as it could be read.
+pub fn refusal(spec: &str, text: Option<&str>, mistakes: &str, invocation: &Invocation) -> HtmlReport {
+    let banner = Banner {
+        tone: Tone::Bad,
+        headline: "Not run".to_owned(),
+        text: "Nothing was computed: the spec or its data cannot be used as they are.".to_owned(),
+    };
+    let mut page = Page::of_refusal(spec, banner);
+    page.section("What is wrong", [block(mistakes.trim_end(), "mistakes")]);
+    page.section("To repeat it", repeat::command(None, spec, text, invocation));
+    page.html()
+}
+
+/// The report of work that came to no result: why, beside what was measured.
+pub fn failure(why: &str, input: Input<'_>, invocation: &Invocation) -> HtmlReport {
+    let text = advice(why).map_or_else(|| why.to_owned(), |advice| format!("{why}: {advice}"));
+    let banner = Banner { tone: Tone::Bad, headline: "Failed".to_owned(), text };
+    let mut page = Page::new(input, banner);
+    add_remarks(&mut page, &[], input.doubts, &data::notes(input));
+    let seen = data::measured(input);
+    page.figures("Measured", motion::charts(&seen));
+    repeat::add(&mut page, input, invocation);
+    page.html()
+}
+
+/// What to do about a failure.
+pub fn advice(why: &str) -> Option<&'static str> {
+    why.contains(DIVERGED).then_some(
+        "look at the units of the columns and of the constants that drive it (warnings above may say which), at the signs of stiffness and damping, and at where movable constants start",
+    )
+}

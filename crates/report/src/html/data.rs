@@ -1,0 +1,123 @@
+//! Records beside what models make of them: the material of the figures.
+
+use crate::input::Input;
+use phisindy_learn::RecordFit;
+use phisindy_phys::spec::Role;
+use phisindy_phys::{Record, System};
+use phisindy_sim::Automaton;
+
+/// A model running freely along the records.
+pub(crate) struct Model<'a> {
+    /// Its states are in the order of its runs.
+    pub(crate) system: &'a System,
+    /// In the order of the records.
+    pub(crate) fits: &'a [RecordFit],
+    /// What its runs can stick at, by switch; `None` for a switch that cannot.
+    pub(crate) contacts: Vec<Option<String>>,
+}
+
+impl<'a> Model<'a> {
+    /// A model with these terms of its dictionary.
+    pub(crate) fn new(system: &'a System, terms: &[usize], fits: &'a [RecordFit]) -> Model<'a> {
+        // The fits come from this model, so it can be compiled; if not, there are no regimes to show.
+        let automaton = Automaton::new(&system.model(terms));
+        let contact = |s: &phisindy_sim::Switch| s.can_stick.then(|| s.text.clone());
+        let contacts = automaton.map_or(vec![], |a| a.switches.iter().map(contact).collect());
+        Model { system, fits, contacts }
+    }
+
+    /// Measured less simulated, of a record and a state, in the unit of the state; none without a column or a run.
+    pub(crate) fn residual(&self, record: usize, state: &str) -> Option<Vec<f64>> {
+        let k = self.system.state(state)?;
+        let residual = self.fits[record].residuals.get(k).filter(|r| !r.is_empty())?;
+        Some(residual.iter().map(|e| e / self.system.states[k].factor).collect())
+    }
+
+    /// NRMSE of a record's column.
+    pub(crate) fn nrmse(&self, record: usize, state: &str) -> Option<f64> {
+        self.fits[record].nrmse.iter().find(|(name, _)| name == state).map(|(_, e)| *e)
+    }
+}
+
+/// Records, and up to two models of them.
+pub(crate) struct Seen<'a> {
+    /// What the spec says.
+    pub(crate) system: &'a System,
+    /// In the order of the spec.
+    pub(crate) records: &'a [Record],
+    /// The model as it was, where there is another one.
+    pub(crate) was: Option<Model<'a>>,
+    /// The model that was found.
+    pub(crate) model: Option<Model<'a>>,
+}
+
+/// The index of a record, and a number for each of its samples.
+pub(crate) type Part = (usize, Vec<f64>);
+
+/// A measured column along a chain of records.
+pub(crate) struct Column<'a> {
+    /// Name of the state.
+    pub(crate) name: &'a str,
+    /// Its unit, in which the values are.
+    pub(crate) unit: &'a str,
+    /// For each record of the chain its samples.
+    pub(crate) parts: Vec<Part>,
+}
+
+impl Seen<'_> {
+    /// Records that follow one another on one time axis.
+    pub(crate) fn chains(&self) -> Vec<Vec<usize>> {
+        let mut chains: Vec<Vec<usize>> = Vec::new();
+        for (r, record) in self.records.iter().enumerate() {
+            match chains.iter_mut().find(|c| record.continues.is_some_and(|before| c.contains(&before))) {
+                Some(chain) => chain.push(r),
+                None => chains.push(vec![r]),
+            }
+        }
+        chains
+    }
+
+    /// The measured columns of a chain.
+    pub(crate) fn columns(&self, chain: &[usize]) -> Vec<Column<'_>> {
+        let states = self.system.states.iter().enumerate();
+        let columns = states.map(|(k, state)| {
+            let part = |&r: &usize| {
+                let column = self.records[r].columns[k].as_ref()?;
+                Some((r, column.iter().map(|v| v / state.factor).collect()))
+            };
+            Column { name: &state.name, unit: &state.unit, parts: chain.iter().filter_map(part).collect() }
+        });
+        columns.filter(|c| !c.parts.is_empty()).collect()
+    }
+
+    /// First and last time of a chain.
+    pub(crate) fn span(&self, chain: &[usize]) -> (f64, f64) {
+        let times = chain.iter().flat_map(|&r| {
+            let time = &self.records[r].time;
+            [time[0], time[time.len() - 1]]
+        });
+        times.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)))
+    }
+
+    /// The names of a chain's records.
+    pub(crate) fn names(&self, chain: &[usize]) -> String {
+        chain.iter().map(|&r| self.records[r].name.as_str()).collect::<Vec<_>>().join("; ")
+    }
+
+    /// Stretches of a chain that were not fitted.
+    pub(crate) fn unfitted(&self, chain: &[usize]) -> Vec<(f64, f64)> {
+        let validate = chain.iter().filter(|&&r| self.records[r].role == Role::Validate);
+        validate.map(|&r| self.span(&[r])).collect()
+    }
+}
+
+/// The records alone.
+pub(crate) fn measured(input: Input<'_>) -> Seen<'_> {
+    Seen { system: &input.case.system, records: input.records, was: None, model: None }
+}
+
+/// What was done to the data, in words.
+pub(crate) fn notes(input: Input<'_>) -> Vec<String> {
+    let of = |r: &Record| r.notes.iter().map(|note| format!("{}: {note}", r.name)).collect::<Vec<_>>();
+    input.records.iter().flat_map(of).collect()
+}

@@ -1,0 +1,208 @@
+//! The page: what stands round the sections, and how it is written.
+
+use crate::chart::{self, Chart};
+use crate::input::Input;
+use crate::markup::{Element, element};
+
+const STYLE: &str = include_str!("style.css");
+
+/// How a result sounds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Tone {
+    /// It can be used.
+    Good,
+    /// It cannot.
+    Bad,
+    /// Something is open.
+    Open,
+}
+
+impl Tone {
+    /// Class and sign: not told by colour alone.
+    fn look(self) -> (&'static str, &'static str) {
+        match self {
+            Tone::Good => ("good", "✓"),
+            Tone::Bad => ("bad", "✕"),
+            Tone::Open => ("open", "?"),
+        }
+    }
+}
+
+/// The result in a few words.
+pub(crate) struct Banner {
+    pub(crate) tone: Tone,
+    pub(crate) headline: String,
+    pub(crate) text: String,
+}
+
+/// A finished report: one page that needs no network and no script, and its figures as files of their own.
+#[derive(Clone, Debug)]
+pub struct HtmlReport {
+    /// The page.
+    pub page: String,
+    /// File name and content of each figure.
+    pub figures: Vec<(String, String)>,
+}
+
+/// A report that is being put together.
+pub(crate) struct Page {
+    title: String,
+    spec: String,
+    banner: Banner,
+    sections: Vec<Element>,
+    charts: Vec<Chart>,
+}
+
+impl Page {
+    /// A page about a spec.
+    pub(crate) fn new(input: Input<'_>, banner: Banner) -> Page {
+        let title = &input.case.system.title;
+        let title = if title.is_empty() { input.name.to_owned() } else { title.clone() };
+        Page { title, spec: input.name.to_owned(), banner, sections: vec![], charts: vec![] }
+    }
+
+    /// A page about a spec that could not be read.
+    pub(crate) fn of_refusal(spec: &str, banner: Banner) -> Page {
+        let [title, spec] = [spec, spec].map(str::to_owned);
+        Page { title, spec, banner, sections: vec![], charts: vec![] }
+    }
+
+    /// With a section; none without content.
+    pub(crate) fn section(&mut self, heading: &str, content: impl IntoIterator<Item = Element>) {
+        let content: Vec<Element> = content.into_iter().collect();
+        if !content.is_empty() {
+            let id: String = heading.to_lowercase().replace(|c: char| !c.is_ascii_alphanumeric(), "-");
+            let heading = element("h2").with("id", &id).text(heading);
+            self.sections.push(element("section").with("aria-labelledby", &id).add(heading).all(content));
+        }
+    }
+
+    /// With a section of lines; none without any.
+    pub(crate) fn list(&mut self, heading: &str, lines: &[String]) {
+        let items = lines.iter().map(|line| element("li").text(line));
+        let list = element("ul").all(items);
+        self.section(heading, (!lines.is_empty()).then_some(list));
+    }
+
+    /// With a section of figures and their captions; none without any.
+    pub(crate) fn figures(&mut self, heading: &str, charts: Vec<(Chart, String)>) {
+        let figures: Vec<Element> =
+            charts.into_iter().map(|(chart, caption)| self.figure(chart, &caption)).collect();
+        self.section(heading, figures);
+    }
+
+    /// A chart with its caption, as an element; its file is written with the page.
+    pub(crate) fn figure(&mut self, chart: Chart, caption: &str) -> Element {
+        let group = element("div").class("scroll").with("tabindex", 0).with("role", "group");
+        let drawn = group.with("aria-label", &chart.title).add(chart.inline());
+        self.charts.push(chart);
+        element("figure").add(drawn).add(element("figcaption").text(caption))
+    }
+
+    /// The page and the figures as texts.
+    pub(crate) fn html(&self) -> HtmlReport {
+        let figures = self.charts.iter().map(|chart| (format!("{}.svg", chart.name), chart.file()));
+        HtmlReport { page: self.page(), figures: figures.collect() }
+    }
+
+    fn page(&self) -> String {
+        let (class, sign) = self.banner.tone.look();
+        let meta = |name: &str, content: &str| element("meta").with("name", name).with("content", content);
+        let head = element("head")
+            .add(element("meta").with("charset", "utf-8"))
+            .add(meta("viewport", "width=device-width, initial-scale=1"))
+            .add(meta("color-scheme", "light dark"))
+            .add(meta("generator", concat!("phisindy ", env!("CARGO_PKG_VERSION"))))
+            .add(element("title").text(format!("{}: {}", self.title, self.banner.headline.to_lowercase())))
+            .add(element("style").raw(format!("{STYLE}{}", chart::STYLE)));
+        let banner = element("div")
+            .class(format!("banner {class}"))
+            .add(element("span").class("sign").with("aria-hidden", "true").text(sign))
+            .add(
+                element("div")
+                    .add(element("p").class("verdict").text(&self.banner.headline))
+                    .add(element("p").text(&self.banner.text)),
+            );
+        let top = element("header")
+            .add(element("p").class("kind").text("phisindy report"))
+            .add(element("h1").text(&self.title))
+            .add(element("p").class("spec").add(element("code").text(&self.spec)))
+            .add(banner);
+        let body = element("body").add(element("main").add(top).all(self.sections.iter().cloned()));
+        let html = element("html").with("lang", "en").add(head).add(body);
+        format!("<!DOCTYPE html>\n{html}\n")
+    }
+}
+
+/// The words with their first letter large.
+pub(crate) fn capital(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// Text whose lines stay as they are.
+pub(crate) fn block(text: &str, label: &str) -> Element {
+    let pre = element("pre").class("scroll").with("tabindex", 0).with("role", "group");
+    pre.with("aria-label", label).add(element("code").text(text))
+}
+
+/// A paragraph.
+pub(crate) fn paragraph(text: &str) -> Element {
+    element("p").text(text)
+}
+
+/// Warnings, what was odd about the data and what was done to them, each in its section.
+pub(crate) fn add_remarks(page: &mut Page, warnings: &[String], doubts: &[String], notes: &[String]) {
+    page.list("Warnings", warnings);
+    page.list("What is odd about the data", doubts);
+    page.list("What was done to the data", notes);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The colours of a block of the style sheet.
+    fn colours(block: &str) -> Vec<(&str, [f64; 3])> {
+        let pairs = block.split(';').filter_map(|line| line.trim().trim_start_matches('{').split_once(": #"));
+        let channel = |hex: &str, k: usize| {
+            f64::from(u8::from_str_radix(&hex[2 * k..2 * k + 2], 16).expect("two digits"))
+        };
+        let named = |(name, hex): (&'static str, &str)| (name, [0, 1, 2].map(|k| channel(hex, k) / 255.0));
+        let own: Vec<(&'static str, &str)> = NAMES
+            .iter()
+            .filter_map(|n| {
+                pairs.clone().find(|(name, _)| name.trim().ends_with(n)).map(|(_, hex)| (*n, hex))
+            })
+            .collect();
+        own.into_iter().map(named).collect()
+    }
+
+    const NAMES: [&str; 8] =
+        ["--page", "--panel", "--ink", "--soft", "--accent", "--good", "--bad", "--open"];
+
+    /// WCAG 2.1, relative luminance.
+    fn luminance(colour: [f64; 3]) -> f64 {
+        let linear = |c: f64| if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) };
+        let [r, g, b] = colour.map(linear);
+        0.2126 * r + 0.7152 * g + 0.0722 * b
+    }
+
+    #[test]
+    fn words_stand_out_from_what_is_behind_them() {
+        let blocks: Vec<&str> =
+            STYLE.split(":root {").skip(1).map(|b| b.split('}').next().unwrap_or("")).collect();
+        assert_eq!(blocks.len(), 2, "light and dark");
+        for block in blocks {
+            let all = colours(block);
+            assert_eq!(all.len(), NAMES.len(), "{block}");
+            for (behind, back) in &all[..2] {
+                for (word, front) in &all[2..] {
+                    let (a, b) = (luminance(*back), luminance(*front));
+                    let contrast = (a.max(b) + 0.05) / (a.min(b) + 0.05);
+                    assert!(contrast >= 4.5, "{word} on {behind}: {contrast:.2}");
+                }
+            }
+        }
+    }
+}

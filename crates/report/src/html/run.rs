@@ -1,0 +1,125 @@
+//! The report of `run`.
+
+use super::data::{Model, Seen};
+use super::page::{Banner, Page, Tone, add_remarks, capital, paragraph};
+use super::table::{Cell, code, estimate, in_unit, parameters, table, text, unit};
+use super::{correlation, friction, mathml, motion, repeat, residual, selection};
+use crate::chart::digits;
+use crate::equation::names_of_records;
+use crate::format::{method_name as method, role_name as role};
+use crate::input::Invocation;
+use crate::markup::Element;
+use crate::run::RunReport;
+use phisindy_learn::Verdict;
+use phisindy_phys::spec::Role;
+
+/// The page.
+pub(crate) fn page(report: &RunReport<'_>, invocation: &Invocation) -> Page {
+    let (input, case, found) = (report.input, report.input.case, report.found);
+    let terms: Vec<usize> = found.terms.iter().map(|f| f.term).collect();
+    let model = Model::new(&case.system, &terms, &found.records);
+    let seen = Seen { system: &case.system, records: input.records, was: None, model: Some(model) };
+
+    let mut page = Page::new(input, banner(report));
+    add_remarks(&mut page, &report.warnings, input.doubts, &report.notes);
+    page.section("Equation", equations(report));
+    page.section("Coefficients", coefficients(report));
+    page.section("Parameters", parameters(&found.parameters));
+    page.figures("Friction against velocity", friction::charts(case, input.records, found));
+    page.figures("Measured against simulated", motion::charts(&seen));
+    page.section("Records", records(report));
+    page.figures("What is left", residual::charts(&seen));
+    page.figures("Choice of terms", selection::chart(found).into_iter().collect());
+    page.figures(
+        "What the data can tell apart",
+        correlation::chart(&case.system, found).into_iter().collect(),
+    );
+    repeat::add(&mut page, input, invocation);
+    page
+}
+
+fn banner(report: &RunReport<'_>) -> Banner {
+    let found = report.found;
+    let worst = |role: Role| {
+        let of = found.records.iter().filter(|r| r.role == role).map(|r| r.worst());
+        of.reduce(f64::max).map(|e| digits(e, 2))
+    };
+    let fit = worst(Role::Fit).map(|e| format!("{e} fitted"));
+    let validate = worst(Role::Validate).map(|e| format!("{e} not fitted"));
+    let errors: Vec<String> = fit.into_iter().chain(validate).collect();
+    let how = format!(
+        "{}Method {}, {} s.",
+        report
+            .ending
+            .stopped_words()
+            .map_or(String::new(), |stopped| format!("{} before the end. ", capital(&stopped))),
+        method(found.method),
+        digits(report.ending.seconds, 2),
+    );
+    match &found.verdict {
+        Verdict::Identified => Banner {
+            tone: Tone::Good,
+            headline: "Identified".to_owned(),
+            text: format!("The free runs follow the data: worst NRMSE {}. {how}", errors.join(", ")),
+        },
+        Verdict::Rejected(why) => Banner {
+            tone: Tone::Bad,
+            headline: "Rejected".to_owned(),
+            text: format!("{}. {how}", capital(why)),
+        },
+    }
+}
+
+fn equations(report: &RunReport<'_>) -> Vec<Element> {
+    let mut out: Vec<Element> = report.equations.iter().map(|e| mathml::equation(&e.latex)).collect();
+    let own = names_of_records(&report.input.case.system, &report.equations);
+    if !own.is_empty() {
+        out.push(paragraph(&format!("Each record has its own {}.", own.join(", "))));
+    }
+    out
+}
+
+fn coefficients(report: &RunReport<'_>) -> Option<Element> {
+    let system = &report.input.case.system;
+    let forces = report.found.terms.iter().any(|f| report.force(f).is_some());
+    let mut head =
+        vec!["equation", "factor", "candidate", "unit", "coefficient", "std. error", "95 % interval"];
+    head.extend(forces.then_some("times inertia"));
+    let rows = report.found.terms.iter().map(|f| {
+        let term = &system.terms[f.term];
+        let state = &system.states[term.state].name;
+        let dimension = term.unit.map_or(String::new(), |unit| unit.to_string());
+        let mut row = vec![code(state), code(&term.factor_text), code(&term.candidate), in_unit(&dimension)];
+        row.extend(estimate(&f.coefficient, 1.0));
+        if forces {
+            let force = report.force(f);
+            row.push(force.map_or(text("–"), |(value, dimension)| {
+                text(format!("{} {}", digits(value, 5), unit(&dimension.to_string())))
+            }));
+        }
+        row
+    });
+    table("Identified coefficients", &head, rows.collect())
+}
+
+fn records(report: &RunReport<'_>) -> Option<Element> {
+    let system = &report.input.case.system;
+    let mut rows = Vec::new();
+    for record in &report.found.records {
+        let samples = record.samples.to_string();
+        let mut row = |cells: [Cell; 4]| {
+            let front = [text(&record.name), text(role(record.role)), text(&samples)];
+            rows.push(front.into_iter().chain(cells).collect());
+        };
+        if let Some(why) = &record.failure {
+            row([text("–"), text(format!("failed: {why}")), text("–"), text("–")]);
+        }
+        for ((column, nrmse), (_, noise)) in record.nrmse.iter().zip(&record.noise) {
+            let state = system.state(column).map(|k| &system.states[k]);
+            let (factor, unit) = state.map_or((1.0, ""), |s| (s.factor, s.unit.as_str()));
+            row([code(column), Cell::Number(*nrmse), Cell::Number(noise / factor), in_unit(unit)]);
+        }
+    }
+    let head = ["record", "role", "samples", "column", "NRMSE of the free run", "noise (std. dev.)", "unit"];
+    table("Records and how the model does on them", &head, rows)
+}

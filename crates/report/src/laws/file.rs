@@ -1,0 +1,14 @@
+//! A law with the text that defines it.
+
+use phisindy_phys::Law;
+
+/// A law and where it comes from.
+#[derive(Clone, Debug)]
+pub struct LawFile {
+    /// The name of the law in specs and results: the name of its file.
+    pub id: String,
+    /// The text of the file.
+    pub text: String,
+    /// What the text says.
+    pub law: Law,
+}

@@ -1,0 +1,32 @@
+//! Results as text. Functions take results and return strings: nothing here reads or writes a file, prints, or looks at a clock.
+//!
+//! ```text
+//! Identified --> RunReport --+--> text, LaTeX, JSON          (run)
+//! Gap --------> GapReport ---+--> text, JSON, completed spec (gap)
+//!                            +--> HtmlReport: page, figures  (html <-- chart <-- markup)
+//! Identified --> identified spec                             (spec_text)
+//! runs of a sweep --> Statistics --> table, JSON             (sweep)
+//! a model without unknown part --> Python, C, Modelica, JSON (export)
+//! laws --> list, gallery, pictures                           (laws)
+//! ```
+
+mod chart;
+mod equation;
+pub mod export;
+mod format;
+pub mod gap;
+pub mod html;
+mod input;
+pub mod laws;
+mod markup;
+pub mod run;
+pub mod spec_text;
+pub mod sweep;
+pub mod table;
+
+pub use equation::{Equation, equations};
+pub use format::Format;
+pub use gap::GapReport;
+pub use html::HtmlReport;
+pub use input::{Ending, Input, Invocation, StopReason};
+pub use run::RunReport;

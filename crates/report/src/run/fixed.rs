@@ -1,0 +1,141 @@
+//! What was held: the constants and sensor parameters that the fit did not move, and at which values.
+
+use crate::input::Input;
+use crate::table::short;
+use phisindy_learn::Identified;
+use phisindy_phys::spec::{ConstantSpec, DataSpec, Role};
+use phisindy_phys::unit::Unit;
+use serde::Serialize;
+
+/// A number that was held.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct Held {
+    /// `m`, or `x.delay` for a sensor.
+    name: String,
+    /// In `unit`.
+    value: f64,
+    /// As the spec writes it; empty for numbers in SI whose unit it does not say.
+    unit: String,
+    /// The record whose own it is; none for what all records share.
+    record: Option<String>,
+}
+
+/// Everything that was held, in the order of the spec: constants, those of the records, sensors.
+pub(crate) fn held(input: Input<'_>, found: &Identified) -> Vec<Held> {
+    let mut all = constants(input, found);
+    let (spec, system, records) = (input.spec, &input.case.system, input.records);
+    for (k, (name, _)) in system.record_constants.iter().enumerate() {
+        let unit = |r: usize| {
+            let own: &[_] = match &spec.data[r] {
+                DataSpec::Csv(csv) => &csv.constants,
+                DataSpec::Synthetic(synthetic) => &synthetic.constants,
+            };
+            let stated = own.iter().chain(&spec.constants).find(|(n, _)| n.value == *name);
+            stated.map_or(String::new(), |(_, c)| unit_of(c))
+        };
+        let value = |r: usize| {
+            let unit = unit(r);
+            Some((records[r].constants.get(k)? / factor(&unit), unit))
+        };
+        all.extend(of_records(name, input, &value));
+    }
+    let columns = system
+        .states
+        .iter()
+        .map(|s| (&s.name, &s.unit))
+        .chain(system.inputs.iter().map(|u| (&u.name, &u.unit)));
+    for (k, (column, own)) in columns.enumerate() {
+        for (which, unit, idle) in [("offset", own.as_str(), 0.0), ("gain", "", 1.0), ("delay", "s", 0.0)] {
+            let name = format!("{column}.{which}");
+            let moved = |r: usize| {
+                let of_record = format!("{name} [{}]", records[r].name);
+                found.parameters.iter().any(|p| p.name == name || p.name == of_record)
+            };
+            let value = |r: usize| {
+                let s = &records[r].sensors[k];
+                let parameter = match which {
+                    "offset" => &s.offset,
+                    "gain" => &s.gain,
+                    _ => &s.delay,
+                };
+                // A constant of the case is listed as such.
+                let told =
+                    parameter.shared.is_none() && (parameter.start != idle || parameter.within.is_some());
+                (told && !moved(r)).then(|| (parameter.start / factor(unit), unit.to_owned()))
+            };
+            all.extend(of_records(&name, input, &value));
+        }
+    }
+    all
+}
+
+/// Constants of the case that did not move.
+fn constants(input: Input<'_>, found: &Identified) -> Vec<Held> {
+    let system = &input.case.system;
+    let moved = |name: &str| {
+        let moves = |p: &phisindy_learn::FoundParameter| {
+            p.parameter.is_some_and(|k| system.parameters[k].name == name)
+        };
+        found.parameters.iter().any(moves)
+    };
+    let value = |name: &str, constant: &ConstantSpec| match constant {
+        ConstantSpec::Movable(m) => Some(m.value.value),
+        ConstantSpec::Find(f) => Some(f.start.value),
+        _ => Some(system.constants.iter().find(|(n, _)| n == name)?.1 / factor(&unit_of(constant))),
+    };
+    let stands = |(name, constant): &(phisindy_phys::spec::Text, ConstantSpec)| {
+        let name = name.value.clone();
+        let value = value(&name, constant).filter(|_| !moved(&name))?;
+        Some(Held { name, value, unit: unit_of(constant), record: None })
+    };
+    input.spec.constants.iter().filter_map(stands).collect()
+}
+
+/// One number for all Fit records, or one for each of them. (A Validate record has those of the run that it continues, or finds its own.)
+fn of_records(name: &str, input: Input<'_>, value: &dyn Fn(usize) -> Option<(f64, String)>) -> Vec<Held> {
+    let fitted: Vec<usize> =
+        (0..input.records.len()).filter(|&r| input.records[r].role == Role::Fit).collect();
+    let entry = |&r: &usize| {
+        let (value, unit) = value(r)?;
+        Some(Held { name: name.to_owned(), value, unit, record: Some(input.records[r].name.clone()) })
+    };
+    let mut all: Vec<Held> = fitted.iter().filter_map(entry).collect();
+    let same = |h: &Held| (h.value, &h.unit) == (all[0].value, &all[0].unit);
+    if all.len() == fitted.len() && all.iter().all(same) {
+        all.truncate(1);
+        all.iter_mut().for_each(|h| h.record = None);
+    }
+    all
+}
+
+/// `held: m = 3.0799 kg, N = 2.4525 N [250 g] and 4.4145 N [450 g]`; none if nothing was held.
+pub(crate) fn line(all: &[Held]) -> Option<String> {
+    let mut words: Vec<(&str, Vec<String>)> = Vec::new();
+    for h in all {
+        let value = format!("{} {}", short(h.value), h.unit);
+        let record = h.record.as_ref().map_or(String::new(), |r| format!(" [{r}]"));
+        let text = format!("{}{record}", value.trim_end());
+        match words.last_mut().filter(|(name, _)| *name == h.name) {
+            Some((_, values)) => values.push(text),
+            None => words.push((&h.name, vec![text])),
+        }
+    }
+    let each: Vec<String> =
+        words.iter().map(|(name, values)| format!("{name} = {}", values.join(" and "))).collect();
+    (!each.is_empty()).then(|| format!("held: {}", each.join(", ")))
+}
+
+/// The unit that a constant states.
+fn unit_of(constant: &ConstantSpec) -> String {
+    let unit = match constant {
+        ConstantSpec::Number { unit, .. } => unit.as_ref(),
+        ConstantSpec::Movable(m) => m.unit.as_ref(),
+        ConstantSpec::Find(f) => f.unit.as_ref(),
+        ConstantSpec::Expression(_) | ConstantSpec::MaxAbs(_) => None,
+    };
+    unit.map_or(String::new(), |u| u.value.clone())
+}
+
+fn factor(unit: &str) -> f64 {
+    Unit::parse(unit).map_or(1.0, |u| u.factor)
+}

@@ -1,0 +1,157 @@
+//! A result as JSON: the keys are a contract with users (DESIGN.md section 4). Numbers that are not finite become null.
+
+use super::contribution::{Contribution, contribution};
+use super::fixed::Held;
+use super::report::RunReport;
+use crate::format::{method_name as method, role_name as role};
+use phisindy_learn::{Estimate, Verdict};
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+#[derive(Serialize)]
+struct Outcome<'a> {
+    spec: &'a str,
+    title: &'a str,
+    method: &'a str,
+    verdict: &'a str,
+    reason: Option<&'a str>,
+    /// Which free runs the verdict rests on.
+    basis: String,
+    equations: Vec<EquationOut<'a>>,
+    parameters: Vec<ParameterOut<'a>>,
+    held: &'a [Held],
+    records: Vec<RecordOut<'a>>,
+    noise_model: &'a str,
+    selection: Vec<PointOut>,
+    warnings: Vec<&'a String>,
+    doubts: &'a [String],
+    stopped: bool,
+    seconds: f64,
+    version: &'a str,
+}
+
+#[derive(Serialize)]
+struct EquationOut<'a> {
+    state: &'a str,
+    latex: &'a str,
+    text: &'a str,
+    terms: Vec<TermOut<'a>>,
+}
+
+#[derive(Serialize)]
+struct TermOut<'a> {
+    candidate: &'a str,
+    coefficient: f64,
+    /// SI; `1` is a plain number, and empty is what the spec does not determine.
+    unit: String,
+    std_error: f64,
+    ci95: [f64; 2],
+    /// What the spec allows; null where it sets no bound.
+    bounds: [f64; 2],
+    at_bound: bool,
+    /// The force behind a coefficient that is a rate.
+    force: Option<ForceOut>,
+    /// What it does along the motion.
+    contribution: Option<Contribution>,
+}
+
+#[derive(Serialize)]
+struct ForceOut {
+    value: f64,
+    unit: String,
+}
+
+#[derive(Serialize)]
+struct ParameterOut<'a> {
+    name: &'a str,
+    value: f64,
+    unit: &'a str,
+    std_error: f64,
+    ci95: [f64; 2],
+    bounds: [f64; 2],
+    at_bound: bool,
+}
+
+#[derive(Serialize)]
+struct RecordOut<'a> {
+    name: &'a str,
+    role: &'a str,
+    samples: usize,
+    nrmse: Map<String, Value>,
+    noise: Map<String, Value>,
+    start: Map<String, Value>,
+    failure: Option<&'a str>,
+}
+
+#[derive(Serialize)]
+struct PointOut {
+    terms: usize,
+    criterion: f64,
+    nrmse: Option<f64>,
+}
+
+/// One line.
+pub(crate) fn line(report: &RunReport<'_>) -> String {
+    let (system, found) = (&report.input.case.system, report.found);
+    let equations = report.equations.iter().map(|equation| {
+        let here = found.terms.iter().filter(|f| system.terms[f.term].state == equation.state);
+        let terms = here.map(|f| {
+            let Estimate { value, std_error, ci95 } = f.coefficient;
+            TermOut {
+                candidate: &system.terms[f.term].candidate,
+                coefficient: value,
+                unit: system.terms[f.term].unit.map_or(String::new(), |unit| unit.to_string()),
+                std_error,
+                ci95: [ci95.0, ci95.1],
+                bounds: system.terms[f.term].within.into(),
+                at_bound: f.at_bound,
+                force: report.force(f).map(|(value, unit)| ForceOut { value, unit: unit.to_string() }),
+                contribution: contribution(system, f),
+            }
+        });
+        let state = &system.states[equation.state].name;
+        EquationOut { state, latex: &equation.latex, text: &equation.text, terms: terms.collect() }
+    });
+    let parameters = found.parameters.iter().map(|p| ParameterOut {
+        name: &p.name,
+        value: p.estimate.value / p.factor,
+        unit: &p.unit,
+        std_error: p.estimate.std_error / p.factor,
+        ci95: [p.estimate.ci95.0 / p.factor, p.estimate.ci95.1 / p.factor],
+        bounds: [p.bounds.0 / p.factor, p.bounds.1 / p.factor],
+        at_bound: p.at_bound,
+    });
+    let numbers = |list: &[(String, f64)]| list.iter().map(|(name, x)| (name.clone(), json!(x))).collect();
+    let records = found.records.iter().map(|r| RecordOut {
+        name: &r.name,
+        role: role(r.role),
+        samples: r.samples,
+        nrmse: numbers(&r.nrmse),
+        noise: numbers(&r.noise),
+        start: system.states.iter().zip(&r.start).map(|(s, x)| (s.name.clone(), json!(x))).collect(),
+        failure: r.failure.as_deref(),
+    });
+    let selection =
+        found.selection.iter().map(|p| PointOut { terms: p.terms, criterion: p.criterion, nrmse: p.nrmse });
+    let outcome = Outcome {
+        spec: report.input.name,
+        title: &system.title,
+        method: method(found.method),
+        verdict: if found.verdict == Verdict::Identified { "identified" } else { "rejected" },
+        reason: if let Verdict::Rejected(why) = &found.verdict { Some(why) } else { None },
+        basis: report.basis(),
+        equations: equations.collect(),
+        parameters: parameters.collect(),
+        held: &report.held,
+        records: records.collect(),
+        noise_model: &found.noise_model,
+        selection: selection.collect(),
+        warnings: report.notes.iter().chain(&report.warnings).collect(),
+        doubts: report.input.doubts,
+        stopped: found.stopped,
+        seconds: report.ending.seconds,
+        version: env!("CARGO_PKG_VERSION"),
+    };
+    // Nothing in there can fail: keys are texts, and numbers that are not finite are null.
+    serde_json::to_string(&outcome).unwrap_or_default()
+}

@@ -1,0 +1,83 @@
+//! What `run` found, with all that a report says beside it.
+
+use super::fixed::{self, Held};
+use crate::equation::{Equation, equations};
+use crate::input::{Ending, Input};
+use crate::table::short;
+use phisindy_learn::{FoundTerm, Identified, RecordFit};
+use phisindy_phys::spec::Role;
+use phisindy_phys::unit::Dimension;
+
+/// Everything that is to be told about one spec.
+pub struct RunReport<'a> {
+    /// The case and its records.
+    pub(crate) input: Input<'a>,
+    /// What was found.
+    pub(crate) found: &'a Identified,
+    /// The same as equations.
+    pub(crate) equations: Vec<Equation>,
+    /// What the fit did not move.
+    pub(crate) held: Vec<Held>,
+    /// What a careful reader should know.
+    pub warnings: Vec<String>,
+    /// What was done to the data.
+    pub notes: Vec<String>,
+    /// How the work ended.
+    pub(crate) ending: Ending,
+}
+
+impl<'a> RunReport<'a> {
+    /// Writes the equations, and tells notes about the data from warnings.
+    pub fn new(input: Input<'a>, found: &'a Identified, ending: Ending) -> RunReport<'a> {
+        let case = input.case;
+        let equations = equations(case, &found.terms, &found.parameters);
+        let of_records =
+            input.records.iter().flat_map(|r| r.notes.iter().map(|note| format!("{}: {note}", r.name)));
+        let mut notes: Vec<String> = of_records.collect();
+        let mut warnings = Vec::new();
+        for warning in &found.warnings {
+            if notes.contains(warning) {
+                continue;
+            }
+            // Method step derives states too, and says so in the same words.
+            if warning.contains(" is the derivative of ") { &mut notes } else { &mut warnings }
+                .push(warning.clone());
+        }
+        let held = fixed::held(input, found);
+        RunReport { input, found, equations, held, warnings, notes, ending }
+    }
+
+    /// Which free runs the verdict rests on.
+    pub(crate) fn basis(&self) -> String {
+        let validated: Vec<&RecordFit> =
+            self.found.records.iter().filter(|r| r.role == Role::Validate).collect();
+        let worst = |records: &[&RecordFit]| {
+            let worst = records.iter().max_by(|a, b| a.worst().total_cmp(&b.worst()));
+            worst.map_or(String::new(), |r| format!("NRMSE up to {} ({})", short(r.worst()), r.name))
+        };
+        match validated.len() {
+            0 => {
+                let fitted: Vec<&RecordFit> = self.found.records.iter().collect();
+                format!(
+                    "rests on the fitted records alone, run freely: {}; none has the role Validate",
+                    worst(&fitted)
+                )
+            }
+            1 => format!("rests on the free run of a record that was not fitted: {}", worst(&validated)),
+            n => format!("rests on the free runs of {n} records that were not fitted: {}", worst(&validated)),
+        }
+    }
+
+    /// The force behind a coefficient that is a rate, and its unit, where the spec states the inertia and it is one number.
+    pub(crate) fn force(&self, found: &FoundTerm) -> Option<(f64, Dimension)> {
+        let system = &self.input.case.system;
+        let term = &system.terms[found.term];
+        let (unit, inertia) = (term.force?, system.inertia[term.state]?);
+        let moved = self.found.parameters.iter().filter(|p| p.record.is_none());
+        let values: Vec<_> =
+            moved.filter_map(|p| Some((system.parameters[p.parameter?].node, p.estimate.value))).collect();
+        let mut graph = system.graph.clone();
+        let inertia = system.with_values(&mut graph, inertia, &values);
+        Some((found.coefficient.value * graph.value(inertia)?, unit))
+    }
+}

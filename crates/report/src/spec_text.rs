@@ -1,0 +1,9 @@
+//! Specs with a result in them: `identified.ron` of `run`, `completed.ron` of `gap`.
+
+mod completed;
+mod edit;
+mod identified;
+
+pub use completed::{COMPLETED, completed};
+pub use edit::head;
+pub use identified::{IDENTIFIED, identified};

@@ -1,0 +1,86 @@
+//! `completed.ron`: the spec's text with the effects that `gap` found in it.
+
+use super::edit::{Text, first, head, number, records_of, sensor_of};
+use crate::gap::GapReport;
+use crate::input::Input;
+use phisindy_gap::Gap;
+use phisindy_phys::spec::{self, DataSpec, Find, SensorValue};
+use phisindy_phys::unit::Unit;
+use phisindy_phys::{Origin, SourceId};
+
+/// The file that holds the spec with the effects in it.
+pub const COMPLETED: &str = "completed.ron";
+
+/// The spec with the effects in it, and why it lacks start states and sensors, if it does.
+pub fn completed(report: &GapReport<'_>) -> (String, Option<String>) {
+    let GapReport { input, found, .. } = *report;
+    let measured = input.case.records.iter().any(|plan| matches!(plan.origin, Origin::Csv(_)));
+    let data = if measured {
+        " --data DIR      (DIR: where its data files are)"
+    } else {
+        "\n// Synthetic records are made anew from `known` and `truth`: take out of `truth` what now stands in `known`, or it acts twice."
+    };
+    let (text, why) = match filled(input, found) {
+        Ok(text) => (text, None),
+        Err(why) => (found.completed.clone(), Some(why)),
+    };
+    let text = format!(
+        "{}{}` (version {}) made of it: {}.\n// The effects stand in `known`, their numbers in `constants`, `sensors` and `start`, from where a fit ended:\n//     phisindy run completed.ron{data}\n{text}",
+        head("gap"),
+        input.name,
+        env!("CARGO_PKG_VERSION"),
+        found.status.name(),
+    );
+    (text, why)
+}
+
+/// The text that `gap` completed, with what its fit found of each measured record in it: the start state, and where the search for the numbers of its
+/// sensors goes on. (The start of a synthetic record says how it is made, not what was found.)
+///
+/// # Errors
+/// In words: the text cannot hold it.
+fn filled(loaded: Input<'_>, found: &Gap) -> Result<String, String> {
+    let mut text = Text(found.completed.clone());
+    let (spec, _) = spec::read(&text.0, SourceId(0)).map_err(|d| first(&d))?;
+    let measured = |r: usize| matches!(spec.data.get(r), Some(DataSpec::Csv(_)));
+    for p in found.parameters.iter().filter(|p| p.parameter.is_none()) {
+        let (Some(owner), Some((column, which))) = (p.record, sensor_of(&p.name)) else { continue };
+        for r in records_of(loaded, owner) {
+            let at = r.to_string();
+            if let Some(find) = spec.data.get(r).and_then(|data| searched(data, column, which)) {
+                let factor =
+                    find.unit.as_ref().and_then(|u| Unit::parse(&u.value).ok()).map_or(1.0, |u| u.factor);
+                let value = (p.estimate.value / factor).clamp(find.within.0.value, find.within.1.value);
+                text.set(&["data", &at, "sensors", column, which, "start"], &number(value))?;
+            }
+        }
+    }
+    for (r, record) in found.simulated.records.iter().enumerate().filter(|(r, _)| measured(*r)) {
+        for (state, x) in found.simulated.system.states.iter().zip(&record.start) {
+            if x.is_finite() {
+                text.set(&["data", &r.to_string(), "start", &state.name], &number(x / state.factor))?;
+            }
+        }
+    }
+    let (spec, _) = spec::read(&text.0, SourceId(0)).map_err(|d| first(&d))?;
+    phisindy_phys::check_names(&spec, SourceId(0)).map_err(|d| first(&d))?;
+    Ok(text.0)
+}
+
+/// The parameter of a sensor that is searched for in a record.
+fn searched<'a>(data: &'a DataSpec, column: &str, which: &str) -> Option<&'a Find> {
+    let sensors = match data {
+        DataSpec::Csv(csv) => &csv.sensors,
+        DataSpec::Synthetic(synthetic) => &synthetic.sensors,
+    };
+    let (_, sensor) = sensors.iter().find(|(name, _)| name.value == column)?;
+    let value = match which {
+        "offset" => &sensor.offset,
+        "gain" => &sensor.gain,
+        _ => &sensor.delay,
+    };
+    match value {
+        Some(SensorValue::Find(find)) => Some(find),
+        _ => None,
+    }
+}

@@ -1,0 +1,45 @@
+//! Edits of a spec's text: values set at paths, and what a result needs to find its place there.
+
+use crate::input::Input;
+use phisindy_phys::splice;
+use phisindy_phys::{Diagnostic, Record};
+
+/// A record and those that continue it.
+pub(super) fn records_of(input: Input<'_>, owner: usize) -> impl Iterator<Item = usize> {
+    let same =
+        move |(r, other): (usize, &Record)| (r == owner || other.continues == Some(owner)).then_some(r);
+    input.records.iter().enumerate().filter_map(same)
+}
+
+/// Column and property in the name of a sensor's parameter, `x.offset [run 1]`.
+pub(super) fn sensor_of(name: &str) -> Option<(&str, &str)> {
+    name.split(" [").next().unwrap_or(name).rsplit_once('.')
+}
+
+pub(super) fn first(diagnostics: &[Diagnostic]) -> String {
+    diagnostics.iter().find(|d| d.is_error()).map_or(String::new(), |d| d.message.clone())
+}
+
+/// A spec that changes.
+pub(super) struct Text(pub(super) String);
+
+impl Text {
+    /// Sets the value at a path.
+    pub(super) fn set(&mut self, path: &[&str], value: &str) -> Result<(), String> {
+        // Names may hold dots in quotes only.
+        let part = |p: &&str| if p.contains('.') { format!("\"{p}\"") } else { (*p).to_owned() };
+        let path = path.iter().map(part).collect::<Vec<_>>().join(".");
+        self.0 = splice::set(&self.0, &path, value).map_err(|e| e.to_string())?;
+        Ok(())
+    }
+}
+
+/// The shortest text that reads back as the same number.
+pub(super) fn number(x: f64) -> String {
+    format!("{x:?}")
+}
+
+/// The start of the first line of the spec that a command leaves.
+pub fn head(command: &str) -> String {
+    format!("// What `phisindy {command} ")
+}

@@ -1,0 +1,88 @@
+//! The runs of a sweep, as a journal keeps them and as a table is made of them.
+
+use phisindy_learn::Truth;
+use phisindy_phys::spec::Method;
+use serde::{Deserialize, Serialize};
+
+/// A truth with the names of its terms.
+#[derive(Clone, Debug)]
+pub struct NamedTruth {
+    /// Indices and coefficients.
+    pub truth: Truth,
+    /// `STATE:candidate` of each term.
+    pub names: Vec<String>,
+}
+
+/// One finished run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Run {
+    /// Label of its cell.
+    pub cell: String,
+    /// Its seed.
+    pub seed: u64,
+    /// Whether the terms are exactly those of the truth.
+    pub exact: bool,
+    /// `identified`, `rejected: why` or `failed: why`.
+    pub verdict: String,
+    /// For each term of the truth.
+    pub found: Vec<Option<Found>>,
+    /// For each term of the truth, the least standard error that the data allow.
+    pub bound: Vec<Option<f64>>,
+    /// Terms that are not in the truth.
+    pub spurious: Vec<String>,
+    /// Not to be reproduced.
+    pub seconds: f64,
+}
+
+/// A term of the truth that was found; an end of the interval that is missing is at infinity.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Found {
+    /// Coefficient.
+    pub value: f64,
+    /// Lower end of its 95 % interval.
+    pub low: Option<f64>,
+    /// Upper end.
+    pub high: Option<f64>,
+}
+
+/// A cell with its finished runs.
+#[derive(Clone, Debug)]
+pub struct CellRuns<'a> {
+    /// What makes the cell differ from the spec, as `PATH=VALUE, ...`; empty for the spec itself.
+    pub label: &'a str,
+    /// The truth in terms of the dictionary of the cell, or why there is none.
+    pub truth: &'a Result<NamedTruth, String>,
+    /// Ordered by seed.
+    pub runs: &'a [Run],
+}
+
+impl<'a> CellRuns<'a> {
+    /// The names of the terms of the truth that a run did not find.
+    pub(super) fn missing(&self, run: &Run) -> Vec<&'a str> {
+        let Ok(named) = self.truth else { return vec![] };
+        let missing =
+            named.names.iter().enumerate().filter(|&(k, _)| run.found.get(k).is_none_or(Option::is_none));
+        missing.map(|(_, name)| name.as_str()).collect()
+    }
+}
+
+/// All runs of a sweep.
+#[derive(Clone, Debug)]
+pub struct SweepRuns<'a> {
+    /// Name of the spec as the user gave it.
+    pub spec: &'a str,
+    /// Its title; empty if it has none.
+    pub title: &'a str,
+    /// The method of all runs.
+    pub method: Method,
+    /// First seed.
+    pub first: u64,
+    /// Number of seeds.
+    pub seeds: u64,
+    /// In the order of the table.
+    pub cells: Vec<CellRuns<'a>>,
+    /// Whether the sweep was stopped before its end.
+    pub stopped: bool,
+    /// Duration of the work in seconds.
+    pub seconds: f64,
+}

@@ -1,0 +1,87 @@
+//! Rows of words in aligned columns, and numbers short enough to read.
+
+/// The rows as lines; every column is as wide as its widest word.
+pub fn aligned(rows: &[Vec<String>]) -> Vec<String> {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |k: usize| rows.iter().filter_map(|r| r.get(k)).map(|w| w.chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let line = |row: &Vec<String>| {
+        let cells = row.iter().zip(&widths).map(|(word, &width)| format!("{word:<width$}"));
+        cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
+    };
+    rows.iter().map(line).collect()
+}
+
+/// A number with five digits.
+pub fn short(x: f64) -> String {
+    digits(x, 5)
+}
+
+/// An interval with five digits, or as many more as its ends need to be told apart.
+pub fn interval(low: f64, high: f64) -> String {
+    let (low, high) = ends(low, high);
+    format!("[{low}, {high}]")
+}
+
+/// The same, each end alone.
+pub fn ends(low: f64, high: f64) -> (String, String) {
+    let with = |n: usize| (digits(low, n), digits(high, n));
+    let apart = (5..=17).map(with).find(|(low, high)| low != high);
+    apart.unwrap_or_else(|| with(5))
+}
+
+/// A number with so many digits at most.
+fn digits(x: f64, digits: usize) -> String {
+    if !x.is_finite() {
+        return if x.is_nan() { "unknown".to_owned() } else { "unbounded".to_owned() };
+    }
+    let behind = digits - 1;
+    let scientific = format!("{x:.behind$e}");
+    let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let trimmed = |text: &str| match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text.to_owned(),
+    };
+    match exponent {
+        -4..=5 => trimmed(&format!("{x:.*}", (behind as i32 - exponent).max(0) as usize)),
+        _ => format!("{}e{exponent}", trimmed(mantissa)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_five_digits() {
+        for (x, text) in [
+            (0.0, "0"),
+            (0.501_998_3, "0.502"),
+            (-1234.567, "-1234.6"),
+            (1.5e-7, "1.5e-7"),
+            (3e10, "3e10"),
+            (f64::INFINITY, "unbounded"),
+        ] {
+            assert_eq!(short(x), text);
+        }
+    }
+
+    #[test]
+    fn the_ends_of_an_interval_are_told_apart() {
+        assert_eq!(interval(1.2, 1.3), "[1.2, 1.3]");
+        assert_eq!(interval(1.200_000_1, 1.200_000_4), "[1.2000001, 1.2000004]");
+        assert_eq!(interval(1.2, 1.200_000_4), "[1.2, 1.2000004]");
+        assert_eq!(interval(2e-9, 2.000_001e-9), "[2e-9, 2.000001e-9]");
+        // Nothing tells these apart.
+        assert_eq!(interval(1.2, 1.2), "[1.2, 1.2]");
+        assert_eq!(interval(f64::NEG_INFINITY, 3.0), "[unbounded, 3]");
+        assert_eq!(interval(f64::NAN, f64::NAN), "[unknown, unknown]");
+    }
+
+    #[test]
+    fn columns_are_aligned() {
+        let rows = [["a", "b"], ["long", "c"]].map(|r| r.map(str::to_owned).to_vec());
+        assert_eq!(aligned(&rows), ["a     b", "long  c"]);
+    }
+}
