@@ -1,7 +1,7 @@
 //! Where data files are looked for: `--data`, then `PHISINDY_DATA`, then beside the spec; never outside of these folders. How they are opened.
 
 use phisindy_expr::Span;
-use phisindy_import::{DataFile, csv};
+use phisindy_import::{DataFile, csv, unreadable};
 use phisindy_phys::spec::CsvSpec;
 use phisindy_phys::{Diagnostic, SourceId, Sources, Table, Units};
 use std::fs::File;
@@ -36,7 +36,7 @@ pub(crate) fn opened<'a>(
     let file = open(path).and_then(|file| Ok((file.metadata()?.len(), file)));
     match file {
         Ok((size, file)) => Ok(DataFile::new(name, file, size)),
-        Err(e) => Err(Box::new(csv::unreadable(name, at, &e))),
+        Err(e) => Err(Box::new(unreadable(name, at, &e))),
     }
 }
 

@@ -5,8 +5,7 @@ use crate::command::{INPUT, print, remark};
 use crate::{datafile, draw, outdir};
 use anyhow::{Result, anyhow};
 use phisindy_expr::Span;
-use phisindy_import::csv::Survey;
-use phisindy_import::{Draft, accepted, spec, summary};
+use phisindy_import::{Draft, accepted, csv, spec_text, summary};
 use phisindy_phys::{Diagnostic, Sources};
 use std::path::{Path, PathBuf};
 
@@ -36,7 +35,7 @@ pub(crate) fn command(args: &NewArgs, options: &Options) -> Result<u8> {
     };
     let file = args.path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let next = next_command(args, out);
-    let text = spec(&draft, &file, &next);
+    let text = spec_text(&draft, &file, &next);
     if let Err(why) = accepted(&text) {
         return Err(anyhow!("the spec for `{file}` would not be accepted ({why}): please report this"));
     }
@@ -45,7 +44,13 @@ pub(crate) fn command(args: &NewArgs, options: &Options) -> Result<u8> {
         None => print(&text)?,
     }
     if !options.quiet {
-        summary(&draft, &file, out, &next).iter().for_each(|line| remark(line));
+        summary(&draft, &file).iter().for_each(|line| remark(line));
+        let edit = "look at its lines marked EDIT, then type";
+        remark(&match out {
+            Some(out) => format!("{} is written: {edit}", out.display()),
+            None => format!("save this as a file (or say --out FILE), {edit}"),
+        });
+        remark(&format!("    phisindy run {next}"));
     }
     Ok(0)
 }
@@ -54,8 +59,8 @@ fn drafted(args: &NewArgs, sources: &mut Sources) -> Result<Draft, Box<Diagnosti
     let name = args.path.display().to_string();
     let words = format!("phisindy new {name}");
     let at = (sources.add("command line", words.clone()), Span::new(words.len() - name.len(), words.len()));
-    let survey = Survey::read(datafile::opened(&args.path, &name, at)?, at, sources)?;
-    Draft::of(survey).map_err(|trouble| trouble.diagnostic(&name, at))
+    let table = csv::table(datafile::opened(&args.path, &name, at)?, at, sources)?;
+    Draft::of(table).map_err(|why| why.diagnostic(&name, at))
 }
 
 /// What to type after this, as arguments of `run`.

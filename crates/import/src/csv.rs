@@ -1,16 +1,16 @@
 //! Text files with a row of numbers on each line.
 //!
 //! ```text
-//! bytes --Lines--> text lines --Dialect--> fields --+-- record: the columns of a spec, only the rows that it selects
-//!                                                   +-- survey: all columns, up to a stated amount
+//! bytes --Lines--> text lines --Dialect--> fields --Opening--> headings, units --+-- record: the columns and rows that a spec selects
+//!                                                                                +-- table: all columns, up to a stated amount
 //! ```
 
 mod dialect;
 mod lines;
 mod mistakes;
+mod opening;
 mod record;
-mod survey;
+mod table;
 
-pub use mistakes::unreadable;
 pub use record::record;
-pub use survey::{Column, Survey};
+pub use table::table;

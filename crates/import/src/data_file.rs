@@ -1,6 +1,8 @@
 //! A data file as the caller opened it.
 
-use std::io::{Cursor, Read, Seek};
+use phisindy_expr::Span;
+use phisindy_phys::{Diagnostic, SourceId};
+use std::io::{self, Cursor, Read, Seek};
 
 /// Bytes that can be read more than once, such as a file or a slice in memory.
 pub trait ReadSeek: Read + Seek {}
@@ -26,4 +28,16 @@ impl<'a> DataFile<'a> {
     pub fn of_bytes(name: &'a str, bytes: &'a [u8]) -> DataFile<'a> {
         DataFile::new(name, Cursor::new(bytes), bytes.len() as u64)
     }
+}
+
+/// A file that cannot be opened or read; `at` is where it is asked for.
+pub fn unreadable(name: &str, (source, at): (SourceId, Span), error: &io::Error) -> Diagnostic {
+    let help = match error.kind() {
+        io::ErrorKind::IsADirectory => "name a file in it",
+        io::ErrorKind::InvalidInput => "save the data in a file first",
+        io::ErrorKind::PermissionDenied => "give yourself the right to read it (chmod u+r), or copy it",
+        io::ErrorKind::NotFound => "check its name and its folder",
+        _ => "copy the file to a disk that can be read",
+    };
+    Diagnostic::error(format!("cannot read `{name}`: {error}")).at(source, at, "asked for here").help(help)
 }

@@ -1,337 +1,143 @@
-//! What the spec will say: the records with their rows and windows, and the model with its numbers.
+//! What the spec for a file says: the records with their rows and windows, and the model with its numbers.
 
-mod trouble;
-
-use crate::csv::Survey;
-use crate::headings::{Kind, factor};
-use crate::roles::{Input, Roles};
+use crate::headings::{Quantity, factor};
+use crate::records::{RecordDraft, Records};
+use crate::remarks::Remark;
+use crate::roles::{Evidence, Input, NoMotion, Roles};
 use crate::start_values::{Estimate, Motion};
-use crate::statistics::{Look, Stops, stops};
-use crate::time_column::Clock;
+use crate::statistics::{Statistics, Stops, stops};
+use crate::table::Table;
+use crate::time_column::{NoTime, TimeColumn};
+use crate::usage::Usage;
+use phisindy_expr::Span;
+use phisindy_phys::{Diagnostic, SourceId};
+use phisindy_signal::strongest_line;
 use std::ops::Range;
-pub use trouble::Trouble;
 
 /// More samples than this in a record make a fit slow and hardly better.
 const PLENTY: usize = 25_000;
-/// More trials than this are not written out.
-const MOST_TRIALS: usize = 6;
 /// A swing of more than this is no small angle, in radian.
 const LARGE_ANGLE: f64 = 0.5;
-
-/// A record of the spec.
-#[derive(Clone, Debug)]
-pub(crate) struct Part {
-    /// What it is called.
-    pub(crate) name: String,
-    /// Headings and values that select its rows.
-    pub(crate) rows: Vec<(String, f64)>,
-    /// Which run of the file, where no column counts them.
-    pub(crate) run: Option<usize>,
-    /// Times as the file has them.
-    pub(crate) window: Option<(f64, f64)>,
-    /// Whether it is fitted.
-    pub(crate) fit: bool,
-}
 
 /// Everything that the spec says.
 #[derive(Debug)]
 pub struct Draft {
     /// The file.
-    pub(crate) survey: Survey,
+    pub table: Table,
     /// Its time.
-    pub(crate) clock: Clock,
-    /// For each column.
-    pub(crate) looks: Vec<Look>,
+    pub time: TimeColumn,
+    /// Of each column.
+    pub statistics: Vec<Statistics>,
     /// What the columns are.
-    pub(crate) roles: Roles,
+    pub roles: Roles,
+    /// What is said of each column.
+    pub usages: Vec<Usage>,
     /// The records.
-    pub(crate) parts: Vec<Part>,
+    pub records: Vec<RecordDraft>,
     /// Mean of so many rows.
-    pub(crate) decimate: usize,
+    pub decimate: usize,
     /// The first record's motion, in SI.
-    pub(crate) motion: Motion,
+    pub motion: Motion,
     /// Numbers to start from.
-    pub(crate) estimate: Estimate,
+    pub estimate: Estimate,
     /// Where the motion stands still, in the first record's stretch.
-    pub(crate) stops: Stops,
+    pub stops: Stops,
     /// Smallest and greatest place in the records, in SI.
-    pub(crate) extent: (f64, f64),
-    /// What should be known, in sentences; those that stop a run begin with `EDIT`.
-    pub(crate) remarks: Vec<String>,
+    pub extent: (f64, f64),
+    /// What should be known.
+    pub remarks: Vec<Remark>,
 }
 
 impl Draft {
     /// From the columns of a file.
-    pub fn of(mut survey: Survey) -> Result<Draft, Trouble> {
-        let clock = Clock::find(&mut survey).map_err(|message| Trouble {
-            message,
-            help: "add a column `time_s`, in seconds from the start, that grows from row to row".to_owned(),
-            mistake: None,
-        })?;
-        let clock = clock.refined(&mut survey);
-        let runs = clock.runs(survey.rows());
-        let longest = runs.iter().max_by_key(|r| r.len()).cloned().unwrap_or(0..survey.rows());
-        let time = &survey.columns[clock.column].values;
-        let looks: Vec<Look> =
-            survey.columns.iter().map(|c| Look::at(time, &c.values, longest.clone())).collect();
-        if let Some(mistake) = blocking(&survey, &looks) {
-            return Err(mistake);
+    ///
+    /// # Errors
+    /// No column is time or motion, or text stands in one that a model may need.
+    pub fn of(mut table: Table) -> Result<Draft, NoDraft> {
+        let time = TimeColumn::find(&mut table).map_err(NoDraft::Time)?.refined(&mut table);
+        let runs = time.runs(table.rows());
+        let longest = runs.iter().max_by_key(|r| r.len()).cloned().unwrap_or(0..table.rows());
+        let times = &table.columns[time.column].values;
+        let statistics: Vec<Statistics> =
+            table.columns.iter().map(|c| Statistics::of(times, &c.values, longest.clone())).collect();
+        if let Some(mistake) = blocking(&table, &statistics) {
+            return Err(NoDraft::Text(Box::new(mistake)));
         }
-        let roles = Roles::guess(&survey, &clock, &looks, &longest).map_err(|message| Trouble {
-            message,
-            help: "a record needs a column of displacement or velocity; say which one in the heading, as in `x_mm` or `v [m/s]`".to_owned(),
-            mistake: None,
-        })?;
+        let evidence = Evidence { table: &table, time: &time, statistics: &statistics, run: &longest };
+        let roles = Roles::guess(&evidence).map_err(NoDraft::Motion)?;
+        let usages = (0..table.columns.len()).map(|k| Usage::of(k, &evidence, &roles)).collect();
+        let Records { records, first, longest, remarks } = Records::of(&table, &time, &roles, &runs);
         let mut draft = Draft {
-            clock,
-            looks,
+            time,
+            statistics,
             roles,
-            parts: vec![],
+            usages,
+            records,
             decimate: 1,
             motion: Motion::default(),
             estimate: Estimate { spring: None, damper: 0.0, force: None, rest: 0.0 },
             stops: Stops::default(),
             extent: (0.0, 0.0),
             remarks: vec![],
-            survey,
+            table,
         };
-        draft.twins();
-        if draft.clock.fine {
-            let unit = draft.survey.columns[draft.clock.column].heading.unit.clone().unwrap_or_default();
-            draft.remarks.push(format!(
-                "EDIT: the heading `{}` gives no unit: its steps of {} are taken for {unit} (for seconds write \"s\" in the place of \"{unit}\" in the records)",
-                draft.raw(draft.clock.column),
-                draft.clock.step
-            ));
+        draft.remarks = draft.shared_headings().chain(draft.guessed_unit()).chain(remarks).collect();
+        if let Some((good, moving)) = first {
+            draft.study(good, moving);
+            draft.decimate = draft.thinning(longest);
         }
-        draft.records(&runs);
         Ok(draft)
     }
 
     /// The values of a column.
     pub(crate) fn values(&self, column: usize) -> &[f64] {
-        &self.survey.columns[column].values
+        &self.table.columns[column].values
     }
 
     /// Time as the file has it.
-    pub(crate) fn time(&self) -> &[f64] {
-        self.values(self.clock.column)
+    pub(crate) fn times(&self) -> &[f64] {
+        self.values(self.time.column)
     }
 
     /// The column of the displacement, or else of the velocity.
     pub(crate) fn moving(&self) -> usize {
-        self.roles.place.or(self.roles.speed).unwrap_or(self.clock.column)
+        self.roles.moving().unwrap_or(self.time.column)
     }
 
     /// The heading of a column.
     pub(crate) fn raw(&self, column: usize) -> &str {
-        &self.survey.columns[column].heading.raw
+        &self.table.columns[column].heading.raw
     }
 
-    fn unit(&self, column: usize) -> f64 {
-        factor(self.survey.columns[column].heading.unit.as_deref())
+    /// What makes SI of a column.
+    pub(crate) fn factor(&self, column: usize) -> f64 {
+        factor(self.table.columns[column].heading.unit.as_deref())
     }
 
-    /// Says so if a column that is needed shares its heading with another one.
-    fn twins(&mut self) {
-        for c in self.roles.used().chain([self.clock.column]).collect::<Vec<_>>() {
-            let name = self.raw(c).to_owned();
-            if (0..self.survey.columns.len()).filter(|&k| self.raw(k) == name).count() > 1 {
-                self.remarks.push(format!(
-                    "EDIT: two columns are called `{name}`: rename one of them in the file before you run this"
-                ));
-            }
-        }
+    /// Columns that are needed and share their heading with another one.
+    fn shared_headings(&self) -> impl Iterator<Item = Remark> {
+        let shared = |name: &str| (0..self.table.columns.len()).filter(|&k| self.raw(k) == name).count() > 1;
+        let needed = self.roles.used().chain([self.time.column]).map(|c| self.raw(c));
+        needed.filter(move |name| shared(name)).map(|name| Remark::SharedHeading(name.to_owned()))
     }
 
-    fn records(&mut self, runs: &[Range<usize>]) {
-        let trials = if runs.len() > 1 { self.trial_column(runs) } else { None };
-        if runs.len() > 1 && trials.is_none() {
-            let line = self.survey.lines[runs[1].start];
-            self.remarks.push(format!(
-                "EDIT: time goes back at line {line}{}: the file holds {} runs, and no column tells them apart. They are counted from 0: `run: 0`, \
-                 `run: 1`, ...; if it is one run, correct the times in the file",
-                if runs.len() > 2 { " and later" } else { "" },
-                runs.len()
-            ));
-        }
-        let counted = runs.len() > 1 && trials.is_none();
-        let mut firsts = Vec::new();
-        for (k, run) in runs.iter().enumerate().take(MOST_TRIALS) {
-            let chosen = self.chosen(run.clone());
-            if chosen.len() < 20 {
-                continue;
-            }
-            let mut rows = Vec::new();
-            if let Some(column) = trials {
-                rows.push((self.raw(column).to_owned(), self.values(column)[chosen.start]));
-            }
-            if let Some(flag) = &self.roles.flag {
-                rows.push((self.raw(flag.column).to_owned(), flag.value));
-            }
-            firsts.push((chosen, run.clone(), rows, counted.then_some(k)));
-        }
-        if runs.len() > MOST_TRIALS {
-            self.remarks.push(format!(
-                "the file holds {} trials, of which the first {MOST_TRIALS} are written out",
-                runs.len()
-            ));
-        }
-        let Some((first, ..)) = firsts.first() else {
-            self.parts.push(Part {
-                name: "all".to_owned(),
-                rows: vec![],
-                run: None,
-                window: None,
-                fit: true,
-            });
-            return;
-        };
-        let first = first.clone();
-        self.study(first);
-        let several = firsts.len() > 1;
-        for (k, (chosen, run, rows, number)) in firsts.iter().enumerate() {
-            let moving = self.trimmed(chosen.clone());
-            let selected = self.selected(run.clone());
-            let whole = selected.len() == moving.len();
-            let time = |row: usize| self.time()[row.min(self.survey.rows() - 1)];
-            let (a, b) = (time(moving.start), time(moving.end - 1));
-            if several {
-                let name = match (rows.first(), number) {
-                    (_, Some(run)) => format!("run {run}"),
-                    (Some((name, value)), None) => format!("{name} {value}"),
-                    (None, None) => format!("trial {k}"),
-                };
-                let window = (!whole).then_some((a, b));
-                let fit = k + 1 < firsts.len();
-                self.parts.push(Part { name, rows: rows.clone(), run: *number, window, fit });
-            } else {
-                let middle = time(moving.start + moving.len() / 2);
-                let part = |name: &str, window, fit| Part {
-                    name: name.to_owned(),
-                    rows: rows.clone(),
-                    run: *number,
-                    window: Some(window),
-                    fit,
-                };
-                let (fit, rest) =
-                    (part("first half", (a, middle), true), part("second half", (middle, b), false));
-                self.parts.extend([fit, rest]);
-            }
-        }
-        let longest = firsts.iter().map(|(c, ..)| c.len()).max().unwrap_or(0);
-        let each = if several { longest } else { longest / 2 };
-        self.decimate = self.thinning(each);
-    }
-
-    /// The column that tells the runs of a file apart: whole numbers, one for each.
-    fn trial_column(&self, runs: &[Range<usize>]) -> Option<usize> {
-        (0..self.survey.columns.len()).find(|&c| {
-            let values = self.values(c);
-            let own: Vec<f64> = runs.iter().map(|r| values[r.start]).collect();
-            let constant = runs.iter().zip(&own).all(|(r, x)| values[r.clone()].iter().all(|y| y == x));
-            let distinct = own.iter().enumerate().all(|(k, x)| x.fract() == 0.0 && !own[..k].contains(x));
-            c != self.clock.column && constant && distinct
+    /// Whether the unit of the time is a guess.
+    fn guessed_unit(&self) -> Option<Remark> {
+        let heading = &self.table.columns[self.time.column].heading;
+        self.time.unit_guessed.then(|| Remark::TimeUnit {
+            heading: heading.raw.clone(),
+            step: self.time.step,
+            unit: heading.unit.clone().unwrap_or_default(),
         })
     }
 
-    /// Rows of a run that the flag takes.
-    fn selected(&self, run: Range<usize>) -> Vec<usize> {
-        let flag = self.roles.flag.as_ref();
-        run.filter(|&r| flag.is_none_or(|f| self.values(f.column)[r] == f.value)).collect()
-    }
-
-    /// The longest stretch of rows of a run that the flag takes and in which nothing is missing or repeated.
-    fn chosen(&mut self, run: Range<usize>) -> Range<usize> {
-        let used: Vec<usize> = self.roles.used().chain([self.clock.column]).collect();
-        let rows = self.selected(run.clone());
-        let good = |r: usize, before: Option<usize>| {
-            let there = used.iter().all(|&c| self.values(c)[r].is_finite());
-            let later = before.is_none_or(|b| b + 1 == r && self.time()[r] > self.time()[b]);
-            (there, later)
-        };
-        let (mut best, mut start, mut before) = (0..0, None, None);
-        let (mut lost, mut repeated) = (None, None);
-        for &r in &rows {
-            let (there, later) = good(r, before);
-            if !there {
-                (start, before) = (None, None);
-                lost = lost.or(Some(r));
-                continue;
-            }
-            if !later {
-                start = None;
-                repeated = repeated.or(Some(r).filter(|_| before.is_some_and(|b| b + 1 == r)));
-            }
-            let from = *start.get_or_insert(r);
-            before = Some(r);
-            if r + 1 - from > best.len() {
-                best = from..r + 1;
-            }
-        }
-        // A window is two times, so that no row outside may have the time of the first or last one inside.
-        let time = self.time();
-        while best.len() > 1 && best.start > run.start && time[best.start - 1] == time[best.start] {
-            best.start += 1;
-        }
-        while best.len() > 1 && best.end < run.end && time[best.end] == time[best.end - 1] {
-            best.end -= 1;
-        }
-        let enough = best.len() * 5 >= rows.len();
-        let lines = |r: usize| self.survey.lines[r];
-        let mut said = Vec::new();
-        if let Some(r) = lost {
-            said.push(format!("values are missing (first in line {})", lines(r)));
-        }
-        if let Some(r) = repeated.filter(|_| self.clock.backs.is_empty()) {
-            said.push(format!("a time stands twice (first in line {})", lines(r)));
-        }
-        if !said.is_empty() {
-            let what = said.join(" and ");
-            self.remarks.push(if enough {
-                format!(
-                    "EDIT: {what}: the windows take the longest stretch without, rows {} to {} of {}. To use all, delete the bad lines in the file",
-                    best.start + 1,
-                    best.end,
-                    self.survey.rows()
-                )
-            } else {
-                format!("EDIT: {what}, so often that no long stretch is left: delete those lines in the file before you run this")
-            });
-        }
-        if enough { best } else { rows.first().map_or(0..0, |a| *a..rows[rows.len() - 1] + 1) }
-    }
-
-    /// A free motion without the rest before it starts and most of that after it ended.
-    fn trimmed(&self, rows: Range<usize>) -> Range<usize> {
-        if self.roles.input != Input::None || rows.len() < 100 {
-            return rows;
-        }
-        let (time, x) = (&self.time()[rows.clone()], &self.values(self.moving())[rows.clone()]);
-        let stops = stops(time, x, None);
-        let near = rows.len() / 100 + 1;
-        let mut kept = 0..rows.len();
-        if let Some(first) =
-            stops.stretches.first().filter(|s| s.start < near && s.len() > near && s.end + near < rows.len())
-        {
-            kept.start = first.end;
-        }
-        if let Some(last) =
-            stops.stretches.last().filter(|s| s.end + near > rows.len() && s.start > kept.start)
-        {
-            kept.end = (last.start + (last.start - kept.start) / 20).min(rows.len());
-        }
-        if kept.len() < 20 { rows } else { rows.start + kept.start..rows.start + kept.end }
-    }
-
-    /// The numbers to start from, out of what will be fitted.
-    fn study(&mut self, chosen: Range<usize>) {
-        let rows = self.trimmed(chosen.clone());
+    /// The numbers to start from, out of what will be fitted: the rows `moving` out of the rows `good` of the first record.
+    fn study(&mut self, good: Range<usize>, moving: Range<usize>) {
         let column = |c: usize| {
-            let unit = self.unit(c);
-            self.values(c)[rows.clone()].iter().map(|x| x * unit).collect::<Vec<f64>>()
+            let unit = self.factor(c);
+            self.values(c)[moving.clone()].iter().map(|x| x * unit).collect::<Vec<f64>>()
         };
-        let mut time = column(self.clock.column);
+        let mut time = column(self.time.column);
         let place = match (self.roles.place, self.roles.speed) {
             (Some(c), _) => column(c),
             (None, Some(c)) => integral(&time, &column(c)),
@@ -346,10 +152,10 @@ impl Draft {
         let swing = self.roles.angle && self.roles.place.is_some() && 0.5 * (whole.1 - whole.0) > LARGE_ANGLE;
         let grow = time.windows(2).position(|w| w[1] <= w[0]).map_or(time.len(), |k| k + 1);
         time.truncate(grow);
-        let line = phisindy_signal::strongest_line(&time, &place[..grow.min(place.len())]);
+        let line = strongest_line(&time, &place[..grow.min(place.len())]);
         // Periods per unit of the file's time.
-        let frequency = line.map(|l| l.frequency * self.unit(self.clock.column));
-        self.stops = stops(&self.time()[chosen.clone()], &self.values(self.moving())[chosen], frequency);
+        let frequency = line.map(|l| l.frequency * self.factor(self.time.column));
+        self.stops = stops(&self.times()[good.clone()], &self.values(self.moving())[good], frequency);
         self.extent =
             place.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
         self.motion = Motion { time, place, base, force, swing, frequency: line.map(|l| l.frequency) };
@@ -358,13 +164,13 @@ impl Draft {
 
     fn place_extent(&self) -> (f64, f64) {
         let Some(c) = self.roles.place else { return (0.0, 0.0) };
-        (self.looks[c].min * self.unit(c), self.looks[c].max * self.unit(c))
+        (self.statistics[c].min * self.factor(c), self.statistics[c].max * self.factor(c))
     }
 
     /// How many rows to take the mean of, so that a record is quick to fit and keeps forty samples in a period.
     fn thinning(&self, samples: usize) -> usize {
         let wanted = samples.div_ceil(PLENTY).max(1);
-        let step = self.clock.step * self.unit(self.clock.column);
+        let step = self.time.step * self.factor(self.time.column);
         let allowed = self.motion.frequency.map_or(1.0, |f| (1.0 / (40.0 * f * step)).floor()) as usize;
         wanted.min(allowed.max(1))
     }
@@ -372,12 +178,41 @@ impl Draft {
     /// Whether the motion has many frequencies, none of which is most of it, and is driven.
     pub(crate) fn is_rich(&self) -> bool {
         let driven = matches!(self.roles.input, Input::Force(_) | Input::Drive(_));
-        driven && self.looks[self.moving()].line.is_some_and(|l| l.share < 0.3)
+        driven && self.statistics[self.moving()].line.is_some_and(|l| l.share < 0.3)
     }
 
     /// Whether the model has the unit of the place from the heading.
     pub(crate) fn has_unit(&self) -> bool {
-        !matches!(self.survey.columns[self.moving()].heading.kind, Kind::Unsaid)
+        !matches!(self.table.columns[self.moving()].heading.quantity, Quantity::Unsaid)
+    }
+}
+
+/// Why a readable file makes no spec.
+#[derive(Debug)]
+pub enum NoDraft {
+    /// No column is time.
+    Time(NoTime),
+    /// No column is motion.
+    Motion(NoMotion),
+    /// Text stands in a column that a model may need.
+    Text(Box<Diagnostic>),
+}
+
+impl NoDraft {
+    /// As a mistake in the file `name`, which the user named at a place.
+    pub fn diagnostic(self, name: &str, (source, at): (SourceId, Span)) -> Box<Diagnostic> {
+        let (message, help) = match self {
+            NoDraft::Time(why) => (
+                why.to_string(),
+                "add a column `time_s`, in seconds from the start, that grows from row to row",
+            ),
+            NoDraft::Motion(why) => (
+                why.to_string(),
+                "a record needs a column of displacement or velocity; say which one in the heading, as in `x_mm` or `v [m/s]`",
+            ),
+            NoDraft::Text(mistake) => return mistake,
+        };
+        Box::new(Diagnostic::error(format!("`{name}`: {message}")).at(source, at, "this file").help(help))
     }
 }
 
@@ -391,18 +226,20 @@ fn integral(time: &[f64], rate: &[f64]) -> Vec<f64> {
     [0.0].into_iter().chain(steps).take(rate.len()).collect()
 }
 
-/// Words in a column of nearly all numbers that a model may need: a run would stop there.
-fn blocking(survey: &Survey, looks: &[Look]) -> Option<Trouble> {
-    let good = |c: usize| survey.rows() - looks[c].missing;
+/// Text in a column of nearly all numbers that a model may need: a run would stop there.
+fn blocking(table: &Table, statistics: &[Statistics]) -> Option<Diagnostic> {
+    let good = |c: usize| table.rows() - statistics[c].missing;
     let needed = |c: usize| {
-        !matches!(survey.columns[c].heading.kind, Kind::Electric | Kind::Acceleration | Kind::Other)
+        let quantity = table.columns[c].heading.quantity;
+        !matches!(quantity, Quantity::Electric | Quantity::Acceleration | Quantity::Other)
     };
-    let mixed = |c: usize| survey.columns[c].words > 0 && good(c) > 9 * survey.columns[c].words;
-    let column = (0..survey.columns.len()).find(|&c| needed(c) && mixed(c))?;
-    let mut mistake = survey.columns[column].mistake.clone()?;
-    let more = survey.columns[column].words - 1;
-    if more > 0 {
-        mistake = mistake.help(format!("{more} more cells of this column hold words"));
-    }
-    Some(Trouble { message: String::new(), help: String::new(), mistake: Some(Box::new(mistake)) })
+    let mixed = |c: usize| table.columns[c].text_cells > 0 && good(c) > 9 * table.columns[c].text_cells;
+    let column = (0..table.columns.len()).find(|&c| needed(c) && mixed(c))?;
+    let mistake = table.columns[column].first_text.clone()?;
+    let more = table.columns[column].text_cells - 1;
+    Some(if more > 0 {
+        mistake.help(format!("{more} more cells of this column hold words"))
+    } else {
+        mistake
+    })
 }

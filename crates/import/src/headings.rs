@@ -4,7 +4,7 @@ use phisindy_phys::unit::Unit;
 
 /// What a column measures, by its unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub enum Quantity {
     /// Seconds and the like.
     Time,
     /// A place in metres.
@@ -31,20 +31,20 @@ pub(crate) enum Kind {
 
 /// A heading taken apart.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Heading {
+pub struct Heading {
     /// As the file has it.
-    pub(crate) raw: String,
+    pub raw: String,
     /// Without the unit, in lower case.
-    pub(crate) name: String,
+    pub name: String,
     /// In the form that specs have; none if there is none that is known.
-    pub(crate) unit: Option<String>,
+    pub unit: Option<String>,
     /// What it measures.
-    pub(crate) kind: Kind,
+    pub quantity: Quantity,
 }
 
 impl Heading {
     /// `x [mm]`, `Force (kN)`, `t/s`, `theta_rad`, `v_m_per_s`, or a name alone.
-    pub(crate) fn parse(raw: &str) -> Heading {
+    pub fn parse(raw: &str) -> Heading {
         let text = raw.trim();
         // `v_mm/s` is no `v_mm` in seconds.
         let rate = || suffixed(text).or_else(|| spoken(text)).filter(|(_, u)| is_quotient(u.as_deref()));
@@ -53,12 +53,12 @@ impl Heading {
         let found = found.or_else(|| gravities(text));
         let (name, unit) = found.unwrap_or((text, None));
         let name = name.trim().trim_end_matches(['_', '-', ',']).to_lowercase();
-        let heading = Heading { raw: raw.to_owned(), name, unit, kind: Kind::Unsaid };
+        let heading = Heading { raw: raw.to_owned(), name, unit, quantity: Quantity::Unsaid };
         heading.understood()
     }
 
     /// The same column with the unit of a second heading line, if it has none of its own.
-    pub(crate) fn with_unit(mut self, unit: &str) -> Heading {
+    pub fn with_unit(mut self, unit: &str) -> Heading {
         if self.unit.is_none() {
             self.unit = normal(unit.trim_matches(['[', ']', '(', ')', ' ']));
         }
@@ -73,7 +73,7 @@ impl Heading {
         if self.unit.as_deref() == Some("ms") && self.says(SPEEDS) {
             self.unit = Some("m/s".to_owned());
         }
-        self.kind = self.unit.as_deref().map_or(Kind::Unsaid, kind);
+        self.quantity = self.unit.as_deref().map_or(Quantity::Unsaid, quantity);
         self
     }
 
@@ -167,7 +167,7 @@ fn gravities(text: &str) -> Found<'_> {
 /// A unit that may stand without brackets: `x_t` is no mass in tonnes, `u_h` no hour.
 fn plain(text: &str) -> Option<String> {
     let unit = normal(text)?;
-    let known = kind(&unit) != Kind::Other
+    let known = quantity(&unit) != Quantity::Other
         || matches!(unit.as_str(), "kg" | "K" | "Pa" | "kPa" | "MPa" | "bar" | "Hz" | "W");
     (known && !matches!(text, "t" | "h" | "min" | "rev" | "in" | "1")).then_some(unit)
 }
@@ -207,23 +207,23 @@ fn normal(text: &str) -> Option<String> {
 }
 
 /// What a unit measures.
-fn kind(unit: &str) -> Kind {
+fn quantity(unit: &str) -> Quantity {
     let dimension = |text: &str| Unit::parse(text).map(|u| u.dimension).ok();
     let own = dimension(unit);
     let angle = ["rad", "deg", "°", "rev"].iter().any(|a| unit.contains(a));
     let same = |text: &str| own.is_some() && own == dimension(text);
     match () {
-        () if same("s") => Kind::Time,
-        () if same("m") => Kind::Length,
-        () if same("m/s") => Kind::Speed,
-        () if same("m/s^2") => Kind::Acceleration,
-        () if same("N") => Kind::Force,
-        () if same("N*m") => Kind::Torque,
-        () if same("V") || same("A") => Kind::Electric,
-        () if angle && same("") => Kind::Angle,
-        () if (angle || unit == "rpm") && same("1/s") => Kind::AngularSpeed,
-        () if angle && same("1/s^2") => Kind::Acceleration,
-        () => Kind::Other,
+        () if same("s") => Quantity::Time,
+        () if same("m") => Quantity::Length,
+        () if same("m/s") => Quantity::Speed,
+        () if same("m/s^2") => Quantity::Acceleration,
+        () if same("N") => Quantity::Force,
+        () if same("N*m") => Quantity::Torque,
+        () if same("V") || same("A") => Quantity::Electric,
+        () if angle && same("") => Quantity::Angle,
+        () if (angle || unit == "rpm") && same("1/s") => Quantity::AngularSpeed,
+        () if angle && same("1/s^2") => Quantity::Acceleration,
+        () => Quantity::Other,
     }
 }
 
@@ -234,58 +234,58 @@ mod tests {
     #[test]
     fn units_stand_in_many_forms() {
         for (raw, name, unit, kind) in [
-            ("time_s", "time", Some("s"), Kind::Time),
-            ("t/s", "t", Some("s"), Kind::Time),
-            ("Time (sec)", "time", Some("s"), Kind::Time),
-            ("x_mass_m", "x_mass", Some("m"), Kind::Length),
-            ("x [mm]", "x", Some("mm"), Kind::Length),
-            ("x[µm]", "x", Some("µm"), Kind::Length),
-            ("x in mm", "x", Some("mm"), Kind::Length),
-            ("Force (kN)", "force", Some("kN"), Kind::Force),
-            ("F_motor_N", "f_motor", Some("N"), Kind::Force),
-            ("M [Nm]", "m", Some("N*m"), Kind::Torque),
-            ("theta_rad", "theta", Some("rad"), Kind::Angle),
-            ("phi (°)", "phi", Some("°"), Kind::Angle),
-            ("thetadot_online_rad_per_s", "thetadot_online", Some("rad/s"), Kind::AngularSpeed),
-            ("v/(m/s)", "v", Some("m/s"), Kind::Speed),
-            ("v_m_s", "v", Some("m/s"), Kind::Speed),
-            ("v_mm/s", "v", Some("mm/s"), Kind::Speed),
-            ("v mm/s", "v", Some("mm/s"), Kind::Speed),
-            ("w_rad/s", "w", Some("rad/s"), Kind::AngularSpeed),
-            ("theta_dot_rad/s", "theta_dot", Some("rad/s"), Kind::AngularSpeed),
-            ("acc_m/s^2", "acc", Some("m/s^2"), Kind::Acceleration),
-            ("x_mass/mm", "x_mass", Some("mm"), Kind::Length),
-            ("F_1 / N", "f_1", Some("N"), Kind::Force),
-            ("t / s", "t", Some("s"), Kind::Time),
-            ("t_ms", "t", Some("ms"), Kind::Time),
-            ("v_ms", "v", Some("m/s"), Kind::Speed),
-            ("vel_ms", "vel", Some("m/s"), Kind::Speed),
-            ("a [m/s²]", "a", Some("m/s^2"), Kind::Acceleration),
-            ("acc (m/s2)", "acc", Some("m/s^2"), Kind::Acceleration),
-            ("acc (g)", "acc", Some("gn"), Kind::Acceleration),
-            ("a_g", "a", Some("gn"), Kind::Acceleration),
-            ("load (g)", "load", Some("g"), Kind::Other),
-            ("disp (in)", "disp", Some("in"), Kind::Length),
-            ("x_inch", "x", Some("in"), Kind::Length),
-            ("u_in", "u_in", None, Kind::Unsaid),
-            ("u_V", "u", Some("V"), Kind::Electric),
-            ("q_ref_m", "q_ref", Some("m"), Kind::Length),
-            ("load_raw", "load_raw", None, Kind::Unsaid),
-            ("x_t", "x_t", None, Kind::Unsaid),
-            ("x", "x", None, Kind::Unsaid),
-            ("m", "m", None, Kind::Unsaid),
-            ("x (furlong)", "x", None, Kind::Unsaid),
-            ("torque_enabled", "torque_enabled", None, Kind::Unsaid),
+            ("time_s", "time", Some("s"), Quantity::Time),
+            ("t/s", "t", Some("s"), Quantity::Time),
+            ("Time (sec)", "time", Some("s"), Quantity::Time),
+            ("x_mass_m", "x_mass", Some("m"), Quantity::Length),
+            ("x [mm]", "x", Some("mm"), Quantity::Length),
+            ("x[µm]", "x", Some("µm"), Quantity::Length),
+            ("x in mm", "x", Some("mm"), Quantity::Length),
+            ("Force (kN)", "force", Some("kN"), Quantity::Force),
+            ("F_motor_N", "f_motor", Some("N"), Quantity::Force),
+            ("M [Nm]", "m", Some("N*m"), Quantity::Torque),
+            ("theta_rad", "theta", Some("rad"), Quantity::Angle),
+            ("phi (°)", "phi", Some("°"), Quantity::Angle),
+            ("thetadot_online_rad_per_s", "thetadot_online", Some("rad/s"), Quantity::AngularSpeed),
+            ("v/(m/s)", "v", Some("m/s"), Quantity::Speed),
+            ("v_m_s", "v", Some("m/s"), Quantity::Speed),
+            ("v_mm/s", "v", Some("mm/s"), Quantity::Speed),
+            ("v mm/s", "v", Some("mm/s"), Quantity::Speed),
+            ("w_rad/s", "w", Some("rad/s"), Quantity::AngularSpeed),
+            ("theta_dot_rad/s", "theta_dot", Some("rad/s"), Quantity::AngularSpeed),
+            ("acc_m/s^2", "acc", Some("m/s^2"), Quantity::Acceleration),
+            ("x_mass/mm", "x_mass", Some("mm"), Quantity::Length),
+            ("F_1 / N", "f_1", Some("N"), Quantity::Force),
+            ("t / s", "t", Some("s"), Quantity::Time),
+            ("t_ms", "t", Some("ms"), Quantity::Time),
+            ("v_ms", "v", Some("m/s"), Quantity::Speed),
+            ("vel_ms", "vel", Some("m/s"), Quantity::Speed),
+            ("a [m/s²]", "a", Some("m/s^2"), Quantity::Acceleration),
+            ("acc (m/s2)", "acc", Some("m/s^2"), Quantity::Acceleration),
+            ("acc (g)", "acc", Some("gn"), Quantity::Acceleration),
+            ("a_g", "a", Some("gn"), Quantity::Acceleration),
+            ("load (g)", "load", Some("g"), Quantity::Other),
+            ("disp (in)", "disp", Some("in"), Quantity::Length),
+            ("x_inch", "x", Some("in"), Quantity::Length),
+            ("u_in", "u_in", None, Quantity::Unsaid),
+            ("u_V", "u", Some("V"), Quantity::Electric),
+            ("q_ref_m", "q_ref", Some("m"), Quantity::Length),
+            ("load_raw", "load_raw", None, Quantity::Unsaid),
+            ("x_t", "x_t", None, Quantity::Unsaid),
+            ("x", "x", None, Quantity::Unsaid),
+            ("m", "m", None, Quantity::Unsaid),
+            ("x (furlong)", "x", None, Quantity::Unsaid),
+            ("torque_enabled", "torque_enabled", None, Quantity::Unsaid),
         ] {
             let h = Heading::parse(raw);
-            assert_eq!((h.name.as_str(), h.unit.as_deref(), h.kind), (name, unit, kind), "{raw}");
+            assert_eq!((h.name.as_str(), h.unit.as_deref(), h.quantity), (name, unit, kind), "{raw}");
         }
     }
 
     #[test]
     fn a_second_heading_line_gives_units() {
         let h = Heading::parse("Weg").with_unit("[mm]");
-        assert_eq!((h.unit.as_deref(), h.kind), (Some("mm"), Kind::Length));
+        assert_eq!((h.unit.as_deref(), h.quantity), (Some("mm"), Quantity::Length));
         assert_eq!(Heading::parse("x_m").with_unit("mm").unit.as_deref(), Some("m"));
     }
 

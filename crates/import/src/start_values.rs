@@ -7,7 +7,7 @@ const MOST: usize = 20_000;
 
 /// A motion in SI with what acts on it.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Motion {
+pub struct Motion {
     /// Seconds, growing.
     pub(crate) time: Vec<f64>,
     /// Displacement or angle; of a measured velocity its integral.
@@ -24,7 +24,7 @@ pub(crate) struct Motion {
 
 /// Rate of the velocity: `-spring * (x - u) - damper * (v - du) - friction * sgn(v) + force * F`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Estimate {
+pub struct Estimate {
     /// Per unit mass; none if the motion shows no spring.
     pub(crate) spring: Option<f64>,
     /// Per unit mass.

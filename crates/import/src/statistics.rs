@@ -11,7 +11,7 @@ const MOST_VALUES: usize = 12;
 
 /// Statistics of a column.
 #[derive(Clone, Debug)]
-pub(crate) struct Look {
+pub struct Statistics {
     /// Least value.
     pub(crate) min: f64,
     /// Greatest value.
@@ -30,9 +30,9 @@ pub(crate) struct Look {
     pub(crate) line: Option<Line>,
 }
 
-impl Look {
+impl Statistics {
     /// Statistics of `values` over `time`, of which `run` is one stretch without a jump.
-    pub(crate) fn at(time: &[f64], values: &[f64], run: Range<usize>) -> Look {
+    pub(crate) fn of(time: &[f64], values: &[f64], run: Range<usize>) -> Statistics {
         let good: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
         let std = standard_deviation(&good);
         let (min, max) =
@@ -42,7 +42,7 @@ impl Look {
             run.map(|k| (time[k], values[k])).filter(|(t, x)| t.is_finite() && x.is_finite()).unzip();
         let few = few_values(&good);
         let varies = min < max;
-        Look {
+        Statistics {
             min,
             max,
             std: if varies { std } else { 0.0 },
@@ -78,7 +78,7 @@ fn few_values(values: &[f64]) -> Option<Vec<f64>> {
 
 /// Where a motion stands still.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Stops {
+pub struct Stops {
     /// Rows of each stop.
     pub(crate) stretches: Vec<Range<usize>>,
     /// Part of the record, from 0 to 1.
@@ -128,9 +128,9 @@ mod tests {
     #[test]
     fn a_cut_sine_is_clipped_and_a_whole_one_is_not() {
         let (time, x) = sine(1000);
-        assert_eq!(Look::at(&time, &x, 0..1000).clipped, 0);
+        assert_eq!(Statistics::of(&time, &x, 0..1000).clipped, 0);
         let cut: Vec<f64> = x.iter().map(|x| x.clamp(-0.8, 0.8)).collect();
-        assert!(Look::at(&time, &cut, 0..1000).clipped > 200);
+        assert!(Statistics::of(&time, &cut, 0..1000).clipped > 200);
     }
 
     #[test]
@@ -153,9 +153,9 @@ mod tests {
     #[test]
     fn a_selector_has_few_whole_values() {
         let (time, x) = sine(100);
-        assert!(Look::at(&time, &x, 0..100).values.is_none());
+        assert!(Statistics::of(&time, &x, 0..100).values.is_none());
         let flag: Vec<f64> = (0..100).map(|k| f64::from(k > 50)).collect();
-        assert_eq!(Look::at(&time, &flag, 0..100).values, Some(vec![0.0, 1.0]));
-        assert!(Look::at(&time, &[4.0; 100], 0..100).is_dead());
+        assert_eq!(Statistics::of(&time, &flag, 0..100).values, Some(vec![0.0, 1.0]));
+        assert!(Statistics::of(&time, &[4.0; 100], 0..100).is_dead());
     }
 }

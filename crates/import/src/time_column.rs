@@ -1,7 +1,8 @@
 //! The column of time: which one it is, and how regular it is.
 
-use crate::csv::{Column, Survey};
-use crate::headings::Kind;
+use crate::headings::Quantity;
+use crate::table::{Column, Table};
+use std::fmt;
 use std::ops::Range;
 
 /// Names that a column of time has.
@@ -27,7 +28,7 @@ const COUNTERS: &[&str] =
 
 /// What is to be said about time.
 #[derive(Clone, Debug)]
-pub(crate) struct Clock {
+pub struct TimeColumn {
     /// Which column.
     pub(crate) column: usize,
     /// The median step.
@@ -39,52 +40,84 @@ pub(crate) struct Clock {
     /// Rows whose time is that of the row before.
     pub(crate) repeats: Vec<usize>,
     /// Rows whose time is before that of the row before.
-    pub(crate) backs: Vec<usize>,
+    pub(crate) reversals: Vec<usize>,
     /// Why it may be another one: no name and no unit says that this is time.
     pub(crate) guessed: bool,
     /// No column is time: it is counted, at a rate that is to be said.
     pub(crate) counted: bool,
     /// The unit is taken from the numbers: rows that are a second or more apart are no record of a motion.
-    pub(crate) fine: bool,
+    pub(crate) unit_guessed: bool,
+}
+
+/// Why no column is time.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NoTime {
+    /// The column with this heading should be time; whether it holds text.
+    NotGrowing {
+        /// As the file has it.
+        heading: String,
+        /// Whether some of its cells hold text.
+        text: bool,
+    },
+    /// No column grows from row to row.
+    NoneGrows,
+}
+
+impl fmt::Display for NoTime {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            NoTime::NotGrowing { heading, text } => {
+                let advice = if *text { ": write it as a number of seconds" } else { "" };
+                write!(
+                    f,
+                    "the column `{heading}` should be time, and it does not grow from row to row{advice}"
+                )
+            }
+            NoTime::NoneGrows => f.write_str("no column grows from row to row, so none of them is time"),
+        }
+    }
 }
 
 /// What is taken for the rows per second of a file that does not say.
 pub(crate) const RATE: f64 = 100.0;
 
-impl Clock {
-    /// The column that is time, which a survey without one gets; why there is none.
-    pub(crate) fn find(survey: &mut Survey) -> Result<Clock, String> {
-        if !survey.columns.iter().any(|c| grows(c) || c.heading.kind == Kind::Time || c.heading.says(NAMES)) {
-            let column = survey.count_rows(RATE);
-            return Ok(Clock { counted: true, ..Clock::of(column, &survey.columns[column].values, false) });
+impl TimeColumn {
+    /// The column that is time, which a table without one gets; why there is none.
+    pub(crate) fn find(table: &mut Table) -> Result<TimeColumn, NoTime> {
+        if !table
+            .columns
+            .iter()
+            .any(|c| grows(c) || c.heading.quantity == Quantity::Time || c.heading.says(NAMES))
+        {
+            let column = table.count_rows(RATE);
+            return Ok(TimeColumn {
+                counted: true,
+                ..TimeColumn::of(column, &table.columns[column].values, false)
+            });
         }
 
-        let growing: Vec<bool> = survey.columns.iter().map(grows).collect();
-        let named = |c: &Column| c.heading.kind == Kind::Time || c.heading.says(NAMES);
-        let counter = |c: &Column| c.heading.says(COUNTERS) && c.heading.kind != Kind::Time;
+        let growing: Vec<bool> = table.columns.iter().map(grows).collect();
+        let named = |c: &Column| c.heading.quantity == Quantity::Time || c.heading.says(NAMES);
+        let counter = |c: &Column| c.heading.says(COUNTERS) && c.heading.quantity != Quantity::Time;
         let pick = |test: &dyn Fn(&Column) -> bool| {
-            survey.columns.iter().zip(&growing).position(|(c, grows)| *grows && test(c))
+            table.columns.iter().zip(&growing).position(|(c, grows)| *grows && test(c))
         };
         if let Some(column) = pick(&|c| named(c) && !counter(c)) {
-            return Ok(Clock::of(column, &survey.columns[column].values, false));
+            return Ok(TimeColumn::of(column, &table.columns[column].values, false));
         }
-        if let Some(c) = survey.columns.iter().find(|c| named(c)) {
-            return Err(format!(
-                "the column `{}` should be time, and it does not grow from row to row{}",
-                c.heading.raw,
-                if c.words > 0 { ": write it as a number of seconds" } else { "" }
-            ));
+        if let Some(c) = table.columns.iter().find(|c| named(c)) {
+            return Err(NoTime::NotGrowing { heading: c.heading.raw.clone(), text: c.text_cells > 0 });
         }
         match pick(&|c| !counter(c) && !whole(c))
             .or_else(|| pick(&|c| !counter(c)))
             .or_else(|| pick(&|_| true))
         {
-            Some(column) => Ok(Clock::of(column, &survey.columns[column].values, true)),
-            None => Err("no column grows from row to row, so none of them is time".to_owned()),
+            Some(column) => Ok(TimeColumn::of(column, &table.columns[column].values, true)),
+            None => Err(NoTime::NoneGrows),
         }
     }
 
-    fn of(column: usize, time: &[f64], guessed: bool) -> Clock {
+    fn of(column: usize, time: &[f64], guessed: bool) -> TimeColumn {
         let steps: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
         let mut forward: Vec<f64> = steps.iter().copied().filter(|d| *d > 0.0).collect();
         forward.sort_by(f64::total_cmp);
@@ -92,37 +125,37 @@ impl Clock {
         let rows = |test: &dyn Fn(f64) -> bool| {
             steps.iter().enumerate().filter(|(_, d)| test(**d)).map(|(k, _)| k).collect::<Vec<_>>()
         };
-        let (gaps, repeats, backs) = (rows(&|d| d > 5.0 * step), rows(&|d| d == 0.0), rows(&|d| d < 0.0));
+        let (gaps, repeats, reversals) = (rows(&|d| d > 5.0 * step), rows(&|d| d == 0.0), rows(&|d| d < 0.0));
         let jitter =
             forward.iter().filter(|d| **d <= 5.0 * step).fold(0.0_f64, |m, d| m.max((d - step).abs()));
         let after = |k: Vec<usize>| k.into_iter().map(|k| k + 1).collect();
-        Clock {
+        TimeColumn {
             column,
             step,
             jitter: jitter / step,
             gaps,
             repeats: after(repeats),
-            backs: after(backs),
+            reversals: after(reversals),
             guessed,
             counted: false,
-            fine: false,
+            unit_guessed: false,
         }
     }
 
     /// Gives a column of time without a unit, in which rows are one or more apart, the unit in which they are not: milliseconds, or microseconds.
-    pub(crate) fn refined(self, survey: &mut Survey) -> Clock {
-        let heading = &mut survey.columns[self.column].heading;
-        let fine = !self.guessed && !self.counted && heading.unit.is_none() && self.step >= 1.0;
-        if fine {
+    pub(crate) fn refined(self, table: &mut Table) -> TimeColumn {
+        let heading = &mut table.columns[self.column].heading;
+        let unit_guessed = !self.guessed && !self.counted && heading.unit.is_none() && self.step >= 1.0;
+        if unit_guessed {
             *heading = heading.clone().with_unit(if self.step < 1000.0 { "ms" } else { "us" });
         }
-        Clock { fine, ..self }
+        TimeColumn { unit_guessed, ..self }
     }
 
     /// The stretches of rows in which time does not go back.
     pub(crate) fn runs(&self, rows: usize) -> Vec<Range<usize>> {
-        let ends = self.backs.iter().copied().chain([rows]);
-        let starts = [0].into_iter().chain(self.backs.iter().copied());
+        let ends = self.reversals.iter().copied().chain([rows]);
+        let starts = [0].into_iter().chain(self.reversals.iter().copied());
         starts.zip(ends).map(|(a, b)| a..b).collect()
     }
 }
@@ -130,8 +163,9 @@ impl Clock {
 /// Whether a column only counts or tells the time: no motion, whatever else it is.
 pub(crate) fn is_counter(column: &Column) -> bool {
     let even = || column.values.windows(3).all(|w| w[2] - w[1] == w[1] - w[0]);
-    let named =
-        column.heading.kind == Kind::Time || column.heading.says(NAMES) || column.heading.says(COUNTERS);
+    let named = column.heading.quantity == Quantity::Time
+        || column.heading.says(NAMES)
+        || column.heading.says(COUNTERS);
     grows(column) && (named || (whole(column) && even()))
 }
 
@@ -148,7 +182,7 @@ fn grows(column: &Column) -> bool {
         }
     }
     // Trials that each start at zero go back a few times, and a logger repeats a row now and then.
-    column.words == 0 && up as f64 > 0.6 * count as f64 && (down as f64) < 0.02 * count as f64
+    column.text_cells == 0 && up as f64 > 0.6 * count as f64 && (down as f64) < 0.02 * count as f64
 }
 
 fn whole(column: &Column) -> bool {

@@ -83,6 +83,11 @@ impl Dialect {
         fields
     }
 
+    /// The contents of all fields of a line.
+    pub(crate) fn cells(&self, line: &str) -> Vec<String> {
+        self.fields(line).iter().map(|f| self.unquoted(line, f)).collect()
+    }
+
     /// The content of a field; quoting rules are those of the csv crate.
     pub(crate) fn unquoted(&self, line: &str, field: &Range<usize>) -> String {
         let text = &line[field.clone()];

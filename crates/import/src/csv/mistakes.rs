@@ -2,26 +2,14 @@
 
 use super::dialect::Dialect;
 use super::lines::{Line, LineError};
+use crate::data_file::unreadable;
 use phisindy_expr::{Span, nearest};
-use phisindy_phys::spec::{CsvSpec, Spanned, Text};
+use phisindy_phys::spec::Text;
 use phisindy_phys::{Diagnostic, Severity, SourceId, Sources};
-use std::io;
 use std::ops::Range;
 
 /// Longer lines are not drawn as a whole.
 const WIDEST: usize = 160;
-
-/// A file that cannot be read; `at` is where it is asked for.
-pub fn unreadable(name: &str, (source, at): (SourceId, Span), error: &io::Error) -> Diagnostic {
-    let help = match error.kind() {
-        io::ErrorKind::IsADirectory => "name a file in it",
-        io::ErrorKind::InvalidInput => "save the data in a file first",
-        io::ErrorKind::PermissionDenied => "give yourself the right to read it (chmod u+r), or copy it",
-        io::ErrorKind::NotFound => "check its name and its folder",
-        _ => "copy the file to a disk that can be read",
-    };
-    Diagnostic::error(format!("cannot read `{name}`: {error}")).at(source, at, "asked for here").help(help)
-}
 
 /// Makes diagnostics about one file.
 pub(crate) struct Mistakes<'a> {
@@ -108,54 +96,6 @@ impl Mistakes<'_> {
     pub(crate) fn empty(&self, at: Span) -> Diagnostic {
         self.in_spec(format!("the data file `{}` is empty", self.name), at)
             .help("give a file with a heading line and rows of numbers")
-    }
-
-    pub(crate) fn too_few(&self, at: Span, rows: usize, selected: bool) -> Diagnostic {
-        let count = match rows {
-            0 => "no row".to_owned(),
-            1 => "one row".to_owned(),
-            n => format!("{n} rows"),
-        };
-        let d = if selected {
-            self.in_spec(format!("{count} of `{}` {} selected", self.name, if rows > 1 { "are" } else { "is" }), at)
-                .help("`rows` keeps the rows where every one of these columns has the given value: change the values")
-        } else {
-            self.in_spec(format!("the data file `{}` has {count} of numbers", self.name), at)
-        };
-        d.help("a record needs at least 10 rows")
-    }
-
-    /// A run that the file does not have.
-    pub(crate) fn no_run(&self, wanted: &Spanned<u64>, runs: u64) -> Diagnostic {
-        let message = format!("`{}` has {runs} runs, so none has the number {}", self.name, wanted.value);
-        self.in_spec(message, wanted.span)
-            .help("runs are counted from 0; a new one begins where the time goes back")
-    }
-
-    /// More samples than a fit can use. `part` of the file was read, up to the time `extent.1`.
-    pub(crate) fn too_many(
-        &self,
-        csv: &CsvSpec,
-        most: usize,
-        extent: Option<(f64, f64)>,
-        part: f64,
-    ) -> Diagnostic {
-        let at = csv.window.as_ref().map_or(csv.path.span, |(a, b)| a.span.to(b.span));
-        let message = format!("`{}` has more than {} samples for one record", self.name, grouped(most));
-        let mut d = self.in_spec(message, at);
-        // Twenty thousand samples are plenty for a model with a dozen unknowns.
-        let now = csv.decimate.as_ref().map_or(1, |d| d.value) as f64;
-        let every = (now * most as f64 / part.max(1e-6) / 20_000.0).ceil();
-        d = d.help(format!(
-            "take the mean of every {every} rows, for about 20 000 samples: `decimate: {every}`"
-        ));
-        if let Some((first, last)) = extent {
-            d = d.help(format!(
-                "or take a part: `window: ({first:?}, {:?})` would do",
-                first + 0.01 * (last - first)
-            ));
-        }
-        d
     }
 
     /// A column that the heading does not have.
@@ -283,33 +223,26 @@ impl Mistakes<'_> {
     }
 
     /// A time that does not come after the one before.
-    #[allow(clippy::too_many_arguments)]
-    pub(crate) fn time_order(
-        &mut self,
-        line: &Line,
-        place: Range<usize>,
-        time: f64,
-        before: &Line,
-        there: Range<usize>,
-        earlier: f64,
-        whole_file: bool,
-    ) -> Diagnostic {
+    pub(crate) fn time_order(&mut self, now: &TimeCell, before: &TimeCell, whole_file: bool) -> Diagnostic {
+        let (time, earlier) = (now.time, before.time);
+        let (line, other) = (&now.line, &before.line);
         let message = if time == earlier {
             format!(
                 "the time {time} stands twice in `{}`, in lines {} and {}",
-                self.name, before.number, line.number
+                self.name, other.number, line.number
             )
         } else {
             format!("the time goes back from {earlier} to {time} in line {} of `{}`", line.number, self.name)
         };
-        let mut d = if before.number + 1 == line.number && before.text.len() + line.text.len() < WIDEST {
-            let text = format!("{}\n{}", before.text, line.text);
-            let source = self.sources.add_excerpt(self.name, text, before.number);
-            let at = span(&place).shifted(before.text.len() + 1);
-            Diagnostic::error(message).at(source, at, "not later").also(source, span(&there), "than this")
+        let mut d = if other.number + 1 == line.number && other.text.len() + line.text.len() < WIDEST {
+            let text = format!("{}\n{}", other.text, line.text);
+            let source = self.sources.add_excerpt(self.name, text, other.number);
+            let at = span(&now.field).shifted(other.text.len() + 1);
+            let than = span(&before.field);
+            Diagnostic::error(message).at(source, at, "not later").also(source, than, "than this")
         } else {
-            let (source, at) = self.excerpt(before, &there);
-            self.in_line(message, line, &place, "not later").also(source, at, "than this")
+            let (source, at) = self.excerpt(other, &before.field);
+            self.in_line(message, line, &now.field, "not later").also(source, at, "than this")
         };
         d = d.help("time must grow from row to row: delete or correct the row");
         if whole_file && time < earlier {
@@ -321,15 +254,15 @@ impl Mistakes<'_> {
     }
 }
 
+/// The time of a row, and where it stands.
+pub(crate) struct TimeCell {
+    pub(crate) line: Line,
+    pub(crate) field: Range<usize>,
+    /// As the file has it.
+    pub(crate) time: f64,
+}
+
 /// The bytes of a range as a span.
 fn span(range: &Range<usize>) -> Span {
     Span::new(range.start, range.end)
-}
-
-/// 2000000 as `2 000 000`.
-fn grouped(n: usize) -> String {
-    let digits = n.to_string();
-    let pieces: Vec<&str> =
-        digits.as_bytes().rchunks(3).rev().filter_map(|p| std::str::from_utf8(p).ok()).collect();
-    pieces.join(" ")
 }

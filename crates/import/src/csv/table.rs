@@ -1,0 +1,199 @@
+//! All columns of a file as numbers, line by line, up to a stated amount.
+
+use super::dialect::{Dialect, is_units_row, looks_like_number};
+use super::lines::{Line, LineError, Lines};
+use super::mistakes::Mistakes;
+use super::opening::Opening;
+use crate::data_file::{DataFile, unreadable};
+use crate::headings::Heading;
+use crate::table::{Column, Table};
+use phisindy_expr::Span;
+use phisindy_phys::{Diagnostic, SourceId, Sources};
+
+/// Most numbers that are kept: 80 MB.
+const MOST_NUMBERS: usize = 10_000_000;
+/// Most rows that are read: statistics get no better.
+const MOST_ROWS: usize = 1_000_000;
+/// Fewer rows than this are no record.
+const FEWEST: usize = 20;
+
+/// Reads all columns of a file; `at` is where the user named it.
+///
+/// # Errors
+/// What is wrong with the file, where, and what to do.
+pub fn table(
+    file: DataFile<'_>,
+    at: (SourceId, Span),
+    sources: &mut Sources,
+) -> Result<Table, Box<Diagnostic>> {
+    let name = file.name;
+    let mut lines = Lines::of(file, 0);
+    let skip = preamble(&mut lines);
+    let mut lines = lines.restarted(skip).map_err(|e| unreadable(name, at, &e))?;
+    let mut mistakes = Mistakes { name, spec: at.0, sources };
+    let opening = match Opening::read(&mut lines, None, None, None) {
+        Ok(Some(opening)) => opening,
+        Ok(None) => return Err(Box::new(mistakes.empty(at.1))),
+        Err(e) => return Err(Box::new(mistakes.bad_line(at.1, &e))),
+    };
+    let mut headings: Vec<Heading> = opening.names.iter().map(|h| Heading::parse(h)).collect();
+    if let Some(units) = &opening.units {
+        headings = headings.into_iter().zip(units).map(|(h, u)| h.with_unit(u)).collect();
+    }
+    let most = MOST_ROWS.min(MOST_NUMBERS / headings.len().max(1));
+    let mut rows = Rows {
+        dialect: &opening.dialect,
+        has_header: opening.heading.is_some(),
+        columns: headings.into_iter().map(Column::new).collect(),
+        numbers: vec![],
+        comma: false,
+        point: false,
+        mistakes,
+    };
+    let mut part = 1.0;
+    let mut pending = opening.rows.into_iter();
+    while let Some(line) = pending.next().map_or_else(|| lines.next(), |line| Ok(Some(line))).transpose() {
+        let line = line.map_err(|e: LineError| rows.mistakes.bad_line(at.1, &e))?;
+        rows.push(&line)?;
+        if rows.numbers.len() == most {
+            part = lines.part();
+            break;
+        }
+    }
+    if let Some((message, help)) = rows.refusal() {
+        return Err(Box::new(Diagnostic::error(message).at(at.0, at.1, "this file").help(help)));
+    }
+    let reading = reading(&opening.dialect, rows.comma, rows.has_header, skip);
+    Ok(Table { columns: rows.columns, row_numbers: rows.numbers, reading, part })
+}
+
+/// The rows so far.
+struct Rows<'a> {
+    dialect: &'a Dialect,
+    has_header: bool,
+    columns: Vec<Column>,
+    /// The line of each row.
+    numbers: Vec<usize>,
+    /// Whether a number with a decimal comma was met, and one with a point.
+    comma: bool,
+    point: bool,
+    mistakes: Mistakes<'a>,
+}
+
+impl Rows<'_> {
+    fn push(&mut self, line: &Line) -> Result<(), Box<Diagnostic>> {
+        let (dialect, width) = (self.dialect, self.columns.len());
+        let fields = dialect.fields(&line.text);
+        if fields.len() != width {
+            let d = self.mistakes.ragged(line, fields.len(), width, (!self.has_header).then_some(false));
+            // What was taken for the heading is perhaps none.
+            let preamble = self.has_header && self.numbers.len() < 3;
+            let help = "if other lines stand before the heading, put `#` in front of each of them";
+            return Err(Box::new(if preamble { d.help(help) } else { d }));
+        }
+        self.numbers.push(line.number);
+        for (field, column) in fields.iter().zip(&mut self.columns) {
+            let text = dialect.unquoted(&line.text, field);
+            let comma = dialect.separator != Some(',') && text.contains(',');
+            let number = if comma { text.replacen(',', ".", 1).parse::<f64>() } else { text.parse::<f64>() };
+            if let Ok(x) = number {
+                self.comma |= comma;
+                self.point |= text.contains('.');
+                column.values.push(if x.is_finite() { x } else { f64::NAN });
+                continue;
+            }
+            column.values.push(f64::NAN);
+            if !is_missing(&text) {
+                column.text_cells += 1;
+                if column.first_text.is_none() {
+                    let name = &column.heading.raw;
+                    let d = self.mistakes.not_a_number(line, field.clone(), name, &text, dialect);
+                    column.first_text = Some(d);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Why this is no table of numbers, and what to do.
+    fn refusal(&self) -> Option<(String, &'static str)> {
+        let name = self.mistakes.name;
+        let rows = self.numbers.len();
+        if self.comma && self.point {
+            return Some((
+                format!("`{name}` has numbers with a point and numbers with a comma"),
+                "write all decimals alike: in one of them the mark is perhaps one of thousands",
+            ));
+        }
+        if self.columns.len() < 2 {
+            return Some((
+                format!("`{name}` has only one column"),
+                "a record needs a column of time and one of motion, in lines like `0.01, 0.0023`",
+            ));
+        }
+        if rows > 0 && self.columns.iter().all(|c| c.values.iter().all(|x| x.is_nan())) {
+            return Some((
+                format!("`{name}` holds no numbers"),
+                "a data file has a heading line, then rows of numbers separated by commas, semicolons, tabs or blanks",
+            ));
+        }
+        (rows < FEWEST).then(|| {
+            (
+                format!("`{name}` has {rows} rows of numbers"),
+                "that is too few to say anything: at least 20 are needed, some hundred are good",
+            )
+        })
+    }
+}
+
+/// How a spec says that the file is written like this.
+fn reading(dialect: &Dialect, comma: bool, has_header: bool, skip: usize) -> Vec<String> {
+    let separator = match dialect.separator {
+        Some(',') => None,
+        Some('\t') => Some("'\\t'".to_owned()),
+        Some(c) => Some(format!("'{c}'")),
+        None => Some("' '".to_owned()),
+    };
+    let separator = separator.map(|s| format!("separator: {s}"));
+    let decimal = comma.then(|| "decimal: ','".to_owned());
+    let header = (!has_header).then(|| "header: false".to_owned());
+    let skip = (skip > 0).then(|| format!("skip: {skip}"));
+    [separator, decimal, header, skip].into_iter().flatten().collect()
+}
+
+/// Of the lines at the start of a file this many are looked at for its heading.
+const START: usize = 100;
+
+/// How many lines stand before the heading: those before the last line of words above the first rows of numbers.
+fn preamble(lines: &mut Lines<'_>) -> usize {
+    let mut start: Vec<Line> = Vec::new();
+    while let (true, Ok(Some(line))) = (start.len() < START, lines.next()) {
+        start.push(line);
+    }
+    let [.., before, last] = start.as_slice() else { return 0 };
+    let dialect = Dialect::guess(None, None, &before.text, Some(&last.text));
+    let width = dialect.fields(&last.text).len();
+    let numbers = |line: &Line| {
+        let fields = dialect.fields(&line.text);
+        let good = fields.iter().filter(|f| looks_like_number(&dialect.unquoted(&line.text, f))).count();
+        fields.len() == width && 2 * good > width
+    };
+    // A preamble may hold numbers too, but not as many in a row as fill the rest of what was read.
+    let Some(words) = start.iter().rposition(|line| !numbers(line)) else { return 0 };
+    let units = words > 0 && is_units_row(&dialect, &start[words].text);
+    let heading = if units { words - 1 } else { words };
+    match dialect.fields(&start[heading].text).len() == width && words + 3 < start.len() {
+        true if heading > 0 => start[heading].number - 1,
+        // Numbers without a heading, below lines of words.
+        false if words + 3 < start.len() && width > 1 => start[words].number,
+        _ => 0,
+    }
+}
+
+/// How people write that there is no value.
+fn is_missing(text: &str) -> bool {
+    matches!(
+        text.to_lowercase().as_str(),
+        "" | "na" | "n/a" | "#n/a" | "#na" | "null" | "none" | "-" | "--" | "?" | "missing"
+    )
+}

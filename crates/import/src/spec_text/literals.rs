@@ -1,0 +1,55 @@
+//! Texts and numbers as a spec has them.
+
+/// A text as RON reads it, without escapes: names must stand in the spec as they are.
+pub(super) fn literal(text: &str) -> String {
+    if text.contains(['"', '\\']) { format!("r#\"{text}\"#") } else { format!("\"{text}\"") }
+}
+
+/// Four digits for people.
+pub(super) fn short(x: f64) -> String {
+    let size = x.abs();
+    match () {
+        () if x == 0.0 => "0".to_owned(),
+        () if !(1e-3..1e6).contains(&size) => format!("{x:.3e}"),
+        () => {
+            let digits = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
+            let text = format!("{x:.digits$}");
+            if text.contains('.') {
+                text.trim_end_matches('0').trim_end_matches('.').to_owned()
+            } else {
+                text
+            }
+        }
+    }
+}
+
+/// Three digits: more would promise too much.
+pub(super) fn round(x: f64) -> f64 {
+    format!("{x:.2e}").parse().unwrap_or(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        for (x, text) in [
+            (0.0, "0"),
+            (12345.0, "12345"),
+            (0.5, "0.5"),
+            (1.0 / 3.0, "0.3333"),
+            (2e-5, "2.000e-5"),
+            (250.0, "250"),
+        ] {
+            assert_eq!(short(x), text);
+        }
+        assert_eq!(round(1234.5), 1230.0);
+    }
+
+    #[test]
+    fn headings_with_quotes_are_raw() {
+        assert_eq!(literal("x"), "\"x\"");
+        assert_eq!(literal("x \"a\""), "r#\"x \"a\"\"#");
+    }
+}

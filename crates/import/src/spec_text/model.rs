@@ -1,0 +1,169 @@
+//! Constants and equations.
+
+use super::literals::round;
+use super::notation::Notation;
+use crate::draft::Draft;
+use crate::roles::Input;
+use std::fmt::Write;
+
+/// Writes `constants`.
+pub(super) fn constants(draft: &Draft, notation: &Notation, text: &mut String) {
+    let estimate = &draft.estimate;
+    text.push_str("    constants: {\n");
+    let mut add = |name: &str, value: f64, unit: &str, within: (f64, f64), comment: &str| {
+        let (low, high) = (round(within.0), round(within.1));
+        let value = round(value).clamp(low, high);
+        let _ = writeln!(
+            text,
+            "        \"{name}\": (value: {value:?}, unit: \"{unit}\", within: ({low:?}, {high:?})), // {comment}"
+        );
+    };
+    // The inverse mass that the regression saw; one is as good as anything where it saw none.
+    let mass = notation.inertia.map(|_| estimate.force.filter(|b| *b > 0.0).map_or(1.0, |b| 1.0 / b));
+    if let (Some((name, unit)), Some(mass)) = (notation.inertia, mass) {
+        let seen =
+            if estimate.force.is_some_and(|b| b > 0.0) { "a first guess" } else { "not seen in the data" };
+        let comment = format!("EDIT: the inertia, {seen}; if you know it: \"{name}\": (1.23, \"{unit}\")");
+        add(name, mass, unit, (mass / 5.0, mass * 5.0), &comment);
+    }
+    let per = mass.unwrap_or(1.0);
+    if let Some(k) = estimate.spring {
+        let what = match (draft.motion.swing, notation.inertia.is_some()) {
+            (true, false) => "gravity over length, for a pendulum that hangs at theta = 0",
+            (true, true) => "weight times lever, for a pendulum that hangs at theta = 0",
+            (false, false) => "stiffness / mass",
+            (false, true) => "stiffness",
+        };
+        let comment = format!("EDIT: {what}, from the data; narrow the bounds if you know better");
+        add("k", k * per, notation.spring_unit, (k * per / 4.0, k * per * 4.0), &comment);
+    }
+    let damping = estimate.spring.map_or_else(|| 10.0 * estimate.damper.abs().max(0.1), |k| 2.0 * k.sqrt());
+    let start = estimate.damper.clamp(0.005 * damping, 0.5 * damping);
+    let what = if notation.inertia.is_some() { "viscous damping" } else { "viscous damping / mass" };
+    add("c", start * per, notation.damper_unit, (0.0, damping * per), &format!("EDIT: {what}"));
+    if let Input::Drive(_) = draft.roles.input {
+        let gain = estimate.force.filter(|b| *b != 0.0).unwrap_or(1.0);
+        let size = 5.0 * gain.abs();
+        let comment = "EDIT: acceleration for each unit of the input; either sign";
+        add("b", gain, &notation.gain_unit, (-size, size), comment);
+    }
+    text.push_str("    },\n");
+}
+
+/// Writes everything between `constants` and `data`.
+pub(super) fn model(draft: &Draft, notation: &Notation, text: &mut String) {
+    states(draft, notation, text);
+    inputs(draft, notation, text);
+    known(draft, notation, text);
+    inertia(draft, notation, text);
+    unknown(draft, notation, text);
+}
+
+fn states(draft: &Draft, notation: &Notation, text: &mut String) {
+    let edit = match &draft.roles.doubt {
+        Some(doubt) => format!(" // EDIT: {doubt}"),
+        None if !draft.has_unit() => " // EDIT: the heading gives no unit".to_owned(),
+        None => String::new(),
+    };
+    let Notation { place, speed, place_unit, speed_unit, .. } = notation;
+    let _ = writeln!(
+        text,
+        "    states: {{ \"{place}\": \"{place_unit}\", \"{speed}\": \"{speed_unit}\" }},{edit}"
+    );
+}
+
+fn inputs(draft: &Draft, notation: &Notation, text: &mut String) {
+    let doubt = draft.roles.input_doubt.as_ref().map_or(String::new(), |d| format!(" // EDIT: {d}"));
+    let (unit, speed_unit) = (&notation.input_unit, &notation.speed_unit);
+    let _ = match draft.roles.input {
+        Input::None => {
+            writeln!(text, "    inputs: {{}}, // EDIT: nothing that acts on it is measured; is it free?")
+        }
+        Input::Base(_) => {
+            writeln!(text, "    inputs: {{ \"u\": \"{unit}\", \"du\": \"{speed_unit}\" }},{doubt}")
+        }
+        Input::Force(_) | Input::Drive(_) => writeln!(text, "    inputs: {{ \"F\": \"{unit}\" }},{doubt}"),
+    };
+}
+
+/// Whether the base moves: springs and dampers are felt relative to it.
+fn is_relative(draft: &Draft) -> bool {
+    matches!(draft.roles.input, Input::Base(_))
+}
+
+fn known(draft: &Draft, notation: &Notation, text: &mut String) {
+    let Notation { place, speed, .. } = notation;
+    let (stretch, slip) = if is_relative(draft) {
+        (format!("{place} - u"), format!("({speed} - du)"))
+    } else {
+        ((*place).to_owned(), (*speed).to_owned())
+    };
+    let stretch = match (draft.motion.swing, is_relative(draft)) {
+        (true, _) => format!("sin({stretch})"),
+        (false, true) => format!("({stretch})"),
+        (false, false) => stretch,
+    };
+    let mut rate = format!("-c*{slip}");
+    if draft.estimate.spring.is_some() {
+        let _ = write!(rate, " - k*{stretch}");
+    }
+    let rate = match (draft.roles.input, notation.inertia) {
+        (Input::Force(_), Some((mass, _))) => format!("(F {})/{mass}", rate.replacen('-', "- ", 1)),
+        (Input::Drive(_), _) => format!("{rate} + b*F"),
+        _ => rate,
+    };
+    let _ = writeln!(
+        text,
+        "    known: {{\n        \"{place}\": \"{speed}\",\n        \"{speed}\": \"{rate}\", // EDIT: the physics that you are sure of"
+    );
+    if draft.estimate.spring.is_none() {
+        text.push_str("        // The data show no spring. If there is one, add `- k*x` and a constant k.\n");
+    }
+    text.push_str("    },\n");
+}
+
+fn inertia(draft: &Draft, notation: &Notation, text: &mut String) {
+    let speed = notation.speed;
+    if let Some((mass, _)) = notation.inertia {
+        let _ = writeln!(text, "    inertia: {{ \"{speed}\": \"{mass}\" }},");
+        return;
+    }
+    let (mass, unit, force) = match notation.place_unit.as_str() {
+        "m" if draft.has_unit() => ("m", "kg", "N"),
+        "rad" => ("J", "kg*m^2", "N*m"),
+        _ => return,
+    };
+    // The motion alone says nothing of it.
+    let _ = writeln!(
+        text,
+        "    // inertia: {{ \"{speed}\": \"{mass}\" }}, // EDIT: if you know it, with \"{mass}\": (1.23, \"{unit}\") in constants: then forces are told in {force}"
+    );
+}
+
+fn unknown(draft: &Draft, notation: &Notation, text: &mut String) {
+    let Notation { place, speed, .. } = notation;
+    let _ = writeln!(
+        text,
+        "    // What may be missing: dry friction at least. Others: {place}^3, {speed}*|{speed}|; `phisindy gap` tries every \
+         law of the catalogue.\n    // If the friction comes out negative, something else is missing."
+    );
+    let over = notation.inertia.map_or(String::new(), |(mass, _)| format!("/{mass}"));
+    let term = match draft.estimate.spring {
+        // Only a motion of many frequencies tells a hardening spring from a stiff one.
+        Some(_) if draft.is_rich() => {
+            format!("(factor: \"-1{over}\", candidates: [\"sgn({speed})\", \"{place}^3\"])")
+        }
+        Some(_) => format!("(factor: \"-sgn({speed}){over}\", candidates: [\"1\"])"),
+        // Without a spring a constant force is no offset of the sensor.
+        None => format!("(factor: \"-1{over}\", candidates: [\"sgn({speed})\", \"1\"])"),
+    };
+    let _ = writeln!(text, "    unknown: {{\n        \"{speed}\": {term}, // EDIT: candidates");
+    let rubs = if is_relative(draft) {
+        format!(
+            "EDIT: it rubs on something at rest; on the base: \"{speed}-du\" here, and sgn({speed}-du) above"
+        )
+    } else {
+        "it rubs on something at rest".to_owned()
+    };
+    let _ = writeln!(text, "    }},\n    contacts: [\"{speed}\"], // {rubs}");
+}

@@ -1,0 +1,146 @@
+//! What there is to know about a file: the comment at the head of its spec, and a summary.
+
+use super::literals::short;
+use crate::draft::Draft;
+use crate::roles::Input;
+use std::fmt::Write;
+
+/// The lines at the head of the spec.
+pub(super) fn head(draft: &Draft, file: &str, next: &str) -> Vec<String> {
+    let first = format!(
+        "Written by `phisindy new {file}`. Look at the lines marked EDIT, then type: phisindy run {next}"
+    );
+    let mut lines = vec![first, String::new(), sampling(draft, file), String::new()];
+    lines.extend(columns(draft));
+    lines.push(String::new());
+    lines.push(standstill(draft));
+    lines.extend(clipping(draft));
+    lines.extend(draft.remarks.iter().map(|remark| {
+        let mark = if remark.needs_edit() { "EDIT: " } else { "" };
+        format!("{mark}{remark}")
+    }));
+    if draft.decimate > 1 {
+        lines.push(format!(
+            "The records are long: `decimate` takes the mean of every {} rows, which is a low-pass filter. Without it the fit takes longer.",
+            draft.decimate
+        ));
+    }
+    lines
+}
+
+/// A table of all columns.
+fn columns(draft: &Draft) -> Vec<String> {
+    let columns = &draft.table.columns;
+    let widths = columns.iter().map(|c| c.heading.raw.chars().count());
+    let width = widths.max().unwrap_or(6).clamp(6, 40);
+    let heading = format!(
+        "{:width$} {:>11} {:>11} {:>11} {:>10} {:>10}  what it is taken for",
+        "column", "min", "max", "std", "noise", "frequency"
+    );
+    let time = draft.factor(draft.time.column);
+    let none = || "-".to_owned();
+    let row = |(k, column): (usize, &crate::table::Column)| {
+        let statistics = &draft.statistics[k];
+        let is_time = k == draft.time.column;
+        let noise = if is_time || statistics.noise == 0.0 { none() } else { short(statistics.noise) };
+        let line = statistics.line.filter(|l| !is_time && l.share > 0.1);
+        let frequency = line.map_or_else(none, |l| format!("{} Hz", short(l.frequency / time)));
+        let (min, max) = if statistics.min <= statistics.max {
+            (short(statistics.min), short(statistics.max))
+        } else {
+            (none(), none())
+        };
+        let values = statistics.values.as_ref().filter(|v| v.len() > 1).map_or(String::new(), |v| {
+            format!("; values {}", v.iter().map(|x| format!("{x}")).collect::<Vec<_>>().join(", "))
+        });
+        let missing = match statistics.missing {
+            0 => String::new(),
+            n => format!("; {n} missing"),
+        };
+        format!(
+            "{:width$} {min:>11} {max:>11} {:>11} {noise:>10} {frequency:>10}  {}{values}{missing}",
+            column.heading.raw,
+            short(statistics.std),
+            draft.usages[k]
+        )
+    };
+    [heading].into_iter().chain(columns.iter().enumerate().map(row)).collect()
+}
+
+/// Whether the motion comes to rest.
+fn standstill(draft: &Draft) -> String {
+    let (moving, stops) = (draft.raw(draft.moving()), &draft.stops);
+    if stops.part <= 0.01 {
+        return format!(
+            "`{moving}` does not stand still anywhere for long: it turns, but it does not stick."
+        );
+    }
+    let step = draft.time.step * draft.factor(draft.time.column);
+    let longest = stops.stretches.iter().map(|s| s.len()).max().unwrap_or(0) as f64 * step;
+    format!(
+        "`{moving}` stands still for {:.0} % of the first record, in {} stretches, the longest {} s: friction that sticks, or a pause.",
+        100.0 * stops.part,
+        stops.stretches.len(),
+        short(longest)
+    )
+}
+
+/// Columns that stand at their limits.
+fn clipping(draft: &Draft) -> impl Iterator<Item = String> {
+    let clipped = draft.statistics.iter().enumerate().filter(|(_, s)| s.clipped > 0);
+    clipped.map(|(k, statistics)| {
+        let mark = if draft.roles.used().any(|used| used == k) { "EDIT: " } else { "" };
+        format!(
+            "{mark}`{}` stands at exactly its least or greatest value in {} samples, where it arrives in motion: is the sensor at its limit?",
+            draft.raw(k),
+            statistics.clipped
+        )
+    })
+}
+
+/// Rows, duration, rate.
+fn sampling(draft: &Draft, file: &str) -> String {
+    let (table, time, times) = (&draft.table, &draft.time, draft.times());
+    let unit = draft.factor(time.column);
+    let rows = table.rows();
+    let span = time.runs(rows).iter().map(|r| times[r.end - 1] - times[r.start]).sum::<f64>() * unit;
+    let count = if table.part < 1.0 {
+        let all = rows as f64 / table.part / 1e6;
+        format!("about {all:.0} million rows, of which the first {rows} were looked at")
+    } else {
+        format!("{rows} rows")
+    };
+    let uniform = match time.jitter {
+        j if j < 1e-3 => "uniform".to_owned(),
+        j if j < 0.02 => format!("uniform to {:.1} % of a step", 100.0 * j),
+        j => format!("not uniform: steps vary by {:.0} % (no harm)", 100.0 * j),
+    };
+    let mut text =
+        format!("{file}: {count}, {} s at {} Hz, {uniform}", short(span), short(1.0 / (time.step * unit)));
+    let often = |n: usize| if n == 1 { "once".to_owned() } else { format!("{n} times") };
+    let lists =
+        [(&time.gaps, "gaps in time"), (&time.repeats, "repeated times"), (&time.reversals, "jumps back")];
+    for (list, what) in lists {
+        if let Some(first) = list.first() {
+            let line = table.row_numbers[(*first).min(rows - 1)];
+            let _ = write!(text, "; {what} {} (first in line {line})", often(list.len()));
+        }
+    }
+    text + "."
+}
+
+/// A few lines on the file and on what was taken from it.
+pub fn summary(draft: &Draft, file: &str) -> Vec<String> {
+    let named = |c: usize| format!("`{}`", draft.raw(c));
+    let mut taken =
+        vec![format!("time {}", named(draft.time.column)), format!("motion {}", named(draft.moving()))];
+    taken.extend(match draft.roles.input {
+        Input::None => None,
+        Input::Base(c) => Some(format!("base {}", named(c))),
+        Input::Force(c) => Some(format!("force {}", named(c))),
+        Input::Drive(c) => Some(format!("drive {}", named(c))),
+    });
+    let mut lines = vec![sampling(draft, file), format!("taken for {}", taken.join(", "))];
+    lines.extend(draft.remarks.iter().map(|remark| format!("note: {remark}")));
+    lines
+}
