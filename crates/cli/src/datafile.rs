@@ -1,4 +1,4 @@
-//! Where data files are looked for: `--data`, then `PHISINDY_DATA`, then beside the spec; never outside of these folders. How they are opened.
+//! Finds data files in `--data`, then `PHISINDY_DATA`, then beside the spec, never outside these folders, and opens them.
 
 use phisindy_expr::Span;
 use phisindy_import::{DataFile, csv, unreadable};
@@ -8,12 +8,12 @@ use std::fs::File;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
-/// Opens a file that has an end. Anything else (a pipe, a device) could keep the program waiting, or give it bytes for ever.
+/// Opens a plain file. Pipes and devices are refused: reading them may block or never end.
 ///
 /// # Errors
-/// It is no plain file, or the disk says so.
+/// The path is no plain file, or it cannot be opened.
 pub(crate) fn open(path: &Path) -> io::Result<File> {
-    // Looked at before it is opened: a pipe would wait there for a writer.
+    // Checked before opening: opening a pipe waits for a writer.
     let kind = std::fs::metadata(path)?.file_type();
     if kind.is_dir() {
         return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
@@ -24,7 +24,7 @@ pub(crate) fn open(path: &Path) -> io::Result<File> {
     File::open(path)
 }
 
-/// Opens a data file that the user calls `name`; `at` is where it is asked for.
+/// Opens a data file for the readers; messages call it `name`, and `at` is where the user named it.
 ///
 /// # Errors
 /// As [`open`].
@@ -40,7 +40,7 @@ pub(crate) fn opened<'a>(
     }
 }
 
-/// Reads what `csv` needs from the file at `path`. With the table come warnings.
+/// Reads the columns of the record `csv` from the file at `path`. Returns the table and warnings.
 ///
 /// # Errors
 /// As [`open`], and as [`csv::record`].

@@ -1,4 +1,4 @@
-//! `phisindy new`: looks at a data file and writes a commented spec for it.
+//! `phisindy new`: writes a commented spec for a data file.
 
 use crate::args::{NewArgs, Options};
 use crate::command::{INPUT, print, remark};

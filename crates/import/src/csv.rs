@@ -1,14 +1,15 @@
-//! Text files with a row of numbers on each line.
+//! Text files with one row of numbers on each line.
 //!
 //! ```text
-//! bytes --Lines--> text lines --Dialect--> fields --Opening--> headings, units --+-- record: the columns and rows that a spec selects
-//!                                                                                +-- table: all columns, up to a stated amount
+//! bytes --Lines--> lines --Dialect--> cells --Header--> headings --record--> the columns and rows of a record
+//!                                                          |
+//!                                                          +------table---> all columns, up to a million rows
 //! ```
 
 mod dialect;
+mod header;
 mod lines;
 mod mistakes;
-mod opening;
 mod record;
 mod table;
 

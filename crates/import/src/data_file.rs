@@ -1,25 +1,25 @@
-//! A data file as the caller opened it.
+//! The bytes of a data file, which the caller opened.
 
 use phisindy_expr::Span;
 use phisindy_phys::{Diagnostic, SourceId};
 use std::io::{self, Cursor, Read, Seek};
 
-/// Bytes that can be read more than once, such as a file or a slice in memory.
+/// Seekable bytes, such as a file or a slice in memory.
 pub trait ReadSeek: Read + Seek {}
 
 impl<T: Read + Seek> ReadSeek for T {}
 
-/// The bytes of a data file, and what the user calls it.
+/// The bytes of a data file, and the name that messages use.
 pub struct DataFile<'a> {
     /// Shown in messages.
     pub(crate) name: &'a str,
     pub(crate) bytes: Box<dyn ReadSeek + 'a>,
-    /// How many bytes there were when it was opened.
+    /// Number of bytes when it was opened.
     pub(crate) size: u64,
 }
 
 impl<'a> DataFile<'a> {
-    /// A file that holds `size` bytes, at its start; `name` is shown in messages.
+    /// A file of `size` bytes, positioned at its start; messages call it `name`.
     pub fn new(name: &'a str, bytes: impl ReadSeek + 'a, size: u64) -> DataFile<'a> {
         DataFile { name, bytes: Box::new(bytes), size }
     }
@@ -30,7 +30,7 @@ impl<'a> DataFile<'a> {
     }
 }
 
-/// A file that cannot be opened or read; `at` is where it is asked for.
+/// The diagnostic for a file that cannot be opened or read; `at` is where the user named it.
 pub fn unreadable(name: &str, (source, at): (SourceId, Span), error: &io::Error) -> Diagnostic {
     let help = match error.kind() {
         io::ErrorKind::IsADirectory => "name a file in it",

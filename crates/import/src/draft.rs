@@ -1,4 +1,4 @@
-//! What the spec for a file says: the records with their rows and windows, and the model with its numbers.
+//! The content of a spec for a data file: records, model and start values.
 
 use crate::headings::{Quantity, factor};
 use crate::records::{RecordDraft, Records};
@@ -14,47 +14,47 @@ use phisindy_phys::{Diagnostic, SourceId};
 use phisindy_signal::strongest_line;
 use std::ops::Range;
 
-/// More samples than this in a record make a fit slow and hardly better.
+/// Samples of a record beyond which a fit takes longer and hardly improves.
 const PLENTY: usize = 25_000;
-/// A swing of more than this is no small angle, in radian.
+/// Amplitude in radian beyond which an angle is not small.
 const LARGE_ANGLE: f64 = 0.5;
 
-/// Everything that the spec says.
+/// A draft of a spec.
 #[derive(Debug)]
 pub struct Draft {
-    /// The file.
+    /// The data of the file.
     pub table: Table,
-    /// Its time.
+    /// The time column.
     pub time: TimeColumn,
-    /// Of each column.
+    /// Statistics of each column.
     pub statistics: Vec<Statistics>,
-    /// What the columns are.
+    /// Roles of the columns.
     pub roles: Roles,
-    /// What is said of each column.
+    /// Use of each column.
     pub usages: Vec<Usage>,
     /// The records.
     pub records: Vec<RecordDraft>,
-    /// Mean of so many rows.
+    /// Number of rows that `decimate` averages, 1 for none.
     pub decimate: usize,
-    /// The first record's motion, in SI.
+    /// Motion of the first record, in SI.
     pub motion: Motion,
-    /// Numbers to start from.
+    /// Start values.
     pub estimate: Estimate,
-    /// Where the motion stands still, in the first record's stretch.
+    /// Where the motion of the first record is at rest.
     pub stops: Stops,
-    /// Smallest and greatest place in the records, in SI.
+    /// Smallest and greatest displacement of the first record, in SI.
     pub extent: (f64, f64),
-    /// What should be known.
+    /// Remarks for the user.
     pub remarks: Vec<Remark>,
 }
 
 impl Draft {
-    /// From the columns of a file.
+    /// Drafts a spec for a table.
     ///
     /// # Errors
-    /// No column is time or motion, or text stands in one that a model may need.
+    /// No column can be time or motion, or a column that a model may need holds text.
     pub fn of(mut table: Table) -> Result<Draft, NoDraft> {
-        let time = TimeColumn::find(&mut table).map_err(NoDraft::Time)?.refined(&mut table);
+        let time = TimeColumn::find(&mut table).map_err(NoDraft::Time)?.with_guessed_unit(&mut table);
         let runs = time.runs(table.rows());
         let longest = runs.iter().max_by_key(|r| r.len()).cloned().unwrap_or(0..table.rows());
         let times = &table.columns[time.column].values;
@@ -75,7 +75,7 @@ impl Draft {
             records,
             decimate: 1,
             motion: Motion::default(),
-            estimate: Estimate { spring: None, damper: 0.0, force: None, rest: 0.0 },
+            estimate: Estimate { stiffness: None, damping: 0.0, input_gain: None, rest: 0.0 },
             stops: Stops::default(),
             extent: (0.0, 0.0),
             remarks: vec![],
@@ -83,8 +83,8 @@ impl Draft {
         };
         draft.remarks = draft.shared_headings().chain(draft.guessed_unit()).chain(remarks).collect();
         if let Some((good, moving)) = first {
-            draft.study(good, moving);
-            draft.decimate = draft.thinning(longest);
+            draft.estimate_start(good, moving);
+            draft.decimate = draft.decimation(longest);
         }
         Ok(draft)
     }
@@ -94,12 +94,12 @@ impl Draft {
         &self.table.columns[column].values
     }
 
-    /// Time as the file has it.
+    /// Times in the unit of the file.
     pub(crate) fn times(&self) -> &[f64] {
         self.values(self.time.column)
     }
 
-    /// The column of the displacement, or else of the velocity.
+    /// The column of the motion: displacement, or else velocity.
     pub(crate) fn moving(&self) -> usize {
         self.roles.moving().unwrap_or(self.time.column)
     }
@@ -109,19 +109,19 @@ impl Draft {
         &self.table.columns[column].heading.raw
     }
 
-    /// What makes SI of a column.
+    /// The factor from the unit of a column to SI.
     pub(crate) fn factor(&self, column: usize) -> f64 {
         factor(self.table.columns[column].heading.unit.as_deref())
     }
 
-    /// Columns that are needed and share their heading with another one.
+    /// Columns of the model that share their heading with another column.
     fn shared_headings(&self) -> impl Iterator<Item = Remark> {
         let shared = |name: &str| (0..self.table.columns.len()).filter(|&k| self.raw(k) == name).count() > 1;
         let needed = self.roles.used().chain([self.time.column]).map(|c| self.raw(c));
         needed.filter(move |name| shared(name)).map(|name| Remark::SharedHeading(name.to_owned()))
     }
 
-    /// Whether the unit of the time is a guess.
+    /// A remark if the unit of the time is a guess.
     fn guessed_unit(&self) -> Option<Remark> {
         let heading = &self.table.columns[self.time.column].heading;
         self.time.unit_guessed.then(|| Remark::TimeUnit {
@@ -131,14 +131,15 @@ impl Draft {
         })
     }
 
-    /// The numbers to start from, out of what will be fitted: the rows `moving` out of the rows `good` of the first record.
-    fn study(&mut self, good: Range<usize>, moving: Range<usize>) {
+    /// Estimates the start values from the first record: from its good rows, and of these from the rows in
+    /// motion.
+    fn estimate_start(&mut self, good: Range<usize>, moving: Range<usize>) {
         let column = |c: usize| {
             let unit = self.factor(c);
             self.values(c)[moving.clone()].iter().map(|x| x * unit).collect::<Vec<f64>>()
         };
         let mut time = column(self.time.column);
-        let place = match (self.roles.place, self.roles.speed) {
+        let displacement = match (self.roles.displacement, self.roles.velocity) {
             (Some(c), _) => column(c),
             (None, Some(c)) => integral(&time, &column(c)),
             (None, None) => vec![],
@@ -148,58 +149,61 @@ impl Draft {
             Input::Base(c) => (Some(column(c)), None),
             Input::Force(c) | Input::Drive(c) => (None, Some(column(c))),
         };
-        let whole = self.place_extent();
-        let swing = self.roles.angle && self.roles.place.is_some() && 0.5 * (whole.1 - whole.0) > LARGE_ANGLE;
+        let whole = self.displacement_range();
+        let is_pendulum = self.roles.is_angle
+            && self.roles.displacement.is_some()
+            && 0.5 * (whole.1 - whole.0) > LARGE_ANGLE;
         let grow = time.windows(2).position(|w| w[1] <= w[0]).map_or(time.len(), |k| k + 1);
         time.truncate(grow);
-        let line = strongest_line(&time, &place[..grow.min(place.len())]);
+        let line = strongest_line(&time, &displacement[..grow.min(displacement.len())]);
         // Periods per unit of the file's time.
         let frequency = line.map(|l| l.frequency * self.factor(self.time.column));
         self.stops = stops(&self.times()[good.clone()], &self.values(self.moving())[good], frequency);
         self.extent =
-            place.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
-        self.motion = Motion { time, place, base, force, swing, frequency: line.map(|l| l.frequency) };
+            displacement.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+        self.motion =
+            Motion { time, displacement, base, force, is_pendulum, frequency: line.map(|l| l.frequency) };
         self.estimate = self.motion.estimate();
     }
 
-    fn place_extent(&self) -> (f64, f64) {
-        let Some(c) = self.roles.place else { return (0.0, 0.0) };
+    fn displacement_range(&self) -> (f64, f64) {
+        let Some(c) = self.roles.displacement else { return (0.0, 0.0) };
         (self.statistics[c].min * self.factor(c), self.statistics[c].max * self.factor(c))
     }
 
-    /// How many rows to take the mean of, so that a record is quick to fit and keeps forty samples in a period.
-    fn thinning(&self, samples: usize) -> usize {
+    /// Number of rows to average so that a record has few samples, but at least forty in a period.
+    fn decimation(&self, samples: usize) -> usize {
         let wanted = samples.div_ceil(PLENTY).max(1);
         let step = self.time.step * self.factor(self.time.column);
         let allowed = self.motion.frequency.map_or(1.0, |f| (1.0 / (40.0 * f * step)).floor()) as usize;
         wanted.min(allowed.max(1))
     }
 
-    /// Whether the motion has many frequencies, none of which is most of it, and is driven.
+    /// Whether the motion is driven and no single frequency dominates it.
     pub(crate) fn is_rich(&self) -> bool {
         let driven = matches!(self.roles.input, Input::Force(_) | Input::Drive(_));
         driven && self.statistics[self.moving()].line.is_some_and(|l| l.share < 0.3)
     }
 
-    /// Whether the model has the unit of the place from the heading.
+    /// Whether the heading of the motion states a unit.
     pub(crate) fn has_unit(&self) -> bool {
-        !matches!(self.table.columns[self.moving()].heading.quantity, Quantity::Unsaid)
+        !matches!(self.table.columns[self.moving()].heading.quantity, Quantity::Unknown)
     }
 }
 
-/// Why a readable file makes no spec.
+/// Why there is no draft for a table.
 #[derive(Debug)]
 pub enum NoDraft {
-    /// No column is time.
+    /// No column can be the time.
     Time(NoTime),
-    /// No column is motion.
+    /// No column can be the motion.
     Motion(NoMotion),
-    /// Text stands in a column that a model may need.
+    /// A column that a model may need holds text.
     Text(Box<Diagnostic>),
 }
 
 impl NoDraft {
-    /// As a mistake in the file `name`, which the user named at a place.
+    /// As a diagnostic for the file `name`; the last argument is where the user named it.
     pub fn diagnostic(self, name: &str, (source, at): (SourceId, Span)) -> Box<Diagnostic> {
         let (message, help) = match self {
             NoDraft::Time(why) => (
@@ -216,7 +220,7 @@ impl NoDraft {
     }
 }
 
-/// By the trapezoidal rule.
+/// Integral over time by the trapezoidal rule.
 fn integral(time: &[f64], rate: &[f64]) -> Vec<f64> {
     let mut sum = 0.0;
     let steps = time.windows(2).zip(rate.windows(2)).map(|(t, v)| {
@@ -226,7 +230,7 @@ fn integral(time: &[f64], rate: &[f64]) -> Vec<f64> {
     [0.0].into_iter().chain(steps).take(rate.len()).collect()
 }
 
-/// Text in a column of nearly all numbers that a model may need: a run would stop there.
+/// The first text in a column that a model may need and that otherwise holds numbers: a run would stop there.
 fn blocking(table: &Table, statistics: &[Statistics]) -> Option<Diagnostic> {
     let good = |c: usize| table.rows() - statistics[c].missing;
     let needed = |c: usize| {

@@ -1,90 +1,91 @@
-//! What the heading of a column says: its name and its unit, in the forms that people write.
+//! Headings of columns: the name and the unit, in all common spellings.
 
 use phisindy_phys::unit::Unit;
 
-/// What a column measures, by its unit.
+/// The quantity that a column measures, derived from its unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// Seconds and the like.
+    /// A time.
     Time,
-    /// A place in metres.
+    /// A length or a displacement.
     Length,
     /// An angle.
     Angle,
-    /// Metres per second.
+    /// A velocity.
     Speed,
-    /// Angle per second.
+    /// An angular velocity.
     AngularSpeed,
-    /// Metres or angle per second squared.
+    /// An acceleration, linear or angular.
     Acceleration,
-    /// Newtons.
+    /// A force.
     Force,
-    /// Newton metres.
+    /// A torque.
     Torque,
-    /// Volts or amperes: what drives a motor, or what a sensor puts out.
+    /// A voltage or a current: the input of a motor, or the output of a sensor.
     Electric,
-    /// Some other unit.
+    /// Any other quantity.
     Other,
-    /// No unit is given.
-    Unsaid,
+    /// The heading states no unit.
+    Unknown,
 }
 
-/// A heading taken apart.
+/// A heading, split into name and unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Heading {
-    /// As the file has it.
+    /// The text in the file.
     pub raw: String,
-    /// Without the unit, in lower case.
+    /// The name without the unit, in lower case.
     pub name: String,
-    /// In the form that specs have; none if there is none that is known.
+    /// The unit as specs spell it; `None` if the heading states none or an unknown one.
     pub unit: Option<String>,
-    /// What it measures.
+    /// The quantity that the unit measures.
     pub quantity: Quantity,
 }
 
 impl Heading {
-    /// `x [mm]`, `Force (kN)`, `t/s`, `theta_rad`, `v_m_per_s`, or a name alone.
+    /// Reads headings such as `x [mm]`, `Force (kN)`, `t/s`, `theta_rad`, `v_m_per_s`, or a name alone.
     pub fn parse(raw: &str) -> Heading {
         let text = raw.trim();
-        // `v_mm/s` is no `v_mm` in seconds.
-        let rate = || suffixed(text).or_else(|| spoken(text)).filter(|(_, u)| is_quotient(u.as_deref()));
-        let found = bracketed(text).or_else(rate).or_else(|| quotient(text));
-        let found = found.or_else(|| spoken(text)).or_else(|| suffixed(text));
-        let found = found.or_else(|| gravities(text));
-        let (name, unit) = found.unwrap_or((text, None));
+        // `v_mm/s` is a velocity in mm/s, not `v_mm` in seconds.
+        let rate = || suffixed(text).or_else(|| after_blank(text)).filter(|(_, u)| is_quotient(u.as_deref()));
+        let split = bracketed(text).or_else(rate).or_else(|| quotient(text));
+        let split = split.or_else(|| after_blank(text)).or_else(|| suffixed(text));
+        let split = split.or_else(|| acceleration_in_g(text));
+        let (name, unit) = split.unwrap_or((text, None));
         let name = name.trim().trim_end_matches(['_', '-', ',']).to_lowercase();
-        let heading = Heading { raw: raw.to_owned(), name, unit, quantity: Quantity::Unsaid };
-        heading.understood()
+        let heading = Heading { raw: raw.to_owned(), name, unit, quantity: Quantity::Unknown };
+        heading.with_quantity()
     }
 
-    /// The same column with the unit of a second heading line, if it has none of its own.
+    /// Adds the unit of a second heading line, unless the heading states its own.
     pub fn with_unit(mut self, unit: &str) -> Heading {
         if self.unit.is_none() {
-            self.unit = normal(unit.trim_matches(['[', ']', '(', ')', ' ']));
+            self.unit = normalized(unit.trim_matches(['[', ']', '(', ')', ' ']));
         }
-        self.understood()
+        self.with_quantity()
     }
 
-    /// With the kind that its unit says; an acceleration in `g` is no mass in grams, a velocity in `ms` no time.
-    fn understood(mut self) -> Heading {
-        if self.unit.as_deref() == Some("g") && self.says(ACCELERATIONS) {
+    /// Derives the quantity from the unit. An acceleration in `g` is not in grams, a velocity in `ms` is in
+    /// m/s.
+    fn with_quantity(mut self) -> Heading {
+        if self.unit.as_deref() == Some("g") && self.has_word(ACCELERATIONS) {
             self.unit = Some("gn".to_owned());
         }
-        if self.unit.as_deref() == Some("ms") && self.says(SPEEDS) {
+        if self.unit.as_deref() == Some("ms") && self.has_word(VELOCITIES) {
             self.unit = Some("m/s".to_owned());
         }
-        self.quantity = self.unit.as_deref().map_or(Quantity::Unsaid, quantity);
+        self.quantity = self.unit.as_deref().map_or(Quantity::Unknown, quantity);
         self
     }
 
-    /// The parts of the name, as `["x", "mass"]`; numbers at their ends taken off.
+    /// The words of the name without trailing digits: `["x", "mass"]` for `x1_mass2`.
     pub(crate) fn words(&self) -> impl Iterator<Item = &str> {
         let parts = self.name.split(|c: char| !c.is_alphanumeric());
         parts.map(|w| w.trim_end_matches(|c: char| c.is_ascii_digit())).filter(|w| !w.is_empty())
     }
 
-    /// Whether one of the parts is one of these.
-    pub(crate) fn says(&self, words: &[&str]) -> bool {
+    /// Whether the name contains one of these words.
+    pub(crate) fn has_word(&self, words: &[&str]) -> bool {
         self.words().any(|w| words.contains(&w))
     }
 }
@@ -93,13 +94,13 @@ fn is_quotient(unit: Option<&str>) -> bool {
     unit.is_some_and(|u| u.contains('/'))
 }
 
-/// The factor to SI.
+/// The factor from a unit to SI; 1 without a known unit.
 pub(crate) fn factor(unit: Option<&str>) -> f64 {
     unit.and_then(|u| Unit::parse(u).ok()).map_or(1.0, |u| u.factor)
 }
 
-/// Names of a column of velocities.
-pub(crate) const SPEEDS: &[&str] = &[
+/// Words that name a velocity.
+pub(crate) const VELOCITIES: &[&str] = &[
     "v",
     "vel",
     "velocity",
@@ -118,12 +119,13 @@ pub(crate) const SPEEDS: &[&str] = &[
     "vx",
     "geschwindigkeit",
 ];
-/// Names of a column of accelerations.
+/// Words that name an acceleration.
 const ACCELERATIONS: &[&str] = &["a", "acc", "accel", "acceleration", "beschleunigung"];
 
-type Found<'t> = Option<(&'t str, Option<String>)>;
+/// A name and its unit.
+type Split<'t> = Option<(&'t str, Option<String>)>;
 
-fn bracketed(text: &str) -> Found<'_> {
+fn bracketed(text: &str) -> Split<'_> {
     let pairs = [('[', ']'), ('(', ')'), ('<', '>'), ('{', '}')];
     let (open, _) = pairs.iter().find(|(_, close)| text.ends_with(*close))?;
     let at = if text.ends_with("))") { text.find(*open)? } else { text.rfind(*open)? };
@@ -131,49 +133,49 @@ fn bracketed(text: &str) -> Found<'_> {
         return None;
     }
     let name = text[..at].trim().trim_end_matches('/');
-    // Whatever stands in brackets is no part of the name, even if nobody knows it.
-    Some((name, normal(&text[at + 1..text.len() - 1])))
+    // Text in brackets does not belong to the name, even if it is no known unit.
+    Some((name, normalized(&text[at + 1..text.len() - 1])))
 }
 
-fn quotient(text: &str) -> Found<'_> {
+fn quotient(text: &str) -> Split<'_> {
     let at = text.find('/')?;
     let unit = text[at + 1..].trim();
     let unit = unit.strip_prefix('(').and_then(|u| u.strip_suffix(')')).unwrap_or(unit);
-    Some((&text[..at], Some(normal(unit)?)))
+    Some((&text[..at], Some(normalized(unit)?)))
 }
 
-fn spoken(text: &str) -> Found<'_> {
+fn after_blank(text: &str) -> Split<'_> {
     [" in ", ", ", " "].iter().find_map(|between| {
         let at = text.rfind(between)?;
-        Some((&text[..at], Some(plain(&text[at + between.len()..])?)))
+        Some((&text[..at], Some(bare_unit(&text[at + between.len()..])?)))
     })
 }
 
-fn suffixed(text: &str) -> Found<'_> {
+fn suffixed(text: &str) -> Split<'_> {
     text.match_indices('_').filter(|(at, _)| *at > 0).find_map(|(at, _)| {
         let tail = text[at + 1..].replace("_per_", "/");
-        let unit = plain(&tail).or_else(|| plain(&tail.replace('_', "/")))?;
+        let unit = bare_unit(&tail).or_else(|| bare_unit(&tail.replace('_', "/")))?;
         Some((&text[..at], Some(unit)))
     })
 }
 
-/// `acc_g`: elsewhere a `g` at the end is a name, not a unit.
-fn gravities(text: &str) -> Found<'_> {
+/// `acc_g`: only for accelerations is a final `g` a unit.
+fn acceleration_in_g(text: &str) -> Split<'_> {
     let name = text.strip_suffix("_g").or_else(|| text.strip_suffix(" g"))?;
     let first = name.split(|c: char| !c.is_alphabetic()).next().unwrap_or_default().to_lowercase();
     ACCELERATIONS.contains(&first.as_str()).then(|| (name, Some("g".to_owned())))
 }
 
-/// A unit that may stand without brackets: `x_t` is no mass in tonnes, `u_h` no hour.
-fn plain(text: &str) -> Option<String> {
-    let unit = normal(text)?;
+/// A unit that needs no brackets. `x_t` is not in tonnes, and `u_h` is not in hours.
+fn bare_unit(text: &str) -> Option<String> {
+    let unit = normalized(text)?;
     let known = quantity(&unit) != Quantity::Other
         || matches!(unit.as_str(), "kg" | "K" | "Pa" | "kPa" | "MPa" | "bar" | "Hz" | "W");
     (known && !matches!(text, "t" | "h" | "min" | "rev" | "in" | "1")).then_some(unit)
 }
 
-/// The spelling of the specs, if the unit is known.
-fn normal(text: &str) -> Option<String> {
+/// The unit as specs spell it, if it is known.
+fn normalized(text: &str) -> Option<String> {
     let text = text.trim().replace('²', "^2").replace("**", "^").replace('·', "*").replace(" per ", "/");
     let word = match text.to_lowercase().as_str() {
         "sec" | "secs" | "second" | "seconds" | "sek" | "sekunden" => "s",
@@ -206,7 +208,7 @@ fn normal(text: &str) -> Option<String> {
         .then_some(word)
 }
 
-/// What a unit measures.
+/// The quantity that a unit measures.
 fn quantity(unit: &str) -> Quantity {
     let dimension = |text: &str| Unit::parse(text).map(|u| u.dimension).ok();
     let own = dimension(unit);
@@ -267,15 +269,15 @@ mod tests {
             ("load (g)", "load", Some("g"), Quantity::Other),
             ("disp (in)", "disp", Some("in"), Quantity::Length),
             ("x_inch", "x", Some("in"), Quantity::Length),
-            ("u_in", "u_in", None, Quantity::Unsaid),
+            ("u_in", "u_in", None, Quantity::Unknown),
             ("u_V", "u", Some("V"), Quantity::Electric),
             ("q_ref_m", "q_ref", Some("m"), Quantity::Length),
-            ("load_raw", "load_raw", None, Quantity::Unsaid),
-            ("x_t", "x_t", None, Quantity::Unsaid),
-            ("x", "x", None, Quantity::Unsaid),
-            ("m", "m", None, Quantity::Unsaid),
-            ("x (furlong)", "x", None, Quantity::Unsaid),
-            ("torque_enabled", "torque_enabled", None, Quantity::Unsaid),
+            ("load_raw", "load_raw", None, Quantity::Unknown),
+            ("x_t", "x_t", None, Quantity::Unknown),
+            ("x", "x", None, Quantity::Unknown),
+            ("m", "m", None, Quantity::Unknown),
+            ("x (furlong)", "x", None, Quantity::Unknown),
+            ("torque_enabled", "torque_enabled", None, Quantity::Unknown),
         ] {
             let h = Heading::parse(raw);
             assert_eq!((h.name.as_str(), h.unit.as_deref(), h.quantity), (name, unit, kind), "{raw}");

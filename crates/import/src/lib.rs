@@ -1,13 +1,13 @@
-//! Data files: what they hold, the records that a spec takes from them, and drafts of specs for them.
+//! Data files to tables, to the records of a spec, and to drafts of specs.
 //!
 //! ```text
-//!                    +-- csv::record: what a spec asks for --Selection--> phisindy_phys::Table (SI)
-//! DataFile (bytes) --+
-//!                    +-- csv::table: all columns --> Table --TimeColumn, Statistics, Roles, Records--> Draft --> text of a spec
+//! DataFile --csv::record, Selection--> phisindy_phys::Table: the columns and rows of a record, in SI
+//!    |
+//!    +--csv::table--> Table --TimeColumn, Statistics--> Roles --> Draft --spec_text--> a spec with comments
 //! ```
 //!
-//! This crate opens no files: the caller passes bytes and the name that the user knows. Each format has one module, which delivers a
-//! [`Table`] or the columns of a record; the rest is the same for all of them.
+//! This crate opens no files: the caller passes the bytes and a name for messages. Each format has one module,
+//! which delivers a [`Table`] or the columns of a record. Everything else is independent of the format.
 
 pub mod csv;
 

@@ -1,4 +1,4 @@
-//! Which rows of a file become which records of the spec.
+//! The records of a draft: which rows of the file they take.
 
 use crate::remarks::Remark;
 use crate::roles::{Input, Roles};
@@ -7,58 +7,58 @@ use crate::table::Table;
 use crate::time_column::TimeColumn;
 use std::ops::Range;
 
-/// More trials than this are not written out.
+/// Most trials that become records.
 const MOST_TRIALS: usize = 6;
-/// Fewer rows than this are no record.
+/// Fewest rows of a record.
 const FEWEST: usize = 20;
 
-/// A record of the spec.
+/// A record of the draft.
 #[derive(Clone, Debug)]
 pub struct RecordDraft {
-    /// What it is called.
+    /// Its name.
     pub name: String,
-    /// Headings and values that select its rows.
+    /// Headings and values that select its rows (`rows`).
     pub rows: Vec<(String, f64)>,
-    /// Which run of the file, where no column counts them.
+    /// Number of the run, if no column counts the runs (`run`).
     pub run: Option<usize>,
-    /// Times as the file has them.
+    /// First and last time, in the unit of the file (`window`).
     pub window: Option<(f64, f64)>,
-    /// Whether it is fitted.
+    /// Whether the role is Fit; otherwise Validate.
     pub fit: bool,
 }
 
-/// The records of a file.
+/// The records of a file and what they leave out.
 pub(crate) struct Records {
     /// At least one.
     pub(crate) records: Vec<RecordDraft>,
-    /// The rows of the first run, and of these the ones in motion; none if no run has enough good rows.
+    /// Good rows of the first record, and those in motion; `None` if no run has enough good rows.
     pub(crate) first: Option<(Range<usize>, Range<usize>)>,
     /// Rows of the longest record.
     pub(crate) longest: usize,
-    /// What should be known about them.
+    /// Remarks for the user.
     pub(crate) remarks: Vec<Remark>,
 }
 
 impl Records {
-    /// Out of the runs of the file.
+    /// Chooses the records; `runs` are the ranges in which time does not go back.
     pub(crate) fn of(table: &Table, time: &TimeColumn, roles: &Roles, runs: &[Range<usize>]) -> Records {
         Rows { table, time, roles, remarks: vec![] }.records(runs)
     }
 }
 
-/// A run of the file of which a stretch of rows is good.
+/// A run of the file with enough good rows.
 struct Run {
-    /// All of its rows.
+    /// All rows.
     rows: Range<usize>,
-    /// The good ones.
+    /// The longest stretch of good rows.
     good: Range<usize>,
-    /// Headings and values that select it.
+    /// Headings and values that select the run.
     selected_by: Vec<(String, f64)>,
-    /// Its number, where no column tells it.
+    /// Its number, if no column counts the runs.
     number: Option<usize>,
 }
 
-/// The rows of a file, and what they are.
+/// The rows of a table.
 struct Rows<'a> {
     table: &'a Table,
     time: &'a TimeColumn,
@@ -71,7 +71,7 @@ impl Rows<'_> {
         &self.table.columns[column].values
     }
 
-    /// As the file has it.
+    /// Times in the unit of the file.
     fn times(&self) -> &[f64] {
         self.values(self.time.column)
     }
@@ -87,20 +87,20 @@ impl Rows<'_> {
                 RecordDraft { name: "all".to_owned(), rows: vec![], run: None, window: None, fit: true };
             return Records { records: vec![all], first: None, longest: 0, remarks: self.remarks };
         };
-        let first = Some((first.good.clone(), self.trimmed(first.good.clone())));
+        let first = Some((first.good.clone(), self.in_motion(first.good.clone())));
         let longest = runs.iter().map(|run| run.good.len()).max().unwrap_or(0);
         let (records, longest) = match runs.as_slice() {
             [run] => (self.halves(run), longest / 2),
             several => {
                 let last = several.len() - 1;
-                let all = several.iter().enumerate().map(|(k, run)| self.whole(k, run, k < last));
+                let all = several.iter().enumerate().map(|(k, run)| self.whole_run(k, run, k < last));
                 (all.collect(), longest)
             }
         };
         Records { records, first, longest, remarks: self.remarks }
     }
 
-    /// The first runs, as far as they have enough good rows.
+    /// Those of the first runs that have enough good rows.
     fn good_runs(&mut self, runs: &[Range<usize>]) -> Vec<Run> {
         let trials = if runs.len() > 1 { self.trial_column(runs) } else { None };
         let counted = runs.len() > 1 && trials.is_none();
@@ -110,13 +110,17 @@ impl Rows<'_> {
         }
         let mut all = Vec::new();
         for (k, run) in runs.iter().enumerate().take(MOST_TRIALS) {
-            let good = self.chosen(run.clone());
+            let good = self.longest_good_stretch(run.clone());
             if good.len() < FEWEST {
                 continue;
             }
             let trial = trials.map(|c| (self.raw(c).to_owned(), self.values(c)[good.start]));
-            let flag = self.roles.flag.as_ref().map(|flag| (self.raw(flag.column).to_owned(), flag.value));
-            let selected_by = trial.into_iter().chain(flag).collect();
+            let selector = self
+                .roles
+                .selector
+                .as_ref()
+                .map(|selector| (self.raw(selector.column).to_owned(), selector.value));
+            let selected_by = trial.into_iter().chain(selector).collect();
             all.push(Run { rows: run.clone(), good, selected_by, number: counted.then_some(k) });
         }
         if runs.len() > MOST_TRIALS {
@@ -125,16 +129,16 @@ impl Rows<'_> {
         all
     }
 
-    /// The time of the first and of the last row.
+    /// Times of the first and the last row.
     fn span(&self, rows: &Range<usize>) -> (f64, f64) {
         let last = self.table.rows() - 1;
         (self.times()[rows.start.min(last)], self.times()[(rows.end - 1).min(last)])
     }
 
-    /// A record of the `k`-th of several runs.
-    fn whole(&self, k: usize, run: &Run, fit: bool) -> RecordDraft {
-        let moving = self.trimmed(run.good.clone());
-        let whole = self.selected(run.rows.clone()).len() == moving.len();
+    /// The record of the `k`-th of several runs.
+    fn whole_run(&self, k: usize, run: &Run, fit: bool) -> RecordDraft {
+        let moving = self.in_motion(run.good.clone());
+        let whole = self.selected_rows(run.rows.clone()).len() == moving.len();
         let name = match (run.selected_by.first(), run.number) {
             (_, Some(run)) => format!("run {run}"),
             (Some((name, value)), None) => format!("{name} {value}"),
@@ -144,9 +148,9 @@ impl Rows<'_> {
         RecordDraft { name, rows: run.selected_by.clone(), run: run.number, window, fit }
     }
 
-    /// Two records of a single run: one is fitted, the other validates.
+    /// Two records of a single run: the first half is fitted, the second validates.
     fn halves(&self, run: &Run) -> Vec<RecordDraft> {
-        let moving = self.trimmed(run.good.clone());
+        let moving = self.in_motion(run.good.clone());
         let (start, end) = self.span(&moving);
         let middle = self.times()[(moving.start + moving.len() / 2).min(self.table.rows() - 1)];
         let record = |name: &str, window, fit| RecordDraft {
@@ -159,7 +163,7 @@ impl Rows<'_> {
         vec![record("first half", (start, middle), true), record("second half", (middle, end), false)]
     }
 
-    /// The column that tells the runs of a file apart: whole numbers, one for each.
+    /// The column that counts the runs: a different whole number in each.
     fn trial_column(&self, runs: &[Range<usize>]) -> Option<usize> {
         (0..self.table.columns.len()).find(|&c| {
             let values = self.values(c);
@@ -170,16 +174,16 @@ impl Rows<'_> {
         })
     }
 
-    /// Rows of a run that the flag takes.
-    fn selected(&self, run: Range<usize>) -> Vec<usize> {
-        let flag = self.roles.flag.as_ref();
-        run.filter(|&r| flag.is_none_or(|f| self.values(f.column)[r] == f.value)).collect()
+    /// Rows of a run that the selector takes.
+    fn selected_rows(&self, run: Range<usize>) -> Vec<usize> {
+        let selector = self.roles.selector.as_ref();
+        run.filter(|&r| selector.is_none_or(|f| self.values(f.column)[r] == f.value)).collect()
     }
 
-    /// The longest stretch of rows of a run that the flag takes and in which nothing is missing or repeated.
-    fn chosen(&mut self, run: Range<usize>) -> Range<usize> {
+    /// The longest stretch of selected rows of a run without missing values or repeated times.
+    fn longest_good_stretch(&mut self, run: Range<usize>) -> Range<usize> {
         let used: Vec<usize> = self.roles.used().chain([self.time.column]).collect();
-        let rows = self.selected(run.clone());
+        let rows = self.selected_rows(run.clone());
         let good = |r: usize, before: Option<usize>| {
             let there = used.iter().all(|&c| self.values(c)[r].is_finite());
             let later = before.is_none_or(|b| b + 1 == r && self.times()[r] > self.times()[b]);
@@ -204,7 +208,7 @@ impl Rows<'_> {
                 best = from..r + 1;
             }
         }
-        // A window is two times, so that no row outside may have the time of the first or last one inside.
+        // A window is a pair of times: no row outside may share the first or the last time.
         let time = self.times();
         while best.len() > 1 && best.start > run.start && time[best.start - 1] == time[best.start] {
             best.start += 1;
@@ -214,7 +218,7 @@ impl Rows<'_> {
         }
         let enough = best.len() * 5 >= rows.len();
         let number = |r: usize| self.table.row_numbers[r];
-        // Runs go back in time, so that a time may well stand there twice.
+        // Where time goes back, repeated times are expected.
         let repeated = repeated.filter(|_| self.time.reversals.is_empty()).map(number);
         let missing = lost.map(number);
         if missing.is_some() || repeated.is_some() {
@@ -224,8 +228,8 @@ impl Rows<'_> {
         if enough { best } else { rows.first().map_or(0..0, |a| *a..rows[rows.len() - 1] + 1) }
     }
 
-    /// A free motion without the rest before it starts and most of that after it ended.
-    fn trimmed(&self, rows: Range<usize>) -> Range<usize> {
+    /// Cuts the rest before a free motion and most of the rest after it.
+    fn in_motion(&self, rows: Range<usize>) -> Range<usize> {
         if self.roles.input != Input::None || rows.len() < 100 {
             return rows;
         }

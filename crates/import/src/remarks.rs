@@ -1,48 +1,49 @@
-//! What should be known about a file before a spec for it is run.
+//! Remarks on a draft: what the user should know before a run.
 
 use std::fmt;
 
-/// One of these things. Lines and rows are counted from 1, headings are those of the file.
+/// A remark. Lines and rows count from 1, headings are those of the file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Remark {
-    /// The heading of the time gives no unit, and its steps are too long for seconds.
+    /// The time has no unit, and its steps are too long for seconds.
     TimeUnit {
-        /// Of the column of time.
+        /// Heading of the time column.
         heading: String,
-        /// The median step, as the file has it.
+        /// Median step, as a number in the file.
         step: f64,
-        /// The unit that it is taken to have.
+        /// The assumed unit.
         unit: String,
     },
-    /// Two columns share this heading, and the model needs one of them.
+    /// Two columns share a heading that the model needs.
     SharedHeading(String),
-    /// Time goes back, and no column tells the runs apart.
+    /// Time goes back, and no column counts the runs.
     TimeGoesBack {
-        /// Where it first does.
+        /// The first line with an earlier time.
         line: usize,
-        /// How many runs there are.
+        /// Number of runs.
         runs: usize,
     },
-    /// Not all trials are written out.
+    /// Only the first trials become records.
     MoreTrials {
-        /// Trials of the file.
+        /// Number of trials in the file.
         all: usize,
-        /// Trials that are records.
+        /// Number of trials that become records.
         written: usize,
     },
-    /// Values are missing or times stand twice.
+    /// Values are missing, or times are repeated.
     BadRows {
-        /// The first line where a value is missing.
+        /// The first line with a missing value.
         missing: Option<usize>,
-        /// The first line whose time is that of the line before.
+        /// The first line with a repeated time.
         repeated: Option<usize>,
-        /// First and last row of the stretch without, and the number of all rows; none if it is too short.
+        /// First and last row of the stretch that is kept, and the number of all rows; `None` if it is too
+        /// short.
         kept: Option<(usize, usize, usize)>,
     },
 }
 
 impl Remark {
-    /// Whether the user has to look at it: a run may stop there, or read the data wrongly.
+    /// Whether the user has to check or correct something before a run.
     pub fn needs_edit(&self) -> bool {
         !matches!(self, Remark::MoreTrials { .. })
     }

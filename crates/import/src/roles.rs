@@ -1,29 +1,29 @@
-//! What each column is for: a guess from its name, its unit and its numbers.
+//! The role of each column in the model, guessed from its name, its unit and its numbers.
 
 mod evidence;
 mod names;
 
-use crate::headings::{Quantity, SPEEDS};
+use crate::headings::{Quantity, VELOCITIES};
 pub(crate) use evidence::Evidence;
-pub(crate) use names::ORDERS;
-use names::{ACCELERATIONS, BASES, FORCES, OUTPUTS, PLACES};
+pub(crate) use names::COMMANDS;
+use names::{ACCELERATIONS, BASES, DISPLACEMENTS, FORCES, OUTPUTS};
 use std::fmt;
 
-/// What acts on the body.
+/// The input of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Input {
-    /// Nothing that is measured.
+    /// No input is measured.
     None,
-    /// The motion of what it hangs on.
+    /// The motion of the base.
     Base(usize),
-    /// A force or torque in its own unit.
+    /// A force or a torque.
     Force(usize),
-    /// Something proportional to a force: a voltage, a number without unit.
+    /// A signal in proportion to a force, such as a voltage.
     Drive(usize),
 }
 
 impl Input {
-    /// Its column.
+    /// Index of its column.
     pub fn column(self) -> Option<usize> {
         match self {
             Input::None => None,
@@ -35,20 +35,20 @@ impl Input {
 /// A column that selects rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Selector {
-    /// Which column.
+    /// Index of the column.
     pub column: usize,
-    /// The value to take.
+    /// The value of the rows that are selected.
     pub value: f64,
 }
 
-/// Why a role may be another one. Headings are those of the file.
+/// Why a role is uncertain. Headings are those of the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Doubt {
-    /// This displacement has no unit of length or angle.
+    /// The displacement has no unit of length or angle.
     NoUnit(String),
-    /// Of two displacements this one is taken for the base.
+    /// One of two displacements is taken for the base.
     Base(String),
-    /// This column is taken for what drives.
+    /// The column is taken for the drive.
     Drive(String),
 }
 
@@ -70,12 +70,12 @@ impl fmt::Display for Doubt {
     }
 }
 
-/// Why no column is the motion.
+/// Why no column can be the motion.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NoMotion {
     /// No column varies and holds numbers only.
     NoSignal,
-    /// Only this acceleration is measured.
+    /// An acceleration is measured, but neither displacement nor velocity.
     Acceleration(String),
 }
 
@@ -92,44 +92,44 @@ impl fmt::Display for NoMotion {
     }
 }
 
-/// The parts that the columns play.
+/// The roles of the columns, by index.
 #[derive(Clone, Debug)]
 pub struct Roles {
-    /// The displacement; none if only a velocity is measured.
-    pub place: Option<usize>,
-    /// The velocity, where there is no displacement.
-    pub speed: Option<usize>,
-    /// What acts.
+    /// Displacement or angle; `None` if only a velocity is measured.
+    pub displacement: Option<usize>,
+    /// Velocity, if no displacement is measured.
+    pub velocity: Option<usize>,
+    /// The input.
     pub input: Input,
-    /// Whether it is an angle.
-    pub angle: bool,
-    /// Rows that the guess for a drive that can be switched off takes.
-    pub flag: Option<Selector>,
-    /// All columns of velocities.
-    pub speeds: Vec<usize>,
-    /// All columns of accelerations.
+    /// Whether the motion is an angle.
+    pub is_angle: bool,
+    /// Selects the rows in which the drive is off or the data are valid.
+    pub selector: Option<Selector>,
+    /// All velocities.
+    pub velocities: Vec<usize>,
+    /// All accelerations.
     pub accelerations: Vec<usize>,
-    /// Why the place may be another column.
+    /// Why the displacement is uncertain.
     pub doubt: Option<Doubt>,
-    /// Why the input may be another column, or none.
+    /// Why the input is uncertain.
     pub input_doubt: Option<Doubt>,
 }
 
 impl Roles {
-    /// The column of the displacement, or else of the velocity.
+    /// The displacement, or else the velocity.
     pub(crate) fn moving(&self) -> Option<usize> {
-        self.place.or(self.speed)
+        self.displacement.or(self.velocity)
     }
 
     /// The columns that the model reads.
     pub fn used(&self) -> impl Iterator<Item = usize> {
-        self.place.into_iter().chain(self.speed).chain(self.input.column())
+        self.displacement.into_iter().chain(self.velocity).chain(self.input.column())
     }
 
-    /// Guesses from everything that is known.
+    /// Guesses the roles.
     ///
     /// # Errors
-    /// There is no motion.
+    /// No column can be the motion.
     pub(crate) fn guess(evidence: &Evidence<'_>) -> Result<Roles, NoMotion> {
         Guess { evidence, signals: evidence.signals() }.roles()
     }
@@ -137,7 +137,7 @@ impl Roles {
 
 struct Guess<'a> {
     evidence: &'a Evidence<'a>,
-    /// The columns with a signal in them.
+    /// Columns that hold a signal.
     signals: Vec<usize>,
 }
 
@@ -147,51 +147,54 @@ impl Guess<'_> {
     }
 
     fn named(&self, k: usize, words: &[&str]) -> bool {
-        self.evidence.heading(k).says(words)
+        self.evidence.heading(k).has_word(words)
     }
 
-    /// Whether neither the unit says what the column is.
-    fn unsaid(&self, k: usize) -> bool {
-        matches!(self.quantity(k), Quantity::Unsaid | Quantity::Other)
+    /// Whether the unit does not tell the role of the column.
+    fn is_unclear(&self, k: usize) -> bool {
+        matches!(self.quantity(k), Quantity::Unknown | Quantity::Other)
     }
 
-    /// Those signals that pass a test.
+    /// The signals that pass a test.
     fn signals(&self, test: impl Fn(usize) -> bool) -> Vec<usize> {
         self.signals.iter().copied().filter(|&k| test(k)).collect()
     }
 
     fn roles(&self) -> Result<Roles, NoMotion> {
         let raw = |k: usize| self.evidence.name(k).to_owned();
-        // Velocities: by unit, by name, or because the numbers say so.
-        let mut speeds =
+        // Velocities by unit and by name; those that only the numbers reveal follow below.
+        let mut velocities =
             self.signals(|k| matches!(self.quantity(k), Quantity::Speed | Quantity::AngularSpeed));
-        speeds.extend(self.signals(|k| self.unsaid(k) && self.named(k, SPEEDS)));
+        velocities.extend(self.signals(|k| self.is_unclear(k) && self.named(k, VELOCITIES)));
         let accelerations = self.signals(|k| {
-            self.quantity(k) == Quantity::Acceleration || (self.unsaid(k) && self.named(k, ACCELERATIONS))
+            self.quantity(k) == Quantity::Acceleration || (self.is_unclear(k) && self.named(k, ACCELERATIONS))
         });
-        let rest = self.signals(|k| !speeds.contains(&k) && !accelerations.contains(&k));
-        let (mut places, doubt) = self.places(&rest, !speeds.is_empty());
-        // The numbers know a velocity, whatever it is called.
+        let rest = self.signals(|k| !velocities.contains(&k) && !accelerations.contains(&k));
+        let (mut displacements, doubt) = self.displacements(&rest, !velocities.is_empty());
+        // A column that equals the derivative of a displacement is a velocity.
         let derivatives = self.signals(|k| {
             rest.contains(&k)
-                && self.unsaid(k)
-                && places.iter().any(|&p| p != k && self.evidence.is_derivative(p, k))
+                && self.is_unclear(k)
+                && displacements.iter().any(|&p| p != k && self.evidence.is_derivative(p, k))
         });
-        speeds.extend(derivatives);
-        places.retain(|p| !speeds.contains(p));
-        let (place, base, mut input_doubt) = self.place_and_base(&places);
-        let angle = place.or(speeds.first().copied()).is_some_and(|k| self.is_angle(k));
-        // A velocity helps only where there is no displacement: programs compute it from that, late and smoothed.
-        let speed = place.is_none().then(|| speeds.first().copied()).flatten();
-        if place.is_none() && speed.is_none() {
+        velocities.extend(derivatives);
+        displacements.retain(|p| !velocities.contains(p));
+        let (displacement, base, mut input_doubt) = self.body_and_base(&displacements);
+        let is_angle = displacement.or(velocities.first().copied()).is_some_and(|k| self.is_angle(k));
+        // Beside a displacement a velocity adds nothing: it was usually computed from it, with delay and
+        // smoothing.
+        let velocity = displacement.is_none().then(|| velocities.first().copied()).flatten();
+        if displacement.is_none() && velocity.is_none() {
             return Err(accelerations
                 .first()
                 .map_or(NoMotion::NoSignal, |&k| NoMotion::Acceleration(raw(k))));
         }
-        let force = self.force(place, base, &speeds, &accelerations);
+        let force = self.force(displacement, base, &velocities, &accelerations);
         let mut input = match (base, force) {
             (Some(base), _) => Input::Base(base),
-            (None, Some(k)) if self.quantity(k) == if angle { Quantity::Torque } else { Quantity::Force } => {
+            (None, Some(k))
+                if self.quantity(k) == if is_angle { Quantity::Torque } else { Quantity::Force } =>
+            {
                 Input::Force(k)
             }
             (None, Some(k)) => Input::Drive(k),
@@ -200,38 +203,49 @@ impl Guess<'_> {
         if let (Input::Drive(k), None) = (input, &input_doubt) {
             input_doubt = Some(Doubt::Drive(raw(k)));
         }
-        let flag = self.flag();
-        // With the motor off its input says nothing.
-        if flag.is_some() && !matches!(input, Input::Base(_)) {
+        let selector = self.selector();
+        // In rows with the drive off the input has no effect.
+        if selector.is_some() && !matches!(input, Input::Base(_)) {
             (input, input_doubt) = (Input::None, None);
         }
-        Ok(Roles { place, speed, input, angle, flag, speeds, accelerations, doubt, input_doubt })
+        Ok(Roles {
+            displacement,
+            velocity,
+            input,
+            is_angle,
+            selector,
+            velocities,
+            accelerations,
+            doubt,
+            input_doubt,
+        })
     }
 
-    /// Displacements, by unit or else by name, out of those columns that are neither velocities nor accelerations.
-    fn places(&self, rest: &[usize], any_speed: bool) -> (Vec<usize>, Option<Doubt>) {
-        let order = |k: usize| self.named(k, ORDERS);
+    /// Displacements by unit, or else by name. `rest` are the columns that are neither velocities nor
+    /// accelerations.
+    fn displacements(&self, rest: &[usize], any_velocity: bool) -> (Vec<usize>, Option<Doubt>) {
+        let command = |k: usize| self.named(k, COMMANDS);
         let by_unit = |k: usize| matches!(self.quantity(k), Quantity::Length | Quantity::Angle);
-        let places: Vec<usize> = rest.iter().copied().filter(|&k| by_unit(k) && !order(k)).collect();
-        if !places.is_empty() {
-            return (places, None);
+        let displacements: Vec<usize> = rest.iter().copied().filter(|&k| by_unit(k) && !command(k)).collect();
+        if !displacements.is_empty() {
+            return (displacements, None);
         }
-        // Names that are good for an output come before others: `u` is an input when there is a `y`.
-        let free = |k: usize| !order(k) && !matches!(self.quantity(k), Quantity::Force | Quantity::Torque);
+        // Typical names of outputs come first: `u` is an input if there is a `y`.
+        let free = |k: usize| !command(k) && !matches!(self.quantity(k), Quantity::Force | Quantity::Torque);
         let candidates: Vec<usize> = rest.iter().copied().filter(|&k| free(k)).collect();
         let best = candidates
             .iter()
-            .find(|&&k| self.named(k, OUTPUTS) || self.named(k, PLACES))
+            .find(|&&k| self.named(k, OUTPUTS) || self.named(k, DISPLACEMENTS))
             .or_else(|| candidates.iter().find(|&&k| !self.named(k, FORCES)))
-            .or_else(|| (!any_speed).then(|| candidates.first()).flatten())
+            .or_else(|| (!any_velocity).then(|| candidates.first()).flatten())
             .copied();
         let Some(best) = best else { return (vec![], None) };
-        // A second one without a unit may be the base.
+        // A second column without unit may be the base.
         let twins = candidates.iter().copied().filter(|&k| {
             k != best
-                && self.unsaid(k)
-                && self.unsaid(best)
-                && (self.named(k, BASES) || self.named(k, PLACES))
+                && self.is_unclear(k)
+                && self.is_unclear(best)
+                && (self.named(k, BASES) || self.named(k, DISPLACEMENTS))
                 && !self.named(k, &["in", "input", "u"])
         });
         let doubt = Doubt::NoUnit(self.evidence.name(best).to_owned());
@@ -241,25 +255,25 @@ impl Guess<'_> {
     fn is_angle(&self, k: usize) -> bool {
         let names = ["theta", "phi", "angle", "alpha", "winkel", "thetadot", "omega"];
         matches!(self.quantity(k), Quantity::Angle | Quantity::AngularSpeed)
-            || (self.unsaid(k) && self.named(k, &names))
+            || (self.is_unclear(k) && self.named(k, &names))
     }
 
-    /// The column that knows most of the force.
+    /// The column that says most about the force.
     fn force(
         &self,
-        place: Option<usize>,
+        displacement: Option<usize>,
         base: Option<usize>,
-        speeds: &[usize],
+        velocities: &[usize],
         accelerations: &[usize],
     ) -> Option<usize> {
         let mut forces = self.signals(|k| {
             let by_unit = matches!(self.quantity(k), Quantity::Force | Quantity::Torque | Quantity::Electric);
             let by_name =
-                self.unsaid(k) && self.named(k, FORCES) && !self.named(k, ORDERS) && Some(k) != base;
-            let other = Some(k) == place || accelerations.contains(&k) || speeds.contains(&k);
+                self.is_unclear(k) && self.named(k, FORCES) && !self.named(k, COMMANDS) && Some(k) != base;
+            let other = Some(k) == displacement || accelerations.contains(&k) || velocities.contains(&k);
             (by_unit || by_name) && !other
         });
-        // A force in newtons knows most, then what drives a motor; a supply hardly varies.
+        // Forces and torques first, then voltages and currents. A supply voltage hardly varies.
         let rank = |k: usize| match self.quantity(k) {
             Quantity::Force | Quantity::Torque => 0,
             _ if self.named(k, &["supply", "battery", "temperature"]) => 3,
@@ -270,15 +284,15 @@ impl Guess<'_> {
         forces.into_iter().find(|&k| rank(k) < 3)
     }
 
-    /// Which of several displacements is the body's, and which one that of what it hangs on.
-    fn place_and_base(&self, places: &[usize]) -> (Option<usize>, Option<usize>, Option<Doubt>) {
+    /// Which of several displacements belongs to the body, and which to the base.
+    fn body_and_base(&self, displacements: &[usize]) -> (Option<usize>, Option<usize>, Option<Doubt>) {
         let named = |k: usize| self.named(k, BASES);
-        // Twice the same signal is one sensor in two forms, or a command that is followed well.
+        // Equal signals are one sensor in two forms, or a command and its response.
         let same = |p: usize, k: usize| self.evidence.correlation(p, k).abs() > 0.9999;
-        let distinct: Vec<usize> = places
+        let distinct: Vec<usize> = displacements
             .iter()
             .enumerate()
-            .filter(|(i, k)| !places[..*i].iter().any(|p| same(*p, **k)))
+            .filter(|(i, k)| !displacements[..*i].iter().any(|p| same(*p, **k)))
             .map(|(_, k)| *k)
             .collect();
         let body = distinct.iter().copied().find(|k| !named(*k)).or(distinct.first().copied());
@@ -289,14 +303,14 @@ impl Guess<'_> {
         }
         let alike = |k: &usize| self.quantity(*k) == self.quantity(body);
         let Some(other) = others().find(alike) else { return (Some(body), None, None) };
-        // What shakes is nearer to a sine than what rubs.
+        // Of the two, the base moves more like a sine: friction distorts the motion of the body.
         let share = |k: usize| self.evidence.statistics[k].line.map_or(0.0, |l| l.share);
         let (body, other) = if share(body) > share(other) + 0.01 { (other, body) } else { (body, other) };
         (Some(body), Some(other), Some(Doubt::Base(self.evidence.name(other).to_owned())))
     }
 
-    /// A column that says when a drive is off: which rows to take.
-    fn flag(&self) -> Option<Selector> {
+    /// A column of zeros and ones that tells when the drive is off or the data are valid.
+    fn selector(&self) -> Option<Selector> {
         let on: &[&str] = &["enabled", "enable", "on", "active", "power", "engaged"];
         let good: &[&str] = &["valid", "ok", "good"];
         let Evidence { table, statistics, .. } = self.evidence;

@@ -1,28 +1,28 @@
-//! Which rows of a file a record takes, and what becomes of them: `rows`, `run`, `window`, `decimate`. The same for every format.
+//! The rows of a file that a record takes: `rows`, `run`, `window`, `decimate`. Independent of the format.
 
 use phisindy_phys::spec::CsvSpec;
 use phisindy_phys::{Diagnostic, SourceId, Table};
 use phisindy_signal::Blocks;
 
-/// Fewer rows than this are no record.
+/// Fewest rows of a record.
 pub(crate) const FEWEST: usize = 10;
-/// Most samples of a record: a fit looks at each of them a thousand times.
+/// Most samples of a record: a fit evaluates each of them about a thousand times.
 const MOST: usize = 2_000_000;
 
-/// Takes the rows of a file one after the other and keeps what the record needs.
+/// Receives the rows of a file in order and keeps those of the record.
 pub(crate) struct Selection<'a> {
     csv: &'a CsvSpec,
     blocks: Option<Blocks>,
     table: Table,
-    /// Rows so far that `rows` selects.
+    /// Number of rows so far that `rows` selects.
     counted: u64,
-    /// Which run of the file the last row belongs to, and its time.
+    /// Number of the run of the last row, and the time of that row.
     run: u64,
     previous: Option<f64>,
 }
 
 impl<'a> Selection<'a> {
-    /// No rows yet.
+    /// A selection without rows.
     pub(crate) fn new(csv: &'a CsvSpec) -> Selection<'a> {
         Selection {
             csv,
@@ -34,18 +34,19 @@ impl<'a> Selection<'a> {
         }
     }
 
-    /// Rows so far that `rows` selects.
+    /// Number of rows so far that `rows` selects.
     pub(crate) fn counted(&self) -> u64 {
         self.counted
     }
 
-    /// The time of the next row where a rate takes the place of a column, in seconds.
+    /// Time of the next row in seconds, if the record states a rate.
     pub(crate) fn counted_time(&self) -> f64 {
         self.counted as f64 / self.csv.rate.as_ref().map_or(1.0, |rate| rate.value)
     }
 
-    /// Whether the row that `rows` selected, at `time` in the unit of the file, is in the run and the window of the record.
-    pub(crate) fn enters(&mut self, time: f64) -> bool {
+    /// Whether a row that `rows` selects lies in the run and the window of the record; `time` is in the unit
+    /// of the file.
+    pub(crate) fn admits(&mut self, time: f64) -> bool {
         self.counted += 1;
         if let Some(wanted) = &self.csv.run {
             self.run += u64::from(self.previous.replace(time).is_some_and(|before| time < before));
@@ -58,10 +59,10 @@ impl<'a> Selection<'a> {
         self.csv.window.as_ref().is_none_or(|(a, b)| (a.value..=b.value).contains(&time))
     }
 
-    /// Keeps a row that entered, in SI; `number` is where it stands in the file.
+    /// Keeps an admitted row; `time` and `row` are in SI, `number` is its line in the file.
     ///
     /// # Errors
-    /// There are more samples than a fit can use.
+    /// The record has too many samples.
     pub(crate) fn push(&mut self, time: f64, row: &[f64], number: usize) -> Result<(), SelectionError> {
         let sample = match &mut self.blocks {
             Some(blocks) => blocks.push(time, row),
@@ -78,16 +79,17 @@ impl<'a> Selection<'a> {
         Ok(())
     }
 
-    /// What was kept.
+    /// The rows that were kept.
     ///
     /// # Errors
-    /// The file has not the run, or too few rows.
+    /// The file lacks the run, or has too few rows.
     pub(crate) fn finish(self) -> Result<Table, SelectionError> {
         let csv = self.csv;
         if csv.run.as_ref().is_some_and(|run| run.value > self.run) {
             return Err(SelectionError::NoRun { runs: self.run + 1 });
         }
-        // Too few in a window, or of `decimate`, is the business of the record.
+        // `Record::from_table` reports too few rows in a window or after decimation, with the extent of the
+        // file.
         let rows = self.table.time.len();
         if rows < FEWEST && csv.window.is_none() && csv.decimate.is_none() {
             return Err(SelectionError::TooFew { rows });
@@ -96,20 +98,26 @@ impl<'a> Selection<'a> {
     }
 }
 
-/// Why the rows of a file make no record.
+/// Why the rows of a file form no record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum SelectionError {
-    /// The file has only so many runs.
+    /// The file has this number of runs, fewer than the record needs.
     NoRun { runs: u64 },
-    /// So few rows are left.
+    /// Only this number of rows is left.
     TooFew { rows: usize },
-    /// More than [`MOST`] samples, up to the later one of these times.
+    /// The record has more than [`MOST`] samples; first and last time so far.
     TooMany { extent: Option<(f64, f64)> },
 }
 
 impl SelectionError {
-    /// As a mistake of the record in the spec. `part` of the file `name` was read.
-    pub(crate) fn diagnostic(&self, csv: &CsvSpec, name: &str, spec: SourceId, part: f64) -> Diagnostic {
+    /// As a diagnostic that points to the record; `fraction_read` is the fraction of the file that was read.
+    pub(crate) fn diagnostic(
+        &self,
+        csv: &CsvSpec,
+        name: &str,
+        spec: SourceId,
+        fraction_read: f64,
+    ) -> Diagnostic {
         let in_spec = |message: String, at| Diagnostic::error(message).at(spec, at, "asked for here");
         match *self {
             SelectionError::NoRun { runs } => {
@@ -137,9 +145,9 @@ impl SelectionError {
                 let at = csv.window.as_ref().map_or(csv.path.span, |(a, b)| a.span.to(b.span));
                 let d =
                     in_spec(format!("`{name}` has more than {} samples for one record", grouped(MOST)), at);
-                // Twenty thousand samples are plenty for a model with a dozen unknowns.
+                // Twenty thousand samples are sufficient for a model with a dozen unknowns.
                 let now = csv.decimate.as_ref().map_or(1, |d| d.value) as f64;
-                let every = (now * MOST as f64 / part.max(1e-6) / 20_000.0).ceil();
+                let every = (now * MOST as f64 / fraction_read.max(1e-6) / 20_000.0).ceil();
                 let d = d.help(format!(
                     "take the mean of every {every} rows, for about 20 000 samples: `decimate: {every}`"
                 ));

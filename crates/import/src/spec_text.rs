@@ -1,4 +1,4 @@
-//! A draft as the text of a spec, with comments for its user.
+//! The text of a draft: a spec with comments for its user.
 
 mod literals;
 mod model;
@@ -7,21 +7,21 @@ mod overview;
 mod record;
 
 use crate::draft::Draft;
-use literals::literal;
+use literals::quoted;
 use notation::Notation;
 pub use overview::summary;
 use phisindy_phys::{Diagnostic, SourceId};
 use std::fmt::Write;
 
-/// The whole text; `file` is the name of the data file, `next` what `phisindy run` takes after this.
+/// Writes the spec; `file` is the name of the data file, `next` the arguments of the next `phisindy run`.
 pub fn spec_text(draft: &Draft, file: &str, next: &str) -> String {
     let mut text = String::new();
     for line in overview::head(draft, file, next) {
-        // Headings may hold anything.
+        // A heading may contain line breaks.
         let _ = writeln!(text, "{}", format!("// {}", line.replace(['\n', '\r'], " ")).trim_end());
     }
     let notation = Notation::of(draft);
-    let _ = writeln!(text, "(\n    title: {}, // EDIT: what is it?", literal(file));
+    let _ = writeln!(text, "(\n    title: {}, // EDIT: what is it?", quoted(file));
     model::constants(draft, &notation, &mut text);
     model::model(draft, &notation, &mut text);
     text.push_str("    data: [\n");
@@ -32,7 +32,10 @@ pub fn spec_text(draft: &Draft, file: &str, next: &str) -> String {
     text
 }
 
-/// Whether the program takes its own spec.
+/// Whether a spec passes all checks.
+///
+/// # Errors
+/// The message of the first mistake.
 pub fn accepted(text: &str) -> Result<(), String> {
     let first = |all: Vec<Diagnostic>| {
         all.into_iter().find(Diagnostic::is_error).map_or(String::new(), |d| d.message)

@@ -1,60 +1,65 @@
-//! First numbers for the constants: a regression on smoothed derivatives. Only good enough to start from.
+//! Start values of the constants, from a regression on smoothed derivatives.
 
 use phisindy_signal::{automatic, standard_deviation};
 
-/// More rows say no more about a start value.
+/// Most rows of the regression: more do not improve a start value.
 const MOST: usize = 20_000;
 
-/// A motion in SI with what acts on it.
+/// A motion and its inputs, in SI.
 #[derive(Clone, Debug, Default)]
 pub struct Motion {
-    /// Seconds, growing.
-    pub(crate) time: Vec<f64>,
-    /// Displacement or angle; of a measured velocity its integral.
-    pub(crate) place: Vec<f64>,
-    /// The motion of the base.
-    pub(crate) base: Option<Vec<f64>>,
+    /// Seconds, strictly increasing.
+    pub time: Vec<f64>,
+    /// Displacement or angle; the integral where only the velocity is measured.
+    pub displacement: Vec<f64>,
+    /// Motion of the base.
+    pub base: Option<Vec<f64>>,
     /// Force or drive.
-    pub(crate) force: Option<Vec<f64>>,
-    /// Whether a large swing of an angle: gravity in place of a spring.
-    pub(crate) swing: bool,
-    /// The strongest frequency, in Hz.
-    pub(crate) frequency: Option<f64>,
+    pub force: Option<Vec<f64>>,
+    /// Whether the angle is large: gravity takes the place of a linear spring.
+    pub is_pendulum: bool,
+    /// Strongest frequency, in Hz.
+    pub frequency: Option<f64>,
 }
 
-/// Rate of the velocity: `-spring * (x - u) - damper * (v - du) - friction * sgn(v) + force * F`.
+/// Coefficients of the acceleration `-stiffness*(x - u) - damping*(v - du) - friction*sgn(v) + input_gain*F`.
 #[derive(Clone, Copy, Debug)]
 pub struct Estimate {
-    /// Per unit mass; none if the motion shows no spring.
-    pub(crate) spring: Option<f64>,
+    /// Per unit mass; `None` if the motion shows no spring.
+    pub stiffness: Option<f64>,
     /// Per unit mass.
-    pub(crate) damper: f64,
-    /// Inverse of the mass, or rate per unit of drive; none without an input.
-    pub(crate) force: Option<f64>,
-    /// Where the spring is at rest: as the sensor counts.
-    pub(crate) rest: f64,
+    pub damping: f64,
+    /// Inverse mass, or acceleration per unit of the drive; `None` without an input.
+    pub input_gain: Option<f64>,
+    /// Displacement at which the spring is at rest, as the sensor reads it.
+    pub rest: f64,
 }
 
 impl Motion {
-    /// The numbers to start from.
+    /// Estimates the coefficients by least squares.
     pub(crate) fn estimate(&self) -> Estimate {
         let n = self.time.len().min(MOST);
         let natural = self.frequency.map_or(1.0, |f| (std::f64::consts::TAU * f).powi(2));
-        let mean = self.place[..n].iter().sum::<f64>() / n.max(1) as f64;
-        let middle = if self.swing { *self.place.last().unwrap_or(&mean) } else { mean };
-        let poor =
-            Estimate { spring: Some(natural), damper: 0.1 * natural.sqrt(), force: None, rest: middle };
-        let Ok(velocity) = automatic(&self.time[..n], &self.place[..n]) else { return poor };
+        let mean = self.displacement[..n].iter().sum::<f64>() / n.max(1) as f64;
+        let middle = if self.is_pendulum { *self.displacement.last().unwrap_or(&mean) } else { mean };
+        let poor = Estimate {
+            stiffness: Some(natural),
+            damping: 0.1 * natural.sqrt(),
+            input_gain: None,
+            rest: middle,
+        };
+        let Ok(velocity) = automatic(&self.time[..n], &self.displacement[..n]) else { return poor };
         let Ok(rate) = automatic(&self.time[..n], &velocity.derivative) else { return poor };
         let (x, v) = (&velocity.values, &velocity.derivative);
         let du = self.base.as_ref().and_then(|u| automatic(&self.time[..n], &u[..n]).ok());
         let mut speeds: Vec<f64> = v.iter().map(|v| v.abs()).collect();
         speeds.sort_by(f64::total_cmp);
         let fast = speeds[n * 95 / 100];
-        // Where it sticks or turns the rate is not what the other terms say; at the ends derivatives are poor.
+        // The equation does not hold in sticking phases, and derivatives are inaccurate at turning points and
+        // at the ends.
         let rows: Vec<usize> = (n / 100..n - n / 100).filter(|&k| v[k].abs() > 0.1 * fast).collect();
         let column = |f: &dyn Fn(usize) -> f64| rows.iter().map(|&k| f(k)).collect::<Vec<f64>>();
-        let spring = column(&|k| match (&self.base, self.swing) {
+        let spring = column(&|k| match (&self.base, self.is_pendulum) {
             (Some(u), _) => -(x[k] - u[k]),
             (None, true) => -(x[k] - middle).sin(),
             (None, false) => -x[k],
@@ -74,16 +79,16 @@ impl Motion {
             (Some((c, error)), before) => {
                 let k = c[c.len() - 1];
                 let better = before.as_ref().is_none_or(|(_, plain)| error < 0.9 * plain);
-                // A free motion that comes back has a spring; a driven one may have none.
+                // A free oscillation needs a spring; a driven motion may have none.
                 if k > 0.0 && (better || self.force.is_none()) {
-                    let rest = if self.swing || self.base.is_some() { middle } else { c[2] / k };
+                    let rest = if self.is_pendulum || self.base.is_some() { middle } else { c[2] / k };
                     let near = (rest - mean).abs() < 10.0 * standard_deviation(x);
                     let rest = if self.base.is_some() || !near { mean } else { rest };
-                    return Estimate { spring: Some(k), damper: c[0], force: forced(&c), rest };
+                    return Estimate { stiffness: Some(k), damping: c[0], input_gain: forced(&c), rest };
                 }
                 match before {
                     Some((c, _)) if self.force.is_some() => {
-                        Estimate { spring: None, damper: c[0], force: forced(&c), rest: mean }
+                        Estimate { stiffness: None, damping: c[0], input_gain: forced(&c), rest: mean }
                     }
                     _ => poor,
                 }
@@ -93,7 +98,8 @@ impl Motion {
     }
 }
 
-/// Coefficients and the sum of squares that is left, by the normal equations of the scaled columns; none if they are dependent.
+/// Coefficients and residual sum of squares, by the normal equations of the scaled columns; `None` if they
+/// are dependent.
 fn least_squares(columns: &[Vec<f64>], target: &[f64]) -> Option<(Vec<f64>, f64)> {
     let m = columns.len();
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
@@ -119,11 +125,11 @@ fn least_squares(columns: &[Vec<f64>], target: &[f64]) -> Option<(Vec<f64>, f64)
             row.iter_mut().zip(&above).for_each(|(x, a)| *x -= factor * a);
         }
     }
-    let found: Vec<f64> = (0..m).map(|k| matrix[k][m] / matrix[k][k] / sizes[k]).collect();
+    let coefficients: Vec<f64> = (0..m).map(|k| matrix[k][m] / matrix[k][k] / sizes[k]).collect();
     let left = (0..target.len())
-        .map(|r| (target[r] - columns.iter().zip(&found).map(|(c, x)| c[r] * x).sum::<f64>()).powi(2))
+        .map(|r| (target[r] - columns.iter().zip(&coefficients).map(|(c, x)| c[r] * x).sum::<f64>()).powi(2))
         .sum();
-    Some((found, left))
+    Some((coefficients, left))
 }
 
 #[cfg(test)]
@@ -133,11 +139,11 @@ mod tests {
     #[test]
     fn a_damped_swing_gives_its_constants() {
         let time: Vec<f64> = (0..2000).map(|k| 0.005 * f64::from(k)).collect();
-        let place = time.iter().map(|t| 0.3 + 0.01 * (-0.2 * t).exp() * (7.0 * t).cos()).collect();
-        let motion = Motion { time, place, frequency: Some(1.1), ..Motion::default() };
+        let displacement = time.iter().map(|t| 0.3 + 0.01 * (-0.2 * t).exp() * (7.0 * t).cos()).collect();
+        let motion = Motion { time, displacement, frequency: Some(1.1), ..Motion::default() };
         let e = motion.estimate();
-        assert!((e.spring.expect("a spring") - 49.04).abs() < 1.0, "{e:?}");
-        assert!((e.damper - 0.4).abs() < 0.1 && (e.rest - 0.3).abs() < 1e-3, "{e:?}");
+        assert!((e.stiffness.expect("a spring") - 49.04).abs() < 1.0, "{e:?}");
+        assert!((e.damping - 0.4).abs() < 0.1 && (e.rest - 0.3).abs() < 1e-3, "{e:?}");
     }
 
     #[test]

@@ -1,37 +1,38 @@
-//! What the numbers of one column look like.
+//! Statistics of a single column.
 
 use phisindy_phys::clipped;
 use phisindy_signal::{Line, automatic, noise_level, standard_deviation, strongest_line};
 use std::ops::Range;
 
-/// Noise and stops are estimated on at most so many rows.
+/// Most rows for the estimates of noise and stops.
 const LONGEST: usize = 200_000;
-/// More values than this are no selector.
+/// Most distinct values of a column that selects rows.
 const MOST_VALUES: usize = 12;
 
 /// Statistics of a column.
 #[derive(Clone, Debug)]
 pub struct Statistics {
     /// Least value.
-    pub(crate) min: f64,
+    pub min: f64,
     /// Greatest value.
-    pub(crate) max: f64,
+    pub max: f64,
     /// Standard deviation.
-    pub(crate) std: f64,
+    pub std: f64,
     /// Rows without a number.
-    pub(crate) missing: usize,
-    /// The values, if they are few whole numbers.
-    pub(crate) values: Option<Vec<f64>>,
-    /// How often the value stands at exactly its extremes while it arrives there in full motion.
-    pub(crate) clipped: usize,
+    pub missing: usize,
+    /// The distinct values in order, if they are few whole numbers.
+    pub values: Option<Vec<f64>>,
+    /// Number of samples at exactly the minimum or maximum that a moving signal reaches at full speed.
+    pub clipped: usize,
     /// Standard deviation of the noise.
-    pub(crate) noise: f64,
-    /// The strongest line of the spectrum.
-    pub(crate) line: Option<Line>,
+    pub noise: f64,
+    /// Strongest line of the spectrum, if there is one.
+    pub line: Option<Line>,
 }
 
 impl Statistics {
-    /// Statistics of `values` over `time`, of which `run` is one stretch without a jump.
+    /// Computes the statistics of `values`; noise and line come from the rows `run`, in which `time` does not
+    /// go back.
     pub(crate) fn of(time: &[f64], values: &[f64], run: Range<usize>) -> Statistics {
         let good: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
         let std = standard_deviation(&good);
@@ -54,14 +55,14 @@ impl Statistics {
         }
     }
 
-    /// Whether nothing ever happens here.
-    pub(crate) fn is_dead(&self) -> bool {
-        // An empty column has infinity as its least value.
+    /// Whether the column holds one value only, or none.
+    pub(crate) fn is_constant(&self) -> bool {
+        // The minimum of an empty column is infinite.
         self.min >= self.max
     }
 }
 
-/// The values in order, if they are few and whole.
+/// The distinct values in order, if they are few whole numbers.
 fn few_values(values: &[f64]) -> Option<Vec<f64>> {
     let mut seen: Vec<f64> = Vec::new();
     for &x in values {
@@ -76,17 +77,17 @@ fn few_values(values: &[f64]) -> Option<Vec<f64>> {
     Some(seen)
 }
 
-/// Where a motion stands still.
+/// Where a motion is at rest.
 #[derive(Clone, Debug, Default)]
 pub struct Stops {
     /// Rows of each stop.
-    pub(crate) stretches: Vec<Range<usize>>,
-    /// Part of the record, from 0 to 1.
-    pub(crate) part: f64,
+    pub stretches: Vec<Range<usize>>,
+    /// Fraction of the rows that are at rest.
+    pub fraction: f64,
 }
 
-/// The stretches in which a column does not move: its smoothed speed stays below two per cent of its usual greatest one, or below what
-/// the noise can do, for longer than a turning point lasts.
+/// Finds the stretches at rest. There the smoothed speed stays below two per cent of its 98th percentile, or
+/// below three standard errors (at most five per cent), for longer than a turning point takes.
 pub(crate) fn stops(time: &[f64], values: &[f64], frequency: Option<f64>) -> Stops {
     let n = time.len().min(values.len()).min(LONGEST);
     let Ok(smooth) = automatic(&time[..n], &values[..n]) else { return Stops::default() };
@@ -96,7 +97,8 @@ pub(crate) fn stops(time: &[f64], values: &[f64], frequency: Option<f64>) -> Sto
     let fast = sorted[(n * 98 / 100).min(n - 1)];
     let level = (0.02 * fast).max((3.0 * smooth.std_error).min(0.05 * fast));
     let step = (time[n - 1] - time[0]) / (n - 1) as f64;
-    // At its turning points a sine is slower than two per cent of its greatest speed for 1.3 per cent of a period, each time for half of that.
+    // A sine is slower than two per cent of its greatest speed for 1.3 per cent of a period, half of it at
+    // each turning point.
     let least = frequency.map_or(8.0, |f| 0.03 / f / step).max(5.0) as usize;
     let mut stretches = Vec::new();
     let mut k = 0;
@@ -111,8 +113,8 @@ pub(crate) fn stops(time: &[f64], values: &[f64], frequency: Option<f64>) -> Sto
         }
         k = end;
     }
-    let part = stretches.iter().map(|s| s.len()).sum::<usize>() as f64 / n as f64;
-    Stops { stretches, part }
+    let fraction = stretches.iter().map(|s| s.len()).sum::<usize>() as f64 / n as f64;
+    Stops { stretches, fraction }
 }
 
 #[cfg(test)]
@@ -134,11 +136,11 @@ mod tests {
     }
 
     #[test]
-    fn a_sine_does_not_stop_and_held_ends_do() {
+    fn a_sine_does_not_stop_and_pauses_do() {
         let (time, x) = sine(1000);
         assert_eq!(stops(&time, &x, Some(1.0)).stretches.len(), 0);
-        // From end to end in 0.4 s, a tenth of a second at rest there.
-        let held: Vec<f64> = time
+        // Half a period takes 0.4 s, followed by 0.1 s at rest.
+        let resting: Vec<f64> = time
             .iter()
             .map(|t| {
                 let half = (2.0 * t).fract() / 2.0;
@@ -146,8 +148,8 @@ mod tests {
                 if t.fract() < 0.5 { x } else { -x }
             })
             .collect();
-        let found = stops(&time, &held, Some(1.0));
-        assert!(found.stretches.len() > 15 && found.part > 0.1 && found.part < 0.35, "{found:?}");
+        let stops = stops(&time, &resting, Some(1.0));
+        assert!(stops.stretches.len() > 15 && stops.fraction > 0.1 && stops.fraction < 0.35, "{stops:?}");
     }
 
     #[test]
@@ -156,6 +158,6 @@ mod tests {
         assert!(Statistics::of(&time, &x, 0..100).values.is_none());
         let flag: Vec<f64> = (0..100).map(|k| f64::from(k > 50)).collect();
         assert_eq!(Statistics::of(&time, &flag, 0..100).values, Some(vec![0.0, 1.0]));
-        assert!(Statistics::of(&time, &[4.0; 100], 0..100).is_dead());
+        assert!(Statistics::of(&time, &[4.0; 100], 0..100).is_constant());
     }
 }

@@ -1,4 +1,4 @@
-//! What a reader of any format delivers: the columns of a file as numbers, with their headings and units.
+//! The table that the reader of each format delivers: columns of numbers with headings and units.
 
 use crate::headings::Heading;
 use phisindy_phys::Diagnostic;
@@ -6,13 +6,13 @@ use phisindy_phys::Diagnostic;
 /// A column of a file.
 #[derive(Clone, Debug)]
 pub struct Column {
-    /// Its name and unit.
+    /// Name and unit.
     pub heading: Heading,
-    /// One number for each row, in the unit of the heading; NaN where there is none.
+    /// One number for each row, in the unit of the heading; NaN for a cell without number.
     pub values: Vec<f64>,
     /// Number of cells that hold text.
     pub text_cells: usize,
-    /// The first of these cells, as a mistake.
+    /// A diagnostic for the first of these cells.
     pub first_text: Option<Diagnostic>,
 }
 
@@ -23,26 +23,26 @@ impl Column {
     }
 }
 
-/// What a file holds. Which column is time is decided later, from the headings and the numbers ([`crate::TimeColumn`]).
+/// All columns of a data file. [`crate::TimeColumn`] decides later which of them is the time.
 #[derive(Clone, Debug)]
 pub struct Table {
-    /// In the order of the file, all of the same length.
+    /// The columns in the order of the file, all of the same length.
     pub columns: Vec<Column>,
-    /// Where each row stands in the file: a line or row number, counted from 1.
+    /// Number of each row in the file (for text files the line), counted from 1.
     pub row_numbers: Vec<usize>,
-    /// How a spec says that the file is to be read, as fields of a record: `separator: ';'`, `skip: 3`.
-    pub reading: Vec<String>,
-    /// The part of the file that was read, 1 for all.
-    pub part: f64,
+    /// Fields of a record that tell how to read the file: `separator: ';'`, `skip: 3`.
+    pub record_fields: Vec<String>,
+    /// The fraction of the file that was read, 1 for all of it.
+    pub fraction_read: f64,
 }
 
 impl Table {
-    /// Number of rows that were read.
+    /// Number of rows.
     pub fn rows(&self) -> usize {
         self.row_numbers.len()
     }
 
-    /// One more column, for a file without time: what the time would be at `rate` rows per second. Returns its index.
+    /// Adds a time column, in seconds, at `rate` rows per second. Returns its index.
     pub(crate) fn count_rows(&mut self, rate: f64) -> usize {
         let values = (0..self.rows()).map(|k| k as f64 / rate).collect();
         let heading = Heading { unit: Some("s".to_owned()), ..Heading::parse("row") };

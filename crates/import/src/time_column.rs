@@ -1,11 +1,11 @@
-//! The column of time: which one it is, and how regular it is.
+//! The time column: which one it is, and how regularly it is sampled.
 
 use crate::headings::Quantity;
 use crate::table::{Column, Table};
 use std::fmt;
 use std::ops::Range;
 
-/// Names that a column of time has.
+/// Words that name the time.
 const NAMES: &[&str] = &[
     "t",
     "time",
@@ -22,39 +22,39 @@ const NAMES: &[&str] = &[
     "elapsed",
     "clock",
 ];
-/// Names of a counter.
+/// Words that name a counter.
 const COUNTERS: &[&str] =
     &["index", "sample", "samples", "row", "count", "counter", "no", "nr", "id", "unnamed"];
 
-/// What is to be said about time.
+/// The time column of a table, and its sampling.
 #[derive(Clone, Debug)]
 pub struct TimeColumn {
-    /// Which column.
-    pub(crate) column: usize,
-    /// The median step.
-    pub(crate) step: f64,
-    /// The largest deviation from the median step, gaps left out, as a part of it.
-    pub(crate) jitter: f64,
-    /// Rows after which time goes on more than five steps later.
-    pub(crate) gaps: Vec<usize>,
-    /// Rows whose time is that of the row before.
-    pub(crate) repeats: Vec<usize>,
-    /// Rows whose time is before that of the row before.
-    pub(crate) reversals: Vec<usize>,
-    /// Why it may be another one: no name and no unit says that this is time.
-    pub(crate) guessed: bool,
-    /// No column is time: it is counted, at a rate that is to be said.
-    pub(crate) counted: bool,
-    /// The unit is taken from the numbers: rows that are a second or more apart are no record of a motion.
-    pub(crate) unit_guessed: bool,
+    /// Index of the column.
+    pub column: usize,
+    /// Median step, in the unit of the file.
+    pub step: f64,
+    /// Largest deviation from the median step outside gaps, relative to it.
+    pub jitter: f64,
+    /// Rows before a gap: the next step exceeds five median steps.
+    pub gaps: Vec<usize>,
+    /// Rows with the same time as the previous row.
+    pub repeats: Vec<usize>,
+    /// Rows with an earlier time than the previous row.
+    pub reversals: Vec<usize>,
+    /// Neither name nor unit identifies the column as time.
+    pub guessed: bool,
+    /// The file has no time column: rows are counted at [`RATE`], which the user corrects.
+    pub counted: bool,
+    /// The unit is derived from the step: a motion is not sampled in steps of a second or more.
+    pub unit_guessed: bool,
 }
 
 /// Why no column is time.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NoTime {
-    /// The column with this heading should be time; whether it holds text.
+    /// A column is named as time and does not grow.
     NotGrowing {
-        /// As the file has it.
+        /// Its heading.
         heading: String,
         /// Whether some of its cells hold text.
         text: bool,
@@ -78,16 +78,19 @@ impl fmt::Display for NoTime {
     }
 }
 
-/// What is taken for the rows per second of a file that does not say.
+/// Rows per second that are assumed for a file without time.
 pub(crate) const RATE: f64 = 100.0;
 
 impl TimeColumn {
-    /// The column that is time, which a table without one gets; why there is none.
+    /// Finds the time column; adds one to a table without any.
+    ///
+    /// # Errors
+    /// A column is named as time and does not grow, or no column grows.
     pub(crate) fn find(table: &mut Table) -> Result<TimeColumn, NoTime> {
         if !table
             .columns
             .iter()
-            .any(|c| grows(c) || c.heading.quantity == Quantity::Time || c.heading.says(NAMES))
+            .any(|c| grows(c) || c.heading.quantity == Quantity::Time || c.heading.has_word(NAMES))
         {
             let column = table.count_rows(RATE);
             return Ok(TimeColumn {
@@ -97,8 +100,8 @@ impl TimeColumn {
         }
 
         let growing: Vec<bool> = table.columns.iter().map(grows).collect();
-        let named = |c: &Column| c.heading.quantity == Quantity::Time || c.heading.says(NAMES);
-        let counter = |c: &Column| c.heading.says(COUNTERS) && c.heading.quantity != Quantity::Time;
+        let named = |c: &Column| c.heading.quantity == Quantity::Time || c.heading.has_word(NAMES);
+        let counter = |c: &Column| c.heading.has_word(COUNTERS) && c.heading.quantity != Quantity::Time;
         let pick = |test: &dyn Fn(&Column) -> bool| {
             table.columns.iter().zip(&growing).position(|(c, grows)| *grows && test(c))
         };
@@ -108,7 +111,7 @@ impl TimeColumn {
         if let Some(c) = table.columns.iter().find(|c| named(c)) {
             return Err(NoTime::NotGrowing { heading: c.heading.raw.clone(), text: c.text_cells > 0 });
         }
-        match pick(&|c| !counter(c) && !whole(c))
+        match pick(&|c| !counter(c) && !is_whole(c))
             .or_else(|| pick(&|c| !counter(c)))
             .or_else(|| pick(&|_| true))
         {
@@ -142,8 +145,8 @@ impl TimeColumn {
         }
     }
 
-    /// Gives a column of time without a unit, in which rows are one or more apart, the unit in which they are not: milliseconds, or microseconds.
-    pub(crate) fn refined(self, table: &mut Table) -> TimeColumn {
+    /// Assigns milliseconds or microseconds to a time column without unit whose steps are one or more.
+    pub(crate) fn with_guessed_unit(self, table: &mut Table) -> TimeColumn {
         let heading = &mut table.columns[self.column].heading;
         let unit_guessed = !self.guessed && !self.counted && heading.unit.is_none() && self.step >= 1.0;
         if unit_guessed {
@@ -152,7 +155,7 @@ impl TimeColumn {
         TimeColumn { unit_guessed, ..self }
     }
 
-    /// The stretches of rows in which time does not go back.
+    /// Ranges of rows in which time does not go back.
     pub(crate) fn runs(&self, rows: usize) -> Vec<Range<usize>> {
         let ends = self.reversals.iter().copied().chain([rows]);
         let starts = [0].into_iter().chain(self.reversals.iter().copied());
@@ -160,16 +163,16 @@ impl TimeColumn {
     }
 }
 
-/// Whether a column only counts or tells the time: no motion, whatever else it is.
+/// Whether a column counts rows or holds time, and thus no motion.
 pub(crate) fn is_counter(column: &Column) -> bool {
     let even = || column.values.windows(3).all(|w| w[2] - w[1] == w[1] - w[0]);
     let named = column.heading.quantity == Quantity::Time
-        || column.heading.says(NAMES)
-        || column.heading.says(COUNTERS);
-    grows(column) && (named || (whole(column) && even()))
+        || column.heading.has_word(NAMES)
+        || column.heading.has_word(COUNTERS);
+    grows(column) && (named || (is_whole(column) && even()))
 }
 
-/// Whether a column grows as time does: nearly everywhere.
+/// Whether a column grows from nearly every row to the next, as time does.
 fn grows(column: &Column) -> bool {
     let steps = column.values.windows(2);
     let count = steps.len();
@@ -181,10 +184,10 @@ fn grows(column: &Column) -> bool {
             down += 1;
         }
     }
-    // Trials that each start at zero go back a few times, and a logger repeats a row now and then.
+    // Several trials in one file restart the time, and a logger may repeat rows.
     column.text_cells == 0 && up as f64 > 0.6 * count as f64 && (down as f64) < 0.02 * count as f64
 }
 
-fn whole(column: &Column) -> bool {
+fn is_whole(column: &Column) -> bool {
     column.values.iter().all(|x| x.fract() == 0.0)
 }

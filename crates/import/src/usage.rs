@@ -1,10 +1,10 @@
-//! What is said of each column at the head of a spec.
+//! The use that a draft makes of each column.
 
-use crate::roles::{Evidence, Input, ORDERS, Roles};
+use crate::roles::{COMMANDS, Evidence, Input, Roles};
 use crate::time_column::is_counter;
 use std::fmt;
 
-/// What was made of a column. Headings are those of the file.
+/// The use of a column. Headings are those of the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Usage {
     /// The time.
@@ -23,9 +23,9 @@ pub enum Usage {
     Base,
     /// The force, an input.
     Force,
-    /// What is proportional to a force, an input.
+    /// The drive, an input.
     Drive,
-    /// Nothing in it.
+    /// No cell has a value.
     Empty,
     /// More than half of it is missing.
     Missing,
@@ -35,7 +35,7 @@ pub enum Usage {
     Counter,
     /// Another column has its heading.
     Namesake,
-    /// Another form of this column.
+    /// A copy of the column with this heading.
     Copy(String),
     /// Noise only.
     Noise,
@@ -49,7 +49,7 @@ pub enum Usage {
     FewValues,
     /// A command, perhaps proportional to a column that is used.
     Command(Option<String>),
-    /// Something else, perhaps proportional to a column that is used.
+    /// Anything else, perhaps proportional to a column that is used.
     Unused(Option<String>),
 }
 
@@ -90,7 +90,7 @@ impl fmt::Display for Usage {
 }
 
 impl Usage {
-    /// Of column `k`.
+    /// The use of column `k`.
     pub(crate) fn of(k: usize, evidence: &Evidence<'_>, roles: &Roles) -> Usage {
         let (column, statistics) = (&evidence.table.columns[k], &evidence.statistics[k]);
         let rows = evidence.table.rows();
@@ -107,7 +107,7 @@ impl Usage {
             Usage::Empty
         } else if statistics.missing * 2 >= rows {
             Usage::Missing
-        } else if statistics.is_dead() {
+        } else if statistics.is_constant() {
             Usage::Constant
         } else if is_counter(column) {
             Usage::Counter
@@ -117,27 +117,27 @@ impl Usage {
             Usage::Copy(name(original))
         } else if evidence.is_noise(k) {
             Usage::Noise
-        } else if roles.flag.as_ref().is_some_and(|f| f.column == k) {
+        } else if roles.selector.as_ref().is_some_and(|f| f.column == k) {
             Usage::Selector
-        } else if roles.speeds.contains(&k) {
+        } else if roles.velocities.contains(&k) {
             Usage::UnusedVelocity
         } else if roles.accelerations.contains(&k) {
             Usage::Acceleration
         } else if statistics.values.is_some() {
             Usage::FewValues
         } else {
-            let twin = twin(k, evidence, roles).map(name);
-            let command = evidence.heading(k).says(ORDERS);
-            if command { Usage::Command(twin) } else { Usage::Unused(twin) }
+            let proportional = proportional(k, evidence, roles).map(name);
+            let command = evidence.heading(k).has_word(COMMANDS);
+            if command { Usage::Command(proportional) } else { Usage::Unused(proportional) }
         }
     }
 
-    /// Of a column that the model reads.
+    /// The use of a column that the model reads.
     fn in_model(k: usize, roles: &Roles) -> Option<Usage> {
-        if Some(k) == roles.place {
-            return Some(if roles.angle { Usage::Angle } else { Usage::Displacement });
+        if Some(k) == roles.displacement {
+            return Some(if roles.is_angle { Usage::Angle } else { Usage::Displacement });
         }
-        if Some(k) == roles.speed {
+        if Some(k) == roles.velocity {
             return Some(Usage::Velocity);
         }
         match roles.input {
@@ -149,12 +149,12 @@ impl Usage {
     }
 }
 
-/// A column that the model reads and that column `k` is proportional to.
-fn twin(k: usize, evidence: &Evidence<'_>, roles: &Roles) -> Option<usize> {
+/// The column of the model to which column `k` is proportional.
+fn proportional(k: usize, evidence: &Evidence<'_>, roles: &Roles) -> Option<usize> {
     roles.used().find(|&p| {
         p != k
             && evidence.statistics[p].values.is_none()
-            && !evidence.statistics[k].is_dead()
+            && !evidence.statistics[k].is_constant()
             && evidence.correlation(p, k).abs() > 0.9999
     })
 }

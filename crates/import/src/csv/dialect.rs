@@ -1,20 +1,20 @@
-//! How a file separates its fields and writes its decimals.
+//! Separator and decimal mark of a text file.
 
 use phisindy_phys::unit::Unit;
 use std::ops::Range;
 
-/// How a file is written.
+/// Separator and decimal mark.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Dialect {
-    /// The character between fields; None: any run of blanks.
+    /// The character between fields; `None` for any number of blanks.
     pub(crate) separator: Option<char>,
-    /// The decimal mark, where the spec says it.
+    /// The decimal mark, if the spec states it.
     pub(crate) decimal: Option<char>,
 }
 
 impl Dialect {
-    /// What is given, or what makes a table of the first two lines: as many fields in both, and of such separators the one that leaves
-    /// most numbers.
+    /// Takes the given separator, or guesses it from the first two lines: one that splits both into the same
+    /// number of fields, and of these the one that yields the largest share of numbers.
     pub(crate) fn guess(
         separator: Option<char>,
         decimal: Option<char>,
@@ -31,20 +31,21 @@ impl Dialect {
             let n = count(d, first);
             n > 1 && second.is_none_or(|line| count(d, line) == n)
         };
-        // The share of the second line that is numbers, in per mille: "0,01 1,5" is two numbers, not three fields.
+        // Numbers in the second line, in per mille of its fields: "0,01 1,5" holds two numbers, not three
+        // fields.
         let numbers = |d: &&Dialect| {
             let line = second.unwrap_or(first);
             let fields = d.fields(line);
             let good = fields.iter().filter(|f| looks_like_number(&d.unquoted(line, f))).count();
             1000 * good / fields.len().max(1)
         };
-        // Of equals the first one: `max_by_key` takes the last.
+        // Ties go to the first candidate; `max_by_key` takes the last, so the order is reversed.
         let best = candidates.iter().rev().filter(table).max_by_key(numbers);
         let best = best.or_else(|| candidates.iter().rev().max_by_key(|d| count(d, first)));
         best.cloned().unwrap_or_else(|| with(Some(',')))
     }
 
-    /// The fields of a line, blanks around them taken off. One empty field at the end (a separator too many) is no field.
+    /// The fields of a line without surrounding blanks. A trailing separator adds no field.
     pub(crate) fn fields(&self, line: &str) -> Vec<Range<usize>> {
         let mut fields = Vec::new();
         match self.separator {
@@ -83,12 +84,12 @@ impl Dialect {
         fields
     }
 
-    /// The contents of all fields of a line.
+    /// The contents of all fields.
     pub(crate) fn cells(&self, line: &str) -> Vec<String> {
         self.fields(line).iter().map(|f| self.unquoted(line, f)).collect()
     }
 
-    /// The content of a field; quoting rules are those of the csv crate.
+    /// The content of a field, unquoted by the rules of the csv crate.
     pub(crate) fn unquoted(&self, line: &str, field: &Range<usize>) -> String {
         let text = &line[field.clone()];
         if !text.starts_with('"') {
@@ -107,12 +108,12 @@ fn trimmed(line: &str, range: Range<usize>) -> Range<usize> {
     start..(start + text.trim().len())
 }
 
-/// Whether a field is a number, with point or comma.
+/// Whether a field is a number with decimal point or comma.
 pub(crate) fn looks_like_number(text: &str) -> bool {
     text.parse::<f64>().is_ok() || text.replacen(',', ".", 1).parse::<f64>().is_ok()
 }
 
-/// Whether a line is a second heading that only holds units, as in `s;mm;N` or `[s];[mm];[N]`.
+/// Whether a line is a second heading that holds only units: `s;mm;N` or `[s];[mm];[N]`.
 pub(crate) fn is_units_row(dialect: &Dialect, line: &str) -> bool {
     let fields = dialect.fields(line);
     let units = fields.iter().filter(|field| {

@@ -1,64 +1,64 @@
-//! Lines of a text file with their numbers: comments, empty lines and the byte order mark taken off.
+//! Numbered lines of a text file, without comments, empty lines and the byte order mark.
 
 use crate::data_file::{DataFile, ReadSeek};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 
-/// Longer lines are no table (or no text).
+/// Most bytes of a line; longer ones belong to no table.
 const LONGEST: usize = 1 << 20;
 
-/// A line that holds fields.
+/// A line with content.
 #[derive(Clone, Debug)]
 pub(crate) struct Line {
-    /// Without its end.
+    /// The text without line end.
     pub(crate) text: String,
-    /// Counted from 1.
+    /// Its number, counted from 1.
     pub(crate) number: usize,
-    /// Whether the line ends (the last one may not).
+    /// Whether a line end follows; it may be missing at the end of a file.
     pub(crate) ended: bool,
 }
 
 /// Why a line cannot be read.
 #[derive(Debug)]
 pub(crate) enum LineError {
-    /// The disk says so.
+    /// Reading failed.
     Io(io::Error),
-    /// Not UTF-8, from this byte of the line on; what comes before, and the line's number.
+    /// Not UTF-8: the valid text before, and the number of the line.
     NotText(String, usize),
-    /// UTF-16, as some spreadsheets write.
+    /// UTF-16, which some spreadsheets write.
     Utf16,
-    /// Longer than any table.
-    Endless(usize),
-    /// More or fewer bytes than when it was opened.
+    /// The line with this number is too long.
+    TooLong(usize),
+    /// The file has more or fewer bytes than when it was opened.
     Changed,
 }
 
-/// The lines of a file, one after the other.
+/// Reads the lines of a file in order.
 pub(crate) struct Lines<'a> {
     input: BufReader<Box<dyn ReadSeek + 'a>>,
     buffer: Vec<u8>,
     number: usize,
-    /// How many lines at the start are passed over.
+    /// Number of lines at the start to skip.
     skip: usize,
-    /// Bytes read so far, and those of the whole file.
+    /// Bytes read so far, and of the whole file.
     read: u64,
     size: u64,
 }
 
 impl<'a> Lines<'a> {
-    /// The lines of a file, whose first `skip` lines are not looked at.
+    /// The lines of a file after the first `skip`.
     pub(crate) fn of(file: DataFile<'a>, skip: usize) -> Lines<'a> {
         let input = BufReader::with_capacity(1 << 16, file.bytes);
         Lines { input, buffer: vec![], number: 0, skip, read: 0, size: file.size }
     }
 
-    /// The same lines once more, without the first `skip`.
+    /// Starts again, after the first `skip` lines.
     pub(crate) fn restarted(mut self, skip: usize) -> io::Result<Lines<'a>> {
         self.input.seek(SeekFrom::Start(0))?;
         Ok(Lines { number: 0, skip, read: 0, ..self })
     }
 
-    /// The part of the file that was read, from 0 to 1.
-    pub(crate) fn part(&self) -> f64 {
+    /// The fraction of the file that was read, from 0 to 1.
+    pub(crate) fn fraction_read(&self) -> f64 {
         (self.read as f64 / self.size.max(1) as f64).clamp(0.0, 1.0)
     }
 
@@ -85,7 +85,7 @@ impl<'a> Lines<'a> {
             }
             let ended = self.buffer.last() == Some(&b'\n');
             if !ended && self.buffer.len() == LONGEST {
-                return Err(LineError::Endless(self.number));
+                return Err(LineError::TooLong(self.number));
             }
             while matches!(self.buffer.last(), Some(b'\n' | b'\r')) {
                 self.buffer.pop();

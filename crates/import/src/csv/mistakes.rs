@@ -1,4 +1,4 @@
-//! What can be wrong with a data file, in words, with the line it happened in.
+//! Diagnostics for mistakes in a text file, with the offending line.
 
 use super::dialect::Dialect;
 use super::lines::{Line, LineError};
@@ -8,16 +8,16 @@ use phisindy_phys::spec::Text;
 use phisindy_phys::{Diagnostic, Severity, SourceId, Sources};
 use std::ops::Range;
 
-/// Longer lines are not drawn as a whole.
+/// Longest line that is shown in full.
 const WIDEST: usize = 160;
 
-/// Makes diagnostics about one file.
+/// Creates the diagnostics for one file.
 pub(crate) struct Mistakes<'a> {
-    /// What the user calls the file.
+    /// Name of the file in messages.
     pub(crate) name: &'a str,
-    /// The spec that asked for it.
+    /// The spec that names the file.
     pub(crate) spec: SourceId,
-    /// Receives the offending lines.
+    /// Receives copies of the offending lines.
     pub(crate) sources: &'a mut Sources,
 }
 
@@ -26,7 +26,7 @@ impl Mistakes<'_> {
         Diagnostic::error(message).at(self.spec, at, "asked for here")
     }
 
-    /// An error in one field of a line.
+    /// An error in a field of a line.
     fn in_line(
         &mut self,
         message: impl Into<String>,
@@ -38,7 +38,7 @@ impl Mistakes<'_> {
         Diagnostic::error(message).at(source, at, label)
     }
 
-    /// Keeps the line; of a very long one what surrounds the field.
+    /// Stores the line, or the surroundings of the field in a long one.
     fn excerpt(&mut self, line: &Line, field: &Range<usize>) -> (SourceId, Span) {
         if line.text.len() <= WIDEST {
             return (self.sources.add_excerpt(self.name, line.text.clone(), line.number), span(field));
@@ -56,8 +56,8 @@ impl Mistakes<'_> {
         (self.sources.add_excerpt(self.name, piece, line.number), Span::new(field.start - from, end))
     }
 
-    /// The last number of a file that ends without a line end is shorter than all above it.
-    pub(crate) fn perhaps_cut(&mut self, line: &Line, field: &Range<usize>) -> Diagnostic {
+    /// The file ends without line end, and its last field is shorter than all above it.
+    pub(crate) fn truncated(&mut self, line: &Line, field: &Range<usize>) -> Diagnostic {
         let message = format!(
             "`{}` ends in line {} without an end of line, perhaps inside its last number",
             self.name, line.number
@@ -67,13 +67,13 @@ impl Mistakes<'_> {
         d.help("if the file was cut off, copy it again or delete its last line; if not, end the line")
     }
 
-    pub(crate) fn bad_line(&mut self, at: Span, error: &LineError) -> Diagnostic {
+    pub(crate) fn unreadable_line(&mut self, at: Span, error: &LineError) -> Diagnostic {
         match error {
             LineError::Io(e) => unreadable(self.name, (self.spec, at), e),
             LineError::Utf16 => self
                 .in_spec(format!("`{}` is UTF-16 text, not UTF-8", self.name), at)
                 .help("save the file as CSV in UTF-8"),
-            LineError::Endless(number) => self
+            LineError::TooLong(number) => self
                 .in_spec(format!("line {number} of `{}` does not end: this is no table", self.name), at)
                 .help("a data file is text, one row of numbers on each line"),
             LineError::Changed => self
@@ -98,8 +98,13 @@ impl Mistakes<'_> {
             .help("give a file with a heading line and rows of numbers")
     }
 
-    /// A column that the heading does not have.
-    pub(crate) fn no_column(&mut self, wanted: &Text, names: &[String], header: Option<&Line>) -> Diagnostic {
+    /// The heading lacks a column.
+    pub(crate) fn missing_column(
+        &mut self,
+        wanted: &Text,
+        names: &[String],
+        header: Option<&Line>,
+    ) -> Diagnostic {
         let message = format!("the data file `{}` has no column `{}`", self.name, wanted.value);
         let mut d = Diagnostic::error(message).at(self.spec, wanted.span, "asked for here");
         let near = nearest(&wanted.value, names.iter().map(String::as_str));
@@ -128,8 +133,8 @@ impl Mistakes<'_> {
         d
     }
 
-    /// A column that the heading has twice.
-    pub(crate) fn twice(
+    /// The heading has a column twice.
+    pub(crate) fn duplicate_column(
         &mut self,
         wanted: &Text,
         line: &Line,
@@ -148,26 +153,26 @@ impl Mistakes<'_> {
         .help("rename one of them in the file")
     }
 
-    /// A line with more or fewer fields than the heading.
-    pub(crate) fn ragged(
+    /// A line has more or fewer fields than the heading.
+    pub(crate) fn field_count(
         &mut self,
         line: &Line,
-        found: usize,
+        fields: usize,
         wanted: usize,
         header: Option<bool>,
     ) -> Diagnostic {
         let count = |n: usize| if n == 1 { "1 field".to_owned() } else { format!("{n} fields") };
         let whole = 0..line.text.len();
-        if found < wanted && !line.ended {
+        if fields < wanted && !line.ended {
             let message = format!("`{}` ends in the middle of line {}", self.name, line.number);
             return self
-                .in_line(message, line, &whole, &format!("{} of {wanted}", count(found)))
+                .in_line(message, line, &whole, &format!("{} of {wanted}", count(fields)))
                 .help("the file was cut off: copy it again, or delete its last line");
         }
         let first = if header == Some(false) { "the first line" } else { "the heading" };
         let message =
-            format!("line {} of `{}` has {}, {first} has {wanted}", line.number, self.name, count(found));
-        self.in_line(message, line, &whole, &count(found))
+            format!("line {} of `{}` has {}, {first} has {wanted}", line.number, self.name, count(fields));
+        self.in_line(message, line, &whole, &count(fields))
             .help("every line needs one field for each column; an unmeasured row is best deleted")
     }
 
@@ -206,7 +211,7 @@ impl Mistakes<'_> {
             .help("delete the line, or leave it out with `window` or `rows`: a gap in time does no harm, an invented value does")
     }
 
-    pub(crate) fn two_marks(
+    pub(crate) fn mixed_decimal_marks(
         &mut self,
         line: &Line,
         field: Range<usize>,
@@ -222,7 +227,7 @@ impl Mistakes<'_> {
         .help("say which is the decimal mark: `decimal: '.'` or `decimal: ','`")
     }
 
-    /// A time that does not come after the one before.
+    /// The time of a row is not later than that of the previous row.
     pub(crate) fn time_order(&mut self, now: &TimeCell, before: &TimeCell, whole_file: bool) -> Diagnostic {
         let (time, earlier) = (now.time, before.time);
         let (line, other) = (&now.line, &before.line);
@@ -254,11 +259,11 @@ impl Mistakes<'_> {
     }
 }
 
-/// The time of a row, and where it stands.
+/// The time of a row with its position.
 pub(crate) struct TimeCell {
     pub(crate) line: Line,
     pub(crate) field: Range<usize>,
-    /// As the file has it.
+    /// In the unit of the file.
     pub(crate) time: f64,
 }
 

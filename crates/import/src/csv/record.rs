@@ -1,11 +1,11 @@
-//! The columns that a record needs, as numbers. The file streams by; only those numbers stay in memory, and of them only what is left of
-//! `rows`, `run`, `window` and `decimate`.
+//! Reads the columns of a record. The file is streamed: only the rows that `rows`, `run`, `window` and
+//! `decimate` leave stay in memory.
 
 use super::dialect::Dialect;
+use super::header::Header;
 use super::lines::{Line, LineError, Lines};
 use super::mistakes::{Mistakes, TimeCell};
-use super::opening::Opening;
-use crate::contradictions::{Reading, contradiction, crossed};
+use crate::contradictions::{StatedColumn, swapped_columns, unit_contradiction};
 use crate::data_file::DataFile;
 use crate::selection::{FEWEST, Selection, SelectionError};
 use phisindy_phys::spec::{CsvSpec, Spanned, Text};
@@ -14,10 +14,13 @@ use phisindy_phys::{Diagnostic, SourceId, Sources, Table, Units};
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// Reads what `csv` needs from a file, whose columns are in `units`; `spec` is where `csv` stands. With the table come warnings.
+/// Reads the columns of the record `csv` from a file whose columns are in `units`. Returns the table in SI,
+/// and warnings.
+///
+/// `spec` is the source that contains `csv`; `sources` receives the lines of the file that diagnostics show.
 ///
 /// # Errors
-/// Everything that is wrong with the heading, or the first thing that is wrong in the rows, with the line of the file.
+/// All mistakes in the heading, or the first mistake in a row.
 pub fn record(
     csv: &CsvSpec,
     units: &Units,
@@ -29,22 +32,22 @@ pub fn record(
     let mut lines = Lines::of(file, csv.skip);
     let character = |c: &Option<Spanned<char>>| c.as_ref().map(|c| c.value);
     let (separator, decimal) = (character(&csv.separator), character(&csv.decimal));
-    let opening = match Opening::read(&mut lines, separator, decimal, csv.header) {
-        Ok(Some(opening)) => opening,
+    let header = match Header::read(&mut lines, separator, decimal, csv.header) {
+        Ok(Some(header)) => header,
         Ok(None) => return Err(vec![mistakes.empty(csv.path.span)]),
-        Err(e) => return Err(vec![mistakes.bad_line(csv.path.span, &e)]),
+        Err(e) => return Err(vec![mistakes.unreadable_line(csv.path.span, &e)]),
     };
-    let layout = Layout::of(csv, &opening, &mut mistakes)?;
-    let warnings = match &opening.heading {
-        Some(_) => contradictions(csv, units, &opening, &layout, spec),
+    let layout = Layout::of(csv, &header, &mut mistakes)?;
+    let warnings = match &header.heading {
+        Some(_) => contradictions(csv, units, &header, &layout, spec),
         None => vec![],
     };
     let mut reader = Reader {
         csv,
         time: units.time.scale(),
         columns: units.columns.iter().map(|u| u.scale()).collect(),
-        names: &opening.names,
-        dialect: &opening.dialect,
+        names: &header.names,
+        dialect: &header.dialect,
         layout,
         mistakes,
         warnings,
@@ -56,41 +59,41 @@ pub fn record(
         seen_point: None,
         seen_comma: None,
     };
-    let mut pending = opening.rows.into_iter();
+    let mut pending = header.rows.into_iter();
     while let Some(line) =
         pending.next().map_or_else(|| reader.lines.next(), |line| Ok(Some(line))).transpose()
     {
-        let line = line.map_err(|e| vec![reader.bad_line(&e)])?;
+        let line = line.map_err(|e| vec![reader.unreadable_line(&e)])?;
         reader.row(line).map_err(|d| vec![*d])?;
     }
     let Reader { selection, mistakes, warnings, lines, .. } = reader;
     match selection.finish() {
         Ok(table) => Ok((table, warnings)),
-        Err(e) => Err(vec![e.diagnostic(csv, mistakes.name, spec, lines.part())]),
+        Err(e) => Err(vec![e.diagnostic(csv, mistakes.name, spec, lines.fraction_read())]),
     }
 }
 
-/// Where the needed columns stand in a line.
+/// Positions of the columns that the record needs.
 struct Layout {
-    /// None where a rate takes its place.
+    /// `None` if the record states a rate.
     time: Option<usize>,
     columns: Vec<usize>,
     rows: Vec<usize>,
 }
 
 impl Layout {
-    /// Looks each column up in the heading.
-    fn of(csv: &CsvSpec, opening: &Opening, mistakes: &mut Mistakes<'_>) -> Result<Layout, Vec<Diagnostic>> {
-        let (names, header) = (&opening.names, opening.heading.as_ref());
+    /// Finds each column in the heading.
+    fn of(csv: &CsvSpec, header: &Header, mistakes: &mut Mistakes<'_>) -> Result<Layout, Vec<Diagnostic>> {
+        let (names, header) = (&header.names, header.heading.as_ref());
         let mut wrong = Vec::new();
         let mut find = |text: &Text| {
             let mut same = (0..names.len()).filter(|&k| names[k] == text.value);
             match (same.next(), same.next(), header) {
                 (Some(k), None, _) => return k,
                 (Some(a), Some(b), Some((line, fields))) => {
-                    wrong.push(mistakes.twice(text, line, fields[a].clone(), fields[b].clone()));
+                    wrong.push(mistakes.duplicate_column(text, line, fields[a].clone(), fields[b].clone()));
                 }
-                _ => wrong.push(mistakes.no_column(text, names, header.map(|(line, _)| line))),
+                _ => wrong.push(mistakes.missing_column(text, names, header.map(|(line, _)| line))),
             }
             0
         };
@@ -103,31 +106,31 @@ impl Layout {
     }
 }
 
-/// Warns of headings that say another unit than the spec, or name each other's column.
+/// Warnings for headings that contradict the spec.
 fn contradictions(
     csv: &CsvSpec,
     units: &Units,
-    opening: &Opening,
+    header: &Header,
     layout: &Layout,
     spec: SourceId,
 ) -> Vec<Diagnostic> {
-    let time = layout.time.map(|k| (k, Reading { name: None, column: &csv.time, unit: units.time }));
+    let time = layout.time.map(|k| (k, StatedColumn { name: None, column: &csv.time, unit: units.time }));
     let columns = csv.columns.iter().zip(&units.columns).zip(&layout.columns);
     let columns =
-        columns.map(|(((name, column), &unit), &k)| (k, Reading { name: Some(name), column, unit }));
-    let told = time.into_iter().chain(columns).filter_map(|(k, reading)| {
-        let unit = opening.units.as_ref().and_then(|row| row.get(k)).map(String::as_str);
-        contradiction(&reading, &opening.names[k], unit, spec)
+        columns.map(|(((name, column), &unit), &k)| (k, StatedColumn { name: Some(name), column, unit }));
+    let units_differ = time.into_iter().chain(columns).filter_map(|(k, stated)| {
+        let unit = header.units.as_ref().and_then(|row| row.get(k)).map(String::as_str);
+        unit_contradiction(&stated, &header.names[k], unit, spec)
     });
-    told.chain(crossed(csv, spec)).collect()
+    units_differ.chain(swapped_columns(csv, spec)).collect()
 }
 
 struct Reader<'a> {
     csv: &'a CsvSpec,
-    /// How the time and each column become SI.
+    /// Conversion of the time and of each column to SI.
     time: Scale,
     columns: Vec<Scale>,
-    /// Of all columns of the file.
+    /// Names of all columns of the file.
     names: &'a [String],
     dialect: &'a Dialect,
     layout: Layout,
@@ -135,28 +138,28 @@ struct Reader<'a> {
     warnings: Vec<Diagnostic>,
     lines: Lines<'a>,
     selection: Selection<'a>,
-    /// The numbers of a row, kept for the next one.
+    /// Buffer for the numbers of a row.
     values: Vec<f64>,
-    /// The last row inside of the window.
+    /// Time of the last row inside the window.
     last: Option<TimeCell>,
-    /// Length of the shortest last field so far.
+    /// Length of the shortest last field so far, in bytes.
     shortest: usize,
-    /// A number with a decimal point, and one with a decimal comma, if any was met.
+    /// The first number with a decimal point, and the first with a decimal comma.
     seen_point: Option<String>,
     seen_comma: Option<String>,
 }
 
 impl Reader<'_> {
-    fn bad_line(&mut self, error: &LineError) -> Diagnostic {
-        self.mistakes.bad_line(self.csv.path.span, error)
+    fn unreadable_line(&mut self, error: &LineError) -> Diagnostic {
+        self.mistakes.unreadable_line(self.csv.path.span, error)
     }
 
-    /// One line of the file.
+    /// Reads a row of numbers.
     fn row(&mut self, line: Line) -> Result<(), Box<Diagnostic>> {
         let csv = self.csv;
         let fields = self.dialect.fields(&line.text);
         if fields.len() != self.names.len() {
-            let d = self.mistakes.ragged(&line, fields.len(), self.names.len(), csv.header);
+            let d = self.mistakes.field_count(&line, fields.len(), self.names.len(), csv.header);
             return Err(Box::new(d));
         }
         for (j, (_, wanted)) in csv.rows.iter().enumerate() {
@@ -169,9 +172,9 @@ impl Reader<'_> {
             Some(k) => (fields[k].clone(), self.number(&line, &fields, k, self.time)?),
             None => (0..0, (self.selection.counted_time(), self.selection.counted_time())),
         };
-        self.end_of(&line, fields.last());
-        // What lies outside of the window is not looked at: a record is often bad at its ends.
-        if !self.selection.enters(time) {
+        self.check_line_end(&line, fields.last());
+        // Values outside the window are not parsed: records often have bad rows at their ends.
+        if !self.selection.admits(time) {
             return Ok(());
         }
         self.values.clear();
@@ -184,25 +187,25 @@ impl Reader<'_> {
             return Err(Box::new(self.mistakes.time_order(&now, before, csv.rows.is_empty())));
         }
         let kept = self.selection.push(seconds, &self.values, now.line.number);
-        kept.map_err(|e| Box::new(self.refused(&e)))?;
+        kept.map_err(|e| Box::new(self.selection_error(&e)))?;
         self.last = Some(now);
         Ok(())
     }
 
-    fn refused(&self, error: &SelectionError) -> Diagnostic {
-        error.diagnostic(self.csv, self.mistakes.name, self.mistakes.spec, self.lines.part())
+    fn selection_error(&self, error: &SelectionError) -> Diagnostic {
+        error.diagnostic(self.csv, self.mistakes.name, self.mistakes.spec, self.lines.fraction_read())
     }
 
-    /// Looks at how a line ends: a file that was cut off may end inside a number.
-    fn end_of(&mut self, line: &Line, last: Option<&Range<usize>>) {
+    /// Warns if the file may be truncated inside its last number.
+    fn check_line_end(&mut self, line: &Line, last: Option<&Range<usize>>) {
         let Some(last) = last else { return };
         if !line.ended && last.len() < self.shortest && self.selection.counted() as usize >= FEWEST {
-            self.warnings.push(self.mistakes.perhaps_cut(line, last));
+            self.warnings.push(self.mistakes.truncated(line, last));
         }
         self.shortest = self.shortest.min(last.len());
     }
 
-    /// A field as it stands there, and in SI.
+    /// Parses a field; returns the number as written and in SI.
     fn number(
         &mut self,
         line: &Line,
@@ -237,14 +240,14 @@ impl Reader<'_> {
                 )));
             }
         }
-        // "1,500" beside "0.5" is a thousand or a decimal comma: better ask than guess.
+        // Beside "0.5", "1,500" may be a thousand or have a decimal comma: the user has to decide.
         if dialect.decimal.is_none() && (comma || text.contains('.')) {
             let seen = if comma { &mut self.seen_comma } else { &mut self.seen_point };
             if seen.is_none() {
                 *seen = Some(text.clone());
             }
             if let (Some(a), Some(b)) = (&self.seen_point, &self.seen_comma) {
-                return Err(Box::new(self.mistakes.two_marks(line, field.clone(), a, b)));
+                return Err(Box::new(self.mistakes.mixed_decimal_marks(line, field.clone(), a, b)));
             }
         }
         Ok(parsed.unwrap_or((f64::NAN, f64::NAN)))

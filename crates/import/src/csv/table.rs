@@ -1,26 +1,26 @@
-//! All columns of a file as numbers, line by line, up to a stated amount.
+//! Reads all columns of a file.
 
 use super::dialect::{Dialect, is_units_row, looks_like_number};
+use super::header::Header;
 use super::lines::{Line, LineError, Lines};
 use super::mistakes::Mistakes;
-use super::opening::Opening;
 use crate::data_file::{DataFile, unreadable};
 use crate::headings::Heading;
 use crate::table::{Column, Table};
 use phisindy_expr::Span;
 use phisindy_phys::{Diagnostic, SourceId, Sources};
 
-/// Most numbers that are kept: 80 MB.
+/// Most numbers in memory: 80 MB.
 const MOST_NUMBERS: usize = 10_000_000;
-/// Most rows that are read: statistics get no better.
+/// Most rows that are read: more do not improve the statistics.
 const MOST_ROWS: usize = 1_000_000;
-/// Fewer rows than this are no record.
+/// Fewest rows of a table.
 const FEWEST: usize = 20;
 
-/// Reads all columns of a file; `at` is where the user named it.
+/// Reads all columns of a file, up to a million rows; `at` is where the user named it.
 ///
 /// # Errors
-/// What is wrong with the file, where, and what to do.
+/// The first mistake in the file.
 pub fn table(
     file: DataFile<'_>,
     at: (SourceId, Span),
@@ -31,50 +31,50 @@ pub fn table(
     let skip = preamble(&mut lines);
     let mut lines = lines.restarted(skip).map_err(|e| unreadable(name, at, &e))?;
     let mut mistakes = Mistakes { name, spec: at.0, sources };
-    let opening = match Opening::read(&mut lines, None, None, None) {
-        Ok(Some(opening)) => opening,
+    let header = match Header::read(&mut lines, None, None, None) {
+        Ok(Some(header)) => header,
         Ok(None) => return Err(Box::new(mistakes.empty(at.1))),
-        Err(e) => return Err(Box::new(mistakes.bad_line(at.1, &e))),
+        Err(e) => return Err(Box::new(mistakes.unreadable_line(at.1, &e))),
     };
-    let mut headings: Vec<Heading> = opening.names.iter().map(|h| Heading::parse(h)).collect();
-    if let Some(units) = &opening.units {
+    let mut headings: Vec<Heading> = header.names.iter().map(|h| Heading::parse(h)).collect();
+    if let Some(units) = &header.units {
         headings = headings.into_iter().zip(units).map(|(h, u)| h.with_unit(u)).collect();
     }
     let most = MOST_ROWS.min(MOST_NUMBERS / headings.len().max(1));
     let mut rows = Rows {
-        dialect: &opening.dialect,
-        has_header: opening.heading.is_some(),
+        dialect: &header.dialect,
+        has_header: header.heading.is_some(),
         columns: headings.into_iter().map(Column::new).collect(),
         numbers: vec![],
         comma: false,
         point: false,
         mistakes,
     };
-    let mut part = 1.0;
-    let mut pending = opening.rows.into_iter();
+    let mut fraction_read = 1.0;
+    let mut pending = header.rows.into_iter();
     while let Some(line) = pending.next().map_or_else(|| lines.next(), |line| Ok(Some(line))).transpose() {
-        let line = line.map_err(|e: LineError| rows.mistakes.bad_line(at.1, &e))?;
+        let line = line.map_err(|e: LineError| rows.mistakes.unreadable_line(at.1, &e))?;
         rows.push(&line)?;
         if rows.numbers.len() == most {
-            part = lines.part();
+            fraction_read = lines.fraction_read();
             break;
         }
     }
-    if let Some((message, help)) = rows.refusal() {
+    if let Some((message, help)) = rows.defect() {
         return Err(Box::new(Diagnostic::error(message).at(at.0, at.1, "this file").help(help)));
     }
-    let reading = reading(&opening.dialect, rows.comma, rows.has_header, skip);
-    Ok(Table { columns: rows.columns, row_numbers: rows.numbers, reading, part })
+    let record_fields = record_fields(&header.dialect, rows.comma, rows.has_header, skip);
+    Ok(Table { columns: rows.columns, row_numbers: rows.numbers, record_fields, fraction_read })
 }
 
-/// The rows so far.
+/// The rows read so far.
 struct Rows<'a> {
     dialect: &'a Dialect,
     has_header: bool,
     columns: Vec<Column>,
     /// The line of each row.
     numbers: Vec<usize>,
-    /// Whether a number with a decimal comma was met, and one with a point.
+    /// Whether a number with a decimal comma occurred, and one with a point.
     comma: bool,
     point: bool,
     mistakes: Mistakes<'a>,
@@ -85,8 +85,8 @@ impl Rows<'_> {
         let (dialect, width) = (self.dialect, self.columns.len());
         let fields = dialect.fields(&line.text);
         if fields.len() != width {
-            let d = self.mistakes.ragged(line, fields.len(), width, (!self.has_header).then_some(false));
-            // What was taken for the heading is perhaps none.
+            let d = self.mistakes.field_count(line, fields.len(), width, (!self.has_header).then_some(false));
+            // The presumed heading may be a line of a preamble.
             let preamble = self.has_header && self.numbers.len() < 3;
             let help = "if other lines stand before the heading, put `#` in front of each of them";
             return Err(Box::new(if preamble { d.help(help) } else { d }));
@@ -115,8 +115,8 @@ impl Rows<'_> {
         Ok(())
     }
 
-    /// Why this is no table of numbers, and what to do.
-    fn refusal(&self) -> Option<(String, &'static str)> {
+    /// Why the rows form no usable table, and what to do.
+    fn defect(&self) -> Option<(String, &'static str)> {
         let name = self.mistakes.name;
         let rows = self.numbers.len();
         if self.comma && self.point {
@@ -146,8 +146,8 @@ impl Rows<'_> {
     }
 }
 
-/// How a spec says that the file is written like this.
-fn reading(dialect: &Dialect, comma: bool, has_header: bool, skip: usize) -> Vec<String> {
+/// The fields of a record that describe this file.
+fn record_fields(dialect: &Dialect, comma: bool, has_header: bool, skip: usize) -> Vec<String> {
     let separator = match dialect.separator {
         Some(',') => None,
         Some('\t') => Some("'\\t'".to_owned()),
@@ -161,10 +161,10 @@ fn reading(dialect: &Dialect, comma: bool, has_header: bool, skip: usize) -> Vec
     [separator, decimal, header, skip].into_iter().flatten().collect()
 }
 
-/// Of the lines at the start of a file this many are looked at for its heading.
+/// Number of lines in which the heading is searched.
 const START: usize = 100;
 
-/// How many lines stand before the heading: those before the last line of words above the first rows of numbers.
+/// Number of lines before the heading, which is the last line of words above the first rows of numbers.
 fn preamble(lines: &mut Lines<'_>) -> usize {
     let mut start: Vec<Line> = Vec::new();
     while let (true, Ok(Some(line))) = (start.len() < START, lines.next()) {
@@ -178,19 +178,19 @@ fn preamble(lines: &mut Lines<'_>) -> usize {
         let good = fields.iter().filter(|f| looks_like_number(&dialect.unquoted(&line.text, f))).count();
         fields.len() == width && 2 * good > width
     };
-    // A preamble may hold numbers too, but not as many in a row as fill the rest of what was read.
+    // A preamble may hold numbers too, but they do not fill all following lines.
     let Some(words) = start.iter().rposition(|line| !numbers(line)) else { return 0 };
     let units = words > 0 && is_units_row(&dialect, &start[words].text);
     let heading = if units { words - 1 } else { words };
     match dialect.fields(&start[heading].text).len() == width && words + 3 < start.len() {
         true if heading > 0 => start[heading].number - 1,
-        // Numbers without a heading, below lines of words.
+        // Lines of words above numbers without heading.
         false if words + 3 < start.len() && width > 1 => start[words].number,
         _ => 0,
     }
 }
 
-/// How people write that there is no value.
+/// Common spellings of a missing value.
 fn is_missing(text: &str) -> bool {
     matches!(
         text.to_lowercase().as_str(),

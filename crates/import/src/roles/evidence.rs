@@ -1,4 +1,4 @@
-//! What the headings and the numbers of the columns say about each other.
+//! Relations between the columns of a table, from headings and numbers.
 
 use super::names::COPIES;
 use crate::headings::{Heading, Quantity, factor};
@@ -8,13 +8,13 @@ use crate::time_column::{TimeColumn, is_counter};
 use phisindy_signal::{automatic, standard_deviation};
 use std::ops::Range;
 
-/// The columns of a file, as far as they are known.
+/// A table with its time column and statistics.
 pub(crate) struct Evidence<'a> {
     pub(crate) table: &'a Table,
     pub(crate) time: &'a TimeColumn,
     /// Of each column.
     pub(crate) statistics: &'a [Statistics],
-    /// The longest stretch of rows in which time does not go back.
+    /// The longest range of rows in which time does not go back.
     pub(crate) run: &'a Range<usize>,
 }
 
@@ -27,18 +27,18 @@ impl Evidence<'_> {
         &self.heading(k).raw
     }
 
-    /// Whether a column without a unit holds nothing but noise.
+    /// Whether a column without unit holds noise only.
     pub(crate) fn is_noise(&self, k: usize) -> bool {
-        let look = &self.statistics[k];
-        self.heading(k).quantity == Quantity::Unsaid && look.noise > 0.8 * look.std
+        let statistics = &self.statistics[k];
+        self.heading(k).quantity == Quantity::Unknown && statistics.noise > 0.8 * statistics.std
     }
 
-    /// Whether a column before this one has its heading: no spec can tell the two apart.
+    /// Whether an earlier column has the same heading: a spec cannot tell the two apart.
     pub(crate) fn is_namesake(&self, k: usize) -> bool {
         (0..k).any(|j| self.name(j) == self.name(k))
     }
 
-    /// The column of which this one is another form, `x` of `x_true`.
+    /// The column of which this one is a copy: `x` for `x_true`.
     pub(crate) fn original(&self, k: usize) -> Option<usize> {
         let own = self.heading(k);
         let plain = |h: &Heading| -> Vec<String> {
@@ -46,31 +46,31 @@ impl Evidence<'_> {
         };
         let same = |&j: &usize| {
             let other = self.heading(j);
-            j != k && !other.says(COPIES) && other.quantity == own.quantity && plain(other) == plain(own)
+            j != k && !other.has_word(COPIES) && other.quantity == own.quantity && plain(other) == plain(own)
         };
-        (0..self.table.columns.len()).find(same).filter(|_| own.says(COPIES))
+        (0..self.table.columns.len()).find(same).filter(|_| own.has_word(COPIES))
     }
 
-    /// Columns with a signal in them.
+    /// Columns that hold a signal and may have a role.
     pub(crate) fn signals(&self) -> Vec<usize> {
         let usable = |&k: &usize| {
-            let (column, look) = (&self.table.columns[k], &self.statistics[k]);
-            let selector = look.values.is_some()
-                && matches!(column.heading.quantity, Quantity::Unsaid | Quantity::Other);
+            let (column, statistics) = (&self.table.columns[k], &self.statistics[k]);
+            let selector = statistics.values.is_some()
+                && matches!(column.heading.quantity, Quantity::Unknown | Quantity::Other);
             k != self.time.column
                 && !is_counter(column)
                 && !self.is_noise(k)
                 && self.original(k).is_none()
                 && !self.is_namesake(k)
                 && column.text_cells == 0
-                && !look.is_dead()
+                && !statistics.is_constant()
                 && !selector
-                && look.missing * 2 < self.table.rows()
+                && statistics.missing * 2 < self.table.rows()
         };
         (0..self.table.columns.len()).filter(usable).collect()
     }
 
-    /// At most twenty thousand rows of the run, for comparisons.
+    /// The first 20 000 rows of the run, for comparisons.
     pub(crate) fn piece(&self, k: usize) -> Vec<f64> {
         let run = self.run.start..self.run.end.min(self.run.start + 20_000);
         self.table.columns[k].values[run].to_vec()
@@ -80,7 +80,7 @@ impl Evidence<'_> {
         correlation(&self.piece(a), &self.piece(b))
     }
 
-    /// Whether `b` is the derivative of `a`: alike, and of the right size.
+    /// Whether `b` is the derivative of `a`: correlated, and of the same size in common units.
     pub(crate) fn is_derivative(&self, a: usize, b: usize) -> bool {
         let (time, x) = (self.piece(self.time.column), self.piece(a));
         let Ok(slope) = automatic(&time, &x) else { return false };
@@ -95,7 +95,7 @@ impl Evidence<'_> {
     }
 }
 
-/// Of Pearson, over the rows where both have numbers.
+/// Pearson correlation over the rows in which both columns have numbers.
 fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let pairs: Vec<(f64, f64)> =
         a.iter().copied().zip(b.iter().copied()).filter(|(a, b)| a.is_finite() && b.is_finite()).collect();

@@ -1,7 +1,7 @@
-//! What people call the columns of a file, as parts of a heading.
+//! Words in headings, by role.
 
-/// Names of a displacement or an angle.
-pub(super) const PLACES: &[&str] = &[
+/// Words for a displacement or an angle.
+pub(super) const DISPLACEMENTS: &[&str] = &[
     "x",
     "y",
     "z",
@@ -29,9 +29,9 @@ pub(super) const PLACES: &[&str] = &[
     "travel",
     "auslenkung",
 ];
-/// Names of what a sensor reads.
+/// Words for a measured output.
 pub(super) const OUTPUTS: &[&str] = &["y", "out", "output", "response", "sensor", "measured"];
-/// Names of the motion of what the body hangs on.
+/// Words for the motion of the base.
 pub(super) const BASES: &[&str] = &[
     "u",
     "xb",
@@ -53,7 +53,7 @@ pub(super) const BASES: &[&str] = &[
     "wall",
     "sockel",
 ];
-/// Words for what is no measurement: another form of a column that is there too.
+/// Words for a copy of another column: simulated, filtered, fitted.
 pub(super) const COPIES: &[&str] = &[
     "true",
     "truth",
@@ -75,13 +75,13 @@ pub(super) const COPIES: &[&str] = &[
     "smooth",
     "smoothed",
 ];
-/// Names of a command.
-pub(crate) const ORDERS: &[&str] =
+/// Words for a command.
+pub(crate) const COMMANDS: &[&str] =
     &["ref", "reference", "goal", "target", "set", "setpoint", "desired", "cmd", "command", "soll", "demand"];
-/// Names of an acceleration.
+/// Words for an acceleration.
 pub(super) const ACCELERATIONS: &[&str] =
     &["a", "acc", "accel", "acceleration", "ddx", "xddot", "beschleunigung"];
-/// Names of a force, or of what drives in proportion to one.
+/// Words for a force or a drive.
 pub(super) const FORCES: &[&str] = &[
     "f",
     "force",

@@ -1,12 +1,12 @@
-//! Texts and numbers as a spec has them.
+//! Strings and numbers in specs.
 
-/// A text as RON reads it, without escapes: names must stand in the spec as they are.
-pub(super) fn literal(text: &str) -> String {
+/// A RON string without escapes, so that names appear in the spec unchanged.
+pub(super) fn quoted(text: &str) -> String {
     if text.contains(['"', '\\']) { format!("r#\"{text}\"#") } else { format!("\"{text}\"") }
 }
 
-/// Four digits for people.
-pub(super) fn short(x: f64) -> String {
+/// Four significant digits, for comments.
+pub(super) fn four_digits(x: f64) -> String {
     let size = x.abs();
     match () {
         () if x == 0.0 => "0".to_owned(),
@@ -23,8 +23,8 @@ pub(super) fn short(x: f64) -> String {
     }
 }
 
-/// Three digits: more would promise too much.
-pub(super) fn round(x: f64) -> f64 {
+/// Three significant digits: a start value is not more accurate.
+pub(super) fn three_digits(x: f64) -> f64 {
     format!("{x:.2e}").parse().unwrap_or(x)
 }
 
@@ -42,14 +42,14 @@ mod tests {
             (2e-5, "2.000e-5"),
             (250.0, "250"),
         ] {
-            assert_eq!(short(x), text);
+            assert_eq!(four_digits(x), text);
         }
-        assert_eq!(round(1234.5), 1230.0);
+        assert_eq!(three_digits(1234.5), 1230.0);
     }
 
     #[test]
     fn headings_with_quotes_are_raw() {
-        assert_eq!(literal("x"), "\"x\"");
-        assert_eq!(literal("x \"a\""), "r#\"x \"a\"\"#");
+        assert_eq!(quoted("x"), "\"x\"");
+        assert_eq!(quoted("x \"a\""), "r#\"x \"a\"\"#");
     }
 }

@@ -1,6 +1,6 @@
 //! Constants and equations.
 
-use super::literals::round;
+use super::literals::three_digits;
 use super::notation::Notation;
 use crate::draft::Draft;
 use crate::roles::Input;
@@ -11,24 +11,27 @@ pub(super) fn constants(draft: &Draft, notation: &Notation, text: &mut String) {
     let estimate = &draft.estimate;
     text.push_str("    constants: {\n");
     let mut add = |name: &str, value: f64, unit: &str, within: (f64, f64), comment: &str| {
-        let (low, high) = (round(within.0), round(within.1));
-        let value = round(value).clamp(low, high);
+        let (low, high) = (three_digits(within.0), three_digits(within.1));
+        let value = three_digits(value).clamp(low, high);
         let _ = writeln!(
             text,
             "        \"{name}\": (value: {value:?}, unit: \"{unit}\", within: ({low:?}, {high:?})), // {comment}"
         );
     };
-    // The inverse mass that the regression saw; one is as good as anything where it saw none.
-    let mass = notation.inertia.map(|_| estimate.force.filter(|b| *b > 0.0).map_or(1.0, |b| 1.0 / b));
+    // The mass that the regression found, or 1 if it found none.
+    let mass = notation.inertia.map(|_| estimate.input_gain.filter(|b| *b > 0.0).map_or(1.0, |b| 1.0 / b));
     if let (Some((name, unit)), Some(mass)) = (notation.inertia, mass) {
-        let seen =
-            if estimate.force.is_some_and(|b| b > 0.0) { "a first guess" } else { "not seen in the data" };
+        let seen = if estimate.input_gain.is_some_and(|b| b > 0.0) {
+            "a first guess"
+        } else {
+            "not seen in the data"
+        };
         let comment = format!("EDIT: the inertia, {seen}; if you know it: \"{name}\": (1.23, \"{unit}\")");
         add(name, mass, unit, (mass / 5.0, mass * 5.0), &comment);
     }
     let per = mass.unwrap_or(1.0);
-    if let Some(k) = estimate.spring {
-        let what = match (draft.motion.swing, notation.inertia.is_some()) {
+    if let Some(k) = estimate.stiffness {
+        let what = match (draft.motion.is_pendulum, notation.inertia.is_some()) {
             (true, false) => "gravity over length, for a pendulum that hangs at theta = 0",
             (true, true) => "weight times lever, for a pendulum that hangs at theta = 0",
             (false, false) => "stiffness / mass",
@@ -37,12 +40,13 @@ pub(super) fn constants(draft: &Draft, notation: &Notation, text: &mut String) {
         let comment = format!("EDIT: {what}, from the data; narrow the bounds if you know better");
         add("k", k * per, notation.spring_unit, (k * per / 4.0, k * per * 4.0), &comment);
     }
-    let damping = estimate.spring.map_or_else(|| 10.0 * estimate.damper.abs().max(0.1), |k| 2.0 * k.sqrt());
-    let start = estimate.damper.clamp(0.005 * damping, 0.5 * damping);
+    let damping =
+        estimate.stiffness.map_or_else(|| 10.0 * estimate.damping.abs().max(0.1), |k| 2.0 * k.sqrt());
+    let start = estimate.damping.clamp(0.005 * damping, 0.5 * damping);
     let what = if notation.inertia.is_some() { "viscous damping" } else { "viscous damping / mass" };
     add("c", start * per, notation.damper_unit, (0.0, damping * per), &format!("EDIT: {what}"));
     if let Input::Drive(_) = draft.roles.input {
-        let gain = estimate.force.filter(|b| *b != 0.0).unwrap_or(1.0);
+        let gain = estimate.input_gain.filter(|b| *b != 0.0).unwrap_or(1.0);
         let size = 5.0 * gain.abs();
         let comment = "EDIT: acceleration for each unit of the input; either sign";
         add("b", gain, &notation.gain_unit, (-size, size), comment);
@@ -65,46 +69,46 @@ fn states(draft: &Draft, notation: &Notation, text: &mut String) {
         None if !draft.has_unit() => " // EDIT: the heading gives no unit".to_owned(),
         None => String::new(),
     };
-    let Notation { place, speed, place_unit, speed_unit, .. } = notation;
+    let Notation { displacement, velocity, displacement_unit, velocity_unit, .. } = notation;
     let _ = writeln!(
         text,
-        "    states: {{ \"{place}\": \"{place_unit}\", \"{speed}\": \"{speed_unit}\" }},{edit}"
+        "    states: {{ \"{displacement}\": \"{displacement_unit}\", \"{velocity}\": \"{velocity_unit}\" }},{edit}"
     );
 }
 
 fn inputs(draft: &Draft, notation: &Notation, text: &mut String) {
     let doubt = draft.roles.input_doubt.as_ref().map_or(String::new(), |d| format!(" // EDIT: {d}"));
-    let (unit, speed_unit) = (&notation.input_unit, &notation.speed_unit);
+    let (unit, velocity_unit) = (&notation.input_unit, &notation.velocity_unit);
     let _ = match draft.roles.input {
         Input::None => {
             writeln!(text, "    inputs: {{}}, // EDIT: nothing that acts on it is measured; is it free?")
         }
         Input::Base(_) => {
-            writeln!(text, "    inputs: {{ \"u\": \"{unit}\", \"du\": \"{speed_unit}\" }},{doubt}")
+            writeln!(text, "    inputs: {{ \"u\": \"{unit}\", \"du\": \"{velocity_unit}\" }},{doubt}")
         }
         Input::Force(_) | Input::Drive(_) => writeln!(text, "    inputs: {{ \"F\": \"{unit}\" }},{doubt}"),
     };
 }
 
-/// Whether the base moves: springs and dampers are felt relative to it.
+/// Whether the base moves: springs and dampers then act on the relative motion.
 fn is_relative(draft: &Draft) -> bool {
     matches!(draft.roles.input, Input::Base(_))
 }
 
 fn known(draft: &Draft, notation: &Notation, text: &mut String) {
-    let Notation { place, speed, .. } = notation;
+    let Notation { displacement, velocity, .. } = notation;
     let (stretch, slip) = if is_relative(draft) {
-        (format!("{place} - u"), format!("({speed} - du)"))
+        (format!("{displacement} - u"), format!("({velocity} - du)"))
     } else {
-        ((*place).to_owned(), (*speed).to_owned())
+        ((*displacement).to_owned(), (*velocity).to_owned())
     };
-    let stretch = match (draft.motion.swing, is_relative(draft)) {
+    let stretch = match (draft.motion.is_pendulum, is_relative(draft)) {
         (true, _) => format!("sin({stretch})"),
         (false, true) => format!("({stretch})"),
         (false, false) => stretch,
     };
     let mut rate = format!("-c*{slip}");
-    if draft.estimate.spring.is_some() {
+    if draft.estimate.stiffness.is_some() {
         let _ = write!(rate, " - k*{stretch}");
     }
     let rate = match (draft.roles.input, notation.inertia) {
@@ -114,56 +118,56 @@ fn known(draft: &Draft, notation: &Notation, text: &mut String) {
     };
     let _ = writeln!(
         text,
-        "    known: {{\n        \"{place}\": \"{speed}\",\n        \"{speed}\": \"{rate}\", // EDIT: the physics that you are sure of"
+        "    known: {{\n        \"{displacement}\": \"{velocity}\",\n        \"{velocity}\": \"{rate}\", // EDIT: the physics that you are sure of"
     );
-    if draft.estimate.spring.is_none() {
+    if draft.estimate.stiffness.is_none() {
         text.push_str("        // The data show no spring. If there is one, add `- k*x` and a constant k.\n");
     }
     text.push_str("    },\n");
 }
 
 fn inertia(draft: &Draft, notation: &Notation, text: &mut String) {
-    let speed = notation.speed;
+    let velocity = notation.velocity;
     if let Some((mass, _)) = notation.inertia {
-        let _ = writeln!(text, "    inertia: {{ \"{speed}\": \"{mass}\" }},");
+        let _ = writeln!(text, "    inertia: {{ \"{velocity}\": \"{mass}\" }},");
         return;
     }
-    let (mass, unit, force) = match notation.place_unit.as_str() {
+    let (mass, unit, force) = match notation.displacement_unit.as_str() {
         "m" if draft.has_unit() => ("m", "kg", "N"),
         "rad" => ("J", "kg*m^2", "N*m"),
         _ => return,
     };
-    // The motion alone says nothing of it.
+    // The motion alone does not determine the inertia.
     let _ = writeln!(
         text,
-        "    // inertia: {{ \"{speed}\": \"{mass}\" }}, // EDIT: if you know it, with \"{mass}\": (1.23, \"{unit}\") in constants: then forces are told in {force}"
+        "    // inertia: {{ \"{velocity}\": \"{mass}\" }}, // EDIT: if you know it, with \"{mass}\": (1.23, \"{unit}\") in constants: then forces are told in {force}"
     );
 }
 
 fn unknown(draft: &Draft, notation: &Notation, text: &mut String) {
-    let Notation { place, speed, .. } = notation;
+    let Notation { displacement, velocity, .. } = notation;
     let _ = writeln!(
         text,
-        "    // What may be missing: dry friction at least. Others: {place}^3, {speed}*|{speed}|; `phisindy gap` tries every \
+        "    // What may be missing: dry friction at least. Others: {displacement}^3, {velocity}*|{velocity}|; `phisindy gap` tries every \
          law of the catalogue.\n    // If the friction comes out negative, something else is missing."
     );
     let over = notation.inertia.map_or(String::new(), |(mass, _)| format!("/{mass}"));
-    let term = match draft.estimate.spring {
-        // Only a motion of many frequencies tells a hardening spring from a stiff one.
+    let term = match draft.estimate.stiffness {
+        // Only a motion of many frequencies distinguishes a hardening spring from a stiff one.
         Some(_) if draft.is_rich() => {
-            format!("(factor: \"-1{over}\", candidates: [\"sgn({speed})\", \"{place}^3\"])")
+            format!("(factor: \"-1{over}\", candidates: [\"sgn({velocity})\", \"{displacement}^3\"])")
         }
-        Some(_) => format!("(factor: \"-sgn({speed}){over}\", candidates: [\"1\"])"),
-        // Without a spring a constant force is no offset of the sensor.
-        None => format!("(factor: \"-1{over}\", candidates: [\"sgn({speed})\", \"1\"])"),
+        Some(_) => format!("(factor: \"-sgn({velocity}){over}\", candidates: [\"1\"])"),
+        // Without a spring a constant force cannot be an offset of the sensor.
+        None => format!("(factor: \"-1{over}\", candidates: [\"sgn({velocity})\", \"1\"])"),
     };
-    let _ = writeln!(text, "    unknown: {{\n        \"{speed}\": {term}, // EDIT: candidates");
+    let _ = writeln!(text, "    unknown: {{\n        \"{velocity}\": {term}, // EDIT: candidates");
     let rubs = if is_relative(draft) {
         format!(
-            "EDIT: it rubs on something at rest; on the base: \"{speed}-du\" here, and sgn({speed}-du) above"
+            "EDIT: it rubs on something at rest; on the base: \"{velocity}-du\" here, and sgn({velocity}-du) above"
         )
     } else {
         "it rubs on something at rest".to_owned()
     };
-    let _ = writeln!(text, "    }},\n    contacts: [\"{speed}\"], // {rubs}");
+    let _ = writeln!(text, "    }},\n    contacts: [\"{velocity}\"], // {rubs}");
 }

@@ -4,17 +4,17 @@ use crate::draft::Draft;
 use crate::headings::Quantity;
 use crate::roles::Input;
 
-/// How the model is written down for one kind of motion.
+/// Names and units for one kind of motion.
 pub(super) struct Notation {
-    /// Names of the states.
-    pub(super) place: &'static str,
-    pub(super) speed: &'static str,
+    /// Names of the two states.
+    pub(super) displacement: &'static str,
+    pub(super) velocity: &'static str,
     /// Their units.
-    pub(super) place_unit: String,
-    pub(super) speed_unit: String,
-    /// The inertia, where a force is measured: name and unit.
+    pub(super) displacement_unit: String,
+    pub(super) velocity_unit: String,
+    /// Name and unit of the inertia, if a force is measured.
     pub(super) inertia: Option<(&'static str, &'static str)>,
-    /// Units of stiffness, damping, of the input and of what it is multiplied with.
+    /// Units of stiffness, damping, the input and its gain.
     pub(super) spring_unit: &'static str,
     pub(super) damper_unit: &'static str,
     pub(super) input_unit: String,
@@ -25,16 +25,16 @@ impl Notation {
     pub(super) fn of(draft: &Draft) -> Notation {
         let heading = |c: usize| &draft.table.columns[c].heading;
         let own = heading(draft.moving());
-        let (place, speed) = if draft.roles.angle { ("theta", "w") } else { ("x", "v") };
-        let place_unit = match own.quantity {
-            Quantity::Electric | Quantity::Other if draft.roles.place.is_some() => {
+        let (displacement, velocity) = if draft.roles.is_angle { ("theta", "w") } else { ("x", "v") };
+        let displacement_unit = match own.quantity {
+            Quantity::Electric | Quantity::Other if draft.roles.displacement.is_some() => {
                 own.unit.clone().unwrap_or_default()
             }
-            _ if draft.roles.angle => "rad".to_owned(),
+            _ if draft.roles.is_angle => "rad".to_owned(),
             _ => "m".to_owned(),
         };
-        let speed_unit = format!("{place_unit}/s");
-        let inertia = match (draft.roles.input, draft.roles.angle) {
+        let velocity_unit = format!("{displacement_unit}/s");
+        let inertia = match (draft.roles.input, draft.roles.is_angle) {
             (Input::Force(_), false) => Some(("m", "kg")),
             (Input::Force(_), true) => Some(("J", "kg*m^2")),
             _ => None,
@@ -46,11 +46,11 @@ impl Notation {
         };
         let (input_unit, gain_unit) = match draft.roles.input {
             Input::None => (String::new(), String::new()),
-            Input::Base(_) => (place_unit.clone(), String::new()),
-            Input::Force(_) => (if draft.roles.angle { "N*m" } else { "N" }.to_owned(), String::new()),
+            Input::Base(_) => (displacement_unit.clone(), String::new()),
+            Input::Force(_) => (if draft.roles.is_angle { "N*m" } else { "N" }.to_owned(), String::new()),
             Input::Drive(c) => {
                 let unit = heading(c).unit.clone().unwrap_or_default();
-                let gain = format!("{place_unit}/s^2");
+                let gain = format!("{displacement_unit}/s^2");
                 (
                     unit.clone(),
                     match unit.contains(['*', '/']) {
@@ -62,10 +62,10 @@ impl Notation {
             }
         };
         Notation {
-            place,
-            speed,
-            place_unit,
-            speed_unit,
+            displacement,
+            velocity,
+            displacement_unit,
+            velocity_unit,
             inertia,
             spring_unit,
             damper_unit,

@@ -1,6 +1,6 @@
-//! What there is to know about a file: the comment at the head of its spec, and a summary.
+//! The comment at the head of a spec, and a summary for the terminal.
 
-use super::literals::short;
+use super::literals::four_digits;
 use crate::draft::Draft;
 use crate::roles::Input;
 use std::fmt::Write;
@@ -42,11 +42,11 @@ fn columns(draft: &Draft) -> Vec<String> {
     let row = |(k, column): (usize, &crate::table::Column)| {
         let statistics = &draft.statistics[k];
         let is_time = k == draft.time.column;
-        let noise = if is_time || statistics.noise == 0.0 { none() } else { short(statistics.noise) };
+        let noise = if is_time || statistics.noise == 0.0 { none() } else { four_digits(statistics.noise) };
         let line = statistics.line.filter(|l| !is_time && l.share > 0.1);
-        let frequency = line.map_or_else(none, |l| format!("{} Hz", short(l.frequency / time)));
+        let frequency = line.map_or_else(none, |l| format!("{} Hz", four_digits(l.frequency / time)));
         let (min, max) = if statistics.min <= statistics.max {
-            (short(statistics.min), short(statistics.max))
+            (four_digits(statistics.min), four_digits(statistics.max))
         } else {
             (none(), none())
         };
@@ -60,17 +60,17 @@ fn columns(draft: &Draft) -> Vec<String> {
         format!(
             "{:width$} {min:>11} {max:>11} {:>11} {noise:>10} {frequency:>10}  {}{values}{missing}",
             column.heading.raw,
-            short(statistics.std),
+            four_digits(statistics.std),
             draft.usages[k]
         )
     };
     [heading].into_iter().chain(columns.iter().enumerate().map(row)).collect()
 }
 
-/// Whether the motion comes to rest.
+/// How often the motion is at rest.
 fn standstill(draft: &Draft) -> String {
     let (moving, stops) = (draft.raw(draft.moving()), &draft.stops);
-    if stops.part <= 0.01 {
+    if stops.fraction <= 0.01 {
         return format!(
             "`{moving}` does not stand still anywhere for long: it turns, but it does not stick."
         );
@@ -79,13 +79,13 @@ fn standstill(draft: &Draft) -> String {
     let longest = stops.stretches.iter().map(|s| s.len()).max().unwrap_or(0) as f64 * step;
     format!(
         "`{moving}` stands still for {:.0} % of the first record, in {} stretches, the longest {} s: friction that sticks, or a pause.",
-        100.0 * stops.part,
+        100.0 * stops.fraction,
         stops.stretches.len(),
-        short(longest)
+        four_digits(longest)
     )
 }
 
-/// Columns that stand at their limits.
+/// Columns that may be clipped.
 fn clipping(draft: &Draft) -> impl Iterator<Item = String> {
     let clipped = draft.statistics.iter().enumerate().filter(|(_, s)| s.clipped > 0);
     clipped.map(|(k, statistics)| {
@@ -98,14 +98,14 @@ fn clipping(draft: &Draft) -> impl Iterator<Item = String> {
     })
 }
 
-/// Rows, duration, rate.
+/// Number of rows, duration, sampling rate and irregularities.
 fn sampling(draft: &Draft, file: &str) -> String {
     let (table, time, times) = (&draft.table, &draft.time, draft.times());
     let unit = draft.factor(time.column);
     let rows = table.rows();
     let span = time.runs(rows).iter().map(|r| times[r.end - 1] - times[r.start]).sum::<f64>() * unit;
-    let count = if table.part < 1.0 {
-        let all = rows as f64 / table.part / 1e6;
+    let count = if table.fraction_read < 1.0 {
+        let all = rows as f64 / table.fraction_read / 1e6;
         format!("about {all:.0} million rows, of which the first {rows} were looked at")
     } else {
         format!("{rows} rows")
@@ -115,8 +115,11 @@ fn sampling(draft: &Draft, file: &str) -> String {
         j if j < 0.02 => format!("uniform to {:.1} % of a step", 100.0 * j),
         j => format!("not uniform: steps vary by {:.0} % (no harm)", 100.0 * j),
     };
-    let mut text =
-        format!("{file}: {count}, {} s at {} Hz, {uniform}", short(span), short(1.0 / (time.step * unit)));
+    let mut text = format!(
+        "{file}: {count}, {} s at {} Hz, {uniform}",
+        four_digits(span),
+        four_digits(1.0 / (time.step * unit))
+    );
     let often = |n: usize| if n == 1 { "once".to_owned() } else { format!("{n} times") };
     let lists =
         [(&time.gaps, "gaps in time"), (&time.repeats, "repeated times"), (&time.reversals, "jumps back")];
@@ -129,7 +132,7 @@ fn sampling(draft: &Draft, file: &str) -> String {
     text + "."
 }
 
-/// A few lines on the file and on what was taken from it.
+/// A few lines on the file and on the roles of its columns.
 pub fn summary(draft: &Draft, file: &str) -> Vec<String> {
     let named = |c: usize| format!("`{}`", draft.raw(c));
     let mut taken =

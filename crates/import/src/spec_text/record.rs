@@ -1,6 +1,6 @@
 //! A record of the file.
 
-use super::literals::{literal, round};
+use super::literals::{quoted, three_digits};
 use super::notation::Notation;
 use crate::draft::Draft;
 use crate::records::RecordDraft;
@@ -16,7 +16,7 @@ pub(super) fn record(
     file: &str,
     text: &mut String,
 ) {
-    let (path, name) = (literal(file), literal(&record.name));
+    let (path, name) = (quoted(file), quoted(&record.name));
     let (time, remark) = time(draft);
     let columns = columns(draft, notation).join(", ");
     let _ = writeln!(
@@ -27,19 +27,19 @@ pub(super) fn record(
     if let Input::Base(_) = draft.roles.input {
         fields.push("derive: { \"du\": Derivative(\"u\") }".to_owned());
     }
-    if !draft.table.reading.is_empty() {
-        fields.push(draft.table.reading.join(", "));
+    if !draft.table.record_fields.is_empty() {
+        fields.push(draft.table.record_fields.join(", "));
     }
-    if let (Some(_), Some(_)) = (draft.roles.place, draft.estimate.spring) {
+    if let (Some(_), Some(_)) = (draft.roles.displacement, draft.estimate.stiffness) {
         let (start, low, high) = zero(draft);
-        let (place, unit) = (notation.place, &notation.place_unit);
+        let (displacement, unit) = (notation.displacement, &notation.displacement_unit);
         fields.push(format!(
-            "sensors: {{ \"{place}\": (offset: Find(start: {start:?}, unit: \"{unit}\", within: ({low:?}, {high:?}))) }}"
+            "sensors: {{ \"{displacement}\": (offset: Find(start: {start:?}, unit: \"{unit}\", within: ({low:?}, {high:?}))) }}"
         ));
     }
     if !record.rows.is_empty() {
         let rows: Vec<String> =
-            record.rows.iter().map(|(name, value)| format!("{}: {value:?}", literal(name))).collect();
+            record.rows.iter().map(|(name, value)| format!("{}: {value:?}", quoted(name))).collect();
         fields.push(format!("rows: {{ {} }}", rows.join(", ")));
     }
     fields.extend(record.run.map(|run| format!("run: {run}")));
@@ -55,12 +55,12 @@ pub(super) fn record(
 fn column(draft: &Draft, c: usize) -> String {
     let heading = &draft.table.columns[c].heading;
     match &heading.unit {
-        Some(unit) => format!("({}, \"{unit}\")", literal(&heading.raw)),
-        None => literal(&heading.raw),
+        Some(unit) => format!("({}, \"{unit}\")", quoted(&heading.raw)),
+        None => quoted(&heading.raw),
     }
 }
 
-/// The column of time, and what to look at there.
+/// The time column, and a comment on what to check there.
 fn time(draft: &Draft) -> (String, &'static str) {
     let time = &draft.time;
     if time.counted {
@@ -82,23 +82,23 @@ fn time(draft: &Draft) -> (String, &'static str) {
 fn columns(draft: &Draft, notation: &Notation) -> Vec<String> {
     let roles = &draft.roles;
     let named = |name: &str, c: usize| format!("\"{name}\": {}", column(draft, c));
-    let place = roles.place.map(|c| named(notation.place, c));
-    let speed = roles.speed.map(|c| named(notation.speed, c));
+    let displacement = roles.displacement.map(|c| named(notation.displacement, c));
+    let velocity = roles.velocity.map(|c| named(notation.velocity, c));
     let input = match roles.input {
         Input::None => None,
         Input::Base(c) => Some(named("u", c)),
         Input::Force(c) | Input::Drive(c) => Some(named("F", c)),
     };
-    [place, speed, input].into_iter().flatten().collect()
+    [displacement, velocity, input].into_iter().flatten().collect()
 }
 
-/// Where the sensor's zero may be: start and bounds, in the state's unit as far as that is SI.
+/// Start value and bounds of the sensor offset, in SI.
 fn zero(draft: &Draft) -> (f64, f64, f64) {
     let (low, high) = draft.extent;
-    let half = if draft.motion.swing { 0.5 } else { 0.5 * (high - low) };
+    let half = if draft.motion.is_pendulum { 0.5 } else { 0.5 * (high - low) };
     let mut rest = draft.estimate.rest;
     if let Some(base) = &draft.motion.base {
         rest -= base.iter().sum::<f64>() / base.len().max(1) as f64;
     }
-    (round(rest), round(rest - half), round(rest + half))
+    (three_digits(rest), three_digits(rest - half), three_digits(rest + half))
 }
