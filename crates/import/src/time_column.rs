@@ -43,7 +43,7 @@ pub struct TimeColumn {
     pub reversals: Vec<usize>,
     /// Neither name nor unit identifies the column as time.
     pub guessed: bool,
-    /// The file has no time column: rows are counted at [`RATE`], which the user corrects.
+    /// The file has no time column: rows are counted at 100 per second, which the user corrects.
     pub counted: bool,
     /// The unit is derived from the step: a motion is not sampled in steps of a second or more.
     pub unit_guessed: bool,
