@@ -1,12 +1,11 @@
 //! Whether a result depends on how columns were differentiated: by how much the numbers would move with another differentiator, by one
 //! Gauss-Newton step from where they are.
 
-use crate::fit::Fit;
 use crate::least_squares::Normal;
 use crate::linear::solve_damped;
-use crate::problem::Problem;
-use phisindy_phys::Record;
-use phisindy_signal::Differentiator;
+use crate::trajectory::fit::Fit;
+use crate::trajectory::problem::Problem;
+use phisindy_phys::{Differentiator, Record};
 
 /// Half of a 95 % interval in standard errors.
 const REACH: f64 = 1.959_963_984_540_054;

@@ -1,14 +1,14 @@
 //! Identification from start to end, whatever the method.
 
-use crate::assess::{Solution, assess};
-use crate::contribution::contributions;
 use crate::differentiators::{Number, dependence};
-use crate::identified::{
+use crate::result::contribution::contributions;
+use crate::result::identified::{
     Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict,
     sensitive_starts,
 };
-use crate::train::{StepFit, StepOptions, normal_of_steps, train};
-use crate::trajectory::by_trajectory;
+use crate::step::train::{StepFit, StepOptions, normal_of_steps, train};
+use crate::trajectory::assess::{Solution, assess};
+use crate::trajectory::method::by_trajectory;
 use phisindy_phys::spec::{Method, Optimiser, Role};
 use phisindy_phys::{Case, Record, System};
 use std::ops::ControlFlow;

@@ -1,10 +1,10 @@
 //! For tests: models whose motion is written down on a line, and fits of them with a noise that is known. What is fitted to these is linear regression.
 
-use crate::fit::Fit;
 use crate::least_squares::Limits;
-use crate::noise::ColumnNoise;
-use crate::onestep::tests::common;
-use crate::problem::Problem;
+use crate::step::onestep::tests::common;
+use crate::trajectory::fit::Fit;
+use crate::trajectory::noise::ColumnNoise;
+use crate::trajectory::problem::Problem;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Case, Record};
 

@@ -1,10 +1,10 @@
 //! Many seeds of one case: how often the structure is right, how good the numbers and their intervals are.
 
-use crate::identified::{Identified, LearnError};
 use crate::identify::{LearnOptions, identify};
 use crate::linear::{covariance, solve_damped, symmetric};
-use crate::noise::{ColumnNoise, FLOOR};
-use crate::problem::Problem;
+use crate::result::identified::{Identified, LearnError};
+use crate::trajectory::noise::{ColumnNoise, FLOOR};
+use crate::trajectory::problem::Problem;
 use phisindy_expr::{Id, Scratch, Tape};
 use phisindy_phys::spec::{NoiseSpec, Role};
 use phisindy_phys::{Case, Origin, Record};

@@ -1,0 +1,99 @@
+//! Do records agree? The terms of a fit are fitted once more, to each record that was held back: a model that is wrong puts its mistake into the coefficients,
+//! and another motion asks for other ones.
+
+use crate::least_squares::Limits;
+use crate::linear::{covariance, solve_damped};
+use crate::result::identified::RecordFit;
+use crate::trajectory::assess::Solution;
+use crate::trajectory::fit::{Fit, inflation, tally};
+use crate::trajectory::problem::{Meaning, Problem};
+use faer::Mat;
+use phisindy_phys::Record;
+use phisindy_phys::spec::Role;
+
+/// Normal quantile of a chance of one in a hundred thousand.
+const RARE: f64 = 4.265;
+
+/// What the Validate records say against the coefficients of the fit, in words: one sentence for each that disagrees beyond chance. `cov` is the covariance of
+/// the unknowns of the fit.
+pub(crate) fn disagreements(
+    fit: &Fit<'_>,
+    cov: &Mat<f64>,
+    solution: &Solution,
+    records: &[Record],
+    filled: &[Record],
+    runs: &[RecordFit],
+) -> Vec<String> {
+    let validated =
+        (0..records.len()).filter(|&r| records[r].role == Role::Validate && runs[r].run.is_some());
+    validated
+        .filter_map(|r| disagreement(fit, cov, solution, &records[r], &filled[r..=r], &runs[r], r))
+        .collect()
+}
+
+fn disagreement(
+    fit: &Fit<'_>,
+    cov: &Mat<f64>,
+    solution: &Solution,
+    record: &Record,
+    filled: &[Record],
+    run: &RecordFit,
+    r: usize,
+) -> Option<String> {
+    let (system, terms) = (fit.problem.system, &fit.problem.terms);
+    let t = terms.len();
+    if t == 0 {
+        return None;
+    }
+    let mut problem = Problem::new(system, terms, &[record], &[1]).ok()?;
+    let mut x = problem.guess(&solution.coefficients, Some(&solution.parameters[r]), filled);
+    let start = problem.segments[0].start;
+    x[start..].copy_from_slice(&run.start);
+    // Coefficients and the start move; what else there is stays as it was found.
+    let mut moving: Vec<usize> = Vec::new();
+    for (k, meaning) in problem.meanings().into_iter().enumerate() {
+        match meaning {
+            Meaning::Coefficient(_) | Meaning::Start => moving.push(k),
+            Meaning::Sensor(_, state, which) => x[k] = solution.sensors[r][state][which],
+            Meaning::Parameter(..) => {}
+        }
+        if moving.last() != Some(&k) {
+            problem.bounds[k] = (x[k], x[k]);
+        }
+    }
+    let noise = vec![fit.noise.first()?.clone()];
+    let weights = problem.weights(&noise, problem.residuals(&x).ok().as_deref());
+    let normal = problem.minimise(&mut x, &weights, Limits::new(20, 1e-6)).ok()?;
+    let told = tally(&noise, &problem.residuals(&x).ok()?);
+    let inflation = inflation(told.samples, told.effective);
+    let own =
+        covariance(&Mat::from_fn(moving.len(), moving.len(), |i, j| normal.matrix[(moving[i], moving[j])]));
+    // The coefficients are the first unknowns of both.
+    let both = Mat::from_fn(t, t, |i, j| cov[(i, j)] * fit.inflation() + own[(i, j)] * inflation);
+    if (0..t).any(|k| !both[(k, k)].is_finite()) {
+        return None;
+    }
+    let apart: Vec<f64> = (0..t).map(|k| x[k] - fit.x[k]).collect();
+    let distance: f64 = solve_damped(&both, &apart, 1e-9)?.iter().zip(&apart).map(|(a, b)| a * b).sum();
+    // Wilson and Hilferty's quantile of chi square.
+    let spread = 2.0 / (9.0 * t as f64);
+    if distance <= t as f64 * (1.0 - spread + RARE * spread.sqrt()).powi(3) {
+        return None;
+    }
+    let errors = |k: usize| apart[k].abs() / both[(k, k)].sqrt();
+    let worst = (0..t).max_by(|&a, &b| errors(a).total_cmp(&errors(b)))?;
+    let term = &system.terms[terms[worst]];
+    Some(format!(
+        "{} in {}' is {:.4} by {} alone and {:.4} by what was fitted, {:.0} standard errors apart: the coefficients do not carry over; the known part may be wrong, or a term is missing, \
+         and the intervals may miss",
+        term.candidate,
+        system.states[term.state].name,
+        x[worst],
+        record.name,
+        fit.x[worst],
+        errors(worst),
+    ))
+}
+
+#[cfg(test)]
+mod tests;

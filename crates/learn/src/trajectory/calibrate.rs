@@ -1,0 +1,382 @@
+//! A model in which only parameters move, fitted to records whose noise is known: what the gap workflow asks for again and again.
+
+use crate::least_squares::Limits;
+use crate::result::identified::{Estimate, FoundParameter, RecordFit};
+use crate::trajectory::assess::assess;
+use crate::trajectory::fit::{Fit, Tally, carry, tally};
+use crate::trajectory::method::{found, robust_covariance, solution};
+use crate::trajectory::noise::ColumnNoise;
+use crate::trajectory::problem::{Noise, Problem, Segment, TOLERANCE};
+use faer::Mat;
+use phisindy_phys::spec::Role;
+use phisindy_phys::{Record, System};
+
+/// Segments of the stages of a fit.
+const STAGES: [usize; 3] = [20, 5, 1];
+
+/// A calibrated model.
+#[derive(Clone, Debug)]
+pub struct Calibration {
+    /// Sum over all samples of the Fit records of (residual / noise)^2.
+    pub chi2: f64,
+    /// How many samples that sum has.
+    pub samples: usize,
+    /// How many of them are independent, by the autocorrelation of the residual.
+    pub effective: f64,
+    /// Parameters that moved: shared, per record, of sensors; start states not counted.
+    pub moved: usize,
+    /// Their values, with intervals if they were asked for.
+    pub parameters: Vec<FoundParameter>,
+    /// Free runs of all records from their fitted starts.
+    pub records: Vec<RecordFit>,
+    /// Into how many segments a record was cut at most: 1 unless no single run could be simulated.
+    pub segments: usize,
+}
+
+/// Fits what may move in `system` (its parameters, sensors and start states; no dictionary) to the Fit records, each column weighted by its `noise` (standard
+/// deviation in SI, by record and state), and runs all records freely. `smooth` are the records with smoothed samples of every state, to start from.
+///
+/// With [`Effort::Errors`] the parameters come with 95 % intervals (sandwich covariance, stretched where residuals are correlated, profile likelihood).
+///
+/// # Errors
+/// The model cannot be simulated from any start, in words.
+pub fn calibrate(
+    system: &System,
+    records: &[Record],
+    smooth: &[Record],
+    noise: &[Vec<f64>],
+    effort: Effort,
+) -> Result<Calibration, String> {
+    let samples: usize = records.iter().filter(|r| r.role == Role::Fit).map(Record::readings).sum();
+    let setup = Setup::new(records, smooth, noise);
+    let (mut best, mut parted): (Option<Stage<'_>>, Option<Stage<'_>>) = (None, None);
+    let mut trouble = String::new();
+    // From a first guess the horizon grows; where a fit ended the next one begins.
+    let stages: &[usize] = if effort == Effort::Plain { &STAGES } else { &STAGES[STAGES.len() - 1..] };
+    for &pieces in stages {
+        match Stage::new(system, &setup, pieces, effort, samples, best.as_ref()) {
+            Ok(stage) => parted = best.replace(stage),
+            Err(e) => trouble = e,
+        }
+    }
+    let Stage { problem, mut x, .. } = match best {
+        Some(best) => best,
+        // No single run can be simulated: in segments, then.
+        None if effort != Effort::Plain => return calibrate(system, records, smooth, noise, Effort::Plain),
+        None => return Err(trouble),
+    };
+    let Setup { fitted, of, noise, smooth: starts } = &setup;
+    let weights = problem.weights(noise, None);
+    let single = problem.segments.len() == fitted.len();
+    if single {
+        if effort == Effort::Plain {
+            // Where the spec starts may be better than where the segments led: after an earlier fit it is.
+            let start = problem.guess(&[], None, starts);
+            again(&problem, &mut x, &weights, samples, start);
+            if let Some(start) = on_the_data(&problem, &x, noise, starts) {
+                again(&problem, &mut x, &weights, samples, start);
+            }
+            let misses = problem.normal(&x, &weights).is_ok_and(|n| n.cost > MISFIT * samples as f64);
+            if let Some(start) =
+                parted.filter(|_| misses).and_then(|p| step_by_step(system, &setup, samples, p))
+            {
+                again(&problem, &mut x, &weights, samples, start);
+            }
+        } else {
+            for attempt in 0..RESTARTS {
+                match nearby(&problem, &x, &weights, samples, attempt) {
+                    Some(start) => again(&problem, &mut x, &weights, samples, start),
+                    None => break,
+                }
+            }
+        }
+    }
+    let normal = problem.normal(&x, &weights).map_err(|e| e.to_string())?;
+    let residuals = problem.residuals(&x).map_err(|e| e.to_string())?;
+    let Tally { samples, effective, power: chi2 } = tally(noise, &residuals);
+    let pieces: Vec<usize> =
+        (0..fitted.len()).map(|r| problem.segments.iter().filter(|s| s.record == r).count()).collect();
+    let segments = pieces.iter().copied().max().unwrap_or(1);
+    let fit =
+        Fit { problem, x, noise: noise.clone(), weights, normal, samples, effective, excess: 1.0, pieces };
+    let (cov, bread) = if effort == Effort::Errors {
+        (robust_covariance(&fit), crate::linear::covariance(&fit.normal.matrix))
+    } else {
+        (Mat::zeros(0, 0), Mat::zeros(0, 0))
+    };
+    let inflation = fit.inflation();
+    let estimate = |k: usize| {
+        let value = fit.x[k];
+        if effort != Effort::Errors {
+            return Estimate { value, std_error: f64::NAN, ci95: fit.problem.bounds[k] };
+        }
+        let (error, curvature) = ((cov[(k, k)] * inflation).sqrt(), bread[(k, k)].sqrt());
+        Estimate {
+            value,
+            std_error: error,
+            ci95: crate::trajectory::profile::interval(&fit, k, error, curvature),
+        }
+    };
+    let parameters: Vec<FoundParameter> = fit
+        .problem
+        .meanings()
+        .into_iter()
+        .enumerate()
+        .filter_map(|(k, meaning)| found(system, &fit.problem, &fit, k, meaning, of, records, &estimate))
+        .collect();
+    let mut solved = solution(system, records, &fit, of);
+    let replays = assess(system, records, smooth, &mut solved);
+    Ok(Calibration {
+        chi2,
+        samples,
+        effective,
+        moved: parameters.len(),
+        parameters,
+        records: replays,
+        segments,
+    })
+}
+
+/// A fit over segments.
+struct Stage<'a> {
+    problem: Problem<'a>,
+    x: Vec<f64>,
+    cost: f64,
+}
+
+impl<'a> Stage<'a> {
+    /// Fits over so many segments of each record, from where an earlier stage ended.
+    fn new(
+        system: &'a System,
+        setup: &'a Setup<'a>,
+        pieces: usize,
+        effort: Effort,
+        samples: usize,
+        before: Option<&Stage<'_>>,
+    ) -> Result<Stage<'a>, String> {
+        let Setup { fitted, noise, smooth: starts, .. } = setup;
+        let mut problem = Problem::new(system, &[], fitted, &vec![pieces; fitted.len()])?;
+        problem.budget = Some(budget(&problem));
+        if effort == Effort::Plain {
+            problem.tolerance = tolerance(&problem, noise);
+        }
+        let mut x = problem.guess(&[], None, starts);
+        if let Some(before) = before {
+            carry(&before.problem, &before.x, &problem, &mut x);
+            // Start states too: short segments find them near the data, whatever run the guess came from.
+            for segment in &problem.segments {
+                let same = |s: &&Segment| s.record == segment.record && s.samples.0 == segment.samples.0;
+                if let Some(earlier) = before.problem.segments.iter().find(same) {
+                    let n = system.states.len();
+                    x[segment.start..segment.start + n]
+                        .copy_from_slice(&before.x[earlier.start..earlier.start + n]);
+                }
+            }
+        }
+        let weights = problem.weights(noise, None);
+        // A gain of a hundredth in the logarithm of the likelihood is none.
+        let least = 0.01 / samples.max(1) as f64;
+        let limits = match (pieces == 1, effort) {
+            (true, Effort::Plain) => Limits { far: far(samples), ..Limits::new(40, least) },
+            (true, _) => Limits::new(40, least),
+            (false, _) => Limits::new(10, 1e-3),
+        };
+        let cost = problem.minimise(&mut x, &weights, limits).map_err(|e| e.to_string())?.cost;
+        Ok(Stage { problem, x, cost })
+    }
+}
+
+/// From segments to one run in smaller steps: where neighbouring motions part fast, a run five times as long as the segments that led there ends in a side minimum.
+const STEPS_TO_ONE: [usize; 3] = [3, 2, 1];
+
+/// Where such steps lead, if the segments leave nothing but noise.
+fn step_by_step(system: &System, setup: &Setup<'_>, samples: usize, parted: Stage<'_>) -> Option<Vec<f64>> {
+    let mut stage = Some(parted).filter(|p| p.cost < MISFIT * samples as f64)?;
+    for pieces in STEPS_TO_ONE {
+        stage = Stage::new(system, setup, pieces, Effort::Plain, samples, Some(&stage)).ok()?;
+    }
+    Some(stage.x)
+}
+
+/// Steps for each sample that a trial may take, and a trial of a model with memory.
+const STEPS: (usize, usize) = (12, 4);
+
+/// Steps that a trial may take: friction that strengthens with speed near rest creeps without end, and is wrong. A memory that fades within a part of a sample cannot be
+/// told from none, and takes as many steps as it fades fast.
+fn budget(problem: &Problem<'_>) -> usize {
+    let longest = problem.segments.iter().map(|s| s.samples.1 - s.samples.0).max().unwrap_or(0);
+    let states = &problem.system.states;
+    let measured = |k: usize| problem.records.iter().any(|r| r.columns[k].is_some());
+    let memory = (0..states.len()).any(|k| {
+        let moves = states[k].velocity.is_some() || states.iter().any(|s| s.velocity == Some(k));
+        !moves && !measured(k)
+    });
+    1_000 + longest * if memory { STEPS.1 } else { STEPS.0 }
+}
+
+/// Local error of the simulations of a trial: small against the noise, also where it adds up over a record.
+fn tolerance(problem: &Problem<'_>, noise: &Noise) -> f64 {
+    let parts = problem.records.iter().zip(noise).flat_map(|(record, noise)| {
+        let of = |k: usize| record.columns[k].as_ref().map(|_| noise[k].additive / problem.scale[k]);
+        (0..noise.len()).filter_map(of)
+    });
+    (1e-4 * parts.fold(f64::INFINITY, f64::min)).clamp(TOLERANCE, 1e-5)
+}
+
+/// A misfit above this is worth another start.
+const MISFIT: f64 = 1.01;
+/// chi^2 per sample of a fit that [`Effort::Thorough`] tries other starts for: below it there is nothing to gain, above it the model is wrong.
+pub const RESTARTED: std::ops::Range<f64> = MISFIT..30.0;
+/// Far from the noise a gain of a thousandth is none: what is missing there is no digit.
+fn far(samples: usize) -> (f64, f64) {
+    (RESTARTED.end * samples as f64, 1e-3)
+}
+
+/// Starts round an end that misses.
+const RESTARTS: u32 = 4;
+
+/// Another start whose cost is more than this many times the present one promises nothing.
+const PROMISE: f64 = 30.0;
+
+/// Fits once more from another start, if that promises something, and keeps the better end. A run through stops has side minima: one stop more or less, and the cost jumps.
+fn again(
+    problem: &Problem<'_>,
+    x: &mut Vec<f64>,
+    weights: &[Vec<Vec<f64>>],
+    samples: usize,
+    start: Vec<f64>,
+) {
+    let Ok(now) = problem.normal(x, weights) else { return };
+    if now.cost < MISFIT * samples as f64 {
+        return;
+    }
+    let mut other = start;
+    match problem.normal(&other, weights) {
+        Ok(there) if there.cost < PROMISE * now.cost => {}
+        _ => return,
+    }
+    let limits = Limits { far: far(samples), ..Limits::new(25, 1e-5) };
+    let end = problem.minimise(&mut other, weights, limits);
+    if end.is_ok_and(|end| end.cost < now.cost) {
+        *x = other;
+    }
+}
+
+/// A fitted start this many standard deviations of the noise from the smoothed motion is another run than the measured one.
+const ASTRAY: f64 = 4.0;
+
+/// The unknowns with runs from where the smoothed motion starts, if they start elsewhere: an earlier model, from whose start they set out, may have been wrong.
+fn on_the_data(problem: &Problem<'_>, x: &[f64], noise: &Noise, smooth: &[Record]) -> Option<Vec<f64>> {
+    let (mut out, mut astray) = (x.to_vec(), false);
+    for segment in &problem.segments {
+        for (k, column) in smooth[segment.record].columns.iter().enumerate() {
+            let Some([_, second, third, ..]) = column.as_deref() else { continue };
+            let (at, start) = (segment.start + k, 2.0 * second - third);
+            let measured = problem.records[segment.record].columns[k].is_some();
+            astray |= measured && (x[at] - start).abs() > ASTRAY * noise[segment.record][k].additive;
+            out[at] = start.clamp(problem.bounds[at].0, problem.bounds[at].1);
+        }
+    }
+    astray.then_some(out)
+}
+
+/// A start near an end: every unknown moved by two of the errors that the misfit stands for, up or down by turns.
+fn nearby(
+    problem: &Problem<'_>,
+    x: &[f64],
+    weights: &[Vec<Vec<f64>>],
+    samples: usize,
+    attempt: u32,
+) -> Option<Vec<f64>> {
+    let normal = problem.normal(x, weights).ok()?;
+    let ratio = normal.cost / samples.max(1) as f64;
+    if !RESTARTED.contains(&ratio) {
+        return None;
+    }
+    let cov = crate::linear::covariance(&normal.matrix);
+    let moved = x.iter().enumerate().map(|(k, v)| {
+        let error = (cov[(k, k)] * ratio).sqrt();
+        let sign =
+            if (k as u32).wrapping_mul(2_654_435_769).rotate_left(attempt * 7) & 1 == 0 { 1.0 } else { -1.0 };
+        let sign = if attempt.is_multiple_of(2) { sign } else { -sign };
+        let reach = f64::from(1 + attempt / 2) * 2.0;
+        let step = if error.is_finite() { reach * sign * error } else { 0.0 };
+        (v + step).clamp(problem.bounds[k].0, problem.bounds[k].1)
+    });
+    Some(moved.collect())
+}
+
+/// How hard to try.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effort {
+    /// One fit, through shorter segments to single runs.
+    Plain,
+    /// From where the model starts and from round it, if the first end leaves more than noise: for a model that was fitted before.
+    Thorough,
+    /// The same, and 95 % intervals.
+    Errors,
+}
+
+/// How well a model predicts the Fit records over many short segments after a few steps of a fit: chi^2 per sample. `None` if it cannot be simulated. For a
+/// race: what is far behind here need not be fitted in full. Only every `stride`-th segment is looked at: 1 for all of them.
+pub fn glance(
+    system: &System,
+    records: &[Record],
+    smooth: &[Record],
+    noise: &[Vec<f64>],
+    stride: usize,
+) -> Option<f64> {
+    let Setup { fitted, noise, smooth: starts, .. } = Setup::new(records, smooth, noise);
+    let mut problem = Problem::new(system, &[], &fitted, &vec![STAGES[0]; fitted.len()]).ok()?;
+    let mut k = 0;
+    problem.segments.retain(|_| {
+        k += 1;
+        (k - 1) % stride.max(1) == 0
+    });
+    looked(problem, &noise, &starts, 1e-2)
+}
+
+/// As [`glance`], but in single runs from where `smooth` starts: for a model that is near already, and whose stops a cut would lose.
+pub fn approach(system: &System, records: &[Record], smooth: &[Record], noise: &[Vec<f64>]) -> Option<f64> {
+    let Setup { fitted, noise, smooth: starts, .. } = Setup::new(records, smooth, noise);
+    let problem = Problem::new(system, &[], &fitted, &vec![1; fitted.len()]).ok()?;
+    looked(problem, &noise, &starts, 1e-3)
+}
+
+/// chi^2 per sample after a few steps.
+fn looked(mut problem: Problem<'_>, noise: &Noise, starts: &[Record], gain: f64) -> Option<f64> {
+    problem.budget = Some(budget(&problem));
+    problem.tolerance = tolerance(&problem, noise);
+    let mut x = problem.guess(&[], None, starts);
+    let weights = problem.weights(noise, None);
+    let normal = problem.minimise(&mut x, &weights, Limits::new(4, gain)).ok()?;
+    let columns = |r: usize| problem.records[r].columns.iter().flatten().count();
+    let samples: usize =
+        problem.segments.iter().map(|s| (s.samples.1 - s.samples.0) * columns(s.record)).sum();
+    Some(normal.cost / samples.max(1) as f64)
+}
+
+/// The Fit records with their noise.
+struct Setup<'a> {
+    fitted: Vec<&'a Record>,
+    /// Where each of them stands among all records.
+    of: Vec<usize>,
+    noise: Noise,
+    smooth: Vec<Record>,
+}
+
+impl<'a> Setup<'a> {
+    fn new(records: &'a [Record], smooth: &[Record], noise: &[Vec<f64>]) -> Setup<'a> {
+        let of: Vec<usize> = (0..records.len()).filter(|&r| records[r].role == Role::Fit).collect();
+        let additive = |s: &f64| ColumnNoise { additive: s.max(f64::MIN_POSITIVE), relative: 0.0 };
+        Setup {
+            fitted: of.iter().map(|&r| &records[r]).collect(),
+            noise: of.iter().map(|&r| noise[r].iter().map(additive).collect()).collect(),
+            smooth: of.iter().map(|&r| smooth[r].clone()).collect(),
+            of,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,456 @@
+//! One trajectory fit: from a first guess to the minimum, with the noise estimated on the way.
+//!
+//! Far from the truth the cost of a whole record has side minima, so the horizon grows: many short segments first, whose start states come from
+//! the data, then few, then one. A record whose single run is much worse than its segments (it drifts, or is unstable) stays segmented.
+
+use crate::least_squares::{Limits, Normal};
+use crate::trajectory::noise::ColumnNoise;
+use crate::trajectory::problem::{ColumnResidual, Meaning, Noise, Problem};
+use phisindy_phys::spec::SegmentsSpec;
+use phisindy_phys::{Record, System};
+use phisindy_signal::{chance_of_white, effective_samples, noise_level};
+
+/// Segments of the stages that a fit from scratch goes through.
+const STAGES: [usize; 3] = [20, 5, 1];
+/// A start that misses by up to so many times what a fit misses by may end below it.
+const PROMISE: f64 = 3.0;
+/// A single run whose residual is this many times that of five segments is not trusted.
+const DRIFT: f64 = 3.0;
+
+/// A fit whose residual is this many times that of the shortest segments may sit in a side minimum, into which the stage between has led it.
+const SPOILED: f64 = 1.2;
+
+/// What the coefficients are multiplied by to look for a better minimum ...
+const HOPS: [f64; 8] = [0.7, 0.85, 0.93, 0.97, 1.04, 1.08, 1.17, 1.4];
+/// ... which must lower the cost to this part.
+const WORTH: f64 = 0.95;
+
+/// By how much the joints of a chain of segments are tightened, in turn, in units of how much they jump if free.
+const TIGHTER: [f64; 3] = [0.3, 0.03, 0.003];
+
+/// A fitted model.
+pub(crate) struct Fit<'a> {
+    pub(crate) problem: Problem<'a>,
+    /// The unknowns at the minimum.
+    pub(crate) x: Vec<f64>,
+    pub(crate) noise: Noise,
+    /// Weights of all samples.
+    pub(crate) weights: Vec<Vec<Vec<f64>>>,
+    pub(crate) normal: Normal,
+    /// Number of residuals.
+    pub(crate) samples: usize,
+    /// The number of independent residuals that they are worth.
+    pub(crate) effective: f64,
+    /// Variance of the residuals over that of their white part (by the spectrum above the motion).
+    pub(crate) excess: f64,
+    /// Segments of each record.
+    pub(crate) pieces: Vec<usize>,
+}
+
+/// What all fits of a case share.
+pub(crate) struct Context<'a> {
+    pub(crate) system: &'a System,
+    pub(crate) records: Vec<&'a Record>,
+    /// Smoothed records, to start from.
+    pub(crate) smooth: Vec<Record>,
+    pub(crate) segments: SegmentsSpec,
+}
+
+impl<'a> Context<'a> {
+    /// Fits `terms` from scratch. `None` if the model cannot be simulated from any start tried.
+    pub(crate) fn fresh_fit(&self, terms: &[usize], coefficients: &[f64]) -> Option<Fit<'a>> {
+        let mut values = coefficients.to_vec();
+        let mut parameters: Option<Vec<f64>> = None;
+        let mut before: Option<(f64, Fit<'a>)> = None;
+        let mut finest: Option<Fit<'a>> = None;
+        let stages: Vec<usize> = match self.segments {
+            SegmentsSpec::Auto => STAGES.to_vec(),
+            SegmentsSpec::Count(n) => {
+                STAGES.iter().copied().filter(|&s| s > n as usize).chain([n as usize]).collect()
+            }
+        };
+        for &pieces in &stages {
+            let begun = |values: &[f64], parameters: Option<&[f64]>, from: Option<&Fit<'a>>| {
+                let mut problem =
+                    Problem::new(self.system, terms, &self.records, &vec![pieces; self.records.len()])
+                        .ok()?;
+                problem.budget = from.map(|fit| fit.budget(fit.most_pieces().div_ceil(pieces)));
+                let mut x = problem.guess(values, parameters, &self.smooth);
+                if let Some(fit) = from {
+                    carry(&fit.problem, &fit.x, &problem, &mut x);
+                }
+                let noise = self.first_noise(&problem);
+                self.settle(problem, x, noise, 1)
+            };
+            let mut fit = begun(&values, parameters.as_deref(), before.as_ref().map(|(_, fit)| fit));
+            if let Some(fine) = &finest {
+                let size = |fit: &Option<Fit<'_>>| {
+                    fit.as_ref().and_then(|fit| self.misfit(fit)).unwrap_or(f64::INFINITY)
+                };
+                if size(&fit) > SPOILED * self.misfit(fine)? {
+                    let other = begun(&fine.x[..terms.len()], self.shared(fine).as_deref(), Some(fine));
+                    if size(&other) < size(&fit) {
+                        fit = other;
+                    }
+                }
+            }
+            let Some(fit) = fit else {
+                if before.is_some() {
+                    break;
+                } else {
+                    continue;
+                };
+            };
+            // Weights differ between stages by what the noise was found to be: compare residuals in the units of the columns.
+            let size = self.misfit(&fit)?;
+            if let Some((last, _)) = &before
+                && pieces == 1
+                && size > DRIFT * last
+                && self.segments == SegmentsSpec::Auto
+            {
+                let straight = self.straight(&fit);
+                if let Some(fit) =
+                    straight.filter(|f| self.misfit(f).is_some_and(|size| size <= DRIFT * last))
+                {
+                    return Some(fit);
+                }
+                // Back to many segments, joined as loosely as they were found to jump.
+                let Fit { mut problem, x, noise, .. } = finest?;
+                problem.continuity = problem.jumps(&x).ok();
+                return self.settle(problem, x, noise, 3);
+            }
+            values = fit.x[..terms.len()].to_vec();
+            parameters = self.shared(&fit);
+            let last = before.replace((size, fit));
+            finest = finest.or(last.map(|(_, fit)| fit));
+        }
+        let (_, fit) = before?;
+        let Fit { problem, x, noise, .. } = fit;
+        let fit = self.settle(problem, x, noise, 3).map(|fit| self.hopped(fit))?;
+        Some(self.straight(&fit).unwrap_or(fit))
+    }
+
+    /// A known model from where the spec starts, in one run, if that is better than where the segments led: after an earlier fit it is, and through clearances they may lead astray.
+    fn straight(&self, found: &Fit<'a>) -> Option<Fit<'a>> {
+        if !found.problem.terms.is_empty() || self.segments != SegmentsSpec::Auto {
+            return None;
+        }
+        let problem = Problem::new(self.system, &[], &self.records, &vec![1; self.records.len()]).ok()?;
+        let x = problem.guess(&[], None, &self.smooth);
+        let least = self.misfit(found)?;
+        if misfit(&problem, &x)? > PROMISE * least {
+            return None;
+        }
+        let fit = self.settle(problem, x, found.noise.clone(), 3)?;
+        (self.misfit(&fit)? < least).then_some(fit)
+    }
+
+    /// A motion that comes to rest has a side minimum for each number of swings before it does: a little more or less of all that is unknown may find a better
+    /// one.
+    fn hopped(&self, mut fit: Fit<'a>) -> Fit<'a> {
+        if fit.is_white() || !fit.comes_to_rest() {
+            return fit;
+        }
+        let bounds = fit.problem.bounds.clone();
+        let hop = |scale: f64| {
+            let mut x = fit.x.clone();
+            for k in 0..fit.problem.terms.len() {
+                x[k] = (x[k] * scale).clamp(bounds[k].0, bounds[k].1);
+            }
+            let limits = Limits::new(8, 1e-3);
+            let end = fit.problem.minimise(&mut x, &fit.weights, limits).ok()?;
+            Some((end.cost, x))
+        };
+        let best = HOPS.into_iter().filter_map(hop).min_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((_, x)) = best.filter(|(cost, _)| *cost < WORTH * fit.normal.cost) {
+            fit.x = x;
+            return self.resettle(fit);
+        }
+        fit
+    }
+
+    /// A fit of cut records as one run for each. A model that lacks a term drifts, and is cut; once the term is found the cuts only waste what the
+    /// record says. `None` if there is nothing to join, or the single run drifts still.
+    pub(crate) fn joined(&self, cut: &Fit<'a>) -> Option<Fit<'a>> {
+        if self.segments != SegmentsSpec::Auto || cut.pieces.iter().all(|&p| p == 1) {
+            return None;
+        }
+        // The joints are tightened by and by: a run over many events has side minima, a chain of short ones that may still give way has few.
+        let mut chain = self.problem(&cut.problem.terms, cut)?;
+        let mut x = cut.x.clone();
+        chain.continuity = None;
+        let jumps = chain.jumps(&x).ok()?;
+        for tighter in TIGHTER {
+            chain.continuity = Some(jumps.iter().map(|j| tighter * j).collect());
+            let limits = Limits::new(12, 1e-4);
+            chain.minimise(&mut x, &cut.weights, limits).ok()?;
+        }
+        let mut single =
+            Problem::new(self.system, &cut.problem.terms, &self.records, &vec![1; self.records.len()])
+                .ok()?;
+        let mut y = single.guess(&x[..cut.problem.terms.len()], None, &self.smooth);
+        carry(&chain, &x, &single, &mut y);
+        for segment in &single.segments {
+            let first = chain.segments.iter().find(|s| s.record == segment.record)?;
+            for k in 0..self.system.states.len() {
+                y[segment.start + k] = x[first.start + k];
+            }
+        }
+        single.budget = Some(cut.budget(cut.most_pieces()));
+        let joined = self.settle(single, y, cut.noise.clone(), 3)?;
+        (self.misfit(&joined)? <= DRIFT * self.misfit(cut)?).then_some(joined)
+    }
+
+    /// How well a guess predicts over many short segments, without fitting anything.
+    pub(crate) fn sketch(&self, terms: &[usize], coefficients: &[f64]) -> Option<f64> {
+        let problem =
+            Problem::new(self.system, terms, &self.records, &vec![STAGES[0]; self.records.len()]).ok()?;
+        let x = problem.guess(coefficients, None, &self.smooth);
+        misfit(&problem, &x)
+    }
+
+    /// Fits other terms from the solution of a fit, with its noise and segments: cost differences between such fits are what a selection needs.
+    pub(crate) fn refit(&self, from: &Fit<'a>, terms: &[usize]) -> Option<Fit<'a>> {
+        // A gain of a hundredth in the logarithm of the likelihood is none.
+        self.refit_within(from, terms, Limits::new(20, 0.01 / from.samples.max(1) as f64))
+    }
+
+    /// As [`Context::refit`], for a look: a few iterations, fewer where the cost stays far above that of the fit.
+    pub(crate) fn glance(&self, from: &Fit<'a>, terms: &[usize]) -> Option<Fit<'a>> {
+        let limits = Limits { hopeless: HOPELESS * from.normal.cost, ..Limits::new(8, 1e-3) };
+        self.refit_within(from, terms, limits)
+    }
+
+    fn refit_within(&self, from: &Fit<'a>, terms: &[usize], limits: Limits) -> Option<Fit<'a>> {
+        let problem = self.problem(terms, from)?;
+        let coefficients: Vec<f64> = terms
+            .iter()
+            .map(|t| from.problem.terms.iter().position(|u| u == t).map_or(0.0, |k| from.x[k]))
+            .collect();
+        let mut x = problem.guess(&coefficients, None, &self.smooth);
+        carry(&from.problem, &from.x, &problem, &mut x);
+        // Starts are carried whole: same segments.
+        for (a, b) in from.problem.segments.iter().zip(&problem.segments) {
+            for k in 0..self.system.states.len() {
+                x[b.start + k] = from.x[a.start + k];
+            }
+        }
+        let weights = from.weights.clone();
+        let normal = problem.minimise(&mut x, &weights, limits).ok()?;
+        Some(Fit {
+            problem,
+            x,
+            noise: from.noise.clone(),
+            weights,
+            normal,
+            samples: from.samples,
+            effective: from.effective,
+            excess: from.excess,
+            pieces: from.pieces.clone(),
+        })
+    }
+
+    /// The problem for other terms, cut and joined as that of a fit.
+    pub(crate) fn problem(&self, terms: &[usize], like: &Fit<'a>) -> Option<Problem<'a>> {
+        let mut problem = Problem::new(self.system, terms, &self.records, &like.pieces).ok()?;
+        problem.continuity = like.problem.continuity.clone();
+        problem.budget = Some(like.budget(1));
+        Some(problem)
+    }
+
+    /// A fit with more terms, started from one with fewer, its noise estimated anew.
+    pub(crate) fn richer(&self, from: &Fit<'a>, terms: &[usize]) -> Option<Fit<'a>> {
+        let Fit { problem, x, noise, .. } = self.refit(from, terms)?;
+        self.settle(problem, x, noise, 3)
+    }
+
+    /// Minimises and re-estimates the noise in turn. `None` if the model cannot be simulated from `x`.
+    pub(crate) fn settle(
+        &self,
+        mut problem: Problem<'a>,
+        mut x: Vec<f64>,
+        mut noise: Noise,
+        rounds: usize,
+    ) -> Option<Fit<'a>> {
+        let found = settled(&mut problem, &mut x, &mut noise, rounds)?;
+        let pieces = (0..self.records.len())
+            .map(|r| problem.segments.iter().filter(|s| s.record == r).count())
+            .collect();
+        let Settled { weights, normal, samples, effective, excess } = found;
+        Some(Fit { problem, x, noise, weights, normal, samples, effective, excess, pieces })
+    }
+
+    /// A fit with its own noise: after a selection it still has that of the fit it came from.
+    pub(crate) fn resettle(&self, mut fit: Fit<'a>) -> Fit<'a> {
+        let (mut x, mut noise) = (fit.x.clone(), fit.noise.clone());
+        match settled(&mut fit.problem, &mut x, &mut noise, 3) {
+            Some(Settled { weights, normal, samples, effective, excess }) => {
+                Fit { x, noise, weights, normal, samples, effective, excess, ..fit }
+            }
+            None => fit,
+        }
+    }
+
+    /// Before anything is fitted every column weighs by its own size.
+    fn first_noise(&self, problem: &Problem<'_>) -> Noise {
+        let one = |d: &f64| ColumnNoise { additive: 0.1 * d.max(f64::MIN_POSITIVE), relative: 0.0 };
+        problem.deviations.iter().map(|columns| columns.iter().map(one).collect()).collect()
+    }
+
+    /// Root mean square of all residuals in units of their columns.
+    pub(crate) fn misfit(&self, fit: &Fit<'_>) -> Option<f64> {
+        misfit(&fit.problem, &fit.x)
+    }
+
+    /// The shared parameters of a fit.
+    fn shared(&self, fit: &Fit<'_>) -> Option<Vec<f64>> {
+        let t = fit.problem.terms.len();
+        Some(fit.problem.model_parameters(0, &fit.x)[t..t + self.system.parameters.len()].to_vec())
+    }
+}
+
+/// Root mean square of all residuals in units of their columns.
+fn misfit(problem: &Problem<'_>, x: &[f64]) -> Option<f64> {
+    let residuals = problem.residuals(x).ok()?;
+    let (mut sum, mut count) = (0.0, 0);
+    for (r, columns) in residuals.iter().enumerate() {
+        for (k, c) in columns.iter().enumerate() {
+            let d = problem.deviations[r][k].max(f64::MIN_POSITIVE);
+            sum += c.residual.iter().map(|e| (e / d).powi(2)).sum::<f64>();
+            count += c.residual.len();
+        }
+    }
+    Some((sum / count.max(1) as f64).sqrt())
+}
+
+/// What settling leaves beside the unknowns and the noise.
+struct Settled {
+    weights: Vec<Vec<Vec<f64>>>,
+    normal: Normal,
+    samples: usize,
+    effective: f64,
+    excess: f64,
+}
+
+fn settled(problem: &mut Problem<'_>, x: &mut [f64], noise: &mut Noise, rounds: usize) -> Option<Settled> {
+    let mut weights = problem.weights(noise, problem.residuals(x).ok().as_deref());
+    let limits = Limits::new(if rounds == 1 { 12 } else { 20 }, if rounds == 1 { 1e-4 } else { 1e-7 });
+    let mut normal = problem.minimise(x, &weights, limits).ok()?;
+    for _ in 1..rounds {
+        let residuals = problem.residuals(x).ok()?;
+        *noise = problem.noise(&residuals);
+        weights = problem.weights(noise, Some(&residuals));
+        if problem.has_priors() {
+            let Tally { samples, effective, .. } = tally(noise, &residuals);
+            problem.belief = inflation(samples, effective);
+        }
+        normal = problem.minimise(x, &weights, limits).ok()?;
+    }
+    let residuals = problem.residuals(x).ok()?;
+    if rounds == 1 {
+        *noise = problem.noise(&residuals);
+    }
+    let Tally { samples, effective, power } = tally(noise, &residuals);
+    let white: f64 = whitened(noise, &residuals).map(|w| noise_level(&w).powi(2) * w.len() as f64).sum();
+    let excess = if white > 0.0 { power / white } else { f64::INFINITY };
+    Some(Settled { weights, normal, samples, effective, excess })
+}
+
+/// What residuals amount to in units of their noise.
+pub(crate) struct Tally {
+    pub(crate) samples: usize,
+    /// How many of them are independent.
+    pub(crate) effective: f64,
+    /// Sum of their squares.
+    pub(crate) power: f64,
+}
+
+pub(crate) fn tally(noise: &Noise, residuals: &[Vec<ColumnResidual>]) -> Tally {
+    let mut tally = Tally { samples: 0, effective: 0.0, power: 0.0 };
+    for white in whitened(noise, residuals) {
+        tally.samples += white.len();
+        tally.effective += effective_samples(&white);
+        tally.power += white.iter().map(|e| e * e).sum::<f64>();
+    }
+    tally
+}
+
+/// The residuals of each measured column in units of its noise.
+fn whitened(noise: &Noise, residuals: &[Vec<ColumnResidual>]) -> impl Iterator<Item = Vec<f64>> {
+    residuals.iter().zip(noise).flat_map(|(columns, noise)| columns.iter().zip(noise)).filter_map(
+        |(c, noise)| {
+            let scaled = |(e, p): (&f64, &f64)| e / noise.variance(*p).sqrt();
+            (!c.residual.is_empty()).then(|| c.residual.iter().zip(&c.prediction).map(scaled).collect())
+        },
+    )
+}
+
+/// By how much the scatter of an estimate is larger than independent samples would make it.
+pub(crate) fn inflation(samples: usize, effective: f64) -> f64 {
+    let f = samples as f64 / effective.max(1.0);
+    // The estimate itself scatters round 1.
+    if f < 1.3 { 1.0 } else { f }
+}
+
+/// Takes over whatever means the same in another problem, but for start states.
+pub(crate) fn carry(from: &Problem<'_>, x: &[f64], to: &Problem<'_>, y: &mut [f64]) {
+    let known = from.meanings();
+    for (k, meaning) in to.meanings().into_iter().enumerate() {
+        if !matches!(meaning, Meaning::Parameter(..) | Meaning::Sensor(..)) {
+            continue;
+        }
+        if let Some(j) = known.iter().position(|m| *m == meaning) {
+            y[k] = x[j];
+        }
+    }
+}
+
+/// A description with so many times the cost of another one after a few steps will not come near it.
+pub(crate) const HOPELESS: f64 = 10.0;
+
+/// A residual is white if at least this part of its samples count as independent.
+const WHITE: f64 = 0.6;
+/// ... or if its power is within this factor of its white part: what else there is, is too small to look for.
+const EXCESS: f64 = 1.1;
+
+impl Fit<'_> {
+    /// Whether nothing but noise is left.
+    pub(crate) fn is_white(&self) -> bool {
+        self.effective > WHITE * self.samples as f64 || self.excess < EXCESS
+    }
+
+    /// The chance that noise looks as what is left does: of the column that looks least like it, with all columns paid for.
+    pub(crate) fn chance_of_noise(&self) -> f64 {
+        let Ok(residuals) = self.problem.residuals(&self.x) else { return 0.0 };
+        let columns: Vec<f64> = whitened(&self.noise, &residuals).map(|w| chance_of_white(&w)).collect();
+        columns.iter().fold(1.0, |least: f64, p| least.min(p * columns.len() as f64))
+    }
+
+    /// Whether a single run ends with all contacts at rest.
+    fn comes_to_rest(&self) -> bool {
+        self.problem.segments.iter().filter(|s| self.pieces[s.record] == 1).any(|segment| {
+            let Ok(seen) = self.problem.trajectory(segment, &self.x) else { return false };
+            let contacts = seen.run.modes.len() / (seen.run.states.len() / seen.run.n).max(1);
+            contacts > 0 && seen.run.modes.iter().rev().take(contacts).all(|mode| *mode == 0)
+        })
+    }
+
+    /// Steps that a simulation of such a model may take over segments so many times as `long`: what takes many times the steps of a good model is a bad
+    /// one, and slow to find out about.
+    fn budget(&self, long: usize) -> usize {
+        1_000 + 4 * long * self.problem.steps(&self.x)
+    }
+
+    /// Segments of the record that has most.
+    fn most_pieces(&self) -> usize {
+        self.pieces.iter().copied().max().unwrap_or(1)
+    }
+
+    /// By how much correlated residuals overstate what is known: 1 for white noise.
+    pub(crate) fn inflation(&self) -> f64 {
+        inflation(self.samples, self.effective)
+    }
+}
+
+#[cfg(test)]
+mod tests;
