@@ -3,6 +3,8 @@
 
 use crate::least_squares::Normal;
 use crate::linear::solve_damped;
+use crate::result::quantity::Quantity;
+use crate::result::warning::Warning;
 use crate::trajectory::fit::Fit;
 use crate::trajectory::problem::Problem;
 use phisindy_phys::{Differentiator, Record};
@@ -10,8 +12,8 @@ use phisindy_phys::{Differentiator, Record};
 /// Half of a 95 % interval in standard errors.
 const REACH: f64 = 1.959_963_984_540_054;
 
-/// A number of the result: its index among the unknowns, its name, its standard error.
-pub(crate) type Number = (usize, String, f64);
+/// A number of the result: its index among the unknowns, what it is, its standard error.
+pub(crate) type Number = (usize, Quantity, f64);
 
 /// The warning, if a number would move out of its interval. `normal` gives the normal equations at the solution with columns differentiated
 /// otherwise; `here` are those of the solution itself.
@@ -19,23 +21,21 @@ pub(crate) fn dependence(
     numbers: &[Number],
     here: &Normal,
     normal: impl Fn(Differentiator) -> Option<Normal>,
-) -> Option<String> {
-    let mut worst: Option<(f64, &str, Differentiator)> = None;
+) -> Option<Warning> {
+    let mut worst: Option<(f64, &Quantity, Differentiator)> = None;
     for how in Differentiator::ALL {
         let Some(step) = normal(how).and_then(|there| step(here, &there)) else { continue };
-        for (k, name, error) in numbers {
+        for (k, number, error) in numbers {
             let far = step[*k].abs() / (REACH * error);
             if far > 1.0 && worst.is_none_or(|(most, ..)| far > most) {
-                worst = Some((far, name, how));
+                worst = Some((far, number, how));
             }
         }
     }
-    worst.map(|(far, name, how)| {
-        format!(
-            "the result depends on how columns are differentiated: with {} {name} would move by {far:.1} times the half of its interval; measure the \
-             derivative, or choose by what is known of the motion (Spectral: smooth, SavitzkyGolay: with stops, Spline: any grid)",
-            how.name()
-        )
+    worst.map(|(half_widths, number, with)| Warning::Differentiator {
+        number: number.clone(),
+        with,
+        half_widths,
     })
 }
 
@@ -61,7 +61,15 @@ pub(crate) fn otherwise(fit: &Fit<'_>, how: Differentiator) -> Option<Normal> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::result::quantity::{ParameterId, ParameterOf};
     use faer::Mat;
+
+    fn named(name: &str) -> Quantity {
+        Quantity::Parameter(ParameterId {
+            of: ParameterOf::Constant { index: 0, name: name.into() },
+            owner: None,
+        })
+    }
 
     /// Curvatures 4 and 9: another slope of 8 and 9 moves the minimum by 2 and 1.
     #[test]
@@ -73,8 +81,8 @@ mod tests {
         };
         let here = of([1.0, 1.0]);
         let told = |errors: [f64; 2], how: Differentiator, there: [f64; 2]| {
-            let numbers: Vec<Number> = (0..2).map(|k| (k, ["a", "b"][k].to_owned(), errors[k])).collect();
-            dependence(&numbers, &here, |other| (other == how).then(|| of(there)))
+            let numbers: Vec<Number> = (0..2).map(|k| (k, named(["a", "b"][k]), errors[k])).collect();
+            dependence(&numbers, &here, |other| (other == how).then(|| of(there))).map(|w| w.to_string())
         };
         for how in Differentiator::ALL {
             let says = told([1.0, 0.2], how, [-7.0, -8.0]).expect("b moves by five errors");
@@ -83,6 +91,6 @@ mod tests {
             assert!(says.contains("a would move by 4.1 times"), "{says}");
         }
         assert_eq!(told([1.03, 0.52], Differentiator::Spline, [-7.0, -8.0]), None);
-        assert_eq!(dependence(&[(0, "a".into(), 1e-9)], &here, |_| None), None);
+        assert_eq!(dependence(&[(0, named("a"), 1e-9)], &here, |_| None), None);
     }
 }

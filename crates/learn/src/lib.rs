@@ -11,12 +11,17 @@ mod straight;
 mod sweep;
 mod trajectory;
 
-pub use identify::{LearnOptions, at_bounds, dead_column, identify};
-pub use result::identified::{
-    Contribution, Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict,
-    sensitive_starts,
-};
+pub use identify::{LearnOptions, dead_column, identify};
+pub use result::error::{DataError, LearnError, ModelError, NumericsError, TruthError};
+pub use result::estimate::Estimate;
+pub use result::identified::{Identified, NoiseModel, PathPoint, StopReason};
+pub use result::parameter::FoundParameter;
+pub use result::quantity::{ParameterId, ParameterOf, Quantity, RecordId, SensorPart, TermId};
+pub use result::record_fit::RecordFit;
+pub use result::term::{Contribution, FoundTerm};
 pub use result::unknown_part::{Course, Curve, UnknownPart, unknown_parts};
+pub use result::verdict::{Rejection, Verdict};
+pub use result::warning::{Warning, at_bounds, sensitive_starts};
 pub use step::train::{StepFit, StepOptions, train};
 pub use sweep::{SweepRun, Truth, bound, project, sweep_one};
 pub use trajectory::calibrate::{Calibration, Effort, RESTARTED, approach, calibrate, glance};

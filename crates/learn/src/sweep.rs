@@ -2,7 +2,8 @@
 
 use crate::identify::{LearnOptions, identify};
 use crate::linear::{covariance, solve_damped, symmetric};
-use crate::result::identified::{Identified, LearnError};
+use crate::result::error::{LearnError, ModelError, TruthError};
+use crate::result::identified::Identified;
 use crate::trajectory::noise::{ColumnNoise, FLOOR};
 use crate::trajectory::problem::Problem;
 use phisindy_expr::{Id, Scratch, Tape};
@@ -26,7 +27,7 @@ pub struct Truth {
 /// Projects the truth of a synthetic case on factor times candidates at random points (record constants from the first record).
 ///
 /// # Errors
-/// In words: the case is not synthetic, or the truth lies outside the dictionary.
+/// The case is not synthetic, or the truth lies outside the dictionary.
 ///
 /// ```
 /// use phisindy_learn::project;
@@ -42,13 +43,12 @@ pub struct Truth {
 /// let truth = project(&case, &[record]).unwrap();
 /// assert!(truth.terms == [0] && (truth.coefficients[0] - 0.3).abs() < 1e-9);
 /// ```
-pub fn project(case: &Case, records: &[Record]) -> Result<Truth, String> {
+pub fn project(case: &Case, records: &[Record]) -> Result<Truth, TruthError> {
     let synthetic = case.records.iter().zip(records).find_map(|(plan, record)| match &plan.origin {
         Origin::Synthetic(s) => Some((s, record)),
         Origin::Csv(_) => None,
     });
-    let (synthetic, record) =
-        synthetic.ok_or("no record of this case is synthetic, so there is no truth to compare with")?;
+    let (synthetic, record) = synthetic.ok_or(TruthError::NotSynthetic)?;
     let system = &case.system;
     // The truth lives in its own graph, which grew from the system's: the same handles mean the same.
     let graph = &synthetic.truth.graph;
@@ -58,7 +58,8 @@ pub fn project(case: &Case, records: &[Record]) -> Result<Truth, String> {
         system.parameters.iter().map(|p| p.start).chain(record.constants.iter().copied()).collect();
     let mut outputs: Vec<Id> = synthetic.extra.clone();
     outputs.extend(system.terms.iter().map(|t| t.value));
-    let tape = Tape::compile(graph, &inputs, &outputs).map_err(|e| e.message(&synthetic.truth.names))?;
+    let tape = Tape::compile(graph, &inputs, &outputs)
+        .map_err(|e| TruthError::Unbound(e.message(&synthetic.truth.names)))?;
     let mut scratch = Scratch::<1>::new(&tape);
     let (n, p) = (system.states.len(), system.terms.len());
     // SplitMix64: the same points in every run.
@@ -99,7 +100,7 @@ pub fn project(case: &Case, records: &[Record]) -> Result<Truth, String> {
             .sum::<f64>()
             .sqrt();
         if miss > 1e-6 * size && size > 0.0 {
-            return Err(format!("the truth of {}' lies outside the dictionary", system.states[state].name));
+            return Err(TruthError::OutsideDictionary { state: system.states[state].name.clone() });
         }
         for (&k, &c) in here.iter().zip(&found) {
             let share: f64 = rows.iter().map(|r| (c * r[n + k]).powi(2)).sum::<f64>().sqrt();
@@ -116,13 +117,13 @@ pub fn project(case: &Case, records: &[Record]) -> Result<Truth, String> {
 /// relative noise vanishes with the state, the additive floor of the noise model stands in (a thousandth of the column's standard deviation).
 ///
 /// # Errors
-/// In words: the truth cannot be simulated.
+/// The truth cannot be simulated.
 pub fn bound(
     case: &Case,
     records: &[Record],
     runs: &[Option<Trajectory>],
     truth: &Truth,
-) -> Result<Vec<f64>, String> {
+) -> Result<Vec<f64>, ModelError> {
     let fitted: Vec<usize> = (0..records.len()).filter(|&r| records[r].role == Role::Fit).collect();
     let chosen: Vec<&Record> = fitted.iter().map(|&r| &records[r]).collect();
     let problem = Problem::new(&case.system, &truth.terms, &chosen, &vec![1; chosen.len()])?;
@@ -142,7 +143,7 @@ pub fn bound(
             x[segment.start..segment.start + start.len()].copy_from_slice(&start);
         }
     }
-    let residuals = problem.residuals(&x).map_err(|e| e.to_string())?;
+    let residuals = problem.residuals(&x)?;
     let noise = fitted
         .iter()
         .enumerate()
@@ -166,7 +167,7 @@ pub fn bound(
         })
         .collect();
     let weights = problem.weights(&noise, Some(&residuals));
-    let normal = problem.normal(&x, &weights).map_err(|e| e.to_string())?;
+    let normal = problem.normal(&x, &weights)?;
     let cov = covariance(&normal.matrix);
     Ok((0..truth.terms.len()).map(|k| cov[(k, k)].sqrt()).collect())
 }

@@ -6,7 +6,7 @@ mod common;
 #[path = "../../sim/tests/common/random.rs"]
 mod random;
 
-use phisindy_learn::{Identified, LearnError, LearnOptions, Verdict, identify};
+use phisindy_learn::{Identified, LearnOptions, Verdict, identify};
 use random::{Acting, Dice, Rig};
 use rayon::prelude::*;
 use std::fmt::Write;
@@ -109,7 +109,7 @@ fn outcome(seed: u64) -> Outcome {
     let (case, records) = common::load_text(&text, &[]);
     let found = match identify(&case, &records, &LearnOptions::default(), &mut |_| ControlFlow::Continue(()))
     {
-        Err(LearnError::Data(why) | LearnError::Numerics(why)) => {
+        Err(why) => {
             return Outcome::Told(format!("{seed}: {why}\n{text}"));
         }
         Ok(found) => found,

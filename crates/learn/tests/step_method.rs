@@ -1,7 +1,7 @@
 //! Method `step`, end to end on the cases of the paper.
 mod common;
 
-use phisindy_learn::{LearnOptions, StepFit, StepOptions, identify, train};
+use phisindy_learn::{LearnOptions, StepFit, StepOptions, StopReason, identify, train};
 use phisindy_phys::spec::{Method, Optimiser};
 use phisindy_phys::{Case, Record};
 use std::ops::ControlFlow;
@@ -279,7 +279,7 @@ fn stops_when_it_is_told_to() {
         heard += 1;
         ControlFlow::Break(())
     });
-    assert!(found.stopped && heard == 1 && found.stages.len() == 1);
+    assert!(found.stop_reason == StopReason::Interrupted && heard == 1 && found.stages.len() == 1);
 }
 
 /// What an epoch costs, without a clock: instructions of the loss and its gradient for one step. A change that makes it dearer is seen here.

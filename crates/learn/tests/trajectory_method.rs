@@ -34,7 +34,7 @@ fn assert_found(
     assert_eq!(names, terms.iter().map(|t| t.0).collect::<Vec<_>>(), "{what:?} {:?}", found.warnings);
     assert_eq!(found.verdict, Verdict::Identified, "{what:?}");
     let moved = parameters.iter().map(|(n, truth)| {
-        let p = found.parameters.iter().find(|p| p.name == *n);
+        let p = found.parameters.iter().find(|p| p.id.to_string() == *n);
         ((*n).to_owned(), p.unwrap_or_else(|| panic!("no {n} in {:?}", found.parameters)).estimate, *truth)
     });
     let all = what.iter().zip(terms).map(|((n, e), t)| (n.clone(), *e, t.1)).chain(moved);
@@ -85,7 +85,7 @@ fn a_record_is_whole_again_once_the_terms_are_found() {
     let expected: Vec<(&str, f64)> =
         names.iter().map(String::as_str).zip(truth.coefficients.iter().copied()).collect();
     assert_found(&case, &found, &expected, &[], 0.05);
-    assert!(!found.warnings.iter().any(|w| w.contains("segments")), "{:?}", found.warnings);
+    assert!(!found.warnings.iter().any(|w| w.to_string().contains("segments")), "{:?}", found.warnings);
 }
 
 /// Trap of coarse events and finite differences: a stall far from the truth with a tiny error.
@@ -288,7 +288,7 @@ fn a_late_sensor() {
     records[1].continues = Some(0);
     let found = run(&case, &records);
     assert_found(&case, &found, &[("v:1", 0.4)], &[], 0.02);
-    let delay = found.parameters.iter().find(|p| p.name.contains("delay")).unwrap();
+    let delay = found.parameters.iter().find(|p| p.id.to_string().contains("delay")).unwrap();
     assert!((delay.estimate.value - late as f64 * step).abs() < 0.005, "{delay:?}");
     for fit in &found.records {
         assert!(fit.nrmse.iter().all(|(_, e)| (0.015..0.025).contains(e)), "{}: {:?}", fit.name, fit.nrmse);

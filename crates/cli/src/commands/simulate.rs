@@ -1,54 +1,27 @@
 //! Simulated runs as CSV: synthetic data (time, the noisy columns of the record, the exact states, the inputs), and the free run of a model
 //! without unknown part along a measured record.
 
-use super::spec_file::{failed, loaded};
-use crate::args::Options;
-use crate::draw;
-use crate::load::{Loaded, Purpose};
-use crate::terminal::{INPUT, NUMERICS, STDOUT};
-use anyhow::{Context, Result, anyhow};
-use phisindy_phys::{Origin, Record, RecordPlan, Sources, System};
-use phisindy_signal::{Differentiator, standard_deviation};
-use phisindy_sim::{Automaton, Drive, Trajectory};
-use std::io::{self, Write};
-use std::path::Path;
+use crate::load::Loaded;
+use anyhow::Result;
+use phisindy_phys::{Differentiator, Origin, Record, RecordPlan, System, standard_deviation};
+use phisindy_sim::{Automaton, Drive, Options, SimError, Trajectory, simulate};
+use std::io::Write;
 
 /// A state beyond this many times its size has diverged.
 const DIVERGED: f64 = 1e4;
 
-/// Simulates the records of a spec, prints them as CSV, and returns the exit code.
-pub(crate) fn simulate(spec: &Path, record: Option<&str>, options: &Options) -> Result<u8> {
-    let mut loaded = match loaded(spec, options, Purpose::Simulate, None) {
-        Ok(loaded) => loaded,
-        Err(code) => return Ok(code),
-    };
-    if loaded.records.is_empty() {
-        return Err(anyhow!(
-            "{}: the model has an unknown part and no `Synthetic` record: identify it first (`phisindy run {} --out DIR`), then simulate \
-             DIR/identified.ron",
-            loaded.spec,
-            loaded.spec
-        ));
+/// Why a model cannot be simulated.
+pub(crate) struct Failure {
+    /// In words.
+    pub(crate) why: String,
+    /// Whether a state grew without bound.
+    pub(crate) diverged: bool,
+}
+
+impl From<String> for Failure {
+    fn from(why: String) -> Failure {
+        Failure { why, diverged: false }
     }
-    if let Some(record) = record {
-        loaded = match loaded.only(record) {
-            Ok(loaded) => loaded,
-            Err(mistake) => {
-                draw::show([&mistake], &Sources::default());
-                return Ok(INPUT);
-            }
-        };
-    }
-    let runs = match runs(&loaded) {
-        Ok(runs) => runs,
-        Err(why) => {
-            failed(&loaded.spec, &why.to_string());
-            return Ok(NUMERICS);
-        }
-    };
-    let mut out = io::BufWriter::new(io::stdout().lock());
-    write(&loaded, &runs, &mut out).and_then(|()| Ok(out.flush()?)).context(STDOUT)?;
-    Ok(0)
 }
 
 /// A run at the sample times of its record.
@@ -62,8 +35,8 @@ struct Run {
 /// The runs of all records.
 ///
 /// # Errors
-/// In words: a model cannot be simulated.
-fn runs(loaded: &Loaded) -> Result<Vec<Run>, String> {
+/// A model cannot be simulated.
+pub(crate) fn runs(loaded: &Loaded) -> Result<Vec<Run>, Failure> {
     let one = |((record, truth), plan): ((&Record, &Option<Trajectory>), &RecordPlan)| match (
         truth,
         &plan.origin,
@@ -73,13 +46,14 @@ fn runs(loaded: &Loaded) -> Result<Vec<Run>, String> {
             let column = |k: usize| record.time.iter().map(|&t| truth.states[row(t) * truth.n + k]).collect();
             Ok(Run { columns: (0..truth.n).map(column).collect(), predicted: false })
         }
-        _ => predicted(&loaded.case.system, record).map_err(|why| format!("record `{}`: {why}", record.name)),
+        _ => predicted(&loaded.case.system, record)
+            .map_err(|e| Failure { why: format!("record `{}`: {}", record.name, e.why), ..e }),
     };
     loaded.records.iter().zip(&loaded.truths).zip(loaded.simulated()).map(one).collect()
 }
 
 /// The free run from the record's start state; what the spec does not say of it is taken from the first sample.
-fn predicted(system: &System, record: &Record) -> Result<Run, String> {
+fn predicted(system: &System, record: &Record) -> Result<Run, Failure> {
     let mut filled = record.clone();
     // A state that cannot be derived is asked for below, unless the spec states where it starts.
     let _ = filled.fill_velocities(system, Differentiator::default());
@@ -101,9 +75,9 @@ fn predicted(system: &System, record: &Record) -> Result<Run, String> {
     let parameters: Vec<f64> =
         system.parameters.iter().map(|p| p.start).chain(record.constants.iter().copied()).collect();
     let drive = Drive { inputs: &record.inputs, parameters: &parameters };
-    let options = phisindy_sim::Options { scale, diverged: DIVERGED, ..phisindy_sim::Options::default() };
-    let run = phisindy_sim::simulate(&automaton, &drive, record.time[0], &start, &record.time, &options)
-        .map_err(|e| e.to_string())?;
+    let options = Options { scale, diverged: DIVERGED, ..Options::default() };
+    let run = simulate(&automaton, &drive, record.time[0], &start, &record.time, &options)
+        .map_err(|e| Failure { why: e.to_string(), diverged: matches!(e, SimError::Diverged { .. }) })?;
     Ok(Run { columns: (0..run.n).map(|k| readings(record, &run, k)).collect(), predicted: true })
 }
 

@@ -1,6 +1,9 @@
 //! `phisindy sweep`.
 
-use super::spec_file::exit_code;
+use super::cells::{Axis, listed, product, vary};
+use super::journal::Journal;
+use super::show::{Heading, json, table};
+use super::{Checked, Plan, RunVerdict, seed_of, sweep};
 use crate::args::{Format, Options, SweepArgs};
 use crate::load::{Loaded, spec_text, with_sets};
 use crate::outdir::OutDir;
@@ -108,10 +111,10 @@ pub(crate) fn sweep(args: &SweepArgs, options: &Options) -> Result<u8> {
         if let Err(why) = &checked.truth {
             complain(&format!("{cell}: {why}: no seed can be right"));
             worst = REJECTED;
-        } else if runs.iter().all(|r| r.verdict.starts_with("failed")) {
+        } else if runs.iter().all(|r| matches!(r.verdict, RunVerdict::Failed(_))) {
             complain(&format!(
                 "{cell}: no run came to a result: {}",
-                runs.first().map_or("", |r| &r.verdict)
+                runs.first().map_or(String::new(), |r| r.verdict.to_string())
             ));
             worst = REJECTED;
         }

@@ -11,6 +11,77 @@ use std::path::Path;
 /// The name of the file in the folder of `--out`.
 pub(crate) const NAME: &str = "sweep.jsonl";
 
+/// One finished run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Run {
+    /// Label of its cell.
+    pub(crate) cell: String,
+    /// Its seed.
+    pub(crate) seed: u64,
+    /// Whether the terms are exactly those of the truth.
+    pub(crate) exact: bool,
+    /// What came of it.
+    pub(crate) verdict: RunVerdict,
+    /// For each term of the truth.
+    pub(crate) found: Vec<Option<Found>>,
+    /// For each term of the truth, the least standard error that the data allow.
+    pub(crate) bound: Vec<Option<f64>>,
+    /// Terms that are not in the truth.
+    pub(crate) spurious: Vec<String>,
+    /// Not to be reproduced.
+    pub(crate) seconds: f64,
+}
+
+/// What came of a run. In the journal and in JSON it is `identified`, `rejected: why` or `failed: why`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "String", into = "String")]
+pub(crate) enum RunVerdict {
+    /// The model predicts the records.
+    #[default]
+    Identified,
+    /// It does not, and why.
+    Rejected(String),
+    /// There is no model, and why.
+    Failed(String),
+}
+
+impl From<String> for RunVerdict {
+    fn from(text: String) -> RunVerdict {
+        match text.split_once(": ") {
+            Some(("rejected", why)) => RunVerdict::Rejected(why.to_owned()),
+            Some(("failed", why)) => RunVerdict::Failed(why.to_owned()),
+            _ => RunVerdict::Identified,
+        }
+    }
+}
+
+impl From<RunVerdict> for String {
+    fn from(verdict: RunVerdict) -> String {
+        verdict.to_string()
+    }
+}
+
+impl std::fmt::Display for RunVerdict {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            RunVerdict::Identified => f.write_str("identified"),
+            RunVerdict::Rejected(why) => write!(f, "rejected: {why}"),
+            RunVerdict::Failed(why) => write!(f, "failed: {why}"),
+        }
+    }
+}
+
+/// A term of the truth that was found; an end of the interval that is missing is at infinity.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Found {
+    /// Coefficient.
+    pub(crate) value: f64,
+    /// Lower end of its 95 % interval.
+    pub(crate) low: Option<f64>,
+    /// Upper end.
+    pub(crate) high: Option<f64>,
+}
+
 /// First line of the file: which case the runs are of.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 struct Header {

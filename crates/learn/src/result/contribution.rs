@@ -1,6 +1,7 @@
 //! What each identified term does along the motion: how much of the unknown force it is, and the energy that it takes out.
 
-use crate::result::identified::{Contribution, Identified};
+use super::identified::Identified;
+use super::term::Contribution;
 use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::spec::Role;
 use phisindy_phys::unit::{Dimension, Unit};

@@ -1,6 +1,6 @@
 //! The identified part of each rate as a resistance: against the velocity that it depends on where there is one such velocity, else along the motion.
 
-use crate::result::identified::Identified;
+use super::identified::Identified;
 use phisindy_expr::{Graph, Id, Scratch, Tape};
 use phisindy_phys::{Case, Origin, Record, System};
 use phisindy_sim::Trajectory;
@@ -137,8 +137,8 @@ impl<'a> Part<'a> {
     fn numbers(&self, record: &Record, found: &Identified, r: usize) -> Vec<f64> {
         let mut values: Vec<f64> = self.system.parameters.iter().map(|p| p.start).collect();
         let owner = record.continues.unwrap_or(r);
-        for p in found.parameters.iter().filter(|p| p.record.is_none_or(|of| of == owner)) {
-            if let Some(k) = p.parameter {
+        for p in found.parameters.iter().filter(|p| p.id.holds_in(owner)) {
+            if let Some(k) = p.id.constant() {
                 values[k] = p.estimate.value;
             }
         }
@@ -192,7 +192,7 @@ impl<'a> Part<'a> {
         let gradient = self.graph.gradient(sum, &nodes);
         let owner = record.continues.unwrap_or(r);
         for (k, p) in found.parameters.iter().enumerate() {
-            if let (Some(index), true) = (p.parameter, p.record.is_none_or(|of| of == owner)) {
+            if let (Some(index), true) = (p.id.constant(), p.id.holds_in(owner)) {
                 slopes[found.terms.len() + k] = gradient[index];
             }
         }

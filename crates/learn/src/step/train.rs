@@ -3,6 +3,7 @@
 
 use crate::least_squares::{Limits, Normal, minimise};
 use crate::linear::{covariance, symmetric};
+use crate::result::identified::StopReason;
 use crate::step::batch::{Batch, deviations};
 use crate::step::descent::Descent;
 use crate::step::onestep::OneStep;
@@ -65,8 +66,8 @@ pub struct StepFit {
     pub stages: Vec<(usize, f64)>,
     /// What the loss costs per sample and direction, with all terms.
     pub cost: Cost,
-    /// Whether it was asked to stop early.
-    pub stopped: bool,
+    /// Why it ended.
+    pub stop_reason: StopReason,
 }
 
 impl StepFit {
@@ -113,8 +114,9 @@ pub fn train(
         loss: f64::NAN,
         stages: vec![],
         cost: Cost::default(),
-        stopped: false,
+        stop_reason: StopReason::Finished,
     };
+    let mut stopped = false;
     let make = |terms: &[usize], parameters: &[f64]| lay_out(system, records, options, terms, parameters);
     let total: u32 = options.epochs.iter().sum();
     let mut done = 0;
@@ -134,7 +136,7 @@ pub fn train(
                 (0..terms.len()).map(within).chain(system.parameters.iter().map(|p| p.within)).collect();
             let loss = solve(&batch, &mut values, &bounds);
             moved = values.split_off(terms.len());
-            fit.stopped = observe((stage as f64 + 1.0) / (stage as f64 + 2.0)).is_break();
+            stopped = observe((stage as f64 + 1.0) / (stage as f64 + 2.0)).is_break();
             loss
         } else {
             let mut descent = match options.optimiser {
@@ -143,7 +145,7 @@ pub fn train(
             };
             let mut gradient = vec![0.0; values.len()];
             let mut left = options.epochs[stage];
-            while left > 0 && !fit.stopped {
+            while left > 0 && !stopped {
                 let now = left.min(UNOBSERVED);
                 // Inside of the pool its threads stay awake from epoch to epoch.
                 rayon::scope(|_| {
@@ -155,7 +157,7 @@ pub fn train(
                 });
                 left -= now;
                 done += now;
-                fit.stopped = observe(f64::from(done) / f64::from(total)).is_break();
+                stopped = observe(f64::from(done) / f64::from(total)).is_break();
             }
             batch.loss(&values, &mut gradient)
         };
@@ -166,7 +168,8 @@ pub fn train(
             let n = coefficients.len() + moved.len();
             let unknown = |i: usize| (0..n).map(|j| if i == j { f64::INFINITY } else { 0.0 }).collect();
             fit.covariance = (0..n).map(unknown).collect();
-            return StepFit { terms, coefficients, parameters: moved, loss, ..fit };
+            let stop_reason = StopReason::LossNotFinite;
+            return StepFit { terms, coefficients, parameters: moved, loss, stop_reason, ..fit };
         }
         let kept: Vec<usize> =
             (0..terms.len()).filter(|&k| coefficients[k].abs() >= options.cutoff).collect();
@@ -177,7 +180,7 @@ pub fn train(
         stage += 1;
         // Gauss-Newton repeats until nothing is cut; descent has its stages.
         let finished = if gauss_newton { !cut } else { stage >= options.epochs.len() };
-        if finished || fit.stopped {
+        if finished || stopped {
             break;
         }
     }
@@ -194,6 +197,9 @@ pub fn train(
     let entry = |i: usize, j: usize| if i.max(j) < n { inverse[(i, j)] * loss / freedom } else { 0.0 };
     fit.covariance = (0..all).map(|i| (0..all).map(|j| entry(i, j)).collect()).collect();
     fit.loss = loss;
+    if stopped {
+        fit.stop_reason = StopReason::Interrupted;
+    }
     fit.terms = terms;
     fit.coefficients = coefficients;
     fit.parameters = moved;

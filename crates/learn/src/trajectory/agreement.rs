@@ -3,7 +3,9 @@
 
 use crate::least_squares::Limits;
 use crate::linear::{covariance, solve_damped};
-use crate::result::identified::RecordFit;
+use crate::result::quantity::TermId;
+use crate::result::record_fit::RecordFit;
+use crate::result::warning::Warning;
 use crate::trajectory::assess::Solution;
 use crate::trajectory::fit::{Fit, inflation, tally};
 use crate::trajectory::problem::{Meaning, Problem};
@@ -14,7 +16,7 @@ use phisindy_phys::spec::Role;
 /// Normal quantile of a chance of one in a hundred thousand.
 const RARE: f64 = 4.265;
 
-/// What the Validate records say against the coefficients of the fit, in words: one sentence for each that disagrees beyond chance. `cov` is the covariance of
+/// What the Validate records say against the coefficients of the fit: one warning for each that disagrees beyond chance. `cov` is the covariance of
 /// the unknowns of the fit.
 pub(crate) fn disagreements(
     fit: &Fit<'_>,
@@ -23,7 +25,7 @@ pub(crate) fn disagreements(
     records: &[Record],
     filled: &[Record],
     runs: &[RecordFit],
-) -> Vec<String> {
+) -> Vec<Warning> {
     let validated =
         (0..records.len()).filter(|&r| records[r].role == Role::Validate && runs[r].run.is_some());
     validated
@@ -39,7 +41,7 @@ fn disagreement(
     filled: &[Record],
     run: &RecordFit,
     r: usize,
-) -> Option<String> {
+) -> Option<Warning> {
     let (system, terms) = (fit.problem.system, &fit.problem.terms);
     let t = terms.len();
     if t == 0 {
@@ -82,17 +84,13 @@ fn disagreement(
     }
     let errors = |k: usize| apart[k].abs() / both[(k, k)].sqrt();
     let worst = (0..t).max_by(|&a, &b| errors(a).total_cmp(&errors(b)))?;
-    let term = &system.terms[terms[worst]];
-    Some(format!(
-        "{} in {}' is {:.4} by {} alone and {:.4} by what was fitted, {:.0} standard errors apart: the coefficients do not carry over; the known part may be wrong, or a term is missing, \
-         and the intervals may miss",
-        term.candidate,
-        system.states[term.state].name,
-        x[worst],
-        record.name,
-        fit.x[worst],
-        errors(worst),
-    ))
+    Some(Warning::Disagreement {
+        term: TermId::new(system, terms[worst]),
+        record: record.name.clone(),
+        alone: x[worst],
+        fitted: fit.x[worst],
+        errors: errors(worst),
+    })
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use crate::least_squares::{Limits, Normal};
 use crate::linear::covariance;
-use crate::result::identified::RecordFit;
+use crate::result::record_fit::RecordFit;
 use crate::trajectory::problem::{Meaning, Problem, Segment};
 use faer::Mat;
 use phisindy_phys::spec::Role;
@@ -116,7 +116,7 @@ fn one(
     let (readings, start, run) = match run {
         Ok(run) => run,
         Err(e) => {
-            fit.failure = Some(e.to_string());
+            fit.failure = Some(e.into());
             return fit;
         }
     };

@@ -1,7 +1,10 @@
 //! A model in which only parameters move, fitted to records whose noise is known: what the gap workflow asks for again and again.
 
 use crate::least_squares::Limits;
-use crate::result::identified::{Estimate, FoundParameter, RecordFit};
+use crate::result::error::ModelError;
+use crate::result::estimate::Estimate;
+use crate::result::parameter::FoundParameter;
+use crate::result::record_fit::RecordFit;
 use crate::trajectory::assess::assess;
 use crate::trajectory::fit::{Fit, Tally, carry, tally};
 use crate::trajectory::method::{found, robust_covariance, solution};
@@ -39,31 +42,31 @@ pub struct Calibration {
 /// With [`Effort::Errors`] the parameters come with 95 % intervals (sandwich covariance, stretched where residuals are correlated, profile likelihood).
 ///
 /// # Errors
-/// The model cannot be simulated from any start, in words.
+/// The model cannot be simulated from any start.
 pub fn calibrate(
     system: &System,
     records: &[Record],
     smooth: &[Record],
     noise: &[Vec<f64>],
     effort: Effort,
-) -> Result<Calibration, String> {
+) -> Result<Calibration, ModelError> {
     let samples: usize = records.iter().filter(|r| r.role == Role::Fit).map(Record::readings).sum();
     let setup = Setup::new(records, smooth, noise);
     let (mut best, mut parted): (Option<Stage<'_>>, Option<Stage<'_>>) = (None, None);
-    let mut trouble = String::new();
+    let mut trouble = None;
     // From a first guess the horizon grows; where a fit ended the next one begins.
     let stages: &[usize] = if effort == Effort::Plain { &STAGES } else { &STAGES[STAGES.len() - 1..] };
     for &pieces in stages {
         match Stage::new(system, &setup, pieces, effort, samples, best.as_ref()) {
             Ok(stage) => parted = best.replace(stage),
-            Err(e) => trouble = e,
+            Err(e) => trouble = Some(e),
         }
     }
     let Stage { problem, mut x, .. } = match best {
         Some(best) => best,
         // No single run can be simulated: in segments, then.
         None if effort != Effort::Plain => return calibrate(system, records, smooth, noise, Effort::Plain),
-        None => return Err(trouble),
+        None => return Err(trouble.expect("a fit without a stage has failed in one")),
     };
     let Setup { fitted, of, noise, smooth: starts } = &setup;
     let weights = problem.weights(noise, None);
@@ -91,8 +94,8 @@ pub fn calibrate(
             }
         }
     }
-    let normal = problem.normal(&x, &weights).map_err(|e| e.to_string())?;
-    let residuals = problem.residuals(&x).map_err(|e| e.to_string())?;
+    let normal = problem.normal(&x, &weights)?;
+    let residuals = problem.residuals(&x)?;
     let Tally { samples, effective, power: chi2 } = tally(noise, &residuals);
     let pieces: Vec<usize> =
         (0..fitted.len()).map(|r| problem.segments.iter().filter(|s| s.record == r).count()).collect();
@@ -153,7 +156,7 @@ impl<'a> Stage<'a> {
         effort: Effort,
         samples: usize,
         before: Option<&Stage<'_>>,
-    ) -> Result<Stage<'a>, String> {
+    ) -> Result<Stage<'a>, ModelError> {
         let Setup { fitted, noise, smooth: starts, .. } = setup;
         let mut problem = Problem::new(system, &[], fitted, &vec![pieces; fitted.len()])?;
         problem.budget = Some(budget(&problem));
@@ -181,7 +184,7 @@ impl<'a> Stage<'a> {
             (true, _) => Limits::new(40, least),
             (false, _) => Limits::new(10, 1e-3),
         };
-        let cost = problem.minimise(&mut x, &weights, limits).map_err(|e| e.to_string())?.cost;
+        let cost = problem.minimise(&mut x, &weights, limits)?.cost;
         Ok(Stage { problem, x, cost })
     }
 }

@@ -1,11 +1,15 @@
 //! Method `trajectory`: the event-located simulation fitted to the records, terms selected, error bars.
 
 use crate::differentiators::{Number, dependence, otherwise};
-use crate::identify::{at_bounds, verdict};
 use crate::linear::covariance;
-use crate::result::identified::{
-    Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, sensitive_starts,
-};
+use crate::result::error::{LearnError, NumericsError};
+use crate::result::estimate::Estimate;
+use crate::result::identified::{Identified, NoiseModel, PathPoint, StopReason};
+use crate::result::parameter::FoundParameter;
+use crate::result::quantity::{ParameterId, ParameterOf, Quantity, RecordId, SensorPart, TermId};
+use crate::result::term::FoundTerm;
+use crate::result::verdict::verdict;
+use crate::result::warning::{Warning, at_bounds, sensitive_starts};
 use crate::trajectory::agreement::disagreements;
 use crate::trajectory::assess::{Solution, assess};
 use crate::trajectory::fit::{Context, Fit};
@@ -15,7 +19,7 @@ use crate::trajectory::select::{Selection, rivals, select};
 use faer::Mat;
 use phisindy_phys::spec::{Method, Role, SegmentsSpec, SelectionSpec};
 use phisindy_phys::unit::Unit;
-use phisindy_phys::{Case, Record, System};
+use phisindy_phys::{Case, Parameter, Record, System};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 
@@ -65,32 +69,19 @@ pub(crate) fn by_trajectory(
     };
     stopped |= observe(0.9).is_break();
     let near = if chosen == SelectionSpec::Auto { rivals(&context, &fit, &all) } else { vec![] };
-    let instead = near.first().map(|(terms, worse)| instead(system, &fit.problem.terms, terms, *worse));
+    let alternative =
+        near.first().and_then(|(terms, worse)| alternative(system, &fit.problem.terms, terms, *worse));
     let mut found = report(case, records, &filled, fit, path, stopped);
-    found.warnings.extend(instead);
-    for &k in &regression.singular {
-        let (candidate, state) = (&system.terms[k].candidate, &system.states[system.terms[k].state].name);
-        found.warnings.push(format!(
-            "candidate {candidate} of {state}' is not finite everywhere on the data: it was hardly considered"
-        ));
-    }
+    found.warnings.extend(alternative);
+    let singular = |&k: &usize| Warning::SingularCandidate { term: TermId::new(system, k) };
+    found.warnings.extend(regression.singular.iter().map(singular));
     Ok(found)
 }
 
-/// Another choice of terms that is nearly as good, in words.
-fn instead(system: &System, terms: &[usize], other: &[usize], worse: f64) -> String {
-    let of = |a: &[usize], b: &[usize]| {
-        let own = a.iter().find(|t| !b.contains(t));
-        own.map_or(("", ""), |&t| {
-            (system.terms[t].candidate.as_str(), system.states[system.terms[t].state].name.as_str())
-        })
-    };
-    let ((here, state), (there, _)) = (of(terms, other), of(other, terms));
-    format!(
-        "{there} in the place of {here} in {state}' describes the data as well (criterion {worse:.1} higher, below {:.0} is no evidence): the intervals hold only if the terms are \
-         the right ones; a record at another amplitude or speed would tell",
-        crate::trajectory::select::RIVAL
-    )
+/// Another choice of terms that is nearly as good; `None` if the choices do not differ by one term.
+fn alternative(system: &System, terms: &[usize], other: &[usize], worse: f64) -> Option<Warning> {
+    let own = |a: &[usize], b: &[usize]| a.iter().find(|t| !b.contains(t)).map(|&t| TermId::new(system, t));
+    Some(Warning::Alternative { term: own(terms, other)?, other: own(other, terms)?, worse })
 }
 
 /// A start that lowers the misfit by less than this part was not worth trying: neither will the next one be.
@@ -143,13 +134,9 @@ fn start<'a>(
     if let Some((_, found)) = best {
         return Ok(found);
     }
-    let why = Problem::new(system, &lead, &context.records, &vec![1; context.records.len()])
-        .map_err(LearnError::Numerics)
-        .and_then(|p| {
-            let x = p.guess(&regression.solve(&lead), None, &context.smooth);
-            p.residuals(&x).map_err(|e| LearnError::Numerics(format!("the model cannot be simulated: {e}")))
-        });
-    Err(why.err().unwrap_or_else(|| LearnError::Numerics("the fit diverges from every start".into())))
+    let simulated = Problem::new(system, &lead, &context.records, &vec![1; context.records.len()])
+        .and_then(|p| Ok(p.residuals(&p.guess(&regression.solve(&lead), None, &context.smooth))?));
+    Err(simulated.err().map_or(NumericsError::Diverged, NumericsError::Model).into())
 }
 
 /// One term for each equation to start with: of the three best by regression the one that predicts best, equation by equation. (Noise can make a wrong
@@ -253,52 +240,32 @@ fn report(
         .collect();
     let fit_indices: Vec<usize> = (0..records.len()).filter(|&r| records[r].role == Role::Fit).collect();
     let mut parameters = Vec::new();
-    let mut names: Vec<(usize, String)> = (0..t)
-        .map(|k| {
-            (
-                k,
-                format!(
-                    "{} in {}'",
-                    system.terms[problem.terms[k]].candidate,
-                    system.states[system.terms[problem.terms[k]].state].name
-                ),
-            )
-        })
-        .collect();
+    let mut names: Vec<(usize, Quantity)> =
+        (0..t).map(|k| (k, Quantity::Coefficient(TermId::new(system, problem.terms[k])))).collect();
     for (k, meaning) in problem.meanings().into_iter().enumerate() {
         if let Some(found) = found(system, problem, &fit, k, meaning, &fit_indices, records, &estimate) {
-            names.push((k, found.name.clone()));
+            names.push((k, Quantity::Parameter(found.id.clone())));
             parameters.push(found);
         }
     }
-    let mut warnings: Vec<String> =
-        records.iter().flat_map(|r| r.notes.iter().map(|n| format!("{}: {n}", r.name))).collect();
+    let note = |r: &Record, note: &String| Warning::DataNote { record: r.name.clone(), note: note.clone() };
+    let mut warnings: Vec<Warning> =
+        records.iter().flat_map(|r| r.notes.iter().map(move |n| note(r, n))).collect();
     warnings.extend(at_bounds(&parameters));
     warnings.extend(inseparable(&cov, &names, &fit.x));
     let covariance =
         names.iter().map(|(a, _)| names.iter().map(|(b, _)| cov[(*a, *b)] * inflation).collect()).collect();
     let numbers: Vec<Number> = names.iter().map(|(k, name)| (*k, name.clone(), error(*k))).collect();
     warnings.extend(dependence(&numbers, &fit.normal, |how| otherwise(&fit, how)));
-    let white = fit.effective / fit.samples.max(1) as f64;
-    if white < WHITE {
-        warnings.push(format!(
-            "the residual is not white ({:.0} % of the samples are independent): something is still missing, the known part is wrong, or the sensor filters; the intervals count \
-             correlated samples as few",
-            100.0 * white
-        ));
+    let independent = fit.effective / fit.samples.max(1) as f64;
+    if independent < WHITE {
+        warnings.push(Warning::Coloured { independent });
     } else if fit.chance_of_noise() < NOISE {
-        warnings.push(
-            "the residual is not white: what is left is small, but it is not noise; something is still missing, or a number of the known part is a little wrong, and the \
-             intervals, which take it as exact, may miss"
-                .into(),
-        );
+        warnings.push(Warning::NotNoise);
     }
     let segmented = fit.pieces.iter().any(|&p| p > 1);
     if segmented {
-        let pieces = fit.pieces.iter().max().copied().unwrap_or(1);
-        warnings.push(format!(
-            "a single run drifts away from the data, so each record was fitted in up to {pieces} segments with start states of their own"
-        ));
+        warnings.push(Warning::Segmented { pieces: fit.pieces.iter().max().copied().unwrap_or(1) });
     }
     let mut solution = solution(system, records, &fit, &fit_indices);
     let mut fits = assess(system, records, filled, &mut solution);
@@ -325,14 +292,14 @@ fn report(
     if let Some(point) = path.iter_mut().find(|p| p.terms == t) {
         point.nrmse = worst.is_finite().then_some(worst);
     }
-    let kinds: Vec<&str> = (0..fit_indices.len())
+    let kinds: Vec<NoiseModel> = (0..fit_indices.len())
         .flat_map(|i| (0..system.states.len()).map(move |k| (i, k)))
         .filter(|&(i, k)| problem.records[i].columns[k].is_some())
         .map(|(i, k)| fit.noise[i][k].kind(problem.deviations[i][k]))
         .collect();
     let noise_model = match kinds.first() {
-        Some(first) if kinds.iter().all(|k| k == first) => (*first).to_owned(),
-        _ => "mixed".to_owned(),
+        Some(&first) if kinds.iter().all(|k| *k == first) => first,
+        _ => NoiseModel::Mixed,
     };
     Identified {
         method: Method::Trajectory,
@@ -344,7 +311,7 @@ fn report(
         covariance,
         warnings,
         verdict,
-        stopped,
+        stop_reason: if stopped { StopReason::Interrupted } else { StopReason::Finished },
     }
 }
 
@@ -382,70 +349,55 @@ pub(crate) fn found(
 ) -> Option<FoundParameter> {
     let bounds = problem.bounds[k];
     let value = fit.x[k];
-    let (name, unit, parameter, record) = match meaning {
-        Meaning::Parameter(p, None) => {
-            (system.parameters[p].name.clone(), system.parameters[p].unit.clone(), Some(p), None)
+    let owner = |r: usize| RecordId {
+        index: fit_indices[r],
+        name: records[fit_indices[r]].name.clone(),
+        only: fit_indices.len() == 1,
+    };
+    let (of, unit, owner) = match meaning {
+        Meaning::Parameter(index, record) => {
+            let Parameter { name, unit, .. } = &system.parameters[index];
+            (ParameterOf::Constant { index, name: name.clone() }, unit.clone(), record.map(owner))
         }
-        Meaning::Parameter(p, Some(r)) => {
-            let record = fit_indices[r];
-            let name = format!("{} [{}]", system.parameters[p].name, records[record].name);
-            (name, system.parameters[p].unit.clone(), Some(p), Some(record))
-        }
-        Meaning::Sensor(r, state, which) => {
-            let record = fit_indices[r];
-            let (column, own) = system.measured(state);
-            let mut name = format!("{column}.{}", Problem::sensor_name(which));
-            if fit_indices.len() > 1 {
-                name = format!("{name} [{}]", records[record].name);
-            }
-            let unit = match Problem::sensor_name(which) {
-                "offset" => own.to_owned(),
-                "delay" => "s".to_owned(),
-                _ => String::new(),
-            };
-            (name, unit, None, Some(record))
+        Meaning::Sensor(r, column, which) => {
+            let (name, own) = system.measured(column);
+            let part = SensorPart::ALL[which];
+            let of = ParameterOf::Sensor { column, name: name.to_owned(), part };
+            (of, part.unit(own).to_owned(), Some(owner(r)))
         }
         Meaning::Coefficient(_) | Meaning::Start => return None,
     };
     Some(FoundParameter {
+        id: ParameterId { of, owner },
         factor: Unit::parse(&unit).map_or(1.0, |u| u.factor),
-        name,
         unit,
         estimate: estimate(k),
         bounds,
         at_bound: value <= bounds.0 || value >= bounds.1,
-        parameter,
-        record,
     })
 }
 
-/// Pairs that the data cannot tell apart, in words, with what would.
-fn inseparable(cov: &Mat<f64>, names: &[(usize, String)], values: &[f64]) -> Vec<String> {
+/// Numbers that the data do not see, or cannot tell apart. `names` are the unknowns of the result; `cov` and `values` are of all unknowns.
+fn inseparable(cov: &Mat<f64>, names: &[(usize, Quantity)], values: &[f64]) -> Vec<Warning> {
     let mut out = Vec::new();
-    let open: Vec<&str> =
-        names.iter().filter(|(a, _)| !cov[(*a, *a)].is_finite()).map(|(_, name)| name.as_str()).collect();
-    match open.as_slice() {
-        [] => {}
-        [one] => out.push(format!("the data say nothing about {one}: give it a number, or leave it out")),
+    let unseen = names.iter().filter(|(a, _)| !cov[(*a, *a)].is_finite()).map(|(_, name)| name.clone());
+    let mut numbers: Vec<Quantity> = unseen.collect();
+    match numbers.len() {
+        0 => {}
+        1 => out.push(Warning::Unseen { number: numbers.remove(0) }),
         // One scale that is common to several is seen by none: each of them may be anything, and together they fit.
-        several => out.push(format!(
-            "the data do not tell {} apart: with any value of one of them the others fit as well, and what is printed is one choice of many; give one of them a number",
-            several.join(", ")
-        )),
+        _ => out.push(Warning::Inseparable { numbers }),
     }
     for (i, (a, name_a)) in names.iter().enumerate() {
         if !cov[(*a, *a)].is_finite() {
             continue;
         }
         for (b, name_b) in &names[..i] {
-            let r = cov[(*a, *b)] / (cov[(*a, *a)] * cov[(*b, *b)]).sqrt();
+            let correlation = cov[(*a, *b)] / (cov[(*a, *a)] * cov[(*b, *b)]).sqrt();
             let vague = |k: usize| cov[(k, k)].sqrt() > VAGUE * values[k].abs();
-            if r.abs() > CORRELATED && (vague(*a) || vague(*b)) {
-                let known = if r < 0.0 { "sum" } else { "difference" };
-                out.push(format!(
-                    "{name_b} and {name_a} trade off (correlation {r:.3}): their {known} is known better than either; a record at another amplitude or \
-                     speed would tell them apart"
-                ));
+            if correlation.abs() > CORRELATED && (vague(*a) || vague(*b)) {
+                let (first, second) = (name_b.clone(), name_a.clone());
+                out.push(Warning::Correlated { first, second, correlation });
             }
         }
     }

@@ -3,6 +3,8 @@
 //! One form serves relative noise (eq. (34)), additive noise and sensor noise; the data say which it is. Where a state is zero relative noise
 //! vanishes and with it the bound on what can be known, so the additive part has a floor.
 
+use crate::result::identified::NoiseModel;
+
 /// The floor of the additive part, in units of the column's standard deviation.
 pub(crate) const FLOOR: f64 = 1e-3;
 
@@ -82,15 +84,15 @@ impl ColumnNoise {
         ColumnNoise { additive: best.0.sqrt(), relative: best.1.sqrt() }
     }
 
-    /// What people call it.
-    pub(crate) fn kind(&self, deviation: f64) -> &'static str {
+    /// Its form, for a column with this standard deviation.
+    pub(crate) fn kind(&self, deviation: f64) -> NoiseModel {
         let part = self.relative * deviation;
         if part < 0.3 * self.additive {
-            "additive"
+            NoiseModel::Additive
         } else if self.additive < 0.3 * part {
-            "relative"
+            NoiseModel::Relative
         } else {
-            "mixed"
+            NoiseModel::Mixed
         }
     }
 }
@@ -150,10 +152,13 @@ mod tests {
         let noise = normal(n);
         let additive: Vec<f64> = noise.iter().map(|e| 0.05 * e).collect();
         let found = ColumnNoise::estimate(&additive, &signal, 0.7);
-        assert!((found.additive - 0.05).abs() < 0.002 && found.kind(0.7) == "additive", "{found:?}");
+        assert!(
+            (found.additive - 0.05).abs() < 0.002 && found.kind(0.7) == NoiseModel::Additive,
+            "{found:?}"
+        );
         let relative: Vec<f64> = noise.iter().zip(&signal).map(|(e, s)| 0.1 * e * s).collect();
         let found = ColumnNoise::estimate(&relative, &signal, 0.7);
-        assert!((found.relative - 0.1).abs() < 0.005 && found.kind(0.7) == "relative", "{found:?}");
+        assert!((found.relative - 0.1).abs() < 0.005 && found.kind(0.7) == NoiseModel::Relative, "{found:?}");
     }
 
     #[test]
@@ -164,7 +169,7 @@ mod tests {
         let residuals: Vec<f64> =
             normal(n).iter().zip(&signal).map(|(e, s)| e * truth.variance(*s).sqrt()).collect();
         let found = ColumnNoise::estimate(&residuals, &signal, 1.06);
-        assert_eq!(found.kind(1.06), "mixed");
+        assert_eq!(found.kind(1.06), NoiseModel::Mixed);
         // Its standard errors are some 2 and 3 % of it.
         assert!((found.additive / 0.05 - 1.0).abs() < 0.06, "{found:?}");
         assert!((found.relative / 0.1 - 1.0).abs() < 0.09, "{found:?}");
@@ -192,8 +197,8 @@ mod tests {
     fn variances_add_and_the_larger_part_gives_the_name() {
         assert_eq!(ColumnNoise { additive: 3.0, relative: 0.5 }.variance(8.0), 25.0);
         let named = |relative, deviation| ColumnNoise { additive: 1.0, relative }.kind(deviation);
-        assert_eq!([named(0.1, 2.0), named(0.1, 4.0)], ["additive", "mixed"]);
-        assert_eq!([named(1.0, 3.0), named(1.0, 4.0)], ["mixed", "relative"]);
+        assert_eq!([named(0.1, 2.0), named(0.1, 4.0)], [NoiseModel::Additive, NoiseModel::Mixed]);
+        assert_eq!([named(1.0, 3.0), named(1.0, 4.0)], [NoiseModel::Mixed, NoiseModel::Relative]);
     }
 
     /// A relative part that makes the residuals likelier by less than its price (here by some 3 of ln n = 8.3) is left out, one that pays (by some 30) is not.

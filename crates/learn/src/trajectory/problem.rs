@@ -3,6 +3,8 @@
 //! The unknowns are one vector: coefficients, shared parameters, then for each record its own parameters, its free sensor parameters, and a
 //! start state for each of its segments.
 
+use crate::result::error::ModelError;
+use crate::result::quantity::SensorPart;
 use crate::trajectory::input_sensors::InputSensors;
 use crate::trajectory::looks::{Looks, Seen};
 use crate::trajectory::noise::ColumnNoise;
@@ -13,10 +15,9 @@ use rayon::prelude::*;
 /// Local error of the simulations inside a fit, relative to the size of each state: far below the noise of any sensor.
 pub(crate) const TOLERANCE: f64 = 1e-7;
 
-/// The three sensor parameters, in the order of the unknowns.
-const OFFSET: usize = 0;
-const GAIN: usize = 1;
-const DELAY: usize = 2;
+/// Two of the three sensor parameters, in the order of [`SensorPart::ALL`].
+const GAIN: usize = SensorPart::Gain as usize;
+const DELAY: usize = SensorPart::Delay as usize;
 
 /// A run of samples with a start state of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,11 +95,11 @@ impl<'a> Problem<'a> {
         terms: &[usize],
         records: &[&'a Record],
         pieces: &[usize],
-    ) -> Result<Problem<'a>, String> {
+    ) -> Result<Problem<'a>, ModelError> {
         let model = system.model(terms);
         let input_sensors = InputSensors::new(system.states.len(), records);
         let model = input_sensors.model(model);
-        let automaton = Automaton::new(&model).map_err(|e| e.message(&model.names))?;
+        let automaton = Automaton::new(&model).map_err(|e| ModelError::Unbound(e.message(&model.names)))?;
         let n = system.states.len();
         let free = (f64::NEG_INFINITY, f64::INFINITY);
         let mut bounds: Vec<_> = terms.iter().map(|&t| system.terms[t].within).collect();
@@ -456,15 +457,6 @@ impl<'a> Problem<'a> {
             ColumnNoise::estimate(&c.residual, &c.prediction, self.deviations[r][k])
         };
         (0..self.records.len()).map(|r| (0..self.system.states.len()).map(|k| of(r, k)).collect()).collect()
-    }
-
-    /// A sensor parameter's name: `offset`, `gain` or `delay`.
-    pub(crate) fn sensor_name(which: usize) -> &'static str {
-        match which {
-            OFFSET => "offset",
-            GAIN => "gain",
-            _ => "delay",
-        }
     }
 }
 

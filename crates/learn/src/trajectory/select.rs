@@ -7,6 +7,7 @@
 use crate::least_squares::Normal;
 use crate::linear::covariance;
 use crate::result::identified::PathPoint;
+use crate::result::warning::RIVAL;
 use crate::trajectory::fit::{Context, Fit, HOPELESS};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -272,8 +273,6 @@ fn swaps<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<us
     out
 }
 
-/// Odds of twenty to one, as a difference of the criterion: what is nearer than this cannot be told apart.
-pub(crate) const RIVAL: f64 = 6.0;
 /// How many of the most promising rivals are fitted.
 const RIVALS: usize = 2;
 

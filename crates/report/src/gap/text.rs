@@ -5,11 +5,194 @@ use crate::table::{interval, short};
 use phisindy_gap::{Entry, Gap, Status, Step};
 use phisindy_phys::Law;
 use phisindy_phys::spec::Role;
+use phisindy_phys::{Law, Origin};
+use phisindy_sim::DIVERGED;
+use serde_json::{Map, Value, json};
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::time::Instant;
 
 /// A gap beyond this is more than noise.
 const NOISE: f64 = 1.1;
 /// Cells of the bar that shows the gap shrink.
 const BAR: usize = 24;
+
+/// Runs the workflow on one spec.
+pub(crate) fn command(spec: &Path, options: &Options) -> Result<u8> {
+    let begin = Instant::now();
+    let folder = match &options.out {
+        Some(out) => outdir::folders(out, &[spec.to_path_buf()])?.pop(),
+        None => None,
+    };
+    folder.iter().try_for_each(|folder| folder.without("run", identified_spec::NAME))?;
+    let loaded = match loaded(spec, options, Purpose::Gap, folder.as_ref()) {
+        Ok(loaded) => loaded,
+        Err(code) => return Ok(code),
+    };
+    let catalogue = laws::beside(spec, options)?;
+    let found = {
+        let mut progress = Progress::new(&loaded.spec, options.quiet);
+        gap(&loaded.text, loaded.case.clone(), loaded.records.clone(), &catalogue, &mut |fraction, what| {
+            progress.doing(what);
+            progress.at(fraction);
+            if interrupt::asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        })
+    };
+    let found = match found {
+        Ok(found) => found,
+        Err(error) => {
+            let why = error.to_string();
+            let diverged = why.contains(DIVERGED);
+            failed(&loaded.spec, &why, diverged);
+            interrupt::tell();
+            if let Some(folder) = &folder {
+                html::write_failure(&why, diverged, &loaded, options, folder)?;
+            }
+            return Ok(match error {
+                GapError::Data(_) => INPUT,
+                GapError::Numerics(_) => NUMERICS,
+            });
+        }
+    };
+    if !options.quiet {
+        notes(&found).for_each(|w| remark(&format!("note: {w}")));
+    }
+    let seconds = begin.elapsed().as_secs_f64();
+    let object = as_json(&loaded, &found, seconds);
+    let text = as_text(&found, &catalogue, seconds);
+    let kept = folder.as_ref().map_or(Ok(()), |folder| {
+        folder.write("result.json", &format!("{object:#}\n"))?;
+        folder.write("gap.txt", &(text.clone() + &remarks(&loaded, &found)))?;
+        folder.write(COMPLETED, &completed(&loaded, &found))?;
+        html::write_gap(&found, &catalogue, &loaded, seconds, options, folder)
+    });
+    // A full disk must not take away what was computed: it is printed all the same.
+    match options.format {
+        Format::Json => print(&format!("{object}\n"))?,
+        Format::Text | Format::Latex => print(&text)?,
+    }
+    kept?;
+    if found.stopped {
+        interrupt::tell();
+    }
+    Ok(match (found.stopped, found.status) {
+        (true, _) => interrupt::code(),
+        (false, Status::Unexplained) => REJECTED,
+        (false, _) => 0,
+    })
+}
+
+/// What the terminal was told beside the text: what is odd about the data, and what a careful reader should know.
+fn remarks(loaded: &Loaded, found: &Gap) -> String {
+    let data = loaded.doubts.iter().map(|doubt| format!("warning: {doubt}\n"));
+    data.chain(notes(found).map(|note| format!("note: {note}\n"))).collect()
+}
+
+/// Warnings, but for what the text says itself.
+fn notes(found: &Gap) -> impl Iterator<Item = &String> {
+    found.warnings.iter().filter(|w| found.instead.as_ref() != Some(w))
+}
+
+/// The spec with the effects in it.
+fn completed(loaded: &Loaded, found: &Gap) -> String {
+    let measured = loaded.case.records.iter().any(|plan| matches!(plan.origin, Origin::Csv(_)));
+    let data = if measured {
+        " --data DIR      (DIR: where its data files are)"
+    } else {
+        "\n// Synthetic records are made anew from `known` and `truth`: take out of `truth` what now stands in `known`, or it acts twice."
+    };
+    let text = identified_spec::completed(loaded, found).unwrap_or_else(|why| {
+        complain(&format!("{COMPLETED} has no start states and sensors: {why}"));
+        found.completed.clone()
+    });
+    format!(
+        "{}{}` (version {}) made of it: {}.\n// The effects stand in `known`, their numbers in `constants`, `sensors` and `start`, from where a fit ended:\n//     phisindy run completed.ron{data}\n{text}",
+        outdir::head("gap"),
+        loaded.spec,
+        env!("CARGO_PKG_VERSION"),
+        found.status.name(),
+    )
+}
+
+fn as_json(loaded: &Loaded, found: &Gap, seconds: f64) -> Value {
+    let pair = |p: (f64, f64)| json!({ "before": p.0, "after": p.1 });
+    let step = |s: &Step| {
+        let parameters: Map<String, Value> = s
+            .parameters
+            .iter()
+            .map(|p| {
+                let value = json!({ "value": p.value, "ci95": [p.ci95.0, p.ci95.1], "unit": p.unit, "constant": p.constant });
+                (p.name.clone(), value)
+            })
+            .collect();
+        json!({
+            "law": s.effect.entry.id,
+            "name": s.effect.entry.law.name,
+            "at": s.effect.place.at,
+            "mirror": s.effect.mirror,
+            "scales_with": s.effect.load,
+            "expression": s.expression,
+            "parameters": parameters,
+            "fit": pair(s.fit),
+            "validate": s.validate.map(pair),
+            "delta_bic": s.delta_bic,
+            "rivals": s.rivals.iter().map(|r| json!({ "law": r.law, "at": r.at, "delta_bic": r.delta_bic })).collect::<Vec<_>>(),
+            "vetoed": s.vetoed.iter().map(|(law, why)| json!({ "law": law, "why": why })).collect::<Vec<_>>(),
+        })
+    };
+    let regions = |list: &[phisindy_gap::Region]| -> Vec<Value> {
+        list.iter().map(|r| json!({ "column": r.column, "share": r.share, "region": r.region })).collect()
+    };
+    let noise: Map<String, Value> = found.noise.iter().map(|(name, s)| (name.clone(), json!(s))).collect();
+    let records: Vec<Value> = found
+        .nrmse
+        .iter()
+        .map(|(record, role, column, before, after)| {
+            json!({
+                "record": record, "role": if *role == Role::Fit { "fit" } else { "validate" }, "column": column,
+                "nrmse": { "before": before, "after": after },
+            })
+        })
+        .collect();
+    let repeat: Vec<Value> = found
+        .repeat
+        .iter()
+        .map(|(record, column, r)| {
+            json!({ "record": record, "column": column, "nrmse": r.nrmse, "rms": r.rms, "period": r.period })
+        })
+        .collect();
+    let parameters: Vec<Value> = found
+        .parameters
+        .iter()
+        .map(|p| {
+            let f = p.factor;
+            json!({
+                "name": p.id.to_string(), "unit": p.unit, "value": p.estimate.value / f, "std_error": p.estimate.std_error / f,
+                "ci95": [p.estimate.ci95.0 / f, p.estimate.ci95.1 / f], "bounds": [p.bounds.0 / f, p.bounds.1 / f], "at_bound": p.at_bound,
+            })
+        })
+        .collect();
+    json!({
+        "spec": loaded.spec,
+        "title": loaded.case.system.title,
+        "status": found.status.name(),
+        "noise": noise,
+        "where": regions(&found.located),
+        "steps": found.steps.iter().map(step).collect::<Vec<_>>(),
+        "partial": found.partial.iter().map(step).collect::<Vec<_>>(),
+        "left": regions(&found.left),
+        "initial": { "fit": found.before.0, "validate": found.before.1 },
+        "final": { "fit": found.after.0, "validate": found.after.1, "within_errors": found.carried },
+        "whiteness": { "before": found.colour.0, "after": found.colour.1 },
+        "records": records,
+        "repeatability": repeat,
+        "parameters": parameters,
+        "warnings": found.warnings,
+        "doubts": loaded.doubts,
+        "seconds": seconds,
+        "version": env!("CARGO_PKG_VERSION"),
+    })
+}
 
 /// For people: a line and a bar for each step.
 pub(crate) fn text(report: &GapReport<'_>) -> String {
@@ -166,14 +349,14 @@ fn details(s: &Step, catalogue: &[Entry], out: &mut Vec<String>) {
 fn moved(found: &Gap) -> Vec<String> {
     let steps = || found.steps.iter().chain(&found.partial);
     let own = |name: &str| steps().any(|s| s.parameters.iter().any(|p| p.constant == name));
-    let said = found.parameters.iter().filter(|p| !own(&p.name)).map(|p| {
+    let said = found.parameters.iter().filter(|p| !own(&p.id.to_string())).map(|p| {
         let f = p.factor;
         let (low, high) = p.estimate.ci95;
         let bound = if p.at_bound { ", at its bound" } else { "" };
         let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
         format!(
             "     {} = {}{unit} [{}, {}]{bound}",
-            p.name,
+            p.id,
             short(p.estimate.value / f),
             short(low / f),
             short(high / f)

@@ -49,10 +49,11 @@ fn banner(report: &RunReport<'_>) -> Banner {
     let errors: Vec<String> = fit.into_iter().chain(validate).collect();
     let how = format!(
         "{}Method {}, {} s.",
-        report
-            .ending
-            .stopped_words()
-            .map_or(String::new(), |stopped| format!("{} before the end. ", capital(&stopped))),
+        if found.interrupted() {
+            format!("{} before the end. ", capital(&interrupt::words()))
+        } else {
+            String::new()
+        },
         method(found.method),
         digits(report.ending.seconds, 2),
     );
@@ -65,7 +66,7 @@ fn banner(report: &RunReport<'_>) -> Banner {
         Verdict::Rejected(why) => Banner {
             tone: Tone::Bad,
             headline: "Rejected".to_owned(),
-            text: format!("{}. {how}", capital(why)),
+            text: format!("{}. {how}", capital(&why.to_string())),
         },
     }
 }

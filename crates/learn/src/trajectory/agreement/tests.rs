@@ -25,6 +25,10 @@ fn sloped(slope: f64, noise: &[f64]) -> Vec<f64> {
 }
 
 /// What is said of all records beside a fit that found `found`, with the covariance `cov` and so many effective samples.
+fn texts(warnings: &[Warning]) -> Vec<String> {
+    warnings.iter().map(ToString::to_string).collect()
+}
+
 fn said(case: &Case, records: &[Record], found: &[f64], cov: &Mat<f64>, effective: f64) -> Vec<String> {
     let mut fit = fitted(case, records, SIGMA);
     fit.x[..found.len()].copy_from_slice(found);
@@ -32,7 +36,7 @@ fn said(case: &Case, records: &[Record], found: &[f64], cov: &Mat<f64>, effectiv
     let parameters: Vec<f64> = case.system.parameters.iter().map(|p| p.start).collect();
     let mut solution = Solution::new(fit.problem.terms.clone(), found.to_vec(), &parameters, records);
     let runs = assess(&case.system, records, records, &mut solution);
-    disagreements(&fit, cov, &solution, records, records, &runs)
+    texts(&disagreements(&fit, cov, &solution, records, records, &runs))
 }
 
 /// The least-squares slope of samples.
@@ -139,7 +143,7 @@ fn who_has_no_say() {
     let mut solution = Solution::new(vec![0], vec![1.0], &[], &records);
     let mut runs = assess(&case.system, &records, &records, &mut solution);
     runs[2].run = None;
-    assert_eq!(disagreements(&fit, &cov(1e-6), &solution, &records, &records, &runs), Vec::<String>::new());
+    assert_eq!(disagreements(&fit, &cov(1e-6), &solution, &records, &records, &runs), []);
 
     // No term, no coefficient.
     let (case, records) = crate::straight::records(
@@ -163,7 +167,7 @@ fn sensors_stay_as_they_were_found() {
         let mut solution = Solution::new(vec![0], vec![fit.x[0]], &[], &records);
         let runs = assess(&case.system, &records, &records, &mut solution);
         solution.sensors[1][0][1] = gain;
-        disagreements(&fit, &cov, &solution, &records, &records, &runs)
+        texts(&disagreements(&fit, &cov, &solution, &records, &records, &runs))
     };
     assert_eq!(with_gain(2.0), Vec::<String>::new());
     assert_eq!(with_gain(1.0).len(), 1);

@@ -1,13 +1,23 @@
 //! What is told of a fit on a line, where each number is a regression by hand; and words about covariances that are written down.
 
 use super::*;
-use crate::result::identified::Verdict;
+use crate::result::verdict::Verdict;
 use crate::straight::{STEP, fitted, fitted_terms, lever, records, scatter};
 use approx::assert_relative_eq;
 use phisindy_phys::SensorParameter;
 use phisindy_signal::effective_samples;
 
 const SIGMA: f64 = 0.1;
+
+fn texts(warnings: &[Warning]) -> Vec<String> {
+    warnings.iter().map(ToString::to_string).collect()
+}
+
+fn named(name: &str) -> Quantity {
+    let of = ParameterOf::Constant { index: 0, name: name.to_owned() };
+    Quantity::Parameter(ParameterId { of, owner: None })
+}
+
 const SAMPLES: usize = 100;
 /// A level, a slope and a bend of the rate.
 const RATES: &str = r#"states: {"x": ""}, known: {"x": "0"}, unknown: {"x": (factor: "1", candidates: ["1", "2*t", "3*t^2"])}"#;
@@ -60,8 +70,8 @@ fn what_is_told_of_a_line_is_its_regression() {
     assert_relative_eq!(ci95.1 - ci95.0, 2.0 * 1.96 * std_error, max_relative = 0.02);
     assert!(found.warnings.is_empty() && found.parameters.is_empty(), "{:?}", found.warnings);
     assert_eq!(
-        (found.verdict, found.method, found.stopped),
-        (Verdict::Identified, Method::Trajectory, false)
+        (found.verdict, found.method, found.stop_reason),
+        (Verdict::Identified, Method::Trajectory, StopReason::Finished)
     );
     // By the column where nothing was fitted, by what is left where it was.
     assert_relative_eq!(
@@ -71,7 +81,7 @@ fn what_is_told_of_a_line_is_its_regression() {
     );
     assert_eq!((found.records[1].noise[0].0.as_str(), found.records[1].noise.len()), ("x", 1));
     assert_relative_eq!(found.records[1].noise[0].1, left.sqrt(), max_relative = 0.1);
-    assert_eq!(found.noise_model, "additive");
+    assert_eq!(found.noise_model, NoiseModel::Additive);
     let told: Vec<&PathPoint> = found.selection.iter().filter(|p| p.nrmse.is_some()).collect();
     assert_eq!((told.len(), told[0].terms, told[0].nrmse), (1, 1, Some(found.records[1].worst())));
 }
@@ -135,7 +145,11 @@ fn what_is_left_and_is_not_noise_is_told() {
     let says = format!(
         "the residual is not white ({few:.0} % of the samples are independent): something is still missing"
     );
-    assert!(found.warnings.len() == 1 && found.warnings[0].starts_with(&says), "{:?}", found.warnings);
+    assert!(
+        found.warnings.len() == 1 && found.warnings[0].to_string().starts_with(&says),
+        "{:?}",
+        found.warnings
+    );
     let (_, error, _) = regression(&wave);
     let error = error * (100.0_f64 / 98.0 * 100.0 / few).sqrt();
     // The noise has a relative part, so that not all samples weigh the same.
@@ -155,7 +169,8 @@ fn what_is_left_and_is_small_is_told() {
         let time = |i: usize| STEP * i as f64;
         let of = |i: usize| 2.0 + 0.5 * time(i) + size * (0.5 * time(i)).cos() + SIGMA * noise[i];
         let found = identified("", &[(Role::Fit, (0..2000).map(of).collect())]);
-        let says = |w: &String| w.starts_with("the residual is not white: what is left is small");
+        let says =
+            |w: &Warning| w.to_string().starts_with("the residual is not white: what is left is small");
         assert_eq!(found.warnings.iter().any(says), told, "{:?}", found.warnings);
     }
 }
@@ -171,7 +186,7 @@ fn who_stops_it_gets_the_best_so_far() {
             if (from..to).contains(&part) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
         let found = found.unwrap();
-        assert_eq!(found.stopped, stopped, "{from}");
+        assert_eq!(found.interrupted(), stopped, "{from}");
         assert_relative_eq!(found.terms[0].coefficient.value, 0.5, max_relative = 0.05);
         assert!(heard.is_sorted() && heard.iter().all(|p| (0.0..=1.0).contains(p)), "{heard:?}");
     }
@@ -204,7 +219,7 @@ fn the_first_term_is_the_one_that_predicts_best() {
 #[test]
 fn what_changes_places_is_named() {
     let case = records(RATES, &[(Role::Fit, line(0.0))]).0;
-    let told = instead(&case.system, &[0, 1], &[0, 2], 1.26);
+    let told = alternative(&case.system, &[0, 1], &[0, 2], 1.26).unwrap().to_string();
     assert!(
         told.starts_with("3*t^2 in the place of 2*t in x' describes the data as well (criterion 1.3 higher"),
         "{told}"
@@ -218,7 +233,7 @@ fn another_choice_is_told_of_where_there_was_a_choice() {
     for (learn, told) in [("", true), ("selection: All", false)] {
         let (case, records) = records(&format!("{text}, learn: ({learn})"), &[(Role::Fit, line(0.0))]);
         let found = by_trajectory(&case, &records, &mut |_| ControlFlow::Continue(())).unwrap();
-        let says = |w: &String| w.contains(" in the place of ");
+        let says = |w: &Warning| w.to_string().contains(" in the place of ");
         assert_eq!(found.warnings.iter().any(says), told, "{:?}", found.warnings);
     }
 }
@@ -230,7 +245,7 @@ fn a_sensor_is_named_by_its_column() {
     records[0].sensors[0].delay = SensorParameter { within: Some((-1.0, 1.0)), ..SensorParameter::held(0.0) };
     let found = by_trajectory(&case, &records, &mut |_| ControlFlow::Continue(())).unwrap();
     let of = &found.parameters[0];
-    assert_eq!((of.name.as_str(), of.unit.as_str(), of.record), ("x.delay", "s", Some(0)));
+    assert_eq!((of.id.to_string().as_str(), of.unit.as_str(), of.id.record()), ("x.delay", "s", Some(0)));
 }
 
 /// A second state that nothing measures: the rest has the sandwich, the unseen start no end.
@@ -250,13 +265,13 @@ fn what_is_not_seen_has_no_error_bar() {
 
 #[test]
 fn what_trades_off_is_told_unless_both_are_known_well() {
-    let names = [(0, "a".to_owned()), (2, "b".to_owned())];
+    let names = [(0, named("a")), (2, named("b"))];
     // Errors of 0.1 of 1 and of 0.2 of 4; the third number is a start.
     let told = |correlation: f64, values: [f64; 2]| {
         let mut cov = Mat::zeros(3, 3);
         (cov[(0, 0)], cov[(2, 2)], cov[(1, 1)]) = (0.01, 0.04, f64::INFINITY);
         (cov[(0, 2)], cov[(2, 0)]) = (0.02 * correlation, 0.02 * correlation);
-        inseparable(&cov, &names, &[values[0], 7.0, values[1]])
+        texts(&inseparable(&cov, &names, &[values[0], 7.0, values[1]]))
     };
     for (correlation, known) in [(0.96, "difference"), (-0.97, "sum")] {
         for values in [[1.0, 4.0], [-1.0, 40.0], [10.0, 4.0]] {
@@ -272,11 +287,11 @@ fn what_trades_off_is_told_unless_both_are_known_well() {
 
 #[test]
 fn what_is_not_seen_is_told_by_its_name() {
-    let names = [(0, "a".to_owned()), (1, "b".to_owned()), (2, "c".to_owned())];
+    let names = [(0, named("a")), (1, named("b")), (2, named("c"))];
     let told = |open: &[usize]| {
         let mut cov: Mat<f64> = Mat::identity(3, 3);
         open.iter().for_each(|&k| cov[(k, k)] = f64::INFINITY);
-        inseparable(&cov, &names, &[1.0; 3])
+        texts(&inseparable(&cov, &names, &[1.0; 3]))
     };
     assert_eq!(told(&[]), [""; 0]);
     assert_eq!(told(&[1]), ["the data say nothing about b: give it a number, or leave it out"]);
@@ -329,7 +344,7 @@ fn each_record_has_its_own_numbers() {
         .filter_map(|(k, meaning)| {
             super::found(&case.system, &fit.problem, &fit, k, meaning, &of, &records, &estimate)
         })
-        .map(|p| (p.name, p.factor, p.estimate.value, p.at_bound, p.parameter, p.record))
+        .map(|p| (p.id.to_string(), p.factor, p.estimate.value, p.at_bound, p.id.constant(), p.id.record()))
         .collect();
     let due = [
         ("c", 1.0, 11.0, false, Some(0), None),
