@@ -1,7 +1,7 @@
 //! The one-step prediction of PhI-SINDy as expressions: a Runge-Kutta step of the rates with the event condition in every stage
 //! (eqs. (17)-(19), (33); Algorithm 2 of the paper).
 
-use phisindy_expr::{Binary, Graph, Id, Names, Unary};
+use phisindy_expr::{Binary, Graph, Id, Names, Tape, Unary};
 use phisindy_phys::{Model, System};
 use std::collections::HashMap;
 
@@ -95,6 +95,16 @@ impl OneStep {
             targets.push(target);
         }
         (residuals, targets)
+    }
+
+    /// Compiles outputs that were built from `inputs` alone.
+    ///
+    /// # Panics
+    /// An output depends on something else: a mistake of this crate.
+    pub(crate) fn compile(&self, inputs: &[Id], outputs: &[Id]) -> Tape {
+        Tape::compile(&self.graph, inputs, outputs).unwrap_or_else(|e| {
+            unreachable!("every symbol of a step is an input: {}", e.message(&self.names))
+        })
     }
 }
 

@@ -1,13 +1,12 @@
 //! The loss over several steps: forward storing the states, backward applying the adjoint of one step. The tape does not grow with the
 //! horizon; memory is one state per step.
 
-use crate::step::batch::{LANES, accumulate, compile, in_order, step_row};
+use crate::step::lanes::{LANES, Lane, accumulate, in_order};
 use crate::step::onestep::{FIRST_STATE, OneStep};
+use crate::step::windows::step_row;
 use phisindy_expr::{Cost, Scratch, Tape};
 use phisindy_phys::Record;
 use rayon::prelude::*;
-
-type Lane = [f64; LANES];
 
 pub(crate) struct Rollout {
     /// Windows of `horizon + 1` rows each, forward and backward, as data of the steps.
@@ -77,9 +76,9 @@ impl Rollout {
             weights: weights.to_vec(),
             horizon,
             free,
-            next: compile(&step, &inputs, &step.next),
-            adjoint: compile(&step, &with_seeds, &adjoint),
-            jacobian: compile(&step, &inputs, &jacobian),
+            next: step.compile(&inputs, &step.next),
+            adjoint: step.compile(&with_seeds, &adjoint),
+            jacobian: step.compile(&inputs, &jacobian),
         }
     }
 

@@ -4,50 +4,16 @@
 use crate::least_squares::{Limits, Normal, minimise};
 use crate::linear::{covariance, symmetric};
 use crate::result::identified::StopReason;
-use crate::step::batch::{Batch, deviations};
+use crate::step::batch::{Batch, lay_out};
 use crate::step::descent::Descent;
-use crate::step::onestep::OneStep;
+use crate::step::options::StepOptions;
 use phisindy_expr::Cost;
-use phisindy_phys::spec::{Crossings, Optimiser};
+use phisindy_phys::spec::Optimiser;
 use phisindy_phys::{Record, System};
-use std::collections::HashMap;
 use std::ops::ControlFlow;
 
 /// Epochs between two looks at the user.
 const UNOBSERVED: u32 = 16;
-
-/// How the step method learns; the defaults are the paper's (Table 4).
-#[derive(Clone, Debug, PartialEq)]
-pub struct StepOptions {
-    /// Which optimiser.
-    pub optimiser: Optimiser,
-    /// Epochs of each stage.
-    pub epochs: Vec<u32>,
-    /// Learning rate of each stage.
-    pub rates: Vec<f64>,
-    /// Coefficients smaller than this are cut after each stage.
-    pub cutoff: f64,
-    /// Speed below which a contact counts as stuck (SI).
-    pub tolerance: f64,
-    /// Steps that are unrolled.
-    pub horizon: usize,
-    /// Whether steps across a change of sign are used.
-    pub crossings: Crossings,
-}
-
-impl Default for StepOptions {
-    fn default() -> Self {
-        StepOptions {
-            optimiser: Optimiser::RAdam,
-            epochs: vec![1000, 1000, 1000],
-            rates: vec![0.1, 0.01, 0.001],
-            cutoff: 0.05,
-            tolerance: 1e-3,
-            horizon: 1,
-            crossings: Crossings::Keep,
-        }
-    }
-}
 
 /// What the step method found.
 #[derive(Clone, Debug)]
@@ -103,107 +69,130 @@ pub fn train(
     observe: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> StepFit {
     let gauss_newton = options.optimiser == Optimiser::GaussNewton;
-    let mut terms: Vec<usize> = (0..system.terms.len()).collect();
-    let mut coefficients = vec![0.0; terms.len()];
-    let mut moved: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();
-    let mut fit = StepFit {
-        terms: vec![],
-        coefficients: vec![],
-        parameters: vec![],
-        covariance: vec![],
-        loss: f64::NAN,
-        stages: vec![],
-        cost: Cost::default(),
-        stop_reason: StopReason::Finished,
-    };
-    let mut stopped = false;
-    let make = |terms: &[usize], parameters: &[f64]| lay_out(system, records, options, terms, parameters);
-    let total: u32 = options.epochs.iter().sum();
-    let mut done = 0;
+    let mut fit = StepFit::start(system);
     let mut stage = 0;
     loop {
-        let batch = make(&terms, &moved);
+        let batch = lay_out(system, records, options, &fit.terms, &fit.parameters);
         fit.cost = fit.cost.max(batch.cost());
-        let within = |k: usize| system.terms[terms[k]].within;
-        let bound = |values: &mut [f64]| {
-            values.iter_mut().enumerate().for_each(|(k, c)| *c = c.clamp(within(k).0, within(k).1));
-        };
-        let mut values = coefficients.clone();
-        bound(&mut values);
-        let loss = if gauss_newton {
-            values.extend(&moved);
-            let bounds: Vec<(f64, f64)> =
-                (0..terms.len()).map(within).chain(system.parameters.iter().map(|p| p.within)).collect();
+        let mut bounds: Vec<(f64, f64)> = fit.terms.iter().map(|&t| system.terms[t].within).collect();
+        let mut values = fit.coefficients.clone();
+        clamp(&mut values, &bounds);
+        let (loss, interrupted) = if gauss_newton {
+            values.extend(&fit.parameters);
+            bounds.extend(system.parameters.iter().map(|p| p.within));
             let loss = solve(&batch, &mut values, &bounds);
-            moved = values.split_off(terms.len());
-            stopped = observe((stage as f64 + 1.0) / (stage as f64 + 2.0)).is_break();
-            loss
+            fit.parameters = values.split_off(fit.terms.len());
+            (loss, observe((stage as f64 + 1.0) / (stage as f64 + 2.0)).is_break())
         } else {
-            let mut descent = match options.optimiser {
-                Optimiser::Sgd => Descent::Sgd,
-                _ => Descent::radam(values.len()),
-            };
-            let mut gradient = vec![0.0; values.len()];
-            let mut left = options.epochs[stage];
-            while left > 0 && !stopped {
-                let now = left.min(UNOBSERVED);
-                // Inside of the pool its threads stay awake from epoch to epoch.
-                rayon::scope(|_| {
-                    for _ in 0..now {
-                        batch.loss(&values, &mut gradient);
-                        descent.update(&mut values, &gradient, options.rates[stage]);
-                        bound(&mut values);
-                    }
-                });
-                left -= now;
-                done += now;
-                stopped = observe(f64::from(done) / f64::from(total)).is_break();
-            }
-            batch.loss(&values, &mut gradient)
+            descend(&batch, &mut values, &bounds, options, stage, observe)
         };
-        coefficients = values;
+        fit.coefficients = values;
+        fit.stages.push((fit.terms.len(), loss));
         if !loss.is_finite() {
             // Cutting would hide it: what is not a number is not at least the cut-off.
-            fit.stages.push((terms.len(), loss));
-            let n = coefficients.len() + moved.len();
-            let unknown = |i: usize| (0..n).map(|j| if i == j { f64::INFINITY } else { 0.0 }).collect();
-            fit.covariance = (0..n).map(unknown).collect();
-            let stop_reason = StopReason::LossNotFinite;
-            return StepFit { terms, coefficients, parameters: moved, loss, stop_reason, ..fit };
+            return fit.without_end(loss);
         }
-        let kept: Vec<usize> =
-            (0..terms.len()).filter(|&k| coefficients[k].abs() >= options.cutoff).collect();
-        let cut = kept.len() < terms.len();
-        fit.stages.push((terms.len(), loss));
-        terms = kept.iter().map(|&k| terms[k]).collect();
-        coefficients = kept.iter().map(|&k| coefficients[k]).collect();
+        let cut = fit.cut(options.cutoff);
         stage += 1;
+        if interrupted {
+            fit.stop_reason = StopReason::Interrupted;
+        }
         // Gauss-Newton repeats until nothing is cut; descent has its stages.
         let finished = if gauss_newton { !cut } else { stage >= options.epochs.len() };
-        if finished || stopped {
+        if finished || interrupted {
             break;
         }
     }
-    let batch = make(&terms, &moved);
-    let mut values = coefficients.clone();
-    if gauss_newton {
-        values.extend(&moved);
+    let batch = lay_out(system, records, options, &fit.terms, &fit.parameters);
+    fit.with_errors(&batch, gauss_newton)
+}
+
+impl StepFit {
+    /// All terms, at zero.
+    fn start(system: &System) -> StepFit {
+        StepFit {
+            terms: (0..system.terms.len()).collect(),
+            coefficients: vec![0.0; system.terms.len()],
+            parameters: system.parameters.iter().map(|p| p.start).collect(),
+            covariance: vec![],
+            loss: f64::NAN,
+            stages: vec![],
+            cost: Cost::default(),
+            stop_reason: StopReason::Finished,
+        }
     }
-    let (loss, triangle, _) = batch.normal(&values);
-    let n = values.len();
-    let freedom = batch.residuals.saturating_sub(n).max(1) as f64;
-    let inverse = covariance(&symmetric(&triangle, n));
-    let all = coefficients.len() + moved.len();
-    let entry = |i: usize, j: usize| if i.max(j) < n { inverse[(i, j)] * loss / freedom } else { 0.0 };
-    fit.covariance = (0..all).map(|i| (0..all).map(|j| entry(i, j)).collect()).collect();
-    fit.loss = loss;
-    if stopped {
-        fit.stop_reason = StopReason::Interrupted;
+
+    /// Removes the terms with coefficients below the cut-off; whether there were any.
+    fn cut(&mut self, cutoff: f64) -> bool {
+        let kept: Vec<usize> =
+            (0..self.terms.len()).filter(|&k| self.coefficients[k].abs() >= cutoff).collect();
+        let cut = kept.len() < self.terms.len();
+        self.terms = kept.iter().map(|&k| self.terms[k]).collect();
+        self.coefficients = kept.iter().map(|&k| self.coefficients[k]).collect();
+        cut
     }
-    fit.terms = terms;
-    fit.coefficients = coefficients;
-    fit.parameters = moved;
-    fit
+
+    /// The fit whose loss is not a number: nothing is known of its values.
+    fn without_end(self, loss: f64) -> StepFit {
+        let n = self.coefficients.len() + self.parameters.len();
+        let unknown = |i: usize| (0..n).map(|j| if i == j { f64::INFINITY } else { 0.0 }).collect();
+        let covariance = (0..n).map(unknown).collect();
+        StepFit { covariance, loss, stop_reason: StopReason::LossNotFinite, ..self }
+    }
+
+    /// The fit with its loss and its covariance, from the curvature of the loss where it ended.
+    fn with_errors(self, batch: &Batch, gauss_newton: bool) -> StepFit {
+        let mut values = self.coefficients.clone();
+        if gauss_newton {
+            values.extend(&self.parameters);
+        }
+        let (loss, triangle, _) = batch.normal(&values);
+        let n = values.len();
+        let freedom = (batch.residuals.saturating_sub(n)).max(1) as f64;
+        let inverse = covariance(&symmetric(&triangle, n));
+        let all = self.coefficients.len() + self.parameters.len();
+        let entry = |i: usize, j: usize| if i.max(j) < n { inverse[(i, j)] * loss / freedom } else { 0.0 };
+        let covariance = (0..all).map(|i| (0..all).map(|j| entry(i, j)).collect()).collect();
+        StepFit { covariance, loss, ..self }
+    }
+}
+
+fn clamp(values: &mut [f64], bounds: &[(f64, f64)]) {
+    values.iter_mut().zip(bounds).for_each(|(x, within)| *x = x.clamp(within.0, within.1));
+}
+
+/// One stage of gradient descent: the loss at its end, and whether the observer stopped it.
+fn descend(
+    batch: &Batch,
+    values: &mut [f64],
+    bounds: &[(f64, f64)],
+    options: &StepOptions,
+    stage: usize,
+    observe: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> (f64, bool) {
+    let mut descent = match options.optimiser {
+        Optimiser::Sgd => Descent::Sgd,
+        _ => Descent::radam(values.len()),
+    };
+    let total: u32 = options.epochs.iter().sum();
+    let mut done: u32 = options.epochs[..stage].iter().sum();
+    let mut gradient = vec![0.0; values.len()];
+    let (mut left, mut interrupted) = (options.epochs[stage], false);
+    while left > 0 && !interrupted {
+        let now = left.min(UNOBSERVED);
+        // Inside of the pool its threads stay awake from epoch to epoch.
+        rayon::scope(|_| {
+            for _ in 0..now {
+                batch.loss(values, &mut gradient);
+                descent.update(values, &gradient, options.rates[stage]);
+                clamp(values, bounds);
+            }
+        });
+        left -= now;
+        done += now;
+        interrupted = observe(f64::from(done) / f64::from(total)).is_break();
+    }
+    (batch.loss(values, &mut gradient), interrupted)
 }
 
 /// The normal equations of the loss where a fit ended, on the same or on other records.
@@ -220,29 +209,6 @@ pub(crate) fn normal_of_steps(
     let (cost, triangle, gradient) =
         lay_out(system, records, options, &fit.terms, &fit.parameters).normal(&values);
     Normal { cost, matrix: symmetric(&triangle, values.len()), gradient }
-}
-
-/// The loss of some terms; `parameters` are the values of what is held.
-pub(crate) fn lay_out(
-    system: &System,
-    records: &[&Record],
-    options: &StepOptions,
-    terms: &[usize],
-    parameters: &[f64],
-) -> Batch {
-    let gauss_newton = options.optimiser == Optimiser::GaussNewton;
-    let model = system.model(terms);
-    let mut step = OneStep::new(system, &model, options.tolerance);
-    // What is held becomes a number; what moves stays, but for telling which steps cross a change of direction.
-    let held: HashMap<_, _> =
-        system.parameters.iter().zip(parameters).map(|(p, &v)| (p.node, step.graph.constant(v))).collect();
-    step.contacts = step.graph.replace(&step.contacts, &held);
-    if !gauss_newton {
-        step.next = step.graph.replace(&step.next, &held);
-        step.parameters.retain(|id| !held.contains_key(id));
-    }
-    let free = if gauss_newton { terms.len() + parameters.len() } else { terms.len() };
-    Batch::new(&step, free, records, &deviations(system, records), options)
 }
 
 /// Solves the loss within bounds; returns the loss at the end.

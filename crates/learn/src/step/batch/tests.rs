@@ -1,9 +1,10 @@
 //! The loss over all samples against a plain loop, its derivatives against differences and against a tape that is unrolled.
 
-use super::{Batch, compile, deviations, step_row};
+use super::{Batch, lay_out};
 use crate::step::onestep::tests::{TOLERANCE, Twin, common, one_mass, runge_kutta};
 use crate::step::onestep::{FIRST_STATE, OneStep};
-use crate::step::train::{StepOptions, lay_out};
+use crate::step::options::StepOptions;
+use crate::step::windows::{deviations, step_row};
 use phisindy_expr::{Graph, Id, Names, Scratch};
 use phisindy_phys::Record;
 use phisindy_phys::spec::{Crossings, Optimiser};
@@ -190,7 +191,7 @@ fn the_adjoint_is_that_of_an_unrolled_tape() {
     let mut inputs = data;
     inputs.extend(&step.parameters);
     inputs.extend(&targets);
-    let tape = compile(&whole, &inputs, &outputs);
+    let tape = whole.compile(&inputs, &outputs);
     let mut scratch = Scratch::<1>::new(&tape);
     let mut sums = vec![0.0; 1 + p];
     let mut count = 0;

@@ -1,7 +1,6 @@
 //! The step on the graph against a Runge-Kutta step written by hand.
 
 use super::OneStep;
-use crate::step::batch::compile;
 use phisindy_expr::Scratch;
 use phisindy_phys::{Case, Record};
 
@@ -131,7 +130,7 @@ fn compare(twin: &Twin, contact: fn(&[f64]) -> f64) {
     let step = OneStep::new(system, &system.model(&all), TOLERANCE);
     let mut inputs = step.data.clone();
     inputs.extend(&step.parameters);
-    let tape = compile(&step, &inputs, &step.next);
+    let tape = step.compile(&inputs, &step.next);
     let mut scratch = Scratch::<1>::new(&tape);
     let (n, m, mut seed) = (system.states.len(), system.inputs.len(), 1u64);
     let (mut stuck, mut later, mut third) = (0, 0, 0.0_f64);
