@@ -5,9 +5,7 @@ use crate::least_squares::Normal;
 use crate::linear::solve_damped;
 use crate::result::quantity::Quantity;
 use crate::result::warning::Warning;
-use crate::trajectory::fit::Fit;
-use crate::trajectory::problem::Problem;
-use phisindy_phys::{Differentiator, Record};
+use phisindy_phys::Differentiator;
 
 /// Half of a 95 % interval in standard errors.
 const REACH: f64 = 1.959_963_984_540_054;
@@ -43,19 +41,6 @@ pub(crate) fn dependence(
 fn step(here: &Normal, there: &Normal) -> Option<Vec<f64>> {
     let right: Vec<f64> = here.gradient.iter().zip(&there.gradient).map(|(a, b)| a - b).collect();
     solve_damped(&there.matrix, &right, 1e-12)
-}
-
-/// The normal equations of a trajectory fit with its inputs differentiated otherwise; `None` where none was derived.
-pub(crate) fn otherwise(fit: &Fit<'_>, how: Differentiator) -> Option<Normal> {
-    let problem = &fit.problem;
-    if problem.records.iter().all(|r| r.derivations.is_empty()) {
-        return None;
-    }
-    let records: Vec<Record> = problem.records.iter().map(|r| r.rederived(how)).collect::<Option<_>>()?;
-    let records: Vec<&Record> = records.iter().collect();
-    let mut other = Problem::new(problem.system, &problem.terms, &records, &fit.pieces).ok()?;
-    (other.continuity, other.belief) = (problem.continuity.clone(), problem.belief);
-    other.normal(&fit.x, &fit.weights).ok()
 }
 
 #[cfg(test)]

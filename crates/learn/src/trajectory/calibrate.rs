@@ -6,11 +6,11 @@ use crate::result::estimate::Estimate;
 use crate::result::parameter::FoundParameter;
 use crate::result::record_fit::RecordFit;
 use crate::trajectory::assess::assess;
+use crate::trajectory::error_bars::ErrorBars;
 use crate::trajectory::fit::{Fit, Tally, carry, tally};
-use crate::trajectory::method::{found, robust_covariance, solution};
 use crate::trajectory::noise::ColumnNoise;
 use crate::trajectory::problem::{Noise, Problem, Segment, TOLERANCE};
-use faer::Mat;
+use crate::trajectory::unknowns::Unknowns;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Record, System};
 
@@ -52,92 +52,111 @@ pub fn calibrate(
 ) -> Result<Calibration, ModelError> {
     let samples: usize = records.iter().filter(|r| r.role == Role::Fit).map(Record::readings).sum();
     let setup = Setup::new(records, smooth, noise);
-    let (mut best, mut parted): (Option<Stage<'_>>, Option<Stage<'_>>) = (None, None);
-    let mut trouble = None;
-    // From a first guess the horizon grows; where a fit ended the next one begins.
-    let stages: &[usize] = if effort == Effort::Plain { &STAGES } else { &STAGES[STAGES.len() - 1..] };
-    for &pieces in stages {
-        match Stage::new(system, &setup, pieces, effort, samples, best.as_ref()) {
-            Ok(stage) => parted = best.replace(stage),
-            Err(e) => trouble = Some(e),
-        }
-    }
-    let Stage { problem, mut x, .. } = match best {
-        Some(best) => best,
+    let (Stage { problem, mut x, .. }, segmented) = match stages(system, &setup, effort, samples) {
+        Ok(ends) => ends,
         // No single run can be simulated: in segments, then.
-        None if effort != Effort::Plain => return calibrate(system, records, smooth, noise, Effort::Plain),
-        None => return Err(trouble.expect("a fit without a stage has failed in one")),
+        Err(_) if effort != Effort::Plain => return calibrate(system, records, smooth, noise, Effort::Plain),
+        Err(e) => return Err(e),
     };
-    let Setup { fitted, of, noise, smooth: starts } = &setup;
-    let weights = problem.weights(noise, None);
-    let single = problem.segments.len() == fitted.len();
-    if single {
-        if effort == Effort::Plain {
-            // Where the spec starts may be better than where the segments led: after an earlier fit it is.
-            let start = problem.guess(&[], None, starts);
-            again(&problem, &mut x, &weights, samples, start);
-            if let Some(start) = on_the_data(&problem, &x, noise, starts) {
-                again(&problem, &mut x, &weights, samples, start);
-            }
-            let misses = problem.normal(&x, &weights).is_ok_and(|n| n.cost > MISFIT * samples as f64);
-            if let Some(start) =
-                parted.filter(|_| misses).and_then(|p| step_by_step(system, &setup, samples, p))
-            {
-                again(&problem, &mut x, &weights, samples, start);
-            }
-        } else {
-            for attempt in 0..RESTARTS {
-                match nearby(&problem, &x, &weights, samples, attempt) {
-                    Some(start) => again(&problem, &mut x, &weights, samples, start),
-                    None => break,
-                }
-            }
+    let weights = problem.weights(&setup.noise, None);
+    if problem.segments.len() == setup.fitted.len() {
+        match effort {
+            Effort::Plain => from_other_starts(&setup, &problem, &mut x, &weights, samples, segmented),
+            Effort::Thorough | Effort::Errors => from_nearby(&problem, &mut x, &weights, samples),
         }
     }
-    let normal = problem.normal(&x, &weights)?;
-    let residuals = problem.residuals(&x)?;
-    let Tally { samples, effective, power: chi2 } = tally(noise, &residuals);
-    let pieces: Vec<usize> =
-        (0..fitted.len()).map(|r| problem.segments.iter().filter(|s| s.record == r).count()).collect();
-    let segments = pieces.iter().copied().max().unwrap_or(1);
-    let fit =
-        Fit { problem, x, noise: noise.clone(), weights, normal, samples, effective, excess: 1.0, pieces };
-    let (cov, bread) = if effort == Effort::Errors {
-        (robust_covariance(&fit), crate::linear::covariance(&fit.normal.matrix))
+    let (fit, chi2) = finished(problem, x, weights, &setup)?;
+    let unknowns = Unknowns::new(system, records, &fit);
+    let moved = if effort == Effort::Errors {
+        let bars = ErrorBars::new(&fit);
+        unknowns.parameters(|k| bars.estimate(k))
     } else {
-        (Mat::zeros(0, 0), Mat::zeros(0, 0))
+        let bounds = &fit.problem.bounds;
+        unknowns.parameters(|k| Estimate { value: fit.x[k], std_error: f64::NAN, ci95: bounds[k] })
     };
-    let inflation = fit.inflation();
-    let estimate = |k: usize| {
-        let value = fit.x[k];
-        if effort != Effort::Errors {
-            return Estimate { value, std_error: f64::NAN, ci95: fit.problem.bounds[k] };
-        }
-        let (error, curvature) = ((cov[(k, k)] * inflation).sqrt(), bread[(k, k)].sqrt());
-        Estimate {
-            value,
-            std_error: error,
-            ci95: crate::trajectory::profile::interval(&fit, k, error, curvature),
-        }
-    };
-    let parameters: Vec<FoundParameter> = fit
-        .problem
-        .meanings()
-        .into_iter()
-        .enumerate()
-        .filter_map(|(k, meaning)| found(system, &fit.problem, &fit, k, meaning, of, records, &estimate))
-        .collect();
-    let mut solved = solution(system, records, &fit, of);
-    let replays = assess(system, records, smooth, &mut solved);
+    let parameters: Vec<FoundParameter> = moved.into_iter().map(|(_, p)| p).collect();
+    let replays = assess(system, records, smooth, &mut unknowns.solution());
     Ok(Calibration {
         chi2,
-        samples,
-        effective,
+        samples: fit.samples,
+        effective: fit.effective,
         moved: parameters.len(),
         parameters,
         records: replays,
-        segments,
+        segments: fit.most_pieces(),
     })
+}
+
+/// The ends of the last two stages: from a first guess the horizon grows; where a fit ended the next one begins.
+///
+/// # Errors
+/// No stage can be simulated: why the last one cannot.
+fn stages<'a>(
+    system: &'a System,
+    setup: &'a Setup<'a>,
+    effort: Effort,
+    samples: usize,
+) -> Result<(Stage<'a>, Option<Stage<'a>>), ModelError> {
+    let (mut best, mut before): (Option<Stage<'_>>, Option<Stage<'_>>) = (None, None);
+    let mut trouble = None;
+    let stages: &[usize] = if effort == Effort::Plain { &STAGES } else { &STAGES[STAGES.len() - 1..] };
+    for &pieces in stages {
+        match Stage::new(system, setup, pieces, effort, samples, best.as_ref()) {
+            Ok(stage) => before = best.replace(stage),
+            Err(e) => trouble = Some(e),
+        }
+    }
+    best.map(|best| (best, before)).ok_or_else(|| trouble.expect("a fit without a stage has failed in one"))
+}
+
+/// Tries other starts of single runs: where the spec starts, where the smoothed motion starts, and, if the fit still misses, from segments in smaller
+/// steps.
+fn from_other_starts(
+    setup: &Setup<'_>,
+    problem: &Problem<'_>,
+    x: &mut Vec<f64>,
+    weights: &[Vec<Vec<f64>>],
+    samples: usize,
+    segmented: Option<Stage<'_>>,
+) {
+    // Where the spec starts may be better than where the segments led: after an earlier fit it is.
+    again(problem, x, weights, samples, problem.guess(&[], None, &setup.smooth));
+    if let Some(start) = on_the_data(problem, x, &setup.noise, &setup.smooth) {
+        again(problem, x, weights, samples, start);
+    }
+    let misses = problem.normal(x, weights).is_ok_and(|n| n.cost > MISFIT * samples as f64);
+    let joined = segmented.filter(|_| misses).and_then(|s| step_by_step(problem.system, setup, samples, s));
+    if let Some(start) = joined {
+        again(problem, x, weights, samples, start);
+    }
+}
+
+/// Tries starts round the end of a fit, as long as it leaves more than noise.
+fn from_nearby(problem: &Problem<'_>, x: &mut Vec<f64>, weights: &[Vec<Vec<f64>>], samples: usize) {
+    for attempt in 0..RESTARTS {
+        match nearby(problem, x, weights, samples, attempt) {
+            Some(start) => again(problem, x, weights, samples, start),
+            None => break,
+        }
+    }
+}
+
+/// The fit at its end, with the noise that was given, and its chi square.
+///
+/// # Errors
+/// The model cannot be simulated there.
+fn finished<'a>(
+    problem: Problem<'a>,
+    x: Vec<f64>,
+    weights: Vec<Vec<Vec<f64>>>,
+    setup: &Setup<'_>,
+) -> Result<(Fit<'a>, f64), ModelError> {
+    let normal = problem.normal(&x, &weights)?;
+    let Tally { samples, effective, power } = tally(&setup.noise, &problem.residuals(&x)?);
+    let of_record = |r: usize| problem.segments.iter().filter(|s| s.record == r).count();
+    let pieces = (0..setup.fitted.len()).map(of_record).collect();
+    let noise = setup.noise.clone();
+    Ok((Fit { problem, x, noise, weights, normal, samples, effective, excess: 1.0, pieces }, power))
 }
 
 /// A fit over segments.
@@ -362,8 +381,6 @@ fn looked(mut problem: Problem<'_>, noise: &Noise, starts: &[Record], gain: f64)
 /// The Fit records with their noise.
 struct Setup<'a> {
     fitted: Vec<&'a Record>,
-    /// Where each of them stands among all records.
-    of: Vec<usize>,
     noise: Noise,
     smooth: Vec<Record>,
 }
@@ -376,7 +393,6 @@ impl<'a> Setup<'a> {
             fitted: of.iter().map(|&r| &records[r]).collect(),
             noise: of.iter().map(|&r| noise[r].iter().map(additive).collect()).collect(),
             smooth: of.iter().map(|&r| smooth[r].clone()).collect(),
-            of,
         }
     }
 }

@@ -442,7 +442,7 @@ impl Fit<'_> {
     }
 
     /// Segments of the record that has most.
-    fn most_pieces(&self) -> usize {
+    pub(crate) fn most_pieces(&self) -> usize {
         self.pieces.iter().copied().max().unwrap_or(1)
     }
 

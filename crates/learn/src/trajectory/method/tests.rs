@@ -1,22 +1,17 @@
-//! What is told of a fit on a line, where each number is a regression by hand; and words about covariances that are written down.
+//! What is told of a fit on a line, where each number is a regression by hand.
 
 use super::*;
+use crate::result::estimate::Estimate;
+use crate::result::identified::NoiseModel;
 use crate::result::verdict::Verdict;
 use crate::straight::{STEP, fitted, fitted_terms, lever, records, scatter};
+use crate::trajectory::error_bars::robust_covariance;
+use crate::trajectory::unknowns::Unknowns;
 use approx::assert_relative_eq;
-use phisindy_phys::SensorParameter;
-use phisindy_signal::effective_samples;
+use phisindy_phys::spec::Method;
+use phisindy_phys::{SensorParameter, effective_samples};
 
 const SIGMA: f64 = 0.1;
-
-fn texts(warnings: &[Warning]) -> Vec<String> {
-    warnings.iter().map(ToString::to_string).collect()
-}
-
-fn named(name: &str) -> Quantity {
-    let of = ParameterOf::Constant { index: 0, name: name.to_owned() };
-    Quantity::Parameter(ParameterId { of, owner: None })
-}
 
 const SAMPLES: usize = 100;
 /// A level, a slope and a bend of the rate.
@@ -263,42 +258,6 @@ fn what_is_not_seen_has_no_error_bar() {
     assert_relative_eq!(robust_covariance(&fit)[(0, 0)], error.powi(2), max_relative = 1e-4);
 }
 
-#[test]
-fn what_trades_off_is_told_unless_both_are_known_well() {
-    let names = [(0, named("a")), (2, named("b"))];
-    // Errors of 0.1 of 1 and of 0.2 of 4; the third number is a start.
-    let told = |correlation: f64, values: [f64; 2]| {
-        let mut cov = Mat::zeros(3, 3);
-        (cov[(0, 0)], cov[(2, 2)], cov[(1, 1)]) = (0.01, 0.04, f64::INFINITY);
-        (cov[(0, 2)], cov[(2, 0)]) = (0.02 * correlation, 0.02 * correlation);
-        texts(&inseparable(&cov, &names, &[values[0], 7.0, values[1]]))
-    };
-    for (correlation, known) in [(0.96, "difference"), (-0.97, "sum")] {
-        for values in [[1.0, 4.0], [-1.0, 40.0], [10.0, 4.0]] {
-            let says = format!(
-                "a and b trade off (correlation {correlation:.3}): their {known} is known better than either"
-            );
-            assert!(told(correlation, values).concat().starts_with(&says));
-        }
-        assert_eq!(told(correlation, [10.0, 40.0]), [""; 0]);
-    }
-    assert_eq!(told(0.94, [1.0, 4.0]), [""; 0]);
-}
-
-#[test]
-fn what_is_not_seen_is_told_by_its_name() {
-    let names = [(0, named("a")), (1, named("b")), (2, named("c"))];
-    let told = |open: &[usize]| {
-        let mut cov: Mat<f64> = Mat::identity(3, 3);
-        open.iter().for_each(|&k| cov[(k, k)] = f64::INFINITY);
-        texts(&inseparable(&cov, &names, &[1.0; 3]))
-    };
-    assert_eq!(told(&[]), [""; 0]);
-    assert_eq!(told(&[1]), ["the data say nothing about b: give it a number, or leave it out"]);
-    assert!(told(&[0, 2]).concat().starts_with("the data do not tell a, c apart: "));
-    assert_eq!(told(&[0, 1, 2]).len(), 1);
-}
-
 /// One number for all records, one for each, and sensors; a Validate record has those of the one that it goes on from, else of the first.
 #[test]
 fn each_record_has_its_own_numbers() {
@@ -328,22 +287,19 @@ fn each_record_has_its_own_numbers() {
         excess: 1.0,
         pieces: vec![1, 1],
     };
-    let of = [1, 3];
-    let found = solution(&case.system, &records, &fit, &of);
+    let unknowns = Unknowns::new(&case.system, &records, &fit);
+    assert_eq!(unknowns.fitted, [1, 3]);
+    let found = unknowns.solution();
     assert_eq!((&found.terms, &found.coefficients), (&vec![0], &vec![10.0]));
     assert_eq!(found.parameters, [[11.0, 0.0125], [11.0, 0.0125], [11.0, bound], [11.0, bound]]);
     assert_eq!(found.sensors.iter().map(|s| s[0][1]).collect::<Vec<_>>(), [1.0, 1.0, 1.0, 1.5]);
     assert_eq!(found.starts, [None, Some(vec![13.0]), None, Some(vec![16.0])]);
     // Their names, units, records and bounds.
     let estimate = |k: usize| Estimate::normal(fit.x[k], 0.0);
-    let all: Vec<_> = fit
-        .problem
-        .meanings()
+    let all: Vec<_> = unknowns
+        .parameters(estimate)
         .into_iter()
-        .enumerate()
-        .filter_map(|(k, meaning)| {
-            super::found(&case.system, &fit.problem, &fit, k, meaning, &of, &records, &estimate)
-        })
+        .map(|(_, p)| p)
         .map(|p| (p.id.to_string(), p.factor, p.estimate.value, p.at_bound, p.id.constant(), p.id.record()))
         .collect();
     let due = [

@@ -1,0 +1,40 @@
+//! Which numbers of a result the data do not tell apart.
+
+use crate::result::quantity::Quantity;
+use crate::result::warning::Warning;
+use faer::Mat;
+
+/// Correlations beyond this are told ...
+const CORRELATED: f64 = 0.95;
+/// ... if one of the two is known worse than to this part of itself.
+const VAGUE: f64 = 0.02;
+
+/// Numbers that the data do not see, or cannot tell apart. `names` are the unknowns of the result; `cov` and `values` are of all unknowns.
+pub(crate) fn inseparable(cov: &Mat<f64>, names: &[(usize, Quantity)], values: &[f64]) -> Vec<Warning> {
+    let mut out = Vec::new();
+    let unseen = names.iter().filter(|(a, _)| !cov[(*a, *a)].is_finite()).map(|(_, name)| name.clone());
+    let mut numbers: Vec<Quantity> = unseen.collect();
+    match numbers.len() {
+        0 => {}
+        1 => out.push(Warning::Unseen { number: numbers.remove(0) }),
+        // One scale that is common to several is seen by none: each of them may be anything, and together they fit.
+        _ => out.push(Warning::Inseparable { numbers }),
+    }
+    for (i, (a, name_a)) in names.iter().enumerate() {
+        if !cov[(*a, *a)].is_finite() {
+            continue;
+        }
+        for (b, name_b) in &names[..i] {
+            let correlation = cov[(*a, *b)] / (cov[(*a, *a)] * cov[(*b, *b)]).sqrt();
+            let vague = |k: usize| cov[(k, k)].sqrt() > VAGUE * values[k].abs();
+            if correlation.abs() > CORRELATED && (vague(*a) || vague(*b)) {
+                let (first, second) = (name_b.clone(), name_a.clone());
+                out.push(Warning::Correlated { first, second, correlation });
+            }
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests;
