@@ -3,7 +3,8 @@
 use crate::repeat::repeatability;
 use crate::whiteness::lines;
 use phisindy_learn::{Calibration, SensorPart};
-use phisindy_phys::{Record, System, noise_level};
+use phisindy_phys::{Record, System};
+use phisindy_signal::noise_level;
 
 /// The motion of one record.
 pub(crate) struct Motion {

@@ -5,7 +5,7 @@ use crate::least_squares::Normal;
 use crate::linear::solve_damped;
 use crate::result::quantity::Quantity;
 use crate::result::warning::Warning;
-use phisindy_phys::Differentiator;
+use phisindy_signal::Differentiator;
 
 /// Half of a 95 % interval in standard errors.
 const REACH: f64 = 1.959_963_984_540_054;

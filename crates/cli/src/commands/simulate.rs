@@ -3,7 +3,8 @@
 
 use crate::load::Loaded;
 use anyhow::Result;
-use phisindy_phys::{Differentiator, Origin, Record, RecordPlan, System, standard_deviation};
+use phisindy_phys::{Origin, Record, RecordPlan, System};
+use phisindy_signal::{Differentiator, standard_deviation};
 use phisindy_sim::{Automaton, Drive, Options, SimError, Trajectory, simulate};
 use std::io::Write;
 

@@ -1,8 +1,8 @@
 //! How a model does on one record.
 
 use super::error::ModelError;
-use phisindy_phys::noise_level;
 use phisindy_phys::spec::Role;
+use phisindy_signal::noise_level;
 use phisindy_sim::Trajectory;
 
 /// A column of which this part of its standard deviation is noise shows no motion.

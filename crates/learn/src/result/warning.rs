@@ -3,8 +3,8 @@
 use super::parameter::FoundParameter;
 use super::quantity::{Quantity, TermId};
 use super::record_fit::RecordFit;
-use phisindy_phys::Differentiator;
 use phisindy_phys::spec::Optimiser;
+use phisindy_signal::Differentiator;
 
 /// Odds of twenty to one, as a difference of the criterion: what is nearer than this cannot be told apart.
 pub(crate) const RIVAL: f64 = 6.0;

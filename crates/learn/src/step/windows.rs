@@ -4,7 +4,8 @@ use crate::step::onestep::OneStep;
 use crate::step::options::StepOptions;
 use phisindy_expr::Scratch;
 use phisindy_phys::spec::Crossings;
-use phisindy_phys::{Record, System, standard_deviation};
+use phisindy_phys::{Record, System};
+use phisindy_signal::standard_deviation;
 
 /// Steps whose lengths differ by less than this part are of one length: clocks are not better.
 const UNIFORM: f64 = 1e-9;

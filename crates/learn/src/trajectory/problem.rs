@@ -8,7 +8,8 @@ use crate::result::quantity::SensorPart;
 use crate::trajectory::input_sensors::InputSensors;
 use crate::trajectory::looks::{Looks, Seen};
 use crate::trajectory::noise::ColumnNoise;
-use phisindy_phys::{Record, Sensor, System, standard_deviation};
+use phisindy_phys::{Record, Sensor, System};
+use phisindy_signal::standard_deviation;
 use phisindy_sim::{Automaton, Drive, Options, SimError, Trajectory, simulate};
 use rayon::prelude::*;
 

@@ -16,7 +16,8 @@ use crate::trajectory::problem::Problem;
 use crate::trajectory::separability::inseparable;
 use crate::trajectory::unknowns::Unknowns;
 use phisindy_phys::spec::Method;
-use phisindy_phys::{Differentiator, Record, System};
+use phisindy_phys::{Record, System};
+use phisindy_signal::Differentiator;
 use rayon::prelude::*;
 
 /// The coefficients of more terms than this keep the quadratic interval: each end of a profile costs some evaluations of the whole fit, and a model

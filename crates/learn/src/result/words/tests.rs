@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::result::quantity::{RecordId, SensorPart};
-use phisindy_phys::Differentiator;
 use phisindy_phys::spec::Optimiser;
+use phisindy_signal::Differentiator;
 use phisindy_sim::SimError;
 
 fn term(candidate: &str) -> TermId {

@@ -8,8 +8,9 @@ use crate::straight::{STEP, fitted, fitted_terms, lever, records, scatter};
 use crate::trajectory::error_bars::robust_covariance;
 use crate::trajectory::unknowns::Unknowns;
 use approx::assert_relative_eq;
+use phisindy_phys::SensorParameter;
 use phisindy_phys::spec::Method;
-use phisindy_phys::{SensorParameter, effective_samples};
+use phisindy_signal::effective_samples;
 
 const SIGMA: f64 = 0.1;
 
