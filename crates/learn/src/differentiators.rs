@@ -1,14 +1,12 @@
 //! Whether a result depends on how columns were differentiated: by how much the numbers would move with another differentiator, by one
 //! Gauss-Newton step from where they are.
 
+use crate::decisions::{DIFFERENTIATOR_DAMPING, HALF_WIDTH_95};
 use crate::least_squares::Normal;
 use crate::linear::solve_damped;
 use crate::result::quantity::Quantity;
 use crate::result::warning::Warning;
 use phisindy_signal::Differentiator;
-
-/// Half of a 95 % interval in standard errors.
-const REACH: f64 = 1.959_963_984_540_054;
 
 /// A number of the result: its index among the unknowns, what it is, its standard error.
 pub(crate) type Number = (usize, Quantity, f64);
@@ -24,7 +22,7 @@ pub(crate) fn dependence(
     for how in Differentiator::ALL {
         let Some(step) = normal(how).and_then(|there| step(here, &there)) else { continue };
         for (k, number, error) in numbers {
-            let far = step[*k].abs() / (REACH * error);
+            let far = step[*k].abs() / (HALF_WIDTH_95 * error);
             if far > 1.0 && worst.is_none_or(|(most, ..)| far > most) {
                 worst = Some((far, number, how));
             }
@@ -40,7 +38,7 @@ pub(crate) fn dependence(
 /// From one minimum to the other.
 fn step(here: &Normal, there: &Normal) -> Option<Vec<f64>> {
     let right: Vec<f64> = here.gradient.iter().zip(&there.gradient).map(|(a, b)| a - b).collect();
-    solve_damped(&there.matrix, &right, 1e-12)
+    solve_damped(&there.matrix, &right, DIFFERENTIATOR_DAMPING)
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Identification from start to end, whatever the method.
 
+use crate::decisions::{FEWEST_SAMPLES, FINE_NRMSE, WORSE};
 use crate::result::contribution::contributions;
 use crate::result::error::{DataError, LearnError};
 use crate::result::estimate::Estimate;
@@ -65,11 +66,6 @@ pub fn identify(
     Ok(found)
 }
 
-/// Validation this many times worse than the fit is told in words ...
-const WORSE: f64 = 3.0;
-/// ... unless it is still below this.
-const FINE: f64 = 0.05;
-
 /// What a careful reader should know of any result: terms that may as well be zero, validation that does not hold what the fit promises.
 fn remarks(system: &System, found: &mut Identified) {
     for found_term in &mut found.terms {
@@ -89,17 +85,14 @@ fn remarks(system: &System, found: &mut Identified) {
     };
     let (fit, validate) =
         (worst(Role::Fit, RecordFit::worst), worst(Role::Validate, RecordFit::worst_of_motion));
-    if validate > FINE && validate > WORSE * fit {
+    if validate > FINE_NRMSE && validate > WORSE * fit {
         found.warnings.push(Warning::ValidationWorse { fit, validate });
     }
 }
 
-/// A record with fewer samples cannot be learned from.
-const FEWEST: usize = 20;
-
 /// A record from which nothing can be learned is refused with the reason.
 fn suitable(system: &System, record: &Record) -> Result<(), LearnError> {
-    if record.len() < FEWEST {
+    if record.len() < FEWEST_SAMPLES {
         let (record, samples) = (record.name.clone(), record.len());
         return Err(DataError::TooFewSamples { record, samples }.into());
     }

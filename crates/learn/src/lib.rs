@@ -1,5 +1,6 @@
 //! System and records to an identified model.
 
+mod decisions;
 mod differentiators;
 mod identify;
 mod least_squares;
@@ -11,6 +12,7 @@ mod straight;
 mod sweep;
 mod trajectory;
 
+pub use decisions::decisions;
 pub use identify::{LearnOptions, dead_column, identify};
 pub use result::error::{DataError, LearnError, ModelError, NumericsError, TruthError};
 pub use result::estimate::Estimate;

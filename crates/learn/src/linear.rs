@@ -1,5 +1,6 @@
 //! Small dense linear algebra on symmetric matrices, through faer.
 
+use crate::decisions::{BLIND_EIGENVALUE, BLIND_PART};
 use faer::Mat;
 use faer::Side;
 use faer::linalg::solvers::Solve;
@@ -38,9 +39,9 @@ pub(crate) fn covariance(a: &Mat<f64>) -> Mat<f64> {
     let m = Mat::from_fn(n, n, |i, j| a[(i, j)] * scale[i] * scale[j]);
     let Ok(eigen) = m.self_adjoint_eigen(Side::Lower) else { return Mat::from_fn(n, n, |_, _| f64::NAN) };
     let (u, s) = (eigen.U(), eigen.S());
-    let blind = |k: usize| s[k] <= 1e-13;
+    let blind = |k: usize| s[k] <= BLIND_EIGENVALUE;
     Mat::from_fn(n, n, |i, j| {
-        let lost = |i: usize| a[(i, i)] <= 0.0 || (0..n).any(|k| blind(k) && u[(i, k)].abs() > 1e-6);
+        let lost = |i: usize| a[(i, i)] <= 0.0 || (0..n).any(|k| blind(k) && u[(i, k)].abs() > BLIND_PART);
         if i == j && lost(i) {
             return f64::INFINITY;
         }

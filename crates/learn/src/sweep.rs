@@ -1,19 +1,17 @@
 //! Many seeds of one case: how often the structure is right, how good the numbers and their intervals are.
 
+use crate::decisions::{NOISE_FLOOR, TRUTH_DAMPING, TRUTH_MISS, TRUTH_POINTS, TRUTH_SHARE};
 use crate::identify::{LearnOptions, identify};
 use crate::linear::{covariance, solve_damped, symmetric};
 use crate::result::error::{LearnError, ModelError, TruthError};
 use crate::result::identified::Identified;
-use crate::trajectory::noise::{ColumnNoise, FLOOR};
+use crate::trajectory::noise::ColumnNoise;
 use crate::trajectory::problem::Problem;
 use phisindy_expr::{Id, Scratch, Tape};
 use phisindy_phys::spec::{NoiseSpec, Role};
 use phisindy_phys::{Case, Origin, Record};
 use phisindy_sim::Trajectory;
 use std::ops::ControlFlow;
-
-/// Random points at which the truth is projected on the dictionary.
-const POINTS: usize = 400;
 
 /// The truth in terms of the dictionary.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,8 +67,8 @@ pub fn project(case: &Case, records: &[Record]) -> Result<Truth, TruthError> {
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         2.0 * ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64 - 1.0
     };
-    let mut rows = Vec::with_capacity(POINTS);
-    for i in 0..POINTS {
+    let mut rows = Vec::with_capacity(TRUTH_POINTS);
+    for i in 0..TRUTH_POINTS {
         for d in 0..spread {
             scratch.input(d)[0] =
                 if d == 0 { record.time[record.len() - 1] * (0.5 + 0.5 * point(i, 0)) } else { point(i, d) };
@@ -89,7 +87,7 @@ pub fn project(case: &Case, records: &[Record]) -> Result<Truth, TruthError> {
             .collect();
         let right: Vec<f64> = here.iter().map(|&k| rows.iter().map(|r| r[n + k] * r[state]).sum()).collect();
         let found = if m > 0 {
-            solve_damped(&symmetric(&triangle, m), &right, 1e-15).unwrap_or(vec![0.0; m])
+            solve_damped(&symmetric(&triangle, m), &right, TRUTH_DAMPING).unwrap_or(vec![0.0; m])
         } else {
             vec![]
         };
@@ -99,12 +97,12 @@ pub fn project(case: &Case, records: &[Record]) -> Result<Truth, TruthError> {
             .map(|r| (r[state] - here.iter().zip(&found).map(|(&k, c)| c * r[n + k]).sum::<f64>()).powi(2))
             .sum::<f64>()
             .sqrt();
-        if miss > 1e-6 * size && size > 0.0 {
+        if miss > TRUTH_MISS * size && size > 0.0 {
             return Err(TruthError::OutsideDictionary { state: system.states[state].name.clone() });
         }
         for (&k, &c) in here.iter().zip(&found) {
             let share: f64 = rows.iter().map(|r| (c * r[n + k]).powi(2)).sum::<f64>().sqrt();
-            if share > 1e-5 * size {
+            if share > TRUTH_SHARE * size {
                 terms.push(k);
                 coefficients.push(c);
             }
@@ -151,7 +149,7 @@ pub fn bound(
             (0..case.system.states.len())
                 .map(|k| {
                     let d = problem.deviations[i][k];
-                    let floor = FLOOR * d;
+                    let floor = NOISE_FLOOR * d;
                     let Origin::Synthetic(s) = &case.records[r].origin else {
                         return ColumnNoise { additive: floor, relative: 0.0 };
                     };

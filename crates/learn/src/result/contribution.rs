@@ -2,15 +2,13 @@
 
 use super::identified::Identified;
 use super::term::Contribution;
+use crate::decisions::CYCLIC;
 use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::spec::Role;
 use phisindy_phys::unit::{Dimension, Unit};
 use phisindy_phys::{Record, System};
 use phisindy_signal::strongest_line;
 use phisindy_sim::{Automaton, Trajectory};
-
-/// A motion of which at least this part lies in one line of its spectrum goes in cycles.
-const CYCLIC: f64 = 0.5;
 
 /// Sums of one term over the Fit records.
 #[derive(Clone, Copy, Default)]

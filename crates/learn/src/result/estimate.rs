@@ -1,5 +1,7 @@
 //! A number with its uncertainty.
 
+use crate::decisions::HALF_WIDTH_95;
+
 /// A number with its uncertainty.
 ///
 /// ```
@@ -19,7 +21,7 @@ pub struct Estimate {
 impl Estimate {
     /// With the interval of a normal distribution.
     pub fn normal(value: f64, std_error: f64) -> Estimate {
-        let reach = 1.959_963_984_540_054 * std_error;
+        let reach = HALF_WIDTH_95 * std_error;
         Estimate { value, std_error, ci95: (value - reach, value + reach) }
     }
 }

@@ -1,12 +1,10 @@
 //! How a model does on one record.
 
 use super::error::ModelError;
+use crate::decisions::NOISE_ONLY;
 use phisindy_phys::spec::Role;
 use phisindy_signal::noise_level;
 use phisindy_sim::Trajectory;
-
-/// A column of which this part of its standard deviation is noise shows no motion.
-const NOISE: f64 = 0.8;
 
 /// How the identified model does on one record, running freely from its fitted start.
 #[derive(Clone, Debug)]
@@ -42,7 +40,8 @@ impl RecordFit {
         let rms = |r: &[f64]| (r.iter().map(|e| e * e).sum::<f64>() / r.len() as f64).sqrt();
         let residuals: Vec<&Vec<f64>> = self.residuals.iter().filter(|r| !r.is_empty()).collect();
         // The column's standard deviation is that of the residual over the NRMSE.
-        let rests = |k: usize, e: f64| residuals.get(k).is_some_and(|r| noise_level(r) * e > NOISE * rms(r));
+        let rests =
+            |k: usize, e: f64| residuals.get(k).is_some_and(|r| noise_level(r) * e > NOISE_ONLY * rms(r));
         let moves = self.nrmse.iter().enumerate().filter(|(k, (_, e))| !rests(*k, *e));
         moves.map(|(_, (_, e))| *e).fold(0.0, f64::max)
     }

@@ -1,6 +1,7 @@
 //! The identified part of each rate as a resistance: against the velocity that it depends on where there is one such velocity, else along the motion.
 
 use super::identified::Identified;
+use crate::decisions::HALF_WIDTH_95;
 use phisindy_expr::{Graph, Id, Scratch, Tape};
 use phisindy_phys::{Case, Origin, Record, System};
 use phisindy_sim::Trajectory;
@@ -9,8 +10,6 @@ use phisindy_sim::Trajectory;
 const POINTS: usize = 401;
 /// Rows of a run that are looked at, about: more would not show in a picture.
 const ROWS: usize = 10_000;
-/// Half of a 95 % interval, in standard errors.
-const REACH: f64 = 1.959_963_984_540_054;
 
 /// The identified part of the rate of a state, taken with a minus: friction is positive where the velocity is.
 #[derive(Clone, Debug)]
@@ -199,7 +198,7 @@ impl<'a> Part<'a> {
         let outputs: Vec<Id> = [sum].into_iter().chain(slopes).collect();
         let rows = self.at(&self.graph, &velocity, &numbers, &outputs)?;
         let value: Vec<f64> = rows.iter().map(|row| row[0]).collect();
-        let reach = |row: &Vec<f64>| REACH * variance(&found.covariance, &row[1..]).max(0.0).sqrt();
+        let reach = |row: &Vec<f64>| HALF_WIDTH_95 * variance(&found.covariance, &row[1..]).max(0.0).sqrt();
         let band = (!found.covariance.is_empty())
             .then(|| rows.iter().map(|row| (row[0] - reach(row), row[0] + reach(row))).collect());
         let truth = self.truth(case, r, &velocity, &numbers);

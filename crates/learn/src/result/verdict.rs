@@ -3,11 +3,9 @@
 use super::error::ModelError;
 use super::record_fit::RecordFit;
 use super::term::FoundTerm;
+use crate::decisions::WORST_NRMSE;
 use phisindy_phys::System;
 use phisindy_phys::spec::Role;
-
-/// A free run worse than this is no model.
-const WORST_NRMSE: f64 = 0.5;
 
 /// Whether to believe a result.
 #[derive(Clone, Debug, PartialEq)]

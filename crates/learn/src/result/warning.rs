@@ -6,9 +6,6 @@ use super::record_fit::RecordFit;
 use phisindy_phys::spec::Optimiser;
 use phisindy_signal::Differentiator;
 
-/// Odds of twenty to one, as a difference of the criterion: what is nearer than this cannot be told apart.
-pub(crate) const RIVAL: f64 = 6.0;
-
 /// A remark on a result. `Display` gives the sentence.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Warning {

@@ -5,6 +5,7 @@ use super::identified::NoiseModel;
 use super::quantity::{ParameterId, ParameterOf, Quantity, TermId};
 use super::verdict::Rejection;
 use super::warning::Warning;
+use crate::decisions::{FEWEST_SAMPLES, RIVAL};
 use std::fmt::{Display, Formatter, Result};
 
 /// `1 in v'`.
@@ -73,7 +74,7 @@ impl Display for Warning {
                 "{} in the place of {term} describes the data as well (criterion {worse:.1} higher, below {:.0} is no evidence): the intervals hold only \
                  if the terms are the right ones; a record at another amplitude or speed would tell",
                 other.candidate,
-                super::warning::RIVAL
+                RIVAL
             ),
             Warning::SingularCandidate { term } => write!(
                 f,
@@ -184,7 +185,7 @@ impl Display for DataError {
             ),
             DataError::TooFewSamples { record, samples } => write!(
                 f,
-                "{record}: {samples} samples are too few to learn from (20 at least): take a longer window, or decimate less"
+                "{record}: {samples} samples are too few to learn from ({FEWEST_SAMPLES} at least): take a longer window, or decimate less"
             ),
             DataError::ConstantColumn { record, column } => write!(
                 f,

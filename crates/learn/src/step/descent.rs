@@ -1,5 +1,7 @@
 //! First-order optimisers of the step method.
 
+use crate::decisions::{RADAM_BETA1, RADAM_BETA2, RADAM_EPSILON};
+
 /// How coefficients follow the gradient.
 #[derive(Clone, Debug)]
 pub(crate) enum Descent {
@@ -8,10 +10,6 @@ pub(crate) enum Descent {
     /// Rectified Adam (Liu et al., On the Variance of the Adaptive Learning Rate and Beyond, ICLR 2020, algorithm 2).
     RAdam { step: i32, mean: Vec<f64>, square: Vec<f64> },
 }
-
-const BETA1: f64 = 0.9;
-const BETA2: f64 = 0.999;
-const TINY: f64 = 1e-8;
 
 impl Descent {
     pub(crate) fn radam(parameters: usize) -> Descent {
@@ -24,8 +22,8 @@ impl Descent {
             Descent::Sgd => parameters.iter_mut().zip(gradient).for_each(|(p, g)| *p -= rate * g),
             Descent::RAdam { step, mean, square } => {
                 *step += 1;
-                let (b1, b2) = (BETA1.powi(*step), BETA2.powi(*step));
-                let longest = 2.0 / (1.0 - BETA2) - 1.0;
+                let (b1, b2) = (RADAM_BETA1.powi(*step), RADAM_BETA2.powi(*step));
+                let longest = 2.0 / (1.0 - RADAM_BETA2) - 1.0;
                 let length = longest - 2.0 * f64::from(*step) * b2 / (1.0 - b2);
                 // The variance is tractable only once enough gradients were seen.
                 let rectified = (length > 5.0).then(|| {
@@ -33,11 +31,11 @@ impl Descent {
                         .sqrt()
                 });
                 for (k, g) in gradient.iter().enumerate() {
-                    mean[k] = BETA1 * mean[k] + (1.0 - BETA1) * g;
-                    square[k] = BETA2 * square[k] + (1.0 - BETA2) * g * g;
+                    mean[k] = RADAM_BETA1 * mean[k] + (1.0 - RADAM_BETA1) * g;
+                    square[k] = RADAM_BETA2 * square[k] + (1.0 - RADAM_BETA2) * g * g;
                     let m = mean[k] / (1.0 - b1);
                     parameters[k] -= match rectified {
-                        Some(r) => rate * r * m * (1.0 - b2).sqrt() / (square[k].sqrt() + TINY),
+                        Some(r) => rate * r * m * (1.0 - b2).sqrt() / (square[k].sqrt() + RADAM_EPSILON),
                         None => rate * m,
                     };
                 }

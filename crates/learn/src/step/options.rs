@@ -1,5 +1,6 @@
 //! How the step method learns.
 
+use crate::decisions::{CUTOFF, EPOCHS, LEARNING_RATES, STUCK_SPEED};
 use phisindy_phys::spec::{Crossings, Optimiser};
 
 /// How the step method learns; the defaults are the paper's (Table 4).
@@ -25,10 +26,10 @@ impl Default for StepOptions {
     fn default() -> Self {
         StepOptions {
             optimiser: Optimiser::RAdam,
-            epochs: vec![1000, 1000, 1000],
-            rates: vec![0.1, 0.01, 0.001],
-            cutoff: 0.05,
-            tolerance: 1e-3,
+            epochs: EPOCHS.to_vec(),
+            rates: LEARNING_RATES.to_vec(),
+            cutoff: CUTOFF,
+            tolerance: STUCK_SPEED,
             horizon: 1,
             crossings: Crossings::Keep,
         }

@@ -1,6 +1,7 @@
 //! Method `step`: Algorithm 2 of the paper. Stages of training, a cut after each; what was cut stays zero. Or the same loss solved by
 //! Gauss-Newton, which lands on the same minimum in a few iterations and can move constants.
 
+use crate::decisions::{OBSERVED_EPOCHS, STEP_GAIN, STEP_ITERATIONS};
 use crate::least_squares::{Limits, Normal, minimise};
 use crate::linear::{covariance, symmetric};
 use crate::result::identified::StopReason;
@@ -11,9 +12,6 @@ use phisindy_expr::Cost;
 use phisindy_phys::spec::Optimiser;
 use phisindy_phys::{Record, System};
 use std::ops::ControlFlow;
-
-/// Epochs between two looks at the user.
-const UNOBSERVED: u32 = 16;
 
 /// What the step method found.
 #[derive(Clone, Debug)]
@@ -179,7 +177,7 @@ fn descend(
     let mut gradient = vec![0.0; values.len()];
     let (mut left, mut interrupted) = (options.epochs[stage], false);
     while left > 0 && !interrupted {
-        let now = left.min(UNOBSERVED);
+        let now = left.min(OBSERVED_EPOCHS);
         // Inside of the pool its threads stay awake from epoch to epoch.
         rayon::scope(|_| {
             for _ in 0..now {
@@ -218,5 +216,6 @@ fn solve(batch: &Batch, values: &mut [f64], bounds: &[(f64, f64)]) -> f64 {
         let (cost, triangle, gradient) = batch.normal(x);
         cost.is_finite().then(|| Normal { cost, matrix: symmetric(&triangle, n), gradient })
     };
-    minimise(values, bounds, Limits::new(60, 1e-14), evaluate).map_or(f64::NAN, |end| end.cost)
+    minimise(values, bounds, Limits::new(STEP_ITERATIONS, STEP_GAIN), evaluate)
+        .map_or(f64::NAN, |end| end.cost)
 }

@@ -1,14 +1,12 @@
 //! The samples of the records as data of steps: one row for each step, and which steps are used.
 
+use crate::decisions::UNIFORM_STEP;
 use crate::step::onestep::OneStep;
 use crate::step::options::StepOptions;
 use phisindy_expr::Scratch;
 use phisindy_phys::spec::Crossings;
 use phisindy_phys::{Record, System};
 use phisindy_signal::standard_deviation;
-
-/// Steps whose lengths differ by less than this part are of one length: clocks are not better.
-const UNIFORM: f64 = 1e-9;
 
 /// Standard deviation of each state over all records: the unit of its error.
 pub(crate) fn deviations(system: &System, records: &[&Record]) -> Vec<f64> {
@@ -26,7 +24,7 @@ pub(crate) fn deviations(system: &System, records: &[&Record]) -> Vec<f64> {
 pub(crate) fn step_length(record: &Record) -> Option<f64> {
     let n = record.len();
     let mean = (record.time[n - 1] - record.time[0]) / (n.max(2) - 1) as f64;
-    record.time.windows(2).all(|t| (t[1] - t[0] - mean).abs() < UNIFORM * mean).then_some(mean)
+    record.time.windows(2).all(|t| (t[1] - t[0] - mean).abs() < UNIFORM_STEP * mean).then_some(mean)
 }
 
 /// One row of data for a step: time, length, its half, third and sixth, states, inputs at start, middle, end. `from` and `to` are neighbouring samples; going backward

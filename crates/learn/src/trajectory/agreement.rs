@@ -1,6 +1,7 @@
 //! Do records agree? The terms of a fit are fitted once more, to each record that was held back: a model that is wrong puts its mistake into the coefficients,
 //! and another motion asks for other ones.
 
+use crate::decisions::{AGREEMENT_DAMPING, AGREEMENT_MINIMUM, RARE};
 use crate::least_squares::Limits;
 use crate::linear::{covariance, solve_damped};
 use crate::result::quantity::TermId;
@@ -12,9 +13,6 @@ use crate::trajectory::problem::{Meaning, Problem};
 use faer::Mat;
 use phisindy_phys::Record;
 use phisindy_phys::spec::Role;
-
-/// Normal quantile of a chance of one in a hundred thousand.
-const RARE: f64 = 4.265;
 
 /// What the Validate records say against the coefficients of the fit: one warning for each that disagrees beyond chance. `cov` is the covariance of
 /// the unknowns of the fit.
@@ -65,7 +63,7 @@ fn disagreement(
     }
     let noise = vec![fit.noise.first()?.clone()];
     let weights = problem.weights(&noise, problem.residuals(&x).ok().as_deref());
-    let normal = problem.minimise(&mut x, &weights, Limits::new(20, 1e-6)).ok()?;
+    let normal = problem.minimise(&mut x, &weights, Limits::of(AGREEMENT_MINIMUM)).ok()?;
     let told = tally(&noise, &problem.residuals(&x).ok()?);
     let inflation = inflation(told.samples, told.effective);
     let own =
@@ -76,7 +74,8 @@ fn disagreement(
         return None;
     }
     let apart: Vec<f64> = (0..t).map(|k| x[k] - fit.x[k]).collect();
-    let distance: f64 = solve_damped(&both, &apart, 1e-9)?.iter().zip(&apart).map(|(a, b)| a * b).sum();
+    let distance: f64 =
+        solve_damped(&both, &apart, AGREEMENT_DAMPING)?.iter().zip(&apart).map(|(a, b)| a * b).sum();
     // Wilson and Hilferty's quantile of chi square.
     let spread = 2.0 / (9.0 * t as f64);
     if distance <= t as f64 * (1.0 - spread + RARE * spread.sqrt()).powi(3) {

@@ -1,5 +1,6 @@
 //! How an identified model does: a free run of every record from its fitted start, compared with what was measured.
 
+use crate::decisions::{DIVERGED_SIZE, OWN_PART, START_BLUR, START_MINIMUM, START_PART, START_SAMPLES};
 use crate::least_squares::{Limits, Normal};
 use crate::linear::covariance;
 use crate::result::record_fit::RecordFit;
@@ -42,15 +43,6 @@ impl Solution {
         }
     }
 }
-
-/// What part of a Validate record its start state may be fitted on.
-const START_PART: usize = 10;
-/// ... and its start state together with numbers that only it can tell.
-const OWN_PART: usize = 2;
-
-/// What a start that is not known better may add to the power of the residual, in units of the noise. Where impacts or turning points pull neighbouring motions apart, the
-/// start state of a tenth says nothing about the end of the record, however right the model is: it is then fitted on twice as much, and so on.
-const BLUR: f64 = 0.1;
 
 /// Runs every record freely. `filled` are the records with samples (or derived samples) of every state, to start from.
 pub(crate) fn assess(
@@ -165,7 +157,7 @@ fn started<'a>(
         // A number of its own, such as a phase, needs more of the record than its start does.
         let own = problem.meanings().iter().any(|m| matches!(m, Meaning::Parameter(_, Some(_))));
         let part = record.len() / if own { OWN_PART } else { START_PART };
-        problem.segments[0].samples.1 = part.max(10).min(record.len());
+        problem.segments[0].samples.1 = part.max(START_SAMPLES).min(record.len());
     }
     let weight = |k: usize| 1.0 / problem.deviations[0][k].powi(2).max(f64::MIN_POSITIVE);
     let weights = vec![(0..record.columns.len()).map(|k| vec![weight(k); record.len()]).collect::<Vec<_>>()];
@@ -173,7 +165,7 @@ fn started<'a>(
     let mut took = None;
     loop {
         let part = problem.segments[0];
-        let end = problem.minimise(x, &weights, Limits::new(20, 1e-9));
+        let end = problem.minimise(x, &weights, Limits::of(START_MINIMUM));
         problem.segments[0] = whole;
         let known = end?;
         if part.samples.1 >= record.len() {
@@ -181,7 +173,9 @@ fn started<'a>(
         }
         let moves: Vec<usize> = (0..x.len()).filter(|&k| bounds[k].0 < bounds[k].1).collect();
         match problem.normal(x, &weights) {
-            Ok(wanted) if blur(&known, &wanted, &moves) > BLUR * record.readings() as f64 => {
+            // Where impacts or turning points pull neighbouring motions apart, the start state of a tenth says nothing about the end of the record,
+            // however right the model is.
+            Ok(wanted) if blur(&known, &wanted, &moves) > START_BLUR * record.readings() as f64 => {
                 problem.segments[0].samples.1 = (2 * part.samples.1).min(record.len());
                 took = Some(problem.segments[0].samples.1);
             }
@@ -214,7 +208,7 @@ fn continued(
 ) -> Result<Run, SimError> {
     let n = record.columns.len();
     let start = fit.run.as_ref().map_or(vec![0.0; n], |run| run.states[run.states.len() - n..].to_vec());
-    let options = Options { scale: problem.scale.clone(), diverged: 1e4, ..Default::default() };
+    let options = Options { scale: problem.scale.clone(), diverged: DIVERGED_SIZE, ..Default::default() };
     // The run before ended where its columns looked last.
     let looks = problem.looks(&problem.segments[0], x);
     let t0 = before.time[before.len() - 1] + (looks.first() - record.time[0]);

@@ -1,5 +1,10 @@
 //! A model in which only parameters move, fitted to records whose noise is known: what the gap workflow asks for again and again.
 
+use crate::decisions::{
+    ASTRAY, FAR_GAIN, LIKELIHOOD_GAIN, MEMORY_STEPS, MISFIT, QUICK_SEGMENTS, QUICK_SINGLE, RESTART_MINIMUM,
+    RESTART_PROMISE, RESTART_REACH, RESTARTS, SEGMENTS_MINIMUM, SINGLE_ITERATIONS, STAGES, STEPS_TO_ONE,
+    TOLERANCE, TRIAL_BASE_STEPS, TRIAL_STEPS, TRIAL_TOLERANCE, WRONG_MODEL,
+};
 use crate::least_squares::Limits;
 use crate::result::error::ModelError;
 use crate::result::estimate::Estimate;
@@ -9,13 +14,10 @@ use crate::trajectory::assess::assess;
 use crate::trajectory::error_bars::ErrorBars;
 use crate::trajectory::fit::{Fit, Tally, carry, tally};
 use crate::trajectory::noise::ColumnNoise;
-use crate::trajectory::problem::{Noise, Problem, Segment, TOLERANCE};
+use crate::trajectory::problem::{Noise, Problem, Segment};
 use crate::trajectory::unknowns::Unknowns;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Record, System};
-
-/// Segments of the stages of a fit.
-const STAGES: [usize; 3] = [20, 5, 1];
 
 /// A calibrated model.
 #[derive(Clone, Debug)]
@@ -197,21 +199,19 @@ impl<'a> Stage<'a> {
         }
         let weights = problem.weights(noise, None);
         // A gain of a hundredth in the logarithm of the likelihood is none.
-        let least = 0.01 / samples.max(1) as f64;
+        let least = LIKELIHOOD_GAIN / samples.max(1) as f64;
         let limits = match (pieces == 1, effort) {
-            (true, Effort::Plain) => Limits { far: far(samples), ..Limits::new(40, least) },
-            (true, _) => Limits::new(40, least),
-            (false, _) => Limits::new(10, 1e-3),
+            (true, Effort::Plain) => Limits { far: far(samples), ..Limits::new(SINGLE_ITERATIONS, least) },
+            (true, _) => Limits::new(SINGLE_ITERATIONS, least),
+            (false, _) => Limits::of(SEGMENTS_MINIMUM),
         };
         let cost = problem.minimise(&mut x, &weights, limits)?.cost;
         Ok(Stage { problem, x, cost })
     }
 }
 
-/// From segments to one run in smaller steps: where neighbouring motions part fast, a run five times as long as the segments that led there ends in a side minimum.
-const STEPS_TO_ONE: [usize; 3] = [3, 2, 1];
-
-/// Where such steps lead, if the segments leave nothing but noise.
+/// From segments to one run in smaller steps, if the segments leave nothing but noise: where neighbouring motions part fast, a run five times as
+/// long as the segments that led there ends in a side minimum.
 fn step_by_step(system: &System, setup: &Setup<'_>, samples: usize, parted: Stage<'_>) -> Option<Vec<f64>> {
     let mut stage = Some(parted).filter(|p| p.cost < MISFIT * samples as f64)?;
     for pieces in STEPS_TO_ONE {
@@ -219,9 +219,6 @@ fn step_by_step(system: &System, setup: &Setup<'_>, samples: usize, parted: Stag
     }
     Some(stage.x)
 }
-
-/// Steps for each sample that a trial may take, and a trial of a model with memory.
-const STEPS: (usize, usize) = (12, 4);
 
 /// Steps that a trial may take: friction that strengthens with speed near rest creeps without end, and is wrong. A memory that fades within a part of a sample cannot be
 /// told from none, and takes as many steps as it fades fast.
@@ -233,7 +230,7 @@ fn budget(problem: &Problem<'_>) -> usize {
         let moves = states[k].velocity.is_some() || states.iter().any(|s| s.velocity == Some(k));
         !moves && !measured(k)
     });
-    1_000 + longest * if memory { STEPS.1 } else { STEPS.0 }
+    TRIAL_BASE_STEPS + longest * if memory { MEMORY_STEPS } else { TRIAL_STEPS }
 }
 
 /// Local error of the simulations of a trial: small against the noise, also where it adds up over a record.
@@ -242,23 +239,15 @@ fn tolerance(problem: &Problem<'_>, noise: &Noise) -> f64 {
         let of = |k: usize| record.columns[k].as_ref().map(|_| noise[k].additive / problem.scale[k]);
         (0..noise.len()).filter_map(of)
     });
-    (1e-4 * parts.fold(f64::INFINITY, f64::min)).clamp(TOLERANCE, 1e-5)
+    (TRIAL_TOLERANCE[0] * parts.fold(f64::INFINITY, f64::min)).clamp(TOLERANCE, TRIAL_TOLERANCE[1])
 }
 
-/// A misfit above this is worth another start.
-const MISFIT: f64 = 1.01;
 /// chi^2 per sample of a fit that [`Effort::Thorough`] tries other starts for: below it there is nothing to gain, above it the model is wrong.
-pub const RESTARTED: std::ops::Range<f64> = MISFIT..30.0;
+pub const RESTARTED: std::ops::Range<f64> = MISFIT..WRONG_MODEL;
 /// Far from the noise a gain of a thousandth is none: what is missing there is no digit.
 fn far(samples: usize) -> (f64, f64) {
-    (RESTARTED.end * samples as f64, 1e-3)
+    (WRONG_MODEL * samples as f64, FAR_GAIN)
 }
-
-/// Starts round an end that misses.
-const RESTARTS: u32 = 4;
-
-/// Another start whose cost is more than this many times the present one promises nothing.
-const PROMISE: f64 = 30.0;
 
 /// Fits once more from another start, if that promises something, and keeps the better end. A run through stops has side minima: one stop more or less, and the cost jumps.
 fn again(
@@ -274,18 +263,15 @@ fn again(
     }
     let mut other = start;
     match problem.normal(&other, weights) {
-        Ok(there) if there.cost < PROMISE * now.cost => {}
+        Ok(there) if there.cost < RESTART_PROMISE * now.cost => {}
         _ => return,
     }
-    let limits = Limits { far: far(samples), ..Limits::new(25, 1e-5) };
+    let limits = Limits { far: far(samples), ..Limits::of(RESTART_MINIMUM) };
     let end = problem.minimise(&mut other, weights, limits);
     if end.is_ok_and(|end| end.cost < now.cost) {
         *x = other;
     }
 }
-
-/// A fitted start this many standard deviations of the noise from the smoothed motion is another run than the measured one.
-const ASTRAY: f64 = 4.0;
 
 /// The unknowns with runs from where the smoothed motion starts, if they start elsewhere: an earlier model, from whose start they set out, may have been wrong.
 fn on_the_data(problem: &Problem<'_>, x: &[f64], noise: &Noise, smooth: &[Record]) -> Option<Vec<f64>> {
@@ -321,7 +307,7 @@ fn nearby(
         let sign =
             if (k as u32).wrapping_mul(2_654_435_769).rotate_left(attempt * 7) & 1 == 0 { 1.0 } else { -1.0 };
         let sign = if attempt.is_multiple_of(2) { sign } else { -sign };
-        let reach = f64::from(1 + attempt / 2) * 2.0;
+        let reach = f64::from(1 + attempt / 2) * RESTART_REACH;
         let step = if error.is_finite() { reach * sign * error } else { 0.0 };
         (v + step).clamp(problem.bounds[k].0, problem.bounds[k].1)
     });
@@ -355,23 +341,23 @@ pub fn glance(
         k += 1;
         (k - 1) % stride.max(1) == 0
     });
-    looked(problem, &noise, &starts, 1e-2)
+    looked(problem, &noise, &starts, QUICK_SEGMENTS)
 }
 
 /// As [`glance`], but in single runs from where `smooth` starts: for a model that is near already, and whose stops a cut would lose.
 pub fn approach(system: &System, records: &[Record], smooth: &[Record], noise: &[Vec<f64>]) -> Option<f64> {
     let Setup { fitted, noise, smooth: starts, .. } = Setup::new(records, smooth, noise);
     let problem = Problem::new(system, &[], &fitted, &vec![1; fitted.len()]).ok()?;
-    looked(problem, &noise, &starts, 1e-3)
+    looked(problem, &noise, &starts, QUICK_SINGLE)
 }
 
 /// chi^2 per sample after a few steps.
-fn looked(mut problem: Problem<'_>, noise: &Noise, starts: &[Record], gain: f64) -> Option<f64> {
+fn looked(mut problem: Problem<'_>, noise: &Noise, starts: &[Record], minimum: [f64; 2]) -> Option<f64> {
     problem.budget = Some(budget(&problem));
     problem.tolerance = tolerance(&problem, noise);
     let mut x = problem.guess(&[], None, starts);
     let weights = problem.weights(noise, None);
-    let normal = problem.minimise(&mut x, &weights, Limits::new(4, gain)).ok()?;
+    let normal = problem.minimise(&mut x, &weights, Limits::of(minimum)).ok()?;
     let columns = |r: usize| problem.records[r].columns.iter().flatten().count();
     let samples: usize =
         problem.segments.iter().map(|s| (s.samples.1 - s.samples.0) * columns(s.record)).sum();

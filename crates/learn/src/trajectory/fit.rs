@@ -3,30 +3,17 @@
 //! Far from the truth the cost of a whole record has side minima, so the horizon grows: many short segments first, whose start states come from
 //! the data, then few, then one. A record whose single run is much worse than its segments (it drifts, or is unstable) stays segmented.
 
+use crate::decisions::{
+    BUDGET_BASE, BUDGET_FACTOR, CHAIN_MINIMUM, DRIFT, FINE_MINIMUM, FIRST_NOISE, HOP_GAIN, HOPELESS, HOPS,
+    INFLATED, LIKELIHOOD_GAIN, REFIT_ITERATIONS, ROUGH_MINIMUM, SPOILED, STAGES, STRAIGHT_PROMISE,
+    TIGHTENING, TRIAL_MINIMUM, WHITE_EXCESS, WHITE_PART,
+};
 use crate::least_squares::{Limits, Normal};
 use crate::trajectory::noise::ColumnNoise;
 use crate::trajectory::problem::{ColumnResidual, Meaning, Noise, Problem};
 use phisindy_phys::spec::SegmentsSpec;
 use phisindy_phys::{Record, System};
 use phisindy_signal::{chance_of_white, effective_samples, noise_level};
-
-/// Segments of the stages that a fit from scratch goes through.
-const STAGES: [usize; 3] = [20, 5, 1];
-/// A start that misses by up to so many times what a fit misses by may end below it.
-const PROMISE: f64 = 3.0;
-/// A single run whose residual is this many times that of five segments is not trusted.
-const DRIFT: f64 = 3.0;
-
-/// A fit whose residual is this many times that of the shortest segments may sit in a side minimum, into which the stage between has led it.
-const SPOILED: f64 = 1.2;
-
-/// What the coefficients are multiplied by to look for a better minimum ...
-const HOPS: [f64; 8] = [0.7, 0.85, 0.93, 0.97, 1.04, 1.08, 1.17, 1.4];
-/// ... which must lower the cost to this part.
-const WORTH: f64 = 0.95;
-
-/// By how much the joints of a chain of segments are tightened, in turn, in units of how much they jump if free.
-const TIGHTER: [f64; 3] = [0.3, 0.03, 0.003];
 
 /// A fitted model.
 pub(crate) struct Fit<'a> {
@@ -138,7 +125,7 @@ impl<'a> Context<'a> {
         let problem = Problem::new(self.system, &[], &self.records, &vec![1; self.records.len()]).ok()?;
         let x = problem.guess(&[], None, &self.smooth);
         let least = self.misfit(found)?;
-        if misfit(&problem, &x)? > PROMISE * least {
+        if misfit(&problem, &x)? > STRAIGHT_PROMISE * least {
             return None;
         }
         let fit = self.settle(problem, x, found.noise.clone(), 3)?;
@@ -157,12 +144,12 @@ impl<'a> Context<'a> {
             for k in 0..fit.problem.terms.len() {
                 x[k] = (x[k] * scale).clamp(bounds[k].0, bounds[k].1);
             }
-            let limits = Limits::new(8, 1e-3);
+            let limits = Limits::of(TRIAL_MINIMUM);
             let end = fit.problem.minimise(&mut x, &fit.weights, limits).ok()?;
             Some((end.cost, x))
         };
         let best = HOPS.into_iter().filter_map(hop).min_by(|a, b| a.0.total_cmp(&b.0));
-        if let Some((_, x)) = best.filter(|(cost, _)| *cost < WORTH * fit.normal.cost) {
+        if let Some((_, x)) = best.filter(|(cost, _)| *cost < HOP_GAIN * fit.normal.cost) {
             fit.x = x;
             return self.resettle(fit);
         }
@@ -180,9 +167,9 @@ impl<'a> Context<'a> {
         let mut x = cut.x.clone();
         chain.continuity = None;
         let jumps = chain.jumps(&x).ok()?;
-        for tighter in TIGHTER {
+        for tighter in TIGHTENING {
             chain.continuity = Some(jumps.iter().map(|j| tighter * j).collect());
-            let limits = Limits::new(12, 1e-4);
+            let limits = Limits::of(CHAIN_MINIMUM);
             chain.minimise(&mut x, &cut.weights, limits).ok()?;
         }
         let mut single =
@@ -212,12 +199,16 @@ impl<'a> Context<'a> {
     /// Fits other terms from the solution of a fit, with its noise and segments: cost differences between such fits are what a selection needs.
     pub(crate) fn refit(&self, from: &Fit<'a>, terms: &[usize]) -> Option<Fit<'a>> {
         // A gain of a hundredth in the logarithm of the likelihood is none.
-        self.refit_within(from, terms, Limits::new(20, 0.01 / from.samples.max(1) as f64))
+        self.refit_within(
+            from,
+            terms,
+            Limits::new(REFIT_ITERATIONS, LIKELIHOOD_GAIN / from.samples.max(1) as f64),
+        )
     }
 
     /// As [`Context::refit`], for a look: a few iterations, fewer where the cost stays far above that of the fit.
     pub(crate) fn glance(&self, from: &Fit<'a>, terms: &[usize]) -> Option<Fit<'a>> {
-        let limits = Limits { hopeless: HOPELESS * from.normal.cost, ..Limits::new(8, 1e-3) };
+        let limits = Limits { hopeless: HOPELESS * from.normal.cost, ..Limits::of(TRIAL_MINIMUM) };
         self.refit_within(from, terms, limits)
     }
 
@@ -293,7 +284,7 @@ impl<'a> Context<'a> {
 
     /// Before anything is fitted every column weighs by its own size.
     fn first_noise(&self, problem: &Problem<'_>) -> Noise {
-        let one = |d: &f64| ColumnNoise { additive: 0.1 * d.max(f64::MIN_POSITIVE), relative: 0.0 };
+        let one = |d: &f64| ColumnNoise { additive: FIRST_NOISE * d.max(f64::MIN_POSITIVE), relative: 0.0 };
         problem.deviations.iter().map(|columns| columns.iter().map(one).collect()).collect()
     }
 
@@ -334,7 +325,7 @@ struct Settled {
 
 fn settled(problem: &mut Problem<'_>, x: &mut [f64], noise: &mut Noise, rounds: usize) -> Option<Settled> {
     let mut weights = problem.weights(noise, problem.residuals(x).ok().as_deref());
-    let limits = Limits::new(if rounds == 1 { 12 } else { 20 }, if rounds == 1 { 1e-4 } else { 1e-7 });
+    let limits = Limits::of(if rounds == 1 { ROUGH_MINIMUM } else { FINE_MINIMUM });
     let mut normal = problem.minimise(x, &weights, limits).ok()?;
     for _ in 1..rounds {
         let residuals = problem.residuals(x).ok()?;
@@ -389,7 +380,7 @@ fn whitened(noise: &Noise, residuals: &[Vec<ColumnResidual>]) -> impl Iterator<I
 pub(crate) fn inflation(samples: usize, effective: f64) -> f64 {
     let f = samples as f64 / effective.max(1.0);
     // The estimate itself scatters round 1.
-    if f < 1.3 { 1.0 } else { f }
+    if f < INFLATED { 1.0 } else { f }
 }
 
 /// Takes over whatever means the same in another problem, but for start states.
@@ -405,18 +396,10 @@ pub(crate) fn carry(from: &Problem<'_>, x: &[f64], to: &Problem<'_>, y: &mut [f6
     }
 }
 
-/// A description with so many times the cost of another one after a few steps will not come near it.
-pub(crate) const HOPELESS: f64 = 10.0;
-
-/// A residual is white if at least this part of its samples count as independent.
-const WHITE: f64 = 0.6;
-/// ... or if its power is within this factor of its white part: what else there is, is too small to look for.
-const EXCESS: f64 = 1.1;
-
 impl Fit<'_> {
     /// Whether nothing but noise is left.
     pub(crate) fn is_white(&self) -> bool {
-        self.effective > WHITE * self.samples as f64 || self.excess < EXCESS
+        self.effective > WHITE_PART * self.samples as f64 || self.excess < WHITE_EXCESS
     }
 
     /// The chance that noise looks as what is left does: of the column that looks least like it, with all columns paid for.
@@ -438,7 +421,7 @@ impl Fit<'_> {
     /// Steps that a simulation of such a model may take over segments so many times as `long`: what takes many times the steps of a good model is a bad
     /// one, and slow to find out about.
     fn budget(&self, long: usize) -> usize {
-        1_000 + 4 * long * self.problem.steps(&self.x)
+        BUDGET_BASE + BUDGET_FACTOR * long * self.problem.steps(&self.x)
     }
 
     /// Segments of the record that has most.

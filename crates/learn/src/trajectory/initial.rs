@@ -3,18 +3,12 @@
 //! Over a stretch in which no contact sticks or turns, `x(b) - x(a) - int g dt = sum_k xi_k int f_k dt` is linear in the coefficients and needs
 //! no derivative of the data. Noise in the integrands makes it slightly biased, which the fit then removes; it cannot fall into a side minimum.
 
+use crate::decisions::{LONGEST_STRETCH, RIDGE, SHORTEST_STRETCH, SLOW_CONTACT};
 use crate::linear::{solve_damped, symmetric};
 use phisindy_expr::{Id, Scratch, Tape, Unary};
 use phisindy_phys::{Record, System};
 use phisindy_signal::{Differentiator, differentiate};
 use rayon::prelude::*;
-
-/// Samples per stretch at most.
-const STRETCH: usize = 25;
-/// Samples per stretch at least.
-const SHORTEST: usize = 5;
-/// Damping of the regression: collinear candidates share what none can claim.
-const RIDGE: f64 = 1e-6;
 
 /// The record with every column smoothed, and columns for velocities that have none. States that cannot be derived stay without.
 pub fn smoothed(system: &System, record: &Record) -> Record {
@@ -213,7 +207,7 @@ fn evaluate(system: &System, terms: &[usize], record: &Record, parameters: &[f64
 fn stretches(contacts: &[Vec<f64>], samples: usize) -> Vec<(usize, usize)> {
     let slow: Vec<f64> = contacts
         .iter()
-        .map(|w| 0.05 * (w.iter().map(|v| v * v).sum::<f64>() / samples as f64).sqrt())
+        .map(|w| SLOW_CONTACT * (w.iter().map(|v| v * v).sum::<f64>() / samples as f64).sqrt())
         .collect();
     let moving = |i: usize| contacts.iter().zip(&slow).all(|(w, s)| w[i].abs() > *s);
     let same = |i: usize, j: usize| contacts.iter().all(|w| w[i] * w[j] > 0.0);
@@ -221,9 +215,9 @@ fn stretches(contacts: &[Vec<f64>], samples: usize) -> Vec<(usize, usize)> {
     let mut start = 0;
     for i in 0..samples {
         let breaks = !moving(i) || !same(start, i);
-        if breaks || i - start == STRETCH {
+        if breaks || i - start == LONGEST_STRETCH {
             let end = if breaks { i.saturating_sub(1) } else { i };
-            if end >= start + SHORTEST {
+            if end >= start + SHORTEST_STRETCH {
                 out.push((start, end));
             }
             start = i;

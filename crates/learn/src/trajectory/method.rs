@@ -1,5 +1,6 @@
 //! Method `trajectory`: the event-located simulation fitted to the records, terms selected, error bars.
 
+use crate::decisions::{LEADING_RANKS, SELECTIONS, START_GAIN};
 use crate::result::error::{LearnError, NumericsError};
 use crate::result::identified::{Identified, PathPoint, StopReason};
 use crate::result::quantity::TermId;
@@ -63,9 +64,6 @@ fn alternative(system: &System, terms: &[usize], other: &[usize], worse: f64) ->
     Some(Warning::Alternative { term: own(terms, other)?, other: own(other, terms)?, worse })
 }
 
-/// A start that lowers the misfit by less than this part was not worth trying: neither will the next one be.
-const WORTH: f64 = 0.02;
-
 /// The best fit from several starts, with its terms selected if `auto`.
 ///
 /// Collinear candidates make a regression of the whole dictionary wild, so the start is poor: the best term of each equation (friction is never
@@ -102,7 +100,7 @@ fn start<'a>(
         }
         let Some(misfit) = context.misfit(&found.fit) else { continue };
         let white = found.fit.is_white();
-        let gained = best.as_ref().is_none_or(|(least, _)| misfit < (1.0 - WORTH) * least);
+        let gained = best.as_ref().is_none_or(|(least, _)| misfit < (1.0 - START_GAIN) * least);
         if best.as_ref().is_none_or(|(least, _)| misfit < *least) {
             best = Some((misfit, found));
         }
@@ -124,7 +122,7 @@ fn lead(context: &Context<'_>, regression: &Regression) -> Vec<usize> {
     let system = context.system;
     let mut lead = regression.single(system, 0);
     let mut least = context.sketch(&lead, &regression.solve(&lead)).unwrap_or(f64::INFINITY);
-    for rank in 1..3 {
+    for rank in 1..LEADING_RANKS {
         for other in regression.single(system, rank) {
             let state = system.terms[other].state;
             let mut trial: Vec<usize> =
@@ -144,7 +142,7 @@ fn lead(context: &Context<'_>, regression: &Regression) -> Vec<usize> {
 fn structure<'a>(context: &Context<'a>, fit: Fit<'a>, all: &[usize]) -> Selection<'a> {
     let mut hopeless = Vec::new();
     let mut found = select(context, fit, all, &mut hopeless);
-    for _ in 0..4 {
+    for _ in 0..SELECTIONS {
         let terms = found.fit.problem.terms.clone();
         let joined = context.joined(&found.fit);
         let same = joined.is_none();

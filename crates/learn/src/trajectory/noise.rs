@@ -3,10 +3,8 @@
 //! One form serves relative noise (eq. (34)), additive noise and sensor noise; the data say which it is. Where a state is zero relative noise
 //! vanishes and with it the bound on what can be known, so the additive part has a floor.
 
+use crate::decisions::{MIXED_NOISE, NOISE_FLOOR, NOISE_GAIN, NOISE_ITERATIONS, NOISE_RANK};
 use crate::result::identified::NoiseModel;
-
-/// The floor of the additive part, in units of the column's standard deviation.
-pub(crate) const FLOOR: f64 = 1e-3;
 
 /// Variance of one column.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,7 +25,7 @@ impl ColumnNoise {
     pub(crate) fn estimate(residuals: &[f64], predictions: &[f64], deviation: f64) -> ColumnNoise {
         let n = residuals.len().max(1) as f64;
         let mean = residuals.iter().map(|r| r * r).sum::<f64>() / n;
-        let floor = (FLOOR * deviation).powi(2).max(f64::MIN_POSITIVE);
+        let floor = (NOISE_FLOOR * deviation).powi(2).max(f64::MIN_POSITIVE);
         let size = predictions.iter().map(|p| p * p).sum::<f64>() / n;
         let alone = ColumnNoise { additive: mean.max(floor).sqrt(), relative: 0.0 };
         if size <= 0.0 || mean <= 0.0 {
@@ -48,7 +46,7 @@ impl ColumnNoise {
         // From both ends: all additive, all relative.
         for start in [(0.5 * mean, 0.5 * mean / size), (floor, mean / size)] {
             let (mut a, mut b) = (start.0.max(floor), start.1);
-            for _ in 0..50 {
+            for _ in 0..NOISE_ITERATIONS {
                 let (mut s11, mut s12, mut s22, mut r1, mut r2) = (0.0, 0.0, 0.0, 0.0, 0.0);
                 for (r, p) in residuals.iter().zip(predictions) {
                     let q = p * p;
@@ -57,7 +55,7 @@ impl ColumnNoise {
                     (r1, r2) = (r1 + w * r * r, r2 + w * q * r * r);
                 }
                 let det = s11 * s22 - s12 * s12;
-                let (mut next_a, mut next_b) = if det > 1e-12 * s11 * s22 {
+                let (mut next_a, mut next_b) = if det > NOISE_RANK * s11 * s22 {
                     ((s22 * r1 - s12 * r2) / det, (s11 * r2 - s12 * r1) / det)
                 } else {
                     (r1 / s11, 0.0)
@@ -68,7 +66,7 @@ impl ColumnNoise {
                 if next_a < floor {
                     (next_a, next_b) = (floor, ((r2 - floor * s12) / s22).max(0.0));
                 }
-                let moved = (next_a - a).abs() > 1e-6 * a || (next_b - b).abs() > 1e-6 * b;
+                let moved = (next_a - a).abs() > NOISE_GAIN * a || (next_b - b).abs() > NOISE_GAIN * b;
                 (a, b) = (next_a, next_b);
                 if !moved {
                     break;
@@ -87,9 +85,9 @@ impl ColumnNoise {
     /// Its form, for a column with this standard deviation.
     pub(crate) fn kind(&self, deviation: f64) -> NoiseModel {
         let part = self.relative * deviation;
-        if part < 0.3 * self.additive {
+        if part < MIXED_NOISE * self.additive {
             NoiseModel::Additive
-        } else if self.additive < 0.3 * part {
+        } else if self.additive < MIXED_NOISE * part {
             NoiseModel::Relative
         } else {
             NoiseModel::Mixed
@@ -186,7 +184,7 @@ mod tests {
     #[test]
     fn a_residual_of_nothing_leaves_the_floor() {
         let signal = [1.0, -2.0, 0.5];
-        let floor = ColumnNoise { additive: 2.0 * FLOOR, relative: 0.0 };
+        let floor = ColumnNoise { additive: 2.0 * NOISE_FLOOR, relative: 0.0 };
         assert_eq!(ColumnNoise::estimate(&[0.0; 3], &signal, 2.0), floor);
         // A relative part has to earn its place: three samples of one size do not pay for it.
         let found = ColumnNoise::estimate(&[0.1, -0.1, 0.1], &signal, 2.0);

@@ -3,6 +3,9 @@
 //! The unknowns are one vector: coefficients, shared parameters, then for each record its own parameters, its free sensor parameters, and a
 //! start state for each of its segments.
 
+use crate::decisions::{
+    BASE_STEPS, DIVERGED_SIZE, SEGMENT_SAMPLES, SLOPE_STRETCHES, STEPS_PER_SAMPLE, TOLERANCE,
+};
 use crate::result::error::ModelError;
 use crate::result::quantity::SensorPart;
 use crate::trajectory::input_sensors::InputSensors;
@@ -12,9 +15,6 @@ use phisindy_phys::{Record, Sensor, System};
 use phisindy_signal::standard_deviation;
 use phisindy_sim::{Automaton, Drive, Options, SimError, Trajectory, simulate};
 use rayon::prelude::*;
-
-/// Local error of the simulations inside a fit, relative to the size of each state: far below the noise of any sensor.
-pub(crate) const TOLERANCE: f64 = 1e-7;
 
 /// Two of the three sensor parameters, in the order of [`SensorPart::ALL`].
 const GAIN: usize = SensorPart::Gain as usize;
@@ -151,7 +151,7 @@ impl<'a> Problem<'a> {
             }
             models.push(sources);
             sensors.push(of_states);
-            let count = pieces[r].clamp(1, (record.len() / 4).max(1));
+            let count = pieces[r].clamp(1, (record.len() / SEGMENT_SAMPLES).max(1));
             for piece in 0..count {
                 let samples = (piece * record.len() / count, (piece + 1) * record.len() / count);
                 segments.push(Segment { record: r, samples, start: bounds.len() });
@@ -198,7 +198,7 @@ impl<'a> Problem<'a> {
                     for record in &self.records {
                         let Some(column) = &record.columns[x] else { continue };
                         // Over a stretch of a hundredth of the record, so that noise does not make it large.
-                        let far = (record.len() / 100).max(1);
+                        let far = (record.len() / SLOPE_STRETCHES).max(1);
                         let pairs = (far..record.len())
                             .map(|i| (column[i] - column[i - far]) / (record.time[i] - record.time[i - far]));
                         let count = (record.len() - far).max(1) as f64;
@@ -331,8 +331,8 @@ impl<'a> Problem<'a> {
             scale: self.scale.clone(),
             sensitivities: derivatives.then_some(free),
             // A model that needs many more is on its way to nowhere: fail, and try another.
-            max_steps: self.budget.unwrap_or(2_000 + 16 * (last - first)),
-            diverged: 1e4,
+            max_steps: self.budget.unwrap_or(BASE_STEPS + STEPS_PER_SAMPLE * (last - first)),
+            diverged: DIVERGED_SIZE,
         };
         let mut looks = self.looks(segment, x);
         // One more sample, where the next segment takes over. (An early sensor can ask for later times than that.)

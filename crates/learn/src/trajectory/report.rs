@@ -1,5 +1,6 @@
 //! A fit as a result: terms and parameters with error bars, warnings, free runs, a verdict.
 
+use crate::decisions::{CHANCE_OF_NOISE, COLOURED_PART, PROFILED_TERMS};
 use crate::differentiators::{Number, dependence};
 use crate::result::identified::{Identified, NoiseModel, PathPoint, StopReason};
 use crate::result::parameter::FoundParameter;
@@ -19,14 +20,6 @@ use phisindy_phys::spec::Method;
 use phisindy_phys::{Record, System};
 use phisindy_signal::Differentiator;
 use rayon::prelude::*;
-
-/// The coefficients of more terms than this keep the quadratic interval: each end of a profile costs some evaluations of the whole fit, and a model
-/// with so many terms was asked for, not selected.
-const PROFILED: usize = 12;
-/// Effective samples below this part of all samples are told.
-const WHITE: f64 = 0.5;
-/// What noise looks like less often than this is no noise: once in ten thousand right models.
-const NOISE: f64 = 1e-4;
 
 /// What a fit to the Fit records of `records` gives. `filled` are the records with smoothed samples of every state; `path` is the way of the selection.
 pub(crate) fn report(
@@ -77,7 +70,8 @@ pub(crate) fn report(
 
 fn coefficients(fit: &Fit<'_>, bars: &ErrorBars<'_>) -> Vec<FoundTerm> {
     let terms = &fit.problem.terms;
-    let coefficient = |k: usize| if terms.len() > PROFILED { bars.quadratic(k) } else { bars.estimate(k) };
+    let coefficient =
+        |k: usize| if terms.len() > PROFILED_TERMS { bars.quadratic(k) } else { bars.estimate(k) };
     (0..terms.len()).into_par_iter().map(|k| FoundTerm::new(terms[k], coefficient(k))).collect()
 }
 
@@ -110,10 +104,10 @@ fn differentiated_by(fit: &Fit<'_>, how: Differentiator) -> Option<crate::least_
 /// A residual that is more than noise.
 fn coloured(fit: &Fit<'_>) -> Option<Warning> {
     let independent = fit.effective / fit.samples.max(1) as f64;
-    if independent < WHITE {
+    if independent < COLOURED_PART {
         Some(Warning::Coloured { independent })
     } else {
-        (fit.chance_of_noise() < NOISE).then_some(Warning::NotNoise)
+        (fit.chance_of_noise() < CHANCE_OF_NOISE).then_some(Warning::NotNoise)
     }
 }
 

@@ -4,21 +4,16 @@
 //! `cost / inflation + k ln n + 2 ln C(p, k)`: the search among the subsets is counted, and correlated residuals count as few samples. A step of the
 //! search is proposed on the quadratic model of the cost and confirmed by a refit. A term too small to matter is not worth printing.
 
+use crate::decisions::{
+    HOPELESS, INSISTENT_RISE, NEW_PAIR, NEW_PART, PRACTICAL_SHARE, RIVAL, RIVAL_REACH, RIVALS,
+    SELECTION_ROUNDS, TRIED_CHANGES,
+};
 use crate::least_squares::Normal;
 use crate::linear::covariance;
 use crate::result::identified::PathPoint;
-use crate::result::warning::RIVAL;
-use crate::trajectory::fit::{Context, Fit, HOPELESS};
+use crate::trajectory::fit::{Context, Fit};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// A term whose share of the unknown rate (rms along the trajectory) is below this does not matter ...
-const PRACTICAL: f64 = 0.01;
-/// ... unless the data insist: without it the cost would rise by more than this. Chance lifts a term over the criterion now and then, but never far;
-/// true terms have hundreds.
-const INSISTENT: f64 = 60.0;
-/// Rounds of dropping and adding at most.
-const ROUNDS: usize = 8;
 
 /// The price of `k` terms out of `p`, for `n` independent samples.
 pub(crate) fn price(k: usize, p: usize, n: f64) -> f64 {
@@ -64,7 +59,7 @@ pub(crate) fn select<'a>(
     let mut now = if dropped.is_empty() { first } else { context.refit(&first, &kept).unwrap_or(first) };
     let mut tried: Vec<Vec<usize>> = vec![now.problem.terms.clone()];
     let mut changes = neighbours(context, &now, all, &criterion);
-    for _ in 0..ROUNDS {
+    for _ in 0..SELECTION_ROUNDS {
         let Some(next) = promising(context, &now, &changes, &tried) else { break };
         tried.push(next.problem.terms.clone());
         let value = criterion(next.normal.cost, next.problem.terms.len());
@@ -145,7 +140,7 @@ fn promising<'a>(
     changes: &[Vec<usize>],
     tried: &[Vec<usize>],
 ) -> Option<Fit<'a>> {
-    changes.iter().filter(|terms| !tried.contains(terms)).take(3).find_map(|terms| {
+    changes.iter().filter(|terms| !tried.contains(terms)).take(TRIED_CHANGES).find_map(|terms| {
         let look = context.glance(now, terms)?;
         context.refit(&look, terms)
     })
@@ -261,7 +256,7 @@ fn swaps<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<us
         for new in (0..terms.len()).filter(|i| !inside(i)).filter(same) {
             let (own, pull) = (left(new, new), slope(new) + left(new, gone) * less);
             let (low, high) = system.terms[terms[new]].within;
-            if own.is_nan() || own <= 1e-12 * a[(new, new)] || !(low..=high).contains(&(-pull / own)) {
+            if own.is_nan() || own <= NEW_PART * a[(new, new)] || !(low..=high).contains(&(-pull / own)) {
                 continue;
             }
             let mut with: Vec<usize> =
@@ -273,16 +268,13 @@ fn swaps<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<us
     out
 }
 
-/// How many of the most promising rivals are fitted.
-const RIVALS: usize = 2;
-
 /// Choices of as many terms that the data describe nearly as well, and by how much the criterion is worse; the nearest first.
 pub(crate) fn rivals<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<usize>, f64)> {
     let worse = |cost: f64| (cost - now.normal.cost) / now.inflation();
     let mut near: Vec<(Vec<usize>, f64)> =
         swaps(context, now, all).into_iter().map(|(terms, cost)| (terms, worse(cost))).collect();
     // The quadratic model may promise too little: a refit decides.
-    near.retain(|(_, worse)| *worse < 4.0 * RIVAL);
+    near.retain(|(_, worse)| *worse < RIVAL_REACH * RIVAL);
     near.sort_by(|a, b| a.1.total_cmp(&b.1));
     let fitted = near.into_iter().take(RIVALS).filter_map(|(terms, _)| {
         let fit = context.refit(now, &terms)?;
@@ -330,7 +322,7 @@ fn scores<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<u
     for i in 0..new.len() {
         let ii = left(i, i);
         let own = a[(new[i], new[i])];
-        if ii.is_nan() || ii <= 1e-12 * own {
+        if ii.is_nan() || ii <= NEW_PART * own {
             continue;
         }
         if reaches(i, -g[i] / ii) {
@@ -340,7 +332,7 @@ fn scores<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<u
             let same = context.system.terms[outside[i]].state == context.system.terms[outside[j]].state;
             let (jj, ij) = (left(j, j), left(i, j));
             let det = ii * jj - ij * ij;
-            if same && det > 1e-10 * ii * jj {
+            if same && det > NEW_PAIR * ii * jj {
                 let fall = (jj * g[i] * g[i] - 2.0 * ij * g[i] * g[j] + ii * g[j] * g[j]) / det;
                 let steps = [(j, (ij * g[i] - ii * g[j]) / det), (i, (ij * g[j] - jj * g[i]) / det)];
                 if steps.into_iter().all(|(k, step)| reaches(k, step)) {
@@ -369,7 +361,7 @@ fn negligible(fit: &Fit<'_>) -> Option<usize> {
             .sum();
         let share = if total > 0.0 { sizes[k] / total } else { 0.0 };
         let rise = fit.x[k] * fit.x[k] / (cov[(k, k)] * fit.inflation());
-        if share < PRACTICAL && rise < INSISTENT && smallest.is_none_or(|(s, _)| share < s) {
+        if share < PRACTICAL_SHARE && rise < INSISTENT_RISE && smallest.is_none_or(|(s, _)| share < s) {
             smallest = Some((share, t));
         }
     }

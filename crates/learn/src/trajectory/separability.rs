@@ -1,13 +1,9 @@
 //! Which numbers of a result the data do not tell apart.
 
+use crate::decisions::{CORRELATED, VAGUE};
 use crate::result::quantity::Quantity;
 use crate::result::warning::Warning;
 use faer::Mat;
-
-/// Correlations beyond this are told ...
-const CORRELATED: f64 = 0.95;
-/// ... if one of the two is known worse than to this part of itself.
-const VAGUE: f64 = 0.02;
 
 /// Numbers that the data do not see, or cannot tell apart. `names` are the unknowns of the result; `cov` and `values` are of all unknowns.
 pub(crate) fn inseparable(cov: &Mat<f64>, names: &[(usize, Quantity)], values: &[f64]) -> Vec<Warning> {

@@ -202,7 +202,7 @@ fn the_better_of_two_ends_is_kept() {
     // What costs too much is not tried, nor is anything where there is only noise.
     let now = [1.0, 0.3];
     let (near, beyond) = ([1.0, 1.5], [1.0, 1.9]);
-    assert!(cost(&near) < PROMISE * cost(&now) && PROMISE * cost(&now) < cost(&beyond));
+    assert!(cost(&near) < RESTART_PROMISE * cost(&now) && RESTART_PROMISE * cost(&now) < cost(&beyond));
     assert!((after(now, near)[1]).abs() < 0.1);
     assert_eq!(after(now, beyond), now);
     assert_eq!(after([1.0, 0.0], near), [1.0, 0.0]);
