@@ -42,6 +42,7 @@ impl Display for Quantity {
     }
 }
 
+// A table: one sentence for each variant.
 impl Display for Warning {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {

@@ -14,6 +14,7 @@ use crate::step::train::{StepFit, normal_of_steps, train};
 use crate::trajectory::assess::{Solution, assess};
 use phisindy_phys::spec::{Method, Optimiser, Role};
 use phisindy_phys::{Case, Record, System};
+use phisindy_signal::Differentiator;
 use std::ops::ControlFlow;
 
 /// The paper's method.
@@ -23,31 +24,9 @@ pub(crate) fn by_steps(
     observe: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Identified, LearnError> {
     let system = &case.system;
-    let mut warnings = Vec::new();
-    let mut filled: Vec<Record> = records.to_vec();
-    let how = case.learn.differentiator.unwrap_or_default();
-    for record in &mut filled {
-        match record.fill_velocities(system, how) {
-            Ok(notes) => {
-                let of = |note| Warning::DataNote { record: record.name.clone(), note };
-                warnings.extend(notes.into_iter().map(of));
-            }
-            Err(states) => {
-                return Err(DataError::MissingStates { record: record.name.clone(), states }.into());
-            }
-        }
-    }
+    let (filled, mut warnings) = filled(case, records)?;
     let options = step_options(case);
-    if options.optimiser != Optimiser::GaussNewton && !system.parameters.is_empty() {
-        let names = system.parameters.iter().map(|p| p.name.clone()).collect();
-        warnings.push(Warning::HeldConstants { optimiser: options.optimiser, names });
-    }
-    if records
-        .iter()
-        .any(|r| r.sensors.iter().any(|s| [&s.offset, &s.gain, &s.delay].iter().any(|p| p.within.is_some())))
-    {
-        warnings.push(Warning::HeldSensors);
-    }
+    warnings.extend(held(system, records, options.optimiser));
     let fitted: Vec<&Record> = filled.iter().filter(|r| r.role == Role::Fit).collect();
     let fit = train(system, &fitted, &options, observe);
     if !fit.loss.is_finite() || fit.coefficients.iter().any(|c| !c.is_finite()) {
@@ -61,18 +40,14 @@ pub(crate) fn by_steps(
     let parameters =
         if moved { found_parameters(system, &fit.parameters, &errors[terms.len()..]) } else { vec![] };
     warnings.extend(at_bounds(&parameters));
-    let numbers = numbers_of_steps(system, &fit, moved);
     let here = normal_of_steps(system, &fitted, &options, &fit);
-    warnings.extend(dependence(&numbers, &here, |how| {
-        let derives = |r: &&&Record| !r.derivations.is_empty() || r.columns.iter().any(Option::is_none);
-        let measured: Vec<&Record> = records.iter().filter(|r| r.role == Role::Fit).collect();
-        measured.iter().find(derives)?;
-        let other = |r: &&Record| {
-            let mut r = r.rederived(how)?;
-            r.fill_velocities(system, how).ok().map(|_| r)
-        };
-        let other: Vec<Record> = measured.iter().map(other).collect::<Option<_>>()?;
-        Some(normal_of_steps(system, &other.iter().collect::<Vec<_>>(), &options, &fit))
+    warnings.extend(dependence(&numbers_of_steps(system, &fit, moved), &here, |how| {
+        Some(normal_of_steps(
+            system,
+            &derived_by(system, records, how)?.iter().collect::<Vec<_>>(),
+            &options,
+            &fit,
+        ))
     }));
     let mut solution = Solution::new(fit.terms.clone(), fit.coefficients.clone(), &fit.parameters, records);
     let fits = assess(system, records, &filled, &mut solution);
@@ -96,6 +71,52 @@ pub(crate) fn by_steps(
         verdict,
         stop_reason: fit.stop_reason,
     })
+}
+
+/// The records with derived velocities, and notes of what was derived.
+///
+/// # Errors
+/// A state has no samples and cannot be derived.
+fn filled(case: &Case, records: &[Record]) -> Result<(Vec<Record>, Vec<Warning>), DataError> {
+    let mut filled: Vec<Record> = records.to_vec();
+    let how = case.learn.differentiator.unwrap_or_default();
+    let mut notes = Vec::new();
+    for record in &mut filled {
+        let name = record.name.clone();
+        match record.fill_velocities(&case.system, how) {
+            Ok(done) => {
+                notes.extend(done.into_iter().map(|note| Warning::DataNote { record: name.clone(), note }));
+            }
+            Err(states) => return Err(DataError::MissingStates { record: name, states }),
+        }
+    }
+    Ok((filled, notes))
+}
+
+/// What the spec lets move and the method holds.
+fn held(system: &System, records: &[Record], optimiser: Optimiser) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    if optimiser != Optimiser::GaussNewton && !system.parameters.is_empty() {
+        let names = system.parameters.iter().map(|p| p.name.clone()).collect();
+        warnings.push(Warning::HeldConstants { optimiser, names });
+    }
+    let mut sensors = records.iter().flat_map(|r| &r.sensors);
+    if sensors.any(|s| [&s.offset, &s.gain, &s.delay].iter().any(|p| p.within.is_some())) {
+        warnings.push(Warning::HeldSensors);
+    }
+    warnings
+}
+
+/// The Fit records with everything that is derived derived otherwise; `None` where nothing is, or it cannot be done.
+fn derived_by(system: &System, records: &[Record], how: Differentiator) -> Option<Vec<Record>> {
+    let derives = |r: &&&Record| !r.derivations.is_empty() || r.columns.iter().any(Option::is_none);
+    let measured: Vec<&Record> = records.iter().filter(|r| r.role == Role::Fit).collect();
+    measured.iter().find(derives)?;
+    let other = |r: &&Record| {
+        let mut r = r.rederived(how)?;
+        r.fill_velocities(system, how).ok().map(|_| r)
+    };
+    measured.iter().map(other).collect()
 }
 
 /// What method step found, in the order of its unknowns.

@@ -4,7 +4,8 @@ use crate::decisions::{DIVERGED_SIZE, OWN_PART, START_BLUR, START_MINIMUM, START
 use crate::least_squares::{Limits, Normal};
 use crate::linear::covariance;
 use crate::result::record_fit::RecordFit;
-use crate::trajectory::problem::{Meaning, Problem, Segment};
+use crate::trajectory::layout::Segment;
+use crate::trajectory::problem::{Meaning, Problem};
 use faer::Mat;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Record, System};

@@ -1,8 +1,9 @@
 //! The cost of a trajectory problem: simulated, compared with the records, and differentiated.
 
 use crate::least_squares::{Limits, Normal, minimise};
+use crate::trajectory::layout::{Segment, Source};
 use crate::trajectory::looks::Seen;
-use crate::trajectory::problem::{Problem, Segment, Source};
+use crate::trajectory::problem::Problem;
 use faer::Mat;
 use phisindy_expr::wide;
 use phisindy_sim::SimError;

@@ -5,15 +5,16 @@
 
 use crate::decisions::{
     BUDGET_BASE, BUDGET_FACTOR, CHAIN_MINIMUM, DRIFT, FINE_MINIMUM, FIRST_NOISE, HOP_GAIN, HOPELESS, HOPS,
-    INFLATED, LIKELIHOOD_GAIN, REFIT_ITERATIONS, ROUGH_MINIMUM, SPOILED, STAGES, STRAIGHT_PROMISE,
-    TIGHTENING, TRIAL_MINIMUM, WHITE_EXCESS, WHITE_PART,
+    LIKELIHOOD_GAIN, REFIT_ITERATIONS, ROUGH_MINIMUM, SPOILED, STAGES, STRAIGHT_PROMISE, TIGHTENING,
+    TRIAL_MINIMUM, WHITE_EXCESS, WHITE_PART,
 };
 use crate::least_squares::{Limits, Normal};
 use crate::trajectory::noise::ColumnNoise;
-use crate::trajectory::problem::{ColumnResidual, Meaning, Noise, Problem};
+use crate::trajectory::problem::{Meaning, Noise, Problem};
+use crate::trajectory::tally::{Tally, inflation, tally, whitened};
 use phisindy_phys::spec::SegmentsSpec;
 use phisindy_phys::{Record, System};
-use phisindy_signal::{chance_of_white, effective_samples, noise_level};
+use phisindy_signal::{chance_of_white, noise_level};
 
 /// A fitted model.
 pub(crate) struct Fit<'a> {
@@ -345,42 +346,6 @@ fn settled(problem: &mut Problem<'_>, x: &mut [f64], noise: &mut Noise, rounds: 
     let white: f64 = whitened(noise, &residuals).map(|w| noise_level(&w).powi(2) * w.len() as f64).sum();
     let excess = if white > 0.0 { power / white } else { f64::INFINITY };
     Some(Settled { weights, normal, samples, effective, excess })
-}
-
-/// What residuals amount to in units of their noise.
-pub(crate) struct Tally {
-    pub(crate) samples: usize,
-    /// How many of them are independent.
-    pub(crate) effective: f64,
-    /// Sum of their squares.
-    pub(crate) power: f64,
-}
-
-pub(crate) fn tally(noise: &Noise, residuals: &[Vec<ColumnResidual>]) -> Tally {
-    let mut tally = Tally { samples: 0, effective: 0.0, power: 0.0 };
-    for white in whitened(noise, residuals) {
-        tally.samples += white.len();
-        tally.effective += effective_samples(&white);
-        tally.power += white.iter().map(|e| e * e).sum::<f64>();
-    }
-    tally
-}
-
-/// The residuals of each measured column in units of its noise.
-fn whitened(noise: &Noise, residuals: &[Vec<ColumnResidual>]) -> impl Iterator<Item = Vec<f64>> {
-    residuals.iter().zip(noise).flat_map(|(columns, noise)| columns.iter().zip(noise)).filter_map(
-        |(c, noise)| {
-            let scaled = |(e, p): (&f64, &f64)| e / noise.variance(*p).sqrt();
-            (!c.residual.is_empty()).then(|| c.residual.iter().zip(&c.prediction).map(scaled).collect())
-        },
-    )
-}
-
-/// By how much the scatter of an estimate is larger than independent samples would make it.
-pub(crate) fn inflation(samples: usize, effective: f64) -> f64 {
-    let f = samples as f64 / effective.max(1.0);
-    // The estimate itself scatters round 1.
-    if f < INFLATED { 1.0 } else { f }
 }
 
 /// Takes over whatever means the same in another problem, but for start states.

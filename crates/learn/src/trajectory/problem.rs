@@ -3,39 +3,16 @@
 //! The unknowns are one vector: coefficients, shared parameters, then for each record its own parameters, its free sensor parameters, and a
 //! start state for each of its segments.
 
-use crate::decisions::{
-    BASE_STEPS, DIVERGED_SIZE, SEGMENT_SAMPLES, SLOPE_STRETCHES, STEPS_PER_SAMPLE, TOLERANCE,
-};
+use crate::decisions::{BASE_STEPS, DIVERGED_SIZE, SLOPE_STRETCHES, STEPS_PER_SAMPLE, TOLERANCE};
 use crate::result::error::ModelError;
-use crate::result::quantity::SensorPart;
 use crate::trajectory::input_sensors::InputSensors;
+use crate::trajectory::layout::{DELAY, Layout, Segment, Source};
 use crate::trajectory::looks::{Looks, Seen};
 use crate::trajectory::noise::ColumnNoise;
-use phisindy_phys::{Record, Sensor, System};
+use phisindy_phys::{Record, System};
 use phisindy_signal::standard_deviation;
 use phisindy_sim::{Automaton, Drive, Options, SimError, Trajectory, simulate};
 use rayon::prelude::*;
-
-/// Two of the three sensor parameters, in the order of [`SensorPart::ALL`].
-const GAIN: usize = SensorPart::Gain as usize;
-const DELAY: usize = SensorPart::Delay as usize;
-
-/// A run of samples with a start state of its own.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Segment {
-    pub(crate) record: usize,
-    /// First and one past the last sample.
-    pub(crate) samples: (usize, usize),
-    /// Where its start state stands among the unknowns.
-    pub(crate) start: usize,
-}
-
-/// Where a number of the model comes from.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Source {
-    Unknown(usize),
-    Number(f64),
-}
 
 /// A least-squares problem for a choice of terms and records.
 pub(crate) struct Problem<'a> {
@@ -97,67 +74,11 @@ impl<'a> Problem<'a> {
         records: &[&'a Record],
         pieces: &[usize],
     ) -> Result<Problem<'a>, ModelError> {
-        let model = system.model(terms);
         let input_sensors = InputSensors::new(system.states.len(), records);
-        let model = input_sensors.model(model);
-        let automaton = Automaton::new(&model).map_err(|e| ModelError::Unbound(e.message(&model.names)))?;
-        let n = system.states.len();
-        let free = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut bounds: Vec<_> = terms.iter().map(|&t| system.terms[t].within).collect();
-        let mut priors = Vec::new();
-        let mut unknown =
-            |within: (f64, f64), centre: f64, sigma: Option<f64>, bounds: &mut Vec<(f64, f64)>| {
-                bounds.push(within);
-                priors.extend(sigma.map(|s| (bounds.len() - 1, centre, s)));
-                Source::Unknown(bounds.len() - 1)
-            };
-        let shared: Vec<Option<Source>> = system
-            .parameters
-            .iter()
-            .map(|p| (!p.each).then(|| unknown(p.within, p.start, p.sigma, &mut bounds)))
-            .collect();
-        let (mut models, mut sensors, mut segments) = (Vec::new(), Vec::new(), Vec::new());
-        for (r, record) in records.iter().enumerate() {
-            let mut sources: Vec<Source> = (0..terms.len()).map(Source::Unknown).collect();
-            for (p, source) in system.parameters.iter().zip(&shared) {
-                sources.push(source.unwrap_or_else(|| unknown(p.within, p.start, p.sigma, &mut bounds)));
-            }
-            sources.extend(record.constants.iter().map(|&c| Source::Number(c)));
-            let mut of_states = Vec::new();
-            for k in 0..n {
-                let Sensor { offset, gain, delay, .. } = &record.sensors[k];
-                of_states.push([offset, gain, delay].map(|s| match (s.shared, s.within) {
-                    (Some(p), _) => sources[terms.len() + p],
-                    (None, Some(within)) if record.columns[k].is_some() => {
-                        unknown(within, s.start, s.sigma, &mut bounds)
-                    }
-                    _ => Source::Number(s.start),
-                }));
-            }
-            for sensor in &record.sensors[n..] {
-                of_states.push([&sensor.offset, &sensor.gain, &sensor.delay].map(|s| {
-                    match (sensor.follows, s.shared, s.within) {
-                        (None, Some(p), _) => sources[terms.len() + p],
-                        (None, None, Some(within)) => unknown(within, s.start, s.sigma, &mut bounds),
-                        _ => Source::Number(s.start),
-                    }
-                }));
-            }
-            // What is derived from an input has its gain and its delay.
-            for (k, of) in record.sensors[n..].iter().enumerate().filter_map(|(k, s)| Some((k, s.follows?))) {
-                for which in [GAIN, DELAY] {
-                    of_states[n + k][which] = of_states[n + of][which];
-                }
-            }
-            models.push(sources);
-            sensors.push(of_states);
-            let count = pieces[r].clamp(1, (record.len() / SEGMENT_SAMPLES).max(1));
-            for piece in 0..count {
-                let samples = (piece * record.len() / count, (piece + 1) * record.len() / count);
-                segments.push(Segment { record: r, samples, start: bounds.len() });
-                bounds.extend(vec![free; n]);
-            }
-        }
+        let with_sensors = input_sensors.model(system.model(terms));
+        let automaton =
+            Automaton::new(&with_sensors).map_err(|e| ModelError::Unbound(e.message(&with_sensors.names)))?;
+        let Layout { bounds, priors, model, sensors, segments } = Layout::new(system, terms, records, pieces);
         let deviations: Vec<Vec<f64>> = records
             .iter()
             .map(|r| r.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| standard_deviation(c))).collect())
@@ -172,7 +93,7 @@ impl<'a> Problem<'a> {
             bounds,
             priors,
             belief: 1.0,
-            model: models,
+            model,
             sensors,
             input_sensors,
             scale: vec![],

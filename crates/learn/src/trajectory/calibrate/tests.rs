@@ -62,7 +62,7 @@ fn a_line_is_calibrated_by_regression() {
                 let of = |i: usize| STEP * (i as f64 - middle);
                 let meat = |(i, x): (usize, &f64)| (of(i) * (x - mean - slope * of(i))).powi(2);
                 let error = samples.iter().enumerate().map(meat).sum::<f64>().sqrt() / lever(SAMPLES);
-                let stretch = n / (n - 2.0) * crate::trajectory::fit::inflation(SAMPLES, found.effective);
+                let stretch = n / (n - 2.0) * crate::trajectory::tally::inflation(SAMPLES, found.effective);
                 assert_relative_eq!(std_error, error * stretch.sqrt(), max_relative = 1e-4);
                 assert_relative_eq!(ci95.0, value - 1.96 * std_error, max_relative = 1e-3);
                 assert_relative_eq!(ci95.1, value + 1.96 * std_error, max_relative = 1e-3);

@@ -2,9 +2,11 @@
 
 use super::*;
 use crate::straight::{STEP, fitted_terms, lever, records, scatter};
+use crate::trajectory::problem::ColumnResidual;
 use approx::assert_relative_eq;
 use phisindy_phys::Case;
 use phisindy_phys::spec::Role;
+use phisindy_signal::effective_samples;
 use phisindy_signal::standard_deviation;
 
 /// A level and a slope of the rate of `x`.

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::straight::{STEP, records, scatter};
+use crate::trajectory::layout::GAIN;
 use approx::assert_relative_eq;
 use phisindy_phys::Case;
 use phisindy_phys::spec::Role;
