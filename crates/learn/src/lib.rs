@@ -1,14 +1,23 @@
 //! System and records to an identified model.
+//!
+//! ```text
+//! Case + Records --identify--> step:       windows --> loss over one or more steps --> train ----------+
+//!                         |                                                                            +--> Identified (terms, parameters,
+//!                         +--> trajectory: initial --> fit (simulate, minimise) --> select --> report -+    free runs, warnings, verdict)
+//! Case + Records + noise --calibrate--> Calibration (parameters, free runs)
+//! ```
+//!
+//! Results, warnings and errors are data; `Display` gives their sentences. This crate reads no files, prints nothing and knows no clock.
 
 mod decisions;
-mod differentiators;
+mod differentiator_dependence;
 mod identify;
 mod least_squares;
+#[cfg(test)]
+mod line_models;
 mod linear;
 mod result;
 mod step;
-#[cfg(test)]
-mod straight;
 mod sweep;
 mod trajectory;
 

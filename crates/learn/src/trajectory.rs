@@ -1,15 +1,15 @@
 //! Method trajectory: the event-located simulation fitted to the records.
 
 pub(crate) mod agreement;
-pub(crate) mod assess;
 pub(crate) mod calibrate;
 pub(crate) mod cost;
+pub(crate) mod delayed_samples;
 pub(crate) mod error_bars;
 pub(crate) mod fit;
+pub(crate) mod free_run;
 pub(crate) mod initial;
 pub(crate) mod input_sensors;
 pub(crate) mod layout;
-pub(crate) mod looks;
 pub(crate) mod method;
 pub(crate) mod noise;
 pub(crate) mod problem;
@@ -17,6 +17,6 @@ pub(crate) mod profile;
 pub(crate) mod report;
 pub(crate) mod select;
 pub(crate) mod separability;
-pub(crate) mod shares;
 pub(crate) mod tally;
+pub(crate) mod term_sizes;
 pub(crate) mod unknowns;

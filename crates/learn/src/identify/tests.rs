@@ -1,11 +1,11 @@
 //! What is said of a result, from results written down by hand.
 
 use super::*;
+use crate::line_models::{STEP, records, scatter};
 use crate::result::error::ModelError;
 use crate::result::identified::{NoiseModel, StopReason};
 use crate::result::term::FoundTerm;
 use crate::result::verdict::{Verdict, verdict};
-use crate::straight::{STEP, records, scatter};
 use approx::assert_relative_eq;
 use phisindy_sim::Trajectory;
 

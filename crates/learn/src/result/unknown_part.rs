@@ -1,4 +1,4 @@
-//! The identified part of each rate as a resistance: against the velocity that it depends on where there is one such velocity, else along the motion.
+//! The identified part of each rate as a resistance: against the velocity that it depends on where there is one such velocity, else evaluate the motion.
 
 use super::identified::Identified;
 use crate::decisions::HALF_WIDTH_95;
@@ -16,7 +16,7 @@ const ROWS: usize = 10_000;
 pub struct UnknownPart {
     /// Index of the state.
     pub state: usize,
-    /// The velocity against which it is told, in the language of the specs.
+    /// The velocity against which it is described, in the language of the specs.
     pub velocity: String,
     /// Whether it was multiplied by the inertia of the state.
     pub force: bool,
@@ -29,7 +29,7 @@ pub struct UnknownPart {
 pub enum Course {
     /// A function of one velocity, over those visited: one for all records, or one for each with its name.
     Curves(Vec<(Option<String>, Curve)>),
-    /// It depends on more: velocity and value along each record's run.
+    /// It depends on more: velocity and value evaluate each record's run.
     Cloud(Vec<(String, Vec<(f64, f64)>)>),
 }
 
@@ -49,7 +49,7 @@ pub struct Curve {
 /// The unknown parts of all states that have one. `scale` says whether a part is multiplied by the inertia of its state, where the spec has one.
 pub fn unknown_parts(case: &Case, records: &[Record], found: &Identified, scale: bool) -> Vec<UnknownPart> {
     let states = 0..case.system.states.len();
-    states.filter_map(|state| Part::new(case, found, state, scale)?.told(case, records, found)).collect()
+    states.filter_map(|state| Part::new(case, found, state, scale)?.described(case, records, found)).collect()
 }
 
 /// What is needed to evaluate the unknown part of one state.
@@ -92,12 +92,12 @@ impl<'a> Part<'a> {
         Some(Part { system, graph, state, velocity, inertia, terms, alone, each })
     }
 
-    fn told(mut self, case: &Case, records: &[Record], found: &Identified) -> Option<UnknownPart> {
+    fn described(mut self, case: &Case, records: &[Record], found: &Identified) -> Option<UnknownPart> {
         let runs: Vec<(usize, Vec<Vec<f64>>)> = (0..records.len())
             .filter_map(|r| Some((r, self.arguments(&records[r], found, r, found.records[r].run.as_ref()?))))
             .collect();
         let velocities: Vec<Vec<f64>> =
-            runs.iter().map(|(_, rows)| self.along(rows, self.velocity)).collect::<Option<_>>()?;
+            runs.iter().map(|(_, rows)| self.evaluate(rows, self.velocity)).collect::<Option<_>>()?;
         let course = if self.alone {
             // Records with the same numbers share a curve.
             let mut groups: Vec<(Vec<f64>, Vec<usize>)> = Vec::new();
@@ -120,7 +120,7 @@ impl<'a> Part<'a> {
             let cloud = runs.iter().zip(&velocities).map(|((r, rows), w)| {
                 let mut values = vec![0.0; w.len()];
                 for &(k, node) in &self.terms {
-                    let value = self.along(rows, node)?;
+                    let value = self.evaluate(rows, node)?;
                     let c = found.terms[k].coefficient.value;
                     values.iter_mut().zip(value).for_each(|(sum, v)| *sum -= c * v);
                 }
@@ -145,7 +145,7 @@ impl<'a> Part<'a> {
         values
     }
 
-    /// The arguments of the system along a run.
+    /// The arguments of the system evaluate a run.
     fn arguments(&self, record: &Record, found: &Identified, r: usize, run: &Trajectory) -> Vec<Vec<f64>> {
         let numbers = self.numbers(record, found, r);
         let row = |(i, states): (usize, &[f64])| {
@@ -157,8 +157,8 @@ impl<'a> Part<'a> {
         run.states.chunks_exact(run.n).take(record.len()).enumerate().step_by(every).map(row).collect()
     }
 
-    /// A node along a run.
-    fn along(&self, rows: &[Vec<f64>], node: Id) -> Option<Vec<f64>> {
+    /// A node evaluate a run.
+    fn evaluate(&self, rows: &[Vec<f64>], node: Id) -> Option<Vec<f64>> {
         let tape = Tape::compile(&self.graph, &self.system.arguments(), &[node]).ok()?;
         let mut scratch = Scratch::<1>::new(&tape);
         let values = rows.iter().map(|row| {

@@ -1,6 +1,6 @@
 //! Method step from records to a result: velocities are derived, terms trained, error bars and a verdict added.
 
-use crate::differentiators::{Number, dependence};
+use crate::differentiator_dependence::{Number, dependence};
 use crate::result::error::{DataError, LearnError, NumericsError};
 use crate::result::estimate::Estimate;
 use crate::result::identified::{Identified, NoiseModel, PathPoint};
@@ -11,7 +11,7 @@ use crate::result::verdict::verdict;
 use crate::result::warning::{Warning, at_bounds, sensitive_starts};
 use crate::step::options::StepOptions;
 use crate::step::train::{StepFit, normal_of_steps, train};
-use crate::trajectory::assess::{Solution, assess};
+use crate::trajectory::free_run::{Solution, free_runs};
 use phisindy_phys::spec::{Method, Optimiser, Role};
 use phisindy_phys::{Case, Record, System};
 use phisindy_signal::Differentiator;
@@ -50,10 +50,10 @@ pub(crate) fn by_steps(
         ))
     }));
     let mut solution = Solution::new(fit.terms.clone(), fit.coefficients.clone(), &fit.parameters, records);
-    let fits = assess(system, records, &filled, &mut solution);
+    let fits = free_runs(system, records, &filled, &mut solution);
     warnings.extend(sensitive_starts(&fits));
     let mut without = Solution::new(vec![], vec![], &fit.parameters, records);
-    let baseline = assess(system, records, &filled, &mut without);
+    let baseline = free_runs(system, records, &filled, &mut without);
     let verdict = verdict(system, &terms, &fits, &baseline);
     let selection =
         fit.stages.iter().map(|&(terms, criterion)| PathPoint { terms, criterion, nrmse: None }).collect();

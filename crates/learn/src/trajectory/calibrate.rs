@@ -1,4 +1,4 @@
-//! A model in which only parameters move, fitted to records whose noise is known: what the gap workflow asks for again and again.
+//! A model in which only parameters move, fitted to records whose noise is known: what the gap workflow asks for try_start and try_start.
 
 use crate::decisions::{
     ASTRAY, FAR_GAIN, LIKELIHOOD_GAIN, MEMORY_STEPS, MISFIT, QUICK_SEGMENTS, QUICK_SINGLE, RESTART_MINIMUM,
@@ -10,9 +10,9 @@ use crate::result::error::ModelError;
 use crate::result::estimate::Estimate;
 use crate::result::parameter::FoundParameter;
 use crate::result::record_fit::RecordFit;
-use crate::trajectory::assess::assess;
 use crate::trajectory::error_bars::ErrorBars;
-use crate::trajectory::fit::{Fit, carry};
+use crate::trajectory::fit::{Fit, transfer};
+use crate::trajectory::free_run::free_runs;
 use crate::trajectory::layout::Segment;
 use crate::trajectory::noise::ColumnNoise;
 use crate::trajectory::problem::{Noise, Problem};
@@ -79,7 +79,7 @@ pub fn calibrate(
         unknowns.parameters(|k| Estimate { value: fit.x[k], std_error: f64::NAN, ci95: bounds[k] })
     };
     let parameters: Vec<FoundParameter> = moved.into_iter().map(|(_, p)| p).collect();
-    let replays = assess(system, records, smooth, &mut unknowns.solution());
+    let replays = free_runs(system, records, smooth, &mut unknowns.solution());
     Ok(Calibration {
         chi2,
         samples: fit.samples,
@@ -124,14 +124,14 @@ fn from_other_starts(
     segmented: Option<Stage<'_>>,
 ) {
     // Where the spec starts may be better than where the segments led: after an earlier fit it is.
-    again(problem, x, weights, samples, problem.guess(&[], None, &setup.smooth));
+    try_start(problem, x, weights, samples, problem.guess(&[], None, &setup.smooth));
     if let Some(start) = on_the_data(problem, x, &setup.noise, &setup.smooth) {
-        again(problem, x, weights, samples, start);
+        try_start(problem, x, weights, samples, start);
     }
     let misses = problem.normal(x, weights).is_ok_and(|n| n.cost > MISFIT * samples as f64);
     let joined = segmented.filter(|_| misses).and_then(|s| step_by_step(problem.system, setup, samples, s));
     if let Some(start) = joined {
-        again(problem, x, weights, samples, start);
+        try_start(problem, x, weights, samples, start);
     }
 }
 
@@ -139,7 +139,7 @@ fn from_other_starts(
 fn from_nearby(problem: &Problem<'_>, x: &mut Vec<f64>, weights: &[Vec<Vec<f64>>], samples: usize) {
     for attempt in 0..RESTARTS {
         match nearby(problem, x, weights, samples, attempt) {
-            Some(start) => again(problem, x, weights, samples, start),
+            Some(start) => try_start(problem, x, weights, samples, start),
             None => break,
         }
     }
@@ -188,7 +188,7 @@ impl<'a> Stage<'a> {
         }
         let mut x = problem.guess(&[], None, starts);
         if let Some(before) = before {
-            carry(&before.problem, &before.x, &problem, &mut x);
+            transfer(&before.problem, &before.x, &problem, &mut x);
             // Start states too: short segments find them near the data, whatever run the guess came from.
             for segment in &problem.segments {
                 let same = |s: &&Segment| s.record == segment.record && s.samples.0 == segment.samples.0;
@@ -252,7 +252,7 @@ fn far(samples: usize) -> (f64, f64) {
 }
 
 /// Fits once more from another start, if that promises something, and keeps the better end. A run through stops has side minima: one stop more or less, and the cost jumps.
-fn again(
+fn try_start(
     problem: &Problem<'_>,
     x: &mut Vec<f64>,
     weights: &[Vec<Vec<f64>>],
@@ -277,17 +277,17 @@ fn again(
 
 /// The unknowns with runs from where the smoothed motion starts, if they start elsewhere: an earlier model, from whose start they set out, may have been wrong.
 fn on_the_data(problem: &Problem<'_>, x: &[f64], noise: &Noise, smooth: &[Record]) -> Option<Vec<f64>> {
-    let (mut out, mut astray) = (x.to_vec(), false);
+    let (mut out, mut elsewhere) = (x.to_vec(), false);
     for segment in &problem.segments {
         for (k, column) in smooth[segment.record].columns.iter().enumerate() {
             let Some([_, second, third, ..]) = column.as_deref() else { continue };
             let (at, start) = (segment.start + k, 2.0 * second - third);
             let measured = problem.records[segment.record].columns[k].is_some();
-            astray |= measured && (x[at] - start).abs() > ASTRAY * noise[segment.record][k].additive;
+            elsewhere |= measured && (x[at] - start).abs() > ASTRAY * noise[segment.record][k].additive;
             out[at] = start.clamp(problem.bounds[at].0, problem.bounds[at].1);
         }
     }
-    astray.then_some(out)
+    elsewhere.then_some(out)
 }
 
 /// A start near an end: every unknown moved by two of the errors that the misfit stands for, up or down by turns.

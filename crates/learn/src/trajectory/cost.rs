@@ -1,8 +1,8 @@
 //! The cost of a trajectory problem: simulated, compared with the records, and differentiated.
 
 use crate::least_squares::{Limits, Normal, minimise};
+use crate::trajectory::delayed_samples::SampledRun;
 use crate::trajectory::layout::{Segment, Source};
-use crate::trajectory::looks::Seen;
 use crate::trajectory::problem::Problem;
 use faer::Mat;
 use phisindy_expr::wide;
@@ -56,8 +56,8 @@ impl Problem<'_> {
             .segments
             .par_iter()
             .map(|s| {
-                let seen = self.run(s, x, false)?;
-                Ok(sum_of_squares(&self.misses(s, x, weights, &seen)))
+                let sampled = self.run(s, x, false)?;
+                Ok(sum_of_squares(&self.misses(s, x, weights, &sampled)))
             })
             .collect::<Result<_, _>>()?;
         let prior = |&(k, centre, sigma): &(usize, f64, f64)| {
@@ -70,7 +70,13 @@ impl Problem<'_> {
 
     /// The weighted residuals of a segment: sample by sample those of each measured column, then by how far each state misses where the next segment
     /// takes over.
-    fn misses(&self, segment: &Segment, x: &[f64], weights: &[Vec<Vec<f64>>], seen: &Seen) -> Vec<f64> {
+    fn misses(
+        &self,
+        segment: &Segment,
+        x: &[f64],
+        weights: &[Vec<Vec<f64>>],
+        sampled: &SampledRun,
+    ) -> Vec<f64> {
         let (first, last) = segment.samples;
         let record = self.records[segment.record];
         let measured: Vec<usize> =
@@ -84,15 +90,15 @@ impl Problem<'_> {
         let mut misses = Vec::with_capacity((last - first) * measured.len());
         for (i, sample) in (first..last).enumerate() {
             for (&k, (column, weight)) in measured.iter().zip(&columns) {
-                let (prediction, _) = self.reading(segment.record, k, x, seen.value(i, k).0);
+                let (prediction, _) = self.reading(segment.record, k, x, sampled.value(i, k).0);
                 misses.push(weight[sample].sqrt() * (prediction - column[sample]));
             }
         }
         if let (Some(next), Some(tau)) = (self.next(segment), &self.continuity) {
-            let n = seen.run.n;
+            let n = sampled.run.n;
             let (states, rates) =
-                (&seen.run.states[(last - first) * n..], &seen.run.rates[(last - first) * n..]);
-            let late = seen.end - record.time[last];
+                (&sampled.run.states[(last - first) * n..], &sampled.run.rates[(last - first) * n..]);
+            let late = sampled.end - record.time[last];
             misses.extend((0..n).map(|k| joint(tau[k]) * (states[k] - late * rates[k] - x[next.start + k])));
         }
         misses
@@ -144,8 +150,8 @@ impl Problem<'_> {
         weights: &[Vec<Vec<f64>>],
         meat: bool,
     ) -> Result<Share, SimError> {
-        let seen = self.run(segment, x, true)?;
-        let run = &seen.run;
+        let sampled = self.run(segment, x, true)?;
+        let run = &sampled.run;
         let (n, m, r) = (run.n, run.m, segment.record);
         // Columns of the sensitivities: start states, then the unknown ones among the model's parameters.
         let mut at: Vec<usize> = (segment.start..segment.start + n).collect();
@@ -168,7 +174,7 @@ impl Problem<'_> {
         let mut matrix = vec![0.0; width * width];
         let mut gradient = vec![0.0; width];
         let mut row = vec![0.0; width];
-        let misses = self.misses(segment, x, weights, &seen);
+        let misses = self.misses(segment, x, weights, &sampled);
         let mut of_samples = misses.iter().copied();
         wide(
             #[inline(always)]
@@ -179,11 +185,11 @@ impl Problem<'_> {
                             continue;
                         }
                         let e = of_samples.next().expect("one for each sample of each column");
-                        let (value, rate) = seen.value(i, k);
+                        let (value, rate) = sampled.value(i, k);
                         let (_, gain) = self.reading(r, k, x, value);
                         let weight = weights[r][k][sample].sqrt();
                         row.fill(0.0);
-                        let s = seen.sensitivities(i, k);
+                        let s = sampled.sensitivities(i, k);
                         row.iter_mut().zip(s).for_each(|(j, s)| *j = weight * gain * s);
                         let [offset_at, gain_at, delay_at] = sensor_slots[k];
                         if offset_at != usize::MAX {

@@ -65,7 +65,7 @@ impl<'a> Context<'a> {
                 problem.budget = from.map(|fit| fit.budget(fit.most_pieces().div_ceil(pieces)));
                 let mut x = problem.guess(values, parameters, &self.smooth);
                 if let Some(fit) = from {
-                    carry(&fit.problem, &fit.x, &problem, &mut x);
+                    transfer(&fit.problem, &fit.x, &problem, &mut x);
                 }
                 let noise = self.first_noise(&problem);
                 self.settle(problem, x, noise, 1)
@@ -114,7 +114,7 @@ impl<'a> Context<'a> {
         }
         let (_, fit) = before?;
         let Fit { problem, x, noise, .. } = fit;
-        let fit = self.settle(problem, x, noise, 3).map(|fit| self.hopped(fit))?;
+        let fit = self.settle(problem, x, noise, 3).map(|fit| self.with_scaled_coefficients(fit))?;
         Some(self.straight(&fit).unwrap_or(fit))
     }
 
@@ -135,7 +135,7 @@ impl<'a> Context<'a> {
 
     /// A motion that comes to rest has a side minimum for each number of swings before it does: a little more or less of all that is unknown may find a better
     /// one.
-    fn hopped(&self, mut fit: Fit<'a>) -> Fit<'a> {
+    fn with_scaled_coefficients(&self, mut fit: Fit<'a>) -> Fit<'a> {
         if fit.is_white() || !fit.comes_to_rest() {
             return fit;
         }
@@ -177,7 +177,7 @@ impl<'a> Context<'a> {
             Problem::new(self.system, &cut.problem.terms, &self.records, &vec![1; self.records.len()])
                 .ok()?;
         let mut y = single.guess(&x[..cut.problem.terms.len()], None, &self.smooth);
-        carry(&chain, &x, &single, &mut y);
+        transfer(&chain, &x, &single, &mut y);
         for segment in &single.segments {
             let first = chain.segments.iter().find(|s| s.record == segment.record)?;
             for k in 0..self.system.states.len() {
@@ -190,7 +190,7 @@ impl<'a> Context<'a> {
     }
 
     /// How well a guess predicts over many short segments, without fitting anything.
-    pub(crate) fn sketch(&self, terms: &[usize], coefficients: &[f64]) -> Option<f64> {
+    pub(crate) fn misfit_of_guess(&self, terms: &[usize], coefficients: &[f64]) -> Option<f64> {
         let problem =
             Problem::new(self.system, terms, &self.records, &vec![STAGES[0]; self.records.len()]).ok()?;
         let x = problem.guess(coefficients, None, &self.smooth);
@@ -208,7 +208,7 @@ impl<'a> Context<'a> {
     }
 
     /// As [`Context::refit`], for a look: a few iterations, fewer where the cost stays far above that of the fit.
-    pub(crate) fn glance(&self, from: &Fit<'a>, terms: &[usize]) -> Option<Fit<'a>> {
+    pub(crate) fn trial_fit(&self, from: &Fit<'a>, terms: &[usize]) -> Option<Fit<'a>> {
         let limits = Limits { hopeless: HOPELESS * from.normal.cost, ..Limits::of(TRIAL_MINIMUM) };
         self.refit_within(from, terms, limits)
     }
@@ -220,7 +220,7 @@ impl<'a> Context<'a> {
             .map(|t| from.problem.terms.iter().position(|u| u == t).map_or(0.0, |k| from.x[k]))
             .collect();
         let mut x = problem.guess(&coefficients, None, &self.smooth);
-        carry(&from.problem, &from.x, &problem, &mut x);
+        transfer(&from.problem, &from.x, &problem, &mut x);
         // Starts are carried whole: same segments.
         for (a, b) in from.problem.segments.iter().zip(&problem.segments) {
             for k in 0..self.system.states.len() {
@@ -349,7 +349,7 @@ fn settled(problem: &mut Problem<'_>, x: &mut [f64], noise: &mut Noise, rounds: 
 }
 
 /// Takes over whatever means the same in another problem, but for start states.
-pub(crate) fn carry(from: &Problem<'_>, x: &[f64], to: &Problem<'_>, y: &mut [f64]) {
+pub(crate) fn transfer(from: &Problem<'_>, x: &[f64], to: &Problem<'_>, y: &mut [f64]) {
     let known = from.meanings();
     for (k, meaning) in to.meanings().into_iter().enumerate() {
         if !matches!(meaning, Meaning::Parameter(..) | Meaning::Sensor(..)) {
@@ -377,9 +377,9 @@ impl Fit<'_> {
     /// Whether a single run ends with all contacts at rest.
     fn comes_to_rest(&self) -> bool {
         self.problem.segments.iter().filter(|s| self.pieces[s.record] == 1).any(|segment| {
-            let Ok(seen) = self.problem.trajectory(segment, &self.x) else { return false };
-            let contacts = seen.run.modes.len() / (seen.run.states.len() / seen.run.n).max(1);
-            contacts > 0 && seen.run.modes.iter().rev().take(contacts).all(|mode| *mode == 0)
+            let Ok(sampled) = self.problem.trajectory(segment, &self.x) else { return false };
+            let contacts = sampled.run.modes.len() / (sampled.run.states.len() / sampled.run.n).max(1);
+            contacts > 0 && sampled.run.modes.iter().rev().take(contacts).all(|mode| *mode == 0)
         })
     }
 

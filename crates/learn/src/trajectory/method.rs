@@ -43,8 +43,8 @@ pub(crate) fn by_trajectory(
         start(&context, &all, &regression, chosen == SelectionSpec::Auto, &mut hear)?;
     let Selection { fit, path } = match chosen {
         SelectionSpec::Auto => Selection { fit, path },
-        SelectionSpec::All => Selection { fit: whole(&context, fit, &all), path },
-        SelectionSpec::Cutoff(cutoff) => cut(&context, whole(&context, fit, &all), cutoff),
+        SelectionSpec::All => Selection { fit: with_all_terms(&context, fit, &all), path },
+        SelectionSpec::Cutoff(cutoff) => cut_off(&context, with_all_terms(&context, fit, &all), cutoff),
     };
     stopped |= observe(0.9).is_break();
     let near = if chosen == SelectionSpec::Auto { rivals(&context, &fit, &all) } else { vec![] };
@@ -66,8 +66,8 @@ fn alternative(system: &System, terms: &[usize], other: &[usize], worse: f64) ->
 
 /// The best fit from several starts, with its terms selected if `auto`.
 ///
-/// Collinear candidates make a regression of the whole dictionary wild, so the start is poor: the best term of each equation (friction is never
-/// started from zero), then the best two, three, all. From each, terms enter and leave; only where something is left that is not noise is the whole
+/// Collinear candidates make a regression of the with_all_terms dictionary wild, so the start is poor: the best term of each equation (friction is never
+/// started from zero), then the best two, three, all. From each, terms enter and leave; only where something is left that is not noise is the with_all_terms
 /// dictionary fitted at once, and the next start tried.
 fn start<'a>(
     context: &Context<'a>,
@@ -77,15 +77,19 @@ fn start<'a>(
     stopped: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Selection<'a>, LearnError> {
     let system = context.system;
-    let lead = lead(context, regression);
-    let poor = context.fresh_fit(&lead, &regression.solve(&lead));
+    let first_terms = first_terms(context, regression);
+    let poor = context.fresh_fit(&first_terms, &regression.solve(&first_terms));
     let richer = [regression.best(system, 2), regression.best(system, 3), all.to_vec()];
     let fits = poor
         .into_iter()
         .chain(richer.into_iter().filter_map(|start| context.fresh_fit(&start, &regression.solve(&start))));
     let mut best: Option<(f64, Selection<'a>)> = None;
     let chosen = |fit: Fit<'a>| {
-        if auto { structure(context, fit, all) } else { Selection { path: vec![unselected(&fit)], fit } }
+        if auto {
+            select_until_stable(context, fit, all)
+        } else {
+            Selection { path: vec![unselected(&fit)], fit }
+        }
     };
     for (k, poor) in fits.enumerate() {
         if stopped(0.1 + 0.2 * k as f64) && best.is_some() {
@@ -111,35 +115,36 @@ fn start<'a>(
     if let Some((_, found)) = best {
         return Ok(found);
     }
-    let simulated = Problem::new(system, &lead, &context.records, &vec![1; context.records.len()])
-        .and_then(|p| Ok(p.residuals(&p.guess(&regression.solve(&lead), None, &context.smooth))?));
+    let simulated = Problem::new(system, &first_terms, &context.records, &vec![1; context.records.len()])
+        .and_then(|p| Ok(p.residuals(&p.guess(&regression.solve(&first_terms), None, &context.smooth))?));
     Err(simulated.err().map_or(NumericsError::Diverged, NumericsError::Model).into())
 }
 
 /// One term for each equation to start with: of the three best by regression the one that predicts best, equation by equation. (Noise can make a wrong
 /// one look good to the regression alone.)
-fn lead(context: &Context<'_>, regression: &Regression) -> Vec<usize> {
+fn first_terms(context: &Context<'_>, regression: &Regression) -> Vec<usize> {
     let system = context.system;
-    let mut lead = regression.single(system, 0);
-    let mut least = context.sketch(&lead, &regression.solve(&lead)).unwrap_or(f64::INFINITY);
+    let mut first_terms = regression.single(system, 0);
+    let mut least =
+        context.misfit_of_guess(&first_terms, &regression.solve(&first_terms)).unwrap_or(f64::INFINITY);
     for rank in 1..LEADING_RANKS {
         for other in regression.single(system, rank) {
             let state = system.terms[other].state;
             let mut trial: Vec<usize> =
-                lead.iter().copied().filter(|&t| system.terms[t].state != state).collect();
+                first_terms.iter().copied().filter(|&t| system.terms[t].state != state).collect();
             trial.push(other);
             trial.sort_unstable();
-            let misfit = context.sketch(&trial, &regression.solve(&trial)).unwrap_or(f64::INFINITY);
+            let misfit = context.misfit_of_guess(&trial, &regression.solve(&trial)).unwrap_or(f64::INFINITY);
             if misfit < least {
-                (lead, least) = (trial, misfit);
+                (first_terms, least) = (trial, misfit);
             }
         }
     }
-    lead
+    first_terms
 }
 
 /// Selects until the terms stay: each selection runs on the noise of the fit that it starts from, and a better fit has less of it.
-fn structure<'a>(context: &Context<'a>, fit: Fit<'a>, all: &[usize]) -> Selection<'a> {
+fn select_until_stable<'a>(context: &Context<'a>, fit: Fit<'a>, all: &[usize]) -> Selection<'a> {
     let mut hopeless = Vec::new();
     let mut found = select(context, fit, all, &mut hopeless);
     for _ in 0..SELECTIONS {
@@ -159,12 +164,12 @@ fn unselected(fit: &Fit<'_>) -> PathPoint {
 }
 
 /// The fit with every candidate in it, if it can be simulated.
-fn whole<'a>(context: &Context<'a>, fit: Fit<'a>, all: &[usize]) -> Fit<'a> {
+fn with_all_terms<'a>(context: &Context<'a>, fit: Fit<'a>, all: &[usize]) -> Fit<'a> {
     if fit.problem.terms.len() == all.len() { fit } else { context.richer(&fit, all).unwrap_or(fit) }
 }
 
-/// The fixed cut-off of the paper on the trajectory fit: cut, refit, until nothing is cut.
-fn cut<'a>(context: &Context<'a>, full: Fit<'a>, cutoff: f64) -> Selection<'a> {
+/// The fixed cut_off-off of the paper on the trajectory fit: cut_off, refit, until nothing is cut_off.
+fn cut_off<'a>(context: &Context<'a>, full: Fit<'a>, cutoff: f64) -> Selection<'a> {
     let mut now = full;
     let mut path =
         vec![PathPoint { terms: now.problem.terms.len(), criterion: now.normal.cost, nrmse: None }];

@@ -5,9 +5,9 @@
 
 use crate::decisions::{BASE_STEPS, DIVERGED_SIZE, SLOPE_STRETCHES, STEPS_PER_SAMPLE, TOLERANCE};
 use crate::result::error::ModelError;
+use crate::trajectory::delayed_samples::{DelayedSamples, SampledRun};
 use crate::trajectory::input_sensors::InputSensors;
 use crate::trajectory::layout::{DELAY, Layout, Segment, Source};
-use crate::trajectory::looks::{Looks, Seen};
 use crate::trajectory::noise::ColumnNoise;
 use phisindy_phys::{Record, System};
 use phisindy_signal::standard_deviation;
@@ -241,7 +241,12 @@ impl<'a> Problem<'a> {
     }
 
     /// Simulates one segment; with the derivatives by everything that is unknown in it.
-    pub(crate) fn run(&self, segment: &Segment, x: &[f64], derivatives: bool) -> Result<Seen, SimError> {
+    pub(crate) fn run(
+        &self,
+        segment: &Segment,
+        x: &[f64],
+        derivatives: bool,
+    ) -> Result<SampledRun, SimError> {
         let record = self.records[segment.record];
         let (first, last) = segment.samples;
         let start = &x[segment.start..segment.start + self.system.states.len()];
@@ -255,13 +260,13 @@ impl<'a> Problem<'a> {
             max_steps: self.budget.unwrap_or(BASE_STEPS + STEPS_PER_SAMPLE * (last - first)),
             diverged: DIVERGED_SIZE,
         };
-        let mut looks = self.looks(segment, x);
+        let mut samples = self.delayed_samples(segment, x);
         // One more sample, where the next segment takes over. (An early sensor can ask for later times than that.)
         if self.next(segment).is_some() {
-            looks.then(record.time[last]);
+            samples.push(record.time[last]);
         }
-        self.simulated(segment.record, x, (record.time[first], start), &looks.times, &options)
-            .map(|run| looks.seen(run))
+        self.simulated(segment.record, x, (record.time[first], start), &samples.times, &options)
+            .map(|run| samples.split(run))
     }
 
     /// Whether the spec says anything about parameters beforehand.
@@ -291,19 +296,19 @@ impl<'a> Problem<'a> {
         Ok(sums.into_iter().map(|s| (s / count.max(1) as f64).sqrt()).collect())
     }
 
-    /// When the columns of a segment look at the motion, each late by its own delay.
-    pub(crate) fn looks(&self, segment: &Segment, x: &[f64]) -> Looks {
+    /// The sample times of a segment's columns, each late by its own delay.
+    pub(crate) fn delayed_samples(&self, segment: &Segment, x: &[f64]) -> DelayedSamples {
         let record = self.records[segment.record];
         let sensors = &self.sensors[segment.record][..self.system.states.len()];
         let delays: Vec<f64> = sensors.iter().map(|s| Self::value(s[DELAY], x)).collect();
         let first = record.columns.iter().position(Option::is_some).unwrap_or(0);
-        // What has no column looks with the first that has one.
+        // A state without a column takes the delay of the first one that has a column.
         let delays: Vec<f64> =
             (0..delays.len()).map(|k| delays[if record.columns[k].is_some() { k } else { first }]).collect();
-        Looks::new(&record.time[segment.samples.0..segment.samples.1], &delays, first)
+        DelayedSamples::new(&record.time[segment.samples.0..segment.samples.1], &delays, first)
     }
 
-    /// The prediction of a column from the value of its state where it looks; and its gain.
+    /// The prediction of a column from its state's value at the sample time, and its gain.
     pub(crate) fn reading(&self, record: usize, state: usize, x: &[f64], value: f64) -> (f64, f64) {
         let [offset, gain, _] = self.sensors[record][state].map(|s| Self::value(s, x));
         (offset + gain * value, gain)
@@ -320,7 +325,7 @@ impl<'a> Problem<'a> {
 
     /// Residuals of every column of every record in the unit of the column, from a simulation of all segments.
     pub(crate) fn residuals(&self, x: &[f64]) -> Result<Vec<Vec<ColumnResidual>>, SimError> {
-        let runs: Vec<Seen> =
+        let runs: Vec<SampledRun> =
             self.segments.par_iter().map(|s| self.run(s, x, false)).collect::<Result<_, _>>()?;
         let n = self.system.states.len();
         let mut out = vec![vec![ColumnResidual::default(); n]; self.records.len()];
@@ -338,16 +343,16 @@ impl<'a> Problem<'a> {
     }
 
     /// The free run of the first segment of a record.
-    pub(crate) fn trajectory(&self, segment: &Segment, x: &[f64]) -> Result<Seen, SimError> {
+    pub(crate) fn trajectory(&self, segment: &Segment, x: &[f64]) -> Result<SampledRun, SimError> {
         self.run(segment, x, false)
     }
 
     /// Readings of the sensors along a run of a record, by state.
-    pub(crate) fn readings(&self, record: usize, x: &[f64], seen: &Seen) -> Vec<Vec<f64>> {
+    pub(crate) fn readings(&self, record: usize, x: &[f64], sampled: &SampledRun) -> Vec<Vec<f64>> {
         let n = self.system.states.len();
-        let samples = seen.run.states.len() / n;
+        let samples = sampled.run.states.len() / n;
         (0..n)
-            .map(|k| (0..samples).map(|i| self.reading(record, k, x, seen.value(i, k).0).0).collect())
+            .map(|k| (0..samples).map(|i| self.reading(record, k, x, sampled.value(i, k).0).0).collect())
             .collect()
     }
 

@@ -1,7 +1,7 @@
 //! A fit as a result: terms and parameters with error bars, warnings, free runs, a verdict.
 
 use crate::decisions::{CHANCE_OF_NOISE, COLOURED_PART, PROFILED_TERMS};
-use crate::differentiators::{Number, dependence};
+use crate::differentiator_dependence::{Number, dependence};
 use crate::result::identified::{Identified, NoiseModel, PathPoint, StopReason};
 use crate::result::parameter::FoundParameter;
 use crate::result::quantity::{Quantity, TermId};
@@ -10,9 +10,9 @@ use crate::result::term::FoundTerm;
 use crate::result::verdict::verdict;
 use crate::result::warning::{Warning, at_bounds, sensitive_starts};
 use crate::trajectory::agreement::disagreements;
-use crate::trajectory::assess::{Solution, assess};
 use crate::trajectory::error_bars::ErrorBars;
 use crate::trajectory::fit::Fit;
+use crate::trajectory::free_run::{Solution, free_runs};
 use crate::trajectory::problem::Problem;
 use crate::trajectory::separability::inseparable;
 use crate::trajectory::unknowns::Unknowns;
@@ -46,10 +46,10 @@ pub(crate) fn report(
     warnings.extend(segmented(fit));
 
     let mut solution = unknowns.solution();
-    let mut fits = assess(system, records, filled, &mut solution);
+    let mut fits = free_runs(system, records, filled, &mut solution);
     warnings.extend(sensitive_starts(&fits));
     warnings.extend(disagreements(fit, &bars.sandwich, &solution, records, filled, &fits));
-    let without = assess(system, records, filled, &mut known_part(solution, records));
+    let without = free_runs(system, records, filled, &mut known_part(solution, records));
     let verdict = verdict(system, &terms, &fits, &without);
     for (i, &r) in unknowns.fitted.iter().enumerate() {
         fits[r].noise = noise_of(fit, i);

@@ -141,7 +141,7 @@ fn promising<'a>(
     tried: &[Vec<usize>],
 ) -> Option<Fit<'a>> {
     changes.iter().filter(|terms| !tried.contains(terms)).take(TRIED_CHANGES).find_map(|terms| {
-        let look = context.glance(now, terms)?;
+        let look = context.trial_fit(now, terms)?;
         context.refit(&look, terms)
     })
 }
@@ -187,7 +187,7 @@ fn pruned<'a>(
                 if hopeless.contains(&terms) {
                     return None;
                 }
-                let look = context.glance(&now, &terms);
+                let look = context.trial_fit(&now, &terms);
                 let near = look.filter(|look| look.normal.cost <= HOPELESS * now.normal.cost);
                 far[k].store(near.is_none(), Ordering::Relaxed);
                 near.filter(|look| criterion(look.normal.cost, terms.len()) < here).map(|look| (k, look))
@@ -207,7 +207,7 @@ fn pruned<'a>(
 
 /// All candidates at the present solution: their terms, the unknowns, and the quadratic model of the cost. `None` if there are no others, or they cannot be
 /// simulated.
-fn outlook<'a>(
+fn quadratic_model<'a>(
     context: &Context<'a>,
     now: &Fit<'a>,
     all: &[usize],
@@ -232,7 +232,7 @@ fn outlook<'a>(
 /// For each term of the model and each one of the same equation outside of it: the terms with the one in the place of the other, and the cost that the
 /// quadratic model promises. A better model may be two steps away, each of which is worse.
 fn swaps<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<usize>, f64)> {
-    let Some((terms, x, normal)) = outlook(context, now, all) else { return vec![] };
+    let Some((terms, x, normal)) = quadratic_model(context, now, all) else { return vec![] };
     let (a, system) = (&normal.matrix, context.system);
     let inside = |i: &usize| now.problem.terms.contains(&terms[*i]);
     let mut out = Vec::new();
@@ -288,7 +288,7 @@ pub(crate) fn rivals<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) ->
 /// For terms outside the model, alone and in pairs of one equation: the fall of the cost that the quadratic model promises.
 fn scores<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<usize>, f64)> {
     let outside: Vec<usize> = all.iter().copied().filter(|t| !now.problem.terms.contains(t)).collect();
-    let Some((terms, x, normal)) = outlook(context, now, all) else { return vec![] };
+    let Some((terms, x, normal)) = quadratic_model(context, now, all) else { return vec![] };
     let new: Vec<usize> = outside.iter().filter_map(|t| terms.iter().position(|u| u == t)).collect();
     let old: Vec<usize> = (0..x.len()).filter(|i| !new.contains(i)).collect();
     // Schur complement of what is fitted already.
@@ -349,7 +349,7 @@ fn negligible(fit: &Fit<'_>) -> Option<usize> {
     if fit.problem.terms.len() < 2 {
         return None;
     }
-    let sizes = crate::trajectory::shares::term_sizes(fit)?;
+    let sizes = crate::trajectory::term_sizes::term_sizes(fit)?;
     let system = fit.problem.system;
     let cov = covariance(&fit.normal.matrix);
     let mut smallest: Option<(f64, usize)> = None;

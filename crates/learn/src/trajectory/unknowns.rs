@@ -3,8 +3,8 @@
 use crate::result::estimate::Estimate;
 use crate::result::parameter::FoundParameter;
 use crate::result::quantity::{ParameterId, ParameterOf, RecordId, SensorPart};
-use crate::trajectory::assess::Solution;
 use crate::trajectory::fit::Fit;
+use crate::trajectory::free_run::Solution;
 use crate::trajectory::problem::Meaning;
 use phisindy_phys::spec::Role;
 use phisindy_phys::unit::Unit;

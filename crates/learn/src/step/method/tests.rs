@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::identify::{LearnOptions, identify};
+use crate::line_models::{STEP, records, scatter};
 use crate::result::identified::StopReason;
 use crate::result::verdict::Verdict;
-use crate::straight::{STEP, records, scatter};
 use approx::assert_relative_eq;
 
 const SAMPLES: usize = 40;

@@ -1,8 +1,8 @@
 //! Lines, and parabolas: the distance between two fits is a quadratic form that can be written down, and the threshold stands in tables of chi square.
 
 use super::*;
-use crate::straight::{STEP, fitted, lever, records, scatter};
-use crate::trajectory::assess::assess;
+use crate::line_models::{STEP, fitted, lever, records, scatter};
+use crate::trajectory::free_run::free_runs;
 use approx::assert_relative_eq;
 use phisindy_phys::Case;
 use phisindy_signal::effective_samples;
@@ -35,7 +35,7 @@ fn said(case: &Case, records: &[Record], found: &[f64], cov: &Mat<f64>, effectiv
     fit.effective = effective;
     let parameters: Vec<f64> = case.system.parameters.iter().map(|p| p.start).collect();
     let mut solution = Solution::new(fit.problem.terms.clone(), found.to_vec(), &parameters, records);
-    let runs = assess(&case.system, records, records, &mut solution);
+    let runs = free_runs(&case.system, records, records, &mut solution);
     texts(&disagreements(&fit, cov, &solution, records, records, &runs))
 }
 
@@ -141,12 +141,12 @@ fn who_has_no_say() {
     // A free run that failed is told of elsewhere.
     let fit = fitted(&case, &records, SIGMA);
     let mut solution = Solution::new(vec![0], vec![1.0], &[], &records);
-    let mut runs = assess(&case.system, &records, &records, &mut solution);
+    let mut runs = free_runs(&case.system, &records, &records, &mut solution);
     runs[2].run = None;
     assert_eq!(disagreements(&fit, &cov(1e-6), &solution, &records, &records, &runs), []);
 
     // No term, no coefficient.
-    let (case, records) = crate::straight::records(
+    let (case, records) = crate::line_models::records(
         r#"states: {"x": ""}, known: {"x": "1"}, unknown: {}"#,
         &[(Role::Fit, line_up.clone()), (Role::Validate, line_up)],
     );
@@ -165,7 +165,7 @@ fn sensors_stay_as_they_were_found() {
     let cov = Mat::from_fn(2, 2, |i, j| if i == j { own } else { 0.0 });
     let with_gain = |gain: f64| {
         let mut solution = Solution::new(vec![0], vec![fit.x[0]], &[], &records);
-        let runs = assess(&case.system, &records, &records, &mut solution);
+        let runs = free_runs(&case.system, &records, &records, &mut solution);
         solution.sensors[1][0][1] = gain;
         texts(&disagreements(&fit, &cov, &solution, &records, &records, &runs))
     };

@@ -1,8 +1,8 @@
 //! On a line the fit is a regression by hand; what a trial may cost and where another start lies can be written down too.
 
 use super::*;
+use crate::line_models::{STEP, lever, records, scatter};
 use crate::linear::covariance;
-use crate::straight::{STEP, lever, records, scatter};
 use approx::assert_relative_eq;
 use phisindy_phys::{Case, Origin, SourceId, check, spec};
 use phisindy_sim::synthesize;
@@ -191,7 +191,7 @@ fn the_better_of_two_ends_is_kept() {
     let cost = |x: &[f64]| problem.normal(x, &weights).unwrap().cost;
     let after = |from: [f64; 2], start: [f64; 2]| {
         let mut x = from.to_vec();
-        again(&problem, &mut x, &weights, SAMPLES, start.to_vec());
+        try_start(&problem, &mut x, &weights, SAMPLES, start.to_vec());
         x
     };
     let found = after([0.9, 0.0], [0.95, 0.1]);
@@ -221,8 +221,8 @@ fn a_run_that_starts_astray_is_put_on_the_data() {
     let Setup { fitted, noise, smooth, .. } = Setup::new(&records, &records, &[vec![0.01, 0.01]]);
     let problem = Problem::new(&case.system, &[], &fitted, &[1]).expect("a problem");
     assert_eq!(on_the_data(&problem, &[2.03, 0.47], &noise, &smooth), None);
-    for astray in [[2.05, 0.5], [2.0, 0.4]] {
-        let start = on_the_data(&problem, &astray, &noise, &smooth).expect("another start");
+    for elsewhere in [[2.05, 0.5], [2.0, 0.4]] {
+        let start = on_the_data(&problem, &elsewhere, &noise, &smooth).expect("another start");
         assert!((start[0] - 2.0).abs() < 1e-3 && (start[1] - 0.5).abs() < 1e-3, "{start:?}");
     }
 }

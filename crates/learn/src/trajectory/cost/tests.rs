@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::least_squares;
-use crate::straight::{STEP, records, scatter};
+use crate::line_models::{STEP, records, scatter};
 use approx::assert_relative_eq;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Case, Record, SensorParameter};

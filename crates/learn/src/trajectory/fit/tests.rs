@@ -1,7 +1,7 @@
 //! On a line a fit is a regression, whatever it is cut into; the counts of what is left are sums.
 
 use super::*;
-use crate::straight::{STEP, fitted_terms, lever, records, scatter};
+use crate::line_models::{STEP, fitted_terms, lever, records, scatter};
 use crate::trajectory::problem::ColumnResidual;
 use approx::assert_relative_eq;
 use phisindy_phys::Case;
@@ -71,7 +71,7 @@ fn what_means_the_same_is_carried_over() {
     // Two coefficients, c, e and two starts of the first, e, gain and a start of the second record.
     let x: Vec<f64> = (0..9).map(|k| 10.0 + f64::from(k)).collect();
     let mut y = vec![-1.0; to.unknowns];
-    carry(&from, &x, &to, &mut y);
+    transfer(&from, &x, &to, &mut y);
     assert_eq!(y, [-1.0, 12.0, 13.0, -1.0, 16.0, 17.0, -1.0, -1.0, -1.0]);
 }
 
@@ -119,8 +119,8 @@ fn a_refit_of_other_terms_has_the_cost_of_their_regression() {
         assert_relative_eq!(refit.normal.cost, cost(terms), max_relative = 1e-5);
         assert_eq!(refit.problem.terms, terms);
         // Ten times the cost is given up, and still seen to be too much.
-        let glance = context.glance(&full, terms).unwrap();
-        assert!(glance.normal.cost >= refit.normal.cost * (1.0 - 1e-9));
+        let trial_fit = context.trial_fit(&full, terms).unwrap();
+        assert!(trial_fit.normal.cost >= refit.normal.cost * (1.0 - 1e-9));
     }
     let mut poor = context.refit(&full, &[0]).unwrap();
     let rich = context.richer(&poor, &[0, 1]).unwrap();
@@ -149,7 +149,7 @@ fn a_sketch_fits_nothing() {
     for slope in [0.5, -0.2] {
         let miss = |i: usize| samples[i / 5 * 5] + slope * STEP * (i % 5) as f64 - samples[i];
         let due = ((0..SAMPLES).map(|i| miss(i).powi(2)).sum::<f64>() / SAMPLES as f64).sqrt() / size;
-        assert_relative_eq!(context.sketch(&[0], &[slope]).unwrap(), due, max_relative = 1e-6);
+        assert_relative_eq!(context.misfit_of_guess(&[0], &[slope]).unwrap(), due, max_relative = 1e-6);
     }
 }
 
@@ -230,7 +230,7 @@ fn white_is_what_counts_or_has_no_power() {
     }
     // A parabola is left.
     let bent = line(0.5).iter().enumerate().map(|(i, x)| x + 0.02 * (STEP * i as f64).powi(2)).collect();
-    let (case, records) = crate::straight::records(LINE, &[(Role::Fit, bent)]);
+    let (case, records) = crate::line_models::records(LINE, &[(Role::Fit, bent)]);
     assert!(fitted_terms(&case, &records, SIGMA, &[0]).chance_of_noise() < 1e-6);
     assert!(fitted_terms(&case, &records, SIGMA, &[0, 1]).chance_of_noise() > 1e-3);
 }
@@ -268,7 +268,7 @@ fn a_side_minimum_is_left_by_a_hop() {
         stuck.effective = if white { samples as f64 } else { 1.0 };
         stuck.excess = 9.0;
         let before = context.misfit(&stuck).unwrap();
-        let found = context.hopped(stuck);
+        let found = context.with_scaled_coefficients(stuck);
         assert_eq!(found.x != [0.46, 0.0, 1.5], hops);
         if hops {
             assert_relative_eq!(found.x[0], 0.5, max_relative = 1e-3);
@@ -289,7 +289,7 @@ fn a_minimum_that_is_not_at_the_side_is_kept() {
     (fit.effective, fit.excess) = (1.0, 9.0);
     let before = fit.x.clone();
     assert!(fit.comes_to_rest());
-    assert_eq!(context(&case, &records, SegmentsSpec::Auto).hopped(fit).x, before);
+    assert_eq!(context(&case, &records, SegmentsSpec::Auto).with_scaled_coefficients(fit).x, before);
 }
 
 /// Level and bend of the rate: the one is a constant that may move, the other a term.
@@ -301,7 +301,7 @@ fn a_parameter_is_fitted_beside_a_term() {
     let fit = context.fresh_fit(&[0], &[0.0]).unwrap();
     let terms =
         r#"states: {"x": ""}, known: {"x": "0"}, unknown: {"x": (factor: "1", candidates: ["2*t", "1"])}"#;
-    let (case, records) = crate::straight::records(terms, &[(Role::Fit, line(0.5))]);
+    let (case, records) = crate::line_models::records(terms, &[(Role::Fit, line(0.5))]);
     let due = fitted_terms(&case, &records, SIGMA, &[0, 1]);
     assert_eq!(context.shared(&fit), Some(vec![fit.x[1]]));
     assert_relative_eq!(fit.x[1], due.x[1], max_relative = 1e-2);

@@ -1,7 +1,7 @@
 //! On a parabola the equations are exact: coefficients, bounds and what a subset explains can be written down.
 
 use super::*;
-use crate::straight::{STEP, records};
+use crate::line_models::{STEP, records};
 use approx::assert_relative_eq;
 use phisindy_phys::Case;
 use phisindy_phys::spec::Role;

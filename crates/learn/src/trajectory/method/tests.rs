@@ -1,10 +1,10 @@
 //! What is told of a fit on a line, where each number is a regression by hand.
 
 use super::*;
+use crate::line_models::{STEP, fitted, fitted_terms, lever, records, scatter};
 use crate::result::estimate::Estimate;
 use crate::result::identified::NoiseModel;
 use crate::result::verdict::Verdict;
-use crate::straight::{STEP, fitted, fitted_terms, lever, records, scatter};
 use crate::trajectory::error_bars::robust_covariance;
 use crate::trajectory::unknowns::Unknowns;
 use approx::assert_relative_eq;
@@ -82,7 +82,7 @@ fn what_is_told_of_a_line_is_its_regression() {
     assert_eq!((told.len(), told[0].terms, told[0].nrmse), (1, 1, Some(found.records[1].worst())));
 }
 
-/// By hand: what is below the cut-off goes, the rest is fitted again.
+/// By hand: what is below the cut_off-off goes, the rest is fitted again.
 #[test]
 fn all_terms_or_those_above_a_cut_off() {
     let samples = line(0.02);
@@ -107,7 +107,7 @@ fn all_terms_or_those_above_a_cut_off() {
         }
         assert!(path.len() > rounds, "{cutoff}: {path:?}");
         let context = context(&case, &records);
-        let Selection { fit, path: way } = cut(&context, fitted(&case, &records, SIGMA), cutoff);
+        let Selection { fit, path: way } = cut_off(&context, fitted(&case, &records, SIGMA), cutoff);
         assert_eq!(fit.problem.terms, terms, "{cutoff}");
         assert_eq!(way.iter().map(|p| p.terms).collect::<Vec<_>>(), path);
         for point in [&way[0], &way[way.len() - 1]] {
@@ -201,9 +201,9 @@ fn the_first_term_is_the_one_that_predicts_best() {
         records[0].columns[1] = Some((0..SAMPLES).map(of).collect());
         let context = context(&case, &records);
         let regression = Regression::new(&case.system, &context.smooth, &[]);
-        let found = lead(&context, &regression);
+        let found = first_terms(&context, &regression);
         assert_eq!(found, due);
-        let size = |terms: &[usize]| context.sketch(terms, &regression.solve(terms)).unwrap();
+        let size = |terms: &[usize]| context.misfit_of_guess(terms, &regression.solve(terms)).unwrap();
         for x in 0..3 {
             for z in 3..6 {
                 assert!(size(&found) <= size(&[x, z]) * (1.0 + 1e-12), "{x} {z}");

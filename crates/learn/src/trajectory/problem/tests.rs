@@ -1,7 +1,7 @@
 //! What is unknown, in which order, and where a fit starts; residuals of lines.
 
 use super::*;
-use crate::straight::{STEP, records, scatter};
+use crate::line_models::{STEP, records, scatter};
 use crate::trajectory::layout::GAIN;
 use approx::assert_relative_eq;
 use phisindy_phys::Case;

@@ -1,7 +1,7 @@
 //! The ends of a profile where they can be written down: the slope of a line, and a number whose square is that slope.
 
 use super::*;
-use crate::straight::{STEP, fitted, lever, records, scatter};
+use crate::line_models::{STEP, fitted, lever, records, scatter};
 use approx::assert_relative_eq;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Case, Record};

@@ -1,7 +1,7 @@
 //! On models that are linear in all that is unknown the quadratic model of the cost is the cost: what it promises is what a fit of those terms has.
 
 use super::*;
-use crate::straight::{STEP, fitted_terms, records, scatter};
+use crate::line_models::{STEP, fitted_terms, records, scatter};
 use approx::assert_relative_eq;
 use phisindy_phys::spec::{Role, SegmentsSpec};
 use phisindy_phys::{Case, Record};

@@ -1,4 +1,4 @@
-//! How an identified model does: a free run of every record from its fitted start, compared with what was measured.
+//! Free runs: every record is simulated from its fitted start state and compared with what was measured.
 
 use crate::decisions::{DIVERGED_SIZE, OWN_PART, START_BLUR, START_MINIMUM, START_PART, START_SAMPLES};
 use crate::least_squares::{Limits, Normal};
@@ -12,7 +12,7 @@ use phisindy_phys::{Record, System};
 use phisindy_signal::{noise_level, standard_deviation};
 use phisindy_sim::{Options, SimError, Trajectory};
 
-/// A model with all its numbers: what a fit leaves behind.
+/// A model with all its numbers.
 #[derive(Clone, Debug)]
 pub(crate) struct Solution {
     pub(crate) terms: Vec<usize>,
@@ -45,8 +45,8 @@ impl Solution {
     }
 }
 
-/// Runs every record freely. `filled` are the records with samples (or derived samples) of every state, to start from.
-pub(crate) fn assess(
+/// Simulates every record from its start state, which is fitted where `solution` has none. `filled` are the records with samples (or derived samples) of every state, to start from.
+pub(crate) fn free_runs(
     system: &System,
     records: &[Record],
     filled: &[Record],
@@ -102,8 +102,9 @@ fn one(
         started(problem, &mut x, solution, r, record).and_then(|(problem, segment, took)| {
             solution.starts[r] = Some(x[segment.start..].to_vec());
             fit.start_took = took;
-            let seen = problem.trajectory(&whole, &x);
-            seen.map(|seen| (problem.readings(0, &x, &seen), x[segment.start..].to_vec(), seen.run))
+            let sampled = problem.trajectory(&whole, &x);
+            sampled
+                .map(|sampled| (problem.readings(0, &x, &sampled), x[segment.start..].to_vec(), sampled.run))
         })
     };
     let (readings, start, run) = match run {
@@ -131,7 +132,8 @@ fn one(
 
 type Run = (Vec<Vec<f64>>, Vec<f64>, Trajectory);
 
-/// Fits the start state (and, on a Validate record of its own, what only that record can tell), everything else held; on how many samples, if that was more than usual.
+/// Fits the start state, and on a Validate record also its own parameters and sensors; everything else is fixed. Returns how many samples were used,
+/// if more than usual.
 fn started<'a>(
     mut problem: Problem<'a>,
     x: &mut [f64],
@@ -176,7 +178,9 @@ fn started<'a>(
         match problem.normal(x, &weights) {
             // Where impacts or turning points pull neighbouring motions apart, the start state of a tenth says nothing about the end of the record,
             // however right the model is.
-            Ok(wanted) if blur(&known, &wanted, &moves) > START_BLUR * record.readings() as f64 => {
+            Ok(wanted)
+                if start_uncertainty(&known, &wanted, &moves) > START_BLUR * record.readings() as f64 =>
+            {
                 problem.segments[0].samples.1 = (2 * part.samples.1).min(record.len());
                 took = Some(problem.segments[0].samples.1);
             }
@@ -185,8 +189,9 @@ fn started<'a>(
     }
 }
 
-/// The power, in units of the noise, that the uncertainty of what `moves` adds to the residuals of a whole record (`wanted`) where a part of it (`known`) was fitted.
-fn blur(known: &Normal, wanted: &Normal, moves: &[usize]) -> f64 {
+/// The power, in units of the noise, that the uncertainty of the unknowns `moves` adds to the residuals of a whole record (`wanted`) after a part of
+/// it (`known`) was fitted.
+fn start_uncertainty(known: &Normal, wanted: &Normal, moves: &[usize]) -> f64 {
     let n = moves.len();
     let of = |normal: &Normal| Mat::from_fn(n, n, |i, j| normal.matrix[(moves[i], moves[j])]);
     let (cov, wanted) = (covariance(&of(known)), of(wanted));
@@ -199,7 +204,7 @@ fn blur(known: &Normal, wanted: &Normal, moves: &[usize]) -> f64 {
     seen.iter().map(|&i| seen.iter().map(|&j| cov[(i, j)] * wanted[(j, i)]).sum::<f64>()).sum()
 }
 
-/// A record that goes on where another one ended.
+/// The run of a record that continues another one.
 fn continued(
     problem: &Problem<'_>,
     before: &Record,
@@ -210,11 +215,11 @@ fn continued(
     let n = record.columns.len();
     let start = fit.run.as_ref().map_or(vec![0.0; n], |run| run.states[run.states.len() - n..].to_vec());
     let options = Options { scale: problem.scale.clone(), diverged: DIVERGED_SIZE, ..Default::default() };
-    // The run before ended where its columns looked last.
-    let looks = problem.looks(&problem.segments[0], x);
-    let t0 = before.time[before.len() - 1] + (looks.first() - record.time[0]);
-    let seen = looks.seen(problem.simulated(0, x, (t0, &start), &looks.times, &options)?);
-    Ok((problem.readings(0, x, &seen), seen.run.states[..n].to_vec(), seen.run))
+    // The run before ended at the last sample time of its columns.
+    let samples = problem.delayed_samples(&problem.segments[0], x);
+    let t0 = before.time[before.len() - 1] + (samples.first() - record.time[0]);
+    let sampled = samples.split(problem.simulated(0, x, (t0, &start), &samples.times, &options)?);
+    Ok((problem.readings(0, x, &sampled), sampled.run.states[..n].to_vec(), sampled.run))
 }
 
 #[cfg(test)]

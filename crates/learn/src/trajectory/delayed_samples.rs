@@ -1,22 +1,22 @@
-//! When each column of a record looks at the motion: sensors may be late, each by a delay of its own.
+//! Sample times of the columns of a record: each sensor may be late by a delay of its own.
 //!
-//! One simulation serves all columns: it is sampled at the times of every delay, and each column is read off where it looks.
+//! One simulation serves all columns. It is sampled at the times of every delay, and each column takes the samples of its own delay.
 
 use phisindy_sim::Trajectory;
 
-/// Times at which a run is sampled, and who looks at which.
-pub(crate) struct Looks {
-    /// When to sample, not decreasing.
+/// Times at which a run is sampled, and which of them belong to which column.
+pub(crate) struct DelayedSamples {
+    /// Sample times, not decreasing.
     pub(crate) times: Vec<f64>,
-    /// For each distinct delay: where its samples stand in `times`. The first is that of the states themselves.
+    /// For each distinct delay, the indices of its samples in `times`. The first delay is that of the states themselves.
     at: Vec<Vec<usize>>,
-    /// Which of these each state's column looks at.
+    /// For each state, the index of its delay.
     group: Vec<usize>,
 }
 
-impl Looks {
-    /// Looks at `samples`, each state's column late by its delay. The states themselves are wanted late by that of the state `first`.
-    pub(crate) fn new(samples: &[f64], delays: &[f64], first: usize) -> Looks {
+impl DelayedSamples {
+    /// Samples at `samples`, each state's column late by its delay. The states themselves are sampled with the delay of state `first`.
+    pub(crate) fn new(samples: &[f64], delays: &[f64], first: usize) -> DelayedSamples {
         let mut distinct = vec![delays.get(first).copied().unwrap_or(0.0)];
         let mut group = Vec::with_capacity(delays.len());
         for &delay in delays {
@@ -27,7 +27,7 @@ impl Looks {
         }
         if let [delay] = distinct[..] {
             let times = samples.iter().map(|t| t - delay).collect();
-            return Looks { times, at: vec![(0..samples.len()).collect()], group };
+            return DelayedSamples { times, at: vec![(0..samples.len()).collect()], group };
         }
         let mut all: Vec<(f64, usize, usize)> = distinct
             .iter()
@@ -37,31 +37,31 @@ impl Looks {
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut at = vec![vec![0; samples.len()]; distinct.len()];
         all.iter().enumerate().for_each(|(k, &(_, g, i))| at[g][i] = k);
-        Looks { times: all.into_iter().map(|(t, ..)| t).collect(), at, group }
+        DelayedSamples { times: all.into_iter().map(|(t, ..)| t).collect(), at, group }
     }
 
-    /// When the states themselves are first looked at.
+    /// The first sample time of the states themselves.
     pub(crate) fn first(&self) -> f64 {
         self.at[0].first().map_or(0.0, |&i| self.times[i])
     }
 
-    /// One more sample of the states, at a time or as soon after it as the last look allows.
-    pub(crate) fn then(&mut self, time: f64) {
+    /// Adds a sample of the states at a time, or at the last sample time if that is later.
+    pub(crate) fn push(&mut self, time: f64) {
         self.at[0].push(self.times.len());
         self.times.push(self.times.last().map_or(time, |last| last.max(time)));
     }
 
-    /// What a run that was sampled at [`Looks::times`] shows.
-    pub(crate) fn seen(&self, run: Trajectory) -> Seen {
+    /// Sorts a run that was sampled at [`DelayedSamples::times`] by column.
+    pub(crate) fn split(&self, run: Trajectory) -> SampledRun {
         let end = self.at[0].last().map_or(0.0, |&i| self.times[i]);
         if let [_] = self.at[..] {
-            return Seen { run, end, late: vec![] };
+            return SampledRun { run, end, late: vec![] };
         }
         let (n, m) = (run.n, run.m);
         let late = (0..n)
             .map(|k| {
                 let at = self.at.get(self.group[k]).filter(|_| self.group[k] > 0)?;
-                Some(Late {
+                Some(Delayed {
                     values: at.iter().map(|i| (run.states[i * n + k], run.rates[i * n + k])).collect(),
                     sensitivities: if m == 0 {
                         vec![]
@@ -85,29 +85,29 @@ impl Looks {
             modes: self.at[0].iter().flat_map(|i| &run.modes[i * switches..][..switches]).copied().collect(),
             ..run
         };
-        Seen { run, end, late }
+        SampledRun { run, end, late }
     }
 }
 
-/// A run as the columns of a record see it.
-pub(crate) struct Seen {
-    /// The states, all at the time at which the first column looks.
+/// A run at the sample times of each column.
+pub(crate) struct SampledRun {
+    /// All states with the delay of the first column.
     pub(crate) run: Trajectory,
-    /// Time of the last of them.
+    /// Time of the last sample of `run`.
     pub(crate) end: f64,
-    /// What other columns see; empty if all look at the same time.
-    late: Vec<Option<Late>>,
+    /// The columns with other delays; empty if all have the same.
+    late: Vec<Option<Delayed>>,
 }
 
-struct Late {
+struct Delayed {
     /// Value and rate at every sample.
     values: Vec<(f64, f64)>,
     /// Derivatives, row-major samples x m.
     sensitivities: Vec<f64>,
 }
 
-impl Seen {
-    /// Value and rate of the state of a column where it looks.
+impl SampledRun {
+    /// Value and rate of a column's state at its own sample time.
     pub(crate) fn value(&self, sample: usize, state: usize) -> (f64, f64) {
         match self.late.get(state) {
             Some(Some(late)) => late.values[sample],
@@ -133,16 +133,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_column_looks_at_its_own_time() {
-        let looks = Looks::new(&[0.0, 1.0, 2.0], &[0.25, 0.0, 0.25], 1);
-        assert_eq!(looks.times, [-0.25, 0.0, 0.75, 1.0, 1.75, 2.0]);
+    fn every_column_is_sampled_with_its_own_delay() {
+        let samples = DelayedSamples::new(&[0.0, 1.0, 2.0], &[0.25, 0.0, 0.25], 1);
+        assert_eq!(samples.times, [-0.25, 0.0, 0.75, 1.0, 1.75, 2.0]);
         // Three states that are the time, its double and its triple.
-        let states = looks.times.iter().flat_map(|t| [*t, 2.0 * t, 3.0 * t]).collect();
-        let rates = looks.times.iter().flat_map(|_| [1.0, 2.0, 3.0]).collect();
+        let states = samples.times.iter().flat_map(|t| [*t, 2.0 * t, 3.0 * t]).collect();
+        let rates = samples.times.iter().flat_map(|_| [1.0, 2.0, 3.0]).collect();
         let run = Trajectory { n: 3, states, rates, modes: vec![1; 6], ..Default::default() };
-        let seen = looks.seen(run);
-        assert_eq!(seen.run.states, [0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 2.0, 4.0, 6.0]);
-        assert_eq!(seen.run.modes.len(), 3);
-        assert_eq!([0, 1, 2].map(|k| seen.value(1, k)), [(0.75, 1.0), (2.0, 2.0), (2.25, 3.0)]);
+        let sampled = samples.split(run);
+        assert_eq!(sampled.run.states, [0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 2.0, 4.0, 6.0]);
+        assert_eq!(sampled.run.modes.len(), 3);
+        assert_eq!([0, 1, 2].map(|k| sampled.value(1, k)), [(0.75, 1.0), (2.0, 2.0), (2.25, 3.0)]);
     }
 }

@@ -1,7 +1,7 @@
 //! Free runs that can be written down: lines and exponentials. The fit of a start state is a mean, or regression by hand.
 
 use super::*;
-use crate::straight::{STEP, records, scatter};
+use crate::line_models::{STEP, records, scatter};
 use approx::assert_relative_eq;
 use phisindy_phys::Case;
 
@@ -14,7 +14,7 @@ fn assessed(case: &Case, records: &[Record], coefficients: &[f64]) -> Vec<Record
     let parameters: Vec<f64> = case.system.parameters.iter().map(|p| p.start).collect();
     let terms = (0..coefficients.len()).collect();
     let mut solution = Solution::new(terms, coefficients.to_vec(), &parameters, records);
-    assess(&case.system, records, records, &mut solution)
+    free_runs(&case.system, records, records, &mut solution)
 }
 
 fn mean(values: &[f64]) -> f64 {
@@ -53,7 +53,7 @@ fn a_start_that_is_known_stays() {
     let (case, records) = records(LINE, &[(Role::Fit, bent(SAMPLES)), (Role::Validate, bent(SAMPLES))]);
     let mut solution = Solution::new(vec![0], vec![0.3], &[], &records);
     solution.starts = vec![Some(vec![7.0]); 2];
-    let fits = assess(&case.system, &records, &records, &mut solution);
+    let fits = free_runs(&case.system, &records, &records, &mut solution);
     assert!(fits.iter().all(|fit| fit.start == [7.0] && fit.start_took.is_none()));
     assert_relative_eq!(fits[1].residuals[0][0], records[1].columns[0].as_ref().unwrap()[0] - 7.0);
 }
@@ -190,7 +190,7 @@ fn a_record_that_continues_another_one_runs_on() {
     // Where the first one has no run there is nothing to continue.
     let mut solution = Solution::new(vec![0], vec![slope], &[], &records);
     solution.starts[0] = Some(vec![f64::NAN]);
-    let fits = assess(&case.system, &records, &records, &mut solution);
+    let fits = free_runs(&case.system, &records, &records, &mut solution);
     assert!(fits[0].run.is_none() && fits[0].failure.is_some());
     let tenth: Vec<f64> =
         samples[..12].iter().enumerate().map(|(i, x)| x - slope * STEP * i as f64).collect();
@@ -211,7 +211,7 @@ fn a_continued_run_knows_the_size_of_its_states() {
     assert!(fits[1].worst() < 1e-4, "{}", fits[1].worst());
 
     // e^10 times its size at the end of the second record.
-    let (case, mut records) = crate::straight::records(
+    let (case, mut records) = crate::line_models::records(
         r#"states: {"x": ""}, known: {"x": "x*step(t - 1)"}, unknown: {}"#,
         &[(Role::Fit, (0..11).map(|i| 1.0 + 1e-3 * i as f64).collect()), (Role::Validate, bent(200))],
     );
