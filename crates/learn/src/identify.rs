@@ -21,10 +21,12 @@ pub struct LearnOptions {
     pub method: Option<Method>,
 }
 
-/// Identifies the unknown part of a case from its records. `observe` hears of the progress (a fraction of the work) and may stop it.
+/// Identifies the unknown part of a case from its records. `observe` hears of the progress (a fraction of the
+/// work) and may stop it.
 ///
 /// # Errors
-/// The records do not suit the method, or the numerics fail altogether. A model that merely does not fit is a verdict, not an error.
+/// The records do not suit the method, or the numerics fail altogether. A model that merely does not fit is a
+/// verdict, not an error.
 ///
 /// ```
 /// use phisindy_learn::{LearnOptions, Verdict, identify};
@@ -66,7 +68,8 @@ pub fn identify(
     Ok(found)
 }
 
-/// What a careful reader should know of any result: terms that may as well be zero, validation that does not hold what the fit promises.
+/// What a careful reader should know of any result: terms that may as well be zero, validation that does not
+/// hold what the fit promises.
 fn remarks(system: &System, found: &mut Identified) {
     for found_term in &mut found.terms {
         let term = &system.terms[found_term.term];

@@ -22,7 +22,8 @@ pub(crate) struct Limits {
     pub(crate) iterations: usize,
     /// Stops when a step lowers the cost by less than this part of it.
     pub(crate) gain: f64,
-    /// ... or, as long as the cost is above the first of these, by less than the second: where a model is far off nobody asks for digits.
+    /// ... or, as long as the cost is above the first of these, by less than the second: where a model is far
+    /// off nobody asks for digits.
     pub(crate) far: (f64, f64),
     /// Gives up if [`CHANCES`] steps, or twice as many failures, leave the cost above this.
     pub(crate) hopeless: f64,
@@ -40,9 +41,9 @@ impl Limits {
     }
 }
 
-/// Minimises from `values`, which end at the best point found. Returns the normal equations there, or `None` if the start itself cannot be
-/// evaluated. `evaluate` returns `None` where the model fails, and may return it where the cost is above a ceiling, its second argument: after a failure
-/// the next step is likely to fail too.
+/// Minimises from `values`, which end at the best point found. Returns the normal equations there, or `None` if
+/// the start itself cannot be evaluated. `evaluate` returns `None` where the model fails, and may return it
+/// where the cost is above a ceiling, its second argument: after a failure the next step is likely to fail too.
 pub(crate) fn minimise(
     values: &mut [f64],
     bounds: &[(f64, f64)],
@@ -228,7 +229,8 @@ mod tests {
         assert_eq!(calls, 2);
     }
 
-    /// Rounding may leave `J^T J` with a negative eigenvalue (here -1 of unit diagonal): no step without damping beyond it, and then the same end.
+    /// Rounding may leave `J^T J` with a negative eigenvalue (here -1 of unit diagonal): no step without
+    /// damping beyond it, and then the same end.
     #[test]
     fn a_matrix_that_is_not_definite_is_damped_until_it_is() {
         let mut x = [3.0, -2.0];

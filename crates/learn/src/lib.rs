@@ -7,7 +7,8 @@
 //! Case + Records + noise --calibrate--> Calibration (parameters, free runs)
 //! ```
 //!
-//! Results, warnings and errors are data; `Display` gives their sentences. This crate reads no files, prints nothing and knows no clock.
+//! Results, warnings and errors are data; `Display` gives their sentences. This crate reads no files, prints
+//! nothing and knows no clock.
 
 mod decisions;
 mod differentiator_dependence;

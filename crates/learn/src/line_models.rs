@@ -1,4 +1,5 @@
-//! For tests: models whose motion is written down on a line, and fits of them with a noise that is known. What is fitted to these is linear regression.
+//! For tests: models whose motion is written down on a line, and fits of them with a noise that is known. What
+//! is fitted to these is linear regression.
 
 use crate::least_squares::Limits;
 use crate::step::onestep::tests::common;
@@ -11,7 +12,8 @@ use phisindy_phys::{Case, Record};
 /// Seconds between samples.
 pub(crate) const STEP: f64 = 0.1;
 
-/// The spec `text` without data, and a record of it for each role, with these samples of the first state and none of the others.
+/// The spec `text` without data, and a record of it for each role, with these samples of the first state and
+/// none of the others.
 pub(crate) fn records(text: &str, samples: &[(Role, Vec<f64>)]) -> (Case, Vec<Record>) {
     let states = text.split("states: {").nth(1).and_then(|s| s.split('}').next()).unwrap();
     let start = states.replace("\"\"", "0.0");

@@ -14,7 +14,8 @@ pub(crate) fn symmetric(triangle: &[f64], n: usize) -> Mat<f64> {
     Mat::from_fn(n, n, at)
 }
 
-/// Solves `(A + damping diag A) x = b` for a positive semidefinite `A`, scaled to unit diagonal first; rows with a zero diagonal stay at zero.
+/// Solves `(A + damping diag A) x = b` for a positive semidefinite `A`, scaled to unit diagonal first; rows
+/// with a zero diagonal stay at zero.
 pub(crate) fn solve_damped(a: &Mat<f64>, b: &[f64], damping: f64) -> Option<Vec<f64>> {
     let n = b.len();
     let scale = scales(a);
@@ -28,8 +29,8 @@ pub(crate) fn solve_damped(a: &Mat<f64>, b: &[f64], damping: f64) -> Option<Vec<
     x.iter().all(|v| v.is_finite()).then_some(x)
 }
 
-/// The inverse of a positive semidefinite matrix; directions that it does not see (eigenvalue below 1e-13 of unit diagonal) get an infinite
-/// diagonal.
+/// The inverse of a positive semidefinite matrix; directions that it does not see (eigenvalue below 1e-13 of
+/// unit diagonal) get an infinite diagonal.
 pub(crate) fn covariance(a: &Mat<f64>) -> Mat<f64> {
     let n = a.nrows();
     if n == 0 {

@@ -22,7 +22,8 @@ pub struct Truth {
     pub coefficients: Vec<f64>,
 }
 
-/// Projects the truth of a synthetic case on factor times candidates at random points (record constants from the first record).
+/// Projects the truth of a synthetic case on factor times candidates at random points (record constants from
+/// the first record).
 ///
 /// # Errors
 /// The case is not synthetic, or the truth lies outside the dictionary.
@@ -111,8 +112,9 @@ pub fn project(case: &Case, records: &[Record]) -> Result<Truth, TruthError> {
     Ok(Truth { terms, coefficients })
 }
 
-/// The Cramer-Rao bound on the standard error of each coefficient of the truth, from the Fisher information at the truth with the noise of the spec. Where
-/// relative noise vanishes with the state, the additive floor of the noise model stands in (a thousandth of the column's standard deviation).
+/// The Cramer-Rao bound on the standard error of each coefficient of the truth, from the Fisher information at
+/// the truth with the noise of the spec. Where relative noise vanishes with the state, the additive floor of
+/// the noise model stands in (a thousandth of the column's standard deviation).
 ///
 /// # Errors
 /// The truth cannot be simulated.

@@ -259,7 +259,8 @@ fn a_released_mass_is_fitted_with_as_many_swings_as_it_makes() {
     }
 }
 
-/// Damping that the known part has too little of hides in the friction, and at another amplitude asks for another one.
+/// Damping that the known part has too little of hides in the friction, and at another amplitude asks for
+/// another one.
 #[test]
 fn a_validate_record_contradicts_friction_that_stands_for_damping() {
     let text = r#"(constants: {"m": 1.0}, states: {"x": "", "v": ""}, known: {"x": "v", "v": "(-0.08*v - x + G*cos(0.8*t))/m"},
@@ -363,7 +364,8 @@ fn a_record_to_check_with_that_cannot_run_is_a_rejection() {
     assert!(found.records[0].worst() < 0.03 && found.terms[0].contribution.is_some());
 }
 
-/// One step ahead the model is good; left alone it runs away, and along a run that does not exist no term does anything.
+/// One step ahead the model is good; left alone it runs away, and along a run that does not exist no term does
+/// anything.
 #[test]
 fn a_fitted_record_that_cannot_run_freely_says_nothing_of_what_terms_do() {
     let text = oscillator(

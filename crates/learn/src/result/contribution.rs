@@ -1,4 +1,5 @@
-//! What each identified term does along the motion: how much of the unknown force it is, and the energy that it takes out.
+//! What each identified term does along the motion: how much of the unknown force it is, and the energy that it
+//! takes out.
 
 use super::identified::Identified;
 use super::term::Contribution;
@@ -24,7 +25,8 @@ struct Sums {
     cycles: f64,
 }
 
-/// Fills in [`crate::FoundTerm::contribution`] from the free runs of the Fit records; it stays empty where one of them could not be run.
+/// Fills in [`crate::FoundTerm::contribution`] from the free runs of the Fit records; it stays empty where one
+/// of them could not be run.
 pub(crate) fn contributions(system: &System, records: &[Record], found: &mut Identified) {
     let mut sums = vec![Sums::default(); found.terms.len()];
     for (r, record) in records.iter().enumerate().filter(|(_, record)| record.role == Role::Fit) {

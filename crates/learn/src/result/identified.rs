@@ -58,8 +58,8 @@ pub struct Identified {
     pub noise_model: NoiseModel,
     /// The path of the selection.
     pub selection: Vec<PathPoint>,
-    /// Covariance (SI) of the coefficients of `terms`, then of `parameters`, in their order; empty where the method does not tell. Infinite on the diagonal is
-    /// what the data say nothing about.
+    /// Covariance (SI) of the coefficients of `terms`, then of `parameters`, in their order; empty where the
+    /// method does not tell. Infinite on the diagonal is what the data say nothing about.
     pub covariance: Vec<Vec<f64>>,
     /// What a careful reader should know.
     pub warnings: Vec<Warning>,
@@ -75,7 +75,8 @@ impl Identified {
         self.stop_reason == StopReason::Interrupted
     }
 
-    /// The values of [`System::parameters`] in a record, as far as they were found; the others as the spec starts them.
+    /// The values of [`System::parameters`] in a record, as far as they were found; the others as the spec
+    /// starts them.
     pub fn parameters_of(&self, system: &System, record: usize) -> Vec<f64> {
         let mut values: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();
         for p in self.parameters.iter().filter(|p| p.id.holds_in(record)) {

@@ -1,5 +1,5 @@
-//! What a number of a result is of: a term of the dictionary, a constant, or a property of a sensor. Names stand beside the indices, so that a
-//! result can be printed without the system.
+//! What a number of a result is of: a term of the dictionary, a constant, or a property of a sensor. Names
+//! stand beside the indices, so that a result can be printed without the system.
 
 use phisindy_phys::System;
 
@@ -91,8 +91,8 @@ pub struct RecordId {
     pub only: bool,
 }
 
-/// Which parameter: what it is of and, where each record has its own, of which record. `Display` gives the label `k`, `k [run 1]`, `x.offset`
-/// or `x.offset [run 1]`.
+/// Which parameter: what it is of and, where each record has its own, of which record. `Display` gives the
+/// label `k`, `k [run 1]`, `x.offset` or `x.offset [run 1]`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ParameterId {
     /// What it is of.

@@ -15,13 +15,16 @@ pub struct RecordFit {
     pub role: Role,
     /// Number of samples.
     pub samples: usize,
-    /// How many of them its start state was fitted on, where a tenth of a Validate record did not tell it: the motion hangs on its start.
+    /// How many of them its start state was fitted on, where a tenth of a Validate record did not tell it: the
+    /// motion hangs on its start.
     pub start_took: Option<usize>,
-    /// For each measured state: its name and rms of the free-run residual over the standard deviation of the column.
+    /// For each measured state: its name and rms of the free-run residual over the standard deviation of the
+    /// column.
     pub nrmse: Vec<(String, f64)>,
     /// For each measured state: its name and the estimated standard deviation of its noise (SI).
     pub noise: Vec<(String, f64)>,
-    /// For each state, measured less predicted at the samples of the free run (SI); empty without a column or a run.
+    /// For each state, measured less predicted at the samples of the free run (SI); empty without a column or a
+    /// run.
     pub residuals: Vec<Vec<f64>>,
     /// Fitted start state (SI).
     pub start: Vec<f64>,
@@ -32,7 +35,8 @@ pub struct RecordFit {
 }
 
 impl RecordFit {
-    /// The largest NRMSE of all columns that are more than noise; infinite if the run failed. Of a rig at rest a column is noise, and so is what any model leaves of it.
+    /// The largest NRMSE of all columns that are more than noise; infinite if the run failed. Of a rig at rest
+    /// a column is noise, and so is what any model leaves of it.
     pub(crate) fn worst_of_motion(&self) -> f64 {
         if self.run.is_none() {
             return f64::INFINITY;

@@ -22,14 +22,17 @@ impl FoundTerm {
     }
 }
 
-/// What a term does along the free runs of the Fit records. Forces where the spec states the inertia of the state, else rates.
+/// What a term does along the free runs of the Fit records. Forces where the spec states the inertia of the
+/// state, else rates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contribution {
     /// Root mean square of the term (SI); a contact that sticks counts as zero.
     pub rms: f64,
-    /// That over the root mean square of all terms of the state together: above 1 where terms work against each other.
+    /// That over the root mean square of all terms of the state together: above 1 where terms work against each
+    /// other.
     pub share: f64,
-    /// Energy that it takes out of the motion of its state per second (SI), negative if it feeds the motion; `None` if the state is no velocity.
+    /// Energy that it takes out of the motion of its state per second (SI), negative if it feeds the motion;
+    /// `None` if the state is no velocity.
     pub power: Option<f64>,
     /// The same per cycle; `None` where the motion has no main frequency.
     pub per_cycle: Option<f64>,

@@ -1,4 +1,5 @@
-//! The identified part of each rate as a resistance: against the velocity that it depends on where there is one such velocity, else evaluate the motion.
+//! The identified part of each rate as a resistance: against the velocity that it depends on where there is one
+//! such velocity, else evaluate the motion.
 
 use super::identified::Identified;
 use crate::decisions::HALF_WIDTH_95;
@@ -46,7 +47,8 @@ pub struct Curve {
     pub truth: Option<Vec<f64>>,
 }
 
-/// The unknown parts of all states that have one. `scale` says whether a part is multiplied by the inertia of its state, where the spec has one.
+/// The unknown parts of all states that have one. `scale` says whether a part is multiplied by the inertia of
+/// its state, where the spec has one.
 pub fn unknown_parts(case: &Case, records: &[Record], found: &Identified, scale: bool) -> Vec<UnknownPart> {
     let states = 0..case.system.states.len();
     states.filter_map(|state| Part::new(case, found, state, scale)?.described(case, records, found)).collect()
@@ -60,7 +62,8 @@ struct Part<'a> {
     /// The velocity.
     velocity: Id,
     inertia: Option<Id>,
-    /// The surviving terms of this state: place among the found terms, and value per coefficient (with the inertia).
+    /// The surviving terms of this state: place among the found terms, and value per coefficient (with the
+    /// inertia).
     terms: Vec<(usize, Id)>,
     /// Whether it depends on nothing but the velocity and numbers.
     alone: bool,
@@ -177,7 +180,8 @@ impl<'a> Part<'a> {
         velocity: Vec<f64>,
     ) -> Option<Curve> {
         let numbers = self.numbers(record, found, r);
-        // The part itself, and its derivatives by everything that was estimated, in the order of the covariance.
+        // The part itself, and its derivatives by everything that was estimated, in the order of the
+        // covariance.
         let zero = self.graph.constant(0.0);
         let mut sum = zero;
         let mut slopes = vec![zero; found.terms.len() + found.parameters.len()];
@@ -244,7 +248,8 @@ fn grid<'v>(visited: impl Iterator<Item = &'v f64>) -> Option<Vec<f64>> {
     Some([low].into_iter().chain(inside).chain([high]).collect())
 }
 
-/// Variance of a number with these derivatives; what the data say nothing about and what it does not depend on do not meet.
+/// Variance of a number with these derivatives; what the data say nothing about and what it does not depend on
+/// do not meet.
 fn variance(covariance: &[Vec<f64>], slopes: &[f64]) -> f64 {
     let used: Vec<usize> = (0..slopes.len()).filter(|&k| slopes[k] != 0.0).collect();
     let row = |&i: &usize| used.iter().map(|&j| slopes[i] * covariance[i][j] * slopes[j]).sum::<f64>();

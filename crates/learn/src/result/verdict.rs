@@ -42,7 +42,8 @@ pub enum Rejection {
     NoBetter,
 }
 
-/// Rejected when nothing survives, a free run fails or misses, or the identified part is no better than nothing. `without` are the free runs of the known part alone.
+/// Rejected when nothing survives, a free run fails or misses, or the identified part is no better than
+/// nothing. `without` are the free runs of the known part alone.
 pub(crate) fn verdict(
     system: &System,
     terms: &[FoundTerm],

@@ -10,8 +10,8 @@ use phisindy_phys::spec::Optimiser;
 use phisindy_phys::{Record, System};
 use std::collections::HashMap;
 
-/// The loss of the paper: mean squared error of the forward and of the backward prediction, each state in units of its standard deviation,
-/// over `horizon` steps.
+/// The loss of the paper: mean squared error of the forward and of the backward prediction, each state in units
+/// of its standard deviation, over `horizon` steps.
 pub(crate) struct Batch {
     kind: Kind,
     /// Number of coefficients and movable constants.
@@ -28,7 +28,8 @@ enum Kind {
 }
 
 impl Batch {
-    /// Lays out the data of all records. Every record must have samples of every state; `constants[r]` are the record constants.
+    /// Lays out the data of all records. Every record must have samples of every state; `constants[r]` are the
+    /// record constants.
     pub(crate) fn new(
         step: &OneStep,
         free: usize,
@@ -71,7 +72,8 @@ impl Batch {
         sums[0]
     }
 
-    /// The loss and the normal equations of its Gauss-Newton step: upper triangle of `J^T J` row by row, then `J^T e`.
+    /// The loss and the normal equations of its Gauss-Newton step: upper triangle of `J^T J` row by row, then
+    /// `J^T e`.
     pub(crate) fn normal(&self, parameters: &[f64]) -> (f64, Vec<f64>, Vec<f64>) {
         let p = self.parameters;
         let sums = match &self.kind {

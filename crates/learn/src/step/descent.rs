@@ -7,7 +7,8 @@ use crate::decisions::{RADAM_BETA1, RADAM_BETA2, RADAM_EPSILON};
 pub(crate) enum Descent {
     /// `p -= rate * g`
     Sgd,
-    /// Rectified Adam (Liu et al., On the Variance of the Adaptive Learning Rate and Beyond, ICLR 2020, algorithm 2).
+    /// Rectified Adam (Liu et al., On the Variance of the Adaptive Learning Rate and Beyond, ICLR 2020,
+    /// algorithm 2).
     RAdam { step: i32, mean: Vec<f64>, square: Vec<f64> },
 }
 

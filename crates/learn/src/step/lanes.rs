@@ -1,4 +1,5 @@
-//! Sums over the data: kept for each lane and added in the order of the data, so that the number of threads does not change a bit.
+//! Sums over the data: kept for each lane and added in the order of the data, so that the number of threads
+//! does not change a bit.
 
 /// Samples per block.
 pub(crate) const LANES: usize = 64;

@@ -107,7 +107,8 @@ fn held(system: &System, records: &[Record], optimiser: Optimiser) -> Vec<Warnin
     warnings
 }
 
-/// The Fit records with everything that is derived derived otherwise; `None` where nothing is, or it cannot be done.
+/// The Fit records with everything that is derived derived otherwise; `None` where nothing is, or it cannot be
+/// done.
 fn derived_by(system: &System, records: &[Record], how: Differentiator) -> Option<Vec<Record>> {
     let derives = |r: &&&Record| !r.derivations.is_empty() || r.columns.iter().any(Option::is_none);
     let measured: Vec<&Record> = records.iter().filter(|r| r.role == Role::Fit).collect();

@@ -1,5 +1,5 @@
-//! The one-step prediction of PhI-SINDy as expressions: a Runge-Kutta step of the rates with the event condition in every stage
-//! (eqs. (17)-(19), (33); Algorithm 2 of the paper).
+//! The one-step prediction of PhI-SINDy as expressions: a Runge-Kutta step of the rates with the event
+//! condition in every stage (eqs. (17)-(19), (33); Algorithm 2 of the paper).
 
 use phisindy_expr::{Binary, Graph, Id, Names, Tape, Unary};
 use phisindy_phys::{Model, System};
@@ -13,7 +13,8 @@ pub(crate) const FIRST_STATE: usize = 5;
 pub(crate) struct OneStep {
     pub(crate) graph: Graph,
     pub(crate) names: Names,
-    /// What a step starts from, in this order: time; step length, its half, third and sixth; states; inputs at the start, in the middle, at the end.
+    /// What a step starts from, in this order: time; step length, its half, third and sixth; states; inputs at
+    /// the start, in the middle, at the end.
     pub(crate) data: Vec<Id>,
     /// Coefficients and movable constants.
     pub(crate) parameters: Vec<Id>,
@@ -26,7 +27,8 @@ pub(crate) struct OneStep {
 }
 
 impl OneStep {
-    /// Builds the step for a model. While a contact's velocity is within `tolerance` its degree of freedom stands still.
+    /// Builds the step for a model. While a contact's velocity is within `tolerance` its degree of freedom
+    /// stands still.
     pub(crate) fn new(system: &System, model: &Model, tolerance: f64) -> OneStep {
         let mut graph = model.graph.clone();
         let mut names = model.names.clone();
@@ -108,10 +110,12 @@ impl OneStep {
     }
 }
 
-/// The rates with the event condition: where `|w| <= tolerance` a contact's degree of freedom does not move (eq. (33)).
+/// The rates with the event condition: where `|w| <= tolerance` a contact's degree of freedom does not move
+/// (eq. (33)).
 ///
-/// A contact on one velocity stops that velocity and its displacement, as in the paper. A contact between two moving things keeps
-/// `dw/dt = 0`: the rates lose their part along the contact force, whose direction is the surface's normal scaled by the inertias.
+/// A contact on one velocity stops that velocity and its displacement, as in the paper. A contact between two
+/// moving things keeps `dw/dt = 0`: the rates lose their part along the contact force, whose direction is the
+/// surface's normal scaled by the inertias.
 fn masked(graph: &mut Graph, system: &System, model: &Model, tolerance: f64) -> Vec<Id> {
     let mut rates = model.rates.clone();
     let tolerance = graph.constant(tolerance);

@@ -1,5 +1,5 @@
-//! The loss over several steps: forward storing the states, backward applying the adjoint of one step. The tape does not grow with the
-//! horizon; memory is one state per step.
+//! The loss over several steps: forward storing the states, backward applying the adjoint of one step. The tape
+//! does not grow with the horizon; memory is one state per step.
 
 use crate::step::lanes::{LANES, Lane, accumulate, in_order};
 use crate::step::onestep::{FIRST_STATE, OneStep};
@@ -22,7 +22,8 @@ pub(crate) struct Rollout {
     jacobian: Tape,
 }
 
-/// Data of the steps of one window (states of the first row only are used), and the measured state after each step.
+/// Data of the steps of one window (states of the first row only are used), and the measured state after each
+/// step.
 struct Window {
     rows: Vec<Vec<f64>>,
     targets: Vec<Vec<f64>>,

@@ -1,5 +1,5 @@
-//! The loss over one step. What does not depend on the coefficients is evaluated once, when the loss is laid out: the tapes run on the border
-//! between data and coefficients, in blocks that stay in the first cache.
+//! The loss over one step. What does not depend on the coefficients is evaluated once, when the loss is laid
+//! out: the tapes run on the border between data and coefficients, in blocks that stay in the first cache.
 
 use crate::step::lanes::{LANES, Lane, accumulate, in_order};
 use crate::step::onestep::OneStep;
@@ -58,8 +58,9 @@ impl Evaluator {
 }
 
 impl Single {
-    /// Lays out the data; `weights` multiply the error of each state, `starts` are the first samples of the steps of each record, and the first
-    /// `free` parameters of the step are the coefficients and movable constants.
+    /// Lays out the data; `weights` multiply the error of each state, `starts` are the first samples of the
+    /// steps of each record, and the first `free` parameters of the step are the coefficients and movable
+    /// constants.
     pub(crate) fn new(
         step: &OneStep,
         free: usize,
@@ -94,7 +95,8 @@ impl Single {
                 sequences.push(sequence(record, starts, backward, &mut prologue, border.len()));
             }
         }
-        // Columns that are one number in every sequence are written once for each of them, not read for each step.
+        // Columns that are one number in every sequence are written once for each of them, not read for each
+        // step.
         let uniform: Vec<bool> = (0..border.len())
             .map(|k| {
                 sequences.iter().all(|c| {
@@ -152,7 +154,8 @@ impl Single {
         })
     }
 
-    /// Runs a tape over all blocks and sums what `add` takes from each: threads take fixed chunks, chunks are summed in order.
+    /// Runs a tape over all blocks and sums what `add` takes from each: threads take fixed chunks, chunks are
+    /// summed in order.
     fn sum(
         &self,
         evaluator: &Evaluator,
@@ -186,7 +189,8 @@ impl Single {
                 sums.iter().map(|lane| lane.iter().sum()).collect()
             })
         };
-        // As few tasks as there are threads: each finds its part of the data in its own cache, epoch after epoch.
+        // As few tasks as there are threads: each finds its part of the data in its own cache, epoch after
+        // epoch.
         let share = chunks.len().div_ceil(rayon::current_num_threads()).max(1);
         in_order(chunks.par_iter().with_min_len(share).map(chunk).collect(), size)
     }

@@ -1,5 +1,6 @@
-//! Method `step`: Algorithm 2 of the paper. Stages of training, a cut after each; what was cut stays zero. Or the same loss solved by
-//! Gauss-Newton, which lands on the same minimum in a few iterations and can move constants.
+//! Method `step`: Algorithm 2 of the paper. Stages of training, a cut after each; what was cut stays zero. Or
+//! the same loss solved by Gauss-Newton, which lands on the same minimum in a few iterations and can move
+//! constants.
 
 use crate::decisions::{OBSERVED_EPOCHS, STEP_GAIN, STEP_ITERATIONS};
 use crate::least_squares::{Limits, Normal, minimise};
@@ -22,7 +23,8 @@ pub struct StepFit {
     pub coefficients: Vec<f64>,
     /// Values of [`System::parameters`].
     pub parameters: Vec<f64>,
-    /// Covariance of coefficients, then parameters, from the curvature of the loss (it does not know the bias of the loss); zero for what was held.
+    /// Covariance of coefficients, then parameters, from the curvature of the loss (it does not know the bias
+    /// of the loss); zero for what was held.
     pub covariance: Vec<Vec<f64>>,
     /// Loss at the end.
     pub loss: f64,
@@ -41,7 +43,8 @@ impl StepFit {
     }
 }
 
-/// Fits the dictionary to records that have samples of every state. `observe` hears of the progress (a fraction) and may stop it.
+/// Fits the dictionary to records that have samples of every state. `observe` hears of the progress (a
+/// fraction) and may stop it.
 ///
 /// ```
 /// use phisindy_learn::{StepOptions, train};

@@ -27,8 +27,9 @@ pub(crate) fn step_length(record: &Record) -> Option<f64> {
     record.time.windows(2).all(|t| (t[1] - t[0] - mean).abs() < UNIFORM_STEP * mean).then_some(mean)
 }
 
-/// One row of data for a step: time, length, its half, third and sixth, states, inputs at start, middle, end. `from` and `to` are neighbouring samples; going backward
-/// the length is negative. Between samples an input is what its interpolation says (`Linear` is the paper's average of the two).
+/// One row of data for a step: time, length, its half, third and sixth, states, inputs at start, middle, end.
+/// `from` and `to` are neighbouring samples; going backward the length is negative. Between samples an input is
+/// what its interpolation says (`Linear` is the paper's average of the two).
 pub(crate) fn step_row(record: &Record, from: usize, to: usize, length: Option<f64>) -> Vec<f64> {
     let exact = record.time[to] - record.time[from];
     let h = length.map_or(exact, |length| length.copysign(exact));
@@ -41,8 +42,8 @@ pub(crate) fn step_row(record: &Record, from: usize, to: usize, length: Option<f
     row
 }
 
-/// The velocity of every contact at every sample. Constants that move must be numbers in `step.contacts` already; those of the record are
-/// the parameters beyond the `free` ones.
+/// The velocity of every contact at every sample. Constants that move must be numbers in `step.contacts`
+/// already; those of the record are the parameters beyond the `free` ones.
 pub(crate) fn step_contacts(step: &OneStep, free: usize, record: &Record) -> Vec<Vec<f64>> {
     let mut inputs = step.data.clone();
     inputs.extend(&step.parameters[free..]);

@@ -1,5 +1,5 @@
-//! Do records agree? The terms of a fit are fitted once more, to each record that was held back: a model that is wrong puts its mistake into the coefficients,
-//! and another motion asks for other ones.
+//! Agreement of records. The terms of a fit are fitted again to each Validate record alone. A wrong model puts
+//! its error into the coefficients, so another motion gives other coefficients.
 
 use crate::decisions::{AGREEMENT_DAMPING, AGREEMENT_MINIMUM, RARE};
 use crate::least_squares::Limits;
@@ -15,8 +15,8 @@ use faer::Mat;
 use phisindy_phys::Record;
 use phisindy_phys::spec::Role;
 
-/// What the Validate records say against the coefficients of the fit: one warning for each that disagrees beyond chance. `cov` is the covariance of
-/// the unknowns of the fit.
+/// Compares the coefficients of the fit with those of each Validate record: one warning for each record that
+/// differs by more than chance. `cov` is the covariance of the unknowns of the fit.
 pub(crate) fn disagreements(
     fit: &Fit<'_>,
     cov: &Mat<f64>,
@@ -50,7 +50,7 @@ fn disagreement(
     let mut x = problem.guess(&solution.coefficients, Some(&solution.parameters[r]), filled);
     let start = problem.segments[0].start;
     x[start..].copy_from_slice(&run.start);
-    // Coefficients and the start move; what else there is stays as it was found.
+    // Coefficients and the start state move; everything else is fixed.
     let mut moving: Vec<usize> = Vec::new();
     for (k, meaning) in problem.meanings().into_iter().enumerate() {
         match meaning {

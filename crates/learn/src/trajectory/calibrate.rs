@@ -1,4 +1,5 @@
-//! A model in which only parameters move, fitted to records whose noise is known: what the gap workflow asks for try_start and try_start.
+//! Calibration: parameters of a known model fitted to records whose noise is known. The gap workflow calls this
+//! for every trial.
 
 use crate::decisions::{
     ASTRAY, FAR_GAIN, LIKELIHOOD_GAIN, MEMORY_STEPS, MISFIT, QUICK_SEGMENTS, QUICK_SINGLE, RESTART_MINIMUM,
@@ -32,18 +33,20 @@ pub struct Calibration {
     pub effective: f64,
     /// Parameters that moved: shared, per record, of sensors; start states not counted.
     pub moved: usize,
-    /// Their values, with intervals if they were asked for.
+    /// Their values, with intervals for [`Effort::Errors`].
     pub parameters: Vec<FoundParameter>,
     /// Free runs of all records from their fitted starts.
     pub records: Vec<RecordFit>,
-    /// Into how many segments a record was cut at most: 1 unless no single run could be simulated.
+    /// Segments of the record that has most: 1 unless no single run can be simulated.
     pub segments: usize,
 }
 
-/// Fits what may move in `system` (its parameters, sensors and start states; no dictionary) to the Fit records, each column weighted by its `noise` (standard
-/// deviation in SI, by record and state), and runs all records freely. `smooth` are the records with smoothed samples of every state, to start from.
+/// Fits what may move in `system` (its parameters, sensors and start states; no dictionary) to the Fit records,
+/// each column weighted by its `noise` (standard deviation in SI, by record and state), and runs all records
+/// freely. `smooth` are the records with smoothed samples of every state, to start from.
 ///
-/// With [`Effort::Errors`] the parameters come with 95 % intervals (sandwich covariance, stretched where residuals are correlated, profile likelihood).
+/// With [`Effort::Errors`] the parameters come with 95 % intervals (sandwich covariance, stretched where
+/// residuals are correlated, profile likelihood).
 ///
 /// # Errors
 /// The model cannot be simulated from any start.
@@ -58,7 +61,7 @@ pub fn calibrate(
     let setup = Setup::new(records, smooth, noise);
     let (Stage { problem, mut x, .. }, segmented) = match stages(system, &setup, effort, samples) {
         Ok(ends) => ends,
-        // No single run can be simulated: in segments, then.
+        // No single run can be simulated: fit segments instead.
         Err(_) if effort != Effort::Plain => return calibrate(system, records, smooth, noise, Effort::Plain),
         Err(e) => return Err(e),
     };
@@ -91,10 +94,10 @@ pub fn calibrate(
     })
 }
 
-/// The ends of the last two stages: from a first guess the horizon grows; where a fit ended the next one begins.
+/// Fits over fewer and fewer segments, each stage from where the one before ended. Returns the last two stages.
 ///
 /// # Errors
-/// No stage can be simulated: why the last one cannot.
+/// No stage can be simulated; the error is that of the last one.
 fn stages<'a>(
     system: &'a System,
     setup: &'a Setup<'a>,
@@ -113,8 +116,8 @@ fn stages<'a>(
     best.map(|best| (best, before)).ok_or_else(|| trouble.expect("a fit without a stage has failed in one"))
 }
 
-/// Tries other starts of single runs: where the spec starts, where the smoothed motion starts, and, if the fit still misses, from segments in smaller
-/// steps.
+/// Tries other starts of single runs: where the spec starts, where the smoothed motion starts, and, if the fit
+/// still misses, from segments in smaller steps.
 fn from_other_starts(
     setup: &Setup<'_>,
     problem: &Problem<'_>,
@@ -123,7 +126,7 @@ fn from_other_starts(
     samples: usize,
     segmented: Option<Stage<'_>>,
 ) {
-    // Where the spec starts may be better than where the segments led: after an earlier fit it is.
+    // The start of the spec may be better than the end of the segments: after an earlier fit it is.
     try_start(problem, x, weights, samples, problem.guess(&[], None, &setup.smooth));
     if let Some(start) = on_the_data(problem, x, &setup.noise, &setup.smooth) {
         try_start(problem, x, weights, samples, start);
@@ -135,7 +138,7 @@ fn from_other_starts(
     }
 }
 
-/// Tries starts round the end of a fit, as long as it leaves more than noise.
+/// Tries starts near the end of a fit, as long as the fit leaves more than noise.
 fn from_nearby(problem: &Problem<'_>, x: &mut Vec<f64>, weights: &[Vec<Vec<f64>>], samples: usize) {
     for attempt in 0..RESTARTS {
         match nearby(problem, x, weights, samples, attempt) {
@@ -189,7 +192,7 @@ impl<'a> Stage<'a> {
         let mut x = problem.guess(&[], None, starts);
         if let Some(before) = before {
             transfer(&before.problem, &before.x, &problem, &mut x);
-            // Start states too: short segments find them near the data, whatever run the guess came from.
+            // Start states too: short segments find them near the data, wherever the guess came from.
             for segment in &problem.segments {
                 let same = |s: &&Segment| s.record == segment.record && s.samples.0 == segment.samples.0;
                 if let Some(earlier) = before.problem.segments.iter().find(same) {
@@ -200,7 +203,7 @@ impl<'a> Stage<'a> {
             }
         }
         let weights = problem.weights(noise, None);
-        // A gain of a hundredth in the logarithm of the likelihood is none.
+        // Smaller gains of the likelihood decide nothing.
         let least = LIKELIHOOD_GAIN / samples.max(1) as f64;
         let limits = match (pieces == 1, effort) {
             (true, Effort::Plain) => Limits { far: far(samples), ..Limits::new(SINGLE_ITERATIONS, least) },
@@ -212,8 +215,8 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// From segments to one run in smaller steps, if the segments leave nothing but noise: where neighbouring motions part fast, a run five times as
-/// long as the segments that led there ends in a side minimum.
+/// Joins segments to one run in smaller steps, if the segments leave nothing but noise. Where neighbouring
+/// motions diverge fast, a run five times as long as the segments ends in a local minimum.
 fn step_by_step(system: &System, setup: &Setup<'_>, samples: usize, parted: Stage<'_>) -> Option<Vec<f64>> {
     let mut stage = Some(parted).filter(|p| p.cost < MISFIT * samples as f64)?;
     for pieces in STEPS_TO_ONE {
@@ -222,8 +225,8 @@ fn step_by_step(system: &System, setup: &Setup<'_>, samples: usize, parted: Stag
     Some(stage.x)
 }
 
-/// Steps that a trial may take: friction that strengthens with speed near rest creeps without end, and is wrong. A memory that fades within a part of a sample cannot be
-/// told from none, and takes as many steps as it fades fast.
+/// Integration steps that a trial may take. Friction that grows with speed near rest creeps without end, and is
+/// wrong. A memory that fades within a fraction of a sample cannot be told from none, and takes many steps.
 fn budget(problem: &Problem<'_>) -> usize {
     let longest = problem.segments.iter().map(|s| s.samples.1 - s.samples.0).max().unwrap_or(0);
     let states = &problem.system.states;
@@ -235,7 +238,7 @@ fn budget(problem: &Problem<'_>) -> usize {
     TRIAL_BASE_STEPS + longest * if memory { MEMORY_STEPS } else { TRIAL_STEPS }
 }
 
-/// Local error of the simulations of a trial: small against the noise, also where it adds up over a record.
+/// Local error of the simulations of a trial: small against the noise, even when it accumulates over a record.
 fn tolerance(problem: &Problem<'_>, noise: &Noise) -> f64 {
     let parts = problem.records.iter().zip(noise).flat_map(|(record, noise)| {
         let of = |k: usize| record.columns[k].as_ref().map(|_| noise[k].additive / problem.scale[k]);
@@ -244,14 +247,16 @@ fn tolerance(problem: &Problem<'_>, noise: &Noise) -> f64 {
     (TRIAL_TOLERANCE[0] * parts.fold(f64::INFINITY, f64::min)).clamp(TOLERANCE, TRIAL_TOLERANCE[1])
 }
 
-/// chi^2 per sample of a fit that [`Effort::Thorough`] tries other starts for: below it there is nothing to gain, above it the model is wrong.
+/// The range of chi^2 per sample in which [`Effort::Thorough`] tries other starts. Below it there is nothing to
+/// gain, above it the model is wrong.
 pub const RESTARTED: std::ops::Range<f64> = MISFIT..WRONG_MODEL;
-/// Far from the noise a gain of a thousandth is none: what is missing there is no digit.
+/// Above this cost a fit ends at smaller gains: the model is wrong, and more digits do not help.
 fn far(samples: usize) -> (f64, f64) {
     (WRONG_MODEL * samples as f64, FAR_GAIN)
 }
 
-/// Fits once more from another start, if that promises something, and keeps the better end. A run through stops has side minima: one stop more or less, and the cost jumps.
+/// Fits from another start and keeps the better end; skips starts that cost more than [`RESTART_PROMISE`] times
+/// the current fit. A run through stops has local minima: with one stop more or less the cost jumps.
 fn try_start(
     problem: &Problem<'_>,
     x: &mut Vec<f64>,
@@ -275,7 +280,8 @@ fn try_start(
     }
 }
 
-/// The unknowns with runs from where the smoothed motion starts, if they start elsewhere: an earlier model, from whose start they set out, may have been wrong.
+/// The unknowns with start states from the smoothed motion, if the fitted ones are far from it: they may stem
+/// from an earlier, wrong model.
 fn on_the_data(problem: &Problem<'_>, x: &[f64], noise: &Noise, smooth: &[Record]) -> Option<Vec<f64>> {
     let (mut out, mut elsewhere) = (x.to_vec(), false);
     for segment in &problem.segments {
@@ -290,7 +296,8 @@ fn on_the_data(problem: &Problem<'_>, x: &[f64], noise: &Noise, smooth: &[Record
     elsewhere.then_some(out)
 }
 
-/// A start near an end: every unknown moved by two of the errors that the misfit stands for, up or down by turns.
+/// A start near the end of a fit: every unknown is moved by [`RESTART_REACH`] standard errors of the misfit, up
+/// or down.
 fn nearby(
     problem: &Problem<'_>,
     x: &[f64],
@@ -321,14 +328,16 @@ fn nearby(
 pub enum Effort {
     /// One fit, through shorter segments to single runs.
     Plain,
-    /// From where the model starts and from round it, if the first end leaves more than noise: for a model that was fitted before.
+    /// From the start values and, if that leaves more than noise, from starts near its end: for a model that
+    /// was fitted before.
     Thorough,
     /// The same, and 95 % intervals.
     Errors,
 }
 
-/// How well a model predicts the Fit records over many short segments after a few steps of a fit: chi^2 per sample. `None` if it cannot be simulated. For a
-/// race: what is far behind here need not be fitted in full. Only every `stride`-th segment is looked at: 1 for all of them.
+/// chi^2 per sample of the Fit records over many short segments, after a few iterations of a fit. `None` if the
+/// model cannot be simulated. Ranks trials: those far behind need no full fit. Only every `stride`-th segment
+/// counts; 1 uses all of them.
 pub fn glance(
     system: &System,
     records: &[Record],
@@ -346,14 +355,15 @@ pub fn glance(
     looked(problem, &noise, &starts, QUICK_SEGMENTS)
 }
 
-/// As [`glance`], but in single runs from where `smooth` starts: for a model that is near already, and whose stops a cut would lose.
+/// As [`glance`], but over single runs from the start of `smooth`: for a model that is nearly right and comes
+/// to rest, which segments would not show.
 pub fn approach(system: &System, records: &[Record], smooth: &[Record], noise: &[Vec<f64>]) -> Option<f64> {
     let Setup { fitted, noise, smooth: starts, .. } = Setup::new(records, smooth, noise);
     let problem = Problem::new(system, &[], &fitted, &vec![1; fitted.len()]).ok()?;
     looked(problem, &noise, &starts, QUICK_SINGLE)
 }
 
-/// chi^2 per sample after a few steps.
+/// chi^2 per sample after a few iterations.
 fn looked(mut problem: Problem<'_>, noise: &Noise, starts: &[Record], minimum: [f64; 2]) -> Option<f64> {
     problem.budget = Some(budget(&problem));
     problem.tolerance = tolerance(&problem, noise);

@@ -1,4 +1,4 @@
-//! The cost of a trajectory problem: simulated, compared with the records, and differentiated.
+//! The cost of a trajectory problem and its derivatives, from simulations of all segments.
 
 use crate::least_squares::{Limits, Normal, minimise};
 use crate::trajectory::delayed_samples::SampledRun;
@@ -9,7 +9,8 @@ use phisindy_expr::wide;
 use phisindy_sim::SimError;
 use rayon::prelude::*;
 
-/// What one segment adds to the normal equations: the unknowns that it depends on, and its part in those (upper triangle).
+/// The contribution of one segment to the normal equations: the unknowns that it depends on, and its normal
+/// equations in those (upper triangle).
 struct Share {
     cost: f64,
     at: Vec<usize>,
@@ -18,7 +19,7 @@ struct Share {
 }
 
 impl Problem<'_> {
-    /// Minimises the cost from `x` within the bounds; the normal equations at the end.
+    /// Minimises the cost from `x` within the bounds. Returns the normal equations at the end.
     ///
     /// # Errors
     /// The model cannot be simulated at `x`.
@@ -50,7 +51,7 @@ impl Problem<'_> {
         end.ok_or_else(|| failure.expect("a minimum without an end has failed at its start"))
     }
 
-    /// The cost alone: the number of [`Problem::normal`], to the bit.
+    /// The cost alone, bit for bit that of [`Problem::normal`].
     fn cost(&self, x: &[f64], weights: &[Vec<Vec<f64>>]) -> Result<f64, SimError> {
         let parts: Vec<f64> = self
             .segments
@@ -68,8 +69,8 @@ impl Problem<'_> {
         Ok(all.fold(0.0, |sum, part| sum + part))
     }
 
-    /// The weighted residuals of a segment: sample by sample those of each measured column, then by how far each state misses where the next segment
-    /// takes over.
+    /// The weighted residuals of a segment: sample by sample those of each measured column, then the jump of
+    /// each state to the next segment.
     fn misses(
         &self,
         segment: &Segment,
@@ -104,14 +105,15 @@ impl Problem<'_> {
         misses
     }
 
-    /// Cost and normal equations, residuals weighted by the noise at `weights` (predictions of an earlier iterate, so that weights do not chase
-    /// the fit).
+    /// Cost and normal equations, residuals weighted by the noise at `weights` (predictions of an earlier
+    /// iterate, so that weights do not chase the fit).
     pub(crate) fn normal(&self, x: &[f64], weights: &[Vec<Vec<f64>>]) -> Result<Normal, SimError> {
         self.gathered(x, weights, false)
     }
 
-    /// As [`Problem::normal`], but each row of `J` is multiplied by its weighted residual: the meat of the sandwich that makes error bars right where the noise
-    /// model is not (White, Econometrica 48 (1980) 817-838).
+    /// As [`Problem::normal`], but each row of `J` is multiplied by its weighted residual: the meat of the
+    /// sandwich that makes error bars right where the noise model is not (White, Econometrica 48 (1980)
+    /// 817-838).
     pub(crate) fn meat(&self, x: &[f64], weights: &[Vec<Vec<f64>>]) -> Result<Mat<f64>, SimError> {
         self.gathered(x, weights, true).map(|n| n.matrix)
     }
@@ -222,7 +224,7 @@ impl Problem<'_> {
     }
 }
 
-/// What a jump of a state between segments weighs that is softly joined to `tau`.
+/// The square root of the weight of a jump between segments whose standard deviation is `tau`.
 fn joint(tau: f64) -> f64 {
     1.0 / tau.max(f64::MIN_POSITIVE)
 }
@@ -231,7 +233,8 @@ fn sum_of_squares(misses: &[f64]) -> f64 {
     misses.iter().fold(0.0, |sum, e| sum + e * e)
 }
 
-/// Adds a row of `J` and its residual to `J^T J` (upper triangle) and `J^T e`; for the meat of a sandwich the row is multiplied by the residual.
+/// Adds a row of `J` and its residual to `J^T J` (upper triangle) and `J^T e`; for the meat of a sandwich the
+/// row is multiplied by the residual.
 #[inline(always)]
 fn add_row(row: &[f64], e: f64, meat: bool, matrix: &mut [f64], gradient: &mut [f64]) {
     let (width, scale) = (row.len(), if meat { e } else { 1.0 });

@@ -1,6 +1,7 @@
 //! Sample times of the columns of a record: each sensor may be late by a delay of its own.
 //!
-//! One simulation serves all columns. It is sampled at the times of every delay, and each column takes the samples of its own delay.
+//! One simulation serves all columns. It is sampled at the times of every delay, and each column takes the
+//! samples of its own delay.
 
 use phisindy_sim::Trajectory;
 
@@ -8,14 +9,16 @@ use phisindy_sim::Trajectory;
 pub(crate) struct DelayedSamples {
     /// Sample times, not decreasing.
     pub(crate) times: Vec<f64>,
-    /// For each distinct delay, the indices of its samples in `times`. The first delay is that of the states themselves.
+    /// For each distinct delay, the indices of its samples in `times`. The first delay is that of the states
+    /// themselves.
     at: Vec<Vec<usize>>,
     /// For each state, the index of its delay.
     group: Vec<usize>,
 }
 
 impl DelayedSamples {
-    /// Samples at `samples`, each state's column late by its delay. The states themselves are sampled with the delay of state `first`.
+    /// Samples at `samples`, each state's column late by its delay. The states themselves are sampled with the
+    /// delay of state `first`.
     pub(crate) fn new(samples: &[f64], delays: &[f64], first: usize) -> DelayedSamples {
         let mut distinct = vec![delays.get(first).copied().unwrap_or(0.0)];
         let mut group = Vec::with_capacity(delays.len());

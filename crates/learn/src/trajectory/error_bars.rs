@@ -1,4 +1,5 @@
-//! Error bars of a fit: the sandwich covariance, stretched where residuals are correlated, and intervals by profile likelihood.
+//! Error bars of a fit: the sandwich covariance, stretched where residuals are correlated, and intervals by
+//! profile likelihood.
 
 use crate::linear::covariance;
 use crate::result::estimate::Estimate;
@@ -9,11 +10,12 @@ use faer::Mat;
 /// The error bars of a fit.
 pub(crate) struct ErrorBars<'a> {
     fit: &'a Fit<'a>,
-    /// Covariance of all unknowns, for residuals that are independent; infinite on the diagonal where the data do not see.
+    /// Covariance of all unknowns, for residuals that are independent; infinite on the diagonal for what the
+    /// data do not determine.
     pub(crate) sandwich: Mat<f64>,
     /// The inverse of the cost's curvature.
     curvature: Mat<f64>,
-    /// By how much correlated residuals stretch variances.
+    /// Factor on variances for correlated residuals.
     inflation: f64,
 }
 
@@ -50,8 +52,8 @@ impl<'a> ErrorBars<'a> {
     }
 }
 
-/// The sandwich `A^-1 B A^-1`: curvature `A` of the cost, scatter `B` of its gradient. Where the noise model holds it is `A^-1`; directions that the
-/// data do not see stay infinite.
+/// The sandwich `A^-1 B A^-1`: curvature `A` of the cost, scatter `B` of its gradient. Where the noise model
+/// holds it is `A^-1`; directions that the data do not see stay infinite.
 pub(crate) fn robust_covariance(fit: &Fit<'_>) -> Mat<f64> {
     let bread = covariance(&fit.normal.matrix);
     let Ok(meat) = fit.problem.meat(&fit.x, &fit.weights) else { return bread };
@@ -60,7 +62,7 @@ pub(crate) fn robust_covariance(fit: &Fit<'_>) -> Mat<f64> {
     let pick = |m: &Mat<f64>| Mat::from_fn(seen.len(), seen.len(), |i, j| m[(seen[i], seen[j])]);
     let small = pick(&bread);
     let sandwich = &small * &pick(&meat) * &small;
-    // Few residuals carry most of the information: the sandwich is a little short (HC1).
+    // Small-sample correction of the sandwich (HC1).
     let stretch = fit.samples as f64 / fit.samples.saturating_sub(seen.len()).max(1) as f64;
     let mut out = Mat::from_fn(n, n, |i, j| if i == j { f64::INFINITY } else { 0.0 });
     for (i, &a) in seen.iter().enumerate() {

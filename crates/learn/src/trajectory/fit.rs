@@ -1,7 +1,8 @@
-//! One trajectory fit: from a first guess to the minimum, with the noise estimated on the way.
+//! One trajectory fit: from a first guess to the minimum, with the noise estimated along the way.
 //!
-//! Far from the truth the cost of a whole record has side minima, so the horizon grows: many short segments first, whose start states come from
-//! the data, then few, then one. A record whose single run is much worse than its segments (it drifts, or is unstable) stays segmented.
+//! Far from the truth the cost of a whole record has local minima, so the horizon grows: first many short
+//! segments, whose start states come from the data, then few, then one. A record whose single run is much worse
+//! than its segments (it drifts or is unstable) stays segmented.
 
 use crate::decisions::{
     BUDGET_BASE, BUDGET_FACTOR, CHAIN_MINIMUM, DRIFT, FINE_MINIMUM, FIRST_NOISE, HOP_GAIN, HOPELESS, HOPS,
@@ -27,7 +28,7 @@ pub(crate) struct Fit<'a> {
     pub(crate) normal: Normal,
     /// Number of residuals.
     pub(crate) samples: usize,
-    /// The number of independent residuals that they are worth.
+    /// Number of independent residuals (effective sample size).
     pub(crate) effective: f64,
     /// Variance of the residuals over that of their white part (by the spectrum above the motion).
     pub(crate) excess: f64,
@@ -89,7 +90,8 @@ impl<'a> Context<'a> {
                     continue;
                 };
             };
-            // Weights differ between stages by what the noise was found to be: compare residuals in the units of the columns.
+            // The noise estimate, and with it the weights, differ between stages: compare residuals in the
+            // units of the columns.
             let size = self.misfit(&fit)?;
             if let Some((last, _)) = &before
                 && pieces == 1
@@ -102,7 +104,7 @@ impl<'a> Context<'a> {
                 {
                     return Some(fit);
                 }
-                // Back to many segments, joined as loosely as they were found to jump.
+                // Back to many segments, joined with the standard deviation of their jumps.
                 let Fit { mut problem, x, noise, .. } = finest?;
                 problem.continuity = problem.jumps(&x).ok();
                 return self.settle(problem, x, noise, 3);
@@ -118,7 +120,8 @@ impl<'a> Context<'a> {
         Some(self.straight(&fit).unwrap_or(fit))
     }
 
-    /// A known model from where the spec starts, in one run, if that is better than where the segments led: after an earlier fit it is, and through clearances they may lead astray.
+    /// A fit of a model without dictionary in one run from the start values of the spec, if it is better than
+    /// `found`. After an earlier fit it is; with clearances the segments may end in a wrong minimum.
     fn straight(&self, found: &Fit<'a>) -> Option<Fit<'a>> {
         if !found.problem.terms.is_empty() || self.segments != SegmentsSpec::Auto {
             return None;
@@ -133,8 +136,8 @@ impl<'a> Context<'a> {
         (self.misfit(&fit)? < least).then_some(fit)
     }
 
-    /// A motion that comes to rest has a side minimum for each number of swings before it does: a little more or less of all that is unknown may find a better
-    /// one.
+    /// A motion that comes to rest has a local minimum for each number of swings before rest. Tries the
+    /// coefficients times [`HOPS`], and keeps a clearly better minimum.
     fn with_scaled_coefficients(&self, mut fit: Fit<'a>) -> Fit<'a> {
         if fit.is_white() || !fit.comes_to_rest() {
             return fit;
@@ -157,13 +160,14 @@ impl<'a> Context<'a> {
         fit
     }
 
-    /// A fit of cut records as one run for each. A model that lacks a term drifts, and is cut; once the term is found the cuts only waste what the
-    /// record says. `None` if there is nothing to join, or the single run drifts still.
+    /// Fits segmented records as single runs. A model that lacks a term drifts and is segmented; with the term
+    /// the segments only lose information. `None` if there is nothing to join, or the single run still drifts.
     pub(crate) fn joined(&self, cut: &Fit<'a>) -> Option<Fit<'a>> {
         if self.segments != SegmentsSpec::Auto || cut.pieces.iter().all(|&p| p == 1) {
             return None;
         }
-        // The joints are tightened by and by: a run over many events has side minima, a chain of short ones that may still give way has few.
+        // The joints are tightened step by step: a run over many events has local minima, a chain of short runs
+        // has few.
         let mut chain = self.problem(&cut.problem.terms, cut)?;
         let mut x = cut.x.clone();
         chain.continuity = None;
@@ -189,7 +193,7 @@ impl<'a> Context<'a> {
         (self.misfit(&joined)? <= DRIFT * self.misfit(cut)?).then_some(joined)
     }
 
-    /// How well a guess predicts over many short segments, without fitting anything.
+    /// The misfit of a guess over many short segments, without a fit.
     pub(crate) fn misfit_of_guess(&self, terms: &[usize], coefficients: &[f64]) -> Option<f64> {
         let problem =
             Problem::new(self.system, terms, &self.records, &vec![STAGES[0]; self.records.len()]).ok()?;
@@ -197,7 +201,8 @@ impl<'a> Context<'a> {
         misfit(&problem, &x)
     }
 
-    /// Fits other terms from the solution of a fit, with its noise and segments: cost differences between such fits are what a selection needs.
+    /// Fits other terms from the solution of a fit, with its noise and segments: cost differences between such
+    /// fits are what a selection needs.
     pub(crate) fn refit(&self, from: &Fit<'a>, terms: &[usize]) -> Option<Fit<'a>> {
         // A gain of a hundredth in the logarithm of the likelihood is none.
         self.refit_within(
@@ -207,7 +212,8 @@ impl<'a> Context<'a> {
         )
     }
 
-    /// As [`Context::refit`], for a look: a few iterations, fewer where the cost stays far above that of the fit.
+    /// As [`Context::refit`] with few iterations, and fewer still where the cost stays far above that of the
+    /// fit.
     pub(crate) fn trial_fit(&self, from: &Fit<'a>, terms: &[usize]) -> Option<Fit<'a>> {
         let limits = Limits { hopeless: HOPELESS * from.normal.cost, ..Limits::of(TRIAL_MINIMUM) };
         self.refit_within(from, terms, limits)
@@ -221,7 +227,7 @@ impl<'a> Context<'a> {
             .collect();
         let mut x = problem.guess(&coefficients, None, &self.smooth);
         transfer(&from.problem, &from.x, &problem, &mut x);
-        // Starts are carried whole: same segments.
+        // The segments are the same, and so are their start states.
         for (a, b) in from.problem.segments.iter().zip(&problem.segments) {
             for k in 0..self.system.states.len() {
                 x[b.start + k] = from.x[a.start + k];
@@ -272,7 +278,7 @@ impl<'a> Context<'a> {
         Some(Fit { problem, x, noise, weights, normal, samples, effective, excess, pieces })
     }
 
-    /// A fit with its own noise: after a selection it still has that of the fit it came from.
+    /// A fit with its own noise estimate: after a selection it has that of the fit it started from.
     pub(crate) fn resettle(&self, mut fit: Fit<'a>) -> Fit<'a> {
         let (mut x, mut noise) = (fit.x.clone(), fit.noise.clone());
         match settled(&mut fit.problem, &mut x, &mut noise, 3) {
@@ -283,7 +289,7 @@ impl<'a> Context<'a> {
         }
     }
 
-    /// Before anything is fitted every column weighs by its own size.
+    /// The noise before the first fit: a fixed part of each column's standard deviation.
     fn first_noise(&self, problem: &Problem<'_>) -> Noise {
         let one = |d: &f64| ColumnNoise { additive: FIRST_NOISE * d.max(f64::MIN_POSITIVE), relative: 0.0 };
         problem.deviations.iter().map(|columns| columns.iter().map(one).collect()).collect()
@@ -315,7 +321,7 @@ fn misfit(problem: &Problem<'_>, x: &[f64]) -> Option<f64> {
     Some((sum / count.max(1) as f64).sqrt())
 }
 
-/// What settling leaves beside the unknowns and the noise.
+/// What [`settled`] returns beside the unknowns and the noise.
 struct Settled {
     weights: Vec<Vec<Vec<f64>>>,
     normal: Normal,
@@ -348,7 +354,7 @@ fn settled(problem: &mut Problem<'_>, x: &mut [f64], noise: &mut Noise, rounds: 
     Some(Settled { weights, normal, samples, effective, excess })
 }
 
-/// Takes over whatever means the same in another problem, but for start states.
+/// Copies parameters and sensor properties that occur in both problems; start states are left alone.
 pub(crate) fn transfer(from: &Problem<'_>, x: &[f64], to: &Problem<'_>, y: &mut [f64]) {
     let known = from.meanings();
     for (k, meaning) in to.meanings().into_iter().enumerate() {
@@ -367,7 +373,8 @@ impl Fit<'_> {
         self.effective > WHITE_PART * self.samples as f64 || self.excess < WHITE_EXCESS
     }
 
-    /// The chance that noise looks as what is left does: of the column that looks least like it, with all columns paid for.
+    /// The p-value of the hypothesis that the residuals are white noise: that of the least white column,
+    /// corrected for the number of columns.
     pub(crate) fn chance_of_noise(&self) -> f64 {
         let Ok(residuals) = self.problem.residuals(&self.x) else { return 0.0 };
         let columns: Vec<f64> = whitened(&self.noise, &residuals).map(|w| chance_of_white(&w)).collect();
@@ -383,8 +390,8 @@ impl Fit<'_> {
         })
     }
 
-    /// Steps that a simulation of such a model may take over segments so many times as `long`: what takes many times the steps of a good model is a bad
-    /// one, and slow to find out about.
+    /// Integration steps that a similar model may take over segments `long` times as long: one that takes many
+    /// times the steps of a good model is bad.
     fn budget(&self, long: usize) -> usize {
         BUDGET_BASE + BUDGET_FACTOR * long * self.problem.steps(&self.x)
     }
@@ -394,7 +401,7 @@ impl Fit<'_> {
         self.pieces.iter().copied().max().unwrap_or(1)
     }
 
-    /// By how much correlated residuals overstate what is known: 1 for white noise.
+    /// Factor on variances for correlated residuals: 1 for white noise.
     pub(crate) fn inflation(&self) -> f64 {
         inflation(self.samples, self.effective)
     }

@@ -45,7 +45,8 @@ impl Solution {
     }
 }
 
-/// Simulates every record from its start state, which is fitted where `solution` has none. `filled` are the records with samples (or derived samples) of every state, to start from.
+/// Simulates every record from its start state, which is fitted where `solution` has none. `filled` are the
+/// records with samples (or derived samples) of every state, to start from.
 pub(crate) fn free_runs(
     system: &System,
     records: &[Record],
@@ -132,8 +133,8 @@ fn one(
 
 type Run = (Vec<Vec<f64>>, Vec<f64>, Trajectory);
 
-/// Fits the start state, and on a Validate record also its own parameters and sensors; everything else is fixed. Returns how many samples were used,
-/// if more than usual.
+/// Fits the start state, and on a Validate record also its own parameters and sensors; everything else is
+/// fixed. Returns how many samples were used, if more than usual.
 fn started<'a>(
     mut problem: Problem<'a>,
     x: &mut [f64],
@@ -176,8 +177,8 @@ fn started<'a>(
         }
         let moves: Vec<usize> = (0..x.len()).filter(|&k| bounds[k].0 < bounds[k].1).collect();
         match problem.normal(x, &weights) {
-            // Where impacts or turning points pull neighbouring motions apart, the start state of a tenth says nothing about the end of the record,
-            // however right the model is.
+            // Where impacts or turning points pull neighbouring motions apart, the start state of a tenth says
+            // nothing about the end of the record, however right the model is.
             Ok(wanted)
                 if start_uncertainty(&known, &wanted, &moves) > START_BLUR * record.readings() as f64 =>
             {
@@ -189,8 +190,8 @@ fn started<'a>(
     }
 }
 
-/// The power, in units of the noise, that the uncertainty of the unknowns `moves` adds to the residuals of a whole record (`wanted`) after a part of
-/// it (`known`) was fitted.
+/// The power, in units of the noise, that the uncertainty of the unknowns `moves` adds to the residuals of a
+/// whole record (`wanted`) after a part of it (`known`) was fitted.
 fn start_uncertainty(known: &Normal, wanted: &Normal, moves: &[usize]) -> f64 {
     let n = moves.len();
     let of = |normal: &Normal| Mat::from_fn(n, n, |i, j| normal.matrix[(moves[i], moves[j])]);

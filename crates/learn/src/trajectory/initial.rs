@@ -1,7 +1,8 @@
 //! Where the trajectory fit starts: a regression on the smoothed data in integral form.
 //!
-//! Over a stretch in which no contact sticks or turns, `x(b) - x(a) - int g dt = sum_k xi_k int f_k dt` is linear in the coefficients and needs
-//! no derivative of the data. Noise in the integrands makes it slightly biased, which the fit then removes; it cannot fall into a side minimum.
+//! Over a stretch in which no contact sticks or turns, `x(b) - x(a) - int g dt = sum_k xi_k int f_k dt` is
+//! linear in the coefficients and needs no derivative of the data. Noise in the integrands makes it slightly
+//! biased, which the fit then removes; it cannot fall into a side minimum.
 
 use crate::decisions::{LONGEST_STRETCH, RIDGE, SHORTEST_STRETCH, SLOW_CONTACT};
 use crate::linear::{solve_damped, symmetric};
@@ -10,7 +11,8 @@ use phisindy_phys::{Record, System};
 use phisindy_signal::{Differentiator, differentiate};
 use rayon::prelude::*;
 
-/// The record with every column smoothed, and columns for velocities that have none. States that cannot be derived stay without.
+/// The record with every column smoothed, and columns for velocities that have none. States that cannot be
+/// derived stay without.
 pub fn smoothed(system: &System, record: &Record) -> Record {
     let derived = record
         .columns
@@ -89,8 +91,8 @@ impl Regression {
         self.triangle[i * self.p - i * (i + 1) / 2 + j]
     }
 
-    /// Coefficients of a subset; all zero where the equations cannot be solved. What would leave its bounds stays at them while the others are
-    /// solved again.
+    /// Coefficients of a subset; all zero where the equations cannot be solved. What would leave its bounds
+    /// stays at them while the others are solved again.
     pub(crate) fn solve(&self, terms: &[usize]) -> Vec<f64> {
         let mut held: Vec<Option<f64>> = vec![None; terms.len()];
         loop {

@@ -1,7 +1,8 @@
 //! Inputs whose sensors are off by numbers that are to be found: a zero error, a scale error, a delay.
 //!
-//! The model gets `(u + d w - o)/g` in the place of such an input `u`: offset `o` and gain `g` are parameters of a run. A run reads the input earlier by its
-//! delay, so that the number `d` is zero; the derivative by it is the input's slope `w`, which is one more input.
+//! The model gets `(u + d w - o)/g` in the place of such an input `u`: offset `o` and gain `g` are parameters
+//! of a run. A run reads the input earlier by its delay, so that the number `d` is zero; the derivative by it
+//! is the input's slope `w`, which is one more input.
 
 use phisindy_phys::{Model, Record};
 use phisindy_signal::{Interpolation, Signal};
@@ -17,7 +18,8 @@ pub(crate) struct InputSensors {
 }
 
 impl InputSensors {
-    /// For the inputs that have a sensor with something to find in one of the records; `states` precede them in a record's sensors.
+    /// For the inputs that have a sensor with something to find in one of the records; `states` precede them in
+    /// a record's sensors.
     pub(crate) fn new(states: usize, records: &[&Record]) -> InputSensors {
         let count = records.first().map_or(0, |r| r.inputs.len());
         let finds = |&j: &usize| {
@@ -48,7 +50,8 @@ impl InputSensors {
         InputSensors { inputs, columns, slopes }
     }
 
-    /// The model with offset, gain and delay of each of these inputs among its parameters, in this order, behind those that it has.
+    /// The model with offset, gain and delay of each of these inputs among its parameters, in this order,
+    /// behind those that it has.
     pub(crate) fn model(&self, mut model: Model) -> Model {
         let mut with = std::collections::HashMap::new();
         for &j in &self.inputs {

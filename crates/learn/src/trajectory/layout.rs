@@ -1,5 +1,5 @@
-//! The unknowns of a trajectory fit as one vector: coefficients, shared parameters, then for each record its own parameters, its free sensor
-//! parameters, and a start state for each of its segments.
+//! The unknowns of a trajectory fit as one vector: coefficients, shared parameters, then for each record its
+//! own parameters, its free sensor parameters, and a start state for each of its segments.
 
 use crate::decisions::SEGMENT_SAMPLES;
 use crate::result::quantity::SensorPart;

@@ -66,9 +66,10 @@ fn alternative(system: &System, terms: &[usize], other: &[usize], worse: f64) ->
 
 /// The best fit from several starts, with its terms selected if `auto`.
 ///
-/// Collinear candidates make a regression of the with_all_terms dictionary wild, so the start is poor: the best term of each equation (friction is never
-/// started from zero), then the best two, three, all. From each, terms enter and leave; only where something is left that is not noise is the with_all_terms
-/// dictionary fitted at once, and the next start tried.
+/// Collinear candidates make a regression of the whole dictionary ill-conditioned, so the first start has only
+/// the best term of each equation, the next ones the best two, three, all. From each start terms enter and
+/// leave. Only if the residual is not white, the whole dictionary is fitted at once and the next start is
+/// tried.
 fn start<'a>(
     context: &Context<'a>,
     all: &[usize],
@@ -120,8 +121,8 @@ fn start<'a>(
     Err(simulated.err().map_or(NumericsError::Diverged, NumericsError::Model).into())
 }
 
-/// One term for each equation to start with: of the three best by regression the one that predicts best, equation by equation. (Noise can make a wrong
-/// one look good to the regression alone.)
+/// The first term of each equation: of the best by regression the one that predicts best. (With noise a wrong
+/// term may be best by regression alone.)
 fn first_terms(context: &Context<'_>, regression: &Regression) -> Vec<usize> {
     let system = context.system;
     let mut first_terms = regression.single(system, 0);
@@ -143,7 +144,8 @@ fn first_terms(context: &Context<'_>, regression: &Regression) -> Vec<usize> {
     first_terms
 }
 
-/// Selects until the terms stay: each selection runs on the noise of the fit that it starts from, and a better fit has less of it.
+/// Selects until the terms do not change. Each selection uses the noise estimate of the fit that it starts
+/// from, and a better fit has a smaller one.
 fn select_until_stable<'a>(context: &Context<'a>, fit: Fit<'a>, all: &[usize]) -> Selection<'a> {
     let mut hopeless = Vec::new();
     let mut found = select(context, fit, all, &mut hopeless);
@@ -168,7 +170,7 @@ fn with_all_terms<'a>(context: &Context<'a>, fit: Fit<'a>, all: &[usize]) -> Fit
     if fit.problem.terms.len() == all.len() { fit } else { context.richer(&fit, all).unwrap_or(fit) }
 }
 
-/// The fixed cut_off-off of the paper on the trajectory fit: cut_off, refit, until nothing is cut_off.
+/// The fixed cut-off of the paper applied to the trajectory fit: cut and refit until nothing is cut.
 fn cut_off<'a>(context: &Context<'a>, full: Fit<'a>, cutoff: f64) -> Selection<'a> {
     let mut now = full;
     let mut path =

@@ -1,7 +1,5 @@
-//! The trajectory fit as a least-squares problem: what is unknown, how it enters each record, residuals and their exact derivatives.
-//!
-//! The unknowns are one vector: coefficients, shared parameters, then for each record its own parameters, its free sensor parameters, and a
-//! start state for each of its segments.
+//! The trajectory fit as a least-squares problem: simulations, predictions of the sensors, residuals, weights.
+//! [`super::layout`] says what the unknowns are, [`super::cost`] differentiates.
 
 use crate::decisions::{BASE_STEPS, DIVERGED_SIZE, SLOPE_STRETCHES, STEPS_PER_SAMPLE, TOLERANCE};
 use crate::result::error::ModelError;
@@ -24,9 +22,9 @@ pub(crate) struct Problem<'a> {
     /// Number of unknowns.
     pub(crate) unknowns: usize,
     pub(crate) bounds: Vec<(f64, f64)>,
-    /// Belief beforehand: unknown, centre, standard deviation.
+    /// Priors: unknown, mean, standard deviation.
     pub(crate) priors: Vec<(usize, f64, f64)>,
-    /// What the priors weigh beside the data: 1, or more where samples that are not independent would outvote them.
+    /// Weight of the priors beside the data: 1, or the inflation factor where samples are correlated.
     pub(crate) belief: f64,
     /// For each record, the parameters of the model.
     pub(crate) model: Vec<Vec<Source>>,
@@ -37,7 +35,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) scale: Vec<f64>,
     /// Standard deviation of each measured column, by record and state.
     pub(crate) deviations: Vec<Vec<f64>>,
-    /// Soft continuity: by how much each state may jump from one segment to the next; `None` leaves the start states free.
+    /// Soft continuity: by how much each state may jump from one segment to the next; `None` leaves the start
+    /// states free.
     pub(crate) continuity: Option<Vec<f64>>,
     /// Steps that a simulation may take; `None` for a generous guess.
     pub(crate) budget: Option<usize>,
@@ -159,7 +158,8 @@ impl<'a> Problem<'a> {
         all
     }
 
-    /// A first guess: coefficients and parameters as given (or where the spec starts them), start states from the columns.
+    /// A first guess: coefficients and parameters as given (or where the spec starts them), start states from
+    /// the columns.
     pub(crate) fn guess(
         &self,
         coefficients: &[f64],
@@ -205,7 +205,7 @@ impl<'a> Problem<'a> {
         self.model[record].iter().map(|&s| Self::value(s, x)).collect()
     }
 
-    /// How much earlier than its samples say each input with such a sensor is read, beside what the record has undone already.
+    /// The delay of each input with a free sensor, less what the record has corrected already.
     fn delays(&self, record: usize, x: &[f64]) -> Vec<f64> {
         let n = self.system.states.len();
         let own = |&j: &usize| {
@@ -232,7 +232,7 @@ impl<'a> Problem<'a> {
         options: &Options,
     ) -> Result<Trajectory, SimError> {
         let mut parameters: Vec<f64> = self.sources(record).map(|s| Self::value(s, x)).collect();
-        // The delays are in the signals.
+        // The signals contain the delays already.
         let own = parameters.len() - 3 * self.input_sensors.inputs.len();
         parameters[own..].iter_mut().skip(DELAY).step_by(3).for_each(|delay| *delay = 0.0);
         let inputs = self.input_sensors.signals(self.records[record], record, &self.delays(record, x));
@@ -256,12 +256,13 @@ impl<'a> Problem<'a> {
             tolerance: self.tolerance,
             scale: self.scale.clone(),
             sensitivities: derivatives.then_some(free),
-            // A model that needs many more is on its way to nowhere: fail, and try another.
+            // A model that needs many more steps is wrong: fail early.
             max_steps: self.budget.unwrap_or(BASE_STEPS + STEPS_PER_SAMPLE * (last - first)),
             diverged: DIVERGED_SIZE,
         };
         let mut samples = self.delayed_samples(segment, x);
-        // One more sample, where the next segment takes over. (An early sensor can ask for later times than that.)
+        // One more sample, where the next segment takes over. (An early sensor can ask for later times than
+        // that.)
         if self.next(segment).is_some() {
             samples.push(record.time[last]);
         }
@@ -269,12 +270,12 @@ impl<'a> Problem<'a> {
             .map(|run| samples.split(run))
     }
 
-    /// Whether the spec says anything about parameters beforehand.
+    /// Whether any unknown has a prior.
     pub(crate) fn has_priors(&self) -> bool {
         !self.priors.is_empty()
     }
 
-    /// The segment that goes on where this one ends, if they are softly joined.
+    /// The segment that follows this one, if segments are softly joined.
     pub(crate) fn next(&self, segment: &Segment) -> Option<Segment> {
         self.continuity.as_ref()?;
         self.segments.iter().copied().find(|s| s.record == segment.record && s.samples.0 == segment.samples.1)

@@ -1,5 +1,6 @@
-//! Intervals by profile likelihood, for parameters on which the cost does not depend quadratically (Venzon and Moolgavkar, Applied Statistics 37
-//! (1988) 87-94): the parameter is held off its best value, everything else follows, and the interval ends where the cost has risen by chi^2.
+//! Intervals by profile likelihood, for parameters on which the cost does not depend quadratically (Venzon and
+//! Moolgavkar, Applied Statistics 37 (1988) 87-94): the parameter is fixed off its best value, all others are
+//! refitted, and the interval ends where the cost has risen by the quantile of chi^2.
 
 use crate::decisions::{
     HALF_WIDTH_95, PROFILE_DAMPING, PROFILE_END, PROFILE_MINIMUM, PROFILE_QUADRATIC, PROFILE_STEPS,
@@ -8,9 +9,10 @@ use crate::decisions::{
 use crate::least_squares::Limits;
 use crate::trajectory::fit::Fit;
 
-/// The 95 % interval of unknown `k`, whose quadratic one has the standard error `error`; never beyond the bounds. `curvature` is the standard error by the
-/// curvature of the cost alone: where the noise is not as modelled the two differ, and the rise to look for is stretched by the square of
-/// their ratio (Kent, Biometrika 69 (1982) 19-27).
+/// The 95 % interval of unknown `k`, whose quadratic one has the standard error `error`; never beyond the
+/// bounds. `curvature` is the standard error by the curvature of the cost alone: where the noise is not as
+/// modelled the two differ, and the rise to look for is stretched by the square of their ratio (Kent,
+/// Biometrika 69 (1982) 19-27).
 pub(crate) fn interval(fit: &Fit<'_>, k: usize, error: f64, curvature: f64) -> (f64, f64) {
     let (low, high) = fit.problem.bounds[k];
     let quadratic = (fit.x[k] - HALF_WIDTH_95 * error, fit.x[k] + HALF_WIDTH_95 * error);
@@ -33,19 +35,20 @@ fn end(fit: &Fit<'_>, k: usize, quadratic: f64, target: f64) -> f64 {
         z = z.clamp(low, high);
         let Some(rise) = rise(fit, k, z) else { return z };
         let miss = rise / target;
-        // Beyond a bound there is nothing to look for; near enough is good.
+        // The interval ends at a bound, or near enough to the target.
         let at_bound = (z == low || z == high) && miss < 1.0;
         if at_bound || (miss - 1.0).abs() < if step == 0 { PROFILE_QUADRATIC } else { PROFILE_END } {
             return z;
         }
-        // The root of the rise is nearly straight.
+        // The square root of the rise is nearly linear.
         let stretch = (1.0 / miss.max(1e-3)).sqrt().clamp(PROFILE_STRETCH[0], PROFILE_STRETCH[1]);
         z = fit.x[k] + (z - fit.x[k]) * stretch;
     }
     z.clamp(low, high)
 }
 
-/// By how much the cost rises if unknown `k` is held at `z` and all others follow; `None` where the model fails.
+/// The rise of the cost if unknown `k` is fixed at `z` and all others are refitted; `None` where the model
+/// cannot be simulated.
 fn rise(fit: &Fit<'_>, k: usize, z: f64) -> Option<f64> {
     let mut bounds = fit.problem.bounds.clone();
     bounds[k] = (z, z);

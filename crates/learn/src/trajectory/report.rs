@@ -21,7 +21,8 @@ use phisindy_phys::{Record, System};
 use phisindy_signal::Differentiator;
 use rayon::prelude::*;
 
-/// What a fit to the Fit records of `records` gives. `filled` are the records with smoothed samples of every state; `path` is the way of the selection.
+/// The result of a fit to the Fit records of `records`. `filled` are the records with smoothed samples of every
+/// state; `path` is the path of the selection.
 pub(crate) fn report(
     system: &System,
     records: &[Record],

@@ -1,8 +1,9 @@
-//! Structure: which terms of the dictionary stay.
+//! Selection of terms from the dictionary.
 //!
 //! Terms leave and enter by the extended information criterion (Chen and Chen, Biometrika 95 (2008) 759-771)
-//! `cost / inflation + k ln n + 2 ln C(p, k)`: the search among the subsets is counted, and correlated residuals count as few samples. A step of the
-//! search is proposed on the quadratic model of the cost and confirmed by a refit. A term too small to matter is not worth printing.
+//! `cost / inflation + k ln n + 2 ln C(p, k)`: the last term pays for the search among the subsets, and
+//! correlated residuals count as few samples. The quadratic model of the cost proposes each step of the search,
+//! a refit confirms it. Terms too small to matter are removed.
 
 use crate::decisions::{
     HOPELESS, INSISTENT_RISE, NEW_PAIR, NEW_PART, PRACTICAL_SHARE, RIVAL, RIVAL_REACH, RIVALS,
@@ -21,14 +22,14 @@ pub(crate) fn price(k: usize, p: usize, n: f64) -> f64 {
     k as f64 * n.max(std::f64::consts::E).ln() + 2.0 * choose
 }
 
-/// A fit after selection, and the way there.
+/// A fit after selection, and the path of the selection.
 pub(crate) struct Selection<'a> {
     pub(crate) fit: Fit<'a>,
     pub(crate) path: Vec<PathPoint>,
 }
 
-/// Selects among `all` terms, from a fit of them or of a part of them. What earlier selections found hopeless is not looked at again, and what this one finds
-/// so is added.
+/// Selects among `all` terms, from a fit of them or of a part of them. Choices in `hopeless` are not tried
+/// again; those found hopeless here are added to it.
 pub(crate) fn select<'a>(
     context: &Context<'a>,
     first: Fit<'a>,
@@ -80,8 +81,8 @@ pub(crate) fn select<'a>(
     Selection { fit: context.resettle(now), path }
 }
 
-/// Backward elimination on the quadratic model of the cost at the minimum: terms in the order in which they leave, each with the rise of the
-/// cost. Everything else that was fitted follows along.
+/// Backward elimination on the quadratic model of the cost at the minimum: terms in the order in which they
+/// leave, each with the rise of the cost. Everything else that was fitted follows along.
 fn elimination(fit: &Fit<'_>) -> Vec<(usize, f64)> {
     let p = fit.problem.terms.len();
     let full = covariance(&fit.normal.matrix);
@@ -107,8 +108,8 @@ fn elimination(fit: &Fit<'_>) -> Vec<(usize, f64)> {
     out
 }
 
-/// Changes by one term (or a pair that only helps together) that promise a better criterion, best first: the terms after each. Scores come from one
-/// evaluation of the full dictionary at the present solution.
+/// Changes by one term (or a pair that only helps together) that promise a better criterion, best first: the
+/// terms after each. Scores come from one evaluation of the full dictionary at the present solution.
 fn neighbours(
     context: &Context<'_>,
     now: &Fit<'_>,
@@ -146,8 +147,9 @@ fn promising<'a>(
     })
 }
 
-/// A simpler model may lie across a hill of the cost, where the quadratic model does not see it: for each equation with several terms, each one alone
-/// and each pair less is looked at. The looks run side by side; the first that is better is taken, as if they came one after the other.
+/// Simpler models beyond a barrier of the cost, which the quadratic model does not show: for each equation with
+/// several terms, each term alone and all but each pair are tried. Trials run in parallel; the first better one
+/// in their order is taken, whatever the number of threads.
 fn pruned<'a>(
     context: &Context<'a>,
     mut now: Fit<'a>,
@@ -193,7 +195,7 @@ fn pruned<'a>(
                 near.filter(|look| criterion(look.normal.cost, terms.len()) < here).map(|look| (k, look))
             };
             let Some((k, look)) = left.par_iter().enumerate().find_map_first(better) else {
-                // All were looked at, whatever the threads.
+                // All were tried, whatever the number of threads.
                 let found = left.iter().zip(&far).filter(|(_, far)| far.load(Ordering::Relaxed));
                 hopeless.extend(found.map(|(keep, _)| with(keep)));
                 break;
@@ -205,8 +207,8 @@ fn pruned<'a>(
     now
 }
 
-/// All candidates at the present solution: their terms, the unknowns, and the quadratic model of the cost. `None` if there are no others, or they cannot be
-/// simulated.
+/// All candidates at the present solution: their terms, the unknowns, and the quadratic model of the cost.
+/// `None` if there are no others, or they cannot be simulated.
 fn quadratic_model<'a>(
     context: &Context<'a>,
     now: &Fit<'a>,
@@ -229,15 +231,16 @@ fn quadratic_model<'a>(
     Some((terms, x, normal))
 }
 
-/// For each term of the model and each one of the same equation outside of it: the terms with the one in the place of the other, and the cost that the
-/// quadratic model promises. A better model may be two steps away, each of which is worse.
+/// For each term of the model and each one of the same equation outside of it: the terms with the one in the
+/// place of the other, and the cost that the quadratic model promises. A better model may be two steps away,
+/// each of which is worse.
 fn swaps<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<usize>, f64)> {
     let Some((terms, x, normal)) = quadratic_model(context, now, all) else { return vec![] };
     let (a, system) = (&normal.matrix, context.system);
     let inside = |i: &usize| now.problem.terms.contains(&terms[*i]);
     let mut out = Vec::new();
     for gone in (0..terms.len()).filter(inside) {
-        // What stays follows.
+        // The others are refitted.
         let stays: Vec<usize> =
             (0..x.len()).filter(|i| *i != gone && (*i >= terms.len() || inside(i))).collect();
         let inner = covariance(&faer::Mat::from_fn(stays.len(), stays.len(), |i, j| a[(stays[i], stays[j])]));
@@ -268,7 +271,8 @@ fn swaps<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<us
     out
 }
 
-/// Choices of as many terms that the data describe nearly as well, and by how much the criterion is worse; the nearest first.
+/// Choices of as many terms that the data describe nearly as well, and by how much the criterion is worse; the
+/// nearest first.
 pub(crate) fn rivals<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<usize>, f64)> {
     let worse = |cost: f64| (cost - now.normal.cost) / now.inflation();
     let mut near: Vec<(Vec<usize>, f64)> =
@@ -285,7 +289,8 @@ pub(crate) fn rivals<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) ->
     out
 }
 
-/// For terms outside the model, alone and in pairs of one equation: the fall of the cost that the quadratic model promises.
+/// For terms outside the model, alone and in pairs of one equation: the fall of the cost that the quadratic
+/// model promises.
 fn scores<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<usize>, f64)> {
     let outside: Vec<usize> = all.iter().copied().filter(|t| !now.problem.terms.contains(t)).collect();
     let Some((terms, x, normal)) = quadratic_model(context, now, all) else { return vec![] };
@@ -313,7 +318,7 @@ fn scores<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<u
         .iter()
         .map(|&c| normal.gradient[c] - old.iter().zip(&shift).map(|(&o, s)| a[(o, c)] * s).sum::<f64>())
         .collect();
-    // What would enter with a coefficient that it may not have does not bring what the quadratic model promises.
+    // A coefficient outside its bounds cannot give the promised fall.
     let reaches = |k: usize, step: f64| {
         let (low, high) = context.system.terms[outside[k]].within;
         (low..=high).contains(&step)

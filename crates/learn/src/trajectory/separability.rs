@@ -5,7 +5,8 @@ use crate::result::quantity::Quantity;
 use crate::result::warning::Warning;
 use faer::Mat;
 
-/// Numbers that the data do not see, or cannot tell apart. `names` are the unknowns of the result; `cov` and `values` are of all unknowns.
+/// Warnings for numbers that the data do not determine, and for pairs that trade off. `names` are the unknowns
+/// of the result; `cov` and `values` are of all unknowns.
 pub(crate) fn inseparable(cov: &Mat<f64>, names: &[(usize, Quantity)], values: &[f64]) -> Vec<Warning> {
     let mut out = Vec::new();
     let unseen = names.iter().filter(|(a, _)| !cov[(*a, *a)].is_finite()).map(|(_, name)| name.clone());
@@ -13,7 +14,7 @@ pub(crate) fn inseparable(cov: &Mat<f64>, names: &[(usize, Quantity)], values: &
     match numbers.len() {
         0 => {}
         1 => out.push(Warning::Unseen { number: numbers.remove(0) }),
-        // One scale that is common to several is seen by none: each of them may be anything, and together they fit.
+        // A common scale of several numbers is not determined: each may have any value if the others follow.
         _ => out.push(Warning::Inseparable { numbers }),
     }
     for (i, (a, name_a)) in names.iter().enumerate() {

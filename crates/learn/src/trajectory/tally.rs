@@ -4,7 +4,7 @@ use crate::decisions::INFLATED;
 use crate::trajectory::problem::{ColumnResidual, Noise};
 use phisindy_signal::effective_samples;
 
-/// What residuals amount to in units of their noise.
+/// Counts and power of residuals in units of their noise.
 pub(crate) struct Tally {
     pub(crate) samples: usize,
     /// How many of them are independent.
@@ -33,7 +33,7 @@ pub(crate) fn whitened(noise: &Noise, residuals: &[Vec<ColumnResidual>]) -> impl
     )
 }
 
-/// By how much the scatter of an estimate is larger than independent samples would make it.
+/// Factor on the variance of an estimate from correlated samples.
 pub(crate) fn inflation(samples: usize, effective: f64) -> f64 {
     let f = samples as f64 / effective.max(1.0);
     // The estimate itself scatters round 1.

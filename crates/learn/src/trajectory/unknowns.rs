@@ -1,4 +1,5 @@
-//! What the unknowns of a fit mean for the records that it was made of: parameters for the result, numbers of each record for its free run.
+//! Meaning of the unknowns of a fit: parameters for the result, and the numbers of each record for its free
+//! run.
 
 use crate::result::estimate::Estimate;
 use crate::result::parameter::FoundParameter;
@@ -72,7 +73,8 @@ impl<'a> Unknowns<'a> {
         }
     }
 
-    /// The numbers of the fit, by record; Validate records take those of the record that they continue, or of the first fitted one.
+    /// The numbers of the fit, by record; Validate records take those of the record that they continue, or of
+    /// the first fitted one.
     pub(crate) fn solution(&self) -> Solution {
         let (system, fit) = (self.system, self.fit);
         let problem = &fit.problem;

@@ -1,4 +1,5 @@
-//! The loss over all samples against a plain loop, its derivatives against differences and against a tape that is unrolled.
+//! The loss over all samples against a plain loop, its derivatives against differences and against a tape that
+//! is unrolled.
 
 use super::{Batch, lay_out};
 use crate::step::onestep::tests::{TOLERANCE, Twin, common, one_mass, runge_kutta};
@@ -251,7 +252,8 @@ fn skipping_leaves_out_the_steps_across_a_turn() {
     }
 }
 
-/// The velocity of a belt is a constant that moves, or one of the record: turns are those of the contact, not of the mass.
+/// The velocity of a belt is a constant that moves, or one of the record: turns are those of the contact, not
+/// of the mass.
 #[test]
 fn turns_are_seen_on_a_belt() {
     for (constants, own) in [

@@ -65,7 +65,8 @@ fn by_method_step(learn: &str, change: impl Fn(&mut Record)) -> Identified {
     identify(&case, &records, &options, &mut |_| ControlFlow::Continue(())).unwrap()
 }
 
-/// Each step from one sample to the next, forward and backward, is met best on the mean by the mean of all steps, which is from the first to the last sample.
+/// Each step from one sample to the next, forward and backward, is met best on the mean by the mean of all
+/// steps, which is from the first to the last sample.
 #[test]
 fn the_steps_of_a_line_are_met_by_their_mean() {
     let found = by_method_step("optimiser: GaussNewton, cutoff: 1e-3", |_| {});

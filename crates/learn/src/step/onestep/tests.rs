@@ -13,7 +13,8 @@ pub(crate) const TOLERANCE: f64 = 0.03;
 /// Rates at a time, states, inputs, parameters.
 type Rates = fn(f64, &[f64], &[f64], &[f64]) -> Vec<f64>;
 
-/// A system twice: as a spec, and as rates in plain Rust (time, states, inputs, parameters), the event condition included.
+/// A system twice: as a spec, and as rates in plain Rust (time, states, inputs, parameters), the event
+/// condition included.
 pub(crate) struct Twin {
     pub(crate) case: Case,
     pub(crate) records: Vec<Record>,

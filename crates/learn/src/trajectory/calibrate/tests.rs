@@ -1,4 +1,5 @@
-//! On a line the fit is a regression by hand; what a trial may cost and where another start lies can be written down too.
+//! On a line the fit is a regression by hand; what a trial may cost and where another start lies can be written
+//! down too.
 
 use super::*;
 use crate::line_models::{STEP, lever, records, scatter};
@@ -38,7 +39,8 @@ fn problem<'a>(case: &'a Case, records: &'a [Record], pieces: usize) -> (Problem
     (Problem::new(&case.system, &[], &[&records[0]], &[pieces]).unwrap(), noise)
 }
 
-/// The first record is to validate: it moves nothing. What is left of the second one is noise, or a wave beside it that makes its samples count as few.
+/// The first record is to validate: it moves nothing. What is left of the second one is noise, or a wave beside
+/// it that makes its samples count as few.
 #[test]
 fn a_line_is_calibrated_by_regression() {
     let wave = line().iter().enumerate().map(|(i, x)| x + 0.3 * (0.5 * STEP * i as f64).sin()).collect();
@@ -101,7 +103,8 @@ fn a_look_counts_what_it_looked_at() {
     assert_relative_eq!(found, spread(&line()) / (SIGMA * SIGMA * SAMPLES as f64), max_relative = 1e-6);
 }
 
-/// A growth of `e^2` in a second: no single run of twenty, but pieces of four. What grows a thousand times as fast is refused.
+/// A growth of `e^2` in a second: no single run of twenty, but pieces of four. What grows a thousand times as
+/// fast is refused.
 #[test]
 fn what_no_single_run_can_follow_is_calibrated_in_pieces() {
     for (growth, pieces) in [("2*x", Some(5)), ("2000*x", None)] {
@@ -146,7 +149,8 @@ fn a_simulation_is_small_against_the_noise_that_is_least() {
     assert_eq!((of(1e-9), of(1e9)), (TOLERANCE, 1e-5));
 }
 
-/// Twice the error, that of the misfit, for the first two starts, four times for the next ones; not all unknowns the same way.
+/// Twice the error, that of the misfit, for the first two starts, four times for the next ones; not all
+/// unknowns the same way.
 #[test]
 fn another_start_is_as_far_as_the_errors() {
     let spec = r#"constants: {"c": (value: 0.3, within: (-9.0, 9.0)), "e": (value: 0.0, within: (-9.0, 1e-4))},

@@ -56,7 +56,8 @@ fn residuals_are_counted_in_units_of_their_noise() {
     assert_relative_eq!(effective, 3.0 + effective_samples(&slow) + 1.0, max_relative = 1e-12);
 }
 
-/// Parameters and sensors keep their meaning where terms come and go and records are cut otherwise; coefficients and starts are left alone.
+/// Parameters and sensors keep their meaning where terms come and go and records are cut otherwise;
+/// coefficients and starts are left alone.
 #[test]
 fn what_means_the_same_is_carried_over() {
     let (case, mut records) = records(
@@ -153,7 +154,8 @@ fn a_sketch_fits_nothing() {
     }
 }
 
-/// Where the spec starts at the deepest of many minima, a fit that ended in another one goes back; where it starts far away, not.
+/// Where the spec starts at the deepest of many minima, a fit that ended in another one goes back; where it
+/// starts far away, not.
 #[test]
 fn a_known_model_never_ends_above_where_its_spec_starts() {
     let due = 30.0 / STEP / SAMPLES as f64;
@@ -235,7 +237,8 @@ fn white_is_what_counts_or_has_no_power() {
     assert!(fitted_terms(&case, &records, SIGMA, &[0, 1]).chance_of_noise() > 1e-3);
 }
 
-/// Friction of 0.5 stops a throw of 1.5 after three seconds; what is given up takes four times the steps, and a thousand.
+/// Friction of 0.5 stops a throw of 1.5 after three seconds; what is given up takes four times the steps, and a
+/// thousand.
 #[test]
 fn a_throw_comes_to_rest() {
     let spec = r#"states: {"x": "", "v": ""}, known: {"x": "v", "v": "0"}, unknown: {"v": (factor: "-sgn(v)", candidates: ["1"])}, contacts: ["v"]"#;
@@ -253,7 +256,8 @@ fn a_throw_comes_to_rest() {
     }
 }
 
-/// A fit that is stuck with too little friction: only where the motion rests, and something is left, is a better one looked for.
+/// A fit that is stuck with too little friction: only where the motion rests, and something is left, is a
+/// better one looked for.
 #[test]
 fn a_side_minimum_is_left_by_a_hop() {
     let spec = r#"states: {"x": "", "v": ""}, known: {"x": "v", "v": "0"}, unknown: {"v": (factor: "-sgn(v)", candidates: ["1"])}, contacts: ["v"]"#;

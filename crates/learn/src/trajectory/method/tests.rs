@@ -259,7 +259,8 @@ fn what_is_not_seen_has_no_error_bar() {
     assert_relative_eq!(robust_covariance(&fit)[(0, 0)], error.powi(2), max_relative = 1e-4);
 }
 
-/// One number for all records, one for each, and sensors; a Validate record has those of the one that it goes on from, else of the first.
+/// One number for all records, one for each, and sensors; a Validate record has those of the one that it goes
+/// on from, else of the first.
 #[test]
 fn each_record_has_its_own_numbers() {
     let text = r#"constants: {"c": (value: 0.3, within: (-90.0, 90.0)), "e": (value: 0.0, unit: "mm", within: (-90.0, 14.5), each: true)},

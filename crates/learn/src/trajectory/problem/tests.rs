@@ -66,7 +66,8 @@ fn a_short_record_is_not_cut_to_nothing() {
     assert_eq!([0, 1, 22, 23, 1000].map(pieces), [1, 1, 22, 22, 22]);
 }
 
-/// A speed without a column is as large as the slope of its place, over a hundredth of a record; what nothing shows has size 1.
+/// A speed without a column is as large as the slope of its place, over a hundredth of a record; what nothing
+/// shows has size 1.
 #[test]
 fn states_have_the_size_of_their_columns() {
     let (case, records) = lines();

@@ -1,4 +1,5 @@
-//! The ends of a profile where they can be written down: the slope of a line, and a number whose square is that slope.
+//! The ends of a profile where they can be written down: the slope of a line, and a number whose square is that
+//! slope.
 
 use super::*;
 use crate::line_models::{STEP, fitted, lever, records, scatter};
@@ -18,7 +19,8 @@ fn line() -> (Case, Vec<Record>) {
     )
 }
 
-/// `x = x0 + q^2 t`, and how well the square is known from samples with the noise `sigma`; the best `q` is 1 within rounding.
+/// `x = x0 + q^2 t`, and how well the square is known from samples with the noise `sigma`; the best `q` is 1
+/// within rounding.
 fn square(sigma: f64, within: &str) -> (Case, Vec<Record>, f64) {
     let samples = (0..SAMPLES).map(|i| 0.1 * i as f64).collect();
     let (case, records) = records(
@@ -42,14 +44,16 @@ fn of_a_line_it_is_the_quadratic_one() {
     let (low, high) = interval(&fit, 0, error, error);
     assert_relative_eq!(low, fit.x[0] - NORMAL * error, max_relative = 1e-6);
     assert_relative_eq!(high, fit.x[0] + NORMAL * error, max_relative = 1e-6);
-    // A rise that is up to a fifth off is near enough: the interval is that of the error, whatever the cost says.
+    // A rise that is up to a fifth off is near enough: the interval is that of the error, whatever the cost
+    // says.
     for part in [0.92, 1.08] {
         let (low, high) = interval(&fit, 0, part * error, part * error);
         assert_relative_eq!(high - low, 2.0 * NORMAL * part * error, max_relative = 1e-6);
     }
 }
 
-/// Where the curvature says another error than the scatter does, the rise to look for is stretched by the square of their ratio.
+/// Where the curvature says another error than the scatter does, the rise to look for is stretched by the
+/// square of their ratio.
 #[test]
 fn what_the_curvature_does_not_say_stretches_the_rise() {
     let (case, records) = line();

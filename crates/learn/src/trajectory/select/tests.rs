@@ -1,4 +1,5 @@
-//! On models that are linear in all that is unknown the quadratic model of the cost is the cost: what it promises is what a fit of those terms has.
+//! On models that are linear in all that is unknown the quadratic model of the cost is the cost: what it
+//! promises is what a fit of those terms has.
 
 use super::*;
 use crate::line_models::{STEP, fitted_terms, records, scatter};
@@ -9,7 +10,8 @@ use phisindy_phys::{Case, Record};
 const SIGMA: f64 = 0.1;
 const SAMPLES: usize = 80;
 
-/// Four terms of one equation and two of another one, of which the data hold `1` and `2*t` of the first, and `1` of the second; a little of the others is noise.
+/// Four terms of one equation and two of another one, of which the data hold `1` and `2*t` of the first, and
+/// `1` of the second; a little of the others is noise.
 fn two_equations(within: &str) -> (Case, Vec<Record>) {
     let noise = scatter(2 * SAMPLES);
     let time = |i: usize| STEP * i as f64;
@@ -105,7 +107,8 @@ fn what_changes_places_costs_what_it_promises() {
     assert!(rivals(&context(&case, &records), &now, &all).is_empty());
 }
 
-/// A term that may not have the coefficient at which it would help is not offered: not alone, not in a pair, not in a place.
+/// A term that may not have the coefficient at which it would help is not offered: not alone, not in a pair,
+/// not in a place.
 #[test]
 fn what_may_not_have_its_coefficient_is_not_offered() {
     // 2*t helps with -0.2.
@@ -140,7 +143,8 @@ fn neither_of_a_pair_may_miss_its_bounds() {
     }
 }
 
-/// One equation after the other: each term of it alone, then each pair less, the rest of the model as it is. What fits ten times as badly is not looked at again.
+/// One equation after the other: each term of it alone, then each pair less, the rest of the model as it is.
+/// What fits ten times as badly is not looked at again.
 #[test]
 fn simpler_models_are_looked_at_equation_by_equation() {
     let (case, records) = two_equations("");
