@@ -7,10 +7,9 @@
 mod cells;
 mod journal;
 
-pub(crate) use cells::{Cell, product, vary};
-pub(crate) use command::command;
-pub(crate) use journal::{Found, Journal, Run, RunVerdict};
-pub(crate) use statistics::Statistics;
+pub(crate) use cells::{Axis, Cell, listed, product, vary};
+pub(crate) use journal::Journal;
+pub(crate) use phisindy_report::sweep::Statistics;
 
 use crate::args::Options;
 use crate::interrupt;
@@ -19,7 +18,7 @@ use crate::progress::Progress;
 use anyhow::{Result, anyhow};
 use phisindy_learn::{LearnOptions, SweepRun, Truth, Verdict, bound, project, sweep_one};
 use phisindy_phys::{Case, Diagnostic, Origin, Sources};
-use phisindy_report::sweep::{Found, NamedTruth, Run};
+use phisindy_report::sweep::{Found, NamedTruth, Run, RunVerdict};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -1,22 +1,62 @@
 //! Simulated runs as CSV: synthetic data (time, the noisy columns of the record, the exact states, the inputs), and the free run of a model
 //! without unknown part along a measured record.
 
-use crate::load::Loaded;
-use anyhow::Result;
-use phisindy_phys::{Origin, Record, RecordPlan, System};
+use super::spec_file::{failed, loaded};
+use crate::args::Options;
+use crate::draw;
+use crate::load::{Loaded, Purpose};
+use crate::terminal::{INPUT, NUMERICS, STDOUT};
+use anyhow::{Context, Result, anyhow};
+use phisindy_phys::{Origin, Record, RecordPlan, Sources, System};
 use phisindy_signal::{Differentiator, standard_deviation};
-use phisindy_sim::{Automaton, Drive, Options, SimError, Trajectory, simulate};
-use std::io::Write;
+use phisindy_sim::{Automaton, Drive, SimError, Trajectory};
+use std::io::{self, Write};
+use std::path::Path;
 
 /// A state beyond this many times its size has diverged.
 const DIVERGED: f64 = 1e4;
 
+/// Simulates the records of a spec, prints them as CSV, and returns the exit code.
+pub(crate) fn simulate(spec: &Path, record: Option<&str>, options: &Options) -> Result<u8> {
+    let mut loaded = match loaded(spec, options, Purpose::Simulate, None) {
+        Ok(loaded) => loaded,
+        Err(code) => return Ok(code),
+    };
+    if loaded.records.is_empty() {
+        return Err(anyhow!(
+            "{}: the model has an unknown part and no `Synthetic` record: identify it first (`phisindy run {} --out DIR`), then simulate \
+             DIR/identified.ron",
+            loaded.spec,
+            loaded.spec
+        ));
+    }
+    if let Some(record) = record {
+        loaded = match loaded.only(record) {
+            Ok(loaded) => loaded,
+            Err(mistake) => {
+                draw::show([&mistake], &Sources::default());
+                return Ok(INPUT);
+            }
+        };
+    }
+    let runs = match runs(&loaded) {
+        Ok(runs) => runs,
+        Err(Failure { why, diverged }) => {
+            failed(&loaded.spec, &why, diverged);
+            return Ok(NUMERICS);
+        }
+    };
+    let mut out = io::BufWriter::new(io::stdout().lock());
+    write(&loaded, &runs, &mut out).and_then(|()| Ok(out.flush()?)).context(STDOUT)?;
+    Ok(0)
+}
+
 /// Why a model cannot be simulated.
-pub(crate) struct Failure {
+struct Failure {
     /// In words.
-    pub(crate) why: String,
+    why: String,
     /// Whether a state grew without bound.
-    pub(crate) diverged: bool,
+    diverged: bool,
 }
 
 impl From<String> for Failure {
@@ -37,7 +77,7 @@ struct Run {
 ///
 /// # Errors
 /// A model cannot be simulated.
-pub(crate) fn runs(loaded: &Loaded) -> Result<Vec<Run>, Failure> {
+fn runs(loaded: &Loaded) -> Result<Vec<Run>, Failure> {
     let one = |((record, truth), plan): ((&Record, &Option<Trajectory>), &RecordPlan)| match (
         truth,
         &plan.origin,
@@ -76,8 +116,8 @@ fn predicted(system: &System, record: &Record) -> Result<Run, Failure> {
     let parameters: Vec<f64> =
         system.parameters.iter().map(|p| p.start).chain(record.constants.iter().copied()).collect();
     let drive = Drive { inputs: &record.inputs, parameters: &parameters };
-    let options = Options { scale, diverged: DIVERGED, ..Options::default() };
-    let run = simulate(&automaton, &drive, record.time[0], &start, &record.time, &options)
+    let options = phisindy_sim::Options { scale, diverged: DIVERGED, ..phisindy_sim::Options::default() };
+    let run = phisindy_sim::simulate(&automaton, &drive, record.time[0], &start, &record.time, &options)
         .map_err(|e| Failure { why: e.to_string(), diverged: matches!(e, SimError::Diverged { .. }) })?;
     Ok(Run { columns: (0..run.n).map(|k| readings(record, &run, k)).collect(), predicted: true })
 }

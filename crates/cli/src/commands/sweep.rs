@@ -1,9 +1,6 @@
 //! `phisindy sweep`.
 
-use super::cells::{Axis, listed, product, vary};
-use super::journal::Journal;
-use super::show::{Heading, json, table};
-use super::{Checked, Plan, RunVerdict, seed_of, sweep};
+use super::spec_file::exit_code;
 use crate::args::{Format, Options, SweepArgs};
 use crate::load::{Loaded, spec_text, with_sets};
 use crate::outdir::OutDir;
@@ -13,7 +10,7 @@ use crate::{draw, interrupt};
 use anyhow::{Result, anyhow, bail};
 use phisindy_phys::spec::Method;
 use phisindy_phys::{Case, Origin, Sources};
-use phisindy_report::sweep::{CellRuns, SweepRuns, json, table};
+use phisindy_report::sweep::{CellRuns, RunVerdict, SweepRuns, json, table};
 
 /// Sweeps, prints, and says with which exit code to end.
 pub(crate) fn sweep(args: &SweepArgs, options: &Options) -> Result<u8> {

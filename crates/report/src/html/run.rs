@@ -49,11 +49,10 @@ fn banner(report: &RunReport<'_>) -> Banner {
     let errors: Vec<String> = fit.into_iter().chain(validate).collect();
     let how = format!(
         "{}Method {}, {} s.",
-        if found.interrupted() {
-            format!("{} before the end. ", capital(&interrupt::words()))
-        } else {
-            String::new()
-        },
+        report
+            .ending
+            .stopped_words()
+            .map_or(String::new(), |stopped| format!("{} before the end. ", capital(&stopped))),
         method(found.method),
         digits(report.ending.seconds, 2),
     );

@@ -3,7 +3,7 @@
 use crate::input::Input;
 use crate::table::short;
 use phisindy_learn::{Identified, SensorPart};
-use phisindy_phys::spec::{ConstantSpec, DataSpec, Role, Spec};
+use phisindy_phys::spec::{ConstantSpec, DataSpec, Role};
 use phisindy_phys::unit::Unit;
 use serde::Serialize;
 

@@ -147,9 +147,9 @@ pub(crate) fn line(report: &RunReport<'_>) -> String {
         noise_model: found.noise_model.to_string(),
         selection: selection.collect(),
         warnings: report.notes.iter().chain(&report.warnings).collect(),
-        doubts: report.doubts,
+        doubts: report.input.doubts,
         stopped: found.interrupted(),
-        seconds: report.seconds,
+        seconds: report.ending.seconds,
         version: env!("CARGO_PKG_VERSION"),
     };
     // Nothing in there can fail: keys are texts, and numbers that are not finite are null.

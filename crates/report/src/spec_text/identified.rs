@@ -3,9 +3,8 @@
 use super::edit::{Text, first, head, number, records_of, sensor_of};
 use crate::input::Input;
 use phisindy_expr::{AstKind, Binary, Unary, parse};
-use phisindy_gap::Gap;
-use phisindy_learn::{FoundParameter, Identified, ParameterOf, SensorPart, Verdict};
-use phisindy_phys::spec::{ConstantSpec, DataSpec, Find, SensorValue, Spec, UnknownSpec};
+use phisindy_learn::{FoundParameter, Identified, ParameterOf, Verdict};
+use phisindy_phys::spec::{ConstantSpec, DataSpec, Spec, UnknownSpec};
 use phisindy_phys::unit::{Dimension, Unit};
 use phisindy_phys::{SourceId, spec};
 
@@ -48,89 +47,6 @@ pub fn identified(input: Input<'_>, found: &Identified) -> Result<String, String
     let (spec, _) = spec::read(&text, SourceId(0)).map_err(|d| first(&d))?;
     phisindy_phys::check(&spec, SourceId(0)).map_err(|d| first(&d))?;
     Ok(text)
-}
-
-/// The text that `gap` completed, with what its fit found of each measured record in it: the start state, and where the search for the numbers of its
-/// sensors goes on. (The start of a synthetic record says how it is made, not what was found.)
-///
-/// # Errors
-/// In words: the text cannot hold it.
-pub(crate) fn completed(loaded: &Loaded, found: &Gap) -> Result<String, String> {
-    let mut text = Text(found.completed.clone());
-    let (spec, _) = spec::read(&text.0, SourceId(0)).map_err(|d| first(&d))?;
-    let measured = |r: usize| matches!(spec.data.get(r), Some(DataSpec::Csv(_)));
-    for p in &found.parameters {
-        let (Some(owner), Some((column, part))) = (p.id.record(), sensor_of(p)) else { continue };
-        for r in records_of(loaded, owner) {
-            let at = r.to_string();
-            if let Some(find) = spec.data.get(r).and_then(|data| searched(data, column, part)) {
-                let factor =
-                    find.unit.as_ref().and_then(|u| Unit::parse(&u.value).ok()).map_or(1.0, |u| u.factor);
-                let value = (p.estimate.value / factor).clamp(find.within.0.value, find.within.1.value);
-                text.set(&["data", &at, "sensors", column, part.name(), "start"], &number(value))?;
-            }
-        }
-    }
-    for (r, record) in found.simulated.records.iter().enumerate().filter(|(r, _)| measured(*r)) {
-        for (state, x) in found.simulated.system.states.iter().zip(&record.start) {
-            if x.is_finite() {
-                text.set(&["data", &r.to_string(), "start", &state.name], &number(x / state.factor))?;
-            }
-        }
-    }
-    let (spec, _) = spec::read(&text.0, SourceId(0)).map_err(|d| first(&d))?;
-    phisindy_phys::check_names(&spec, SourceId(0)).map_err(|d| first(&d))?;
-    Ok(text.0)
-}
-
-/// The parameter of a sensor that is searched for in a record.
-fn searched<'a>(data: &'a DataSpec, column: &str, part: SensorPart) -> Option<&'a Find> {
-    let sensors = match data {
-        DataSpec::Csv(csv) => &csv.sensors,
-        DataSpec::Synthetic(synthetic) => &synthetic.sensors,
-    };
-    let (_, sensor) = sensors.iter().find(|(name, _)| name.value == column)?;
-    let value = match part {
-        SensorPart::Offset => &sensor.offset,
-        SensorPart::Gain => &sensor.gain,
-        SensorPart::Delay => &sensor.delay,
-    };
-    match value {
-        Some(SensorValue::Find(find)) => Some(find),
-        _ => None,
-    }
-}
-
-/// A record and those that continue it.
-fn records_of(loaded: &Loaded, owner: usize) -> impl Iterator<Item = usize> {
-    let same =
-        move |(r, other): (usize, &Record)| (r == owner || other.continues == Some(owner)).then_some(r);
-    loaded.records.iter().enumerate().filter_map(same)
-}
-
-/// Column and property of a sensor's parameter.
-fn sensor_of(p: &FoundParameter) -> Option<(&str, SensorPart)> {
-    match &p.id.of {
-        ParameterOf::Sensor { name, part, .. } => Some((name, *part)),
-        ParameterOf::Constant { .. } => None,
-    }
-}
-
-fn first(diagnostics: &[phisindy_phys::Diagnostic]) -> String {
-    diagnostics.iter().find(|d| d.is_error()).map_or(String::new(), |d| d.message.clone())
-}
-
-/// A spec that changes.
-struct Text(String);
-
-impl Text {
-    fn set(&mut self, path: &[&str], value: &str) -> Result<(), String> {
-        // Names may hold dots in quotes only.
-        let part = |p: &&str| if p.contains('.') { format!("\"{p}\"") } else { (*p).to_owned() };
-        let path = path.iter().map(part).collect::<Vec<_>>().join(".");
-        self.0 = splice::set(&self.0, &path, value).map_err(|e| e.to_string())?;
-        Ok(())
-    }
 }
 
 /// The identified terms into the known rates, their coefficients into the constants.
@@ -246,8 +162,8 @@ fn parameters(text: &mut Text, spec: &Spec, input: Input<'_>, found: &Identified
         let value = p.estimate.value / p.factor;
         match (&p.id.of, p.id.record()) {
             (ParameterOf::Constant { name, .. }, None) => constant(text, spec, name, value)?,
-            (ParameterOf::Constant { name, .. }, Some(r)) => of_record(text, spec, loaded, name, r, p)?,
-            (ParameterOf::Sensor { .. }, Some(r)) => sensor(text, loaded, r, p)?,
+            (ParameterOf::Constant { name, .. }, Some(r)) => of_record(text, spec, input, name, r, p)?,
+            (ParameterOf::Sensor { .. }, Some(r)) => sensor(text, input, r, p)?,
             (ParameterOf::Sensor { .. }, None) => {}
         }
     }
@@ -288,9 +204,9 @@ fn of_record(
 }
 
 /// What was found of a sensor is held.
-fn sensor(text: &mut Text, loaded: &Loaded, record: usize, p: &FoundParameter) -> Result<(), String> {
+fn sensor(text: &mut Text, input: Input<'_>, record: usize, p: &FoundParameter) -> Result<(), String> {
     let Some((column, part)) = sensor_of(p) else { return Ok(()) };
-    for r in records_of(loaded, record) {
+    for r in records_of(input, record) {
         // Plain numbers of sensors are in SI.
         text.set(&["data", &r.to_string(), "sensors", column, part.name()], &number(p.estimate.value))?;
     }
