@@ -18,7 +18,7 @@ use crate::progress::Progress;
 use anyhow::{Result, anyhow};
 use phisindy_learn::{LearnOptions, SweepRun, Truth, Verdict, bound, project, sweep_one};
 use phisindy_phys::{Case, Diagnostic, Origin, Sources};
-use phisindy_report::sweep::{Found, NamedTruth, Run};
+use phisindy_report::sweep::{Found, NamedTruth, Run, RunVerdict};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -84,7 +84,7 @@ impl Checked {
                 "`unknown` names the law `{}`, and laws have no terms to count: `run` fits them, candidates can be swept",
                 law.value
             )),
-            None => project(&loaded.case, &loaded.records),
+            None => project(&loaded.case, &loaded.records).map_err(|e| e.to_string()),
         };
         let truth = truth.map(|truth| {
             let names = truth.terms.iter().map(|&t| term_name(&loaded.case, t)).collect();
@@ -201,7 +201,7 @@ impl Task {
             Err(_) => {
                 let why = found.iter().find(|d| d.is_error()).map_or(String::new(), |d| d.message.clone());
                 Run {
-                    verdict: format!("failed: {why}"),
+                    verdict: RunVerdict::Failed(why),
                     found: vec![None; self.truth.terms.len()],
                     ..Run::default()
                 }
@@ -218,10 +218,10 @@ fn summary(run: SweepRun, bound: Vec<f64>) -> Run {
     let finite = |x: f64| x.is_finite().then_some(x);
     let verdict = match &run.outcome {
         Ok(found) => match &found.verdict {
-            Verdict::Identified => "identified".to_owned(),
-            Verdict::Rejected(why) => format!("rejected: {why}"),
+            Verdict::Identified => RunVerdict::Identified,
+            Verdict::Rejected(why) => RunVerdict::Rejected(why.to_string()),
         },
-        Err(why) => format!("failed: {why}"),
+        Err(why) => RunVerdict::Failed(why.to_string()),
     };
     let found = run.found.iter().map(|found| {
         let e = (*found)?;

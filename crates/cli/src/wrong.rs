@@ -20,7 +20,9 @@ use crate::outdir::OutDir;
 use crate::progress::Progress;
 use anyhow::{Result, anyhow, bail};
 use mistake::{KINDS, SMALL, mistaken, needs_cubic};
-use phisindy_learn::{Effort, Identified, LearnOptions, Verdict, calibrate, identify, project, smoothed};
+use phisindy_learn::{
+    Effort, Identified, LearnOptions, Verdict, Warning, calibrate, identify, project, smoothed,
+};
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Sources, check, spec};
 use phisindy_signal::standard_deviation;
@@ -216,7 +218,7 @@ fn outcome(set: &Set) -> Outcome {
                 out.off = out.off.max(off);
                 out.held = (out.held.0 + usize::from(off <= 1.0), out.held.1 + 1);
             }
-            out.warnings = found.warnings;
+            out.warnings = found.warnings.iter().map(ToString::to_string).collect();
         }
     }
     out
@@ -228,10 +230,14 @@ fn told(found: &Identified) -> Vec<String> {
     if found.verdict != Verdict::Identified {
         told.push("rejected".to_owned());
     }
-    for (words, name) in
-        [("not white", "residual"), ("ended at its bound", "bound"), ("carry over", "validation")]
-    {
-        if found.warnings.iter().any(|w| w.contains(words)) {
+    let at_bound = |w: &Warning| matches!(w, Warning::AtBound { .. });
+    let doubts: [(&dyn Fn(&Warning) -> bool, &str); 3] = [
+        (&Warning::doubts_residual, "residual"),
+        (&at_bound, "bound"),
+        (&Warning::doubts_validation, "validation"),
+    ];
+    for (says, name) in doubts {
+        if found.warnings.iter().any(says) {
             told.push(name.to_owned());
         }
     }

@@ -121,8 +121,8 @@ pub(crate) fn constants(graph: &mut Graph, system: &System) -> HashMap<Id, Id> {
 fn numbers(found: &Gap, record: &Record, r: usize) -> Vec<f64> {
     let mut values: Vec<f64> = found.simulated.system.parameters.iter().map(|p| p.start).collect();
     let owner = record.continues.unwrap_or(r);
-    for p in found.parameters.iter().filter(|p| p.record.is_none_or(|of| of == owner)) {
-        if let Some(k) = p.parameter {
+    for p in found.parameters.iter().filter(|p| p.id.holds_in(owner)) {
+        if let Some(k) = p.id.constant() {
             values[k] = p.estimate.value;
         }
     }

@@ -52,7 +52,8 @@ pub(crate) struct Fitted {
 impl Fitted {
     /// Calibrates a draft.
     pub(crate) fn new(draft: Draft, noise: &[Vec<f64>], effort: Effort) -> Result<Fitted, String> {
-        let cal = calibrate(&draft.case.system, &draft.records, &draft.smooth, noise, effort)?;
+        let cal = calibrate(&draft.case.system, &draft.records, &draft.smooth, noise, effort)
+            .map_err(|e| e.to_string())?;
         let (fit, validate) = gaps(&cal, noise);
         let colour = colour(&cal, &draft.records, |_| true);
         let alone = Fitted { draft, cal, fit, validate, carried: validate, joint: None, colour };
@@ -185,7 +186,7 @@ impl Fitted {
     pub(crate) fn found(&self, which: impl Fn(&Parameter) -> bool) -> Vec<(String, f64)> {
         let parameters = &self.draft.case.system.parameters;
         let of = |p: &FoundParameter| {
-            let parameter = &parameters[p.parameter.filter(|_| p.record.is_none_or(|r| r == 0))?];
+            let parameter = &parameters[p.id.constant().filter(|_| p.id.holds_in(0))?];
             which(parameter).then(|| (parameter.name.clone(), p.estimate.value))
         };
         self.cal.parameters.iter().filter_map(of).collect()
@@ -280,10 +281,9 @@ pub(crate) fn values(fitted: &Fitted, names: &[String], otherwise: &[f64]) -> Ve
         .iter()
         .zip(otherwise)
         .map(|(name, other)| {
-            let found =
-                fitted.cal.parameters.iter().find(|p| {
-                    p.parameter.is_some_and(|k| fitted.draft.case.system.parameters[k].name == *name)
-                });
+            let found = fitted.cal.parameters.iter().find(|p| {
+                p.id.constant().is_some_and(|k| fitted.draft.case.system.parameters[k].name == *name)
+            });
             found.map_or(*other, |p| p.estimate.value)
         })
         .collect()

@@ -2,7 +2,7 @@
 
 use crate::repeat::repeatability;
 use crate::whiteness::lines;
-use phisindy_learn::Calibration;
+use phisindy_learn::{Calibration, SensorPart};
 use phisindy_phys::{Record, System};
 use phisindy_signal::noise_level;
 
@@ -39,10 +39,10 @@ impl Motion {
         let mut sensors: Vec<(f64, f64)> =
             record.sensors[..n].iter().map(|s| (s.gain.start, s.offset.start)).collect();
         for p in &fitted.parameters {
-            if p.record.is_some_and(|r| r != index) {
+            if !p.id.holds_in(index) {
                 continue;
             }
-            if let Some(k) = p.parameter {
+            if let Some(k) = p.id.constant() {
                 numbers[k] = p.estimate.value;
                 for (sensor, own) in sensors.iter_mut().zip(&record.sensors) {
                     if own.gain.shared == Some(k) {
@@ -52,15 +52,13 @@ impl Motion {
                         sensor.1 = p.estimate.value;
                     }
                 }
-            } else {
-                let plain = p.name.split(" [").next().unwrap_or(&p.name);
-                for (sensor, state) in sensors.iter_mut().zip(&system.states) {
-                    if plain == format!("{}.gain", state.name) {
-                        sensor.0 = p.estimate.value;
-                    }
-                    if plain == format!("{}.offset", state.name) {
-                        sensor.1 = p.estimate.value;
-                    }
+            } else if let Some((column, part)) = p.id.sensor()
+                && let Some(sensor) = sensors.get_mut(column)
+            {
+                match part {
+                    SensorPart::Gain => sensor.0 = p.estimate.value,
+                    SensorPart::Offset => sensor.1 = p.estimate.value,
+                    SensorPart::Delay => {}
                 }
             }
         }

@@ -78,7 +78,7 @@ pub fn gap(
         }
     }
     if let Some(why) = records.iter().find_map(|r| dead_column(&case.system, r)) {
-        return Err(GapError::Data(why));
+        return Err(GapError::Data(why.to_string()));
     }
     let mut warnings = Vec::new();
     if case.is_open() {
@@ -272,8 +272,8 @@ fn finished(
         warnings.extend(causes(&base, &last));
     }
     warnings.extend(instead.clone());
-    warnings.extend(at_bounds(&last.cal.parameters));
-    warnings.extend(sensitive_starts(&last.cal.records));
+    warnings.extend(at_bounds(&last.cal.parameters).iter().map(ToString::to_string));
+    warnings.extend(sensitive_starts(&last.cal.records).iter().map(ToString::to_string));
     let steps: Vec<Step> = (0..count)
         .map(|k| {
             let (effect, names, expression) = &last.draft.effects[k];
@@ -400,11 +400,10 @@ fn parameters(last: &Fitted, effect: &Effect, names: &[String]) -> Vec<StepParam
     let labels = effect.labels();
     let mut out = Vec::new();
     for (name, label) in names.iter().zip(labels) {
-        let found = last
-            .cal
-            .parameters
-            .iter()
-            .find(|p| p.parameter.is_some_and(|k| last.draft.case.system.parameters[k].name == *name));
+        let found =
+            last.cal.parameters.iter().find(|p| {
+                p.id.constant().is_some_and(|k| last.draft.case.system.parameters[k].name == *name)
+            });
         if let Some(p) = found {
             let f = p.factor;
             out.push(StepParameter {

@@ -42,7 +42,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     for p in &found.parameters {
         let e = p.estimate;
-        println!("{:<6} {:>9.5} {:>10.5}   [{:.5}, {:.5}]", p.name, e.value, e.std_error, e.ci95.0, e.ci95.1);
+        println!(
+            "{:<6} {:>9.5} {:>10.5}   [{:.5}, {:.5}]",
+            p.id.to_string(),
+            e.value,
+            e.std_error,
+            e.ci95.0,
+            e.ci95.1
+        );
     }
     println!(
         "\nthe truth: 0.5 + 0.2 v^2, k = 1; {} of {} candidates survive",

@@ -1,5 +1,9 @@
 //! Levenberg-Marquardt within bounds, for whatever gives a cost and its normal equations.
 
+use crate::decisions::{
+    CHANCES, DAMPING_AFTER_FAILURE, DAMPING_FALL, DAMPING_RISE, FIRST_DAMPING, LEAST_DAMPING, MOST_DAMPING,
+    ROUNDING, TRIES_PER_STEP,
+};
 use crate::linear::solve_damped;
 use faer::Mat;
 
@@ -18,27 +22,28 @@ pub(crate) struct Limits {
     pub(crate) iterations: usize,
     /// Stops when a step lowers the cost by less than this part of it.
     pub(crate) gain: f64,
-    /// ... or, as long as the cost is above the first of these, by less than the second: where a model is far off nobody asks for digits.
+    /// ... or, as long as the cost is above the first of these, by less than the second: where a model is far
+    /// off nobody asks for digits.
     pub(crate) far: (f64, f64),
     /// Gives up if [`CHANCES`] steps, or twice as many failures, leave the cost above this.
     pub(crate) hopeless: f64,
 }
-
-/// Steps after which a cost that is far too high is hopeless: from nearby, convergence is quadratic.
-const CHANCES: usize = 3;
-/// Costs within this factor are the same number but for rounding.
-const ROUNDING: f64 = 1.0 + 1e-14;
 
 impl Limits {
     /// So many steps, as long as each lowers the cost by that part.
     pub(crate) fn new(iterations: usize, gain: f64) -> Limits {
         Limits { iterations, gain, far: (f64::INFINITY, gain), hopeless: f64::INFINITY }
     }
+
+    /// The same from a row of [`crate::decisions`].
+    pub(crate) fn of([iterations, gain]: [f64; 2]) -> Limits {
+        Limits::new(iterations as usize, gain)
+    }
 }
 
-/// Minimises from `values`, which end at the best point found. Returns the normal equations there, or `None` if the start itself cannot be
-/// evaluated. `evaluate` returns `None` where the model fails, and may return it where the cost is above a ceiling, its second argument: after a failure
-/// the next step is likely to fail too.
+/// Minimises from `values`, which end at the best point found. Returns the normal equations there, or `None` if
+/// the start itself cannot be evaluated. `evaluate` returns `None` where the model fails, and may return it
+/// where the cost is above a ceiling, its second argument: after a failure the next step is likely to fail too.
 pub(crate) fn minimise(
     values: &mut [f64],
     bounds: &[(f64, f64)],
@@ -46,7 +51,7 @@ pub(crate) fn minimise(
     mut evaluate: impl FnMut(&[f64], f64) -> Option<Normal>,
 ) -> Option<Normal> {
     let n = values.len();
-    let mut damping = 1e-6;
+    let mut damping = FIRST_DAMPING;
     let mut tries = 0;
     let mut now = evaluate(values, f64::INFINITY)?;
     for done in 0..limits.iterations {
@@ -55,13 +60,13 @@ pub(crate) fn minimise(
             break;
         }
         // A step that keeps failing is on a cliff: it costs more than it will bring.
-        let most = if hopeless { done + 2 * CHANCES } else { 3 * limits.iterations };
+        let most = if hopeless { done + 2 * CHANCES } else { TRIES_PER_STEP * limits.iterations };
         let mut better = None;
         let mut ceiling = f64::INFINITY;
-        while damping < 1e8 && tries < most {
+        while damping < MOST_DAMPING && tries < most {
             let step = bounded_step(&now, values, bounds, damping);
             let Some(step) = step else {
-                damping *= 10.0;
+                damping *= DAMPING_RISE;
                 continue;
             };
             let trial: Vec<f64> =
@@ -73,13 +78,13 @@ pub(crate) fn minimise(
             match evaluate(&trial, ceiling) {
                 Some(next) if next.cost < now.cost => {
                     better = Some((trial, next));
-                    damping = (damping * 0.1).max(1e-12);
+                    damping = (damping * DAMPING_FALL).max(LEAST_DAMPING);
                     break;
                 }
                 // At the rounding of the cost there is nothing left to gain.
                 Some(next) if next.cost <= now.cost * ROUNDING => break,
                 _ => {
-                    damping = (damping * 10.0).max(1e-5);
+                    damping = (damping * DAMPING_RISE).max(DAMPING_AFTER_FAILURE);
                     ceiling = now.cost * ROUNDING;
                 }
             }
@@ -224,7 +229,8 @@ mod tests {
         assert_eq!(calls, 2);
     }
 
-    /// Rounding may leave `J^T J` with a negative eigenvalue (here -1 of unit diagonal): no step without damping beyond it, and then the same end.
+    /// Rounding may leave `J^T J` with a negative eigenvalue (here -1 of unit diagonal): no step without
+    /// damping beyond it, and then the same end.
     #[test]
     fn a_matrix_that_is_not_definite_is_damped_until_it_is() {
         let mut x = [3.0, -2.0];

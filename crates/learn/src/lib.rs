@@ -1,42 +1,41 @@
 //! System and records to an identified model.
+//!
+//! ```text
+//! Case + Records --identify--> step:       windows --> loss over one or more steps --> train ----------+
+//!                         |                                                                            +--> Identified (terms, parameters,
+//!                         +--> trajectory: initial --> fit (simulate, minimise) --> select --> report -+    free runs, warnings, verdict)
+//! Case + Records + noise --calibrate--> Calibration (parameters, free runs)
+//! ```
+//!
+//! Results, warnings and errors are data; `Display` gives their sentences. This crate reads no files, prints
+//! nothing and knows no clock.
 
-mod agreement;
-mod assess;
-mod batch;
-mod calibrate;
-mod contribution;
-mod cost;
-mod descent;
-mod differentiators;
-mod fit;
-mod identified;
+mod decisions;
+mod differentiator_dependence;
 mod identify;
-mod initial;
-mod input_sensors;
 mod least_squares;
-mod linear;
-mod looks;
-mod noise;
-mod onestep;
-mod problem;
-mod profile;
-mod rollout;
-mod select;
-mod shares;
 #[cfg(test)]
-mod straight;
+mod line_models;
+mod linear;
+mod result;
+mod step;
 mod sweep;
-mod train;
 mod trajectory;
-mod unknown_part;
 
-pub use calibrate::{Calibration, Effort, RESTARTED, approach, calibrate, glance};
-pub use identified::{
-    Contribution, Estimate, FoundParameter, FoundTerm, Identified, LearnError, PathPoint, RecordFit, Verdict,
-    sensitive_starts,
-};
-pub use identify::{LearnOptions, at_bounds, dead_column, identify};
-pub use initial::smoothed;
+pub use decisions::decisions;
+pub use identify::{LearnOptions, dead_column, identify};
+pub use result::error::{DataError, LearnError, ModelError, NumericsError, TruthError};
+pub use result::estimate::Estimate;
+pub use result::identified::{Identified, NoiseModel, PathPoint, StopReason};
+pub use result::parameter::FoundParameter;
+pub use result::quantity::{ParameterId, ParameterOf, Quantity, RecordId, SensorPart, TermId};
+pub use result::record_fit::RecordFit;
+pub use result::term::{Contribution, FoundTerm};
+pub use result::unknown_part::{Course, Curve, UnknownPart, unknown_parts};
+pub use result::verdict::{Rejection, Verdict};
+pub use result::warning::{Warning, at_bounds, sensitive_starts};
+pub use step::options::StepOptions;
+pub use step::train::{StepFit, train};
 pub use sweep::{SweepRun, Truth, bound, project, sweep_one};
-pub use train::{StepFit, StepOptions, train};
-pub use unknown_part::{Course, Curve, UnknownPart, unknown_parts};
+pub use trajectory::calibrate::{Calibration, Effort, RESTARTED, approach, calibrate, glance};
+pub use trajectory::initial::smoothed;

@@ -1,5 +1,6 @@
 //! Small dense linear algebra on symmetric matrices, through faer.
 
+use crate::decisions::{BLIND_EIGENVALUE, BLIND_PART};
 use faer::Mat;
 use faer::Side;
 use faer::linalg::solvers::Solve;
@@ -13,7 +14,8 @@ pub(crate) fn symmetric(triangle: &[f64], n: usize) -> Mat<f64> {
     Mat::from_fn(n, n, at)
 }
 
-/// Solves `(A + damping diag A) x = b` for a positive semidefinite `A`, scaled to unit diagonal first; rows with a zero diagonal stay at zero.
+/// Solves `(A + damping diag A) x = b` for a positive semidefinite `A`, scaled to unit diagonal first; rows
+/// with a zero diagonal stay at zero.
 pub(crate) fn solve_damped(a: &Mat<f64>, b: &[f64], damping: f64) -> Option<Vec<f64>> {
     let n = b.len();
     let scale = scales(a);
@@ -27,8 +29,8 @@ pub(crate) fn solve_damped(a: &Mat<f64>, b: &[f64], damping: f64) -> Option<Vec<
     x.iter().all(|v| v.is_finite()).then_some(x)
 }
 
-/// The inverse of a positive semidefinite matrix; directions that it does not see (eigenvalue below 1e-13 of unit diagonal) get an infinite
-/// diagonal.
+/// The inverse of a positive semidefinite matrix; directions that it does not see (eigenvalue below 1e-13 of
+/// unit diagonal) get an infinite diagonal.
 pub(crate) fn covariance(a: &Mat<f64>) -> Mat<f64> {
     let n = a.nrows();
     if n == 0 {
@@ -38,9 +40,9 @@ pub(crate) fn covariance(a: &Mat<f64>) -> Mat<f64> {
     let m = Mat::from_fn(n, n, |i, j| a[(i, j)] * scale[i] * scale[j]);
     let Ok(eigen) = m.self_adjoint_eigen(Side::Lower) else { return Mat::from_fn(n, n, |_, _| f64::NAN) };
     let (u, s) = (eigen.U(), eigen.S());
-    let blind = |k: usize| s[k] <= 1e-13;
+    let blind = |k: usize| s[k] <= BLIND_EIGENVALUE;
     Mat::from_fn(n, n, |i, j| {
-        let lost = |i: usize| a[(i, i)] <= 0.0 || (0..n).any(|k| blind(k) && u[(i, k)].abs() > 1e-6);
+        let lost = |i: usize| a[(i, i)] <= 0.0 || (0..n).any(|k| blind(k) && u[(i, k)].abs() > BLIND_PART);
         if i == j && lost(i) {
             return f64::INFINITY;
         }

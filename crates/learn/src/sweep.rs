@@ -1,18 +1,17 @@
 //! Many seeds of one case: how often the structure is right, how good the numbers and their intervals are.
 
-use crate::identified::{Identified, LearnError};
+use crate::decisions::{NOISE_FLOOR, TRUTH_DAMPING, TRUTH_MISS, TRUTH_POINTS, TRUTH_SHARE};
 use crate::identify::{LearnOptions, identify};
 use crate::linear::{covariance, solve_damped, symmetric};
-use crate::noise::{ColumnNoise, FLOOR};
-use crate::problem::Problem;
+use crate::result::error::{LearnError, ModelError, TruthError};
+use crate::result::identified::Identified;
+use crate::trajectory::noise::ColumnNoise;
+use crate::trajectory::problem::Problem;
 use phisindy_expr::{Id, Scratch, Tape};
 use phisindy_phys::spec::{NoiseSpec, Role};
 use phisindy_phys::{Case, Origin, Record};
 use phisindy_sim::Trajectory;
 use std::ops::ControlFlow;
-
-/// Random points at which the truth is projected on the dictionary.
-const POINTS: usize = 400;
 
 /// The truth in terms of the dictionary.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,10 +22,11 @@ pub struct Truth {
     pub coefficients: Vec<f64>,
 }
 
-/// Projects the truth of a synthetic case on factor times candidates at random points (record constants from the first record).
+/// Projects the truth of a synthetic case on factor times candidates at random points (record constants from
+/// the first record).
 ///
 /// # Errors
-/// In words: the case is not synthetic, or the truth lies outside the dictionary.
+/// The case is not synthetic, or the truth lies outside the dictionary.
 ///
 /// ```
 /// use phisindy_learn::project;
@@ -42,13 +42,12 @@ pub struct Truth {
 /// let truth = project(&case, &[record]).unwrap();
 /// assert!(truth.terms == [0] && (truth.coefficients[0] - 0.3).abs() < 1e-9);
 /// ```
-pub fn project(case: &Case, records: &[Record]) -> Result<Truth, String> {
+pub fn project(case: &Case, records: &[Record]) -> Result<Truth, TruthError> {
     let synthetic = case.records.iter().zip(records).find_map(|(plan, record)| match &plan.origin {
         Origin::Synthetic(s) => Some((s, record)),
         Origin::Csv(_) => None,
     });
-    let (synthetic, record) =
-        synthetic.ok_or("no record of this case is synthetic, so there is no truth to compare with")?;
+    let (synthetic, record) = synthetic.ok_or(TruthError::NotSynthetic)?;
     let system = &case.system;
     // The truth lives in its own graph, which grew from the system's: the same handles mean the same.
     let graph = &synthetic.truth.graph;
@@ -58,7 +57,8 @@ pub fn project(case: &Case, records: &[Record]) -> Result<Truth, String> {
         system.parameters.iter().map(|p| p.start).chain(record.constants.iter().copied()).collect();
     let mut outputs: Vec<Id> = synthetic.extra.clone();
     outputs.extend(system.terms.iter().map(|t| t.value));
-    let tape = Tape::compile(graph, &inputs, &outputs).map_err(|e| e.message(&synthetic.truth.names))?;
+    let tape = Tape::compile(graph, &inputs, &outputs)
+        .map_err(|e| TruthError::Unbound(e.message(&synthetic.truth.names)))?;
     let mut scratch = Scratch::<1>::new(&tape);
     let (n, p) = (system.states.len(), system.terms.len());
     // SplitMix64: the same points in every run.
@@ -68,8 +68,8 @@ pub fn project(case: &Case, records: &[Record]) -> Result<Truth, String> {
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         2.0 * ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64 - 1.0
     };
-    let mut rows = Vec::with_capacity(POINTS);
-    for i in 0..POINTS {
+    let mut rows = Vec::with_capacity(TRUTH_POINTS);
+    for i in 0..TRUTH_POINTS {
         for d in 0..spread {
             scratch.input(d)[0] =
                 if d == 0 { record.time[record.len() - 1] * (0.5 + 0.5 * point(i, 0)) } else { point(i, d) };
@@ -88,7 +88,7 @@ pub fn project(case: &Case, records: &[Record]) -> Result<Truth, String> {
             .collect();
         let right: Vec<f64> = here.iter().map(|&k| rows.iter().map(|r| r[n + k] * r[state]).sum()).collect();
         let found = if m > 0 {
-            solve_damped(&symmetric(&triangle, m), &right, 1e-15).unwrap_or(vec![0.0; m])
+            solve_damped(&symmetric(&triangle, m), &right, TRUTH_DAMPING).unwrap_or(vec![0.0; m])
         } else {
             vec![]
         };
@@ -98,12 +98,12 @@ pub fn project(case: &Case, records: &[Record]) -> Result<Truth, String> {
             .map(|r| (r[state] - here.iter().zip(&found).map(|(&k, c)| c * r[n + k]).sum::<f64>()).powi(2))
             .sum::<f64>()
             .sqrt();
-        if miss > 1e-6 * size && size > 0.0 {
-            return Err(format!("the truth of {}' lies outside the dictionary", system.states[state].name));
+        if miss > TRUTH_MISS * size && size > 0.0 {
+            return Err(TruthError::OutsideDictionary { state: system.states[state].name.clone() });
         }
         for (&k, &c) in here.iter().zip(&found) {
             let share: f64 = rows.iter().map(|r| (c * r[n + k]).powi(2)).sum::<f64>().sqrt();
-            if share > 1e-5 * size {
+            if share > TRUTH_SHARE * size {
                 terms.push(k);
                 coefficients.push(c);
             }
@@ -112,17 +112,18 @@ pub fn project(case: &Case, records: &[Record]) -> Result<Truth, String> {
     Ok(Truth { terms, coefficients })
 }
 
-/// The Cramer-Rao bound on the standard error of each coefficient of the truth, from the Fisher information at the truth with the noise of the spec. Where
-/// relative noise vanishes with the state, the additive floor of the noise model stands in (a thousandth of the column's standard deviation).
+/// The Cramer-Rao bound on the standard error of each coefficient of the truth, from the Fisher information at
+/// the truth with the noise of the spec. Where relative noise vanishes with the state, the additive floor of
+/// the noise model stands in (a thousandth of the column's standard deviation).
 ///
 /// # Errors
-/// In words: the truth cannot be simulated.
+/// The truth cannot be simulated.
 pub fn bound(
     case: &Case,
     records: &[Record],
     runs: &[Option<Trajectory>],
     truth: &Truth,
-) -> Result<Vec<f64>, String> {
+) -> Result<Vec<f64>, ModelError> {
     let fitted: Vec<usize> = (0..records.len()).filter(|&r| records[r].role == Role::Fit).collect();
     let chosen: Vec<&Record> = fitted.iter().map(|&r| &records[r]).collect();
     let problem = Problem::new(&case.system, &truth.terms, &chosen, &vec![1; chosen.len()])?;
@@ -142,7 +143,7 @@ pub fn bound(
             x[segment.start..segment.start + start.len()].copy_from_slice(&start);
         }
     }
-    let residuals = problem.residuals(&x).map_err(|e| e.to_string())?;
+    let residuals = problem.residuals(&x)?;
     let noise = fitted
         .iter()
         .enumerate()
@@ -150,7 +151,7 @@ pub fn bound(
             (0..case.system.states.len())
                 .map(|k| {
                     let d = problem.deviations[i][k];
-                    let floor = FLOOR * d;
+                    let floor = NOISE_FLOOR * d;
                     let Origin::Synthetic(s) = &case.records[r].origin else {
                         return ColumnNoise { additive: floor, relative: 0.0 };
                     };
@@ -166,7 +167,7 @@ pub fn bound(
         })
         .collect();
     let weights = problem.weights(&noise, Some(&residuals));
-    let normal = problem.normal(&x, &weights).map_err(|e| e.to_string())?;
+    let normal = problem.normal(&x, &weights)?;
     let cov = covariance(&normal.matrix);
     Ok((0..truth.terms.len()).map(|k| cov[(k, k)].sqrt()).collect())
 }

@@ -38,7 +38,8 @@ fn a_constant_column() {
     let (case, mut records) = common::load("case1a", &[]);
     records[0].columns[1].as_mut().unwrap().fill(0.2);
     for method in METHODS {
-        let Err(LearnError::Data(text)) = run_by(method, &case, &records) else { panic!("{method:?}") };
+        let Err(LearnError::Data(why)) = run_by(method, &case, &records) else { panic!("{method:?}") };
+        let text = why.to_string();
         assert!(text.contains("the column of y is constant"), "{text}");
     }
 }
@@ -48,7 +49,8 @@ fn too_few_samples() {
     let (case, records) = common::load("case1a", &[("data.0.duration", "0.12")]);
     assert_eq!(records[0].len(), 12);
     for method in METHODS {
-        let Err(LearnError::Data(text)) = run_by(method, &case, &records) else { panic!("{method:?}") };
+        let Err(LearnError::Data(why)) = run_by(method, &case, &records) else { panic!("{method:?}") };
+        let text = why.to_string();
         assert!(text.contains("12 samples"), "{text}");
     }
 }
@@ -95,9 +97,12 @@ fn an_unstable_wrong_model() {
             Ok(found) => {
                 assert!(rejected(&found), "{method:?}: {:?}", found.terms);
                 let Verdict::Rejected(why) = found.verdict else { unreachable!() };
-                assert!(!why.is_empty());
+                assert!(!why.to_string().is_empty());
             }
-            Err(LearnError::Numerics(why)) => assert!(why.contains("t = ") || why.contains("time"), "{why}"),
+            Err(LearnError::Numerics(why)) => {
+                let why = why.to_string();
+                assert!(why.contains("t = ") || why.contains("time"), "{why}");
+            }
             Err(e) => panic!("{method:?}: {e}"),
         }
     }
@@ -108,13 +113,13 @@ fn a_candidate_that_is_not_a_number_on_the_data() {
     let unknown = r#"(factor: "-sgn(v)", candidates: ["1", "ln(x)"])"#;
     let (case, records) = common::load_text(&oscillator("", SPRING, unknown, "-0.4*sgn(v)"), &[]);
     match run_by(Method::Step, &case, &records) {
-        Err(LearnError::Numerics(why)) => assert!(why.contains("candidate"), "{why}"),
+        Err(LearnError::Numerics(why)) => assert!(why.to_string().contains("candidate"), "{why}"),
         Ok(found) => panic!("{:?} {:?}", found.terms, found.verdict),
         Err(e) => panic!("{e}"),
     }
     // The trajectory method may do without the candidate; it must not use it.
     match run(&case, &records) {
-        Err(LearnError::Numerics(why) | LearnError::Data(why)) => assert!(!why.is_empty()),
+        Err(why) => assert!(!why.to_string().is_empty()),
         Ok(found) => assert!(
             rejected(&found) || found.terms.iter().all(|t| t.term == 0),
             "{:?} {:?}",
@@ -134,7 +139,7 @@ fn a_constant_that_runs_into_its_bound() {
         let k = &found.parameters[0];
         assert!(k.at_bound && k.estimate.value == 1.3, "{method:?}: {k:?}");
         assert!(
-            found.warnings.iter().any(|w| w.contains("k ended at its bound 1.3")),
+            found.warnings.iter().any(|w| w.to_string().contains("k ended at its bound 1.3")),
             "{:?}",
             found.warnings
         );
@@ -149,7 +154,8 @@ fn a_truth_outside_the_dictionary() {
         let (case, records) = common::load_text(&oscillator("", SPRING, unknown, truth), &[]);
         match run(&case, &records) {
             Ok(found) => assert!(
-                rejected(&found) || found.warnings.iter().any(|w| w.contains("something is still missing")),
+                rejected(&found)
+                    || found.warnings.iter().any(|w| w.to_string().contains("something is still missing")),
                 "{truth}: {:?} {:?} {:?}",
                 found.terms,
                 found.warnings,
@@ -169,7 +175,10 @@ fn terms_that_cannot_be_told_apart() {
     let found = run(&case, &records).unwrap();
     if found.terms.len() == 2 {
         assert!(
-            found.warnings.iter().any(|w| w.contains("do not tell") || w.contains("trade off")),
+            found
+                .warnings
+                .iter()
+                .any(|w| w.to_string().contains("do not tell") || w.to_string().contains("trade off")),
             "{:?} {:?}",
             found.terms,
             found.warnings
@@ -193,7 +202,12 @@ fn a_trade_off_is_told_in_words() {
         learn: (selection: All))"#;
     let (case, records) = common::load_text(text, &[]);
     let found = run(&case, &records).unwrap();
-    assert!(found.warnings.iter().any(|w| w.contains("trade off")), "{:?} {:?}", found.terms, found.warnings);
+    assert!(
+        found.warnings.iter().any(|w| w.to_string().contains("trade off")),
+        "{:?} {:?}",
+        found.terms,
+        found.warnings
+    );
 }
 
 /// Nothing is missing: nothing is invented.
@@ -219,7 +233,7 @@ fn stops_when_it_is_told_to() {
                 &LearnOptions { method: Some(method) },
                 &mut |_| ControlFlow::Break(()),
             );
-        assert!(found.unwrap().stopped, "{method:?}");
+        assert!(found.unwrap().interrupted(), "{method:?}");
     }
 }
 
@@ -245,7 +259,8 @@ fn a_released_mass_is_fitted_with_as_many_swings_as_it_makes() {
     }
 }
 
-/// Damping that the known part has too little of hides in the friction, and at another amplitude asks for another one.
+/// Damping that the known part has too little of hides in the friction, and at another amplitude asks for
+/// another one.
 #[test]
 fn a_validate_record_contradicts_friction_that_stands_for_damping() {
     let text = r#"(constants: {"m": 1.0}, states: {"x": "", "v": ""}, known: {"x": "v", "v": "(-0.08*v - x + G*cos(0.8*t))/m"},
@@ -255,7 +270,7 @@ fn a_validate_record_contradicts_friction_that_stands_for_damping() {
     let warned = |extra: &str| {
         let (case, records) = common::load_text(&text.replace("EXTRA", extra), &[]);
         let found = run(&case, &records).unwrap();
-        found.warnings.iter().any(|w| w.contains("do not carry over"))
+        found.warnings.iter().any(|w| w.to_string().contains("do not carry over"))
     };
     assert!(warned("0.006"));
     assert!(!warned("0.0"));
@@ -270,10 +285,14 @@ fn another_choice_of_terms_that_does_as_well_is_told_of() {
     let (case, records) = common::load_text(text, &[]);
     let found = run(&case, &records).unwrap();
     assert_eq!(found.terms.len(), 1);
-    assert!(found.warnings.iter().any(|w| w.contains("in the place of")), "{:?}", found.warnings);
+    assert!(found.warnings.iter().any(|w| w.to_string().contains("in the place of")), "{:?}", found.warnings);
     let (case, records) = common::load_text(&text.replace("1 + 0.001*x", "x^2"), &[]);
     let found = run(&case, &records).unwrap();
-    assert!(!found.warnings.iter().any(|w| w.contains("in the place of")), "{:?}", found.warnings);
+    assert!(
+        !found.warnings.iter().any(|w| w.to_string().contains("in the place of")),
+        "{:?}",
+        found.warnings
+    );
 }
 
 /// A little in the stiffness: far below the noise, but not noise.
@@ -290,7 +309,10 @@ fn a_small_mistake_in_the_known_part_is_told_of() {
             common::load_text(&text, &[("data.0.duration", "100.0"), ("data.0.noise", "Additive(0.05)")]);
         let found = run(&case, &records).unwrap();
         (
-            found.warnings.iter().any(|w| w.contains("a number of the known part is a little wrong")),
+            found
+                .warnings
+                .iter()
+                .any(|w| w.to_string().contains("a number of the known part is a little wrong")),
             found.warnings,
         )
     };
@@ -306,13 +328,14 @@ fn a_model_that_is_nowhere_a_number() {
     let (_, records) = common::load_text(&oscillator("", SPRING, COULOMB, "-0.4*sgn(v)"), &[]);
     let case = common::prepare(&oscillator("", "ln(-1 - x^2)", COULOMB, "0"), &[]);
     let due = "the model cannot be simulated: the rate of `v` is not finite at t = 0.000000";
-    assert_eq!(run(&case, &records).unwrap_err(), LearnError::Numerics(due.into()));
+    let why = run(&case, &records).unwrap_err();
+    assert!(matches!(why, LearnError::Numerics(_)) && why.to_string() == due, "{why}");
     let Err(LearnError::Numerics(why)) = run_by(Method::Step, &case, &records) else { panic!("identified") };
-    assert!(why.contains("the one-step loss is not finite"), "{why}");
+    assert!(why.to_string().contains("the one-step loss is not finite"), "{why}");
     let smooth: Vec<Record> = records.iter().map(|r| smoothed(&case.system, r)).collect();
     for effort in [Effort::Plain, Effort::Thorough, Effort::Errors] {
         let why = calibrate(&case.system, &records, &smooth, &[vec![0.01; 2]], effort).unwrap_err();
-        assert_eq!(why, "the rate of `v` is not finite at t = 0.000000");
+        assert_eq!(why.to_string(), "the rate of `v` is not finite at t = 0.000000");
     }
 }
 
@@ -335,12 +358,14 @@ fn a_record_to_check_with_that_cannot_run_is_a_rejection() {
     records[1].constants[0] = -1.0;
     let found = run(&case, &records).unwrap();
     let due = "the free run of checked fails: the rate of `v` is not finite at t = 0.000000";
-    assert_eq!(found.verdict, Verdict::Rejected(due.into()));
+    let Verdict::Rejected(why) = &found.verdict else { panic!("identified") };
+    assert_eq!(why.to_string(), due);
     assert_eq!((found.terms.len(), found.records[1].worst()), (1, f64::INFINITY));
     assert!(found.records[0].worst() < 0.03 && found.terms[0].contribution.is_some());
 }
 
-/// One step ahead the model is good; left alone it runs away, and along a run that does not exist no term does anything.
+/// One step ahead the model is good; left alone it runs away, and along a run that does not exist no term does
+/// anything.
 #[test]
 fn a_fitted_record_that_cannot_run_freely_says_nothing_of_what_terms_do() {
     let text = oscillator(
@@ -352,6 +377,7 @@ fn a_fitted_record_that_cannot_run_freely_says_nothing_of_what_terms_do() {
     let (case, records) = common::load_text(&text, &[]);
     let found = run_by(Method::Step, &case, &records).unwrap();
     let Verdict::Rejected(why) = &found.verdict else { panic!("{:?}", found.terms) };
+    let why = why.to_string();
     assert!(why.contains("fails: `") && why.contains("grows without bound at t = "), "{why}");
     assert!(!found.terms.is_empty() && found.terms.iter().all(|t| t.contribution.is_none()));
 }
@@ -369,7 +395,7 @@ fn what_method_step_leaves_as_it_is_is_told() {
         "method step with RAdam holds k at the spec's value; learn: (optimiser: GaussNewton) moves it",
         "method step holds sensor offsets, gains and delays at their start values",
     ] {
-        assert!(found.warnings.iter().any(|w| w == due), "{:?}", found.warnings);
+        assert!(found.warnings.iter().any(|w| w.to_string() == due), "{:?}", found.warnings);
     }
     assert!(found.parameters.is_empty());
 }
@@ -380,7 +406,8 @@ fn method_step_without_a_displacement() {
     let (case, mut records) = common::load("case1a", &[("data.0.name", "\"run 1\"")]);
     records[0].columns[0] = None;
     let due = "run 1: method step needs samples of every state, and x cannot be derived from a column; use --method trajectory";
-    assert_eq!(run_by(Method::Step, &case, &records).unwrap_err(), LearnError::Data(due.into()));
+    let why = run_by(Method::Step, &case, &records).unwrap_err();
+    assert!(matches!(why, LearnError::Data(_)) && why.to_string() == due, "{why}");
 }
 
 /// The spring begins to harden where the motion never comes.
@@ -391,7 +418,7 @@ fn a_constant_that_nothing_depends_on() {
     let (case, records) = common::load_text(&text, &[]);
     let found = run(&case, &records).unwrap();
     let due = "the data say nothing about q: give it a number, or leave it out";
-    assert!(found.warnings.iter().any(|w| w == due), "{:?}", found.warnings);
+    assert!(found.warnings.iter().any(|w| w.to_string() == due), "{:?}", found.warnings);
     let q = found.parameters[0].estimate;
     assert_eq!((q.std_error, q.ci95), (f64::INFINITY, (0.1, 2.0)));
     assert!((found.terms[0].coefficient.value - 0.4).abs() < 0.01);

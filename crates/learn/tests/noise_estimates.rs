@@ -1,7 +1,7 @@
 //! The noise of every column is found from the data, without being told.
 mod common;
 
-use phisindy_learn::{Identified, LearnOptions, identify};
+use phisindy_learn::{Identified, LearnOptions, NoiseModel, identify};
 use std::ops::ControlFlow;
 
 fn deviation(values: &[f64]) -> f64 {
@@ -32,7 +32,7 @@ fn assert_noise(found: &Identified, expected: &[(&str, f64)]) {
 fn relative() {
     for part in [0.1, 0.03] {
         let (found, clean) = found(&format!("Relative({part})"));
-        assert_eq!(found.noise_model, "relative");
+        assert_eq!(found.noise_model, NoiseModel::Relative);
         assert_noise(&found, &[("x", part * clean[0]), ("y", part * clean[1])]);
     }
 }
@@ -41,7 +41,7 @@ fn relative() {
 fn additive() {
     for part in [0.02, 0.2] {
         let (found, clean) = found(&format!("Additive({part})"));
-        assert_eq!(found.noise_model, "additive");
+        assert_eq!(found.noise_model, NoiseModel::Additive);
         assert_noise(&found, &[("x", part * clean[0]), ("y", part * clean[1])]);
     }
 }
@@ -49,6 +49,6 @@ fn additive() {
 #[test]
 fn of_each_sensor() {
     let (found, _) = found(r#"Sensor({"x": (5.0, "mm"), "y": (0.03, "m/s")})"#);
-    assert_eq!(found.noise_model, "additive");
+    assert_eq!(found.noise_model, NoiseModel::Additive);
     assert_noise(&found, &[("x", 0.005), ("y", 0.03)]);
 }

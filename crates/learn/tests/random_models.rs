@@ -1,4 +1,5 @@
-//! Random rigs with laws of the catalogue, one of them taken for unknown: data without noise give its numbers back, or the result says why not.
+//! Random rigs with laws of the catalogue, one of them taken for unknown: data without noise give its numbers
+//! back, or the result says why not.
 //!
 //! A few dozen in the ordinary tests; `PHISINDY_MODELS=1000` makes it a thousand.
 
@@ -6,7 +7,7 @@ mod common;
 #[path = "../../sim/tests/common/random.rs"]
 mod random;
 
-use phisindy_learn::{Identified, LearnError, LearnOptions, Verdict, identify};
+use phisindy_learn::{Identified, LearnOptions, Verdict, identify};
 use random::{Acting, Dice, Rig};
 use rayon::prelude::*;
 use std::fmt::Write;
@@ -21,7 +22,8 @@ fn models() -> std::ops::Range<u64> {
     0..wanted.unwrap_or(MODELS)
 }
 
-/// A law as factor and candidates with their coefficients; `None` if it is not linear in them. What bends it is given.
+/// A law as factor and candidates with their coefficients; `None` if it is not linear in them. What bends it is
+/// given.
 fn dictionary(law: &Acting) -> Option<(String, Vec<(String, f64)>)> {
     let (x, v) = (format!("({})", law.place.named("x")), format!("({})", law.place.named("v")));
     let p = |name: &str| law.number(name);
@@ -109,7 +111,7 @@ fn outcome(seed: u64) -> Outcome {
     let (case, records) = common::load_text(&text, &[]);
     let found = match identify(&case, &records, &LearnOptions::default(), &mut |_| ControlFlow::Continue(()))
     {
-        Err(LearnError::Data(why) | LearnError::Numerics(why)) => {
+        Err(why) => {
             return Outcome::Told(format!("{seed}: {why}\n{text}"));
         }
         Ok(found) => found,

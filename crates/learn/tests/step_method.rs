@@ -1,7 +1,7 @@
 //! Method `step`, end to end on the cases of the paper.
 mod common;
 
-use phisindy_learn::{LearnOptions, StepFit, StepOptions, identify, train};
+use phisindy_learn::{LearnOptions, StepFit, StepOptions, StopReason, identify, train};
 use phisindy_phys::spec::{Method, Optimiser};
 use phisindy_phys::{Case, Record};
 use std::ops::ControlFlow;
@@ -159,7 +159,8 @@ fn what_was_cut_stays_zero() {
 #[test]
 fn a_stage_after_the_cut_does_not_revive_a_term() {
     let (case, records) = common::load("case1a", &[CLEAN]);
-    // One epoch leaves every coefficient small: all are cut, and 1000 more epochs do not bring the true one back.
+    // One epoch leaves every coefficient small: all are cut, and 1000 more epochs do not bring the true one
+    // back.
     let found = fit(
         &case,
         &records,
@@ -279,10 +280,11 @@ fn stops_when_it_is_told_to() {
         heard += 1;
         ControlFlow::Break(())
     });
-    assert!(found.stopped && heard == 1 && found.stages.len() == 1);
+    assert!(found.stop_reason == StopReason::Interrupted && heard == 1 && found.stages.len() == 1);
 }
 
-/// What an epoch costs, without a clock: instructions of the loss and its gradient for one step. A change that makes it dearer is seen here.
+/// What an epoch costs, without a clock: instructions of the loss and its gradient for one step. A change that
+/// makes it dearer is seen here.
 #[test]
 fn the_loss_is_not_dearer_than_it_was() {
     for (name, most) in [("case1a", 109), ("case1b", 152), ("case7", 362)] {

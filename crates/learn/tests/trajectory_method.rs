@@ -21,7 +21,8 @@ fn name(case: &Case, term: usize) -> String {
     format!("{}:{}", case.system.states[term.state].name, term.candidate)
 }
 
-/// Terms are exactly these, parameters (by name) are right, all within four standard errors of the truth and no more than `part` of it away.
+/// Terms are exactly these, parameters (by name) are right, all within four standard errors of the truth and no
+/// more than `part` of it away.
 fn assert_found(
     case: &Case,
     found: &Identified,
@@ -34,7 +35,7 @@ fn assert_found(
     assert_eq!(names, terms.iter().map(|t| t.0).collect::<Vec<_>>(), "{what:?} {:?}", found.warnings);
     assert_eq!(found.verdict, Verdict::Identified, "{what:?}");
     let moved = parameters.iter().map(|(n, truth)| {
-        let p = found.parameters.iter().find(|p| p.name == *n);
+        let p = found.parameters.iter().find(|p| p.id.to_string() == *n);
         ((*n).to_owned(), p.unwrap_or_else(|| panic!("no {n} in {:?}", found.parameters)).estimate, *truth)
     });
     let all = what.iter().zip(terms).map(|((n, e), t)| (n.clone(), *e, t.1)).chain(moved);
@@ -47,7 +48,8 @@ fn assert_found(
     }
 }
 
-/// One other seed of every synthetic case at the paper's noise: the terms of the truth, numbers within their error bars.
+/// One other seed of every synthetic case at the paper's noise: the terms of the truth, numbers within their
+/// error bars.
 #[test]
 fn every_case_of_the_paper() {
     let cases = [
@@ -73,8 +75,8 @@ fn every_case_of_the_paper() {
     }
 }
 
-/// Much noise makes the search begin with a term whose single run drifts, so the record is cut. Once the right terms are in, it has to be one run again: over
-/// segments the two logarithms cannot be told apart.
+/// Much noise makes the search begin with a term whose single run drifts, so the record is cut. Once the right
+/// terms are in, it has to be one run again: over segments the two logarithms cannot be told apart.
 #[test]
 fn a_record_is_whole_again_once_the_terms_are_found() {
     let noisy = [("data.0.noise", "Additive(0.2)"), ("data.0.seed", "44")];
@@ -85,7 +87,7 @@ fn a_record_is_whole_again_once_the_terms_are_found() {
     let expected: Vec<(&str, f64)> =
         names.iter().map(String::as_str).zip(truth.coefficients.iter().copied()).collect();
     assert_found(&case, &found, &expected, &[], 0.05);
-    assert!(!found.warnings.iter().any(|w| w.contains("segments")), "{:?}", found.warnings);
+    assert!(!found.warnings.iter().any(|w| w.to_string().contains("segments")), "{:?}", found.warnings);
 }
 
 /// Trap of coarse events and finite differences: a stall far from the truth with a tiny error.
@@ -102,7 +104,8 @@ fn the_oscillator_that_never_sticks_is_found_exactly() {
     }
 }
 
-/// A published comparison: stiffness, damping and friction from positions alone, 1 and 10 % noise, true sticking and a smooth sign.
+/// A published comparison: stiffness, damping and friction from positions alone, 1 and 10 % noise, true
+/// sticking and a smooth sign.
 #[test]
 fn positions_alone() {
     let smooth = r#""-(1.274*x + 0.386*y + 0.801*tanh(500*y))/m""#;
@@ -262,7 +265,8 @@ fn what_the_user_orders() {
     assert!(found.selection[0].terms == 6 && found.selection.last().unwrap().terms == 1);
 }
 
-/// The displacement is read a quarter of a radian late, the velocity is not; the second window goes on where the first ends.
+/// The displacement is read a quarter of a radian late, the velocity is not; the second window goes on where
+/// the first ends.
 #[test]
 fn a_late_sensor() {
     let text = oscillator(
@@ -288,7 +292,7 @@ fn a_late_sensor() {
     records[1].continues = Some(0);
     let found = run(&case, &records);
     assert_found(&case, &found, &[("v:1", 0.4)], &[], 0.02);
-    let delay = found.parameters.iter().find(|p| p.name.contains("delay")).unwrap();
+    let delay = found.parameters.iter().find(|p| p.id.to_string().contains("delay")).unwrap();
     assert!((delay.estimate.value - late as f64 * step).abs() < 0.005, "{delay:?}");
     for fit in &found.records {
         assert!(fit.nrmse.iter().all(|(_, e)| (0.015..0.025).contains(e)), "{}: {:?}", fit.name, fit.nrmse);
@@ -335,7 +339,8 @@ fn an_equation_with_four_terms_keeps_them() {
     assert_found(&case, &run(&case, &records), &due, &[], 0.1);
 }
 
-/// Two independent measurements of one number, here the data and a belief with the same standard error: the mean of both, a root of two better than either.
+/// Two independent measurements of one number, here the data and a belief with the same standard error: the
+/// mean of both, a root of two better than either.
 #[test]
 fn a_belief_beforehand_weighs_as_a_measurement_does() {
     let case_of = |k: &str| {
@@ -354,8 +359,8 @@ fn a_belief_beforehand_weighs_as_a_measurement_does() {
     assert!((both.std_error / error * 2f64.sqrt() - 1.0).abs() < 0.15, "{data:?} {both:?}");
 }
 
-/// Additive noise is that of a sensor of the same standard deviation, whichever way the spec tells it; and half a record of a steady motion knows a root of
-/// two less.
+/// Additive noise is that of a sensor of the same standard deviation, whichever way the spec tells it; and half
+/// a record of a steady motion knows a root of two less.
 #[test]
 fn the_bound_hangs_on_the_noise_and_on_the_window() {
     let bound_of = |noise: &str, window: &str| {
@@ -380,7 +385,8 @@ fn the_bound_hangs_on_the_noise_and_on_the_window() {
     assert!((sensor / additive - 1.0).abs() < 0.05, "{sensor} {additive}");
     let (late, _) = bound_of("Additive(0.02)", "(40.0, 80.0)");
     assert!((late / additive / 2f64.sqrt() - 1.0).abs() < 0.15, "{late} {additive}");
-    // That of a sensor is read off the residuals, so the run must begin where the truth was when the window opens.
+    // That of a sensor is read off the residuals, so the run must begin where the truth was when the window
+    // opens.
     let (sensor, _) = bound_of(&format!(r#"Sensor({{"x": ({x}, ""), "v": ({v}, "")}})"#), "(40.0, 80.0)");
     assert!((sensor / late - 1.0).abs() < 0.05, "{sensor} {late}");
 }

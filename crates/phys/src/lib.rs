@@ -9,12 +9,14 @@
 //! All mistakes of a text come back together, as [`Diagnostic`]s; drawing them is the program's job. This crate reads no files and knows
 //! no integration.
 
+mod decision;
 mod law;
 mod suspicion;
 mod system;
 mod text;
 mod units;
 
+pub use decision::{Basis, Decision};
 pub use law::{Internal, Law, LawParameter, Need, Screen, Sketch};
 pub use suspicion::{clipped, suspicions};
 pub use system::check::{Case, check, check_names, takes_units};

@@ -47,7 +47,7 @@ impl Writer {
         let mut values = HashMap::new();
         for found in parameters {
             // A constant with a value for each record keeps its name, as constants of records do.
-            if let (Some(k), None) = (found.parameter, found.record) {
+            if let (Some(k), None) = (found.id.constant(), found.id.record()) {
                 values.insert(system.parameters[k].node, graph.constant(found.estimate.value));
             }
         }

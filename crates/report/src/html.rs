@@ -26,7 +26,6 @@ use crate::input::{Input, Invocation};
 use crate::run::RunReport;
 pub use page::HtmlReport;
 use page::{Banner, Page, Tone, add_remarks, block};
-use phisindy_sim::DIVERGED;
 
 /// The report of `run`.
 pub fn run(report: &RunReport<'_>, invocation: &Invocation) -> HtmlReport {
@@ -51,9 +50,9 @@ pub fn refusal(spec: &str, text: Option<&str>, mistakes: &str, invocation: &Invo
     page.html()
 }
 
-/// The report of work that came to no result: why, beside what was measured.
-pub fn failure(why: &str, input: Input<'_>, invocation: &Invocation) -> HtmlReport {
-    let text = advice(why).map_or_else(|| why.to_owned(), |advice| format!("{why}: {advice}"));
+/// The report of work that came to no result: why, and whether a state grew without bound, beside what was measured.
+pub fn failure(why: &str, diverged: bool, input: Input<'_>, invocation: &Invocation) -> HtmlReport {
+    let text = advice(diverged).map_or_else(|| why.to_owned(), |advice| format!("{why}: {advice}"));
     let banner = Banner { tone: Tone::Bad, headline: "Failed".to_owned(), text };
     let mut page = Page::new(input, banner);
     add_remarks(&mut page, &[], input.doubts, &data::notes(input));
@@ -63,9 +62,9 @@ pub fn failure(why: &str, input: Input<'_>, invocation: &Invocation) -> HtmlRepo
     page.html()
 }
 
-/// What to do about a failure.
-pub fn advice(why: &str) -> Option<&'static str> {
-    why.contains(DIVERGED).then_some(
+/// What to do about a state that grew without bound.
+pub fn advice(diverged: bool) -> Option<&'static str> {
+    diverged.then_some(
         "look at the units of the columns and of the constants that drive it (warnings above may say which), at the signs of stiffness and damping, and at where movable constants start",
     )
 }

@@ -6,6 +6,6 @@ mod statistics;
 mod text;
 
 pub use json::json;
-pub use runs::{CellRuns, Found, NamedTruth, Run, SweepRuns};
+pub use runs::{CellRuns, Found, NamedTruth, Run, RunVerdict, SweepRuns};
 pub use statistics::{Coefficient, Statistics};
 pub use text::table;

@@ -11,6 +11,7 @@ use anyhow::Result;
 use phisindy_gap::{GapError, Status};
 use phisindy_report::spec_text::{COMPLETED, IDENTIFIED, completed};
 use phisindy_report::{Ending, GapReport, html};
+use phisindy_sim::DIVERGED;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
@@ -40,10 +41,12 @@ pub(crate) fn gap(spec: &Path, options: &Options) -> Result<u8> {
     let found = match found {
         Ok(found) => found,
         Err(error) => {
-            failed(&loaded.spec, &error.to_string());
+            let why = error.to_string();
+            let diverged = why.contains(DIVERGED);
+            failed(&loaded.spec, &why, diverged);
             interrupt::tell();
             if let Some(folder) = &folder {
-                keep_failure(&error.to_string(), loaded.input(), options, folder)?;
+                keep_failure(&why, diverged, loaded.input(), options, folder)?;
             }
             return Ok(match error {
                 GapError::Data(_) => INPUT,

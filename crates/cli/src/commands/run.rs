@@ -45,10 +45,10 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
     let found = match identify_with_progress(&loaded, options) {
         Ok(found) => found,
         Err(error) => {
-            failed(&loaded.spec, &error.to_string());
+            failed(&loaded.spec, &error.to_string(), error.diverged());
             interrupt::tell();
             if let Some(folder) = folder {
-                keep_failure(&error.to_string(), loaded.input(), options, folder)?;
+                keep_failure(&error.to_string(), error.diverged(), loaded.input(), options, folder)?;
             }
             return Ok(match error {
                 LearnError::Data(_) => INPUT,
@@ -56,8 +56,10 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
             });
         }
     };
-    let ending =
-        Ending { seconds: begin.elapsed().as_secs_f64(), stopped: found.stopped.then(interrupt::reason) };
+    let ending = Ending {
+        seconds: begin.elapsed().as_secs_f64(),
+        stopped: found.interrupted().then(interrupt::reason),
+    };
     let report = RunReport::new(loaded.input(), &found, ending);
     if !options.quiet {
         caution(&report, options.format);
@@ -67,10 +69,10 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
     let blank = if follows && options.format != Format::Json { "\n" } else { "" };
     print(&format!("{blank}{}", report.written(options.format.into())))?;
     kept?;
-    if found.stopped {
+    if found.interrupted() {
         interrupt::tell();
     }
-    Ok(match (found.stopped, &found.verdict) {
+    Ok(match (found.interrupted(), &found.verdict) {
         (true, _) => interrupt::code(),
         (false, Verdict::Identified) => 0,
         (false, Verdict::Rejected(_)) => REJECTED,

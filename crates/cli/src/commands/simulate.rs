@@ -9,7 +9,7 @@ use crate::terminal::{INPUT, NUMERICS, STDOUT};
 use anyhow::{Context, Result, anyhow};
 use phisindy_phys::{Origin, Record, RecordPlan, Sources, System};
 use phisindy_signal::{Differentiator, standard_deviation};
-use phisindy_sim::{Automaton, Drive, Trajectory};
+use phisindy_sim::{Automaton, Drive, SimError, Trajectory};
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -41,14 +41,28 @@ pub(crate) fn simulate(spec: &Path, record: Option<&str>, options: &Options) -> 
     }
     let runs = match runs(&loaded) {
         Ok(runs) => runs,
-        Err(why) => {
-            failed(&loaded.spec, &why.to_string());
+        Err(Failure { why, diverged }) => {
+            failed(&loaded.spec, &why, diverged);
             return Ok(NUMERICS);
         }
     };
     let mut out = io::BufWriter::new(io::stdout().lock());
     write(&loaded, &runs, &mut out).and_then(|()| Ok(out.flush()?)).context(STDOUT)?;
     Ok(0)
+}
+
+/// Why a model cannot be simulated.
+struct Failure {
+    /// In words.
+    why: String,
+    /// Whether a state grew without bound.
+    diverged: bool,
+}
+
+impl From<String> for Failure {
+    fn from(why: String) -> Failure {
+        Failure { why, diverged: false }
+    }
 }
 
 /// A run at the sample times of its record.
@@ -62,8 +76,8 @@ struct Run {
 /// The runs of all records.
 ///
 /// # Errors
-/// In words: a model cannot be simulated.
-fn runs(loaded: &Loaded) -> Result<Vec<Run>, String> {
+/// A model cannot be simulated.
+fn runs(loaded: &Loaded) -> Result<Vec<Run>, Failure> {
     let one = |((record, truth), plan): ((&Record, &Option<Trajectory>), &RecordPlan)| match (
         truth,
         &plan.origin,
@@ -73,13 +87,14 @@ fn runs(loaded: &Loaded) -> Result<Vec<Run>, String> {
             let column = |k: usize| record.time.iter().map(|&t| truth.states[row(t) * truth.n + k]).collect();
             Ok(Run { columns: (0..truth.n).map(column).collect(), predicted: false })
         }
-        _ => predicted(&loaded.case.system, record).map_err(|why| format!("record `{}`: {why}", record.name)),
+        _ => predicted(&loaded.case.system, record)
+            .map_err(|e| Failure { why: format!("record `{}`: {}", record.name, e.why), ..e }),
     };
     loaded.records.iter().zip(&loaded.truths).zip(loaded.simulated()).map(one).collect()
 }
 
 /// The free run from the record's start state; what the spec does not say of it is taken from the first sample.
-fn predicted(system: &System, record: &Record) -> Result<Run, String> {
+fn predicted(system: &System, record: &Record) -> Result<Run, Failure> {
     let mut filled = record.clone();
     // A state that cannot be derived is asked for below, unless the spec states where it starts.
     let _ = filled.fill_velocities(system, Differentiator::default());
@@ -103,7 +118,7 @@ fn predicted(system: &System, record: &Record) -> Result<Run, String> {
     let drive = Drive { inputs: &record.inputs, parameters: &parameters };
     let options = phisindy_sim::Options { scale, diverged: DIVERGED, ..phisindy_sim::Options::default() };
     let run = phisindy_sim::simulate(&automaton, &drive, record.time[0], &start, &record.time, &options)
-        .map_err(|e| e.to_string())?;
+        .map_err(|e| Failure { why: e.to_string(), diverged: matches!(e, SimError::Diverged { .. }) })?;
     Ok(Run { columns: (0..run.n).map(|k| readings(record, &run, k)).collect(), predicted: true })
 }
 

@@ -57,15 +57,21 @@ pub(super) fn exit_code(refusal: Refusal) -> u8 {
     }
 }
 
-/// Why a spec came to nothing, on standard error, with what to do where that is known.
-pub(super) fn failed(spec: &str, why: &str) {
+/// Why a spec came to nothing, on standard error, with what to do where a state grew without bound.
+pub(super) fn failed(spec: &str, why: &str, diverged: bool) {
     let d = Diagnostic::error(format!("{spec}: {why}"));
-    draw::show([&html::advice(why).into_iter().fold(d, Diagnostic::help)], &Sources::default());
+    draw::show([&html::advice(diverged).into_iter().fold(d, Diagnostic::help)], &Sources::default());
 }
 
 /// The same as a report in the folder of `--out`.
-pub(super) fn keep_failure(why: &str, input: Input<'_>, options: &Options, folder: &OutDir) -> Result<()> {
-    write_html(&html::failure(why, input, &invocation(options)), folder)
+pub(super) fn keep_failure(
+    why: &str,
+    diverged: bool,
+    input: Input<'_>,
+    options: &Options,
+    folder: &OutDir,
+) -> Result<()> {
+    write_html(&html::failure(why, diverged, input, &invocation(options)), folder)
 }
 
 /// Writes a report and its figures.

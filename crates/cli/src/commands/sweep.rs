@@ -10,7 +10,7 @@ use crate::{draw, interrupt};
 use anyhow::{Result, anyhow, bail};
 use phisindy_phys::spec::Method;
 use phisindy_phys::{Case, Origin, Sources};
-use phisindy_report::sweep::{CellRuns, SweepRuns, json, table};
+use phisindy_report::sweep::{CellRuns, RunVerdict, SweepRuns, json, table};
 
 /// Sweeps, prints, and says with which exit code to end.
 pub(crate) fn sweep(args: &SweepArgs, options: &Options) -> Result<u8> {
@@ -108,10 +108,10 @@ pub(crate) fn sweep(args: &SweepArgs, options: &Options) -> Result<u8> {
         if let Err(why) = &checked.truth {
             complain(&format!("{cell}: {why}: no seed can be right"));
             worst = REJECTED;
-        } else if runs.iter().all(|r| r.verdict.starts_with("failed")) {
+        } else if runs.iter().all(|r| matches!(r.verdict, RunVerdict::Failed(_))) {
             complain(&format!(
                 "{cell}: no run came to a result: {}",
-                runs.first().map_or("", |r| &r.verdict)
+                runs.first().map_or(String::new(), |r| r.verdict.to_string())
             ));
             worst = REJECTED;
         }

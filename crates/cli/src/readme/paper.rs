@@ -94,7 +94,7 @@ impl Solved {
                     &terms.iter().map(|&(t, c)| (t, c, crate::table::short(c.abs()))).collect::<Vec<_>>(),
                 )
             }
-            Err(why) => why,
+            Err(why) => why.to_string(),
         }
     }
 

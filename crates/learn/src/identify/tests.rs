@@ -1,11 +1,20 @@
-//! What is said of a result, from results written down by hand; and the paper's method on a line, whose loss has its minimum at the mean of the steps.
+//! What is said of a result, from results written down by hand.
 
 use super::*;
-use crate::straight::{STEP, records, scatter};
+use crate::line_models::{STEP, records, scatter};
+use crate::result::error::ModelError;
+use crate::result::identified::{NoiseModel, StopReason};
+use crate::result::term::FoundTerm;
+use crate::result::verdict::{Verdict, verdict};
 use approx::assert_relative_eq;
 use phisindy_sim::Trajectory;
 
 const SAMPLES: usize = 40;
+
+fn texts(warnings: &[Warning]) -> Vec<String> {
+    warnings.iter().map(ToString::to_string).collect()
+}
+
 /// Three terms, the first one between bounds, and a millimetre that may move.
 const LINE: &str = r#"constants: {"c": (value: 1.0, unit: "mm", within: (-3.0, 4.0))}, states: {"x": ""}, known: {"x": "0"},
     unknown: {"x": (factor: "1", candidates: ["1", "x", "x^2"], within: {"1": (0.0, 5.0)})}"#;
@@ -45,12 +54,12 @@ fn said(terms: Vec<FoundTerm>, records: Vec<RecordFit>) -> Identified {
         terms,
         parameters: vec![],
         records,
-        noise_model: String::new(),
+        noise_model: NoiseModel::Unweighted,
         selection: vec![],
         covariance: vec![],
         warnings: vec![],
         verdict: Verdict::Identified,
-        stopped: false,
+        stop_reason: StopReason::Finished,
     };
     remarks(&case().0.system, &mut found);
     found
@@ -71,13 +80,13 @@ fn a_term_that_may_be_zero_or_is_at_its_bound_is_told() {
         let of = &found.terms[0];
         assert_relative_eq!(of.coefficient.ci95.0, interval.0, max_relative = 1e-12);
         assert_relative_eq!(of.coefficient.ci95.1, interval.1, max_relative = 1e-12);
-        assert_eq!((of.at_bound, found.warnings.join("\n").as_str()), (at_bound, says), "{value}");
+        assert_eq!((of.at_bound, texts(&found.warnings).join("\n").as_str()), (at_bound, says), "{value}");
     }
     // Without bounds, on either side of zero.
     for value in [-1.0, 1.0] {
         let mut free = term(value, 0.3);
         free.term = 1;
-        assert_eq!(said(vec![free], vec![]).warnings, [""; 0]);
+        assert_eq!(texts(&said(vec![free], vec![]).warnings), [""; 0]);
     }
 }
 
@@ -95,7 +104,7 @@ fn a_validation_that_is_much_worse_than_the_fit_is_told() {
         let due = times.map(|n| {
             format!("validation is {n} times worse than the fit (NRMSE {validate:.3} against {fit:.3})")
         });
-        let heard = found.warnings.first().and_then(|w| w.split(": ").next().map(str::to_owned));
+        let heard = texts(&found.warnings).first().and_then(|w| w.split(": ").next().map(str::to_owned));
         assert_eq!(heard, due);
     }
 }
@@ -109,7 +118,7 @@ fn what_makes_a_verdict() {
         verdict(system, terms, &all(fits), &all(without))
     };
     let rejected = |v: Verdict, why: &str| match v {
-        Verdict::Rejected(text) => assert!(text.contains(why), "{text}"),
+        Verdict::Rejected(text) => assert!(text.to_string().contains(why), "{text}"),
         Verdict::Identified => panic!("not rejected: {why}"),
     };
     assert_eq!(of(&one, &[0.1, 0.5], &[0.4, 0.4]), Verdict::Identified);
@@ -122,7 +131,7 @@ fn what_makes_a_verdict() {
     rejected(of(&one, &[0.1, 0.3], &[0.2, 0.1]), "no better with the identified part than without it");
     rejected(of(&one, &[0.25], &[0.25]), "no better");
     let mut failed = ran(Role::Validate, &[]);
-    failed.failure = Some("at t = 3".into());
+    failed.failure = Some(ModelError::Unbound("at t = 3".into()));
     rejected(
         verdict(system, &one, &[failed], &[ran(Role::Fit, &[0.9])]),
         "the free run of r fails: at t = 3",
@@ -160,96 +169,4 @@ fn only_what_is_fitted_must_be_fit_for_it() {
         refused(&[(Role::Validate, line()), (Role::Fit, dead)]).contains("r1: the column of x is constant")
     );
     assert!(refused(&[(Role::Validate, line())]).contains("no record has the role Fit"));
-}
-
-/// Where the spec gives one list alone.
-#[test]
-fn the_shorter_list_says_how_many_stages_there_are() {
-    let stages = |learn: &str| {
-        let case = records(&format!("{LINE}, learn: ({learn})"), &[(Role::Fit, line())]).0;
-        let StepOptions { epochs, rates, horizon, .. } = step_options(&case);
-        (epochs, rates, horizon)
-    };
-    let default = StepOptions::default();
-    assert_eq!(stages(""), (default.epochs.clone(), default.rates.clone(), 1));
-    assert_eq!(stages("epochs: [5, 6], horizon: 3"), (vec![5, 6], default.rates[..2].to_vec(), 3));
-    assert_eq!(stages("rates: [0.5]"), (default.epochs[..1].to_vec(), vec![0.5], 1));
-}
-
-/// In the unit of the spec.
-#[test]
-fn a_parameter_at_a_bound_is_told() {
-    let system = case().0.system;
-    for (value, says) in [(4e-3, "c ended at its bound 4:"), (-3e-3, "c ended at its bound -3:"), (1e-3, "")]
-    {
-        let found = found_parameters(&system, &[value], &[1e-4]);
-        assert_eq!(
-            (found[0].parameter, found[0].factor, found[0].at_bound),
-            (Some(0), 1e-3, !says.is_empty())
-        );
-        let told = at_bounds(&found).concat();
-        assert!(told.starts_with(says) && told.is_empty() == says.is_empty(), "{told}");
-    }
-}
-
-fn by_method_step(learn: &str, change: impl Fn(&mut Record)) -> Identified {
-    let text = LINE.replace(r#""x", "x^2"], within: {"1": (0.0, 5.0)}"#, r#"], within: {"1": (0.0, 5.0)}"#);
-    let (case, mut records) =
-        records(&format!("{text}, learn: ({learn})"), &[(Role::Fit, line()), (Role::Validate, line())]);
-    records.iter_mut().for_each(change);
-    let options = LearnOptions { method: Some(Method::Step) };
-    identify(&case, &records, &options, &mut |_| ControlFlow::Continue(())).unwrap()
-}
-
-/// Each step from one sample to the next, forward and backward, is met best on the mean by the mean of all steps, which is from the first to the last sample.
-#[test]
-fn the_steps_of_a_line_are_met_by_their_mean() {
-    let found = by_method_step("optimiser: GaussNewton, cutoff: 1e-3", |_| {});
-    let x = line();
-    let due = (x[SAMPLES - 1] - x[0]) / (STEP * (SAMPLES - 1) as f64);
-    assert_eq!(found.terms.len(), 1);
-    assert_relative_eq!(found.terms[0].coefficient.value, due, max_relative = 1e-9);
-    assert_eq!((found.verdict, found.method, found.stopped), (Verdict::Identified, Method::Step, false));
-    assert_eq!(found.parameters.iter().map(|p| p.name.as_str()).collect::<Vec<_>>(), ["c"]);
-    assert_eq!((found.covariance.len(), found.covariance[0].len()), (2, 2));
-    assert_relative_eq!(
-        found.covariance[0][0].sqrt(),
-        found.terms[0].coefficient.std_error,
-        max_relative = 1e-9
-    );
-}
-
-/// A velocity that is derived may be derived otherwise; one that is measured is what it is.
-#[test]
-fn a_derived_velocity_is_doubted() {
-    let text = r#"states: {"x": "", "v": ""}, known: {"x": "v", "v": "0"}, unknown: {"v": (factor: "1", candidates: ["x"])}, learn: (optimiser: GaussNewton, cutoff: 1e-3)"#;
-    let wave = |turn: f64| (0..200).map(|i| (STEP * i as f64 + turn).cos()).collect::<Vec<_>>();
-    let (case, mut records) = records(text, &[(Role::Fit, wave(0.0))]);
-    let told = |records: &[Record]| {
-        let options = LearnOptions { method: Some(Method::Step) };
-        let found = identify(&case, records, &options, &mut |_| ControlFlow::Continue(())).unwrap();
-        assert_relative_eq!(found.terms[0].coefficient.value, -1.0, max_relative = 0.05);
-        found.warnings.iter().any(|w| {
-            w.starts_with("the result depends on how columns are differentiated")
-                && w.contains(" x in v' would move")
-        })
-    };
-    assert!(told(&records));
-    records[0].columns[1] = Some(wave(0.5 * std::f64::consts::PI));
-    assert!(!told(&records));
-}
-
-#[test]
-fn what_method_step_holds_is_told() {
-    let told = |learn: &str, change: fn(&mut Record)| {
-        let warnings = by_method_step(&format!("epochs: [20], cutoff: 1e-3, {learn}"), change).warnings;
-        [" holds c at the spec's value", "holds sensor offsets, gains and delays"]
-            .map(|says| warnings.iter().any(|w| w.contains(says)))
-    };
-    assert_eq!(told("", |_| {}), [true, false]);
-    assert_eq!(told("optimiser: GaussNewton", |_| {}), [false, false]);
-    assert_eq!(
-        told("optimiser: GaussNewton", |r| r.sensors[0].gain.within = Some((-9.0, 9.0))),
-        [false, true]
-    );
 }

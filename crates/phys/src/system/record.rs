@@ -211,8 +211,8 @@ impl Record {
                 && let Ok(d) = differentiate(&self.time, values, how)
             {
                 done.push(format!(
-                    "{}: {} is the derivative of {} ({})",
-                    self.name, system.states[v].name, state.name, d.description
+                    "{} is the derivative of {} ({})",
+                    system.states[v].name, state.name, d.description
                 ));
                 self.columns[v] = Some(d.derivative);
                 self.columns[k] = Some(d.values);

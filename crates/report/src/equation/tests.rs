@@ -1,7 +1,7 @@
 //! Specs in, equations out.
 
 use super::*;
-use phisindy_learn::Estimate;
+use phisindy_learn::{Estimate, ParameterId, ParameterOf};
 use phisindy_phys::{SourceId, check, spec};
 
 fn case(known: &str, unknown: &str, constants: &str) -> Case {
@@ -66,14 +66,12 @@ fn without_a_factor_the_terms_continue_the_sum() {
         "\"M\": (value: 90.0, within: (50.0, 150.0))",
     );
     let mass = FoundParameter {
-        name: "M".into(),
+        id: ParameterId { of: ParameterOf::Constant { index: 0, name: "M".into() }, owner: None },
         unit: "kg".into(),
         factor: 1.0,
         estimate: Estimate::normal(100.0, 1.0),
         bounds: (50.0, 150.0),
         at_bound: false,
-        parameter: Some(0),
-        record: None,
     };
     let e = of(&case, &[(0, 200.0), (1, 20.0), (2, -3.0)], &[mass]);
     assert_eq!(e.latex, r"\dot{y} = 0.01\,t - 2\,y - 0.2\,\operatorname{sgn}(y) + 0.03");

@@ -3,9 +3,7 @@
 use phisindy_expr::{Id, parse};
 use phisindy_phys::spec::{ConstantSpec, DataSpec, Movable, Number, Role, Spec, Text};
 use phisindy_phys::unit::Unit;
-use phisindy_phys::{
-    Case, Diagnostic, Model, Origin, Sensor, SourceId, System, Value, check_names,
-};
+use phisindy_phys::{Case, Diagnostic, Model, Origin, Sensor, SourceId, System, Value, check_names};
 use phisindy_signal::Interpolation;
 use phisindy_sim::Switched;
 use std::collections::HashSet;

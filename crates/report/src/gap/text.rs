@@ -166,14 +166,14 @@ fn details(s: &Step, catalogue: &[Entry], out: &mut Vec<String>) {
 fn moved(found: &Gap) -> Vec<String> {
     let steps = || found.steps.iter().chain(&found.partial);
     let own = |name: &str| steps().any(|s| s.parameters.iter().any(|p| p.constant == name));
-    let said = found.parameters.iter().filter(|p| !own(&p.name)).map(|p| {
+    let said = found.parameters.iter().filter(|p| !own(&p.id.to_string())).map(|p| {
         let f = p.factor;
         let (low, high) = p.estimate.ci95;
         let bound = if p.at_bound { ", at its bound" } else { "" };
         let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
         format!(
             "     {} = {}{unit} [{}, {}]{bound}",
-            p.name,
+            p.id,
             short(p.estimate.value / f),
             short(low / f),
             short(high / f)

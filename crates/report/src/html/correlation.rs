@@ -10,7 +10,7 @@ pub(crate) fn chart(system: &System, found: &Identified) -> Option<(Chart, Strin
         let term = &system.terms[f.term];
         format!("{} in {}'", term.candidate, system.states[term.state].name)
     });
-    let names: Vec<String> = terms.chain(found.parameters.iter().map(|p| p.name.clone())).collect();
+    let names: Vec<String> = terms.chain(found.parameters.iter().map(|p| p.id.to_string())).collect();
     if names.len() < 2 || found.covariance.len() != names.len() {
         return None;
     }

@@ -65,7 +65,7 @@ fn banner(report: &RunReport<'_>) -> Banner {
         Verdict::Rejected(why) => Banner {
             tone: Tone::Bad,
             headline: "Rejected".to_owned(),
-            text: format!("{}. {how}", capital(why)),
+            text: format!("{}. {how}", capital(&why.to_string())),
         },
     }
 }

@@ -85,9 +85,9 @@ pub(crate) fn estimate(e: &Estimate, factor: f64) -> [Cell; 3] {
 pub(crate) fn parameters(found: &[FoundParameter]) -> Option<Element> {
     let bounded = found.iter().any(|p| p.at_bound);
     let row = |p: &FoundParameter| {
-        let name = match p.name.strip_suffix(']').and_then(|name| name.split_once(" [")) {
-            Some((name, record)) => Cell::CodeOf(name.to_owned(), record.to_owned()),
-            None => code(&p.name),
+        let name = match p.id.shown_record() {
+            Some(record) => Cell::CodeOf(p.id.of.to_string(), record.to_owned()),
+            None => code(p.id.to_string()),
         };
         let mut row = vec![name, in_unit(&p.unit)];
         row.extend(estimate(&p.estimate, p.factor));

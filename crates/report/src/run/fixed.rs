@@ -2,7 +2,7 @@
 
 use crate::input::Input;
 use crate::table::short;
-use phisindy_learn::Identified;
+use phisindy_learn::{Identified, SensorPart};
 use phisindy_phys::spec::{ConstantSpec, DataSpec, Role};
 use phisindy_phys::unit::Unit;
 use serde::Serialize;
@@ -45,18 +45,17 @@ pub(crate) fn held(input: Input<'_>, found: &Identified) -> Vec<Held> {
         .map(|s| (&s.name, &s.unit))
         .chain(system.inputs.iter().map(|u| (&u.name, &u.unit)));
     for (k, (column, own)) in columns.enumerate() {
-        for (which, unit, idle) in [("offset", own.as_str(), 0.0), ("gain", "", 1.0), ("delay", "s", 0.0)] {
-            let name = format!("{column}.{which}");
+        for (part, idle) in SensorPart::ALL.into_iter().zip([0.0, 1.0, 0.0]) {
+            let (name, unit) = (format!("{column}.{}", part.name()), part.unit(own));
             let moved = |r: usize| {
-                let of_record = format!("{name} [{}]", records[r].name);
-                found.parameters.iter().any(|p| p.name == name || p.name == of_record)
+                found.parameters.iter().any(|p| p.id.sensor() == Some((k, part)) && p.id.holds_in(r))
             };
             let value = |r: usize| {
                 let s = &records[r].sensors[k];
-                let parameter = match which {
-                    "offset" => &s.offset,
-                    "gain" => &s.gain,
-                    _ => &s.delay,
+                let parameter = match part {
+                    SensorPart::Offset => &s.offset,
+                    SensorPart::Gain => &s.gain,
+                    SensorPart::Delay => &s.delay,
                 };
                 // A constant of the case is listed as such.
                 let told =
@@ -74,7 +73,7 @@ fn constants(input: Input<'_>, found: &Identified) -> Vec<Held> {
     let system = &input.case.system;
     let moved = |name: &str| {
         let moves = |p: &phisindy_learn::FoundParameter| {
-            p.parameter.is_some_and(|k| system.parameters[k].name == name)
+            p.id.constant().is_some_and(|k| system.parameters[k].name == name)
         };
         found.parameters.iter().any(moves)
     };

@@ -14,14 +14,14 @@ struct Outcome<'a> {
     title: &'a str,
     method: &'a str,
     verdict: &'a str,
-    reason: Option<&'a str>,
+    reason: Option<String>,
     /// Which free runs the verdict rests on.
     basis: String,
     equations: Vec<EquationOut<'a>>,
     parameters: Vec<ParameterOut<'a>>,
     held: &'a [Held],
     records: Vec<RecordOut<'a>>,
-    noise_model: &'a str,
+    noise_model: String,
     selection: Vec<PointOut>,
     warnings: Vec<&'a String>,
     doubts: &'a [String],
@@ -63,7 +63,7 @@ struct ForceOut {
 
 #[derive(Serialize)]
 struct ParameterOut<'a> {
-    name: &'a str,
+    name: String,
     value: f64,
     unit: &'a str,
     std_error: f64,
@@ -80,7 +80,7 @@ struct RecordOut<'a> {
     nrmse: Map<String, Value>,
     noise: Map<String, Value>,
     start: Map<String, Value>,
-    failure: Option<&'a str>,
+    failure: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -113,7 +113,7 @@ pub(crate) fn line(report: &RunReport<'_>) -> String {
         EquationOut { state, latex: &equation.latex, text: &equation.text, terms: terms.collect() }
     });
     let parameters = found.parameters.iter().map(|p| ParameterOut {
-        name: &p.name,
+        name: p.id.to_string(),
         value: p.estimate.value / p.factor,
         unit: &p.unit,
         std_error: p.estimate.std_error / p.factor,
@@ -129,7 +129,7 @@ pub(crate) fn line(report: &RunReport<'_>) -> String {
         nrmse: numbers(&r.nrmse),
         noise: numbers(&r.noise),
         start: system.states.iter().zip(&r.start).map(|(s, x)| (s.name.clone(), json!(x))).collect(),
-        failure: r.failure.as_deref(),
+        failure: r.failure.as_ref().map(ToString::to_string),
     });
     let selection =
         found.selection.iter().map(|p| PointOut { terms: p.terms, criterion: p.criterion, nrmse: p.nrmse });
@@ -138,17 +138,17 @@ pub(crate) fn line(report: &RunReport<'_>) -> String {
         title: &system.title,
         method: method(found.method),
         verdict: if found.verdict == Verdict::Identified { "identified" } else { "rejected" },
-        reason: if let Verdict::Rejected(why) = &found.verdict { Some(why) } else { None },
+        reason: if let Verdict::Rejected(why) = &found.verdict { Some(why.to_string()) } else { None },
         basis: report.basis(),
         equations: equations.collect(),
         parameters: parameters.collect(),
         held: &report.held,
         records: records.collect(),
-        noise_model: &found.noise_model,
+        noise_model: found.noise_model.to_string(),
         selection: selection.collect(),
         warnings: report.notes.iter().chain(&report.warnings).collect(),
         doubts: report.input.doubts,
-        stopped: found.stopped,
+        stopped: found.interrupted(),
         seconds: report.ending.seconds,
         version: env!("CARGO_PKG_VERSION"),
     };

@@ -36,12 +36,11 @@ impl<'a> RunReport<'a> {
         let mut notes: Vec<String> = of_records.collect();
         let mut warnings = Vec::new();
         for warning in &found.warnings {
-            if notes.contains(warning) {
-                continue;
+            let text = warning.to_string();
+            // Method step derives states too, and says so beside the notes of the records.
+            if !notes.contains(&text) {
+                if warning.is_note() { &mut notes } else { &mut warnings }.push(text);
             }
-            // Method step derives states too, and says so in the same words.
-            if warning.contains(" is the derivative of ") { &mut notes } else { &mut warnings }
-                .push(warning.clone());
         }
         let held = fixed::held(input, found);
         RunReport { input, found, equations, held, warnings, notes, ending }
@@ -73,9 +72,10 @@ impl<'a> RunReport<'a> {
         let system = &self.input.case.system;
         let term = &system.terms[found.term];
         let (unit, inertia) = (term.force?, system.inertia[term.state]?);
-        let moved = self.found.parameters.iter().filter(|p| p.record.is_none());
-        let values: Vec<_> =
-            moved.filter_map(|p| Some((system.parameters[p.parameter?].node, p.estimate.value))).collect();
+        let moved = self.found.parameters.iter().filter(|p| p.id.record().is_none());
+        let values: Vec<_> = moved
+            .filter_map(|p| Some((system.parameters[p.id.constant()?].node, p.estimate.value)))
+            .collect();
         let mut graph = system.graph.clone();
         let inertia = system.with_values(&mut graph, inertia, &values);
         Some((found.coefficient.value * graph.value(inertia)?, unit))

@@ -99,7 +99,7 @@ fn coefficients(report: &RunReport<'_>) -> Vec<Vec<String>> {
 fn parameters(report: &RunReport<'_>) -> Vec<Vec<String>> {
     let mut rows = vec![words(&["parameter", "unit", "value", "std. error", "95 % interval", ""])];
     for p in &report.found.parameters {
-        let mut row = vec![p.name.clone(), if p.unit.is_empty() { "-".to_owned() } else { p.unit.clone() }];
+        let mut row = vec![p.id.to_string(), if p.unit.is_empty() { "-".to_owned() } else { p.unit.clone() }];
         row.extend(estimate(&p.estimate, p.factor));
         row.push(if p.at_bound { "at its bound".to_owned() } else { String::new() });
         rows.push(row);

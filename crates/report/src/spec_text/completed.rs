@@ -4,6 +4,7 @@ use super::edit::{Text, first, head, number, records_of, sensor_of};
 use crate::gap::GapReport;
 use crate::input::Input;
 use phisindy_gap::Gap;
+use phisindy_learn::SensorPart;
 use phisindy_phys::spec::{self, DataSpec, Find, SensorValue};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{Origin, SourceId};
@@ -43,15 +44,15 @@ fn filled(loaded: Input<'_>, found: &Gap) -> Result<String, String> {
     let mut text = Text(found.completed.clone());
     let (spec, _) = spec::read(&text.0, SourceId(0)).map_err(|d| first(&d))?;
     let measured = |r: usize| matches!(spec.data.get(r), Some(DataSpec::Csv(_)));
-    for p in found.parameters.iter().filter(|p| p.parameter.is_none()) {
-        let (Some(owner), Some((column, which))) = (p.record, sensor_of(&p.name)) else { continue };
+    for p in &found.parameters {
+        let (Some(owner), Some((column, part))) = (p.id.record(), sensor_of(p)) else { continue };
         for r in records_of(loaded, owner) {
             let at = r.to_string();
-            if let Some(find) = spec.data.get(r).and_then(|data| searched(data, column, which)) {
+            if let Some(find) = spec.data.get(r).and_then(|data| searched(data, column, part)) {
                 let factor =
                     find.unit.as_ref().and_then(|u| Unit::parse(&u.value).ok()).map_or(1.0, |u| u.factor);
                 let value = (p.estimate.value / factor).clamp(find.within.0.value, find.within.1.value);
-                text.set(&["data", &at, "sensors", column, which, "start"], &number(value))?;
+                text.set(&["data", &at, "sensors", column, part.name(), "start"], &number(value))?;
             }
         }
     }
@@ -68,16 +69,16 @@ fn filled(loaded: Input<'_>, found: &Gap) -> Result<String, String> {
 }
 
 /// The parameter of a sensor that is searched for in a record.
-fn searched<'a>(data: &'a DataSpec, column: &str, which: &str) -> Option<&'a Find> {
+fn searched<'a>(data: &'a DataSpec, column: &str, part: SensorPart) -> Option<&'a Find> {
     let sensors = match data {
         DataSpec::Csv(csv) => &csv.sensors,
         DataSpec::Synthetic(synthetic) => &synthetic.sensors,
     };
     let (_, sensor) = sensors.iter().find(|(name, _)| name.value == column)?;
-    let value = match which {
-        "offset" => &sensor.offset,
-        "gain" => &sensor.gain,
-        _ => &sensor.delay,
+    let value = match part {
+        SensorPart::Offset => &sensor.offset,
+        SensorPart::Gain => &sensor.gain,
+        SensorPart::Delay => &sensor.delay,
     };
     match value {
         Some(SensorValue::Find(find)) => Some(find),

@@ -1,6 +1,7 @@
 //! Edits of a spec's text: values set at paths, and what a result needs to find its place there.
 
 use crate::input::Input;
+use phisindy_learn::{FoundParameter, ParameterOf, SensorPart};
 use phisindy_phys::splice;
 use phisindy_phys::{Diagnostic, Record};
 
@@ -11,9 +12,12 @@ pub(super) fn records_of(input: Input<'_>, owner: usize) -> impl Iterator<Item =
     input.records.iter().enumerate().filter_map(same)
 }
 
-/// Column and property in the name of a sensor's parameter, `x.offset [run 1]`.
-pub(super) fn sensor_of(name: &str) -> Option<(&str, &str)> {
-    name.split(" [").next().unwrap_or(name).rsplit_once('.')
+/// Column and property of a sensor's parameter; `None` for a constant.
+pub(super) fn sensor_of(p: &FoundParameter) -> Option<(&str, SensorPart)> {
+    match &p.id.of {
+        ParameterOf::Sensor { name, part, .. } => Some((name, *part)),
+        ParameterOf::Constant { .. } => None,
+    }
 }
 
 pub(super) fn first(diagnostics: &[Diagnostic]) -> String {

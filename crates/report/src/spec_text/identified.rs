@@ -3,7 +3,7 @@
 use super::edit::{Text, first, head, number, records_of, sensor_of};
 use crate::input::Input;
 use phisindy_expr::{AstKind, Binary, Unary, parse};
-use phisindy_learn::{FoundParameter, Identified, Verdict};
+use phisindy_learn::{FoundParameter, Identified, ParameterOf, Verdict};
 use phisindy_phys::spec::{ConstantSpec, DataSpec, Spec, UnknownSpec};
 use phisindy_phys::unit::{Dimension, Unit};
 use phisindy_phys::{SourceId, spec};
@@ -160,11 +160,11 @@ fn bracketed(text: &str) -> String {
 fn parameters(text: &mut Text, spec: &Spec, input: Input<'_>, found: &Identified) -> Result<(), String> {
     for p in &found.parameters {
         let value = p.estimate.value / p.factor;
-        match (p.parameter, p.record) {
-            (Some(_), None) => constant(text, spec, &p.name, value)?,
-            (Some(k), Some(r)) => of_record(text, spec, input, &input.case.system.parameters[k].name, r, p)?,
-            (None, Some(r)) => sensor(text, input, r, p)?,
-            (None, None) => {}
+        match (&p.id.of, p.id.record()) {
+            (ParameterOf::Constant { name, .. }, None) => constant(text, spec, name, value)?,
+            (ParameterOf::Constant { name, .. }, Some(r)) => of_record(text, spec, input, name, r, p)?,
+            (ParameterOf::Sensor { .. }, Some(r)) => sensor(text, input, r, p)?,
+            (ParameterOf::Sensor { .. }, None) => {}
         }
     }
     Ok(())
@@ -205,10 +205,10 @@ fn of_record(
 
 /// What was found of a sensor is held.
 fn sensor(text: &mut Text, input: Input<'_>, record: usize, p: &FoundParameter) -> Result<(), String> {
-    let Some((column, which)) = sensor_of(&p.name) else { return Ok(()) };
+    let Some((column, part)) = sensor_of(p) else { return Ok(()) };
     for r in records_of(input, record) {
         // Plain numbers of sensors are in SI.
-        text.set(&["data", &r.to_string(), "sensors", column, which], &number(p.estimate.value))?;
+        text.set(&["data", &r.to_string(), "sensors", column, part.name()], &number(p.estimate.value))?;
     }
     Ok(())
 }

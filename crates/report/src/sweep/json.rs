@@ -2,7 +2,7 @@
 //!
 //! Keys stand in alphabetical order, which is the order of the fields here. Numbers that are not finite become null.
 
-use super::runs::{CellRuns, SweepRuns};
+use super::runs::{CellRuns, RunVerdict, SweepRuns};
 use super::statistics::Statistics;
 use crate::format::method_name;
 use serde::Serialize;
@@ -60,7 +60,7 @@ struct FailureOut<'a> {
     missing: Vec<&'a str>,
     seed: u64,
     spurious: &'a [String],
-    verdict: &'a str,
+    verdict: &'a RunVerdict,
 }
 
 /// One line.

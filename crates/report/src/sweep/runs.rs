@@ -22,8 +22,8 @@ pub struct Run {
     pub seed: u64,
     /// Whether the terms are exactly those of the truth.
     pub exact: bool,
-    /// `identified`, `rejected: why` or `failed: why`.
-    pub verdict: String,
+    /// What came of it.
+    pub verdict: RunVerdict,
     /// For each term of the truth.
     pub found: Vec<Option<Found>>,
     /// For each term of the truth, the least standard error that the data allow.
@@ -32,6 +32,45 @@ pub struct Run {
     pub spurious: Vec<String>,
     /// Not to be reproduced.
     pub seconds: f64,
+}
+
+/// What came of a run. In the journal and in JSON it is `identified`, `rejected: why` or `failed: why`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "String", into = "String")]
+pub enum RunVerdict {
+    /// The model predicts the records.
+    #[default]
+    Identified,
+    /// It does not, and why.
+    Rejected(String),
+    /// There is no model, and why.
+    Failed(String),
+}
+
+impl From<String> for RunVerdict {
+    fn from(text: String) -> RunVerdict {
+        match text.split_once(": ") {
+            Some(("rejected", why)) => RunVerdict::Rejected(why.to_owned()),
+            Some(("failed", why)) => RunVerdict::Failed(why.to_owned()),
+            _ => RunVerdict::Identified,
+        }
+    }
+}
+
+impl From<RunVerdict> for String {
+    fn from(verdict: RunVerdict) -> String {
+        verdict.to_string()
+    }
+}
+
+impl std::fmt::Display for RunVerdict {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            RunVerdict::Identified => f.write_str("identified"),
+            RunVerdict::Rejected(why) => write!(f, "rejected: {why}"),
+            RunVerdict::Failed(why) => write!(f, "failed: {why}"),
+        }
+    }
 }
 
 /// A term of the truth that was found; an end of the interval that is missing is at infinity.

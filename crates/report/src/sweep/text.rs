@@ -1,6 +1,6 @@
 //! The result of a sweep for people.
 
-use super::runs::{CellRuns, Run, SweepRuns};
+use super::runs::{CellRuns, Run, RunVerdict, SweepRuns};
 use super::statistics::Statistics;
 use crate::format::method_name;
 use crate::table::{aligned, short};
@@ -116,8 +116,8 @@ fn block(checked: &CellRuns<'_>, statistics: &Statistics) -> Vec<String> {
 
 /// What is wrong with a run, in words.
 fn brief(checked: &CellRuns<'_>, run: &Run) -> String {
-    if run.verdict.starts_with("failed") {
-        return run.verdict.clone();
+    if matches!(run.verdict, RunVerdict::Failed(_)) {
+        return run.verdict.to_string();
     }
     let mut parts = Vec::new();
     if !run.spurious.is_empty() {
@@ -127,8 +127,8 @@ fn brief(checked: &CellRuns<'_>, run: &Run) -> String {
     if !missing.is_empty() {
         parts.push(format!("missing {}", missing.join(", ")));
     }
-    if run.verdict != "identified" {
-        parts.push(run.verdict.clone());
+    if run.verdict != RunVerdict::Identified {
+        parts.push(run.verdict.to_string());
     }
     parts.join("; ")
 }

@@ -1,0 +1,89 @@
+//! What identification returns: terms with error bars, parameters, the fit of every record, a verdict.
+
+use super::parameter::FoundParameter;
+use super::record_fit::RecordFit;
+use super::term::FoundTerm;
+use super::verdict::Verdict;
+use super::warning::Warning;
+use phisindy_phys::System;
+use phisindy_phys::spec::Method;
+
+/// A point on the way to the structure: so many terms, so good.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathPoint {
+    /// Number of terms.
+    pub terms: usize,
+    /// Value of the criterion (or the loss, for method step): smaller is better.
+    pub criterion: f64,
+    /// NRMSE of the free run on the Fit records, where it was computed.
+    pub nrmse: Option<f64>,
+}
+
+/// The form of the noise of the columns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoiseModel {
+    /// Does not depend on the signal.
+    Additive,
+    /// A fraction of the signal.
+    Relative,
+    /// Both, or different forms in different columns.
+    Mixed,
+    /// Not estimated: every sample weighs the same.
+    Unweighted,
+}
+
+/// Why an identification or a training ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StopReason {
+    /// It came to its end.
+    Finished,
+    /// The observer stopped it; the result is the best so far.
+    Interrupted,
+    /// The loss became infinite or not a number (method step).
+    LossNotFinite,
+}
+
+/// What was identified.
+#[derive(Clone, Debug)]
+pub struct Identified {
+    /// How.
+    pub method: Method,
+    /// In the order of the dictionary.
+    pub terms: Vec<FoundTerm>,
+    /// In the order of the spec, sensor parameters last.
+    pub parameters: Vec<FoundParameter>,
+    /// In the order of the spec.
+    pub records: Vec<RecordFit>,
+    /// The form of the noise that the columns were found to have.
+    pub noise_model: NoiseModel,
+    /// The path of the selection.
+    pub selection: Vec<PathPoint>,
+    /// Covariance (SI) of the coefficients of `terms`, then of `parameters`, in their order; empty where the
+    /// method does not tell. Infinite on the diagonal is what the data say nothing about.
+    pub covariance: Vec<Vec<f64>>,
+    /// What a careful reader should know.
+    pub warnings: Vec<Warning>,
+    /// Whether to believe it.
+    pub verdict: Verdict,
+    /// Why it ended.
+    pub stop_reason: StopReason,
+}
+
+impl Identified {
+    /// Whether the observer stopped it before the end.
+    pub fn interrupted(&self) -> bool {
+        self.stop_reason == StopReason::Interrupted
+    }
+
+    /// The values of [`System::parameters`] in a record, as far as they were found; the others as the spec
+    /// starts them.
+    pub fn parameters_of(&self, system: &System, record: usize) -> Vec<f64> {
+        let mut values: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();
+        for p in self.parameters.iter().filter(|p| p.id.holds_in(record)) {
+            if let Some(k) = p.id.constant() {
+                values[k] = p.estimate.value;
+            }
+        }
+        values
+    }
+}

@@ -1,0 +1,189 @@
+//! What a careful reader should know of a result, as data. Texts are in [`super::words`].
+
+use super::parameter::FoundParameter;
+use super::quantity::{Quantity, TermId};
+use super::record_fit::RecordFit;
+use phisindy_phys::spec::Optimiser;
+use phisindy_signal::Differentiator;
+
+/// A remark on a result. `Display` gives the sentence.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Warning {
+    /// What was done to the data of a record before anything was fitted: a note rather than a doubt.
+    DataNote {
+        /// Name of the record.
+        record: String,
+        /// What was done.
+        note: String,
+    },
+    /// A number ended at a bound of the spec.
+    AtBound {
+        /// Which.
+        number: Quantity,
+        /// The bound, in the unit of the spec.
+        value: f64,
+    },
+    /// The interval of a coefficient holds zero.
+    MayBeZero {
+        /// Of which term.
+        term: TermId,
+    },
+    /// Validate records are predicted much worse than Fit records are fitted.
+    ValidationWorse {
+        /// Worst NRMSE of the Fit records.
+        fit: f64,
+        /// Worst NRMSE of the Validate records.
+        validate: f64,
+    },
+    /// The coefficients of the fit do not describe a Validate record.
+    Disagreement {
+        /// The term whose coefficients differ most, in units of their standard errors.
+        term: TermId,
+        /// Name of the Validate record.
+        record: String,
+        /// The coefficient by that record alone.
+        alone: f64,
+        /// The coefficient of the fit.
+        fitted: f64,
+        /// Their distance in standard errors.
+        errors: f64,
+    },
+    /// Another term in the place of one describes the data nearly as well.
+    Alternative {
+        /// The term of the model.
+        term: TermId,
+        /// The other one.
+        other: TermId,
+        /// By how much the criterion is worse with it.
+        worse: f64,
+    },
+    /// A candidate is not finite everywhere on the data.
+    SingularCandidate {
+        /// Which.
+        term: TermId,
+    },
+    /// The data say nothing about a number.
+    Unseen {
+        /// Which.
+        number: Quantity,
+    },
+    /// The data do not tell several numbers apart.
+    Inseparable {
+        /// Which.
+        numbers: Vec<Quantity>,
+    },
+    /// Two numbers are correlated, and at least one of them is known badly.
+    Correlated {
+        /// The earlier one.
+        first: Quantity,
+        /// The later one.
+        second: Quantity,
+        /// Their correlation.
+        correlation: f64,
+    },
+    /// A number would leave its interval with another differentiator.
+    Differentiator {
+        /// The number that would move most.
+        number: Quantity,
+        /// With which differentiator.
+        with: Differentiator,
+        /// By how many half widths of its 95 % interval.
+        half_widths: f64,
+    },
+    /// Samples of the residual depend on each other.
+    Coloured {
+        /// The part of the samples that count as independent.
+        independent: f64,
+    },
+    /// The residual is small, but its spectrum is not that of noise.
+    NotNoise,
+    /// A single run drifts away from the data, so records were cut.
+    Segmented {
+        /// Segments of the record that has most.
+        pieces: usize,
+    },
+    /// Neighbouring motions part so fast that the start state of a Validate record took more of it than usual.
+    SensitiveStart {
+        /// Name of the record.
+        record: String,
+        /// Samples that the start state was fitted on.
+        fitted: usize,
+        /// Samples of the record.
+        samples: usize,
+    },
+    /// Method step holds constants that the spec lets move.
+    HeldConstants {
+        /// The optimiser, which cannot move them.
+        optimiser: Optimiser,
+        /// Their names.
+        names: Vec<String>,
+    },
+    /// Method step holds properties of sensors that the spec lets move.
+    HeldSensors,
+}
+
+impl Warning {
+    /// Whether it says what was done to the data, rather than what is doubtful.
+    pub fn is_note(&self) -> bool {
+        matches!(self, Warning::DataNote { .. })
+    }
+
+    /// Whether it says that the residual is not noise.
+    pub fn doubts_residual(&self) -> bool {
+        matches!(self, Warning::Coloured { .. } | Warning::NotNoise)
+    }
+
+    /// Whether it says that the model does not describe records that were held back.
+    pub fn doubts_validation(&self) -> bool {
+        matches!(self, Warning::ValidationWorse { .. } | Warning::Disagreement { .. })
+    }
+}
+
+/// A warning for every parameter that ended at a bound.
+pub fn at_bounds(parameters: &[FoundParameter]) -> Vec<Warning> {
+    let warning = |p: &FoundParameter| Warning::AtBound {
+        number: Quantity::Parameter(p.id.clone()),
+        value: p.estimate.value / p.factor,
+    };
+    parameters.iter().filter(|p| p.at_bound).map(warning).collect()
+}
+
+/// A warning for every Validate record whose motion hangs on its start.
+pub fn sensitive_starts(records: &[RecordFit]) -> Vec<Warning> {
+    let warning = |f: &RecordFit| {
+        Some(Warning::SensitiveStart { record: f.name.clone(), fitted: f.start_took?, samples: f.samples })
+    };
+    records.iter().filter_map(warning).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use phisindy_phys::spec::Role;
+
+    #[test]
+    fn a_start_that_took_half_of_the_record_is_told_and_a_tenth_is_not() {
+        let fit = |name: &str, start_took| RecordFit {
+            name: name.into(),
+            role: Role::Validate,
+            samples: 400,
+            start_took,
+            nrmse: vec![("x".into(), 0.1)],
+            noise: vec![],
+            residuals: vec![],
+            start: vec![],
+            run: None,
+            failure: None,
+        };
+        let told = sensitive_starts(&[fit("steady", None), fit("chaotic", Some(200))]);
+        let told: Vec<String> = told.iter().map(ToString::to_string).collect();
+        assert_eq!(
+            told,
+            [
+                "chaotic: neighbouring motions part so fast that its start state was fitted on 50 % of it, not on a tenth; everything else there is prediction"
+            ]
+        );
+        // Whatever was written down before the run failed.
+        assert_eq!(fit("no run", None).worst(), f64::INFINITY);
+    }
+}

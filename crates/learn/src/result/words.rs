@@ -1,0 +1,250 @@
+//! Every sentence of this crate that a user reads.
+
+use super::error::{DataError, LearnError, ModelError, NumericsError, TruthError};
+use super::identified::NoiseModel;
+use super::quantity::{ParameterId, ParameterOf, Quantity, TermId};
+use super::verdict::Rejection;
+use super::warning::Warning;
+use crate::decisions::{FEWEST_SAMPLES, RIVAL};
+use std::fmt::{Display, Formatter, Result};
+
+/// `1 in v'`.
+impl Display for TermId {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        write!(f, "{} in {}'", self.candidate, self.state)
+    }
+}
+
+/// The label of a parameter: `k`, `k [run 1]`, `x.offset`, `x.offset [run 1]`.
+impl Display for ParameterId {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        write!(f, "{}", self.of)?;
+        self.shown_record().map_or(Ok(()), |record| write!(f, " [{record}]"))
+    }
+}
+
+/// `k` or `x.offset`.
+impl Display for ParameterOf {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            ParameterOf::Constant { name, .. } => f.write_str(name),
+            ParameterOf::Sensor { name, part, .. } => write!(f, "{name}.{}", part.name()),
+        }
+    }
+}
+
+impl Display for Quantity {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Quantity::Coefficient(term) => write!(f, "{term}"),
+            Quantity::Parameter(id) => write!(f, "{id}"),
+        }
+    }
+}
+
+// A table: one sentence for each variant.
+impl Display for Warning {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Warning::DataNote { record, note } => write!(f, "{record}: {note}"),
+            Warning::AtBound { number, value } => {
+                match number {
+                    Quantity::Coefficient(term) => write!(f, "{} of {}'", term.candidate, term.state)?,
+                    Quantity::Parameter(id) => write!(f, "{id}")?,
+                }
+                write!(f, " ended at its bound {value}: the data want to go beyond it")
+            }
+            Warning::MayBeZero { term } => write!(
+                f,
+                "{} of {}' may as well be zero: its interval holds it",
+                term.candidate, term.state
+            ),
+            Warning::ValidationWorse { fit, validate } => write!(
+                f,
+                "validation is {:.0} times worse than the fit (NRMSE {validate:.3} against {fit:.3}): the model does not carry over; the known part may \
+                 be wrong",
+                validate / fit
+            ),
+            Warning::Disagreement { term, record, alone, fitted, errors } => write!(
+                f,
+                "{term} is {alone:.4} by {record} alone and {fitted:.4} by what was fitted, {errors:.0} standard errors apart: the coefficients do not \
+                 carry over; the known part may be wrong, or a term is missing, and the intervals may miss"
+            ),
+            Warning::Alternative { term, other, worse } => write!(
+                f,
+                "{} in the place of {term} describes the data as well (criterion {worse:.1} higher, below {:.0} is no evidence): the intervals hold only \
+                 if the terms are the right ones; a record at another amplitude or speed would tell",
+                other.candidate,
+                RIVAL
+            ),
+            Warning::SingularCandidate { term } => write!(
+                f,
+                "candidate {} of {}' is not finite everywhere on the data: it was hardly considered",
+                term.candidate, term.state
+            ),
+            Warning::Unseen { number } => {
+                write!(f, "the data say nothing about {number}: give it a number, or leave it out")
+            }
+            Warning::Inseparable { numbers } => write!(
+                f,
+                "the data do not tell {} apart: with any value of one of them the others fit as well, and what is printed is one choice of many; give \
+                 one of them a number",
+                listed(numbers)
+            ),
+            Warning::Correlated { first, second, correlation } => write!(
+                f,
+                "{first} and {second} trade off (correlation {correlation:.3}): their {} is known better than either; a record at another amplitude or \
+                 speed would tell them apart",
+                if *correlation < 0.0 { "sum" } else { "difference" }
+            ),
+            Warning::Differentiator { number, with, half_widths } => write!(
+                f,
+                "the result depends on how columns are differentiated: with {} {number} would move by {half_widths:.1} times the half of its interval; \
+                 measure the derivative, or choose by what is known of the motion (Spectral: smooth, SavitzkyGolay: with stops, Spline: any grid)",
+                with.name()
+            ),
+            Warning::Coloured { independent } => write!(
+                f,
+                "the residual is not white ({:.0} % of the samples are independent): something is still missing, the known part is wrong, or the sensor \
+                 filters; the intervals count correlated samples as few",
+                100.0 * independent
+            ),
+            Warning::NotNoise => f.write_str(
+                "the residual is not white: what is left is small, but it is not noise; something is still missing, or a number of the known part is a \
+                 little wrong, and the intervals, which take it as exact, may miss",
+            ),
+            Warning::Segmented { pieces } => write!(
+                f,
+                "a single run drifts away from the data, so each record was fitted in up to {pieces} segments with start states of their own"
+            ),
+            Warning::SensitiveStart { record, fitted, samples } => write!(
+                f,
+                "{record}: neighbouring motions part so fast that its start state was fitted on {:.0} % of it, not on a tenth; everything else there is \
+                 prediction",
+                100.0 * *fitted as f64 / (*samples).max(1) as f64
+            ),
+            Warning::HeldConstants { optimiser, names } => write!(
+                f,
+                "method step with {optimiser:?} holds {} at the spec's value; learn: (optimiser: GaussNewton) moves it",
+                names.join(", ")
+            ),
+            Warning::HeldSensors => {
+                f.write_str("method step holds sensor offsets, gains and delays at their start values")
+            }
+        }
+    }
+}
+
+fn listed(all: &[impl Display]) -> String {
+    all.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
+}
+
+impl Display for Rejection {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Rejection::NoTerms { known } => write!(
+                f,
+                "no term of the dictionary survives: nothing is missing that it could name (NRMSE of the known part alone: {})",
+                known.iter().map(|(name, e)| format!("{name} {e:.3}")).collect::<Vec<_>>().join(", ")
+            ),
+            Rejection::RunFails { record, failure } => {
+                write!(f, "the free run of {record} fails: {failure}")
+            }
+            Rejection::RunMisses { record, nrmse } => {
+                write!(f, "the free run of {record} misses the data: NRMSE {nrmse:.2}")
+            }
+            Rejection::NoBetter => {
+                f.write_str("the model does no better with the identified part than without it")
+            }
+        }
+    }
+}
+
+impl Display for ModelError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            ModelError::Unbound(text) => f.write_str(text),
+            ModelError::Simulation(error) => write!(f, "{error}"),
+        }
+    }
+}
+
+impl Display for LearnError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            LearnError::Data(error) => write!(f, "{error}"),
+            LearnError::Numerics(error) => write!(f, "{error}"),
+        }
+    }
+}
+
+impl Display for DataError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            DataError::NothingToFit => f.write_str(
+                "no record has the role Fit, so there is nothing to identify from: take `role: Validate` off one of them",
+            ),
+            DataError::TooFewSamples { record, samples } => write!(
+                f,
+                "{record}: {samples} samples are too few to learn from ({FEWEST_SAMPLES} at least): take a longer window, or decimate less"
+            ),
+            DataError::ConstantColumn { record, column } => write!(
+                f,
+                "{record}: the column of {column} is constant: nothing moved, or the sensor is dead; leave the column out, or take a window in which it \
+                 moves"
+            ),
+            DataError::MissingStates { record, states } => write!(
+                f,
+                "{record}: method step needs samples of every state, and {} cannot be derived from a column; use --method trajectory",
+                states.join(", ")
+            ),
+        }
+    }
+}
+
+impl Display for NumericsError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            NumericsError::Model(ModelError::Unbound(text)) => f.write_str(text),
+            NumericsError::Model(error) => write!(f, "the model cannot be simulated: {error}"),
+            NumericsError::Diverged => f.write_str("the fit diverges from every start"),
+            NumericsError::LossNotFinite => {
+                f.write_str("the one-step loss is not finite: a candidate is singular on the data")
+            }
+        }
+    }
+}
+
+impl Display for TruthError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            TruthError::NotSynthetic => {
+                f.write_str("no record of this case is synthetic, so there is no truth to compare with")
+            }
+            TruthError::Unbound(text) => f.write_str(text),
+            TruthError::OutsideDictionary { state } => {
+                write!(f, "the truth of {state}' lies outside the dictionary")
+            }
+        }
+    }
+}
+
+impl Display for NoiseModel {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        f.write_str(match self {
+            NoiseModel::Additive => "additive",
+            NoiseModel::Relative => "relative",
+            NoiseModel::Mixed => "mixed",
+            NoiseModel::Unweighted => "not used: every sample weighs the same",
+        })
+    }
+}
+
+impl std::error::Error for ModelError {}
+impl std::error::Error for LearnError {}
+impl std::error::Error for DataError {}
+impl std::error::Error for NumericsError {}
+impl std::error::Error for TruthError {}
+
+#[cfg(test)]
+mod tests;

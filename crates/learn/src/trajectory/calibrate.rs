@@ -1,0 +1,399 @@
+//! Calibration: parameters of a known model fitted to records whose noise is known. The gap workflow calls this
+//! for every trial.
+
+use crate::decisions::{
+    ASTRAY, FAR_GAIN, LIKELIHOOD_GAIN, MEMORY_STEPS, MISFIT, QUICK_SEGMENTS, QUICK_SINGLE, RESTART_MINIMUM,
+    RESTART_PROMISE, RESTART_REACH, RESTARTS, SEGMENTS_MINIMUM, SINGLE_ITERATIONS, STAGES, STEPS_TO_ONE,
+    TOLERANCE, TRIAL_BASE_STEPS, TRIAL_STEPS, TRIAL_TOLERANCE, WRONG_MODEL,
+};
+use crate::least_squares::Limits;
+use crate::result::error::ModelError;
+use crate::result::estimate::Estimate;
+use crate::result::parameter::FoundParameter;
+use crate::result::record_fit::RecordFit;
+use crate::trajectory::error_bars::ErrorBars;
+use crate::trajectory::fit::{Fit, transfer};
+use crate::trajectory::free_run::free_runs;
+use crate::trajectory::layout::Segment;
+use crate::trajectory::noise::ColumnNoise;
+use crate::trajectory::problem::{Noise, Problem};
+use crate::trajectory::tally::{Tally, tally};
+use crate::trajectory::unknowns::Unknowns;
+use phisindy_phys::spec::Role;
+use phisindy_phys::{Record, System};
+
+/// A calibrated model.
+#[derive(Clone, Debug)]
+pub struct Calibration {
+    /// Sum over all samples of the Fit records of (residual / noise)^2.
+    pub chi2: f64,
+    /// How many samples that sum has.
+    pub samples: usize,
+    /// How many of them are independent, by the autocorrelation of the residual.
+    pub effective: f64,
+    /// Parameters that moved: shared, per record, of sensors; start states not counted.
+    pub moved: usize,
+    /// Their values, with intervals for [`Effort::Errors`].
+    pub parameters: Vec<FoundParameter>,
+    /// Free runs of all records from their fitted starts.
+    pub records: Vec<RecordFit>,
+    /// Segments of the record that has most: 1 unless no single run can be simulated.
+    pub segments: usize,
+}
+
+/// Fits what may move in `system` (its parameters, sensors and start states; no dictionary) to the Fit records,
+/// each column weighted by its `noise` (standard deviation in SI, by record and state), and runs all records
+/// freely. `smooth` are the records with smoothed samples of every state, to start from.
+///
+/// With [`Effort::Errors`] the parameters come with 95 % intervals (sandwich covariance, stretched where
+/// residuals are correlated, profile likelihood).
+///
+/// # Errors
+/// The model cannot be simulated from any start.
+pub fn calibrate(
+    system: &System,
+    records: &[Record],
+    smooth: &[Record],
+    noise: &[Vec<f64>],
+    effort: Effort,
+) -> Result<Calibration, ModelError> {
+    let samples: usize = records.iter().filter(|r| r.role == Role::Fit).map(Record::readings).sum();
+    let setup = Setup::new(records, smooth, noise);
+    let (Stage { problem, mut x, .. }, segmented) = match stages(system, &setup, effort, samples) {
+        Ok(ends) => ends,
+        // No single run can be simulated: fit segments instead.
+        Err(_) if effort != Effort::Plain => return calibrate(system, records, smooth, noise, Effort::Plain),
+        Err(e) => return Err(e),
+    };
+    let weights = problem.weights(&setup.noise, None);
+    if problem.segments.len() == setup.fitted.len() {
+        match effort {
+            Effort::Plain => from_other_starts(&setup, &problem, &mut x, &weights, samples, segmented),
+            Effort::Thorough | Effort::Errors => from_nearby(&problem, &mut x, &weights, samples),
+        }
+    }
+    let (fit, chi2) = finished(problem, x, weights, &setup)?;
+    let unknowns = Unknowns::new(system, records, &fit);
+    let moved = if effort == Effort::Errors {
+        let bars = ErrorBars::new(&fit);
+        unknowns.parameters(|k| bars.estimate(k))
+    } else {
+        let bounds = &fit.problem.bounds;
+        unknowns.parameters(|k| Estimate { value: fit.x[k], std_error: f64::NAN, ci95: bounds[k] })
+    };
+    let parameters: Vec<FoundParameter> = moved.into_iter().map(|(_, p)| p).collect();
+    let replays = free_runs(system, records, smooth, &mut unknowns.solution());
+    Ok(Calibration {
+        chi2,
+        samples: fit.samples,
+        effective: fit.effective,
+        moved: parameters.len(),
+        parameters,
+        records: replays,
+        segments: fit.most_pieces(),
+    })
+}
+
+/// Fits over fewer and fewer segments, each stage from where the one before ended. Returns the last two stages.
+///
+/// # Errors
+/// No stage can be simulated; the error is that of the last one.
+fn stages<'a>(
+    system: &'a System,
+    setup: &'a Setup<'a>,
+    effort: Effort,
+    samples: usize,
+) -> Result<(Stage<'a>, Option<Stage<'a>>), ModelError> {
+    let (mut best, mut before): (Option<Stage<'_>>, Option<Stage<'_>>) = (None, None);
+    let mut trouble = None;
+    let stages: &[usize] = if effort == Effort::Plain { &STAGES } else { &STAGES[STAGES.len() - 1..] };
+    for &pieces in stages {
+        match Stage::new(system, setup, pieces, effort, samples, best.as_ref()) {
+            Ok(stage) => before = best.replace(stage),
+            Err(e) => trouble = Some(e),
+        }
+    }
+    best.map(|best| (best, before)).ok_or_else(|| trouble.expect("a fit without a stage has failed in one"))
+}
+
+/// Tries other starts of single runs: where the spec starts, where the smoothed motion starts, and, if the fit
+/// still misses, from segments in smaller steps.
+fn from_other_starts(
+    setup: &Setup<'_>,
+    problem: &Problem<'_>,
+    x: &mut Vec<f64>,
+    weights: &[Vec<Vec<f64>>],
+    samples: usize,
+    segmented: Option<Stage<'_>>,
+) {
+    // The start of the spec may be better than the end of the segments: after an earlier fit it is.
+    try_start(problem, x, weights, samples, problem.guess(&[], None, &setup.smooth));
+    if let Some(start) = on_the_data(problem, x, &setup.noise, &setup.smooth) {
+        try_start(problem, x, weights, samples, start);
+    }
+    let misses = problem.normal(x, weights).is_ok_and(|n| n.cost > MISFIT * samples as f64);
+    let joined = segmented.filter(|_| misses).and_then(|s| step_by_step(problem.system, setup, samples, s));
+    if let Some(start) = joined {
+        try_start(problem, x, weights, samples, start);
+    }
+}
+
+/// Tries starts near the end of a fit, as long as the fit leaves more than noise.
+fn from_nearby(problem: &Problem<'_>, x: &mut Vec<f64>, weights: &[Vec<Vec<f64>>], samples: usize) {
+    for attempt in 0..RESTARTS {
+        match nearby(problem, x, weights, samples, attempt) {
+            Some(start) => try_start(problem, x, weights, samples, start),
+            None => break,
+        }
+    }
+}
+
+/// The fit at its end, with the noise that was given, and its chi square.
+///
+/// # Errors
+/// The model cannot be simulated there.
+fn finished<'a>(
+    problem: Problem<'a>,
+    x: Vec<f64>,
+    weights: Vec<Vec<Vec<f64>>>,
+    setup: &Setup<'_>,
+) -> Result<(Fit<'a>, f64), ModelError> {
+    let normal = problem.normal(&x, &weights)?;
+    let Tally { samples, effective, power } = tally(&setup.noise, &problem.residuals(&x)?);
+    let of_record = |r: usize| problem.segments.iter().filter(|s| s.record == r).count();
+    let pieces = (0..setup.fitted.len()).map(of_record).collect();
+    let noise = setup.noise.clone();
+    Ok((Fit { problem, x, noise, weights, normal, samples, effective, excess: 1.0, pieces }, power))
+}
+
+/// A fit over segments.
+struct Stage<'a> {
+    problem: Problem<'a>,
+    x: Vec<f64>,
+    cost: f64,
+}
+
+impl<'a> Stage<'a> {
+    /// Fits over so many segments of each record, from where an earlier stage ended.
+    fn new(
+        system: &'a System,
+        setup: &'a Setup<'a>,
+        pieces: usize,
+        effort: Effort,
+        samples: usize,
+        before: Option<&Stage<'_>>,
+    ) -> Result<Stage<'a>, ModelError> {
+        let Setup { fitted, noise, smooth: starts, .. } = setup;
+        let mut problem = Problem::new(system, &[], fitted, &vec![pieces; fitted.len()])?;
+        problem.budget = Some(budget(&problem));
+        if effort == Effort::Plain {
+            problem.tolerance = tolerance(&problem, noise);
+        }
+        let mut x = problem.guess(&[], None, starts);
+        if let Some(before) = before {
+            transfer(&before.problem, &before.x, &problem, &mut x);
+            // Start states too: short segments find them near the data, wherever the guess came from.
+            for segment in &problem.segments {
+                let same = |s: &&Segment| s.record == segment.record && s.samples.0 == segment.samples.0;
+                if let Some(earlier) = before.problem.segments.iter().find(same) {
+                    let n = system.states.len();
+                    x[segment.start..segment.start + n]
+                        .copy_from_slice(&before.x[earlier.start..earlier.start + n]);
+                }
+            }
+        }
+        let weights = problem.weights(noise, None);
+        // Smaller gains of the likelihood decide nothing.
+        let least = LIKELIHOOD_GAIN / samples.max(1) as f64;
+        let limits = match (pieces == 1, effort) {
+            (true, Effort::Plain) => Limits { far: far(samples), ..Limits::new(SINGLE_ITERATIONS, least) },
+            (true, _) => Limits::new(SINGLE_ITERATIONS, least),
+            (false, _) => Limits::of(SEGMENTS_MINIMUM),
+        };
+        let cost = problem.minimise(&mut x, &weights, limits)?.cost;
+        Ok(Stage { problem, x, cost })
+    }
+}
+
+/// Joins segments to one run in smaller steps, if the segments leave nothing but noise. Where neighbouring
+/// motions diverge fast, a run five times as long as the segments ends in a local minimum.
+fn step_by_step(system: &System, setup: &Setup<'_>, samples: usize, parted: Stage<'_>) -> Option<Vec<f64>> {
+    let mut stage = Some(parted).filter(|p| p.cost < MISFIT * samples as f64)?;
+    for pieces in STEPS_TO_ONE {
+        stage = Stage::new(system, setup, pieces, Effort::Plain, samples, Some(&stage)).ok()?;
+    }
+    Some(stage.x)
+}
+
+/// Integration steps that a trial may take. Friction that grows with speed near rest creeps without end, and is
+/// wrong. A memory that fades within a fraction of a sample cannot be told from none, and takes many steps.
+fn budget(problem: &Problem<'_>) -> usize {
+    let longest = problem.segments.iter().map(|s| s.samples.1 - s.samples.0).max().unwrap_or(0);
+    let states = &problem.system.states;
+    let measured = |k: usize| problem.records.iter().any(|r| r.columns[k].is_some());
+    let memory = (0..states.len()).any(|k| {
+        let moves = states[k].velocity.is_some() || states.iter().any(|s| s.velocity == Some(k));
+        !moves && !measured(k)
+    });
+    TRIAL_BASE_STEPS + longest * if memory { MEMORY_STEPS } else { TRIAL_STEPS }
+}
+
+/// Local error of the simulations of a trial: small against the noise, even when it accumulates over a record.
+fn tolerance(problem: &Problem<'_>, noise: &Noise) -> f64 {
+    let parts = problem.records.iter().zip(noise).flat_map(|(record, noise)| {
+        let of = |k: usize| record.columns[k].as_ref().map(|_| noise[k].additive / problem.scale[k]);
+        (0..noise.len()).filter_map(of)
+    });
+    (TRIAL_TOLERANCE[0] * parts.fold(f64::INFINITY, f64::min)).clamp(TOLERANCE, TRIAL_TOLERANCE[1])
+}
+
+/// The range of chi^2 per sample in which [`Effort::Thorough`] tries other starts. Below it there is nothing to
+/// gain, above it the model is wrong.
+pub const RESTARTED: std::ops::Range<f64> = MISFIT..WRONG_MODEL;
+/// Above this cost a fit ends at smaller gains: the model is wrong, and more digits do not help.
+fn far(samples: usize) -> (f64, f64) {
+    (WRONG_MODEL * samples as f64, FAR_GAIN)
+}
+
+/// Fits from another start and keeps the better end; skips starts that cost more than [`RESTART_PROMISE`] times
+/// the current fit. A run through stops has local minima: with one stop more or less the cost jumps.
+fn try_start(
+    problem: &Problem<'_>,
+    x: &mut Vec<f64>,
+    weights: &[Vec<Vec<f64>>],
+    samples: usize,
+    start: Vec<f64>,
+) {
+    let Ok(now) = problem.normal(x, weights) else { return };
+    if now.cost < MISFIT * samples as f64 {
+        return;
+    }
+    let mut other = start;
+    match problem.normal(&other, weights) {
+        Ok(there) if there.cost < RESTART_PROMISE * now.cost => {}
+        _ => return,
+    }
+    let limits = Limits { far: far(samples), ..Limits::of(RESTART_MINIMUM) };
+    let end = problem.minimise(&mut other, weights, limits);
+    if end.is_ok_and(|end| end.cost < now.cost) {
+        *x = other;
+    }
+}
+
+/// The unknowns with start states from the smoothed motion, if the fitted ones are far from it: they may stem
+/// from an earlier, wrong model.
+fn on_the_data(problem: &Problem<'_>, x: &[f64], noise: &Noise, smooth: &[Record]) -> Option<Vec<f64>> {
+    let (mut out, mut elsewhere) = (x.to_vec(), false);
+    for segment in &problem.segments {
+        for (k, column) in smooth[segment.record].columns.iter().enumerate() {
+            let Some([_, second, third, ..]) = column.as_deref() else { continue };
+            let (at, start) = (segment.start + k, 2.0 * second - third);
+            let measured = problem.records[segment.record].columns[k].is_some();
+            elsewhere |= measured && (x[at] - start).abs() > ASTRAY * noise[segment.record][k].additive;
+            out[at] = start.clamp(problem.bounds[at].0, problem.bounds[at].1);
+        }
+    }
+    elsewhere.then_some(out)
+}
+
+/// A start near the end of a fit: every unknown is moved by [`RESTART_REACH`] standard errors of the misfit, up
+/// or down.
+fn nearby(
+    problem: &Problem<'_>,
+    x: &[f64],
+    weights: &[Vec<Vec<f64>>],
+    samples: usize,
+    attempt: u32,
+) -> Option<Vec<f64>> {
+    let normal = problem.normal(x, weights).ok()?;
+    let ratio = normal.cost / samples.max(1) as f64;
+    if !RESTARTED.contains(&ratio) {
+        return None;
+    }
+    let cov = crate::linear::covariance(&normal.matrix);
+    let moved = x.iter().enumerate().map(|(k, v)| {
+        let error = (cov[(k, k)] * ratio).sqrt();
+        let sign =
+            if (k as u32).wrapping_mul(2_654_435_769).rotate_left(attempt * 7) & 1 == 0 { 1.0 } else { -1.0 };
+        let sign = if attempt.is_multiple_of(2) { sign } else { -sign };
+        let reach = f64::from(1 + attempt / 2) * RESTART_REACH;
+        let step = if error.is_finite() { reach * sign * error } else { 0.0 };
+        (v + step).clamp(problem.bounds[k].0, problem.bounds[k].1)
+    });
+    Some(moved.collect())
+}
+
+/// How hard to try.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effort {
+    /// One fit, through shorter segments to single runs.
+    Plain,
+    /// From the start values and, if that leaves more than noise, from starts near its end: for a model that
+    /// was fitted before.
+    Thorough,
+    /// The same, and 95 % intervals.
+    Errors,
+}
+
+/// chi^2 per sample of the Fit records over many short segments, after a few iterations of a fit. `None` if the
+/// model cannot be simulated. Ranks trials: those far behind need no full fit. Only every `stride`-th segment
+/// counts; 1 uses all of them.
+pub fn glance(
+    system: &System,
+    records: &[Record],
+    smooth: &[Record],
+    noise: &[Vec<f64>],
+    stride: usize,
+) -> Option<f64> {
+    let Setup { fitted, noise, smooth: starts, .. } = Setup::new(records, smooth, noise);
+    let mut problem = Problem::new(system, &[], &fitted, &vec![STAGES[0]; fitted.len()]).ok()?;
+    let mut k = 0;
+    problem.segments.retain(|_| {
+        k += 1;
+        (k - 1) % stride.max(1) == 0
+    });
+    looked(problem, &noise, &starts, QUICK_SEGMENTS)
+}
+
+/// As [`glance`], but over single runs from the start of `smooth`: for a model that is nearly right and comes
+/// to rest, which segments would not show.
+pub fn approach(system: &System, records: &[Record], smooth: &[Record], noise: &[Vec<f64>]) -> Option<f64> {
+    let Setup { fitted, noise, smooth: starts, .. } = Setup::new(records, smooth, noise);
+    let problem = Problem::new(system, &[], &fitted, &vec![1; fitted.len()]).ok()?;
+    looked(problem, &noise, &starts, QUICK_SINGLE)
+}
+
+/// chi^2 per sample after a few iterations.
+fn looked(mut problem: Problem<'_>, noise: &Noise, starts: &[Record], minimum: [f64; 2]) -> Option<f64> {
+    problem.budget = Some(budget(&problem));
+    problem.tolerance = tolerance(&problem, noise);
+    let mut x = problem.guess(&[], None, starts);
+    let weights = problem.weights(noise, None);
+    let normal = problem.minimise(&mut x, &weights, Limits::of(minimum)).ok()?;
+    let columns = |r: usize| problem.records[r].columns.iter().flatten().count();
+    let samples: usize =
+        problem.segments.iter().map(|s| (s.samples.1 - s.samples.0) * columns(s.record)).sum();
+    Some(normal.cost / samples.max(1) as f64)
+}
+
+/// The Fit records with their noise.
+struct Setup<'a> {
+    fitted: Vec<&'a Record>,
+    noise: Noise,
+    smooth: Vec<Record>,
+}
+
+impl<'a> Setup<'a> {
+    fn new(records: &'a [Record], smooth: &[Record], noise: &[Vec<f64>]) -> Setup<'a> {
+        let of: Vec<usize> = (0..records.len()).filter(|&r| records[r].role == Role::Fit).collect();
+        let additive = |s: &f64| ColumnNoise { additive: s.max(f64::MIN_POSITIVE), relative: 0.0 };
+        Setup {
+            fitted: of.iter().map(|&r| &records[r]).collect(),
+            noise: of.iter().map(|&r| noise[r].iter().map(additive).collect()).collect(),
+            smooth: of.iter().map(|&r| smooth[r].clone()).collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

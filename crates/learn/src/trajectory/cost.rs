@@ -1,0 +1,253 @@
+//! The cost of a trajectory problem and its derivatives, from simulations of all segments.
+
+use crate::least_squares::{Limits, Normal, minimise};
+use crate::trajectory::delayed_samples::SampledRun;
+use crate::trajectory::layout::{Segment, Source};
+use crate::trajectory::problem::Problem;
+use faer::Mat;
+use phisindy_expr::wide;
+use phisindy_sim::SimError;
+use rayon::prelude::*;
+
+/// The contribution of one segment to the normal equations: the unknowns that it depends on, and its normal
+/// equations in those (upper triangle).
+struct Share {
+    cost: f64,
+    at: Vec<usize>,
+    matrix: Mat<f64>,
+    gradient: Vec<f64>,
+}
+
+impl Problem<'_> {
+    /// Minimises the cost from `x` within the bounds. Returns the normal equations at the end.
+    ///
+    /// # Errors
+    /// The model cannot be simulated at `x`.
+    pub(crate) fn minimise(
+        &self,
+        x: &mut [f64],
+        weights: &[Vec<Vec<f64>>],
+        limits: Limits,
+    ) -> Result<Normal, SimError> {
+        self.minimise_within(&self.bounds, x, weights, limits)
+    }
+
+    /// As [`Problem::minimise`], within other bounds.
+    pub(crate) fn minimise_within(
+        &self,
+        bounds: &[(f64, f64)],
+        x: &mut [f64],
+        weights: &[Vec<Vec<f64>>],
+        limits: Limits,
+    ) -> Result<Normal, SimError> {
+        let mut failure = None;
+        let end = minimise(x, bounds, limits, |x, ceiling| {
+            // A step that is likely to fail is tried without derivatives, which are most of the work.
+            if ceiling.is_finite() && self.cost(x, weights).ok()? > ceiling {
+                return None;
+            }
+            self.normal(x, weights).map_err(|e| failure = Some(e)).ok()
+        });
+        end.ok_or_else(|| failure.expect("a minimum without an end has failed at its start"))
+    }
+
+    /// The cost alone, bit for bit that of [`Problem::normal`].
+    fn cost(&self, x: &[f64], weights: &[Vec<Vec<f64>>]) -> Result<f64, SimError> {
+        let parts: Vec<f64> = self
+            .segments
+            .par_iter()
+            .map(|s| {
+                let sampled = self.run(s, x, false)?;
+                Ok(sum_of_squares(&self.misses(s, x, weights, &sampled)))
+            })
+            .collect::<Result<_, _>>()?;
+        let prior = |&(k, centre, sigma): &(usize, f64, f64)| {
+            let r = (x[k] - centre) / sigma;
+            self.belief * r * r
+        };
+        let all = parts.into_iter().chain(self.priors.iter().map(prior));
+        Ok(all.fold(0.0, |sum, part| sum + part))
+    }
+
+    /// The weighted residuals of a segment: sample by sample those of each measured column, then the jump of
+    /// each state to the next segment.
+    fn misses(
+        &self,
+        segment: &Segment,
+        x: &[f64],
+        weights: &[Vec<Vec<f64>>],
+        sampled: &SampledRun,
+    ) -> Vec<f64> {
+        let (first, last) = segment.samples;
+        let record = self.records[segment.record];
+        let measured: Vec<usize> =
+            (0..record.columns.len()).filter(|&k| record.columns[k].is_some()).collect();
+        let columns: Vec<(&[f64], &[f64])> = measured
+            .iter()
+            .map(|&k| {
+                (record.columns[k].as_deref().unwrap_or_default(), weights[segment.record][k].as_slice())
+            })
+            .collect();
+        let mut misses = Vec::with_capacity((last - first) * measured.len());
+        for (i, sample) in (first..last).enumerate() {
+            for (&k, (column, weight)) in measured.iter().zip(&columns) {
+                let (prediction, _) = self.reading(segment.record, k, x, sampled.value(i, k).0);
+                misses.push(weight[sample].sqrt() * (prediction - column[sample]));
+            }
+        }
+        if let (Some(next), Some(tau)) = (self.next(segment), &self.continuity) {
+            let n = sampled.run.n;
+            let (states, rates) =
+                (&sampled.run.states[(last - first) * n..], &sampled.run.rates[(last - first) * n..]);
+            let late = sampled.end - record.time[last];
+            misses.extend((0..n).map(|k| joint(tau[k]) * (states[k] - late * rates[k] - x[next.start + k])));
+        }
+        misses
+    }
+
+    /// Cost and normal equations, residuals weighted by the noise at `weights` (predictions of an earlier
+    /// iterate, so that weights do not chase the fit).
+    pub(crate) fn normal(&self, x: &[f64], weights: &[Vec<Vec<f64>>]) -> Result<Normal, SimError> {
+        self.gathered(x, weights, false)
+    }
+
+    /// As [`Problem::normal`], but each row of `J` is multiplied by its weighted residual: the meat of the
+    /// sandwich that makes error bars right where the noise model is not (White, Econometrica 48 (1980)
+    /// 817-838).
+    pub(crate) fn meat(&self, x: &[f64], weights: &[Vec<Vec<f64>>]) -> Result<Mat<f64>, SimError> {
+        self.gathered(x, weights, true).map(|n| n.matrix)
+    }
+
+    fn gathered(&self, x: &[f64], weights: &[Vec<Vec<f64>>], meat: bool) -> Result<Normal, SimError> {
+        let d = self.unknowns;
+        let parts: Vec<Share> = self
+            .segments
+            .par_iter()
+            .map(|s| self.normal_of_segment(s, x, weights, meat))
+            .collect::<Result<_, _>>()?;
+        let mut total = Normal { cost: 0.0, matrix: Mat::zeros(d, d), gradient: vec![0.0; d] };
+        for Share { cost, at, matrix, gradient } in parts {
+            total.cost += cost;
+            for (i, &row) in at.iter().enumerate() {
+                total.gradient[row] += gradient[i];
+                for (j, &col) in at.iter().enumerate() {
+                    total.matrix[(row, col)] += matrix[(i.min(j), i.max(j))];
+                }
+            }
+        }
+        for &(k, centre, sigma) in &self.priors {
+            let r = (x[k] - centre) / sigma;
+            total.cost += self.belief * r * r;
+            total.matrix[(k, k)] += self.belief / (sigma * sigma);
+            total.gradient[k] += self.belief * r / sigma;
+        }
+        Ok(total)
+    }
+
+    /// Which unknowns a segment depends on, its cost, and its normal equations in those (upper triangle).
+    fn normal_of_segment(
+        &self,
+        segment: &Segment,
+        x: &[f64],
+        weights: &[Vec<Vec<f64>>],
+        meat: bool,
+    ) -> Result<Share, SimError> {
+        let sampled = self.run(segment, x, true)?;
+        let run = &sampled.run;
+        let (n, m, r) = (run.n, run.m, segment.record);
+        // Columns of the sensitivities: start states, then the unknown ones among the model's parameters.
+        let mut at: Vec<usize> = (segment.start..segment.start + n).collect();
+        at.extend(self.sources(r).filter_map(|s| if let Source::Unknown(k) = s { Some(k) } else { None }));
+        let mut sensor_slots = vec![[usize::MAX; 3]; n];
+        for (k, sensor) in self.sensors[r][..n].iter().enumerate() {
+            for (which, source) in sensor.iter().enumerate() {
+                if let Source::Unknown(unknown) = *source {
+                    sensor_slots[k][which] = at.iter().position(|&u| u == unknown).unwrap_or(at.len());
+                    if sensor_slots[k][which] == at.len() {
+                        at.push(unknown);
+                    }
+                }
+            }
+        }
+        let next = self.next(segment);
+        let joints = at.len();
+        at.extend(next.iter().flat_map(|s| s.start..s.start + n));
+        let width = at.len();
+        let mut matrix = vec![0.0; width * width];
+        let mut gradient = vec![0.0; width];
+        let mut row = vec![0.0; width];
+        let misses = self.misses(segment, x, weights, &sampled);
+        let mut of_samples = misses.iter().copied();
+        wide(
+            #[inline(always)]
+            || {
+                for (i, sample) in (segment.samples.0..segment.samples.1).enumerate() {
+                    for (k, column) in self.records[r].columns.iter().enumerate() {
+                        if column.is_none() {
+                            continue;
+                        }
+                        let e = of_samples.next().expect("one for each sample of each column");
+                        let (value, rate) = sampled.value(i, k);
+                        let (_, gain) = self.reading(r, k, x, value);
+                        let weight = weights[r][k][sample].sqrt();
+                        row.fill(0.0);
+                        let s = sampled.sensitivities(i, k);
+                        row.iter_mut().zip(s).for_each(|(j, s)| *j = weight * gain * s);
+                        let [offset_at, gain_at, delay_at] = sensor_slots[k];
+                        if offset_at != usize::MAX {
+                            row[offset_at] += weight;
+                        }
+                        if gain_at != usize::MAX {
+                            row[gain_at] += weight * value;
+                        }
+                        if delay_at != usize::MAX {
+                            row[delay_at] -= weight * gain * rate;
+                        }
+                        add_row(&row, e, meat, &mut matrix, &mut gradient);
+                    }
+                }
+            },
+        );
+        if let (Some(_), Some(tau)) = (next, &self.continuity) {
+            let i = segment.samples.1 - segment.samples.0;
+            for (k, &e) in misses[misses.len() - n..].iter().enumerate() {
+                let weight = joint(tau[k]);
+                row.fill(0.0);
+                let s = &run.sensitivities[(i * n + k) * m..(i * n + k + 1) * m];
+                row.iter_mut().zip(s).for_each(|(j, s)| *j = weight * s);
+                row[joints + k] = -weight;
+                add_row(&row, e, meat, &mut matrix, &mut gradient);
+            }
+        }
+        let matrix = Mat::from_fn(width, width, |a, b| if a <= b { matrix[a * width + b] } else { 0.0 });
+        Ok(Share { cost: sum_of_squares(&misses), at, matrix, gradient })
+    }
+}
+
+/// The square root of the weight of a jump between segments whose standard deviation is `tau`.
+fn joint(tau: f64) -> f64 {
+    1.0 / tau.max(f64::MIN_POSITIVE)
+}
+
+fn sum_of_squares(misses: &[f64]) -> f64 {
+    misses.iter().fold(0.0, |sum, e| sum + e * e)
+}
+
+/// Adds a row of `J` and its residual to `J^T J` (upper triangle) and `J^T e`; for the meat of a sandwich the
+/// row is multiplied by the residual.
+#[inline(always)]
+fn add_row(row: &[f64], e: f64, meat: bool, matrix: &mut [f64], gradient: &mut [f64]) {
+    let (width, scale) = (row.len(), if meat { e } else { 1.0 });
+    for a in 0..width {
+        let ja = scale * row[a];
+        if ja == 0.0 {
+            continue;
+        }
+        gradient[a] += ja * e;
+        let line = &mut matrix[a * width + a..(a + 1) * width];
+        line.iter_mut().zip(&row[a..]).for_each(|(m, j)| *m += ja * scale * j);
+    }
+}
+
+#[cfg(test)]
+mod tests;

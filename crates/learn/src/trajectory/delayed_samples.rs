@@ -1,0 +1,151 @@
+//! Sample times of the columns of a record: each sensor may be late by a delay of its own.
+//!
+//! One simulation serves all columns. It is sampled at the times of every delay, and each column takes the
+//! samples of its own delay.
+
+use phisindy_sim::Trajectory;
+
+/// Times at which a run is sampled, and which of them belong to which column.
+pub(crate) struct DelayedSamples {
+    /// Sample times, not decreasing.
+    pub(crate) times: Vec<f64>,
+    /// For each distinct delay, the indices of its samples in `times`. The first delay is that of the states
+    /// themselves.
+    at: Vec<Vec<usize>>,
+    /// For each state, the index of its delay.
+    group: Vec<usize>,
+}
+
+impl DelayedSamples {
+    /// Samples at `samples`, each state's column late by its delay. The states themselves are sampled with the
+    /// delay of state `first`.
+    pub(crate) fn new(samples: &[f64], delays: &[f64], first: usize) -> DelayedSamples {
+        let mut distinct = vec![delays.get(first).copied().unwrap_or(0.0)];
+        let mut group = Vec::with_capacity(delays.len());
+        for &delay in delays {
+            group.push(distinct.iter().position(|d| *d == delay).unwrap_or_else(|| {
+                distinct.push(delay);
+                distinct.len() - 1
+            }));
+        }
+        if let [delay] = distinct[..] {
+            let times = samples.iter().map(|t| t - delay).collect();
+            return DelayedSamples { times, at: vec![(0..samples.len()).collect()], group };
+        }
+        let mut all: Vec<(f64, usize, usize)> = distinct
+            .iter()
+            .enumerate()
+            .flat_map(|(g, delay)| samples.iter().enumerate().map(move |(i, t)| (t - delay, g, i)))
+            .collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut at = vec![vec![0; samples.len()]; distinct.len()];
+        all.iter().enumerate().for_each(|(k, &(_, g, i))| at[g][i] = k);
+        DelayedSamples { times: all.into_iter().map(|(t, ..)| t).collect(), at, group }
+    }
+
+    /// The first sample time of the states themselves.
+    pub(crate) fn first(&self) -> f64 {
+        self.at[0].first().map_or(0.0, |&i| self.times[i])
+    }
+
+    /// Adds a sample of the states at a time, or at the last sample time if that is later.
+    pub(crate) fn push(&mut self, time: f64) {
+        self.at[0].push(self.times.len());
+        self.times.push(self.times.last().map_or(time, |last| last.max(time)));
+    }
+
+    /// Sorts a run that was sampled at [`DelayedSamples::times`] by column.
+    pub(crate) fn split(&self, run: Trajectory) -> SampledRun {
+        let end = self.at[0].last().map_or(0.0, |&i| self.times[i]);
+        if let [_] = self.at[..] {
+            return SampledRun { run, end, late: vec![] };
+        }
+        let (n, m) = (run.n, run.m);
+        let late = (0..n)
+            .map(|k| {
+                let at = self.at.get(self.group[k]).filter(|_| self.group[k] > 0)?;
+                Some(Delayed {
+                    values: at.iter().map(|i| (run.states[i * n + k], run.rates[i * n + k])).collect(),
+                    sensitivities: if m == 0 {
+                        vec![]
+                    } else {
+                        at.iter().flat_map(|i| &run.sensitivities[(i * n + k) * m..][..m]).copied().collect()
+                    },
+                })
+            })
+            .collect();
+        let rows = |of: &[f64], width: usize| -> Vec<f64> {
+            if of.is_empty() {
+                return vec![];
+            }
+            self.at[0].iter().flat_map(|i| &of[i * width..][..width]).copied().collect()
+        };
+        let switches = run.modes.len() / self.times.len().max(1);
+        let run = Trajectory {
+            states: rows(&run.states, n),
+            rates: rows(&run.rates, n),
+            sensitivities: rows(&run.sensitivities, n * m),
+            modes: self.at[0].iter().flat_map(|i| &run.modes[i * switches..][..switches]).copied().collect(),
+            ..run
+        };
+        SampledRun { run, end, late }
+    }
+}
+
+/// A run at the sample times of each column.
+pub(crate) struct SampledRun {
+    /// All states with the delay of the first column.
+    pub(crate) run: Trajectory,
+    /// Time of the last sample of `run`.
+    pub(crate) end: f64,
+    /// The columns with other delays; empty if all have the same.
+    late: Vec<Option<Delayed>>,
+}
+
+struct Delayed {
+    /// Value and rate at every sample.
+    values: Vec<(f64, f64)>,
+    /// Derivatives, row-major samples x m.
+    sensitivities: Vec<f64>,
+}
+
+impl SampledRun {
+    /// Value and rate of a column's state at its own sample time.
+    pub(crate) fn value(&self, sample: usize, state: usize) -> (f64, f64) {
+        match self.late.get(state) {
+            Some(Some(late)) => late.values[sample],
+            _ => {
+                let at = sample * self.run.n + state;
+                (self.run.states[at], self.run.rates[at])
+            }
+        }
+    }
+
+    /// Derivatives of that value by the start and the free parameters.
+    pub(crate) fn sensitivities(&self, sample: usize, state: usize) -> &[f64] {
+        let m = self.run.m;
+        match self.late.get(state) {
+            Some(Some(late)) => &late.sensitivities[sample * m..][..m],
+            _ => &self.run.sensitivities[(sample * self.run.n + state) * m..][..m],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_column_is_sampled_with_its_own_delay() {
+        let samples = DelayedSamples::new(&[0.0, 1.0, 2.0], &[0.25, 0.0, 0.25], 1);
+        assert_eq!(samples.times, [-0.25, 0.0, 0.75, 1.0, 1.75, 2.0]);
+        // Three states that are the time, its double and its triple.
+        let states = samples.times.iter().flat_map(|t| [*t, 2.0 * t, 3.0 * t]).collect();
+        let rates = samples.times.iter().flat_map(|_| [1.0, 2.0, 3.0]).collect();
+        let run = Trajectory { n: 3, states, rates, modes: vec![1; 6], ..Default::default() };
+        let sampled = samples.split(run);
+        assert_eq!(sampled.run.states, [0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 2.0, 4.0, 6.0]);
+        assert_eq!(sampled.run.modes.len(), 3);
+        assert_eq!([0, 1, 2].map(|k| sampled.value(1, k)), [(0.75, 1.0), (2.0, 2.0), (2.25, 3.0)]);
+    }
+}

@@ -1,0 +1,411 @@
+//! One trajectory fit: from a first guess to the minimum, with the noise estimated along the way.
+//!
+//! Far from the truth the cost of a whole record has local minima, so the horizon grows: first many short
+//! segments, whose start states come from the data, then few, then one. A record whose single run is much worse
+//! than its segments (it drifts or is unstable) stays segmented.
+
+use crate::decisions::{
+    BUDGET_BASE, BUDGET_FACTOR, CHAIN_MINIMUM, DRIFT, FINE_MINIMUM, FIRST_NOISE, HOP_GAIN, HOPELESS, HOPS,
+    LIKELIHOOD_GAIN, REFIT_ITERATIONS, ROUGH_MINIMUM, SPOILED, STAGES, STRAIGHT_PROMISE, TIGHTENING,
+    TRIAL_MINIMUM, WHITE_EXCESS, WHITE_PART,
+};
+use crate::least_squares::{Limits, Normal};
+use crate::trajectory::noise::ColumnNoise;
+use crate::trajectory::problem::{Meaning, Noise, Problem};
+use crate::trajectory::tally::{Tally, inflation, tally, whitened};
+use phisindy_phys::spec::SegmentsSpec;
+use phisindy_phys::{Record, System};
+use phisindy_signal::{chance_of_white, noise_level};
+
+/// A fitted model.
+pub(crate) struct Fit<'a> {
+    pub(crate) problem: Problem<'a>,
+    /// The unknowns at the minimum.
+    pub(crate) x: Vec<f64>,
+    pub(crate) noise: Noise,
+    /// Weights of all samples.
+    pub(crate) weights: Vec<Vec<Vec<f64>>>,
+    pub(crate) normal: Normal,
+    /// Number of residuals.
+    pub(crate) samples: usize,
+    /// Number of independent residuals (effective sample size).
+    pub(crate) effective: f64,
+    /// Variance of the residuals over that of their white part (by the spectrum above the motion).
+    pub(crate) excess: f64,
+    /// Segments of each record.
+    pub(crate) pieces: Vec<usize>,
+}
+
+/// What all fits of a case share.
+pub(crate) struct Context<'a> {
+    pub(crate) system: &'a System,
+    pub(crate) records: Vec<&'a Record>,
+    /// Smoothed records, to start from.
+    pub(crate) smooth: Vec<Record>,
+    pub(crate) segments: SegmentsSpec,
+}
+
+impl<'a> Context<'a> {
+    /// Fits `terms` from scratch. `None` if the model cannot be simulated from any start tried.
+    pub(crate) fn fresh_fit(&self, terms: &[usize], coefficients: &[f64]) -> Option<Fit<'a>> {
+        let mut values = coefficients.to_vec();
+        let mut parameters: Option<Vec<f64>> = None;
+        let mut before: Option<(f64, Fit<'a>)> = None;
+        let mut finest: Option<Fit<'a>> = None;
+        let stages: Vec<usize> = match self.segments {
+            SegmentsSpec::Auto => STAGES.to_vec(),
+            SegmentsSpec::Count(n) => {
+                STAGES.iter().copied().filter(|&s| s > n as usize).chain([n as usize]).collect()
+            }
+        };
+        for &pieces in &stages {
+            let begun = |values: &[f64], parameters: Option<&[f64]>, from: Option<&Fit<'a>>| {
+                let mut problem =
+                    Problem::new(self.system, terms, &self.records, &vec![pieces; self.records.len()])
+                        .ok()?;
+                problem.budget = from.map(|fit| fit.budget(fit.most_pieces().div_ceil(pieces)));
+                let mut x = problem.guess(values, parameters, &self.smooth);
+                if let Some(fit) = from {
+                    transfer(&fit.problem, &fit.x, &problem, &mut x);
+                }
+                let noise = self.first_noise(&problem);
+                self.settle(problem, x, noise, 1)
+            };
+            let mut fit = begun(&values, parameters.as_deref(), before.as_ref().map(|(_, fit)| fit));
+            if let Some(fine) = &finest {
+                let size = |fit: &Option<Fit<'_>>| {
+                    fit.as_ref().and_then(|fit| self.misfit(fit)).unwrap_or(f64::INFINITY)
+                };
+                if size(&fit) > SPOILED * self.misfit(fine)? {
+                    let other = begun(&fine.x[..terms.len()], self.shared(fine).as_deref(), Some(fine));
+                    if size(&other) < size(&fit) {
+                        fit = other;
+                    }
+                }
+            }
+            let Some(fit) = fit else {
+                if before.is_some() {
+                    break;
+                } else {
+                    continue;
+                };
+            };
+            // The noise estimate, and with it the weights, differ between stages: compare residuals in the
+            // units of the columns.
+            let size = self.misfit(&fit)?;
+            if let Some((last, _)) = &before
+                && pieces == 1
+                && size > DRIFT * last
+                && self.segments == SegmentsSpec::Auto
+            {
+                let straight = self.straight(&fit);
+                if let Some(fit) =
+                    straight.filter(|f| self.misfit(f).is_some_and(|size| size <= DRIFT * last))
+                {
+                    return Some(fit);
+                }
+                // Back to many segments, joined with the standard deviation of their jumps.
+                let Fit { mut problem, x, noise, .. } = finest?;
+                problem.continuity = problem.jumps(&x).ok();
+                return self.settle(problem, x, noise, 3);
+            }
+            values = fit.x[..terms.len()].to_vec();
+            parameters = self.shared(&fit);
+            let last = before.replace((size, fit));
+            finest = finest.or(last.map(|(_, fit)| fit));
+        }
+        let (_, fit) = before?;
+        let Fit { problem, x, noise, .. } = fit;
+        let fit = self.settle(problem, x, noise, 3).map(|fit| self.with_scaled_coefficients(fit))?;
+        Some(self.straight(&fit).unwrap_or(fit))
+    }
+
+    /// A fit of a model without dictionary in one run from the start values of the spec, if it is better than
+    /// `found`. After an earlier fit it is; with clearances the segments may end in a wrong minimum.
+    fn straight(&self, found: &Fit<'a>) -> Option<Fit<'a>> {
+        if !found.problem.terms.is_empty() || self.segments != SegmentsSpec::Auto {
+            return None;
+        }
+        let problem = Problem::new(self.system, &[], &self.records, &vec![1; self.records.len()]).ok()?;
+        let x = problem.guess(&[], None, &self.smooth);
+        let least = self.misfit(found)?;
+        if misfit(&problem, &x)? > STRAIGHT_PROMISE * least {
+            return None;
+        }
+        let fit = self.settle(problem, x, found.noise.clone(), 3)?;
+        (self.misfit(&fit)? < least).then_some(fit)
+    }
+
+    /// A motion that comes to rest has a local minimum for each number of swings before rest. Tries the
+    /// coefficients times [`HOPS`], and keeps a clearly better minimum.
+    fn with_scaled_coefficients(&self, mut fit: Fit<'a>) -> Fit<'a> {
+        if fit.is_white() || !fit.comes_to_rest() {
+            return fit;
+        }
+        let bounds = fit.problem.bounds.clone();
+        let hop = |scale: f64| {
+            let mut x = fit.x.clone();
+            for k in 0..fit.problem.terms.len() {
+                x[k] = (x[k] * scale).clamp(bounds[k].0, bounds[k].1);
+            }
+            let limits = Limits::of(TRIAL_MINIMUM);
+            let end = fit.problem.minimise(&mut x, &fit.weights, limits).ok()?;
+            Some((end.cost, x))
+        };
+        let best = HOPS.into_iter().filter_map(hop).min_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((_, x)) = best.filter(|(cost, _)| *cost < HOP_GAIN * fit.normal.cost) {
+            fit.x = x;
+            return self.resettle(fit);
+        }
+        fit
+    }
+
+    /// Fits segmented records as single runs. A model that lacks a term drifts and is segmented; with the term
+    /// the segments only lose information. `None` if there is nothing to join, or the single run still drifts.
+    pub(crate) fn joined(&self, cut: &Fit<'a>) -> Option<Fit<'a>> {
+        if self.segments != SegmentsSpec::Auto || cut.pieces.iter().all(|&p| p == 1) {
+            return None;
+        }
+        // The joints are tightened step by step: a run over many events has local minima, a chain of short runs
+        // has few.
+        let mut chain = self.problem(&cut.problem.terms, cut)?;
+        let mut x = cut.x.clone();
+        chain.continuity = None;
+        let jumps = chain.jumps(&x).ok()?;
+        for tighter in TIGHTENING {
+            chain.continuity = Some(jumps.iter().map(|j| tighter * j).collect());
+            let limits = Limits::of(CHAIN_MINIMUM);
+            chain.minimise(&mut x, &cut.weights, limits).ok()?;
+        }
+        let mut single =
+            Problem::new(self.system, &cut.problem.terms, &self.records, &vec![1; self.records.len()])
+                .ok()?;
+        let mut y = single.guess(&x[..cut.problem.terms.len()], None, &self.smooth);
+        transfer(&chain, &x, &single, &mut y);
+        for segment in &single.segments {
+            let first = chain.segments.iter().find(|s| s.record == segment.record)?;
+            for k in 0..self.system.states.len() {
+                y[segment.start + k] = x[first.start + k];
+            }
+        }
+        single.budget = Some(cut.budget(cut.most_pieces()));
+        let joined = self.settle(single, y, cut.noise.clone(), 3)?;
+        (self.misfit(&joined)? <= DRIFT * self.misfit(cut)?).then_some(joined)
+    }
+
+    /// The misfit of a guess over many short segments, without a fit.
+    pub(crate) fn misfit_of_guess(&self, terms: &[usize], coefficients: &[f64]) -> Option<f64> {
+        let problem =
+            Problem::new(self.system, terms, &self.records, &vec![STAGES[0]; self.records.len()]).ok()?;
+        let x = problem.guess(coefficients, None, &self.smooth);
+        misfit(&problem, &x)
+    }
+
+    /// Fits other terms from the solution of a fit, with its noise and segments: cost differences between such
+    /// fits are what a selection needs.
+    pub(crate) fn refit(&self, from: &Fit<'a>, terms: &[usize]) -> Option<Fit<'a>> {
+        // A gain of a hundredth in the logarithm of the likelihood is none.
+        self.refit_within(
+            from,
+            terms,
+            Limits::new(REFIT_ITERATIONS, LIKELIHOOD_GAIN / from.samples.max(1) as f64),
+        )
+    }
+
+    /// As [`Context::refit`] with few iterations, and fewer still where the cost stays far above that of the
+    /// fit.
+    pub(crate) fn trial_fit(&self, from: &Fit<'a>, terms: &[usize]) -> Option<Fit<'a>> {
+        let limits = Limits { hopeless: HOPELESS * from.normal.cost, ..Limits::of(TRIAL_MINIMUM) };
+        self.refit_within(from, terms, limits)
+    }
+
+    fn refit_within(&self, from: &Fit<'a>, terms: &[usize], limits: Limits) -> Option<Fit<'a>> {
+        let problem = self.problem(terms, from)?;
+        let coefficients: Vec<f64> = terms
+            .iter()
+            .map(|t| from.problem.terms.iter().position(|u| u == t).map_or(0.0, |k| from.x[k]))
+            .collect();
+        let mut x = problem.guess(&coefficients, None, &self.smooth);
+        transfer(&from.problem, &from.x, &problem, &mut x);
+        // The segments are the same, and so are their start states.
+        for (a, b) in from.problem.segments.iter().zip(&problem.segments) {
+            for k in 0..self.system.states.len() {
+                x[b.start + k] = from.x[a.start + k];
+            }
+        }
+        let weights = from.weights.clone();
+        let normal = problem.minimise(&mut x, &weights, limits).ok()?;
+        Some(Fit {
+            problem,
+            x,
+            noise: from.noise.clone(),
+            weights,
+            normal,
+            samples: from.samples,
+            effective: from.effective,
+            excess: from.excess,
+            pieces: from.pieces.clone(),
+        })
+    }
+
+    /// The problem for other terms, cut and joined as that of a fit.
+    pub(crate) fn problem(&self, terms: &[usize], like: &Fit<'a>) -> Option<Problem<'a>> {
+        let mut problem = Problem::new(self.system, terms, &self.records, &like.pieces).ok()?;
+        problem.continuity = like.problem.continuity.clone();
+        problem.budget = Some(like.budget(1));
+        Some(problem)
+    }
+
+    /// A fit with more terms, started from one with fewer, its noise estimated anew.
+    pub(crate) fn richer(&self, from: &Fit<'a>, terms: &[usize]) -> Option<Fit<'a>> {
+        let Fit { problem, x, noise, .. } = self.refit(from, terms)?;
+        self.settle(problem, x, noise, 3)
+    }
+
+    /// Minimises and re-estimates the noise in turn. `None` if the model cannot be simulated from `x`.
+    pub(crate) fn settle(
+        &self,
+        mut problem: Problem<'a>,
+        mut x: Vec<f64>,
+        mut noise: Noise,
+        rounds: usize,
+    ) -> Option<Fit<'a>> {
+        let found = settled(&mut problem, &mut x, &mut noise, rounds)?;
+        let pieces = (0..self.records.len())
+            .map(|r| problem.segments.iter().filter(|s| s.record == r).count())
+            .collect();
+        let Settled { weights, normal, samples, effective, excess } = found;
+        Some(Fit { problem, x, noise, weights, normal, samples, effective, excess, pieces })
+    }
+
+    /// A fit with its own noise estimate: after a selection it has that of the fit it started from.
+    pub(crate) fn resettle(&self, mut fit: Fit<'a>) -> Fit<'a> {
+        let (mut x, mut noise) = (fit.x.clone(), fit.noise.clone());
+        match settled(&mut fit.problem, &mut x, &mut noise, 3) {
+            Some(Settled { weights, normal, samples, effective, excess }) => {
+                Fit { x, noise, weights, normal, samples, effective, excess, ..fit }
+            }
+            None => fit,
+        }
+    }
+
+    /// The noise before the first fit: a fixed part of each column's standard deviation.
+    fn first_noise(&self, problem: &Problem<'_>) -> Noise {
+        let one = |d: &f64| ColumnNoise { additive: FIRST_NOISE * d.max(f64::MIN_POSITIVE), relative: 0.0 };
+        problem.deviations.iter().map(|columns| columns.iter().map(one).collect()).collect()
+    }
+
+    /// Root mean square of all residuals in units of their columns.
+    pub(crate) fn misfit(&self, fit: &Fit<'_>) -> Option<f64> {
+        misfit(&fit.problem, &fit.x)
+    }
+
+    /// The shared parameters of a fit.
+    fn shared(&self, fit: &Fit<'_>) -> Option<Vec<f64>> {
+        let t = fit.problem.terms.len();
+        Some(fit.problem.model_parameters(0, &fit.x)[t..t + self.system.parameters.len()].to_vec())
+    }
+}
+
+/// Root mean square of all residuals in units of their columns.
+fn misfit(problem: &Problem<'_>, x: &[f64]) -> Option<f64> {
+    let residuals = problem.residuals(x).ok()?;
+    let (mut sum, mut count) = (0.0, 0);
+    for (r, columns) in residuals.iter().enumerate() {
+        for (k, c) in columns.iter().enumerate() {
+            let d = problem.deviations[r][k].max(f64::MIN_POSITIVE);
+            sum += c.residual.iter().map(|e| (e / d).powi(2)).sum::<f64>();
+            count += c.residual.len();
+        }
+    }
+    Some((sum / count.max(1) as f64).sqrt())
+}
+
+/// What [`settled`] returns beside the unknowns and the noise.
+struct Settled {
+    weights: Vec<Vec<Vec<f64>>>,
+    normal: Normal,
+    samples: usize,
+    effective: f64,
+    excess: f64,
+}
+
+fn settled(problem: &mut Problem<'_>, x: &mut [f64], noise: &mut Noise, rounds: usize) -> Option<Settled> {
+    let mut weights = problem.weights(noise, problem.residuals(x).ok().as_deref());
+    let limits = Limits::of(if rounds == 1 { ROUGH_MINIMUM } else { FINE_MINIMUM });
+    let mut normal = problem.minimise(x, &weights, limits).ok()?;
+    for _ in 1..rounds {
+        let residuals = problem.residuals(x).ok()?;
+        *noise = problem.noise(&residuals);
+        weights = problem.weights(noise, Some(&residuals));
+        if problem.has_priors() {
+            let Tally { samples, effective, .. } = tally(noise, &residuals);
+            problem.belief = inflation(samples, effective);
+        }
+        normal = problem.minimise(x, &weights, limits).ok()?;
+    }
+    let residuals = problem.residuals(x).ok()?;
+    if rounds == 1 {
+        *noise = problem.noise(&residuals);
+    }
+    let Tally { samples, effective, power } = tally(noise, &residuals);
+    let white: f64 = whitened(noise, &residuals).map(|w| noise_level(&w).powi(2) * w.len() as f64).sum();
+    let excess = if white > 0.0 { power / white } else { f64::INFINITY };
+    Some(Settled { weights, normal, samples, effective, excess })
+}
+
+/// Copies parameters and sensor properties that occur in both problems; start states are left alone.
+pub(crate) fn transfer(from: &Problem<'_>, x: &[f64], to: &Problem<'_>, y: &mut [f64]) {
+    let known = from.meanings();
+    for (k, meaning) in to.meanings().into_iter().enumerate() {
+        if !matches!(meaning, Meaning::Parameter(..) | Meaning::Sensor(..)) {
+            continue;
+        }
+        if let Some(j) = known.iter().position(|m| *m == meaning) {
+            y[k] = x[j];
+        }
+    }
+}
+
+impl Fit<'_> {
+    /// Whether nothing but noise is left.
+    pub(crate) fn is_white(&self) -> bool {
+        self.effective > WHITE_PART * self.samples as f64 || self.excess < WHITE_EXCESS
+    }
+
+    /// The p-value of the hypothesis that the residuals are white noise: that of the least white column,
+    /// corrected for the number of columns.
+    pub(crate) fn chance_of_noise(&self) -> f64 {
+        let Ok(residuals) = self.problem.residuals(&self.x) else { return 0.0 };
+        let columns: Vec<f64> = whitened(&self.noise, &residuals).map(|w| chance_of_white(&w)).collect();
+        columns.iter().fold(1.0, |least: f64, p| least.min(p * columns.len() as f64))
+    }
+
+    /// Whether a single run ends with all contacts at rest.
+    fn comes_to_rest(&self) -> bool {
+        self.problem.segments.iter().filter(|s| self.pieces[s.record] == 1).any(|segment| {
+            let Ok(sampled) = self.problem.trajectory(segment, &self.x) else { return false };
+            let contacts = sampled.run.modes.len() / (sampled.run.states.len() / sampled.run.n).max(1);
+            contacts > 0 && sampled.run.modes.iter().rev().take(contacts).all(|mode| *mode == 0)
+        })
+    }
+
+    /// Integration steps that a similar model may take over segments `long` times as long: one that takes many
+    /// times the steps of a good model is bad.
+    fn budget(&self, long: usize) -> usize {
+        BUDGET_BASE + BUDGET_FACTOR * long * self.problem.steps(&self.x)
+    }
+
+    /// Segments of the record that has most.
+    pub(crate) fn most_pieces(&self) -> usize {
+        self.pieces.iter().copied().max().unwrap_or(1)
+    }
+
+    /// Factor on variances for correlated residuals: 1 for white noise.
+    pub(crate) fn inflation(&self) -> f64 {
+        inflation(self.samples, self.effective)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,227 @@
+//! Free runs: every record is simulated from its fitted start state and compared with what was measured.
+
+use crate::decisions::{DIVERGED_SIZE, OWN_PART, START_BLUR, START_MINIMUM, START_PART, START_SAMPLES};
+use crate::least_squares::{Limits, Normal};
+use crate::linear::covariance;
+use crate::result::record_fit::RecordFit;
+use crate::trajectory::layout::Segment;
+use crate::trajectory::problem::{Meaning, Problem};
+use faer::Mat;
+use phisindy_phys::spec::Role;
+use phisindy_phys::{Record, System};
+use phisindy_signal::{noise_level, standard_deviation};
+use phisindy_sim::{Options, SimError, Trajectory};
+
+/// A model with all its numbers.
+#[derive(Clone, Debug)]
+pub(crate) struct Solution {
+    pub(crate) terms: Vec<usize>,
+    pub(crate) coefficients: Vec<f64>,
+    /// Values of the system's parameters, for each record.
+    pub(crate) parameters: Vec<Vec<f64>>,
+    /// Offset, gain and delay of each state's sensor, for each record.
+    pub(crate) sensors: Vec<Vec<[f64; 3]>>,
+    /// Start states, for each record, if fitted already.
+    pub(crate) starts: Vec<Option<Vec<f64>>>,
+}
+
+impl Solution {
+    /// Coefficients and shared parameters alone; sensors as the spec starts them.
+    pub(crate) fn new(
+        terms: Vec<usize>,
+        coefficients: Vec<f64>,
+        parameters: &[f64],
+        records: &[Record],
+    ) -> Solution {
+        let sensors =
+            |r: &Record| r.sensors.iter().map(|s| [s.offset.start, s.gain.start, s.delay.start]).collect();
+        Solution {
+            terms,
+            coefficients,
+            parameters: vec![parameters.to_vec(); records.len()],
+            sensors: records.iter().map(sensors).collect(),
+            starts: vec![None; records.len()],
+        }
+    }
+}
+
+/// Simulates every record from its start state, which is fitted where `solution` has none. `filled` are the
+/// records with samples (or derived samples) of every state, to start from.
+pub(crate) fn free_runs(
+    system: &System,
+    records: &[Record],
+    filled: &[Record],
+    solution: &mut Solution,
+) -> Vec<RecordFit> {
+    let mut fits: Vec<RecordFit> = Vec::new();
+    for r in 0..records.len() {
+        let fit = one(system, records, filled, solution, r, &fits);
+        fits.push(fit);
+    }
+    fits
+}
+
+fn one(
+    system: &System,
+    records: &[Record],
+    filled: &[Record],
+    solution: &mut Solution,
+    r: usize,
+    done: &[RecordFit],
+) -> RecordFit {
+    let record = &records[r];
+    let mut fit = RecordFit {
+        name: record.name.clone(),
+        role: record.role,
+        samples: record.len(),
+        start_took: None,
+        nrmse: vec![],
+        noise: vec![],
+        residuals: vec![vec![]; record.columns.len()],
+        start: vec![],
+        run: None,
+        failure: None,
+    };
+    let problem = match Problem::new(system, &solution.terms, &[record], &[1]) {
+        Ok(problem) => problem,
+        Err(e) => {
+            fit.failure = Some(e);
+            return fit;
+        }
+    };
+    let source = record.continues.filter(|&j| done[j].run.is_some()).unwrap_or(r);
+    let mut x = problem.guess(&solution.coefficients, Some(&solution.parameters[source]), &filled[r..=r]);
+    for (k, meaning) in problem.meanings().into_iter().enumerate() {
+        if let Meaning::Sensor(_, state, which) = meaning {
+            x[k] = solution.sensors[source][state][which];
+        }
+    }
+    let whole = problem.segments[0];
+    let run = if source != r {
+        continued(&problem, &records[source], &done[source], record, &x)
+    } else {
+        started(problem, &mut x, solution, r, record).and_then(|(problem, segment, took)| {
+            solution.starts[r] = Some(x[segment.start..].to_vec());
+            fit.start_took = took;
+            let sampled = problem.trajectory(&whole, &x);
+            sampled
+                .map(|sampled| (problem.readings(0, &x, &sampled), x[segment.start..].to_vec(), sampled.run))
+        })
+    };
+    let (readings, start, run) = match run {
+        Ok(run) => run,
+        Err(e) => {
+            fit.failure = Some(e.into());
+            return fit;
+        }
+    };
+    fit.start = start;
+    for (k, column) in record.columns.iter().enumerate() {
+        let Some(column) = column else { continue };
+        let name = system.states[k].name.clone();
+        let residual: Vec<f64> = column.iter().zip(&readings[k]).map(|(y, p)| y - p).collect();
+        let n = residual.len() as f64;
+        let deviation = standard_deviation(column);
+        let rms = (residual.iter().map(|e| e * e).sum::<f64>() / n).sqrt();
+        fit.nrmse.push((name.clone(), if deviation > 0.0 { rms / deviation } else { f64::INFINITY }));
+        fit.noise.push((name, noise_level(column)));
+        fit.residuals[k] = residual;
+    }
+    fit.run = Some(run);
+    fit
+}
+
+type Run = (Vec<Vec<f64>>, Vec<f64>, Trajectory);
+
+/// Fits the start state, and on a Validate record also its own parameters and sensors; everything else is
+/// fixed. Returns how many samples were used, if more than usual.
+fn started<'a>(
+    mut problem: Problem<'a>,
+    x: &mut [f64],
+    solution: &Solution,
+    r: usize,
+    record: &Record,
+) -> Result<(Problem<'a>, Segment, Option<usize>), SimError> {
+    let whole = problem.segments[0];
+    if let Some(start) = &solution.starts[r] {
+        x[whole.start..].copy_from_slice(start);
+        return Ok((problem, whole, None));
+    }
+    for (k, meaning) in problem.meanings().into_iter().enumerate() {
+        let moves = match meaning {
+            Meaning::Start => true,
+            Meaning::Sensor(..) | Meaning::Parameter(_, Some(_)) => record.role == Role::Validate,
+            _ => false,
+        };
+        if !moves {
+            problem.bounds[k] = (x[k], x[k]);
+        }
+    }
+    if record.role == Role::Validate {
+        // A number of its own, such as a phase, needs more of the record than its start does.
+        let own = problem.meanings().iter().any(|m| matches!(m, Meaning::Parameter(_, Some(_))));
+        let part = record.len() / if own { OWN_PART } else { START_PART };
+        problem.segments[0].samples.1 = part.max(START_SAMPLES).min(record.len());
+    }
+    let weight = |k: usize| 1.0 / problem.deviations[0][k].powi(2).max(f64::MIN_POSITIVE);
+    let weights = vec![(0..record.columns.len()).map(|k| vec![weight(k); record.len()]).collect::<Vec<_>>()];
+    let bounds = problem.bounds.clone();
+    let mut took = None;
+    loop {
+        let part = problem.segments[0];
+        let end = problem.minimise(x, &weights, Limits::of(START_MINIMUM));
+        problem.segments[0] = whole;
+        let known = end?;
+        if part.samples.1 >= record.len() {
+            return Ok((problem, part, took));
+        }
+        let moves: Vec<usize> = (0..x.len()).filter(|&k| bounds[k].0 < bounds[k].1).collect();
+        match problem.normal(x, &weights) {
+            // Where impacts or turning points pull neighbouring motions apart, the start state of a tenth says
+            // nothing about the end of the record, however right the model is.
+            Ok(wanted)
+                if start_uncertainty(&known, &wanted, &moves) > START_BLUR * record.readings() as f64 =>
+            {
+                problem.segments[0].samples.1 = (2 * part.samples.1).min(record.len());
+                took = Some(problem.segments[0].samples.1);
+            }
+            _ => return Ok((problem, part, took)),
+        }
+    }
+}
+
+/// The power, in units of the noise, that the uncertainty of the unknowns `moves` adds to the residuals of a
+/// whole record (`wanted`) after a part of it (`known`) was fitted.
+fn start_uncertainty(known: &Normal, wanted: &Normal, moves: &[usize]) -> f64 {
+    let n = moves.len();
+    let of = |normal: &Normal| Mat::from_fn(n, n, |i, j| normal.matrix[(moves[i], moves[j])]);
+    let (cov, wanted) = (covariance(&of(known)), of(wanted));
+    let blind = |i: usize| !cov[(i, i)].is_finite();
+    // What the part does not see and the whole does is not known at all.
+    if (0..n).any(|i| blind(i) && wanted[(i, i)] > 0.0) {
+        return f64::INFINITY;
+    }
+    let seen: Vec<usize> = (0..n).filter(|&i| !blind(i)).collect();
+    seen.iter().map(|&i| seen.iter().map(|&j| cov[(i, j)] * wanted[(j, i)]).sum::<f64>()).sum()
+}
+
+/// The run of a record that continues another one.
+fn continued(
+    problem: &Problem<'_>,
+    before: &Record,
+    fit: &RecordFit,
+    record: &Record,
+    x: &[f64],
+) -> Result<Run, SimError> {
+    let n = record.columns.len();
+    let start = fit.run.as_ref().map_or(vec![0.0; n], |run| run.states[run.states.len() - n..].to_vec());
+    let options = Options { scale: problem.scale.clone(), diverged: DIVERGED_SIZE, ..Default::default() };
+    // The run before ended at the last sample time of its columns.
+    let samples = problem.delayed_samples(&problem.segments[0], x);
+    let t0 = before.time[before.len() - 1] + (samples.first() - record.time[0]);
+    let sampled = samples.split(problem.simulated(0, x, (t0, &start), &samples.times, &options)?);
+    Ok((problem.readings(0, x, &sampled), sampled.run.states[..n].to_vec(), sampled.run))
+}
+
+#[cfg(test)]
+mod tests;

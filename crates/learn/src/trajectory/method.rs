@@ -1,0 +1,199 @@
+//! Method `trajectory`: the event-located simulation fitted to the records, terms selected, error bars.
+
+use crate::decisions::{LEADING_RANKS, SELECTIONS, START_GAIN};
+use crate::result::error::{LearnError, NumericsError};
+use crate::result::identified::{Identified, PathPoint, StopReason};
+use crate::result::quantity::TermId;
+use crate::result::warning::Warning;
+use crate::trajectory::fit::{Context, Fit};
+use crate::trajectory::initial::{Regression, smoothed};
+use crate::trajectory::problem::Problem;
+use crate::trajectory::report::report;
+use crate::trajectory::select::{Selection, rivals, select};
+use phisindy_phys::spec::{Role, SegmentsSpec, SelectionSpec};
+use phisindy_phys::{Case, Record, System};
+use std::ops::ControlFlow;
+
+/// Identifies by the trajectory method.
+pub(crate) fn by_trajectory(
+    case: &Case,
+    records: &[Record],
+    observe: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<Identified, LearnError> {
+    let system = &case.system;
+    let fitted: Vec<&Record> = records.iter().filter(|r| r.role == Role::Fit).collect();
+    let filled: Vec<Record> = records.iter().map(|r| smoothed(system, r)).collect();
+    let smooth: Vec<Record> = filled.iter().filter(|r| r.role == Role::Fit).cloned().collect();
+    let context = Context {
+        system,
+        records: fitted.clone(),
+        smooth,
+        segments: case.learn.segments.unwrap_or(SegmentsSpec::Auto),
+    };
+    let mut stopped = observe(0.02).is_break();
+    let all: Vec<usize> = (0..system.terms.len()).collect();
+    let parameters: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();
+    let regression = Regression::new(system, &context.smooth, &parameters);
+    let mut hear = |part: f64| {
+        stopped |= observe(part).is_break();
+        stopped
+    };
+    let chosen = case.learn.selection.unwrap_or(SelectionSpec::Auto);
+    let Selection { fit, path } =
+        start(&context, &all, &regression, chosen == SelectionSpec::Auto, &mut hear)?;
+    let Selection { fit, path } = match chosen {
+        SelectionSpec::Auto => Selection { fit, path },
+        SelectionSpec::All => Selection { fit: with_all_terms(&context, fit, &all), path },
+        SelectionSpec::Cutoff(cutoff) => cut_off(&context, with_all_terms(&context, fit, &all), cutoff),
+    };
+    stopped |= observe(0.9).is_break();
+    let near = if chosen == SelectionSpec::Auto { rivals(&context, &fit, &all) } else { vec![] };
+    let alternative =
+        near.first().and_then(|(terms, worse)| alternative(system, &fit.problem.terms, terms, *worse));
+    let stop_reason = if stopped { StopReason::Interrupted } else { StopReason::Finished };
+    let mut found = report(system, records, &filled, &fit, path, stop_reason);
+    found.warnings.extend(alternative);
+    let singular = |&k: &usize| Warning::SingularCandidate { term: TermId::new(system, k) };
+    found.warnings.extend(regression.singular.iter().map(singular));
+    Ok(found)
+}
+
+/// Another choice of terms that is nearly as good; `None` if the choices do not differ by one term.
+fn alternative(system: &System, terms: &[usize], other: &[usize], worse: f64) -> Option<Warning> {
+    let own = |a: &[usize], b: &[usize]| a.iter().find(|t| !b.contains(t)).map(|&t| TermId::new(system, t));
+    Some(Warning::Alternative { term: own(terms, other)?, other: own(other, terms)?, worse })
+}
+
+/// The best fit from several starts, with its terms selected if `auto`.
+///
+/// Collinear candidates make a regression of the whole dictionary ill-conditioned, so the first start has only
+/// the best term of each equation, the next ones the best two, three, all. From each start terms enter and
+/// leave. Only if the residual is not white, the whole dictionary is fitted at once and the next start is
+/// tried.
+fn start<'a>(
+    context: &Context<'a>,
+    all: &[usize],
+    regression: &Regression,
+    auto: bool,
+    stopped: &mut dyn FnMut(f64) -> bool,
+) -> Result<Selection<'a>, LearnError> {
+    let system = context.system;
+    let first_terms = first_terms(context, regression);
+    let poor = context.fresh_fit(&first_terms, &regression.solve(&first_terms));
+    let richer = [regression.best(system, 2), regression.best(system, 3), all.to_vec()];
+    let fits = poor
+        .into_iter()
+        .chain(richer.into_iter().filter_map(|start| context.fresh_fit(&start, &regression.solve(&start))));
+    let mut best: Option<(f64, Selection<'a>)> = None;
+    let chosen = |fit: Fit<'a>| {
+        if auto {
+            select_until_stable(context, fit, all)
+        } else {
+            Selection { path: vec![unselected(&fit)], fit }
+        }
+    };
+    for (k, poor) in fits.enumerate() {
+        if stopped(0.1 + 0.2 * k as f64) && best.is_some() {
+            break;
+        }
+        let mut found = chosen(poor);
+        if !found.fit.is_white() && found.fit.problem.terms.len() < all.len() {
+            let rich = context.richer(&found.fit, all).map(&chosen);
+            if let Some(rich) = rich.filter(|r| context.misfit(&r.fit) < context.misfit(&found.fit)) {
+                found = rich;
+            }
+        }
+        let Some(misfit) = context.misfit(&found.fit) else { continue };
+        let white = found.fit.is_white();
+        let gained = best.as_ref().is_none_or(|(least, _)| misfit < (1.0 - START_GAIN) * least);
+        if best.as_ref().is_none_or(|(least, _)| misfit < *least) {
+            best = Some((misfit, found));
+        }
+        if white || !gained {
+            break;
+        }
+    }
+    if let Some((_, found)) = best {
+        return Ok(found);
+    }
+    let simulated = Problem::new(system, &first_terms, &context.records, &vec![1; context.records.len()])
+        .and_then(|p| Ok(p.residuals(&p.guess(&regression.solve(&first_terms), None, &context.smooth))?));
+    Err(simulated.err().map_or(NumericsError::Diverged, NumericsError::Model).into())
+}
+
+/// The first term of each equation: of the best by regression the one that predicts best. (With noise a wrong
+/// term may be best by regression alone.)
+fn first_terms(context: &Context<'_>, regression: &Regression) -> Vec<usize> {
+    let system = context.system;
+    let mut first_terms = regression.single(system, 0);
+    let mut least =
+        context.misfit_of_guess(&first_terms, &regression.solve(&first_terms)).unwrap_or(f64::INFINITY);
+    for rank in 1..LEADING_RANKS {
+        for other in regression.single(system, rank) {
+            let state = system.terms[other].state;
+            let mut trial: Vec<usize> =
+                first_terms.iter().copied().filter(|&t| system.terms[t].state != state).collect();
+            trial.push(other);
+            trial.sort_unstable();
+            let misfit = context.misfit_of_guess(&trial, &regression.solve(&trial)).unwrap_or(f64::INFINITY);
+            if misfit < least {
+                (first_terms, least) = (trial, misfit);
+            }
+        }
+    }
+    first_terms
+}
+
+/// Selects until the terms do not change. Each selection uses the noise estimate of the fit that it starts
+/// from, and a better fit has a smaller one.
+fn select_until_stable<'a>(context: &Context<'a>, fit: Fit<'a>, all: &[usize]) -> Selection<'a> {
+    let mut hopeless = Vec::new();
+    let mut found = select(context, fit, all, &mut hopeless);
+    for _ in 0..SELECTIONS {
+        let terms = found.fit.problem.terms.clone();
+        let joined = context.joined(&found.fit);
+        let same = joined.is_none();
+        found = select(context, joined.unwrap_or(found.fit), all, &mut hopeless);
+        if same && found.fit.problem.terms == terms {
+            break;
+        }
+    }
+    found
+}
+
+fn unselected(fit: &Fit<'_>) -> PathPoint {
+    PathPoint { terms: fit.problem.terms.len(), criterion: fit.normal.cost, nrmse: None }
+}
+
+/// The fit with every candidate in it, if it can be simulated.
+fn with_all_terms<'a>(context: &Context<'a>, fit: Fit<'a>, all: &[usize]) -> Fit<'a> {
+    if fit.problem.terms.len() == all.len() { fit } else { context.richer(&fit, all).unwrap_or(fit) }
+}
+
+/// The fixed cut-off of the paper applied to the trajectory fit: cut and refit until nothing is cut.
+fn cut_off<'a>(context: &Context<'a>, full: Fit<'a>, cutoff: f64) -> Selection<'a> {
+    let mut now = full;
+    let mut path =
+        vec![PathPoint { terms: now.problem.terms.len(), criterion: now.normal.cost, nrmse: None }];
+    loop {
+        let kept: Vec<usize> = now
+            .problem
+            .terms
+            .iter()
+            .enumerate()
+            .filter(|(k, _)| now.x[*k].abs() >= cutoff)
+            .map(|(_, &t)| t)
+            .collect();
+        if kept.len() == now.problem.terms.len() {
+            return Selection { fit: now, path };
+        }
+        match context.refit(&now, &kept) {
+            Some(fit) => now = fit,
+            None => return Selection { fit: now, path },
+        }
+        path.push(PathPoint { terms: kept.len(), criterion: now.normal.cost, nrmse: None });
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,392 @@
+//! The trajectory fit as a least-squares problem: simulations, predictions of the sensors, residuals, weights.
+//! [`super::layout`] says what the unknowns are, [`super::cost`] differentiates.
+
+use crate::decisions::{BASE_STEPS, DIVERGED_SIZE, SLOPE_STRETCHES, STEPS_PER_SAMPLE, TOLERANCE};
+use crate::result::error::ModelError;
+use crate::trajectory::delayed_samples::{DelayedSamples, SampledRun};
+use crate::trajectory::input_sensors::InputSensors;
+use crate::trajectory::layout::{DELAY, Layout, Segment, Source};
+use crate::trajectory::noise::ColumnNoise;
+use phisindy_phys::{Record, System};
+use phisindy_signal::standard_deviation;
+use phisindy_sim::{Automaton, Drive, Options, SimError, Trajectory, simulate};
+use rayon::prelude::*;
+
+/// A least-squares problem for a choice of terms and records.
+pub(crate) struct Problem<'a> {
+    pub(crate) system: &'a System,
+    pub(crate) terms: Vec<usize>,
+    pub(crate) records: Vec<&'a Record>,
+    pub(crate) automaton: Automaton,
+    pub(crate) segments: Vec<Segment>,
+    /// Number of unknowns.
+    pub(crate) unknowns: usize,
+    pub(crate) bounds: Vec<(f64, f64)>,
+    /// Priors: unknown, mean, standard deviation.
+    pub(crate) priors: Vec<(usize, f64, f64)>,
+    /// Weight of the priors beside the data: 1, or the inflation factor where samples are correlated.
+    pub(crate) belief: f64,
+    /// For each record, the parameters of the model.
+    pub(crate) model: Vec<Vec<Source>>,
+    /// For each record, offset, gain and delay of each state, then of each input.
+    pub(crate) sensors: Vec<Vec<[Source; 3]>>,
+    input_sensors: InputSensors,
+    /// The size of each state, for the accuracy of the simulation.
+    pub(crate) scale: Vec<f64>,
+    /// Standard deviation of each measured column, by record and state.
+    pub(crate) deviations: Vec<Vec<f64>>,
+    /// Soft continuity: by how much each state may jump from one segment to the next; `None` leaves the start
+    /// states free.
+    pub(crate) continuity: Option<Vec<f64>>,
+    /// Steps that a simulation may take; `None` for a generous guess.
+    pub(crate) budget: Option<usize>,
+    /// Local error of the simulations, relative to the size of each state.
+    pub(crate) tolerance: f64,
+}
+
+/// What an unknown is.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Meaning {
+    Coefficient(usize),
+    /// Index into the system's parameters; the record for those that each has.
+    Parameter(usize, Option<usize>),
+    /// Record, state (or, beyond them, input), which of offset, gain, delay.
+    Sensor(usize, usize, usize),
+    Start,
+}
+
+/// Noise of each record and state.
+pub(crate) type Noise = Vec<Vec<ColumnNoise>>;
+
+/// Residuals and predictions of one column of one record.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ColumnResidual {
+    pub(crate) residual: Vec<f64>,
+    pub(crate) prediction: Vec<f64>,
+}
+
+impl<'a> Problem<'a> {
+    /// Sets up the problem; each record is cut into `pieces[r]` segments of equal length.
+    pub(crate) fn new(
+        system: &'a System,
+        terms: &[usize],
+        records: &[&'a Record],
+        pieces: &[usize],
+    ) -> Result<Problem<'a>, ModelError> {
+        let input_sensors = InputSensors::new(system.states.len(), records);
+        let with_sensors = input_sensors.model(system.model(terms));
+        let automaton =
+            Automaton::new(&with_sensors).map_err(|e| ModelError::Unbound(e.message(&with_sensors.names)))?;
+        let Layout { bounds, priors, model, sensors, segments } = Layout::new(system, terms, records, pieces);
+        let deviations: Vec<Vec<f64>> = records
+            .iter()
+            .map(|r| r.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| standard_deviation(c))).collect())
+            .collect();
+        let mut problem = Problem {
+            system,
+            terms: terms.to_vec(),
+            records: records.to_vec(),
+            automaton,
+            segments,
+            unknowns: bounds.len(),
+            bounds,
+            priors,
+            belief: 1.0,
+            model,
+            sensors,
+            input_sensors,
+            scale: vec![],
+            deviations,
+            continuity: None,
+            budget: None,
+            tolerance: TOLERANCE,
+        };
+        problem.scale = problem.scales();
+        Ok(problem)
+    }
+
+    /// The size of each state: from its columns, or from the slope of the displacement whose velocity it is.
+    fn scales(&self) -> Vec<f64> {
+        (0..self.system.states.len())
+            .map(|k| {
+                let own = (0..self.records.len()).map(|r| self.deviations[r][k]).fold(0.0, f64::max);
+                if own > 0.0 {
+                    return own;
+                }
+                let mut slope = 0.0_f64;
+                for (x, _) in self.system.states.iter().enumerate().filter(|(_, s)| s.velocity == Some(k)) {
+                    for record in &self.records {
+                        let Some(column) = &record.columns[x] else { continue };
+                        // Over a stretch of a hundredth of the record, so that noise does not make it large.
+                        let far = (record.len() / SLOPE_STRETCHES).max(1);
+                        let pairs = (far..record.len())
+                            .map(|i| (column[i] - column[i - far]) / (record.time[i] - record.time[i - far]));
+                        let count = (record.len() - far).max(1) as f64;
+                        slope = slope.max((pairs.map(|s| s * s).sum::<f64>() / count).sqrt());
+                    }
+                }
+                if slope > 0.0 { slope } else { 1.0 }
+            })
+            .collect()
+    }
+
+    /// What each unknown is.
+    pub(crate) fn meanings(&self) -> Vec<Meaning> {
+        let mut all = vec![Meaning::Start; self.unknowns];
+        (0..self.terms.len()).for_each(|k| all[k] = Meaning::Coefficient(k));
+        for r in 0..self.records.len() {
+            for (p, source) in
+                self.model[r][self.terms.len()..].iter().take(self.system.parameters.len()).enumerate()
+            {
+                if let Source::Unknown(k) = *source {
+                    all[k] = Meaning::Parameter(p, self.system.parameters[p].each.then_some(r));
+                }
+            }
+            for (state, sensor) in self.sensors[r].iter().enumerate() {
+                for (which, source) in sensor.iter().enumerate() {
+                    // A shared one is a parameter already.
+                    if let Source::Unknown(k) = *source
+                        && all[k] == Meaning::Start
+                    {
+                        let n = self.system.states.len();
+                        let own = self.records[r].sensors[state].follows.map_or(state, |of| n + of);
+                        all[k] = Meaning::Sensor(r, own, which);
+                    }
+                }
+            }
+        }
+        all
+    }
+
+    /// A first guess: coefficients and parameters as given (or where the spec starts them), start states from
+    /// the columns.
+    pub(crate) fn guess(
+        &self,
+        coefficients: &[f64],
+        parameters: Option<&[f64]>,
+        filled: &[Record],
+    ) -> Vec<f64> {
+        let mut x = vec![0.0; self.unknowns];
+        for (k, c) in coefficients.iter().enumerate() {
+            x[k] = c.clamp(self.bounds[k].0, self.bounds[k].1);
+        }
+        for (k, meaning) in self.meanings().into_iter().enumerate() {
+            match meaning {
+                Meaning::Parameter(p, _) => {
+                    x[k] = parameters.map_or(self.system.parameters[p].start, |v| v[p])
+                }
+                Meaning::Sensor(r, state, which) => {
+                    let s = &self.records[r].sensors[state];
+                    x[k] = [&s.offset, &s.gain, &s.delay][which].start;
+                }
+                _ => {}
+            }
+        }
+        for segment in &self.segments {
+            let record = &filled[segment.record];
+            for state in 0..self.system.states.len() {
+                let value = record.columns[state].as_ref().map(|c| c[segment.samples.0]);
+                let stated = self.records[segment.record].start[state].filter(|_| segment.samples.0 == 0);
+                x[segment.start + state] = stated.or(value).unwrap_or(0.0);
+            }
+        }
+        x
+    }
+
+    fn value(source: Source, x: &[f64]) -> f64 {
+        match source {
+            Source::Unknown(k) => x[k],
+            Source::Number(v) => v,
+        }
+    }
+
+    /// The numbers of the model's parameters in a record.
+    pub(crate) fn model_parameters(&self, record: usize, x: &[f64]) -> Vec<f64> {
+        self.model[record].iter().map(|&s| Self::value(s, x)).collect()
+    }
+
+    /// The delay of each input with a free sensor, less what the record has corrected already.
+    fn delays(&self, record: usize, x: &[f64]) -> Vec<f64> {
+        let n = self.system.states.len();
+        let own = |&j: &usize| {
+            let start = self.records[record].sensors[n + j].delay.start;
+            Self::value(self.sensors[record][n + j][DELAY], x) - start
+        };
+        self.input_sensors.inputs.iter().map(own).collect()
+    }
+
+    /// Where each parameter of a run comes from: those of the model, then those of the inputs' sensors.
+    pub(crate) fn sources(&self, record: usize) -> impl Iterator<Item = Source> {
+        let n = self.system.states.len();
+        let sensors = self.input_sensors.inputs.iter().flat_map(move |j| self.sensors[record][n + j]);
+        self.model[record].iter().copied().chain(sensors)
+    }
+
+    /// A run of a record from any state, with its inputs as they are at `x`.
+    pub(crate) fn simulated(
+        &self,
+        record: usize,
+        x: &[f64],
+        start: (f64, &[f64]),
+        times: &[f64],
+        options: &Options,
+    ) -> Result<Trajectory, SimError> {
+        let mut parameters: Vec<f64> = self.sources(record).map(|s| Self::value(s, x)).collect();
+        // The signals contain the delays already.
+        let own = parameters.len() - 3 * self.input_sensors.inputs.len();
+        parameters[own..].iter_mut().skip(DELAY).step_by(3).for_each(|delay| *delay = 0.0);
+        let inputs = self.input_sensors.signals(self.records[record], record, &self.delays(record, x));
+        let drive = Drive { inputs: &inputs, parameters: &parameters };
+        simulate(&self.automaton, &drive, start.0, start.1, times, options)
+    }
+
+    /// Simulates one segment; with the derivatives by everything that is unknown in it.
+    pub(crate) fn run(
+        &self,
+        segment: &Segment,
+        x: &[f64],
+        derivatives: bool,
+    ) -> Result<SampledRun, SimError> {
+        let record = self.records[segment.record];
+        let (first, last) = segment.samples;
+        let start = &x[segment.start..segment.start + self.system.states.len()];
+        let unknown = |(k, source): (usize, Source)| matches!(source, Source::Unknown(_)).then_some(k);
+        let free = self.sources(segment.record).enumerate().filter_map(unknown).collect();
+        let options = Options {
+            tolerance: self.tolerance,
+            scale: self.scale.clone(),
+            sensitivities: derivatives.then_some(free),
+            // A model that needs many more steps is wrong: fail early.
+            max_steps: self.budget.unwrap_or(BASE_STEPS + STEPS_PER_SAMPLE * (last - first)),
+            diverged: DIVERGED_SIZE,
+        };
+        let mut samples = self.delayed_samples(segment, x);
+        // One more sample, where the next segment takes over. (An early sensor can ask for later times than
+        // that.)
+        if self.next(segment).is_some() {
+            samples.push(record.time[last]);
+        }
+        self.simulated(segment.record, x, (record.time[first], start), &samples.times, &options)
+            .map(|run| samples.split(run))
+    }
+
+    /// Whether any unknown has a prior.
+    pub(crate) fn has_priors(&self) -> bool {
+        !self.priors.is_empty()
+    }
+
+    /// The segment that follows this one, if segments are softly joined.
+    pub(crate) fn next(&self, segment: &Segment) -> Option<Segment> {
+        self.continuity.as_ref()?;
+        self.segments.iter().copied().find(|s| s.record == segment.record && s.samples.0 == segment.samples.1)
+    }
+
+    /// Root mean square of the jumps of each state between segments whose start states are free.
+    pub(crate) fn jumps(&mut self, x: &[f64]) -> Result<Vec<f64>, SimError> {
+        let n = self.system.states.len();
+        self.continuity = Some(vec![1.0; n]);
+        let (mut sums, mut count) = (vec![0.0; n], 0usize);
+        for segment in &self.segments {
+            let Some(next) = self.next(segment) else { continue };
+            let run = self.run(segment, x, false)?.run;
+            let end = &run.states[run.states.len() - n..];
+            (0..n).for_each(|k| sums[k] += (end[k] - x[next.start + k]).powi(2));
+            count += 1;
+        }
+        self.continuity = None;
+        Ok(sums.into_iter().map(|s| (s / count.max(1) as f64).sqrt()).collect())
+    }
+
+    /// The sample times of a segment's columns, each late by its own delay.
+    pub(crate) fn delayed_samples(&self, segment: &Segment, x: &[f64]) -> DelayedSamples {
+        let record = self.records[segment.record];
+        let sensors = &self.sensors[segment.record][..self.system.states.len()];
+        let delays: Vec<f64> = sensors.iter().map(|s| Self::value(s[DELAY], x)).collect();
+        let first = record.columns.iter().position(Option::is_some).unwrap_or(0);
+        // A state without a column takes the delay of the first one that has a column.
+        let delays: Vec<f64> =
+            (0..delays.len()).map(|k| delays[if record.columns[k].is_some() { k } else { first }]).collect();
+        DelayedSamples::new(&record.time[segment.samples.0..segment.samples.1], &delays, first)
+    }
+
+    /// The prediction of a column from its state's value at the sample time, and its gain.
+    pub(crate) fn reading(&self, record: usize, state: usize, x: &[f64], value: f64) -> (f64, f64) {
+        let [offset, gain, _] = self.sensors[record][state].map(|s| Self::value(s, x));
+        (offset + gain * value, gain)
+    }
+
+    /// The most steps that a segment takes at `x`, tries included.
+    pub(crate) fn steps(&self, x: &[f64]) -> usize {
+        let runs = self
+            .segments
+            .par_iter()
+            .map(|s| self.run(s, x, false).map_or(0, |s| s.run.steps + s.run.rejected));
+        runs.max().unwrap_or(0)
+    }
+
+    /// Residuals of every column of every record in the unit of the column, from a simulation of all segments.
+    pub(crate) fn residuals(&self, x: &[f64]) -> Result<Vec<Vec<ColumnResidual>>, SimError> {
+        let runs: Vec<SampledRun> =
+            self.segments.par_iter().map(|s| self.run(s, x, false)).collect::<Result<_, _>>()?;
+        let n = self.system.states.len();
+        let mut out = vec![vec![ColumnResidual::default(); n]; self.records.len()];
+        for (segment, run) in self.segments.iter().zip(&runs) {
+            for (i, sample) in (segment.samples.0..segment.samples.1).enumerate() {
+                for (k, column) in self.records[segment.record].columns.iter().enumerate() {
+                    let Some(column) = column else { continue };
+                    let (prediction, _) = self.reading(segment.record, k, x, run.value(i, k).0);
+                    out[segment.record][k].residual.push(column[sample] - prediction);
+                    out[segment.record][k].prediction.push(prediction);
+                }
+            }
+        }
+        Ok(out)
+    }
+
+    /// The free run of the first segment of a record.
+    pub(crate) fn trajectory(&self, segment: &Segment, x: &[f64]) -> Result<SampledRun, SimError> {
+        self.run(segment, x, false)
+    }
+
+    /// Readings of the sensors along a run of a record, by state.
+    pub(crate) fn readings(&self, record: usize, x: &[f64], sampled: &SampledRun) -> Vec<Vec<f64>> {
+        let n = self.system.states.len();
+        let samples = sampled.run.states.len() / n;
+        (0..n)
+            .map(|k| (0..samples).map(|i| self.reading(record, k, x, sampled.value(i, k).0).0).collect())
+            .collect()
+    }
+
+    /// Weights `1 / variance` of every sample.
+    pub(crate) fn weights(
+        &self,
+        noise: &Noise,
+        residuals: Option<&[Vec<ColumnResidual>]>,
+    ) -> Vec<Vec<Vec<f64>>> {
+        (0..self.records.len())
+            .map(|r| {
+                (0..self.system.states.len())
+                    .map(|k| {
+                        let Some(column) = &self.records[r].columns[k] else { return vec![] };
+                        let predictions = residuals.map(|all| &all[r][k].prediction);
+                        (0..column.len())
+                            .map(|i| 1.0 / noise[r][k].variance(predictions.map_or(column[i], |p| p[i])))
+                            .collect()
+                    })
+                    .collect()
+            })
+            .collect()
+    }
+
+    /// The noise of every column, from residuals.
+    pub(crate) fn noise(&self, residuals: &[Vec<ColumnResidual>]) -> Noise {
+        let of = |r: usize, k: usize| {
+            let c = &residuals[r][k];
+            ColumnNoise::estimate(&c.residual, &c.prediction, self.deviations[r][k])
+        };
+        (0..self.records.len()).map(|r| (0..self.system.states.len()).map(|k| of(r, k)).collect()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests;

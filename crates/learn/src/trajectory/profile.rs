@@ -1,0 +1,80 @@
+//! Intervals by profile likelihood, for parameters on which the cost does not depend quadratically (Venzon and
+//! Moolgavkar, Applied Statistics 37 (1988) 87-94): the parameter is fixed off its best value, all others are
+//! refitted, and the interval ends where the cost has risen by the quantile of chi^2.
+
+use crate::decisions::{
+    HALF_WIDTH_95, PROFILE_DAMPING, PROFILE_END, PROFILE_MINIMUM, PROFILE_QUADRATIC, PROFILE_STEPS,
+    PROFILE_STRETCH, RISE_95,
+};
+use crate::least_squares::Limits;
+use crate::trajectory::fit::Fit;
+
+/// The 95 % interval of unknown `k`, whose quadratic one has the standard error `error`; never beyond the
+/// bounds. `curvature` is the standard error by the curvature of the cost alone: where the noise is not as
+/// modelled the two differ, and the rise to look for is stretched by the square of their ratio (Kent,
+/// Biometrika 69 (1982) 19-27).
+pub(crate) fn interval(fit: &Fit<'_>, k: usize, error: f64, curvature: f64) -> (f64, f64) {
+    let (low, high) = fit.problem.bounds[k];
+    let quadratic = (fit.x[k] - HALF_WIDTH_95 * error, fit.x[k] + HALF_WIDTH_95 * error);
+    if !error.is_finite() {
+        return (low, high);
+    }
+    if error == 0.0 {
+        return quadratic;
+    }
+    let target = RISE_95 * (error / curvature).powi(2);
+    let of = |quadratic: f64| end(fit, k, quadratic, target).clamp(low, high);
+    rayon::join(|| of(quadratic.0), || of(quadratic.1))
+}
+
+/// One end, where the cost has risen by `target`, from where the quadratic model puts it.
+fn end(fit: &Fit<'_>, k: usize, quadratic: f64, target: f64) -> f64 {
+    let (low, high) = fit.problem.bounds[k];
+    let mut z = quadratic;
+    for step in 0..PROFILE_STEPS {
+        z = z.clamp(low, high);
+        let Some(rise) = rise(fit, k, z) else { return z };
+        let miss = rise / target;
+        // The interval ends at a bound, or near enough to the target.
+        let at_bound = (z == low || z == high) && miss < 1.0;
+        if at_bound || (miss - 1.0).abs() < if step == 0 { PROFILE_QUADRATIC } else { PROFILE_END } {
+            return z;
+        }
+        // The square root of the rise is nearly linear.
+        let stretch = (1.0 / miss.max(1e-3)).sqrt().clamp(PROFILE_STRETCH[0], PROFILE_STRETCH[1]);
+        z = fit.x[k] + (z - fit.x[k]) * stretch;
+    }
+    z.clamp(low, high)
+}
+
+/// The rise of the cost if unknown `k` is fixed at `z` and all others are refitted; `None` where the model
+/// cannot be simulated.
+fn rise(fit: &Fit<'_>, k: usize, z: f64) -> Option<f64> {
+    let mut bounds = fit.problem.bounds.clone();
+    bounds[k] = (z, z);
+    let mut x = followed(fit, k, z);
+    let limits = Limits::of(PROFILE_MINIMUM);
+    let there = fit.problem.minimise_within(&bounds, &mut x, &fit.weights, limits).ok()?;
+    Some((there.cost - fit.normal.cost).max(0.0))
+}
+
+/// Unknown `k` at `z`, and all others where the quadratic model puts them then.
+fn followed(fit: &Fit<'_>, k: usize, z: f64) -> Vec<f64> {
+    let mut x = fit.x.clone();
+    let n = x.len();
+    let held = |i: usize| i == k;
+    let matrix =
+        faer::Mat::from_fn(n, n, |i, j| if held(i) || held(j) { 0.0 } else { fit.normal.matrix[(i, j)] });
+    let right: Vec<f64> =
+        (0..n).map(|i| if held(i) { 0.0 } else { -fit.normal.matrix[(i, k)] * (z - fit.x[k]) }).collect();
+    if let Some(step) = crate::linear::solve_damped(&matrix, &right, PROFILE_DAMPING) {
+        for i in (0..n).filter(|&i| !held(i)) {
+            x[i] = (x[i] + step[i]).clamp(fit.problem.bounds[i].0, fit.problem.bounds[i].1);
+        }
+    }
+    x[k] = z;
+    x
+}
+
+#[cfg(test)]
+mod tests;

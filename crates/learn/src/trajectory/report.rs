@@ -1,0 +1,161 @@
+//! A fit as a result: terms and parameters with error bars, warnings, free runs, a verdict.
+
+use crate::decisions::{CHANCE_OF_NOISE, COLOURED_PART, PROFILED_TERMS};
+use crate::differentiator_dependence::{Number, dependence};
+use crate::result::identified::{Identified, NoiseModel, PathPoint, StopReason};
+use crate::result::parameter::FoundParameter;
+use crate::result::quantity::{Quantity, TermId};
+use crate::result::record_fit::RecordFit;
+use crate::result::term::FoundTerm;
+use crate::result::verdict::verdict;
+use crate::result::warning::{Warning, at_bounds, sensitive_starts};
+use crate::trajectory::agreement::disagreements;
+use crate::trajectory::error_bars::ErrorBars;
+use crate::trajectory::fit::Fit;
+use crate::trajectory::free_run::{Solution, free_runs};
+use crate::trajectory::problem::Problem;
+use crate::trajectory::separability::inseparable;
+use crate::trajectory::unknowns::Unknowns;
+use phisindy_phys::spec::Method;
+use phisindy_phys::{Record, System};
+use phisindy_signal::Differentiator;
+use rayon::prelude::*;
+
+/// The result of a fit to the Fit records of `records`. `filled` are the records with smoothed samples of every
+/// state; `path` is the path of the selection.
+pub(crate) fn report(
+    system: &System,
+    records: &[Record],
+    filled: &[Record],
+    fit: &Fit<'_>,
+    path: Vec<PathPoint>,
+    stop_reason: StopReason,
+) -> Identified {
+    let unknowns = Unknowns::new(system, records, fit);
+    let bars = ErrorBars::new(fit);
+    let terms = coefficients(fit, &bars);
+    let moved = unknowns.parameters(|k| bars.estimate(k));
+    let named = named(system, fit, &moved);
+    let parameters: Vec<FoundParameter> = moved.into_iter().map(|(_, p)| p).collect();
+
+    let mut warnings: Vec<Warning> = notes(records).collect();
+    warnings.extend(at_bounds(&parameters));
+    warnings.extend(inseparable(&bars.sandwich, &named, &fit.x));
+    let numbers: Vec<Number> = named.iter().map(|(k, name)| (*k, name.clone(), bars.error(*k))).collect();
+    warnings.extend(dependence(&numbers, &fit.normal, |how| differentiated_by(fit, how)));
+    warnings.extend(coloured(fit));
+    warnings.extend(segmented(fit));
+
+    let mut solution = unknowns.solution();
+    let mut fits = free_runs(system, records, filled, &mut solution);
+    warnings.extend(sensitive_starts(&fits));
+    warnings.extend(disagreements(fit, &bars.sandwich, &solution, records, filled, &fits));
+    let without = free_runs(system, records, filled, &mut known_part(solution, records));
+    let verdict = verdict(system, &terms, &fits, &without);
+    for (i, &r) in unknowns.fitted.iter().enumerate() {
+        fits[r].noise = noise_of(fit, i);
+    }
+    Identified {
+        method: Method::Trajectory,
+        selection: with_nrmse(path, terms.len(), unknowns.fitted.iter().map(|&r| &fits[r])),
+        terms,
+        parameters,
+        records: fits,
+        noise_model: noise_model(fit),
+        covariance: bars.covariance(&named.iter().map(|(k, _)| *k).collect::<Vec<_>>()),
+        warnings,
+        verdict,
+        stop_reason,
+    }
+}
+
+fn coefficients(fit: &Fit<'_>, bars: &ErrorBars<'_>) -> Vec<FoundTerm> {
+    let terms = &fit.problem.terms;
+    let coefficient =
+        |k: usize| if terms.len() > PROFILED_TERMS { bars.quadratic(k) } else { bars.estimate(k) };
+    (0..terms.len()).into_par_iter().map(|k| FoundTerm::new(terms[k], coefficient(k))).collect()
+}
+
+/// The unknowns of the result: coefficients, then parameters.
+fn named(system: &System, fit: &Fit<'_>, moved: &[(usize, FoundParameter)]) -> Vec<(usize, Quantity)> {
+    let terms = fit.problem.terms.iter().enumerate();
+    let coefficients = terms.map(|(k, &t)| (k, Quantity::Coefficient(TermId::new(system, t))));
+    coefficients.chain(moved.iter().map(|(k, p)| (*k, Quantity::Parameter(p.id.clone())))).collect()
+}
+
+/// What was done to the data.
+fn notes(records: &[Record]) -> impl Iterator<Item = Warning> {
+    let note = |r: &Record, note: &String| Warning::DataNote { record: r.name.clone(), note: note.clone() };
+    records.iter().flat_map(move |r| r.notes.iter().map(move |n| note(r, n)))
+}
+
+/// The normal equations of a fit with its inputs differentiated otherwise; `None` where none was derived.
+fn differentiated_by(fit: &Fit<'_>, how: Differentiator) -> Option<crate::least_squares::Normal> {
+    let problem = &fit.problem;
+    if problem.records.iter().all(|r| r.derivations.is_empty()) {
+        return None;
+    }
+    let records: Vec<Record> = problem.records.iter().map(|r| r.rederived(how)).collect::<Option<_>>()?;
+    let records: Vec<&Record> = records.iter().collect();
+    let mut other = Problem::new(problem.system, &problem.terms, &records, &fit.pieces).ok()?;
+    (other.continuity, other.belief) = (problem.continuity.clone(), problem.belief);
+    other.normal(&fit.x, &fit.weights).ok()
+}
+
+/// A residual that is more than noise.
+fn coloured(fit: &Fit<'_>) -> Option<Warning> {
+    let independent = fit.effective / fit.samples.max(1) as f64;
+    if independent < COLOURED_PART {
+        Some(Warning::Coloured { independent })
+    } else {
+        (fit.chance_of_noise() < CHANCE_OF_NOISE).then_some(Warning::NotNoise)
+    }
+}
+
+/// Records that no single run follows.
+fn segmented(fit: &Fit<'_>) -> Option<Warning> {
+    let pieces = fit.pieces.iter().max().copied().unwrap_or(1);
+    (pieces > 1).then_some(Warning::Segmented { pieces })
+}
+
+/// The same numbers without the identified terms, start states open.
+fn known_part(solution: Solution, records: &[Record]) -> Solution {
+    Solution { terms: vec![], coefficients: vec![], starts: vec![None; records.len()], ..solution }
+}
+
+/// The path of the selection, with the worst NRMSE of the Fit records where it ended.
+fn with_nrmse<'r>(
+    mut path: Vec<PathPoint>,
+    terms: usize,
+    fitted: impl Iterator<Item = &'r RecordFit>,
+) -> Vec<PathPoint> {
+    let worst = fitted.map(RecordFit::worst).fold(0.0, f64::max);
+    if let Some(point) = path.iter_mut().find(|p| p.terms == terms) {
+        point.nrmse = worst.is_finite().then_some(worst);
+    }
+    path
+}
+
+/// The noise of each measured column of a fitted record.
+fn noise_of(fit: &Fit<'_>, record: usize) -> Vec<(String, f64)> {
+    let problem = &fit.problem;
+    let states = problem.system.states.iter().enumerate();
+    let measured = states.filter(|(k, _)| problem.records[record].columns[*k].is_some());
+    let noise = |k: usize| fit.noise[record][k].variance(problem.deviations[record][k]).sqrt();
+    measured.map(|(k, state)| (state.name.clone(), noise(k))).collect()
+}
+
+/// The form of the noise, if it is one for all columns.
+fn noise_model(fit: &Fit<'_>) -> NoiseModel {
+    let problem = &fit.problem;
+    let of_record = |i: usize| {
+        let measured =
+            (0..problem.system.states.len()).filter(move |&k| problem.records[i].columns[k].is_some());
+        measured.map(move |k| fit.noise[i][k].kind(problem.deviations[i][k]))
+    };
+    let mut kinds = (0..problem.records.len()).flat_map(of_record);
+    match kinds.next() {
+        Some(first) if kinds.all(|kind| kind == first) => first,
+        _ => NoiseModel::Mixed,
+    }
+}

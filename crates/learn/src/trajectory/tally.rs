@@ -1,0 +1,41 @@
+//! Residuals in units of their noise: how many there are, how many of them are independent, and their power.
+
+use crate::decisions::INFLATED;
+use crate::trajectory::problem::{ColumnResidual, Noise};
+use phisindy_signal::effective_samples;
+
+/// Counts and power of residuals in units of their noise.
+pub(crate) struct Tally {
+    pub(crate) samples: usize,
+    /// How many of them are independent.
+    pub(crate) effective: f64,
+    /// Sum of their squares.
+    pub(crate) power: f64,
+}
+
+pub(crate) fn tally(noise: &Noise, residuals: &[Vec<ColumnResidual>]) -> Tally {
+    let mut tally = Tally { samples: 0, effective: 0.0, power: 0.0 };
+    for white in whitened(noise, residuals) {
+        tally.samples += white.len();
+        tally.effective += effective_samples(&white);
+        tally.power += white.iter().map(|e| e * e).sum::<f64>();
+    }
+    tally
+}
+
+/// The residuals of each measured column in units of its noise.
+pub(crate) fn whitened(noise: &Noise, residuals: &[Vec<ColumnResidual>]) -> impl Iterator<Item = Vec<f64>> {
+    residuals.iter().zip(noise).flat_map(|(columns, noise)| columns.iter().zip(noise)).filter_map(
+        |(c, noise)| {
+            let scaled = |(e, p): (&f64, &f64)| e / noise.variance(*p).sqrt();
+            (!c.residual.is_empty()).then(|| c.residual.iter().zip(&c.prediction).map(scaled).collect())
+        },
+    )
+}
+
+/// Factor on the variance of an estimate from correlated samples.
+pub(crate) fn inflation(samples: usize, effective: f64) -> f64 {
+    let f = samples as f64 / effective.max(1.0);
+    // The estimate itself scatters round 1.
+    if f < INFLATED { 1.0 } else { f }
+}
