@@ -201,9 +201,6 @@ Examples:
   phisindy man --out ~/.local/share/man/man1        a page for it and one for each subcommand: man phisindy-run"
     )]
     Man,
-    /// Print the tables of README.md
-    #[command(hide = true)]
-    Table(TableArgs),
 }
 
 /// For which file to write a spec.
@@ -259,52 +256,6 @@ pub(crate) struct SweepArgs {
     /// Values of any field of the spec; repeatable
     #[arg(long, value_name = "PATH=V1;V2;...", value_parser = assignment)]
     pub(crate) vary: Vec<Assignment>,
-}
-
-/// Which table.
-#[derive(Clone, Debug, clap::Args)]
-pub(crate) struct TableArgs {
-    /// Which one
-    #[arg(value_enum, value_name = "TABLE")]
-    pub(crate) kind: TableKind,
-    /// Number of seeds of `sweep`
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
-    pub(crate) seeds: u64,
-    /// Put the table between its marks in this file
-    #[arg(long, value_name = "FILE")]
-    pub(crate) write: Option<PathBuf>,
-    /// Folder of the specs
-    #[arg(long, value_name = "DIR", default_value = "specs")]
-    pub(crate) specs: PathBuf,
-    /// Number of sets of `hidden` and `wrong`
-    #[arg(id = "count", long = "sets", value_name = "N", default_value_t = 40)]
-    pub(crate) sets: usize,
-    /// Sets of `hidden` with this law only (or nothing, two, outside), of `wrong` with this mistake only
-    #[arg(long, value_name = "LAW")]
-    pub(crate) only: Option<String>,
-    /// Run the sets of `score` again that have a result already
-    #[arg(long)]
-    pub(crate) again: bool,
-    /// Only these cases, as in 1a,7
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
-    pub(crate) cases: Vec<String>,
-}
-
-/// A table of README.md.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum TableKind {
-    /// Each case beside what the paper prints.
-    Paper,
-    /// Many seeds of each case.
-    Sweep,
-    /// Data sets with a hidden effect, into --out.
-    Hidden,
-    /// What the gap workflow makes of the sets in --out.
-    Score,
-    /// What `run` says of models with one thing wrong in the known part.
-    Wrong,
-    /// The operations of the expression language.
-    Language,
 }
 
 /// How to do it; every subcommand takes all of these.

@@ -9,7 +9,6 @@ mod journal;
 
 pub(crate) use cells::{Axis, Cell, listed, product, vary};
 pub(crate) use journal::Journal;
-pub(crate) use phisindy_report::sweep::Statistics;
 
 use crate::args::Options;
 use crate::interrupt;

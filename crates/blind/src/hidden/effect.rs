@@ -1,7 +1,8 @@
 //! A hidden effect: what is added to the known part.
 
-use super::dice::Dice;
 use super::place::Place;
+use crate::dice::Dice;
+use crate::names::substitute;
 
 /// What an effect acts on.
 #[derive(Clone, Debug)]
@@ -54,17 +55,31 @@ impl Effect {
 
     /// Text with the place's displacement and velocity, and numbers in the place of parameters.
     pub(super) fn written(&self, text: &str, second: bool) -> String {
-        let mut text = text.to_owned();
-        // Parameters first: a state may be called as one of them.
-        for (name, value) in &self.parameters {
-            let own = if *name == "phase" && second { self.second_phase } else { None };
-            text = substitute(&text, name, &format!("({:e})", own.unwrap_or(*value)));
+        let own = |name: &str| if name == "phase" && second { self.second_phase } else { None };
+        let numbers: Vec<(&str, String)> = self
+            .parameters
+            .iter()
+            .map(|(name, value)| (*name, format!("({:e})", own(name).unwrap_or(*value))))
+            .collect();
+        substitute(text, |name| {
+            let number = numbers.iter().find(|(n, _)| *n == name).map(|(_, number)| number.as_str());
+            number.or_else(|| self.place_name(name))
+        })
+    }
+
+    /// Text with the place's displacement and velocity, and its parameters by name.
+    pub(super) fn at_its_place(&self, text: &str) -> String {
+        substitute(text, |name| self.place_name(name))
+    }
+
+    /// What stands for the displacement `X` and the velocity `Y` of a force.
+    fn place_name(&self, name: &str) -> Option<&str> {
+        let Action::Force { place, .. } = &self.action else { return None };
+        match name {
+            "X" => Some(&place.x),
+            "Y" => Some(&place.v),
+            _ => None,
         }
-        if let Action::Force { place, .. } = &self.action {
-            text = substitute(&text, "X", &place.x);
-            text = substitute(&text, "Y", &place.v);
-        }
-        text
     }
 }
 
@@ -74,27 +89,6 @@ pub(super) struct Scales {
     pub(super) x: f64,
     pub(super) v: f64,
     pub(super) force: f64,
-}
-
-/// The text with every name that is exactly `name` replaced.
-pub(crate) fn substitute(text: &str, name: &str, with: &str) -> String {
-    let letter = |c: char| c.is_alphanumeric() || c == '_';
-    let mut out = String::new();
-    let mut word = String::new();
-    let close = |word: &mut String, out: &mut String| {
-        out.push_str(if word == name { with } else { word });
-        word.clear();
-    };
-    for c in text.chars() {
-        if letter(c) {
-            word.push(c);
-        } else {
-            close(&mut word, &mut out);
-            out.push(c);
-        }
-    }
-    close(&mut word, &mut out);
-    out
 }
 
 /// Draws the effect of a law at a place; `None` if the law does not fit there.
@@ -188,10 +182,10 @@ pub(super) fn draw(
         }
         _ => return None,
     };
-    let parameters: Vec<_> = parameters.into_iter().map(|(n, x)| (n, super::dice::rounded(x))).collect();
+    let parameters: Vec<_> = parameters.into_iter().map(|(n, x)| (n, crate::dice::rounded(x))).collect();
     let internal = (law == "presliding").then(|| ("z".to_owned(), "Y - kt*abs(Y)*z/Fc".to_owned()));
     let second_phase = parameters.iter().find(|(n, _)| *n == "phase").map(|(_, phase)| {
-        if dice.chance(0.5) { super::dice::rounded(dice.between(-3.0, 3.0)) } else { *phase }
+        if dice.chance(0.5) { crate::dice::rounded(dice.between(-3.0, 3.0)) } else { *phase }
     });
     let action = Action::Force { place: place.clone(), force: force.to_owned(), internal };
     Some(Effect { law: law.to_owned(), at: place.at.clone(), parameters, second_phase, action })
@@ -216,7 +210,7 @@ pub(super) fn draw_sensor(
     let common = property != Property::Offset && dice.chance(0.35);
     // Offsets are mostly those of displacements.
     let column = if property == Property::Offset && dice.chance(0.8) { any % displacements } else { any };
-    let value = super::dice::rounded(match property {
+    let value = crate::dice::rounded(match property {
         Property::Delay => dice.log(0.003, 0.15) / w0,
         Property::Gain => 1.0 + dice.sign() * dice.log(0.01, 0.3),
         Property::Offset => dice.sign() * dice.log(0.01, 1.5) * columns[column].1,
@@ -225,14 +219,4 @@ pub(super) fn draw_sensor(
     let column = (!common).then_some(column);
     let action = Action::Sensor { column, property, value };
     Some(Effect { law: law.to_owned(), at, parameters: vec![(name, value)], second_phase: None, action })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_whole_names_are_replaced() {
-        assert_eq!(substitute("Fc*exp(c)+c1-c", "c", "(2)"), "Fc*exp((2))+c1-(2)");
-    }
 }

@@ -1,9 +1,9 @@
 //! Effects that no law of the catalogue describes.
 
-use super::dice::{Dice, rounded};
 use super::effect::{Action, Effect, Scales};
 use super::place::Place;
 use super::rig::Rig;
+use crate::dice::{Dice, rounded};
 
 /// Their names.
 pub(super) const KINDS: &[&str] = &[

@@ -1,8 +1,8 @@
 //! How the records of a set are made: one long run that is split, or two runs.
 
-use super::dice::{Dice, rounded};
 use super::motion::{Course, Motion};
 use super::rig::{Drive, Rig};
+use crate::dice::{Dice, rounded};
 use std::f64::consts::TAU;
 
 /// One long run that is split at a sample, or two runs.

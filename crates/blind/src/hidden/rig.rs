@@ -1,6 +1,6 @@
 //! The part of a model that is known: one mass, or two in a chain, on springs and dampers, and what drives it.
 
-use super::dice::{Dice, rounded};
+use crate::dice::{Dice, rounded};
 use std::f64::consts::TAU;
 
 /// A cosine `amplitude * cos(frequency * t + phase)`.

@@ -1,7 +1,7 @@
 //! A rig and what somebody takes it for as the text of a spec: the truth of its records is what the known part lacks.
 
 use super::rig::{Physics, Rig};
-use crate::hidden::substitute;
+use crate::names::substitute;
 use std::fmt::Write;
 
 /// Where the friction stands.
@@ -123,10 +123,11 @@ fn rate(physics: &Physics, mass: usize) -> String {
 
 /// The same with numbers in their place.
 fn literal(physics: &Physics, mass: usize) -> String {
-    physics
-        .constants
-        .iter()
-        .fold(rate(physics, mass), |text, (name, x)| substitute(&text, name, &format!("({x:e})")))
+    let numbers: Vec<(&str, String)> =
+        physics.constants.iter().map(|(name, x)| (name.as_str(), format!("({x:e})"))).collect();
+    substitute(&rate(physics, mass), |name| {
+        numbers.iter().find(|(n, _)| *n == name).map(|(_, number)| number.as_str())
+    })
 }
 
 /// The shortest text that reads back as the same number, with a point in it.

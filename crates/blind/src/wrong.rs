@@ -1,4 +1,4 @@
-//! `phisindy table wrong`: is a wrong known part told of? Random rigs, each identified twice: with the known part as it is, and with one thing wrong in it.
+//! `phisindy-blind wrong`: is a wrong known part told of? Random rigs, each identified twice: with the known part as it is, and with one thing wrong in it.
 //!
 //! ```text
 //! seed --Rig::draw--> rig --mistaken--> known part with one mistake --written--> spec --identify--> told? intervals right?
@@ -12,24 +12,22 @@ mod rig;
 mod tally;
 mod written;
 
-use crate::args::{Options, TableArgs};
-use crate::hidden::Dice;
+use crate::Table;
+use crate::args::{Options, WrongArgs};
+use crate::dice::Dice;
+use crate::folder::Folder;
 use crate::interrupt;
-use crate::load::{Loaded, Purpose, load_text};
-use crate::outdir::OutDir;
 use crate::progress::Progress;
+use crate::synthetic::{Loaded, checked, load};
 use anyhow::{Result, anyhow, bail};
 use mistake::{KINDS, SMALL, mistaken, needs_cubic};
 use phisindy_learn::{Effort, Identified, LearnOptions, Verdict, calibrate, identify, project, smoothed};
 use phisindy_phys::spec::Role;
-use phisindy_phys::{Sources, check, spec};
 use phisindy_signal::standard_deviation;
 use rayon::prelude::*;
 use rig::Rig;
 use std::ops::ControlFlow;
-use std::path::Path;
-use std::sync::Mutex;
-use tally::{Outcome, Scored, tally};
+use tally::{Outcome, tally};
 use written::{Unknown, written};
 
 /// Draws before giving up.
@@ -41,7 +39,7 @@ const HELD: f64 = 0.6;
 ///
 /// # Errors
 /// There is no such mistake, or specs cannot be written.
-pub(crate) fn table(args: &TableArgs, options: &Options) -> Result<Option<Scored>> {
+pub(crate) fn table(args: &WrongArgs, options: &Options) -> Result<Option<Table>> {
     let kinds: Vec<&'static str> = match args.only.as_deref() {
         None => KINDS.to_vec(),
         Some("small") => SMALL.to_vec(),
@@ -50,18 +48,13 @@ pub(crate) fn table(args: &TableArgs, options: &Options) -> Result<Option<Scored
     if kinds.is_empty() {
         bail!("there is no such mistake; there is: small, {}", KINDS.join(", "));
     }
-    let seed = options.seed.unwrap_or(0);
-    let folder = options.out.as_deref().map(OutDir::create).transpose()?;
-    let progress = Mutex::new((0, Progress::new("wrong", options.quiet)));
+    let folder = args.out.as_deref().map(Folder::create).transpose()?;
+    let progress = Progress::new("wrong", args.sets, options.quiet);
     let sets: Vec<Vec<Outcome>> = (0..args.sets)
         .into_par_iter()
         .map(|index| {
-            let both = both(index, kinds[index % kinds.len()], seed, folder.as_ref(), options)?;
-            if let Ok(mut progress) = progress.lock() {
-                progress.0 += 1;
-                let done = progress.0 as f64 / args.sets as f64;
-                progress.1.at(done);
-            }
+            let both = both(index, kinds[index % kinds.len()], args.seed, folder.as_ref())?;
+            progress.step();
             Ok(both)
         })
         .collect::<Result<_>>()?;
@@ -73,15 +66,14 @@ pub(crate) fn table(args: &TableArgs, options: &Options) -> Result<Option<Scored
 fn both(
     index: usize,
     kind: &'static str,
-    seed: u64,
-    folder: Option<&OutDir>,
-    options: &Options,
+    seed: Option<u64>,
+    folder: Option<&Folder>,
 ) -> Result<Vec<Outcome>> {
     if interrupt::asked() {
         return Ok(vec![]);
     }
-    let mut dice = Dice::new(seed, &format!("wrong {index}"));
-    let pair = drawn(kind, &mut dice, options).map_err(|why| anyhow!("set {index}, {kind}: {why}"))?;
+    let mut dice = Dice::new(seed.unwrap_or(0), &format!("wrong {index}"));
+    let pair = drawn(kind, &mut dice, seed).map_err(|why| anyhow!("set {index}, {kind}: {why}"))?;
     let mut out = Vec::new();
     for (kind, set) in [(kind, &pair.wrong), ("nothing", &pair.right)] {
         let name = format!("{index:03}-{}", kind.replace([' ', ','], "-"));
@@ -112,12 +104,12 @@ struct Pair {
     right: Set,
 }
 
-fn drawn(kind: &str, dice: &mut Dice, options: &Options) -> Result<Pair, String> {
+fn drawn(kind: &str, dice: &mut Dice, seed: Option<u64>) -> Result<Pair, String> {
     let mut last = "nothing was drawn".to_owned();
     for _ in 0..TRIES {
         let cubic = needs_cubic(kind) || dice.chance(0.15);
         let rig = Rig::draw(dice, cubic);
-        match pair(&rig, kind, dice, options) {
+        match pair(&rig, kind, dice, seed) {
             Ok(pair) => return Ok(pair),
             Err(why) => last = why,
         }
@@ -125,20 +117,20 @@ fn drawn(kind: &str, dice: &mut Dice, options: &Options) -> Result<Pair, String>
     Err(format!("{TRIES} draws will not do; the last one: {last}"))
 }
 
-fn pair(rig: &Rig, kind: &str, dice: &mut Dice, options: &Options) -> Result<Pair, String> {
+fn pair(rig: &Rig, kind: &str, dice: &mut Dice, seed: Option<u64>) -> Result<Pair, String> {
     if rig.lines == 0 && kind.starts_with("drive") {
         return Err("nothing drives it".to_owned());
     }
     let (wrong, said) = mistaken(rig, kind, dice).ok_or("it cannot be wrong in this way")?;
     let set = |physics: &rig::Physics, said: &str| -> Result<Set, String> {
         let title = format!("Known part: {said}");
-        let loaded = loaded(written(rig, physics, &title, Unknown::Dictionary), options)?;
+        let loaded = load(written(rig, physics, &title, Unknown::Dictionary), seed)?;
         let visible = visible(&loaded, &written(rig, physics, &title, Unknown::Movable), rig)?;
         let (truth, inside) = true_coefficients(&loaded, rig);
         Ok(Set { loaded, said: format!("{said}; {}", rig.described()), visible, truth, inside })
     };
     let right = set(&rig.physics, "nothing is wrong")?;
-    for run in right.loaded.truths.iter().flatten() {
+    for run in &right.loaded.truths {
         let held = run.modes.iter().filter(|m| **m == 0).count() as f64 / run.modes.len().max(1) as f64;
         if held > HELD {
             return Err("it hardly moves".to_owned());
@@ -147,23 +139,12 @@ fn pair(rig: &Rig, kind: &str, dice: &mut Dice, options: &Options) -> Result<Pai
     Ok(Pair { wrong: set(&wrong, &said)?, right })
 }
 
-fn loaded(text: String, options: &Options) -> Result<Loaded, String> {
-    let (mut sources, mut found) = (Sources::default(), Vec::new());
-    load_text(Path::new("wrong.ron"), text, options, Purpose::Run, &mut sources, &mut found)
-        .map_err(|_| found.iter().map(|d| d.message.clone()).collect::<Vec<_>>().join("; "))
-}
-
 /// Chi square that the wrong model leaves of the true motion at best; infinite if it cannot be simulated.
 fn visible(loaded: &Loaded, movable: &str, rig: &Rig) -> Result<f64, String> {
-    let mut sources = Sources::default();
-    let source = sources.add("movable.ron", movable);
-    let words =
-        |d: Vec<phisindy_phys::Diagnostic>| d.into_iter().map(|d| d.message).collect::<Vec<_>>().join("; ");
-    let (case, _) = check(&spec::read(movable, source).map_err(words)?.0, source).map_err(words)?;
+    let case = checked(movable)?;
     let mut records = loaded.records.clone();
     let mut noise = Vec::new();
     for (record, truth) in records.iter_mut().zip(&loaded.truths) {
-        let truth = truth.as_ref().ok_or("there is no truth")?;
         record.role = Role::Fit;
         for (k, column) in record.columns.iter_mut().enumerate() {
             if let Some(column) = column {

@@ -1,7 +1,7 @@
 //! What a set is to hold: a deck of wishes that every few dozen sets go through once, shuffled.
 
-use super::dice::Dice;
 use super::outside;
+use crate::dice::Dice;
 
 /// What is hidden.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,10 +1,10 @@
 //! The operations of the expression language, from the table that defines them.
 
-use super::markdown;
+use crate::markdown::markdown;
 use phisindy_expr::ops::{BINARY, UNARY, function_names};
 
 /// A row for each operation: how it is written, what it is, where it or its slope jumps.
-pub(super) fn table() -> String {
+pub(crate) fn table() -> String {
     let offered = |name: &str| function_names().any(|n| n == name);
     let jumps = |kinks: &[f64]| kinks.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
     let infix = BINARY.iter().filter(|row| row.precedence > 0);

@@ -1,9 +1,9 @@
 //! The files of a set: the incomplete model and its data. Nothing here knows what is hidden.
 
-use super::dice::Dice;
 use super::made::{Made, Shown};
 use super::rig::{Drive, Extra, Line, Rig};
-use crate::outdir::OutDir;
+use crate::dice::Dice;
+use crate::folder::Folder;
 use anyhow::Result;
 use std::fmt::Write;
 
@@ -18,7 +18,7 @@ struct Style {
 ///
 /// # Errors
 /// A file cannot be written.
-pub(super) fn write(folder: &OutDir, index: usize, made: &Made, dice: &mut Dice) -> Result<()> {
+pub(super) fn write(folder: &Folder, index: usize, made: &Made, dice: &mut Dice) -> Result<()> {
     let style = Style {
         time: dice.pick::<&str>(&["t", "time", "time_s"]),
         suffix: dice.chance(0.5),

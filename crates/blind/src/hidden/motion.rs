@@ -1,7 +1,8 @@
 //! The motion of a rig, with and without what is hidden, by the simulator of the project.
 
-use super::effect::{Action, Effect, Property, substitute};
+use super::effect::{Action, Effect, Property};
 use super::rig::{Line, Rig};
+use crate::names::substitute;
 use phisindy_phys::Model;
 use phisindy_sim::{Automaton, Drive, Options, Trajectory, simulate};
 
@@ -126,10 +127,12 @@ fn model(rig: &Rig, effects: &[Effect], course: &Course) -> Result<(Model, Vec<f
     let mut all: Vec<String> = rig.v.clone();
     all.extend(rates);
     all.extend(own);
-    let all: Vec<String> = all
-        .iter()
-        .map(|text| substitute(&substitute(&substitute(text, "DRIVE", &value), "u", &value), "du", &slope))
-        .collect();
+    let driven = |name: &str| match name {
+        "DRIVE" | "u" => Some(value.as_str()),
+        "du" => Some(slope.as_str()),
+        _ => None,
+    };
+    let all: Vec<String> = all.iter().map(|text| substitute(text, driven)).collect();
     let texts: Vec<&str> = all.iter().map(String::as_str).collect();
     let parameters: Vec<&str> = rig.constants.iter().map(|c| c.name.as_str()).collect();
     let model = Model::build(&names, &[], &parameters, &texts)?;

@@ -2,7 +2,7 @@
 
 use super::mark::{Mark, Verdict, words};
 use super::truth::{Placed, Truth};
-use crate::readme::markdown;
+use crate::markdown::markdown;
 
 /// A set with its marks.
 pub(super) struct Marked {

@@ -1,7 +1,7 @@
 //! How often a mistake was told of, and how often the answer was wrong in silence.
 
-use crate::readme::markdown;
-use crate::table::short;
+use crate::Table;
+use crate::markdown::{markdown, short};
 use std::fmt::Write;
 
 /// Five standard deviations for somebody who knows what to look for: less cannot be seen.
@@ -29,14 +29,8 @@ pub(super) struct Outcome {
     pub(super) warnings: Vec<String>,
 }
 
-/// A table, and what to look at.
-pub(crate) struct Scored {
-    pub(crate) table: String,
-    pub(crate) failures: String,
-}
-
 /// Counts. Mistakes that the dictionary makes good, and those that cannot be seen, are counted apart.
-pub(super) fn tally(all: &[Outcome]) -> Scored {
+pub(super) fn tally(all: &[Outcome]) -> Table {
     let mut kinds: Vec<&str> = Vec::new();
     all.iter().map(|o| o.kind.as_str()).filter(|k| *k != "nothing").for_each(|k| {
         if !kinds.contains(&k) {
@@ -88,7 +82,7 @@ pub(super) fn tally(all: &[Outcome]) -> Scored {
             o.warnings.join(" | ")
         );
     }
-    Scored { table: markdown(&head, &rows), failures }
+    Table { name: "wrong", table: markdown(&head, &rows), failures }
 }
 
 fn row(name: &str, of: &[&Outcome]) -> Vec<String> {

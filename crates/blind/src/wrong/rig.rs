@@ -1,6 +1,6 @@
 //! A rig at random: what is true of it, and how it moves.
 
-use crate::hidden::{Dice, rounded};
+use crate::dice::{Dice, rounded};
 use std::f64::consts::TAU;
 use std::fmt::Write;
 

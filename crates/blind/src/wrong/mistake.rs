@@ -1,7 +1,7 @@
 //! One thing that a model has wrong.
 
 use super::rig::{Physics, Rig};
-use crate::hidden::{Dice, rounded};
+use crate::dice::{Dice, rounded};
 
 /// What can be wrong.
 pub(super) const KINDS: &[&str] =

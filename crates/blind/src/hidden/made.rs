@@ -1,7 +1,6 @@
 //! One set: drawn until it is fair.
 
 use super::course::{courses, cut_course, cut_motion};
-use super::dice::{Dice, rounded};
 use super::effect::{Effect, Scales, draw, draw_sensor};
 use super::fair::{steady, visible};
 use super::motion::{Course, Motion, earlier, motion};
@@ -12,6 +11,7 @@ use super::rivals::{Judgement, Seen, along, judge, largest};
 use super::told::{alternatives, described, hidden};
 use super::truth::{Gaps, Truth};
 use super::wish::{HOLDING, Kind, Wish};
+use crate::dice::{Dice, rounded};
 use phisindy_signal::standard_deviation;
 use phisindy_sim::{Noise, Streams, add_noise};
 

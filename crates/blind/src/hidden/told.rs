@@ -81,11 +81,8 @@ pub(super) fn alternatives(
 /// An effect with its values.
 pub(super) fn hidden(effect: &Effect) -> Hidden {
     let expression = match &effect.action {
-        Action::Force { force, internal, place } => {
-            let own = |text: &str| {
-                let text = super::effect::substitute(text, "X", &place.x);
-                super::effect::substitute(&text, "Y", &place.v)
-            };
+        Action::Force { force, internal, .. } => {
+            let own = |text: &str| effect.at_its_place(text);
             match internal {
                 Some((name, rate)) => format!("{} with d{name}/dt = {}", own(force), own(rate)),
                 None => own(force),
