@@ -380,6 +380,12 @@ impl Loader<'_> {
         case: &Case,
         purpose: Purpose,
     ) -> Result<Option<Record>, Refusal> {
+        if csv.in_memory {
+            let message = format!("record `{}` is arrays of another program, not a file", plan.name);
+            let d = Diagnostic::error(message).at(self.source, csv.span, "");
+            self.push(d.help("name a file: `Csv(path: \"run.csv\", ...)`"));
+            return Err(Refusal::Input);
+        }
         let path = match self.folders.find(&csv.path.value, self.source, csv.path.span) {
             Ok(path) => path,
             Err(Missing::Nowhere(mut d)) if purpose == Purpose::Check && !self.folders.given => {
@@ -512,6 +518,7 @@ fn input_file(
 fn column_of(path: &Text, time: &ColumnSpec, column: &ColumnSpec) -> CsvSpec {
     CsvSpec {
         path: path.clone(),
+        in_memory: false,
         name: None,
         time: time.clone(),
         rate: None,
