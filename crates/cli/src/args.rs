@@ -3,6 +3,7 @@
 use crate::limit::Limit;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, ValueEnum};
+use phisindy::files::{Assignment, Request};
 use phisindy_phys::spec::Method;
 use phisindy_report::export::{EXPORTERS, Exporter};
 use std::path::PathBuf;
@@ -301,6 +302,20 @@ pub(crate) struct Options {
     pub(crate) sets: Vec<Assignment>,
 }
 
+impl Options {
+    /// What is asked for when a spec is read. The environment is looked at here alone.
+    pub(crate) fn request(&self) -> Request {
+        let environment = std::env::var_os("PHISINDY_DATA").filter(|v| !v.is_empty());
+        Request {
+            assignments: self.sets.clone(),
+            data: self.data.clone(),
+            further_data: environment.map(PathBuf::from),
+            laws: self.laws.clone(),
+            seed: self.seed,
+        }
+    }
+}
+
 /// Form of the result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Format {
@@ -338,15 +353,6 @@ impl From<MethodArg> for Method {
             MethodArg::Trajectory => Method::Trajectory,
         }
     }
-}
-
-/// `PATH=VALUE`
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Assignment {
-    /// Parts joined by points.
-    pub(crate) path: String,
-    /// RON.
-    pub(crate) value: String,
 }
 
 fn assignment(text: &str) -> Result<Assignment, String> {

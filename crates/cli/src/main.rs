@@ -7,18 +7,14 @@
 
 mod args;
 mod commands;
-mod datafile;
 mod draw;
 mod interrupt;
-mod laws;
 mod limit;
-mod load;
 mod new;
 mod outdir;
 mod progress;
 mod sweep;
 mod terminal;
-mod trends;
 
 use crate::args::{Args, Command, Options};
 use anyhow::{Context, Result};

@@ -2,8 +2,9 @@
 
 use crate::args::{NewArgs, Options};
 use crate::command::{INPUT, print, remark};
-use crate::{datafile, draw, outdir};
+use crate::{draw, outdir};
 use anyhow::{Result, anyhow};
+use phisindy::files;
 use phisindy_expr::Span;
 use phisindy_import::csv::Survey;
 use phisindy_import::{Draft, accepted, spec, summary};
@@ -54,7 +55,7 @@ fn drafted(args: &NewArgs, sources: &mut Sources) -> Result<Draft, Box<Diagnosti
     let name = args.path.display().to_string();
     let words = format!("phisindy new {name}");
     let at = (sources.add("command line", words.clone()), Span::new(words.len() - name.len(), words.len()));
-    let survey = Survey::read(datafile::opened(&args.path, &name, at)?, at, sources)?;
+    let survey = Survey::read(files::opened(&args.path, &name, at)?, at, sources)?;
     Draft::of(survey).map_err(|trouble| trouble.diagnostic(&name, at))
 }
 

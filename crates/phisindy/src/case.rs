@@ -1,19 +1,19 @@
 //! A case: the text of a spec, and what it means.
 
 use crate::error::{Error, SpecError};
-use crate::prepare::{Texts, spec_of};
 use crate::record::{Record, RecordError};
-use phisindy_phys::spec::DataSpec;
-use phisindy_phys::{self as phys, Diagnostic, splice};
+use phisindy_phys::spec::{DataSpec, Spec, read_without_data};
+use phisindy_phys::{self as phys, Diagnostic, Sources, check, splice};
 use std::fmt;
 
 /// A checked spec. Records come from memory, so it need not have `data`.
 #[derive(Clone)]
 pub struct Case {
     pub(crate) text: String,
-    pub(crate) checked: phys::Case,
+    pub(crate) spec: Spec,
+    checked: phys::Case,
     warnings: Vec<Diagnostic>,
-    sources: phys::Sources,
+    sources: Sources,
 }
 
 impl Case {
@@ -22,10 +22,13 @@ impl Case {
     /// # Errors
     /// All mistakes of the text.
     pub fn read(text: &str) -> Result<Case, SpecError> {
-        let mut texts = Texts::default();
-        let (_, checked) = spec_of(text, "spec", &mut texts)?;
-        let Texts { sources, warnings } = texts;
-        Ok(Case { text: text.to_owned(), checked, warnings, sources })
+        let mut sources = Sources::default();
+        let source = sources.add("spec", text);
+        let (spec, mut warnings) =
+            read_without_data(text, source).map_err(|d| SpecError::new(d, sources.clone()))?;
+        let (checked, more) = check(&spec, source).map_err(|d| SpecError::new(d, sources.clone()))?;
+        warnings.extend(more);
+        Ok(Case { text: text.to_owned(), spec, checked, warnings, sources })
     }
 
     /// The case with one field of its text changed or added, as `--set PATH=VALUE` does.
@@ -79,21 +82,18 @@ impl Case {
     }
 
     /// The `Synthetic` records that the text describes. `seed` replaces that of the first one; further records have seeds that follow from it.
-    ///
-    /// # Errors
-    /// The text cannot be read again, which is a mistake of this library.
-    pub fn synthetic(&self, seed: Option<u64>) -> Result<Vec<Record>, Error> {
-        let (spec, _) = spec_of(&self.text, "spec", &mut Texts::default())?;
-        let records = spec.data.iter().enumerate().filter_map(|(index, data)| match data {
+    pub fn synthetic(&self, seed: Option<u64>) -> Vec<Record> {
+        let records = self.spec.data.iter().enumerate().filter_map(|(index, data)| match data {
             DataSpec::Synthetic(synthetic) => {
                 // Records of one spec must not repeat each other's noise.
-                let own = seed.map(|seed| seed.wrapping_add((index as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15)));
+                let own =
+                    seed.map(|seed| seed.wrapping_add((index as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15)));
                 let name = self.checked.records[index].name.clone();
                 Some(Record::synthetic(name, &self.text[synthetic.span.range()], own))
             }
             DataSpec::Csv(_) => None,
         });
-        Ok(records.collect())
+        records.collect()
     }
 }
 

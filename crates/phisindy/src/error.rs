@@ -2,6 +2,7 @@
 
 use crate::laws::LawError;
 use crate::record::RecordError;
+use crate::simulate::SimulationError;
 use phisindy_gap::GapError;
 use phisindy_learn::LearnError;
 use phisindy_phys::{Diagnostic, Sources, splice::SetError};
@@ -27,8 +28,6 @@ pub enum Error {
         /// Why.
         error: SyntheticError,
     },
-    /// The laws that `unknown` names cannot be written into the model.
-    Laws(String),
     /// [`crate::identify`] came to no result.
     Identify(LearnError),
     /// [`crate::gap`] came to no result.
@@ -40,7 +39,7 @@ pub enum Error {
         /// Name of the record.
         record: String,
         /// Why.
-        reason: String,
+        error: SimulationError,
     },
     /// The identified model cannot be written as a spec.
     Completed(String),
@@ -54,12 +53,15 @@ impl fmt::Display for Error {
             Error::Record(error) => error.fmt(f),
             Error::Law(error) => error.fmt(f),
             Error::Synthetic { record, error } => write!(f, "record `{record}`: {error}"),
-            Error::Laws(reason) => write!(f, "the laws of `unknown` cannot be written into the model: {reason}"),
             Error::Identify(error) => error.fmt(f),
             Error::Gap(error) => error.fmt(f),
-            Error::Open => f.write_str("the model has an unknown part: identify it first, then simulate `Identified::case`"),
-            Error::Simulate { record, reason } => write!(f, "record `{record}` cannot be simulated: {reason}"),
-            Error::Completed(reason) => write!(f, "the identified model cannot be written as a spec: {reason}"),
+            Error::Open => f.write_str(
+                "the model has an unknown part: identify it first, then simulate `Identified::case`",
+            ),
+            Error::Simulate { record, error } => write!(f, "record `{record}`: {error}"),
+            Error::Completed(reason) => {
+                write!(f, "the identified model cannot be written as a spec: {reason}")
+            }
         }
     }
 }

@@ -3,8 +3,8 @@
 use crate::case::Case;
 use crate::error::Error;
 use crate::laws::Catalogue;
+use crate::loaded::Loaded;
 use crate::options::Options;
-use crate::prepare::Prepared;
 use crate::record::Record;
 use phisindy_gap::{self as workflow, Status, Step};
 
@@ -14,12 +14,21 @@ use phisindy_gap::{self as workflow, Status, Step};
 /// # Errors
 /// A record makes no sense with the case, or the model cannot be simulated. That no law explains the records is a status, not an error.
 pub fn gap(case: &Case, records: &[Record], options: &Options<'_>) -> Result<Gap, Error> {
-    let Prepared { text, case, records, doubts, .. } = Prepared::measured(case, records)?;
-    let built_in = Catalogue::built_in();
-    let laws = options.laws.unwrap_or(&built_in);
-    let mut observe = |fraction: f64, activity: &str| options.progress(fraction, activity);
-    let result = workflow::gap(&text, case, records, &laws.entries, &mut observe)?;
-    Ok(Gap { result, doubts })
+    Loaded::of(case, records)?.gap(options)
+}
+
+impl Loaded {
+    /// As [`gap`].
+    ///
+    /// # Errors
+    /// As [`gap`].
+    pub fn gap(self, options: &Options<'_>) -> Result<Gap, Error> {
+        self.comparable()?;
+        let entries = options.laws.map_or_else(|| Catalogue::built_in().entries(), Catalogue::entries);
+        let mut observe = |fraction: f64, activity: &str| options.progress(fraction, activity);
+        let result = workflow::gap(&self.text, self.case, self.records, &entries, &mut observe)?;
+        Ok(Gap { result, doubts: self.doubts })
+    }
 }
 
 /// What the search found. A gap is the rms of the residual of a free run in units of the noise: 1 is perfect.

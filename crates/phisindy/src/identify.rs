@@ -1,34 +1,64 @@
 //! Identification: which terms are in the unknown part, and with which numbers.
 
 use crate::case::Case;
-use crate::error::Error;
+use crate::error::{Error, SpecError};
 use crate::laws::Catalogue;
+use crate::loaded::{Laws, Loaded, NotWritten};
 use crate::options::Options;
-use crate::prepare::Prepared;
 use crate::record::Record;
 use phisindy_learn::{self as learn, Estimate, FoundParameter, LearnOptions, RecordFit, Verdict};
-use phisindy_report::{Input, equations, spec_text};
+use phisindy_phys::Sources;
+use phisindy_report::{equations, spec_text};
 
 /// Identifies the unknown part of a case from its records.
 ///
 /// # Errors
 /// A record makes no sense with the case, or the numerics fail altogether. A model that merely does not fit is a verdict, not an error.
 pub fn identify(case: &Case, records: &[Record], options: &Options<'_>) -> Result<Identified, Error> {
-    let prepared = Prepared::measured(case, records)?;
-    let prepared = match options.laws {
-        Some(laws) => prepared.with_laws(laws)?,
-        None if prepared.case.laws.is_empty() => prepared,
-        None => prepared.with_laws(&Catalogue::built_in())?,
-    };
-    let learn = LearnOptions { method: options.method };
-    let mut observe = |fraction| options.progress(fraction, "");
-    let result = learn::identify(&prepared.case, &prepared.records, &learn, &mut observe)?;
-    Ok(Identified { prepared, result })
+    Loaded::of(case, records)?.identify(options)
+}
+
+impl Loaded {
+    /// As [`identify`].
+    ///
+    /// # Errors
+    /// As [`identify`].
+    pub fn identify(self, options: &Options<'_>) -> Result<Identified, Error> {
+        self.comparable()?;
+        let loaded = self.with_laws(options)?;
+        let learn = LearnOptions { method: options.method };
+        let mut observe = |fraction| options.progress(fraction, "");
+        let result = learn::identify(&loaded.case, &loaded.records, &learn, &mut observe)?;
+        Ok(Identified { loaded, result })
+    }
+
+    /// The same with the laws that `unknown` names written into the model, if that has not been done.
+    fn with_laws(self, options: &Options<'_>) -> Result<Loaded, Error> {
+        // Laws that are written out stand in `unknown` no more.
+        if self.parsed.unknown.iter().all(|(_, unknown)| unknown.laws.is_empty()) {
+            return Ok(self);
+        }
+        let (mut sources, mut found) = (Sources::default(), Vec::new());
+        let source = sources.add(self.spec.clone(), self.text.clone());
+        let built_in;
+        let catalogue = match options.laws {
+            Some(laws) => laws,
+            None => {
+                built_in = Catalogue::built_in();
+                &built_in
+            }
+        };
+        let laws = Laws::of(&self.case, catalogue, source)
+            .map_err(|mistakes| SpecError::new(mistakes, sources.clone()))?;
+        let records = self.records.clone();
+        laws.written(self, records, &mut sources, &mut found)
+            .map_err(|NotWritten| SpecError::new(found, sources).into())
+    }
 }
 
 /// What was identified. Numbers are in SI.
 pub struct Identified {
-    prepared: Prepared,
+    loaded: Loaded,
     result: learn::Identified,
 }
 
@@ -61,10 +91,14 @@ pub struct Term {
 impl Identified {
     /// The equations that have an unknown part.
     pub fn equations(&self) -> Vec<Equation> {
-        let case = &self.prepared.case;
+        let case = &self.loaded.case;
         let all = equations(case, &self.result.terms, &self.result.parameters).into_iter();
-        all.map(|e| Equation { state: case.system.states[e.state].name.clone(), latex: e.latex, text: e.text })
-            .collect()
+        all.map(|e| Equation {
+            state: case.system.states[e.state].name.clone(),
+            latex: e.latex,
+            text: e.text,
+        })
+        .collect()
     }
 
     /// The equations in LaTeX, a line for each.
@@ -74,7 +108,7 @@ impl Identified {
 
     /// The terms that were found, in the order of the spec.
     pub fn terms(&self) -> Vec<Term> {
-        let system = &self.prepared.case.system;
+        let system = &self.loaded.case.system;
         let term = |found: &learn::FoundTerm| {
             let term = &system.terms[found.term];
             Term {
@@ -106,7 +140,7 @@ impl Identified {
     /// What a careful reader should know of the text, the records and the result.
     pub fn warnings(&self) -> Vec<String> {
         let found = self.result.warnings.iter().map(ToString::to_string);
-        self.prepared.doubts.iter().cloned().chain(found).collect()
+        self.loaded.doubts.iter().cloned().chain(found).collect()
     }
 
     /// Whether the observer stopped the work before its end.
@@ -119,16 +153,8 @@ impl Identified {
     /// # Errors
     /// The text cannot hold what was identified.
     pub fn case(&self) -> Result<Case, Error> {
-        let p = &self.prepared;
-        let input = Input {
-            name: "the spec",
-            text: &p.text,
-            spec: &p.spec,
-            case: &p.case,
-            records: &p.records,
-            doubts: &p.doubts,
-        };
-        let text = spec_text::identified(input, &self.result).map_err(|why| Error::Completed(why.to_string()))?;
+        let text = spec_text::identified(self.loaded.input(), &self.result)
+            .map_err(|why| Error::Completed(why.to_string()))?;
         Ok(Case::read(&text)?)
     }
 }

@@ -2,17 +2,16 @@
 
 mod built_in;
 
-pub use built_in::LAWS;
-
 use phisindy_gap::Entry;
 use phisindy_phys::Law;
+use phisindy_report::laws::LawFile;
 use std::fmt;
 use std::sync::Arc;
 
 /// Laws by their ids, in alphabetical order.
 #[derive(Clone, Debug)]
 pub struct Catalogue {
-    pub(crate) entries: Vec<Entry>,
+    laws: Vec<LawFile>,
 }
 
 impl Catalogue {
@@ -21,20 +20,21 @@ impl Catalogue {
     /// # Panics
     /// If one of them cannot be read, which a test excludes.
     pub fn built_in() -> Catalogue {
-        let read = |(id, text): &(&str, &str)| match Law::read(text) {
-            Ok(law) => Entry { id: (*id).to_owned(), law: Arc::new(law) },
-            Err(error) => panic!("the built-in law `{id}`: {error}"),
-        };
-        Catalogue { entries: LAWS.iter().map(read).collect() }
+        let empty = Catalogue { laws: vec![] };
+        let with = |all: Catalogue, (id, text): &(&str, &str)| all.with(id, text);
+        match built_in::LAWS.iter().try_fold(empty, with) {
+            Ok(all) => all,
+            Err(error) => panic!("built-in laws: {error}"),
+        }
     }
 
     /// The catalogue with a further law, in place of one with the same id.
     ///
     /// ```
     /// use phisindy::Catalogue;
-    /// let text = include_str!("../../../specs/laws/viscous.ron");
-    /// let laws = Catalogue::built_in().with("my-damper", text)?;
-    /// assert!(laws.ids().any(|id| id == "my-damper"));
+    /// let text = Catalogue::built_in().laws().iter().find(|law| law.id == "viscous").unwrap().text.clone();
+    /// let laws = Catalogue::built_in().with("my-damper", &text)?;
+    /// assert!(laws.laws().iter().any(|law| law.id == "my-damper"));
     /// # Ok::<(), phisindy::LawError>(())
     /// ```
     ///
@@ -42,20 +42,21 @@ impl Catalogue {
     /// The text is no law.
     pub fn with(mut self, id: &str, text: &str) -> Result<Catalogue, LawError> {
         let law = Law::read(text).map_err(|e| LawError { id: id.to_owned(), reason: e.to_string() })?;
-        self.entries.retain(|entry| entry.id != id);
-        self.entries.push(Entry { id: id.to_owned(), law: Arc::new(law) });
-        self.entries.sort_by(|a, b| a.id.cmp(&b.id));
+        self.laws.retain(|other| other.id != id);
+        self.laws.push(LawFile { id: id.to_owned(), text: text.to_owned(), law });
+        self.laws.sort_by(|a, b| a.id.cmp(&b.id));
         Ok(self)
     }
 
-    /// The ids of the laws.
-    pub fn ids(&self) -> impl Iterator<Item = &str> {
-        self.entries.iter().map(|entry| entry.id.as_str())
+    /// The laws with their ids and texts.
+    pub fn laws(&self) -> &[LawFile] {
+        &self.laws
     }
 
-    /// What a law says.
-    pub fn get(&self, id: &str) -> Option<&Law> {
-        self.entries.iter().find(|entry| entry.id == id).map(|entry| &*entry.law)
+    /// The laws as the search takes them.
+    pub fn entries(&self) -> Vec<Entry> {
+        let entry = |file: &LawFile| Entry { id: file.id.clone(), law: Arc::new(file.law.clone()) };
+        self.laws.iter().map(entry).collect()
     }
 }
 

@@ -33,15 +33,17 @@
 //! seconds; numbers are in the units that the spec states for these names. A state without a column is not measured; at least one state must be.
 //! Results are in SI.
 //!
-//! Nothing here reads a file, prints, or looks at a clock. The same records give the same bits for any number of threads.
+//! Only [`files`] reads files; nothing here prints or looks at a clock. The same records give the same bits for any number of threads.
 
+mod arrays;
 mod case;
 mod error;
+pub mod files;
 mod gap;
 mod identify;
 mod laws;
+mod loaded;
 mod options;
-mod prepare;
 mod record;
 mod simulate;
 
@@ -50,11 +52,13 @@ pub use error::{Error, SpecError};
 pub use gap::{Gap, gap};
 pub use identify::{Equation, Identified, Term, identify};
 pub use laws::{Catalogue, LawError};
+pub use loaded::{Loaded, record_named};
 pub use options::{Options, Progress};
 pub use record::{Record, RecordError};
-pub use simulate::{Motion, simulate};
+pub use simulate::{Motion, SimulationError, simulate};
 
 pub use phisindy_gap::{Rival, Status, Step, StepParameter};
 pub use phisindy_learn::{Estimate, FoundParameter, RecordFit, Verdict};
 pub use phisindy_phys::Diagnostic;
 pub use phisindy_phys::spec::{Method, Role};
+pub use phisindy_report::laws::LawFile;

@@ -45,6 +45,9 @@ impl Options<'_> {
 
 impl fmt::Debug for Options<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Options").field("method", &self.method).field("laws", &self.laws).finish_non_exhaustive()
+        f.debug_struct("Options")
+            .field("method", &self.method)
+            .field("laws", &self.laws)
+            .finish_non_exhaustive()
     }
 }

@@ -8,7 +8,7 @@ use std::fmt;
 pub struct Record {
     pub(crate) name: Option<String>,
     /// Fields of the record in the language of specs, in the order in which they were set.
-    fields: Vec<(String, String)>,
+    pub(crate) fields: Vec<(String, String)>,
     pub(crate) data: Data,
 }
 
@@ -22,7 +22,10 @@ pub(crate) enum Data {
 }
 
 impl Record {
-    pub(crate) fn measured<C: AsRef<[f64]>>(given: &[(&str, C)], names: &[&str]) -> Result<Record, RecordError> {
+    pub(crate) fn measured<C: AsRef<[f64]>>(
+        given: &[(&str, C)],
+        names: &[&str],
+    ) -> Result<Record, RecordError> {
         let mut time = None;
         let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
         for (name, values) in given {
@@ -45,7 +48,11 @@ impl Record {
         }
         let time = time.ok_or(RecordError::NoTime)?;
         if let Some((column, values)) = columns.iter().find(|(_, values)| values.len() != time.len()) {
-            return Err(RecordError::Length { column: column.clone(), rows: values.len(), times: time.len() });
+            return Err(RecordError::Length {
+                column: column.clone(),
+                rows: values.len(),
+                times: time.len(),
+            });
         }
         if let Some(before) = time.windows(2).position(|pair| pair[1] <= pair[0]) {
             return Err(RecordError::TimeOrder { row: before + 1 });
@@ -57,7 +64,8 @@ impl Record {
         Record { name: Some(name), fields: vec![], data: Data::Synthetic { entry: entry.to_owned(), seed } }
     }
 
-    /// The record under a name of its own, which results use; without, records are called `record 1`, `record 2`, ...
+    /// The record under a name of its own, which results use; without, records are called `record 1`, `record 2`, ... An entry `Arrays` of this name
+    /// in the spec says what the record is like.
     pub fn named(mut self, name: &str) -> Record {
         self.name = Some(name.to_owned());
         self
@@ -70,10 +78,13 @@ impl Record {
 
     /// The record in this role.
     pub fn role(self, role: Role) -> Record {
-        self.with("role", match role {
-            Role::Fit => "Fit",
-            Role::Validate => "Validate",
-        })
+        self.with(
+            "role",
+            match role {
+                Role::Fit => "Fit",
+                Role::Validate => "Validate",
+            },
+        )
     }
 
     /// The record with a field in the language of specs: `start`, `sensors`, `derive`, `interpolate`, `constants` (`docs/reference.md`, `Arrays`).
@@ -91,32 +102,10 @@ impl Record {
         self
     }
 
-    /// The record as an entry of `data`; `index` counts the records of a case.
-    pub(crate) fn entry(&self, index: usize) -> String {
-        match &self.data {
-            Data::Synthetic { entry, .. } => entry.clone(),
-            Data::Columns { columns, .. } => {
-                let name = self.name.clone().unwrap_or_else(|| format!("record {}", index + 1));
-                let columns: Vec<String> = columns.iter().map(|(name, _)| quoted(name)).collect();
-                let mut entry = format!("Arrays(name: {}, columns: [{}]", quoted(&name), columns.join(", "));
-                for (field, value) in &self.fields {
-                    entry += &format!(", {field}: {value}");
-                }
-                entry + ")"
-            }
-        }
+    /// What it is called among the records of a case.
+    pub(crate) fn name_at(&self, index: usize) -> String {
+        self.name.clone().unwrap_or_else(|| format!("record {}", index + 1))
     }
-}
-
-/// A text in the notation of specs.
-fn quoted(text: &str) -> String {
-    if !text.contains(['"', '\\']) {
-        return format!("\"{text}\"");
-    }
-    // One hash more than the longest run of them: nothing in the text can end it.
-    let longest = text.split(|c| c != '#').map(str::len).max().unwrap_or(0);
-    let hashes = "#".repeat(longest + 1);
-    format!("r{hashes}\"{text}\"{hashes}")
 }
 
 /// Why arrays make no record. Rows are counted from 0.
@@ -190,14 +179,20 @@ impl fmt::Display for RecordError {
                 write!(f, "the column `{column}` has {rows} rows, the time `t` has {times}")
             }
             RecordError::NotFinite { column, row } => {
-                write!(f, "row {row} of the column `{column}` is not a finite number: leave the row out, a gap in time does no harm")
+                write!(
+                    f,
+                    "row {row} of the column `{column}` is not a finite number: leave the row out, a gap in time does no harm"
+                )
             }
             RecordError::TimeOrder { row } => {
                 write!(f, "the time of row {row} is not later than that of the row before")
             }
             RecordError::NoRecords => f.write_str("there are no records"),
             RecordError::NoState { record } => {
-                write!(f, "no column of record {record} measures a state, so there is nothing to compare with")
+                write!(
+                    f,
+                    "no column of record {record} measures a state, so there is nothing to compare with"
+                )
             }
         }
     }

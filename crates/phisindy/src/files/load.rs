@@ -1,93 +1,26 @@
 //! From a spec file to a checked case with its records.
 
-use crate::args::{Assignment, Options};
-use crate::datafile::{self, Folders, Missing};
-use crate::laws;
-use crate::trends::Trends;
+use super::folders::{self, Folders, Missing};
+use super::laws;
+use super::trends::Trends;
+use super::{Assignment, Request};
+use crate::error::{Error, SpecError};
+use crate::loaded::{Laws, Loaded, NotWritten, checked};
 use phisindy_expr::Span;
-use phisindy_gap::{Effect, Entry, asked, written_in};
-use phisindy_phys::spec::{ColumnSpec, CsvSpec, InputSpec, Role, Spec, Text};
+use phisindy_phys::spec::{ColumnSpec, CsvSpec, InputSpec, Role, Text};
 use phisindy_phys::{
     Case, Diagnostic, Origin, Record, RecordPlan, Severity, SourceId, Sources, Table, Units,
-    link_continuations, overlaps, suspicions, unit::Unit,
+    link_continuations, overlaps, spec, suspicions, unit::Unit,
 };
-use phisindy_report::Input;
 use phisindy_signal::{Interpolation, Signal, strongest_line};
 use phisindy_sim::{SyntheticError, Trajectory, synthesize};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-/// A spec with everything it needs.
-pub(crate) struct Loaded {
-    /// The spec's path as it was given.
-    pub(crate) spec: String,
-    /// Its text, with every `--set` spliced in.
-    pub(crate) text: String,
-    /// The text, read.
-    pub(crate) parsed: Spec,
-    /// The checked spec.
-    pub(crate) case: Case,
-    /// In the order of the spec.
-    pub(crate) records: Vec<Record>,
-    /// For each record, if it is synthetic: what it would be without noise.
-    pub(crate) truths: Vec<Option<Trajectory>>,
-    /// What was odd about the spec and its data, in words.
-    pub(crate) doubts: Vec<String>,
-}
-
-impl Loaded {
-    /// What a report needs of it.
-    pub(crate) fn input(&self) -> Input<'_> {
-        Input {
-            name: &self.spec,
-            text: &self.text,
-            spec: &self.parsed,
-            case: &self.case,
-            records: &self.records,
-            doubts: &self.doubts,
-        }
-    }
-
-    /// The plans of the records that [`Purpose::Simulate`] makes.
-    pub(crate) fn simulated(&self) -> impl Iterator<Item = &RecordPlan> {
-        let open = self.case.is_open();
-        self.case.records.iter().filter(move |p| !open || matches!(p.origin, Origin::Synthetic(_)))
-    }
-
-    /// To be simulated with one of its records alone.
-    ///
-    /// # Errors
-    /// There is none of this name or place.
-    pub(crate) fn only(mut self, record: &str) -> Result<Loaded, Diagnostic> {
-        let k = record_named(record, self.records.iter().map(|r| r.name.as_str()))?;
-        let plan = self.simulated().nth(k).cloned();
-        self.case.records = plan.into_iter().collect();
-        self.records = vec![self.records.swap_remove(k)];
-        self.truths = vec![self.truths.swap_remove(k)];
-        Ok(self)
-    }
-}
-
-/// Which of these records is meant, by its name or its place.
-///
-/// # Errors
-/// None of them.
-pub(crate) fn record_named<'a>(
-    wish: &str,
-    names: impl Iterator<Item = &'a str> + Clone,
-) -> Result<usize, Diagnostic> {
-    let place = || wish.parse().ok().filter(|k| *k < names.clone().count());
-    names.clone().position(|name| name == wish).or_else(place).ok_or_else(|| {
-        let all: Vec<String> = names.clone().enumerate().map(|(k, name)| format!("{k} `{name}`")).collect();
-        Diagnostic::error(format!("there is no record `{wish}`"))
-            .help(format!("there is: {}", all.join(", ")))
-    })
-}
-
 /// What the spec is read for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Purpose {
+pub enum Purpose {
     /// All records are needed, and the laws that `unknown` names.
     Run,
     /// All records are needed; the catalogue is searched whatever `unknown` names.
@@ -100,7 +33,7 @@ pub(crate) enum Purpose {
 
 /// Why there is no case, as an exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Refusal {
+pub enum Refusal {
     /// The spec or its files are wrong.
     Input,
     /// The truth of a synthetic record cannot be simulated.
@@ -111,34 +44,36 @@ pub(crate) enum Refusal {
 ///
 /// # Errors
 /// At least one of the diagnostics is an error.
-pub(crate) fn load(
+pub fn load(
     path: &Path,
-    options: &Options,
+    request: &Request,
     purpose: Purpose,
     sources: &mut Sources,
     found: &mut Vec<Diagnostic>,
 ) -> Result<Loaded, Refusal> {
-    let text = spec_text(path).and_then(|text| with_sets(text, &options.sets, sources)).map_err(|d| {
-        found.push(d);
-        Refusal::Input
-    })?;
-    load_text(path, text, options, purpose, sources, found)
+    let text = spec_text(path)
+        .and_then(|text| with_assignments(text, &request.assignments, sources))
+        .map_err(|d| {
+            found.push(d);
+            Refusal::Input
+        })?;
+    load_text(path, text, request, purpose, sources, found)
 }
 
-/// The same from a text that was read before; `path` says where its data files are, and `--set` has been applied.
+/// The same from a text that was read before; `path` says where its data files are, and its assignments have been spliced in.
 ///
 /// # Errors
 /// At least one of the diagnostics is an error.
-pub(crate) fn load_text(
+pub fn load_text(
     path: &Path,
     text: String,
-    options: &Options,
+    request: &Request,
     purpose: Purpose,
     sources: &mut Sources,
     found: &mut Vec<Diagnostic>,
 ) -> Result<Loaded, Refusal> {
     let shown = path.display().to_string();
-    let name = if options.sets.is_empty() { shown.clone() } else { format!("{shown} (after --set)") };
+    let name = if request.assignments.is_empty() { shown.clone() } else { format!("{shown} (after --set)") };
     let source = sources.add(name, text.clone());
     let (parsed, case) = match checked(&text, source) {
         Ok((parsed, case, warnings)) => {
@@ -152,7 +87,7 @@ pub(crate) fn load_text(
     };
     let laws = match purpose {
         Purpose::Run | Purpose::Check if !case.laws.is_empty() => {
-            Some(Laws::of(&case, path, options, source).map_err(|mistakes| {
+            Some(named_laws(&case, path, request, source).map_err(|mistakes| {
                 found.extend(mistakes);
                 Refusal::Input
             })?)
@@ -160,9 +95,9 @@ pub(crate) fn load_text(
         _ => None,
     };
     let mut loader = Loader {
-        options,
+        request,
         source,
-        folders: Folders::new(options.data.as_deref(), path),
+        folders: Folders::new(request, path),
         sources,
         found,
         trends: Trends::default(),
@@ -170,66 +105,39 @@ pub(crate) fn load_text(
     let (records, truths) = loader.records(&case, purpose)?;
     let loaded = Loaded { spec: shown, text, parsed, case, records, truths, doubts: vec![] };
     match laws {
-        Some(laws) => laws.written(loaded, purpose, sources, found),
+        Some(laws) => {
+            // A check does without the records.
+            let records = if purpose == Purpose::Run { loaded.records.clone() } else { vec![] };
+            laws.written(loaded, records, sources, found).map_err(|NotWritten| Refusal::Input)
+        }
         None => Ok(loaded),
     }
 }
 
-/// The laws that `unknown` names.
-struct Laws {
-    effects: Vec<Effect>,
-    catalogue: Vec<Entry>,
+fn named_laws(
+    case: &Case,
+    path: &Path,
+    request: &Request,
+    source: SourceId,
+) -> Result<Laws, Vec<Diagnostic>> {
+    let catalogue = laws::beside(path, request).map_err(|e| vec![Diagnostic::error(e.to_string())])?;
+    Laws::of(case, &catalogue, source)
 }
 
-impl Laws {
-    fn of(case: &Case, path: &Path, options: &Options, source: SourceId) -> Result<Laws, Vec<Diagnostic>> {
-        let catalogue = laws::beside(path, options).map_err(|e| vec![Diagnostic::error(format!("{e:#}"))])?;
-        Ok(Laws { effects: asked(case, &catalogue, source)?, catalogue })
-    }
-
-    /// The spec with its laws written out, their numbers started where the records say; a check does without.
-    fn written(
-        self,
-        loaded: Loaded,
-        purpose: Purpose,
-        sources: &mut Sources,
-        found: &mut Vec<Diagnostic>,
-    ) -> Result<Loaded, Refusal> {
-        let Loaded { spec, text, case, records, truths, doubts, .. } = loaded;
-        let laws = case.laws.clone();
-        let seen = if purpose == Purpose::Run { records } else { vec![] };
-        let draft = written_in(&text, case, seen, &self.effects, &self.catalogue).map_err(|why| {
-            found.push(Diagnostic::error(format!(
-                "the laws of `unknown` cannot be written into the model: {why}"
-            )));
-            Refusal::Input
-        })?;
-        let source = sources.add(format!("{spec} (its laws written out)"), draft.text.clone());
-        match checked(&draft.text, source) {
-            Ok((parsed, case, warnings)) => {
-                let new: Vec<Diagnostic> =
-                    warnings.into_iter().filter(|w| found.iter().all(|d| d.message != w.message)).collect();
-                found.extend(new);
-                Ok(Loaded {
-                    spec,
-                    text: draft.text,
-                    parsed,
-                    case: Case { laws, ..case },
-                    records: draft.records,
-                    truths,
-                    doubts,
-                })
-            }
-            Err(mistakes) => {
-                found.extend(mistakes);
-                Err(Refusal::Input)
-            }
-        }
+/// Reads a spec and all its records, for [`Loaded::identify`] and [`Loaded::gap`]. What is odd about them is in [`Loaded::doubts`].
+///
+/// # Errors
+/// The spec or one of its files is wrong.
+pub fn open(path: &Path, request: &Request) -> Result<Loaded, Error> {
+    let (mut sources, mut found) = (Sources::default(), Vec::new());
+    match load(path, request, Purpose::Gap, &mut sources, &mut found) {
+        Ok(loaded) => Ok(Loaded { doubts: found.into_iter().map(|d| d.message).collect(), ..loaded }),
+        Err(Refusal::Input | Refusal::Numerics) => Err(SpecError::new(found, sources).into()),
     }
 }
 
 /// The text of the spec.
-pub(crate) fn spec_text(path: &Path) -> Result<String, Diagnostic> {
+pub fn spec_text(path: &Path) -> Result<String, Diagnostic> {
     let shown = path.display();
     let mut text = start_of(path)
         .map_err(|e| {
@@ -253,7 +161,7 @@ pub(crate) fn spec_text(path: &Path) -> Result<String, Diagnostic> {
 const LONGEST: u64 = (1 << 20) + 1;
 
 /// The bytes of a file, as far as they can be a spec. It may be a pipe, for the user named it.
-pub(crate) fn start_of(path: &Path) -> io::Result<Vec<u8>> {
+pub fn start_of(path: &Path) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let file = File::open(path)?;
     if file.metadata()?.is_dir() {
@@ -263,8 +171,8 @@ pub(crate) fn start_of(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The text with every `--set` spliced in.
-pub(crate) fn with_sets(
+/// The text with every assignment spliced in.
+pub fn with_assignments(
     mut text: String,
     sets: &[Assignment],
     sources: &mut Sources,
@@ -289,23 +197,8 @@ pub(crate) fn with_sets(
     Ok(text)
 }
 
-/// Form first, then meaning.
-fn checked(text: &str, source: SourceId) -> Result<(Spec, Case, Vec<Diagnostic>), Vec<Diagnostic>> {
-    let (spec, mut warnings) = phisindy_phys::spec::read(text, source)?;
-    match phisindy_phys::check(&spec, source) {
-        Ok((case, more)) => {
-            warnings.extend(more);
-            Ok((spec, case, warnings))
-        }
-        Err(mistakes) => {
-            warnings.extend(mistakes);
-            Err(warnings)
-        }
-    }
-}
-
 struct Loader<'a> {
-    options: &'a Options,
+    request: &'a Request,
     source: SourceId,
     folders: Folders,
     sources: &'a mut Sources,
@@ -399,7 +292,7 @@ impl Loader<'_> {
             }
         };
         let units = Units::of(csv, &case.system);
-        let read = datafile::read(csv, &units, &path, self.source, self.sources);
+        let read = folders::read(csv, &units, &path, self.source, self.sources);
         let record = read.and_then(|(mut table, warnings)| {
             warnings.into_iter().chain(beyond_the_end(csv, &table, self.source)).for_each(|d| self.push(d));
             let done = self.trends.take_off(csv, &units, &mut table);
@@ -426,7 +319,7 @@ impl Loader<'_> {
         let Origin::Synthetic(truth) = &plan.origin else { return Err(Refusal::Input) };
         // Records of one spec must not repeat each other's noise.
         let seed = self
-            .options
+            .request
             .seed
             .map(|seed| seed.wrapping_add((index as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15)));
         let mistakes = std::cell::RefCell::new(Vec::new());
@@ -507,7 +400,7 @@ fn input_file(
     let csv = column_of(path, time, column);
     let unit = |c: &ColumnSpec| c.unit.as_ref().and_then(|u| Unit::parse(&u.value).ok()).unwrap_or(Unit::ONE);
     let units = Units { time: unit(time), columns: vec![unit(column)] };
-    let (table, _) = datafile::read(&csv, &units, &found, source, sources)?;
+    let (table, _) = folders::read(&csv, &units, &found, source, sources)?;
     let (times, values) = (table.time.into(), table.columns.concat());
     Signal::new(times, values, Interpolation::Cubic).map_err(|e| {
         vec![Diagnostic::error(format!("`{}` is no input: {e}", path.value)).at(source, path.span, "")]

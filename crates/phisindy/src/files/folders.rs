@@ -1,5 +1,6 @@
 //! Where data files are looked for: `--data`, then `PHISINDY_DATA`, then beside the spec; never outside of these folders. How they are opened.
 
+use super::Request;
 use phisindy_expr::Span;
 use phisindy_import::{DataFile, csv};
 use phisindy_phys::spec::CsvSpec;
@@ -12,7 +13,7 @@ use std::path::{Component, Path, PathBuf};
 ///
 /// # Errors
 /// It is no plain file, or the disk says so.
-pub(crate) fn open(path: &Path) -> io::Result<File> {
+pub fn open_plain_file(path: &Path) -> io::Result<File> {
     // Looked at before it is opened: a pipe would wait there for a writer.
     let kind = std::fs::metadata(path)?.file_type();
     if kind.is_dir() {
@@ -27,13 +28,9 @@ pub(crate) fn open(path: &Path) -> io::Result<File> {
 /// Opens a data file that the user calls `name`; `at` is where it is asked for.
 ///
 /// # Errors
-/// As [`open`].
-pub(crate) fn opened<'a>(
-    path: &Path,
-    name: &'a str,
-    at: (SourceId, Span),
-) -> Result<DataFile<'a>, Box<Diagnostic>> {
-    let file = open(path).and_then(|file| Ok((file.metadata()?.len(), file)));
+/// As [`open_plain_file`].
+pub fn opened<'a>(path: &Path, name: &'a str, at: (SourceId, Span)) -> Result<DataFile<'a>, Box<Diagnostic>> {
+    let file = open_plain_file(path).and_then(|file| Ok((file.metadata()?.len(), file)));
     match file {
         Ok((size, file)) => Ok(DataFile::new(name, file, size)),
         Err(e) => Err(Box::new(csv::unreadable(name, at, &e))),
@@ -43,7 +40,7 @@ pub(crate) fn opened<'a>(
 /// Reads what `csv` needs from the file at `path`. With the table come warnings.
 ///
 /// # Errors
-/// As [`open`], and as [`csv::record`].
+/// As [`open_plain_file`], and as [`csv::record`].
 pub(crate) fn read(
     csv: &CsvSpec,
     units: &Units,
@@ -65,11 +62,10 @@ pub(crate) struct Folders {
 
 impl Folders {
     /// The folders for a spec.
-    pub(crate) fn new(data: Option<&Path>, spec: &Path) -> Folders {
+    pub(crate) fn new(request: &Request, spec: &Path) -> Folders {
         let mut folders = Vec::new();
-        folders.extend(data.map(|d| (d.to_owned(), "--data")));
-        let environment = std::env::var_os("PHISINDY_DATA").filter(|v| !v.is_empty());
-        folders.extend(environment.map(|d| (PathBuf::from(d), "PHISINDY_DATA")));
+        folders.extend(request.data.iter().map(|d| (d.clone(), "--data")));
+        folders.extend(request.further_data.iter().map(|d| (d.clone(), "PHISINDY_DATA")));
         let given = !folders.is_empty();
         folders.push((spec.parent().map(Path::to_owned).unwrap_or_default(), "beside the spec"));
         Folders { folders, given }
