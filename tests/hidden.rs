@@ -4,7 +4,7 @@
 #[allow(dead_code)]
 mod common;
 
-use common::{Scratch, phisindy};
+use common::{Scratch, blind, phisindy};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ fn sets(scratch: &Scratch) -> Vec<PathBuf> {
 
 fn made(name: &str) -> Scratch {
     let scratch = Scratch::new(name);
-    let said = phisindy(&["table", "hidden", "--out", &scratch.path(""), "--sets", "10", "--seed", "5"]);
+    let said = blind(&["hidden", "--out", &scratch.path(""), "--sets", "10", "--seed", "5"]);
     assert_eq!(said.code, 0, "{}", said.err);
     scratch
 }
@@ -86,7 +86,7 @@ fn the_score_takes_results_that_are_there_and_does_not_run_them_again() {
         fs::write(set.join("result.json"), result.to_string()).expect("written");
     }
     let folder = scratch.path("");
-    let said = phisindy(&["table", "score", "--out", &folder]);
+    let said = blind(&["score", "--out", &folder]);
     assert_eq!(said.code, 0, "{}", said.err);
     let all = said.out.lines().find(|l| l.starts_with("| all |")).expect("a row");
     assert!(all.starts_with("| all | 10 |") && all.contains("(100.0 %)"), "{all}");
@@ -94,7 +94,7 @@ fn the_score_takes_results_that_are_there_and_does_not_run_them_again() {
     // One mistake is one line.
     let wrong = json!({ "status": "explained", "steps": [{ "law": "van-der-pol", "at": "nowhere" }], "seconds": 2.0 });
     fs::write(scratch.path("003/result.json"), wrong.to_string()).expect("written");
-    let said = phisindy(&["table", "score", "--out", &folder]);
+    let said = blind(&["score", "--out", &folder]);
     let lines: Vec<&str> = said.out.lines().filter(|l| l.starts_with("003 ")).collect();
     assert!(lines.len() == 1 && lines[0].contains("van-der-pol at nowhere"), "{}", said.out);
 }
@@ -102,8 +102,7 @@ fn the_score_takes_results_that_are_there_and_does_not_run_them_again() {
 #[test]
 fn a_known_part_with_one_thing_wrong_is_told_of() {
     let scratch = Scratch::new("wrong-physics");
-    let said =
-        phisindy(&["table", "wrong", "--out", &scratch.path(""), "--sets", "2", "--seed", "4", "--quiet"]);
+    let said = blind(&["wrong", "--out", &scratch.path(""), "--sets", "2", "--seed", "4", "--quiet"]);
     assert_eq!(said.code, 0, "{}", said.err);
     let cells = |name: &str| -> Vec<String> {
         let row = said.out.lines().find(|l| l.starts_with(&format!("| {name} |"))).expect("a row");

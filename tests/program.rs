@@ -154,7 +154,6 @@ fn mistakes_of_the_command_line_end_with_2() {
         &["sweep", "specs/case1a.ron", "--noise", "Loud(1)"],
         &["sweep", "specs/case1a.ron", "--vary", "learn.cutof=1;2"],
         &["sweep", "specs/wrong/syntax_error.ron"],
-        &["table", "paper", "--cases", "11"],
         &["run", "specs/case1a.ron", "--out", "Cargo.toml"],
     ] {
         let said = phisindy(arguments);

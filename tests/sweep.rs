@@ -1,4 +1,4 @@
-//! `phisindy sweep` and `phisindy table` from outside.
+//! `phisindy sweep` from outside.
 #![allow(missing_docs)]
 
 #[allow(dead_code)]
@@ -261,33 +261,4 @@ fn ctrl_c_keeps_what_is_finished() {
     assert!(err.contains("the same command goes on from there"), "{err}");
     assert!(out.contains("exactly the true terms in"), "{out}");
     assert!(lines() >= 3);
-}
-
-#[test]
-fn tables_go_into_the_readme() {
-    let scratch = Scratch::new("table");
-    let readme = scratch.path("README.md");
-    let text = "# R\n<!-- table:paper -->\nold\n<!-- end -->\n<!-- table:sweep -->\n<!-- end -->\nlast\n";
-    fs::write(&readme, text).expect("written");
-    let quick = ["--cases", "1a", "--set", "data.0.duration=20.0", "--set", "learn.epochs=[50, 50, 50]"];
-    let paper = phisindy(&[&["table", "paper", "--write", readme.as_str()], quick.as_slice()].concat());
-    assert_eq!(paper.code, 0, "{}", paper.err);
-    assert!(paper.out.contains("| 1a | 0.5 | 0.502, eq. (41) | "), "{}", paper.out);
-    assert!(paper.out.contains("| 1a | 0.5 | 0.354, eq. (42) | "), "{}", paper.out);
-    let seeds = phisindy(
-        &[&["table", "sweep", "--seeds", "2", "--write", readme.as_str()], quick.as_slice()].concat(),
-    );
-    assert_eq!(seeds.code, 0, "{}", seeds.err);
-    assert!(seeds.out.contains("| 1a | additive, 2 % | 2 of 2 | "), "{}", seeds.out);
-    let written = fs::read_to_string(&readme).expect("it");
-    assert_eq!(
-        written,
-        text.replace("old\n", &paper.out).replace("sweep -->\n", &format!("sweep -->\n{}", seeds.out))
-    );
-    fs::write(&readme, "no marks").expect("written");
-    let said = phisindy(
-        &[&["table", "sweep", "--seeds", "2", "--write", readme.as_str()], quick.as_slice()].concat(),
-    );
-    assert_eq!(said.code, 2);
-    assert!(said.err.contains("`<!-- table:sweep -->` is missing"), "{}", said.err);
 }

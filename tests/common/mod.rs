@@ -16,9 +16,20 @@ pub(crate) fn top() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the top of the repository")
 }
 
+/// The program `phisindy`: that of this package, else (in the tests of `phisindy-blind`) the one beside the program under test.
+fn executable() -> PathBuf {
+    if let Some(own) = option_env!("CARGO_BIN_EXE_phisindy") {
+        return own.into();
+    }
+    let other = option_env!("CARGO_BIN_EXE_phisindy-blind").expect("a program");
+    let path = Path::new(other).with_file_name(format!("phisindy{}", std::env::consts::EXE_SUFFIX));
+    assert!(path.is_file(), "build {} first: cargo test -p phisindy-cli -p phisindy-blind", path.display());
+    path
+}
+
 /// The program with these arguments, not started yet.
 pub(crate) fn program(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_phisindy"));
+    let mut command = Command::new(executable());
     command.current_dir(top()).env_remove("PHISINDY_DATA").args(arguments).stdin(Stdio::null());
     command
 }
@@ -26,7 +37,19 @@ pub(crate) fn program(arguments: &[&str]) -> Command {
 /// Runs the program to its end.
 #[track_caller]
 pub(crate) fn phisindy(arguments: &[&str]) -> Outcome {
-    let output = program(arguments).output().expect("the program starts");
+    outcome(&mut program(arguments))
+}
+
+/// Runs the program of the developers to its end, from its own package's tests.
+#[track_caller]
+pub(crate) fn blind(arguments: &[&str]) -> Outcome {
+    let path = option_env!("CARGO_BIN_EXE_phisindy-blind").expect("a test of `phisindy-blind`");
+    outcome(Command::new(path).current_dir(top()).args(arguments).stdin(Stdio::null()))
+}
+
+#[track_caller]
+fn outcome(command: &mut Command) -> Outcome {
+    let output = command.output().expect("the program starts");
     Outcome {
         code: output.status.code().expect("an exit code: the program was not killed"),
         out: String::from_utf8(output.stdout).expect("UTF-8"),

@@ -3,6 +3,7 @@
 use crate::limit::Limit;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, ValueEnum};
+use phisindy::files::{Assignment, Request};
 use phisindy_phys::spec::Method;
 use phisindy_report::export::{EXPORTERS, Exporter};
 use std::path::PathBuf;
@@ -201,9 +202,6 @@ Examples:
   phisindy man --out ~/.local/share/man/man1        a page for it and one for each subcommand: man phisindy-run"
     )]
     Man,
-    /// Print the tables of README.md
-    #[command(hide = true)]
-    Table(TableArgs),
 }
 
 /// For which file to write a spec.
@@ -261,52 +259,6 @@ pub(crate) struct SweepArgs {
     pub(crate) vary: Vec<Assignment>,
 }
 
-/// Which table.
-#[derive(Clone, Debug, clap::Args)]
-pub(crate) struct TableArgs {
-    /// Which one
-    #[arg(value_enum, value_name = "TABLE")]
-    pub(crate) kind: TableKind,
-    /// Number of seeds of `sweep`
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
-    pub(crate) seeds: u64,
-    /// Put the table between its marks in this file
-    #[arg(long, value_name = "FILE")]
-    pub(crate) write: Option<PathBuf>,
-    /// Folder of the specs
-    #[arg(long, value_name = "DIR", default_value = "specs")]
-    pub(crate) specs: PathBuf,
-    /// Number of sets of `hidden` and `wrong`
-    #[arg(id = "count", long = "sets", value_name = "N", default_value_t = 40)]
-    pub(crate) sets: usize,
-    /// Sets of `hidden` with this law only (or nothing, two, outside), of `wrong` with this mistake only
-    #[arg(long, value_name = "LAW")]
-    pub(crate) only: Option<String>,
-    /// Run the sets of `score` again that have a result already
-    #[arg(long)]
-    pub(crate) again: bool,
-    /// Only these cases, as in 1a,7
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
-    pub(crate) cases: Vec<String>,
-}
-
-/// A table of README.md.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum TableKind {
-    /// Each case beside what the paper prints.
-    Paper,
-    /// Many seeds of each case.
-    Sweep,
-    /// Data sets with a hidden effect, into --out.
-    Hidden,
-    /// What the gap workflow makes of the sets in --out.
-    Score,
-    /// What `run` says of models with one thing wrong in the known part.
-    Wrong,
-    /// The operations of the expression language.
-    Language,
-}
-
 /// How to do it; every subcommand takes all of these.
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "Options of all commands")]
@@ -350,6 +302,20 @@ pub(crate) struct Options {
     pub(crate) sets: Vec<Assignment>,
 }
 
+impl Options {
+    /// What is asked for when a spec is read. The environment is looked at here alone.
+    pub(crate) fn request(&self) -> Request {
+        let environment = std::env::var_os("PHISINDY_DATA").filter(|v| !v.is_empty());
+        Request {
+            assignments: self.sets.clone(),
+            data: self.data.clone(),
+            further_data: environment.map(PathBuf::from),
+            laws: self.laws.clone(),
+            seed: self.seed,
+        }
+    }
+}
+
 /// Form of the result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Format {
@@ -387,15 +353,6 @@ impl From<MethodArg> for Method {
             MethodArg::Trajectory => Method::Trajectory,
         }
     }
-}
-
-/// `PATH=VALUE`
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Assignment {
-    /// Parts joined by points.
-    pub(crate) path: String,
-    /// RON.
-    pub(crate) value: String,
 }
 
 fn assignment(text: &str) -> Result<Assignment, String> {

@@ -7,26 +7,18 @@
 
 mod args;
 mod commands;
-mod datafile;
 mod draw;
-mod hidden;
 mod interrupt;
-mod laws;
 mod limit;
-mod load;
 mod new;
 mod outdir;
 mod progress;
-mod readme;
 mod sweep;
 mod terminal;
-mod trends;
-mod wrong;
 
 use crate::args::{Args, Command, Options};
 use anyhow::{Context, Result};
 use clap::Parser;
-use phisindy_report::table;
 use std::io;
 use std::process::ExitCode;
 // The commands that move to crates of their own still call it so.
@@ -61,7 +53,6 @@ fn execute(args: &Args) -> Result<u8> {
         Command::Completions { shell } => commands::manual::completions(*shell),
         Command::Man => commands::manual::pages(options),
         Command::Sweep(args) => commands::sweep::sweep(args, options),
-        Command::Table(args) => readme::command(args, options),
     }
 }
 

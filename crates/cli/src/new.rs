@@ -2,8 +2,9 @@
 
 use crate::args::{NewArgs, Options};
 use crate::command::{INPUT, print, remark};
-use crate::{datafile, draw, outdir};
+use crate::{draw, outdir};
 use anyhow::{Result, anyhow};
+use phisindy::files;
 use phisindy_expr::Span;
 use phisindy_import::{Draft, accepted, csv, spec_text, summary};
 use phisindy_phys::{Diagnostic, Sources};
@@ -59,7 +60,7 @@ fn drafted(args: &NewArgs, sources: &mut Sources) -> Result<Draft, Box<Diagnosti
     let name = args.path.display().to_string();
     let words = format!("phisindy new {name}");
     let at = (sources.add("command line", words.clone()), Span::new(words.len() - name.len(), words.len()));
-    let table = csv::table(datafile::opened(&args.path, &name, at)?, at, sources)?;
+    let table = csv::table(files::opened(&args.path, &name, at)?, at, sources)?;
     Draft::of(table).map_err(|why| why.diagnostic(&name, at))
 }
 

@@ -9,13 +9,13 @@ mod journal;
 
 pub(crate) use cells::{Axis, Cell, listed, product, vary};
 pub(crate) use journal::Journal;
-pub(crate) use phisindy_report::sweep::Statistics;
 
 use crate::args::Options;
 use crate::interrupt;
-use crate::load::{Loaded, Purpose, Refusal, load_text};
 use crate::progress::Progress;
 use anyhow::{Result, anyhow};
+use phisindy::Loaded;
+use phisindy::files::{Purpose, Refusal, load_text};
 use phisindy_learn::{LearnOptions, SweepRun, Truth, Verdict, bound, project, sweep_one};
 use phisindy_phys::{Case, Diagnostic, Origin, Sources};
 use phisindy_report::sweep::{Found, NamedTruth, Run, RunVerdict};
@@ -78,7 +78,7 @@ impl Checked {
         sources: &mut Sources,
         found: &mut Vec<Diagnostic>,
     ) -> Result<(Checked, Loaded), Refusal> {
-        let loaded = load_text(spec, cell.text.clone(), options, Purpose::Run, sources, found)?;
+        let loaded = load_text(spec, cell.text.clone(), &options.request(), Purpose::Run, sources, found)?;
         let truth = match loaded.case.laws.first() {
             Some((_, law)) => Err(format!(
                 "`unknown` names the law `{}`, and laws have no terms to count: `run` fits them, candidates can be swept",
@@ -190,7 +190,8 @@ impl Task {
         let begin = Instant::now();
         let options = Options { seed: Some(self.seed), ..options.clone() };
         let (mut sources, mut found) = (Sources::default(), Vec::new());
-        let loaded = load_text(spec, self.text.clone(), &options, Purpose::Run, &mut sources, &mut found);
+        let loaded =
+            load_text(spec, self.text.clone(), &options.request(), Purpose::Run, &mut sources, &mut found);
         let mut run = match loaded {
             Ok(loaded) => {
                 let learn = LearnOptions { method: options.method.map(Into::into) };

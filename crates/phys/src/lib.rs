@@ -26,6 +26,6 @@ pub use system::model::Model;
 pub use system::plan::{Origin, RecordPlan, Synthetic, SyntheticInput};
 pub use system::record::{Derivation, Record, Table, Units, derivation_note, link_continuations, overlaps};
 pub use system::sensor::{Sensor, SensorParameter};
-pub use text::diagnostic::{Diagnostic, Label, Severity, Source, SourceId, Sources};
+pub use text::diagnostic::{Diagnostic, Label, Located, Severity, Source, SourceId, Sources};
 pub use text::{spec, splice};
 pub use units::unit;

@@ -2,8 +2,8 @@
 
 use super::spec_file::loaded_with_warnings;
 use crate::args::Options;
-use crate::load::Purpose;
 use crate::terminal::remark;
+use phisindy::files::Purpose;
 use std::path::PathBuf;
 
 /// Looks for mistakes in specs and their data files, and returns the exit code.

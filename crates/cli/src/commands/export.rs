@@ -1,10 +1,11 @@
 //! `phisindy export`.
 
 use crate::args::{ExportArgs, Options};
-use crate::load::{self, Purpose};
 use crate::terminal::{INPUT, print};
 use crate::{draw, outdir};
 use anyhow::{Context, Result, anyhow};
+use phisindy::files::{self, Purpose};
+use phisindy::record_named;
 use phisindy_phys::{Diagnostic, Sources, spec};
 use phisindy_report::export::{self, Exporter, Subject, model_name};
 use std::path::{Path, PathBuf};
@@ -77,7 +78,7 @@ fn subject(
     options: &Options,
     sources: &mut Sources,
 ) -> Result<Subject, Vec<Diagnostic>> {
-    let text = load::spec_text(path).and_then(|text| load::with_sets(text, &options.sets, sources));
+    let text = files::spec_text(path).and_then(|text| files::with_assignments(text, &options.sets, sources));
     let text = text.map_err(|d| vec![d])?;
     let shown = path.display().to_string();
     let source = sources.add(shown.clone(), text.clone());
@@ -92,7 +93,7 @@ fn subject(
         None
     };
     let names = case.records.iter().map(|r| r.name.as_str());
-    let record = record.map_or(Ok(0), |wish| load::record_named(wish, names)).map_err(|why| vec![why])?;
+    let record = record.map_or(Ok(0), |wish| record_named(wish, names)).map_err(|why| vec![why])?;
     Subject::new(spec, &case, &shown, record, constants.as_deref())
 }
 
@@ -104,6 +105,6 @@ fn simulated_constants(
     sources: &mut Sources,
 ) -> Result<Vec<Vec<f64>>, Vec<Diagnostic>> {
     let mut found = Vec::new();
-    let loaded = load::load_text(path, text, options, Purpose::Simulate, sources, &mut found);
+    let loaded = files::load_text(path, text, &options.request(), Purpose::Simulate, sources, &mut found);
     loaded.map(|l| l.records.into_iter().map(|r| r.constants).collect()).map_err(|_| found)
 }

@@ -2,12 +2,12 @@
 
 use super::spec_file::{failed, invocation, keep_failure, loaded, write_html};
 use crate::args::Options;
-use crate::load::Purpose;
+use crate::interrupt;
 use crate::outdir::{self, OutDir};
 use crate::progress::Progress;
 use crate::terminal::{INPUT, NUMERICS, REJECTED, complain, print, remark};
-use crate::{interrupt, laws};
 use anyhow::Result;
+use phisindy::files::{Purpose, beside};
 use phisindy_gap::{GapError, Status};
 use phisindy_report::spec_text::{COMPLETED, IDENTIFIED, completed};
 use phisindy_report::{Ending, GapReport, html};
@@ -28,7 +28,7 @@ pub(crate) fn gap(spec: &Path, options: &Options) -> Result<u8> {
         Ok(loaded) => loaded,
         Err(code) => return Ok(code),
     };
-    let catalogue = laws::beside(spec, options)?;
+    let catalogue = beside(spec, &options.request())?.entries();
     let found = {
         let mut progress = Progress::new(&loaded.spec, options.quiet);
         let (case, records) = (loaded.case.clone(), loaded.records.clone());

@@ -1,17 +1,17 @@
 //! `phisindy laws`.
 
 use crate::args::Options;
-use crate::laws::catalogue;
 use crate::outdir::OutDir;
 use crate::terminal::print;
 use anyhow::{Result, anyhow};
+use phisindy::files::catalogue;
 use phisindy_report::laws::{gallery, list, picture, shown};
 use std::path::Path;
 
 /// Prints the list of laws or one of them; writes their pictures into `--out`.
 pub(crate) fn laws(name: Option<&str>, options: &Options) -> Result<u8> {
     let folders: Vec<&Path> = options.laws.as_deref().into_iter().collect();
-    let mut all = catalogue(&folders)?;
+    let mut all = catalogue(&folders)?.laws().to_vec();
     if let Some(out) = &options.out {
         if let Some(name) = name {
             all.retain(|e| e.id == name);
@@ -39,4 +39,24 @@ pub(crate) fn laws(name: Option<&str>, options: &Options) -> Result<u8> {
     };
     print(&shown(law))?;
     Ok(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use phisindy::Catalogue;
+
+    /// Every law has a picture, and the page in `docs/laws` is what the program writes.
+    #[test]
+    fn the_gallery_is_current() {
+        let all = Catalogue::built_in();
+        let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/laws");
+        assert_eq!(std::fs::read_to_string(docs.join("README.md")).unwrap(), gallery(all.laws()));
+        for entry in all.laws() {
+            let svg = picture(entry).unwrap().unwrap_or_else(|| panic!("no sketch of {}", entry.id));
+            assert!(svg.contains("class=\"model\""), "{}", entry.id);
+            let kept = std::fs::read_to_string(docs.join(format!("{}.svg", entry.id))).unwrap();
+            assert!(kept == svg, "docs/laws/{}.svg is not current", entry.id);
+        }
+    }
 }

@@ -2,12 +2,13 @@
 
 use super::spec_file::{failed, invocation, keep_failure, loaded, write_html};
 use crate::args::{Format, Options};
-use crate::load::{Loaded, Purpose};
 use crate::outdir::{self, OutDir};
 use crate::progress::Progress;
 use crate::terminal::{INPUT, NUMERICS, REJECTED, complain, print, remark};
 use crate::{draw, interrupt};
 use anyhow::Result;
+use phisindy::Loaded;
+use phisindy::files::Purpose;
 use phisindy_learn::{Identified, LearnError, LearnOptions, Verdict, identify};
 use phisindy_phys::{Diagnostic, Sources};
 use phisindy_report::spec_text::{COMPLETED, IDENTIFIED, identified};

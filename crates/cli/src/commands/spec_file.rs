@@ -2,10 +2,11 @@
 
 use crate::args::Options;
 use crate::draw;
-use crate::load::{Loaded, Purpose, Refusal, load};
 use crate::outdir::OutDir;
 use crate::terminal::{INPUT, NUMERICS, complain};
 use anyhow::Result;
+use phisindy::Loaded;
+use phisindy::files::{Purpose, Refusal, load};
 use phisindy_phys::{Diagnostic, Sources};
 use phisindy_report::html::{self, HtmlReport};
 use phisindy_report::{Input, Invocation};
@@ -35,7 +36,7 @@ pub(super) fn loaded_with_warnings(
     folder: Option<&OutDir>,
 ) -> Result<(Loaded, usize), u8> {
     let (mut sources, mut found) = (Sources::default(), Vec::new());
-    let loaded = load(spec, options, purpose, &mut sources, &mut found);
+    let loaded = load(spec, &options.request(), purpose, &mut sources, &mut found);
     // Next to a mistake, warnings are mostly its consequences: what failed to parse leaves constants unused.
     let drawn = || found.iter().filter(|d| d.is_error() || (loaded.is_ok() && !options.quiet));
     draw::show(drawn(), &sources);

@@ -2,12 +2,13 @@
 
 use super::spec_file::exit_code;
 use crate::args::{Format, Options, SweepArgs};
-use crate::load::{Loaded, spec_text, with_sets};
 use crate::outdir::OutDir;
 use crate::sweep::{Axis, Cell, Checked, Journal, Plan, listed, product, seed_of, vary};
 use crate::terminal::{INPUT, REJECTED, complain, print, remark};
 use crate::{draw, interrupt};
 use anyhow::{Result, anyhow, bail};
+use phisindy::Loaded;
+use phisindy::files::{spec_text, with_assignments};
 use phisindy_phys::spec::Method;
 use phisindy_phys::{Case, Origin, Sources};
 use phisindy_report::sweep::{CellRuns, RunVerdict, SweepRuns, json, table};
@@ -16,13 +17,14 @@ use phisindy_report::sweep::{CellRuns, RunVerdict, SweepRuns, json, table};
 pub(crate) fn sweep(args: &SweepArgs, options: &Options) -> Result<u8> {
     let folder = options.out.as_deref().map(OutDir::create).transpose()?;
     let mut sources = Sources::default();
-    let text = match spec_text(&args.spec).and_then(|text| with_sets(text, &options.sets, &mut sources)) {
-        Ok(text) => text,
-        Err(mistake) => {
-            draw::show([&mistake], &sources);
-            return Ok(INPUT);
-        }
-    };
+    let text =
+        match spec_text(&args.spec).and_then(|text| with_assignments(text, &options.sets, &mut sources)) {
+            Ok(text) => text,
+            Err(mistake) => {
+                draw::show([&mistake], &sources);
+                return Ok(INPUT);
+            }
+        };
     let plain = Cell { label: String::new(), text: text.clone() };
     let base = match checked(args, plain, options, &mut sources, true) {
         Ok((_, loaded)) => loaded,

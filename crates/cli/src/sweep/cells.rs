@@ -1,7 +1,7 @@
 //! Cells of a sweep: one text for every combination of values.
 
-use crate::args::Assignment;
-use crate::load::with_sets;
+use phisindy::files::Assignment;
+use phisindy::files::with_assignments;
 use phisindy_phys::{Diagnostic, Sources};
 
 /// One combination.
@@ -61,7 +61,7 @@ pub(crate) fn product(text: &str, axes: &[Axis], sources: &mut Sources) -> Resul
                 let joint = if cell.label.is_empty() || name.is_empty() { "" } else { ", " };
                 wider.push(Cell {
                     label: format!("{}{joint}{name}", cell.label),
-                    text: with_sets(cell.text.clone(), sets, sources)?,
+                    text: with_assignments(cell.text.clone(), sets, sources)?,
                 });
             }
         }

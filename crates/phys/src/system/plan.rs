@@ -33,7 +33,7 @@ pub struct RecordPlan {
 /// Where a record comes from.
 #[derive(Clone, Debug)]
 pub enum Origin {
-    /// A file: read by the program, then [`crate::Record::from_table`].
+    /// A file or arrays in memory: read by the program, then [`crate::Record::from_table`].
     Csv(Box<CsvSpec>),
     /// Simulated from a truth.
     Synthetic(Box<Synthetic>),

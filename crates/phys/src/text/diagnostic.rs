@@ -1,6 +1,7 @@
 //! What is wrong with an input, as data: a message, the places it is about, and what to do. Drawing is the program's job.
 
 use phisindy_expr::Span;
+use std::fmt;
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -20,6 +21,19 @@ pub struct Source {
     pub text: String,
     /// Line number of the text's first line, counted from 1 (an excerpt of a data file starts later).
     pub first_line: usize,
+}
+
+impl Source {
+    /// Line and column of a byte, counted from 1; columns are characters.
+    fn line_and_column(&self, byte: usize) -> (usize, usize) {
+        let mut at = byte.min(self.text.len());
+        while !self.text.is_char_boundary(at) {
+            at -= 1;
+        }
+        let before = &self.text[..at];
+        let line = before.rfind('\n').map_or(0, |end| end + 1);
+        (self.first_line + before.matches('\n').count(), before[line..].chars().count() + 1)
+    }
 }
 
 /// Index of a [`Source`] in [`Sources`].
@@ -126,5 +140,64 @@ impl Diagnostic {
     /// Whether it is an error.
     pub fn is_error(&self) -> bool {
         self.severity == Severity::Error
+    }
+
+    /// The diagnostic in plain text with the place of the mistake: name, line and column, counted from 1 in characters.
+    ///
+    /// ```
+    /// use phisindy_phys::{Sources, spec};
+    /// let mut sources = Sources::default();
+    /// let text = "(\n    staates: {},\n)";
+    /// let source = sources.add("case", text);
+    /// let mistakes = spec::read(text, source).unwrap_err();
+    /// let shown = mistakes[0].located(&sources).to_string();
+    /// assert!(shown.starts_with("error: unknown field of the spec `staates`\n  at case:2:5"), "{shown}");
+    /// assert!(shown.contains("\n  help: did you mean `states`?"), "{shown}");
+    /// ```
+    pub fn located<'a>(&'a self, sources: &'a Sources) -> Located<'a> {
+        Located { diagnostic: self, sources }
+    }
+}
+
+/// Message and help without places, which need the texts: [`Diagnostic::located`].
+impl fmt::Display for Diagnostic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.severity, self.message)?;
+        self.help.iter().try_for_each(|line| write!(f, "\n  help: {line}"))
+    }
+}
+
+impl std::error::Error for Diagnostic {}
+
+impl fmt::Display for Severity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Severity::Warning => "warning",
+            Severity::Error => "error",
+        })
+    }
+}
+
+/// A diagnostic with the texts that it points into; its `Display` is plain text.
+#[derive(Clone, Copy, Debug)]
+pub struct Located<'a> {
+    diagnostic: &'a Diagnostic,
+    sources: &'a Sources,
+}
+
+impl fmt::Display for Located<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Diagnostic { severity, message, labels, help } = self.diagnostic;
+        write!(f, "{severity}: {message}")?;
+        for label in labels {
+            // A label of other texts has no place here.
+            let Some(source) = self.sources.files.get(label.source.0) else { continue };
+            let (line, column) = source.line_and_column(label.span.start);
+            write!(f, "\n  at {}:{line}:{column}", source.name)?;
+            if !label.message.is_empty() {
+                write!(f, " ({})", label.message)?;
+            }
+        }
+        help.iter().try_for_each(|line| write!(f, "\n  help: {line}"))
     }
 }

@@ -12,7 +12,7 @@ mod read;
 pub(crate) mod reader;
 mod record;
 
-pub use read::read;
+pub use read::{read, read_without_data};
 
 use phisindy_expr::Span;
 use phisindy_signal::{Detrend, Differentiator, Interpolation};
@@ -50,7 +50,7 @@ pub struct Spec {
     pub unknown: Vec<(Text, UnknownSpec)>,
     /// Velocities that can stick.
     pub contacts: Vec<Text>,
-    /// The records, at least one.
+    /// The records: at least one, but in a spec of [`read_without_data`].
     pub data: Vec<DataSpec>,
     /// How to identify.
     pub learn: LearnSpec,
@@ -128,7 +128,7 @@ pub struct UnknownSpec {
 /// Where a record comes from.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DataSpec {
-    /// A measured file.
+    /// Measured: a file, or arrays of a program (`Arrays(...)`).
     Csv(Box<CsvSpec>),
     /// A simulation of a given truth.
     Synthetic(Box<SyntheticSpec>),
@@ -163,11 +163,13 @@ pub struct ColumnSpec {
     pub unit: Option<Text>,
 }
 
-/// A record read from a file.
+/// A measured record: read from a file, or given as arrays by a program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CsvSpec {
-    /// The file.
+    /// The file; of arrays, the name of the record.
     pub path: Text,
+    /// Whether a program holds the numbers in memory, and there is no file.
+    pub in_memory: bool,
     /// What the record is called in reports.
     pub name: Option<Text>,
     /// The column of time; its heading is empty where a rate is given.

@@ -16,7 +16,7 @@ impl Checker {
         let plain = path
             .components()
             .all(|c| matches!(c, std::path::Component::Normal(_) | std::path::Component::CurDir));
-        if !plain || csv.path.value.contains('\\') {
+        if !csv.in_memory && (!plain || csv.path.value.contains('\\')) {
             self.error(format!("`{}` leads out of the data folder", csv.path.value), csv.path.span, "")
                 .help
                 .push("name the file alone, and its folder with --data".into());
@@ -49,7 +49,8 @@ impl Checker {
                 }
             }
         }
-        if !csv.columns.iter().any(|(n, _)| system.state(&n.value).is_some()) {
+        // Arrays of the inputs alone can drive a simulation.
+        if !csv.in_memory && !csv.columns.iter().any(|(n, _)| system.state(&n.value).is_some()) {
             self.error("no column measures a state, so there is nothing to fit", csv.path.span, "")
                 .help
                 .push(format!("give at least one of {} a column", names[..system.states.len()].join(", ")));

@@ -20,9 +20,35 @@ use crate::text::raw::{Node, Shape, parse};
 /// assert_eq!(mistakes.len(), 5); // two unknown fields, three missing ones
 /// ```
 pub fn read(text: &str, source: SourceId) -> Result<(Spec, Vec<Diagnostic>), Vec<Diagnostic>> {
+    read_with(text, source, Data::Required)
+}
+
+/// As [`read`], but for a program that holds the records in memory: the text need not have `data`, and [`Spec::data`] may be empty.
+///
+/// # Errors
+/// As [`read`].
+///
+/// ```
+/// use phisindy_phys::{SourceId, spec};
+/// let text = r#"(states: { "x": "m" }, known: { "x": "1" })"#;
+/// assert!(spec::read(text, SourceId(0)).is_err());
+/// assert!(spec::read_without_data(text, SourceId(0)).is_ok());
+/// ```
+pub fn read_without_data(text: &str, source: SourceId) -> Result<(Spec, Vec<Diagnostic>), Vec<Diagnostic>> {
+    read_with(text, source, Data::Optional)
+}
+
+/// Whether the list of records must be there.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Data {
+    Required,
+    Optional,
+}
+
+fn read_with(text: &str, source: SourceId, data: Data) -> Result<(Spec, Vec<Diagnostic>), Vec<Diagnostic>> {
     let root = parse(text).map_err(|mistake| vec![mistake.diagnostic(source)])?;
     let mut reader = Reader::new(text, source);
-    match reader.spec(&root) {
+    match reader.spec(&root, data) {
         Some(spec) if !reader.found.iter().any(Diagnostic::is_error) => Ok((spec, reader.found)),
         _ => Err(reader.found),
     }
@@ -32,7 +58,7 @@ pub fn read(text: &str, source: SourceId) -> Result<(Spec, Vec<Diagnostic>), Vec
 const RECORD: &str = "add a record: `Csv(path: \"run.csv\", ...)` or `Synthetic(...)`";
 
 impl Reader<'_> {
-    fn spec(&mut self, node: &Node) -> Option<Spec> {
+    fn spec(&mut self, node: &Node, data: Data) -> Option<Spec> {
         const FIELDS: &[&str] = &[
             "title",
             "constants",
@@ -57,7 +83,13 @@ impl Reader<'_> {
         let inertia = self.pairs(&fields, "inertia", Self::words);
         let unknown = self.pairs(&fields, "unknown", Self::unknown);
         let contacts = self.optional(&fields, "contacts", |r, n| r.list(n, Self::words));
-        let data = self.required(&fields, "data", |r, n| r.filled(n, RECORD, Self::record));
+        let data = match data {
+            Data::Required => self.required(&fields, "data", |r, n| r.filled(n, RECORD, Self::record)),
+            Data::Optional => {
+                let records = self.optional(&fields, "data", |r, n| r.list(n, Self::record));
+                Some(records.unwrap_or_default())
+            }
+        };
         let learn = self.optional(&fields, "learn", Self::learn);
         let spec = Spec {
             title,
@@ -114,6 +146,7 @@ impl Reader<'_> {
         match (self.variant(node), node.name) {
             (Some("Csv"), Some(_)) => self.csv(node).map(|r| DataSpec::Csv(Box::new(r))),
             (Some("Synthetic"), Some(_)) => self.synthetic(node).map(|r| DataSpec::Synthetic(Box::new(r))),
+            (Some("Arrays"), Some(_)) => self.arrays(node).map(|r| DataSpec::Csv(Box::new(r))),
             (Some(_), Some(name)) => self.unknown_name("kind of record", name, &["Csv", "Synthetic"]),
             _ => self.expected(node, "a record, `Csv(...)` or `Synthetic(...)`", ""),
         }

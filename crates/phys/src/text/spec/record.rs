@@ -54,6 +54,7 @@ impl Reader<'_> {
         let (time, rate) = time?;
         Some(CsvSpec {
             path: path?,
+            in_memory: false,
             name,
             time,
             rate,
@@ -73,6 +74,46 @@ impl Reader<'_> {
             constants,
             decimate,
             detrend,
+            span: node.span,
+        })
+    }
+
+    /// `Arrays(columns: ["x", "u"], ...)`: columns that a program gives by these names, in the units of the states and inputs.
+    pub(super) fn arrays(&mut self, node: &Node) -> Option<CsvSpec> {
+        const FIELDS: &[&str] =
+            &["name", "columns", "derive", "sensors", "start", "role", "interpolate", "constants"];
+        let fields = self.fields(node, "`Arrays`", FIELDS)?;
+        let columns = self.required(&fields, "columns", |r, n| r.list(n, Self::words));
+        let (name, role) = (self.name(&fields), self.role(&fields));
+        let derive = self.pairs(&fields, "derive", Self::derive);
+        let sensors = self.pairs(&fields, "sensors", Self::sensor);
+        let start = self.pairs(&fields, "start", Self::number);
+        let interpolate = self.pairs(&fields, "interpolate", Self::interpolation);
+        let constants = self.pairs(&fields, "constants", Self::constant);
+        let here = |value: &str| Text { value: value.to_owned(), span: node.span };
+        let plain = |name: Text| (name.clone(), ColumnSpec { header: name, unit: None });
+        Some(CsvSpec {
+            path: name.clone().unwrap_or_else(|| here("record")),
+            in_memory: true,
+            name,
+            time: ColumnSpec { header: here("t"), unit: None },
+            rate: None,
+            columns: columns?.into_iter().map(plain).collect(),
+            derive,
+            sensors,
+            rows: vec![],
+            window: None,
+            start,
+            role,
+            separator: None,
+            decimal: None,
+            header: None,
+            skip: 0,
+            run: None,
+            interpolate,
+            constants,
+            decimate: None,
+            detrend: vec![],
             span: node.span,
         })
     }

@@ -1,0 +1,179 @@
+//! The command line: one subcommand for each table.
+
+use clap::{Parser, Subcommand};
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  phisindy-blind hidden --out sets --sets 200 --seed 7      data sets with a hidden effect, the truth beside each
+  phisindy-blind score --out sets                           `phisindy gap` on each of them, compared with the truth
+  phisindy-blind wrong --sets 105 --seed 7                  known parts with one mistake: does `run` tell of it?
+  phisindy-blind paper --write README.md                    every case of the paper with both methods
+  phisindy-blind sweep --seeds 100 --write README.md        many seeds of every case
+  phisindy-blind language --write docs/reference.md         the operations of the language";
+
+/// Blind tests of the program `phisindy`, and the tables of its documents.
+#[derive(Debug, Parser)]
+#[command(name = "phisindy-blind", version, before_help = EXAMPLES, max_term_width = 110)]
+pub(crate) struct Args {
+    /// Which table.
+    #[command(subcommand)]
+    pub(crate) command: Command,
+    /// What all of them take.
+    #[command(flatten)]
+    pub(crate) options: Options,
+}
+
+/// A table, or the data for one.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Make data sets with a hidden effect
+    Hidden(HiddenArgs),
+    /// Run `phisindy gap` on the sets of a folder and compare with their truths; the seconds are those of one thread
+    Score(ScoreArgs),
+    /// Identify models with one mistake in the known part: is it told?
+    Wrong(WrongArgs),
+    /// Each case beside what the paper prints
+    Paper(CaseArgs),
+    /// Many seeds of each case
+    Sweep(SweepArgs),
+    /// The operations of the expression language
+    Language,
+}
+
+/// What all tables take.
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "Options of all tables")]
+pub(crate) struct Options {
+    /// The program to test [default: `phisindy` beside this program]
+    #[arg(long, global = true, value_name = "PATH")]
+    pub(crate) program: Option<PathBuf>,
+    /// Put the table between its marks in this file
+    #[arg(long, global = true, value_name = "FILE")]
+    pub(crate) write: Option<PathBuf>,
+    /// Number of sets (`hidden`, `score`, `wrong`) or threads (`paper`, `sweep`) at a time [default: all cores]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) jobs: Option<u16>,
+    /// No progress
+    #[arg(long, short, global = true)]
+    pub(crate) quiet: bool,
+}
+
+impl Options {
+    /// How many sets or threads at a time.
+    pub(crate) fn jobs(&self) -> usize {
+        self.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from)
+    }
+}
+
+/// Which sets to make.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct HiddenArgs {
+    /// Folder of the sets
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Number of sets
+    #[arg(long, value_name = "N", default_value_t = 40)]
+    pub(crate) sets: usize,
+    /// Seed of all draws
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Hide this law only (or nothing, two, outside)
+    #[arg(long, value_name = "LAW")]
+    pub(crate) only: Option<String>,
+}
+
+/// Which sets to score.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct ScoreArgs {
+    /// Folder of the sets
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Also run the sets that have a result already
+    #[arg(long)]
+    pub(crate) again: bool,
+}
+
+/// Which known parts to get wrong.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct WrongArgs {
+    /// Keep the specs in this folder
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Number of sets
+    #[arg(long, value_name = "N", default_value_t = 40)]
+    pub(crate) sets: usize,
+    /// Seed of all draws, and of the noise in place of one of each set's own [default: 0]
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+    /// This mistake only (or small: those that noise may hide)
+    #[arg(long, value_name = "MISTAKE")]
+    pub(crate) only: Option<String>,
+}
+
+/// Which cases of the paper.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct CaseArgs {
+    /// Only these cases, as in 1a,7
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub(crate) cases: Vec<String>,
+    /// Folder of the specs
+    #[arg(long, value_name = "DIR", default_value = "specs")]
+    pub(crate) specs: PathBuf,
+    /// Change a field of each spec, as in learn.cutoff=0.1; repeatable
+    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = assignment)]
+    pub(crate) sets: Vec<Assignment>,
+    /// Seed of the (first) noise, in place of the spec's
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+}
+
+/// Which cases, and how many seeds of each.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct SweepArgs {
+    /// Which cases
+    #[command(flatten)]
+    pub(crate) cases: CaseArgs,
+    /// Number of seeds
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub(crate) seeds: u64,
+    /// Keep finished runs in this folder; the same command goes on from there
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+/// `PATH=VALUE`, as the program's `--set` takes it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Assignment {
+    /// Parts joined by points.
+    pub(crate) path: String,
+    /// RON.
+    pub(crate) value: String,
+}
+
+impl Assignment {
+    /// A field and its value.
+    pub(crate) fn new(path: &str, value: &str) -> Assignment {
+        Assignment { path: path.to_owned(), value: value.to_owned() }
+    }
+}
+
+fn assignment(text: &str) -> Result<Assignment, String> {
+    match text.split_once('=') {
+        Some((path, value)) if !path.trim().is_empty() && !value.trim().is_empty() => {
+            Ok(Assignment::new(path.trim(), value.trim()))
+        }
+        _ => Err("expected PATH=VALUE, such as learn.cutoff=0.1".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Args::command().debug_assert();
+    }
+}

@@ -1,0 +1,68 @@
+//! `phisindy-blind hidden`: data sets with a hidden effect, as somebody would make them who wants to test the gap workflow blind. `phisindy-blind score` runs
+//! the workflow on them and compares.
+//!
+//! ```text
+//! seed --wish--> what a set is to hold --made--> rig, effect, motion, noise (drawn again until fair) --write--> spec.ron, *.csv | truth.json
+//! DIR/NNN --run--> result.json --scored, with truth.json--> marks --tally--> table
+//! ```
+
+mod course;
+mod effect;
+mod fair;
+mod linear;
+mod made;
+mod mark;
+mod motion;
+mod outside;
+mod place;
+mod rig;
+mod rivals;
+mod score;
+mod tally;
+mod told;
+mod truth;
+mod wish;
+mod write;
+
+use crate::Table;
+use crate::args::{HiddenArgs, Options, ScoreArgs};
+use crate::dice::Dice;
+use crate::folder::{Folder, print};
+use crate::interrupt;
+use crate::progress::Progress;
+use anyhow::{Result, anyhow};
+use rayon::prelude::*;
+
+/// Scores the sets; none if the user stopped it.
+///
+/// # Errors
+/// There are no sets, or files cannot be read or written.
+pub(crate) fn score(args: &ScoreArgs, options: &Options) -> Result<Option<Table>> {
+    score::score(args, options)
+}
+
+/// Makes the sets; false if the user stopped it.
+///
+/// # Errors
+/// A wish that cannot be met, or files that cannot be written.
+pub(crate) fn make(args: &HiddenArgs, options: &Options) -> Result<bool> {
+    let progress = Progress::new("hidden", args.sets, options.quiet);
+    let set = |index: usize| -> Result<()> {
+        if interrupt::asked() {
+            return Ok(());
+        }
+        let wish = wish::wish(args.seed, index, args.only.as_deref()).map_err(|why| anyhow!(why))?;
+        let mut dice = Dice::new(args.seed, &format!("set {index}"));
+        let made = made::made(&wish, &mut dice).map_err(|why| anyhow!("set {index}: {why}"))?;
+        write::write(&Folder::create(&args.out.join(format!("{index:03}")))?, index, &made, &mut dice)?;
+        progress.step();
+        Ok(())
+    };
+    (0..args.sets).into_par_iter().try_for_each(set)?;
+    drop(progress);
+    if interrupt::asked() {
+        return Ok(false);
+    }
+    print(&format!("{} sets in {}\n", args.sets, args.out.display()))?;
+    Ok(true)
+}

@@ -1,0 +1,222 @@
+//! A hidden effect: what is added to the known part.
+
+use super::place::Place;
+use crate::dice::Dice;
+use crate::names::substitute;
+
+/// What an effect acts on.
+#[derive(Clone, Debug)]
+pub(super) enum Action {
+    /// A force (its law's f: subtracted) at a place; perhaps with a state of its own.
+    Force { place: Place, force: String, internal: Option<(String, String)> },
+    /// A property of a column, or of all of them.
+    Sensor { column: Option<usize>, property: Property, value: f64 },
+    /// The rate of a velocity is multiplied by a text.
+    Factor { mass: usize, factor: String },
+}
+
+/// A property of a sensor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Property {
+    Delay,
+    Gain,
+    Offset,
+}
+
+/// A hidden effect.
+#[derive(Clone, Debug)]
+pub(super) struct Effect {
+    /// The id of its law; of one that no law describes, a word for it.
+    pub(super) law: String,
+    /// Where, as `gap` spells it.
+    pub(super) at: String,
+    /// Its law's parameters.
+    pub(super) parameters: Vec<(&'static str, f64)>,
+    /// The phase of the second record, if records have their own.
+    pub(super) second_phase: Option<f64>,
+    pub(super) action: Action,
+}
+
+impl Effect {
+    /// A parameter of its law.
+    pub(super) fn parameter(&self, name: &str) -> Option<f64> {
+        self.parameters.iter().find(|(n, _)| *n == name).map(|(_, x)| *x)
+    }
+
+    /// The number of parameters that are found.
+    pub(super) fn freedom(&self) -> usize {
+        self.parameters.len()
+    }
+
+    /// Whether it is a friction that can hold a mass.
+    pub(super) fn is_friction(&self) -> bool {
+        matches!(&self.action, Action::Force { force, .. } if force.contains("sgn("))
+    }
+
+    /// Text with the place's displacement and velocity, and numbers in the place of parameters.
+    pub(super) fn written(&self, text: &str, second: bool) -> String {
+        let own = |name: &str| if name == "phase" && second { self.second_phase } else { None };
+        let numbers: Vec<(&str, String)> = self
+            .parameters
+            .iter()
+            .map(|(name, value)| (*name, format!("({:e})", own(name).unwrap_or(*value))))
+            .collect();
+        substitute(text, |name| {
+            let number = numbers.iter().find(|(n, _)| *n == name).map(|(_, number)| number.as_str());
+            number.or_else(|| self.place_name(name))
+        })
+    }
+
+    /// Text with the place's displacement and velocity, and its parameters by name.
+    pub(super) fn at_its_place(&self, text: &str) -> String {
+        substitute(text, |name| self.place_name(name))
+    }
+
+    /// What stands for the displacement `X` and the velocity `Y` of a force.
+    fn place_name(&self, name: &str) -> Option<&str> {
+        let Action::Force { place, .. } = &self.action else { return None };
+        match name {
+            "X" => Some(&place.x),
+            "Y" => Some(&place.v),
+            _ => None,
+        }
+    }
+}
+
+/// How large displacement and velocity are at a place, and the force that drives the rig.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scales {
+    pub(super) x: f64,
+    pub(super) v: f64,
+    pub(super) force: f64,
+}
+
+/// Draws the effect of a law at a place; `None` if the law does not fit there.
+pub(super) fn draw(
+    law: &str,
+    place: &Place,
+    s: Scales,
+    rig: &super::rig::Rig,
+    dice: &mut Dice,
+    holds: bool,
+) -> Option<Effect> {
+    let w0 = rig.natural;
+    let level = |dice: &mut Dice| if holds { dice.log(0.15, 0.8) } else { dice.log(0.02, 0.5) } * s.force;
+    let (parameters, force): (Vec<(&'static str, f64)>, &str) = match law {
+        "viscous" => {
+            let dc = dice.log(0.01, 1.0) * s.force / s.v;
+            let negative = dice.chance(0.2);
+            // A mass must not feed itself.
+            let least = rig.damper.iter().copied().fold(f64::INFINITY, f64::min);
+            (vec![("dc", if negative { -(0.7 * least).min(dc) } else { dc })], "dc*Y")
+        }
+        "stiffness" => {
+            let dk = dice.log(0.01, 1.0) * s.force / s.x;
+            let least = 0.4 * rig.spring.iter().copied().fold(f64::INFINITY, f64::min);
+            (vec![("dk", if dice.chance(0.4) { -dk.min(least) } else { dk })], "dk*X")
+        }
+        "quadratic-drag" => (vec![("d", dice.log(0.02, 1.5) * s.force / (s.v * s.v))], "d*Y*abs(Y)"),
+        "coulomb" => (vec![("Fc", level(dice))], "Fc*sgn(Y)"),
+        "asymmetric-coulomb" => {
+            let (small, ratio) = (level(dice), dice.between(1.3, 3.0));
+            let (p, m) = if dice.chance(0.5) { (small, ratio * small) } else { (ratio * small, small) };
+            (vec![("Fp", p), ("Fm", m)], "(0.5*(Fp+Fm)*sgn(Y) + 0.5*(Fp-Fm))")
+        }
+        "stribeck" => {
+            let fc = level(dice);
+            let fs = fc * dice.between(1.3, 3.0);
+            (
+                vec![("Fc", fc), ("Fs", fs), ("vs", dice.log(0.05, 0.6) * s.v)],
+                "(Fc + (Fs-Fc)*exp(-(Y/vs)^2))*sgn(Y)",
+            )
+        }
+        "dieterich-ruina" => {
+            let f = level(dice);
+            let b = f * dice.between(0.12, 0.45);
+            (
+                vec![("F", f), ("a", b * dice.between(0.5, 0.95)), ("b", b)],
+                "(F + a*ln((abs(Y)+1e-6)/0.003) + b*ln(0.022+0.003/(abs(Y)+1e-6)))*sgn(Y)",
+            )
+        }
+        "position-dependent-friction" => {
+            let f = level(dice);
+            let (one, two) = (dice.sign() * dice.between(0.2, 0.6) * f, dice.between(-0.3, 0.8) * f);
+            (vec![("F0", f), ("F1", one / s.x), ("F2", two / (s.x * s.x))], "(F0 + F1*X + F2*X^2)*sgn(Y)")
+        }
+        "presliding" => {
+            let fc = dice.log(0.04, 0.6) * s.force;
+            (vec![("Fc", fc), ("kt", fc / (dice.log(0.03, 0.4) * s.x))], "kt*z")
+        }
+        "cubic-stiffness" => {
+            let k3 = dice.log(0.01, 2.0) * s.force / s.x.powi(3);
+            (vec![("k3", if dice.chance(0.25) { -0.15 * k3 } else { k3 })], "k3*X^3")
+        }
+        "quadratic-stiffness" => {
+            (vec![("k2", dice.sign() * dice.log(0.01, 0.5) * s.force / (s.x * s.x))], "k2*X^2")
+        }
+        "dead-zone" => {
+            (vec![("ks", place.spring?), ("gap", dice.log(0.02, 0.5) * s.x)], "ks*(dead(X,gap) - X)")
+        }
+        "one-sided-stop" => {
+            let stiff = dice.log(0.5, 20.0) * rig.spring[0];
+            let at = dice.between(0.35, 0.97) * s.x;
+            let force = if dice.chance(0.5) { "ks*pos(X-gap)" } else { "(-ks*pos(-X-gap))" };
+            (vec![("ks", stiff), ("gap", at)], force)
+        }
+        "offset" => (vec![("f0", dice.sign() * dice.log(0.02, 0.8) * s.force)], "(-f0)"),
+        "harmonic-force" => {
+            let w = w0 * dice.log(0.3, 2.5);
+            (
+                vec![("A", dice.log(0.02, 0.8) * s.force), ("w", w), ("phase", dice.between(-3.0, 3.0))],
+                "(-A*cos(w*t+phase))",
+            )
+        }
+        "parametric-stiffness" => {
+            let (e, w) = (dice.log(0.02, 0.6) * s.force / s.x, w0 * dice.log(0.2, 3.0));
+            let e = e.min(0.5 * rig.spring[0]);
+            (vec![("e", e), ("w", w), ("phase", dice.between(-3.0, 3.0))], "e*cos(w*t+phase)*X")
+        }
+        "van-der-pol" => {
+            let mu = dice.log(0.02, 1.0) * s.force / s.v;
+            (vec![("mu", mu), ("a", dice.log(0.5, 10.0) / (s.x * s.x))], "(-mu*(1-a*X^2)*Y)")
+        }
+        _ => return None,
+    };
+    let parameters: Vec<_> = parameters.into_iter().map(|(n, x)| (n, crate::dice::rounded(x))).collect();
+    let internal = (law == "presliding").then(|| ("z".to_owned(), "Y - kt*abs(Y)*z/Fc".to_owned()));
+    let second_phase = parameters.iter().find(|(n, _)| *n == "phase").map(|(_, phase)| {
+        if dice.chance(0.5) { crate::dice::rounded(dice.between(-3.0, 3.0)) } else { *phase }
+    });
+    let action = Action::Force { place: place.clone(), force: force.to_owned(), internal };
+    Some(Effect { law: law.to_owned(), at: place.at.clone(), parameters, second_phase, action })
+}
+
+/// Draws a property of one column or of all. `columns` are their names and sizes; `None` for any other law.
+pub(super) fn draw_sensor(
+    law: &str,
+    columns: &[(String, f64)],
+    displacements: usize,
+    w0: f64,
+    dice: &mut Dice,
+) -> Option<Effect> {
+    let any = dice.whole(0, columns.len() - 1);
+    let (property, name) = match law {
+        "sensor-delay" => (Property::Delay, "tau"),
+        "sensor-gain" => (Property::Gain, "gain"),
+        "sensor-offset" => (Property::Offset, "offset"),
+        _ => return None,
+    };
+    // The zero of all columns at once means nothing: they have different units.
+    let common = property != Property::Offset && dice.chance(0.35);
+    // Offsets are mostly those of displacements.
+    let column = if property == Property::Offset && dice.chance(0.8) { any % displacements } else { any };
+    let value = crate::dice::rounded(match property {
+        Property::Delay => dice.log(0.003, 0.15) / w0,
+        Property::Gain => 1.0 + dice.sign() * dice.log(0.01, 0.3),
+        Property::Offset => dice.sign() * dice.log(0.01, 1.5) * columns[column].1,
+    });
+    let at = if common { "motion".to_owned() } else { columns[column].0.clone() };
+    let column = (!common).then_some(column);
+    let action = Action::Sensor { column, property, value };
+    Some(Effect { law: law.to_owned(), at, parameters: vec![(name, value)], second_phase: None, action })
+}

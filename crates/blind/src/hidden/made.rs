@@ -1,0 +1,322 @@
+//! One set: drawn until it is fair.
+
+use super::course::{courses, cut_course, cut_motion};
+use super::effect::{Effect, Scales, draw, draw_sensor};
+use super::fair::{steady, visible};
+use super::motion::{Course, Motion, earlier, motion};
+use super::outside;
+use super::place::{Place, places};
+use super::rig::{Constant, Drive, Extra, Line, Rig};
+use super::rivals::{Judgement, Seen, along, judge, largest};
+use super::told::{alternatives, described, hidden};
+use super::truth::{Gaps, Truth};
+use super::wish::{HOLDING, Kind, Wish};
+use crate::dice::{Dice, rounded};
+use phisindy_signal::standard_deviation;
+use phisindy_sim::{Noise, Streams, add_noise};
+
+/// Draws before giving up.
+const TRIES: usize = 2000;
+/// Gaps between these are shown.
+const GAPS: (f64, f64) = (1.1, 130.0);
+/// The truth must beat every rival by this much.
+const MARGIN: f64 = 20.0;
+/// What start states and constants that may move must leave of an effect (chi square).
+const VISIBLE: f64 = 200.0;
+/// What the catalogue must leave of an effect outside of it, in units of the noise.
+const REMAINDER: f64 = 0.4;
+
+/// A record as it is handed over.
+pub(super) struct Shown {
+    pub(super) times: Vec<f64>,
+    /// Columns of the states that are measured: with noise.
+    pub(super) columns: Vec<Vec<f64>>,
+    /// Value and slope of the drive.
+    pub(super) drive: Vec<(f64, f64)>,
+    pub(super) lines: Vec<Line>,
+}
+
+/// A set that is ready to be written.
+pub(super) struct Made {
+    pub(super) rig: Rig,
+    /// Indices of the measured states and their names.
+    pub(super) measured: Vec<(usize, String)>,
+    /// One record, split at a sample, or two.
+    pub(super) records: Vec<Shown>,
+    pub(super) split: usize,
+    /// The amplitude of the drive is a constant of each record.
+    pub(super) own_amplitude: bool,
+    pub(super) truth: Truth,
+}
+
+/// Draws until a set is fair.
+///
+/// # Errors
+/// None was, in words.
+pub(super) fn made(wish: &Wish, dice: &mut Dice) -> Result<Made, String> {
+    let mut reasons = std::collections::BTreeMap::<&str, usize>::new();
+    for _ in 0..TRIES {
+        match attempt(wish, dice) {
+            Ok(made) => return Ok(made),
+            Err(why) => *reasons.entry(why).or_default() += 1,
+        }
+    }
+    Err(format!("{TRIES} draws of {wish:?} were not fair: {reasons:?}"))
+}
+
+fn attempt(wish: &Wish, dice: &mut Dice) -> Result<Made, &'static str> {
+    let friction = match &wish.kind {
+        Kind::Laws(laws) => laws.iter().any(|l| HOLDING.contains(l)),
+        Kind::Outside(kind) => kind.ends_with("friction"),
+        Kind::Nothing => false,
+    };
+    let mut rig = Rig::draw(dice, wish.two_masses, friction && wish.holds);
+    if wish.kind == Kind::Nothing && dice.chance(0.25) {
+        let force = rig.size * rig.spring[0];
+        let (extra, name, value, unit) = if dice.chance(0.5) {
+            (Extra::Coulomb, "Fk", dice.log(0.05, 0.4) * force, "N")
+        } else {
+            (Extra::Cubic, "kn", dice.log(0.05, 1.0) * force / rig.size.powi(3), "N/m^3")
+        };
+        let unit = if rig.inertia { unit } else { "" };
+        rig.extra = Some(extra);
+        rig.constants.push(Constant { name: name.to_owned(), value: rounded(value), unit, movable: None });
+    }
+    movables(&mut rig, wish, dice);
+    let (courses, split) = courses(&rig, dice);
+    let run = |effects: &[Effect], before: f64| -> Result<Vec<Motion>, &'static str> {
+        let one = |c: &Course| motion(&rig, effects, c, before).map_err(|_| "not simulated");
+        courses.iter().map(one).collect()
+    };
+    let mut base = run(&[], 0.0)?;
+    let mut effects = effects(&rig, wish, &courses[0], &base[0], dice)?;
+    if courses.len() == 1 {
+        effects.iter_mut().for_each(|e| e.second_phase = None);
+    }
+    let before = earlier(&effects);
+    let truth = run(&effects, before)?;
+    if before > 0.0 {
+        base = run(&[], before)?;
+    }
+
+    let stuck = truth[0].stuck.iter().filter(|s| **s).count() as f64 / truth[0].stuck.len() as f64;
+    if friction
+        && (wish.holds != (stuck > 0.02) || (!wish.holds && truth.iter().any(|m| m.stuck.contains(&true))))
+    {
+        return Err("sticking is not as wished");
+    }
+    if stuck > 0.6 {
+        return Err("it hardly moves");
+    }
+    let with_velocity = dice.chance(0.75);
+    let seen_states = if with_velocity { 2 * rig.count() } else { rig.count() };
+    let measured: Vec<(usize, String)> =
+        rig.x.iter().chain(&rig.v).cloned().enumerate().take(seen_states).collect();
+
+    // Noise, and the gap that it leaves to be seen.
+    let streams = Streams(dice.seed());
+    let mut sigma = Vec::new();
+    let mut records = Vec::new();
+    let (mut fit, mut validate) = ((0.0, 0usize), (0.0, 0usize));
+    for (r, (course, motion)) in courses.iter().zip(&truth).enumerate() {
+        let mut columns = Vec::new();
+        for (k, (state, name)) in measured.iter().enumerate() {
+            let exact = &motion.readings[*state];
+            let deviation = wish.noise * standard_deviation(exact);
+            if deviation <= 0.0 || !deviation.is_finite() {
+                return Err("nothing moves");
+            }
+            let mut noisy = exact.clone();
+            add_noise(
+                &mut noisy,
+                Noise::Sensor(deviation),
+                &mut streams.stream(&format!("noise of {name} in {r}")),
+            );
+            if r == 0 {
+                sigma.push(deviation);
+            }
+            for (i, y) in noisy.iter().enumerate() {
+                let e = (y - base[r].states[*state][i]) / deviation;
+                let sum = if r == 0 && i < split { &mut fit } else { &mut validate };
+                *sum = (sum.0 + e * e, sum.1 + 1);
+            }
+            debug_assert_eq!(columns.len(), k);
+            columns.push(noisy);
+        }
+        let drive = course.times.iter().map(|&t| Rig::drive_at(&course.lines, t)).collect();
+        records.push(Shown { times: course.times.clone(), columns, drive, lines: course.lines.clone() });
+    }
+    let gap = |(sum, count): (f64, usize)| (sum / count as f64).sqrt();
+    let gaps = Gaps { fit: gap(fit), validate: gap(validate) };
+    let mut judgement = Judgement::default();
+    if wish.kind != Kind::Nothing {
+        if !(GAPS.0..=GAPS.1).contains(&gaps.validate) || !(GAPS.0..=1.5 * GAPS.1).contains(&gaps.fit) {
+            return Err("the gap is too small or too large");
+        }
+        let (course, motion) = (cut_course(&courses[0], split), cut_motion(&truth[0], split));
+        let base = cut_motion(&base[0], split);
+        let columns: Vec<(usize, String, f64)> =
+            measured.iter().zip(&sigma).map(|((k, n), s)| (*k, n.clone(), *s)).collect();
+        let seen = Seen {
+            rig: &rig,
+            effects: &effects,
+            course: &course,
+            motion: &motion,
+            base: &base,
+            columns: &columns,
+        };
+        visible(&seen)?;
+        judgement = judge(&seen);
+        let outside = matches!(wish.kind, Kind::Outside(_));
+        if judgement.visible < VISIBLE {
+            return Err("start states and constants absorb it");
+        }
+        if outside && judgement.remainder < REMAINDER {
+            return Err("the catalogue describes it nearly");
+        }
+        if !outside && judgement.margin < MARGIN {
+            return Err("a rival is too near");
+        }
+    }
+    if !steady(&rig, &effects, &courses, &truth, before, wish.noise) {
+        return Err("the motion is too sensitive to its start");
+    }
+    let samples = if records.len() == 1 {
+        [split, records[0].times.len() - split]
+    } else {
+        [split, records[1].times.len()]
+    };
+    let truth = Truth {
+        kind: match &wish.kind {
+            Kind::Nothing => "nothing",
+            Kind::Laws(laws) if laws.len() == 1 => "one",
+            Kind::Laws(_) => "two",
+            Kind::Outside(_) => "outside",
+        }
+        .to_owned(),
+        alternatives: alternatives(&effects, &judgement, &rig, &measured),
+        effects: effects.iter().map(hidden).collect(),
+        noise: wish.noise,
+        sticks: stuck > 0.0,
+        stuck_share: stuck,
+        masses: rig.count(),
+        gap_before: gaps,
+        margin: (wish.kind != Kind::Nothing && judgement.margin.is_finite()).then_some(judgement.margin),
+        nearest: judgement.nearest,
+        gap_fitted: (wish.kind != Kind::Nothing).then(|| {
+            let data = (split * measured.len()) as f64;
+            (1.0 + judgement.visible / data).sqrt()
+        }),
+        remainder: matches!(wish.kind, Kind::Outside(_)).then_some(judgement.remainder),
+        sigma: measured.iter().map(|(_, n)| n.clone()).zip(sigma.iter().copied()).collect(),
+        movable: rig
+            .constants
+            .iter()
+            .filter(|c| c.movable.is_some())
+            .map(|c| (c.name.clone(), c.value))
+            .collect(),
+        rig: described(&rig, records.len()),
+        samples,
+    };
+    let own_amplitude = records.len() == 2
+        && matches!(rig.drive, Drive::Explicit(_))
+        && records[0].lines.len() == 1
+        && records[0].lines != records[1].lines;
+    Ok(Made { rig, measured, records, split, own_amplitude, truth })
+}
+
+/// In some sets a stiffness or a damping is only known within bounds - never that which the hidden law is about.
+fn movables(rig: &mut Rig, wish: &Wish, dice: &mut Dice) {
+    let share = if matches!(&wish.kind, Kind::Laws(laws) if laws.len() == 2) { 0.1 } else { 0.25 };
+    if !dice.chance(share) {
+        return;
+    }
+    let about = |letters: &str| {
+        matches!(&wish.kind, Kind::Laws(laws) if laws.iter().any(|law| match *law {
+            "viscous" | "van-der-pol" => letters == "c",
+            "stiffness" | "dead-zone" => letters == "k",
+            _ => false,
+        }))
+    };
+    let (first, second) = (dice.chance(0.7), dice.chance(0.5));
+    let chosen: &[&str] = match (first, second) {
+        (true, true) => &["c"],
+        (true, false) => &["k"],
+        (false, _) => &["c", "k"],
+    };
+    for letter in chosen.iter().filter(|l| !about(l)) {
+        let off = if *letter == "c" { dice.between(0.6, 1.5) } else { dice.between(0.93, 1.07) };
+        for c in rig.constants.iter_mut().filter(|c| c.name == *letter || c.name == format!("{letter}1")) {
+            let nominal = rounded(c.value * off);
+            let (low, high) =
+                if *letter == "c" { (0.0, 4.0 * nominal) } else { (0.8 * nominal, 1.25 * nominal) };
+            c.movable = Some((nominal, rounded(low), rounded(high)));
+        }
+    }
+}
+
+fn effects(
+    rig: &Rig,
+    wish: &Wish,
+    course: &Course,
+    base: &Motion,
+    dice: &mut Dice,
+) -> Result<Vec<Effect>, &'static str> {
+    let none: [Effect; 0] = [];
+    let seen = Seen { rig, effects: &none, course, motion: base, base, columns: &[] };
+    let all = places(rig);
+    let force =
+        course.times.iter().map(|&t| Rig::drive_at(&course.lines, t)).fold(0.0_f64, |m, (value, slope)| {
+            let f = match rig.drive {
+                Drive::Base { .. } => rig.spring[0] * value + rig.damper[0] * slope,
+                _ => value,
+            };
+            m.max(f.abs())
+        });
+    let scales = |place: &Place| {
+        let (x, v) = along(&seen, place);
+        // A release is judged by its beginning, anything else by what is left of it.
+        let part = if rig.drive == Drive::Free { 0..x.len() / 2 } else { x.len() / 2..x.len() };
+        let (x, v) = (largest(&x[part.clone()]), largest(&v[part]));
+        let force = if rig.drive == Drive::Free { 0.3 * x * rig.spring[0] } else { force };
+        Scales { x, v, force }
+    };
+    let duration = course.times[course.times.len() - 1];
+    let mut out: Vec<Effect> = Vec::new();
+    let laws: &[&str] = match &wish.kind {
+        Kind::Nothing => &[],
+        Kind::Laws(laws) => laws,
+        Kind::Outside(kind) => {
+            let place = dice.pick(&all);
+            let drawn = outside::draw(kind, place, scales(place), rig, duration, dice, wish.holds);
+            return drawn.map(|e| vec![e]).ok_or("no such effect");
+        }
+    };
+    for law in laws {
+        let columns: Vec<(String, f64)> = (0..2 * rig.count())
+            .map(|k| {
+                (
+                    if k < rig.count() { rig.x[k].clone() } else { rig.v[k - rig.count()].clone() },
+                    largest(&base.states[k]),
+                )
+            })
+            .collect();
+        let effect = match draw_sensor(law, &columns, rig.count(), rig.natural, dice) {
+            Some(effect) => effect,
+            None => {
+                let place = dice.pick(&all);
+                // A constant or harmonic push does not feel what moves: its place is a mass.
+                if place.wall != 0.0 && matches!(*law, "offset" | "harmonic-force") {
+                    return Err("no such place");
+                }
+                draw(law, place, scales(place), rig, dice, wish.holds).ok_or("no such place")?
+            }
+        };
+        if out.iter().any(|e| e.law == effect.law && e.at == effect.at) {
+            return Err("twice the same");
+        }
+        out.push(effect);
+    }
+    // A column that is not there cannot be late; decided before what is measured, so it may drop out later.
+    Ok(out)
+}

@@ -1,0 +1,140 @@
+//! The motion of a rig, with and without what is hidden, by the simulator of the project.
+
+use super::effect::{Action, Effect, Property};
+use super::rig::{Line, Rig};
+use crate::names::substitute;
+use phisindy_phys::Model;
+use phisindy_sim::{Automaton, Drive, Options, Trajectory, simulate};
+
+/// Local error, so small that it is nothing beside any noise.
+const TOLERANCE: f64 = 1e-9;
+/// More steps than this are no case that anybody measures.
+const STEPS: usize = 300_000;
+
+/// How a record is made.
+#[derive(Clone, Debug)]
+pub(super) struct Course {
+    /// Start of displacements, then of velocities.
+    pub(super) start: Vec<f64>,
+    pub(super) lines: Vec<Line>,
+    pub(super) times: Vec<f64>,
+    /// Whether it is the second record, which may have phases of its own.
+    pub(super) second: bool,
+}
+
+/// States, sampled.
+#[derive(Clone, Debug)]
+pub(super) struct Motion {
+    pub(super) n: usize,
+    /// Displacements, velocities, then states of the effects: one column each.
+    pub(super) states: Vec<Vec<f64>>,
+    pub(super) rates: Vec<Vec<f64>>,
+    /// Whether something sticks.
+    pub(super) stuck: Vec<bool>,
+    /// For each displacement and velocity, what its sensor reads.
+    pub(super) readings: Vec<Vec<f64>>,
+}
+
+/// How long before a record the motion must begin: a late sensor shows what was then.
+pub(super) fn earlier(effects: &[Effect]) -> f64 {
+    let late = effects.iter().filter_map(|e| match e.action {
+        Action::Sensor { property: Property::Delay, value, .. } => Some(value),
+        _ => None,
+    });
+    late.fold(0.0, f64::max) * 1.01
+}
+
+/// Simulates a course; the motion begins at its start state `before` its first sample.
+///
+/// # Errors
+/// In words: the motion has no bounds, or the texts make no sense.
+pub(super) fn motion(rig: &Rig, effects: &[Effect], course: &Course, before: f64) -> Result<Motion, String> {
+    let (model, values, start) = model(rig, effects, course)?;
+    let automaton = Automaton::new(&model).map_err(|e| e.message(&model.names))?;
+    let drive = Drive { inputs: &[], parameters: &values };
+    let n = start.len();
+    let times = &course.times;
+    let coarse = Options {
+        tolerance: 1e-4,
+        scale: vec![1e-9; n],
+        diverged: 1e24,
+        max_steps: STEPS,
+        ..Options::default()
+    };
+    let rough = simulate(&automaton, &drive, -before, &start, times, &coarse).map_err(|e| e.to_string())?;
+    let largest = |k: usize| rough.states.iter().skip(k).step_by(n).fold(0.0_f64, |m, x| m.max(x.abs()));
+    let scale: Vec<f64> = (0..n).map(|k| if largest(k) > 0.0 { largest(k) } else { 1.0 }).collect();
+    let fine = Options { tolerance: TOLERANCE, scale, diverged: 1e6, max_steps: STEPS, ..Options::default() };
+    let run = |times: &[f64]| {
+        simulate(&automaton, &drive, -before, &start, times, &fine).map_err(|e| e.to_string())
+    };
+    let now = run(times)?;
+    let seen = 2 * rig.count();
+    let mut readings: Vec<Vec<f64>> = (0..seen).map(|k| now.column(k)).collect();
+    for effect in effects {
+        if let Action::Sensor { column, property, value } = effect.action {
+            let columns = (0..seen).filter(|k| column.is_none_or(|c| c == *k));
+            let past = match property {
+                Property::Delay => Some(run(&times.iter().map(|t| t - value).collect::<Vec<_>>())?),
+                Property::Gain | Property::Offset => None,
+            };
+            for k in columns {
+                match &past {
+                    Some(past) => readings[k] = past.column(k),
+                    None if property == Property::Gain => readings[k].iter_mut().for_each(|y| *y *= value),
+                    None => readings[k].iter_mut().for_each(|y| *y += value),
+                }
+            }
+        }
+    }
+    Ok(sampled(now, readings))
+}
+
+fn sampled(run: Trajectory, readings: Vec<Vec<f64>>) -> Motion {
+    let n = run.n;
+    let samples = run.states.len() / n;
+    let switches = run.modes.len() / samples.max(1);
+    let stuck = (0..samples).map(|i| run.modes[i * switches..(i + 1) * switches].contains(&0)).collect();
+    let rates = (0..n).map(|k| run.rates.iter().skip(k).step_by(n).copied().collect()).collect();
+    Motion { n, states: (0..n).map(|k| run.column(k)).collect(), rates, stuck, readings }
+}
+
+/// The model with everything hidden in it, the values of its parameters, and where its states start.
+fn model(rig: &Rig, effects: &[Effect], course: &Course) -> Result<(Model, Vec<f64>, Vec<f64>), String> {
+    let (value, slope) = Rig::driven(&course.lines);
+    let mut rates = rig.rates("DRIVE", "u", "du");
+    let mut names: Vec<&str> = rig.x.iter().chain(&rig.v).map(String::as_str).collect();
+    let mut own = Vec::new();
+    let mut start = course.start.clone();
+    for effect in effects {
+        match &effect.action {
+            Action::Force { place, force, internal } => {
+                let force = effect.written(force, course.second);
+                for &(mass, sign) in &place.parts {
+                    let factor = -sign / rig.mass[mass];
+                    rates[mass] += &format!(" + ({factor:e})*({force})");
+                }
+                if let Some((name, rate)) = internal {
+                    names.push(name);
+                    own.push(effect.written(rate, course.second));
+                    start.push(0.0);
+                }
+            }
+            Action::Factor { mass, factor } => rates[*mass] = format!("({})*({factor})", rates[*mass]),
+            Action::Sensor { .. } => {}
+        }
+    }
+    let mut all: Vec<String> = rig.v.clone();
+    all.extend(rates);
+    all.extend(own);
+    let driven = |name: &str| match name {
+        "DRIVE" | "u" => Some(value.as_str()),
+        "du" => Some(slope.as_str()),
+        _ => None,
+    };
+    let all: Vec<String> = all.iter().map(|text| substitute(text, driven)).collect();
+    let texts: Vec<&str> = all.iter().map(String::as_str).collect();
+    let parameters: Vec<&str> = rig.constants.iter().map(|c| c.name.as_str()).collect();
+    let model = Model::build(&names, &[], &parameters, &texts)?;
+    Ok((model, rig.constants.iter().map(|c| c.value).collect(), start))
+}

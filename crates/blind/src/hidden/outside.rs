@@ -1,0 +1,102 @@
+//! Effects that no law of the catalogue describes.
+
+use super::effect::{Action, Effect, Scales};
+use super::place::Place;
+use super::rig::Rig;
+use crate::dice::{Dice, rounded};
+
+/// Their names.
+pub(super) const KINDS: &[&str] = &[
+    "corrugated-force",
+    "saturating-spring",
+    "quintic-stiffness",
+    "corrugated-friction",
+    "time-varying-mass",
+    "bouc-wen",
+    "exponential-wall",
+    "viscoelastic",
+    "fading-friction",
+    "chirp-force",
+];
+
+/// Draws one of them.
+pub(super) fn draw(
+    kind: &str,
+    place: &Place,
+    s: Scales,
+    rig: &Rig,
+    duration: f64,
+    dice: &mut Dice,
+    holds: bool,
+) -> Option<Effect> {
+    let a = dice.log(0.03, 0.6) * s.force;
+    let friction = if holds { dice.log(0.2, 0.7) } else { dice.log(0.03, 0.5) } * s.force;
+    let (w0, phase) = (rig.natural, dice.between(-3.0, 3.0));
+    let mut internal = None;
+    let (parameters, force): (Vec<(&'static str, f64)>, &str) = match kind {
+        "corrugated-force" => {
+            (vec![("A", a), ("q", dice.between(4.0, 14.0) / s.x), ("b", phase)], "A*sin(q*X+b)")
+        }
+        "saturating-spring" => (vec![("A", a), ("s", dice.between(0.3, 0.7) * s.x)], "A*tanh((X/s)^5)"),
+        "quintic-stiffness" => {
+            let power = if dice.chance(0.5) { "A*(X/s)^5" } else { "A*(X/s)^7" };
+            (vec![("A", dice.log(0.1, 3.0) * s.force), ("s", s.x)], power)
+        }
+        "corrugated-friction" => (
+            vec![
+                ("A", friction),
+                ("B", friction * dice.between(0.4, 0.9)),
+                ("q", dice.between(5.0, 14.0) / s.x),
+            ],
+            "(A + B*sin(q*X))*sgn(Y)",
+        ),
+        "bouc-wen" => {
+            let d = dice.between(0.15, 0.5) * s.x;
+            internal = Some(("z".to_owned(), "Y - (b*abs(Y)*z*abs(z) + g*Y*z^2)".to_owned()));
+            let b = dice.between(0.6, 0.9) / (d * d);
+            (vec![("A", dice.log(0.1, 0.6) * s.force / d), ("b", b), ("g", dice.sign() * 0.4 * b)], "A*z")
+        }
+        "exponential-wall" => {
+            (vec![("A", a), ("s", dice.between(0.12, 0.3) * s.x)], "A*(exp(X/s)*exp(-2.5)-exp(-2.5))")
+        }
+        "viscoelastic" => {
+            let k = dice.log(0.05, 1.0) * s.force / s.x;
+            internal = Some(("z".to_owned(), "(X-z)*r".to_owned()));
+            (vec![("k", k), ("r", w0 * dice.log(0.3, 2.0))], "k*(X-z)")
+        }
+        "fading-friction" => {
+            (vec![("A", friction), ("T", duration * dice.between(0.15, 0.5))], "A*exp(-t/T)*sgn(Y)")
+        }
+        "chirp-force" => (
+            vec![
+                ("A", a),
+                ("w", w0 * dice.between(0.3, 0.8)),
+                ("r", w0 * dice.between(0.3, 1.0) / duration),
+                ("b", phase),
+            ],
+            "(-A*cos(w*t + r*t^2 + b))",
+        ),
+        "time-varying-mass" => {
+            let mass = place.parts[0].0;
+            let (e, w) = (rounded(dice.log(0.03, 0.5)), rounded(w0 * dice.between(0.1, 0.7)));
+            let factor = if dice.chance(0.5) {
+                format!("1/(1+({e:e})*sin(({w:e})*t))")
+            } else {
+                format!("1/(1+({:e})*t/({duration:e}))", 2.0 * e)
+            };
+            let action = Action::Factor { mass, factor };
+            let at = rig.v[mass].clone();
+            return Some(Effect {
+                law: kind.to_owned(),
+                at,
+                parameters: vec![("e", e), ("w", w)],
+                second_phase: None,
+                action,
+            });
+        }
+        _ => return None,
+    };
+    let parameters = parameters.into_iter().map(|(n, x)| (n, rounded(x))).collect();
+    let action = Action::Force { place: place.clone(), force: force.to_owned(), internal };
+    Some(Effect { law: kind.to_owned(), at: place.at.clone(), parameters, second_phase: None, action })
+}

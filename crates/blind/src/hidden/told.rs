@@ -1,0 +1,121 @@
+//! A truth in the words of `truth.json`.
+
+use super::effect::{Action, Effect};
+use super::rig::{Drive, Rig};
+use super::rivals::{Judgement, only_column};
+use super::truth::{Hidden, Placed};
+
+/// Laws that do not feel where the mass is.
+const SPEED_ONLY: [&str; 5] = ["viscous", "quadratic-drag", "coulomb", "stribeck", "dieterich-ruina"];
+
+/// Other descriptions of the same force.
+pub(super) fn alternatives(
+    effects: &[Effect],
+    judgement: &Judgement,
+    rig: &Rig,
+    measured: &[(usize, String)],
+) -> Vec<Vec<Placed>> {
+    let (columns, column) = (measured.len(), measured[0].1.as_str());
+    let base = matches!(rig.drive, Drive::Base { .. });
+    let mut all: Vec<Vec<Placed>> = judgement
+        .same
+        .iter()
+        .map(|set| set.iter().map(|(law, at)| Placed { law: law.clone(), at: at.clone() }).collect())
+        .collect();
+    let put = |k: usize, with: Vec<Placed>| {
+        let mut set: Vec<Placed> = Vec::new();
+        for (i, e) in effects.iter().enumerate() {
+            if i == k {
+                set.extend(with.clone())
+            } else {
+                set.push(Placed { law: e.law.clone(), at: e.at.clone() })
+            }
+        }
+        set
+    };
+    for (k, e) in effects.iter().enumerate() {
+        let placed = |law: &str, at: &str| Placed { law: law.to_owned(), at: at.to_owned() };
+        let mut more = Vec::new();
+        if e.law == "asymmetric-coulomb" {
+            more.push(put(k, vec![placed("coulomb", &e.at), placed("offset", &e.at)]));
+        }
+        // A push that does not feel what moves is the same from the wall that moves.
+        if base && matches!(e.law.as_str(), "offset" | "harmonic-force") && !e.at.contains('-') {
+            more.push(put(k, vec![placed(&e.law, &format!("{}-du", e.at))]));
+        }
+        let others = || effects.iter().enumerate().filter(move |(i, _)| *i != k).map(|(_, other)| other);
+        let linear = others().all(|other| SPEED_ONLY.contains(&other.law.as_str()));
+        // On linear springs a constant force moves one mass as the zero of its sensor moves its record; beside Coulomb friction both are one law.
+        if linear && rig.count() == 1 && e.law == "sensor-offset" && rig.x.contains(&e.at) {
+            more.push(put(k, vec![placed("offset", &rig.v[0])]));
+            if let Some(other) = others().find(|other| other.law == "coulomb") {
+                more.push(vec![placed("asymmetric-coulomb", &other.at)]);
+            }
+        }
+        // Of a mass that hangs on another one alone the zero of its sensor is a constant force in between.
+        if linear && rig.count() == 2 && !rig.both_walls() {
+            let between = format!("{}-{}", rig.v[0], rig.v[1]);
+            if e.law == "sensor-offset" && e.at == rig.x[1] {
+                more.push(put(k, vec![placed("offset", &between)]));
+            }
+            if e.law == "offset" && e.at == between {
+                more.push(put(k, vec![placed("sensor-offset", &rig.x[1])]));
+            }
+        }
+        // All columns are one column.
+        if only_column(e, columns) {
+            more.push(put(k, vec![placed(&e.law, if e.at == "motion" { column } else { "motion" })]));
+        }
+        all.extend(more);
+    }
+    let mut unique: Vec<Vec<Placed>> = Vec::new();
+    for mut set in all {
+        set.sort();
+        if !unique.contains(&set) {
+            unique.push(set);
+        }
+    }
+    unique
+}
+
+/// An effect with its values.
+pub(super) fn hidden(effect: &Effect) -> Hidden {
+    let expression = match &effect.action {
+        Action::Force { force, internal, .. } => {
+            let own = |text: &str| effect.at_its_place(text);
+            match internal {
+                Some((name, rate)) => format!("{} with d{name}/dt = {}", own(force), own(rate)),
+                None => own(force),
+            }
+        }
+        Action::Sensor { property, .. } => format!("{property:?}").to_lowercase(),
+        Action::Factor { factor, .. } => format!("rate times {factor}"),
+    };
+    let mut parameters: std::collections::BTreeMap<String, f64> =
+        effect.parameters.iter().map(|(n, x)| ((*n).to_owned(), *x)).collect();
+    if let Some(second) = effect.second_phase
+        && effect.parameter("phase") != Some(second)
+    {
+        // Not one number any more.
+        parameters.remove("phase");
+    }
+    Hidden { law: effect.law.clone(), at: effect.at.clone(), parameters, expression }
+}
+
+/// The rig for people.
+pub(super) fn described(rig: &Rig, records: usize) -> String {
+    let drive = match rig.drive {
+        Drive::Explicit(on) => format!("{} cosines on mass {} in `known`", rig.lines.len(), on + 1),
+        Drive::Force(on) => format!("measured force of {} cosines on mass {}", rig.lines.len(), on + 1),
+        Drive::Base { derived } => {
+            format!(
+                "wall moved by {} cosines, du {}",
+                rig.lines.len(),
+                if derived { "derived" } else { "measured" }
+            )
+        }
+        Drive::Free => "released".to_owned(),
+    };
+    let how = if records == 1 { "one run in two windows" } else { "two runs" };
+    format!("{} scale, {} masses, {drive}; {how}", rig.scale, rig.count())
+}

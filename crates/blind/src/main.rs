@@ -1,0 +1,91 @@
+//! `phisindy-blind`: tests of the program `phisindy` for those who develop it, with answers that it does not see, and the tables of the documents.
+//!
+//! ```text
+//! seed --hidden--> DIR/NNN: spec and data of a rig with an effect that the spec lacks | truth.json
+//! DIR/NNN --phisindy gap--> result.json --score, with truth.json--> table
+//! seed --wrong--> specs with one mistake in the known part --identify--> is it told? --> table
+//! specs of the paper --phisindy run, phisindy sweep--> tables of README.md
+//! ```
+
+mod args;
+mod dice;
+mod folder;
+mod hidden;
+mod interrupt;
+mod markdown;
+mod names;
+mod program;
+mod progress;
+mod readme;
+mod synthetic;
+mod wrong;
+
+use anyhow::{Context, Result};
+use args::{Args, Command, Options};
+use clap::Parser;
+use std::io::Write;
+use std::process::ExitCode;
+
+/// The command line, a spec or a folder is wrong.
+const INPUT: u8 = 2;
+
+fn main() -> ExitCode {
+    interrupt::listen();
+    match run(&Args::parse()) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(interrupt::INTERRUPTED),
+        Err(error) => {
+            // Nobody is left to tell if standard error is closed.
+            let _ = writeln!(std::io::stderr(), "error: {error:#}");
+            ExitCode::from(INPUT)
+        }
+    }
+}
+
+/// A table, and what to look at beneath it.
+struct Table {
+    /// Between which marks it stands in documents.
+    name: &'static str,
+    table: String,
+    failures: String,
+}
+
+impl Table {
+    fn new(name: &'static str, table: String) -> Table {
+        Table { name, table, failures: String::new() }
+    }
+}
+
+/// Does what the command line says; false if the user stopped it.
+fn run(args: &Args) -> Result<bool> {
+    let options = &args.options;
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(options.jobs())
+        .build_global()
+        .context("cannot start the threads")?;
+    let made = match &args.command {
+        Command::Hidden(args) => return hidden::make(args, options),
+        Command::Score(args) => hidden::score(args, options)?,
+        Command::Wrong(args) => wrong::table(args, options)?,
+        Command::Paper(args) => readme::paper(args, options)?.map(|table| Table::new("paper", table)),
+        Command::Sweep(args) => readme::sweep(args, options)?.map(|table| Table::new("sweep", table)),
+        Command::Language => Some(Table::new("language", readme::language())),
+    };
+    made.map_or(Ok(false), |table| shown(&table, options).map(|()| true))
+}
+
+/// Prints a table, and puts it into a document if asked to.
+fn shown(made: &Table, options: &Options) -> Result<()> {
+    folder::print(&made.table)?;
+    if !made.failures.is_empty() {
+        folder::print(&format!("\n{}", made.failures))?;
+    }
+    if let Some(path) = &options.write {
+        let shown = path.display();
+        let text = std::fs::read_to_string(path).with_context(|| format!("cannot read `{shown}`"))?;
+        let new =
+            markdown::between_marks(&text, made.name, &made.table).with_context(|| format!("`{shown}`"))?;
+        folder::replace(path, &new)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,201 @@
+//! A rig at random: what is true of it, and how it moves.
+
+use crate::dice::{Dice, rounded};
+use std::f64::consts::TAU;
+use std::fmt::Write;
+
+/// A summand of the force on a mass: its sign, and the text that follows.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Summand {
+    pub(super) negative: bool,
+    pub(super) text: String,
+}
+
+/// What a model says is known: constants by name, and the forces on each mass.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Physics {
+    pub(super) constants: Vec<(String, f64)>,
+    pub(super) forces: Vec<Vec<Summand>>,
+}
+
+impl Physics {
+    /// The mass of a body.
+    pub(super) fn mass(&self, body: usize) -> f64 {
+        let name = format!("m{}", body + 1);
+        self.constants.iter().find(|(n, _)| *n == name).map_or(1.0, |(_, x)| *x)
+    }
+}
+
+/// Friction on a mass: candidates of the dictionary, each with its coefficient in truth.
+#[derive(Clone, Debug)]
+pub(super) struct Friction {
+    pub(super) mass: usize,
+    pub(super) terms: Vec<(String, f64)>,
+}
+
+/// A rig.
+#[derive(Clone, Debug)]
+pub(super) struct Rig {
+    pub(super) physics: Physics,
+    pub(super) friction: Vec<Friction>,
+    /// Whether a force drives it (else it is released), and by how many cosines.
+    pub(super) lines: usize,
+    /// Whether velocities are measured beside displacements.
+    pub(super) velocities: bool,
+    /// Standard deviation of the noise, as a part of that of each column; of each sample, where it is relative.
+    pub(super) noise: f64,
+    pub(super) relative: bool,
+    /// Whether there is a second record to validate.
+    pub(super) validated: bool,
+    pub(super) duration: f64,
+    pub(super) step: f64,
+    /// Of the Fit and of the Validate record: the scale of the drive and the start state.
+    pub(super) records: [(f64, Vec<f64>); 2],
+    pub(super) seed: u64,
+}
+
+/// Softening or hardening at the largest displacement, as a part of the linear spring.
+const CUBIC: (f64, f64) = (0.1, 0.5);
+
+impl Rig {
+    /// One or two masses; `cubic` asks for a spring that is not straight.
+    pub(super) fn draw(dice: &mut Dice, cubic: bool) -> Rig {
+        let count = if dice.chance(0.4) { 2 } else { 1 };
+        let laboratory = dice.chance(0.4);
+        let (mass, natural, size) = if laboratory {
+            (dice.log(0.5, 8.0), TAU * dice.log(1.5, 15.0), dice.log(3e-4, 5e-3))
+        } else {
+            (dice.log(0.5, 2.0), dice.log(0.7, 3.0), dice.log(0.3, 2.0))
+        };
+        let stiff = rounded(mass * natural * natural);
+        let damping = dice.log(0.01, 0.07);
+        let mut constants = Vec::new();
+        let mut forces: Vec<Vec<Summand>> = vec![vec![]; count];
+        let minus = |text: &str| Summand { negative: true, text: text.to_owned() };
+        let plus = |text: &str| Summand { negative: false, text: text.to_owned() };
+        for i in 0..count {
+            let other = |dice: &mut Dice| if i == 0 { 1.0 } else { dice.between(0.6, 1.5) };
+            let spring = rounded(stiff * other(dice));
+            constants.push((format!("m{}", i + 1), rounded(mass * other(dice))));
+            constants.push((format!("k{}", i + 1), spring));
+            constants.push((format!("c{}", i + 1), rounded(2.0 * damping * (spring * mass).sqrt())));
+        }
+        forces[0].extend([minus("k1*x1"), minus("c1*v1")]);
+        if count == 2 {
+            forces[0].extend([minus("k2*(x1-x2)"), minus("c2*(v1-v2)")]);
+            forces[1].extend([plus("k2*(x1-x2)"), plus("c2*(v1-v2)")]);
+        }
+        if cubic {
+            let share = dice.between(CUBIC.0, CUBIC.1);
+            constants.push(("q".to_owned(), rounded(share * stiff / (size * size))));
+            forces[0].push(minus("q*x1^3"));
+        }
+        let lines = match dice.whole(0, 9) {
+            0..=3 => 1,
+            4..=7 => dice.whole(2, 5),
+            _ => 0,
+        };
+        let mut drive = 0.0;
+        let mut sum = Vec::new();
+        for k in 1..=lines {
+            let ratio = dice.between(0.3, if lines > 1 { 1.8 } else { 1.3 });
+            // Away from the resonance a larger force makes the same motion.
+            let wanted = size * dice.between(0.6, 1.4) / (lines as f64).sqrt();
+            let amplitude = rounded(wanted * stiff * (1.0 - ratio * ratio).abs().max(0.15));
+            drive += amplitude * amplitude;
+            constants.push((format!("A{k}"), amplitude));
+            constants.push((format!("W{k}"), rounded(natural * ratio)));
+            constants.push((format!("p{k}"), rounded(dice.between(-3.0, 3.0))));
+            sum.push(format!("A{k}*cos(W{k}*t+p{k})"));
+        }
+        let on = dice.whole(0, count - 1);
+        if lines > 0 {
+            forces[on].push(plus(&format!("G*({})", sum.join(" + "))));
+        }
+        // A released mass must swing a few times before friction holds it.
+        let force = if lines > 0 { drive.sqrt() } else { 0.4 * size * stiff };
+        let physics = Physics { constants, forces };
+        let friction = frictions(count, force, size * natural, dice);
+        let periods = dice.between(8.0, 25.0);
+        let samples = dice.whole(900, 2400);
+        let step = rounded(TAU / natural * periods / samples as f64);
+        let start = |dice: &mut Dice, scale: f64| -> Vec<f64> {
+            let reach = size * scale * if lines > 0 { 0.5 } else { 2.0 };
+            let place = |dice: &mut Dice| rounded(dice.sign() * dice.between(0.5, 1.0) * reach);
+            let x: Vec<f64> = (0..count).map(|_| place(dice)).collect();
+            x.into_iter().chain((0..count).map(|_| 0.0)).collect()
+        };
+        let scale = rounded(dice.between(0.7, 1.3));
+        let relative = dice.chance(0.25);
+        let records = [(1.0, start(dice, 1.0)), (scale, start(dice, scale))];
+        Rig {
+            physics,
+            friction,
+            lines,
+            velocities: dice.chance(0.6),
+            noise: rounded(dice.log(0.01, 0.05)) * if relative { 2.0 } else { 1.0 },
+            relative,
+            validated: dice.chance(0.75),
+            duration: samples as f64 * step,
+            step,
+            records,
+            // The reader of specs takes whole numbers up to 2^53.
+            seed: dice.seed() >> 12,
+        }
+    }
+
+    /// Number of masses.
+    pub(super) fn count(&self) -> usize {
+        self.physics.forces.len()
+    }
+
+    /// For people.
+    pub(super) fn described(&self) -> String {
+        let drive = match self.lines {
+            0 => "released".to_owned(),
+            1 => "one cosine".to_owned(),
+            n => format!("{n} cosines"),
+        };
+        let relative = if self.relative { " relative" } else { "" };
+        let validated = if self.validated { "" } else { ", no validation" };
+        let mut text =
+            format!("{} mass(es), {drive}, noise {}{relative}{validated}", self.count(), self.noise);
+        for f in &self.friction {
+            let terms: Vec<String> = f.terms.iter().map(|(c, x)| format!("{x}*[{c}]")).collect();
+            let _ = write!(text, ", v{}: {}", f.mass + 1, terms.join(" + "));
+        }
+        text
+    }
+}
+
+/// Coulomb, with viscous friction, or falling with speed; the dictionary sometimes holds what is not true.
+fn frictions(count: usize, force: f64, speed: f64, dice: &mut Dice) -> Vec<Friction> {
+    let both = count == 2 && dice.chance(0.3);
+    let one = dice.whole(0, count - 1);
+    let masses: Vec<usize> = if both { vec![0, 1] } else { vec![one] };
+    let friction = |mass: usize, dice: &mut Dice| {
+        let (x, v) = (format!("x{}", mass + 1), format!("v{}", mass + 1));
+        let level = dice.log(0.05, 0.6) * force;
+        let level = rounded(if both { 0.6 * level } else { level });
+        let mut terms = vec![("1".to_owned(), level)];
+        match dice.whole(0, 2) {
+            0 => {}
+            1 => terms.push((format!("|{v}|"), rounded(dice.between(0.2, 1.0) * level / speed))),
+            _ => {
+                let scale = rounded(dice.between(0.1, 0.4) * speed);
+                terms.push((format!("exp(-|{v}|/({scale:e}))"), rounded(dice.between(0.3, 1.0) * level)));
+            }
+        }
+        let more =
+            [x.clone(), format!("|{v}|"), v.clone(), format!("{x}^2"), format!("{x}*{v}"), format!("{v}^2")];
+        // Half of the dictionaries hold no more than what is true.
+        let wanted = *dice.pick(&[0, 0, 2, more.len()]);
+        for other in more.into_iter().take(wanted) {
+            if !terms.iter().any(|(c, _)| *c == other) {
+                terms.push((other, 0.0));
+            }
+        }
+        Friction { mass, terms }
+    };
+    masses.into_iter().map(|mass| friction(mass, dice)).collect()
+}

@@ -1,0 +1,104 @@
+//! A case: the text of a spec, and what it means.
+
+use crate::error::{Error, SpecError};
+use crate::record::{Record, RecordError};
+use phisindy_phys::spec::{DataSpec, Spec, read_without_data};
+use phisindy_phys::{self as phys, Diagnostic, Sources, check, splice};
+use std::fmt;
+
+/// A checked spec. Records come from memory, so it need not have `data`.
+#[derive(Clone)]
+pub struct Case {
+    pub(crate) text: String,
+    pub(crate) spec: Spec,
+    checked: phys::Case,
+    warnings: Vec<Diagnostic>,
+    sources: Sources,
+}
+
+impl Case {
+    /// Reads and checks the text of a spec.
+    ///
+    /// # Errors
+    /// All mistakes of the text.
+    pub fn read(text: &str) -> Result<Case, SpecError> {
+        let mut sources = Sources::default();
+        let source = sources.add("spec", text);
+        let (spec, mut warnings) =
+            read_without_data(text, source).map_err(|d| SpecError::new(d, sources.clone()))?;
+        let (checked, more) = check(&spec, source).map_err(|d| SpecError::new(d, sources.clone()))?;
+        warnings.extend(more);
+        Ok(Case { text: text.to_owned(), spec, checked, warnings, sources })
+    }
+
+    /// The case with one field of its text changed or added, as `--set PATH=VALUE` does.
+    ///
+    /// ```
+    /// # let text = r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (1.0, "1/s^2") }, known: { "x": "v", "v": "-k*x" })"#;
+    /// let stiff = phisindy::Case::read(text)?.with("constants.k", r#"(4.0, "1/s^2")"#)?;
+    /// assert!(stiff.text().contains("(4.0, \"1/s^2\")"));
+    /// # Ok::<(), phisindy::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The path leads nowhere, or the new text has a mistake.
+    pub fn with(&self, path: &str, value: &str) -> Result<Case, Error> {
+        Ok(Case::read(&splice::set(&self.text, path, value)?)?)
+    }
+
+    /// The text.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The title; empty where the text has none.
+    pub fn title(&self) -> &str {
+        &self.checked.system.title
+    }
+
+    /// Names of the states.
+    pub fn states(&self) -> impl Iterator<Item = &str> {
+        self.checked.system.states.iter().map(|s| s.name.as_str())
+    }
+
+    /// Names of the inputs.
+    pub fn inputs(&self) -> impl Iterator<Item = &str> {
+        self.checked.system.inputs.iter().map(|u| u.name.as_str())
+    }
+
+    /// What is odd about the text, with its place.
+    pub fn warnings(&self) -> impl Iterator<Item = String> {
+        self.warnings.iter().map(|d| d.located(&self.sources).to_string())
+    }
+
+    /// A record of measured columns, copied from slices: `t` is the time in seconds, every other name a state or an input, in the unit that the
+    /// spec states for it. The record is fitted; [`Record::validate`] keeps it for validation.
+    ///
+    /// # Errors
+    /// There is no time, a name is unknown or repeated, columns differ in length, a number is not finite, or the time does not grow.
+    pub fn record<C: AsRef<[f64]>>(&self, columns: &[(&str, C)]) -> Result<Record, RecordError> {
+        let names: Vec<&str> = self.states().chain(self.inputs()).collect();
+        Record::measured(columns, &names)
+    }
+
+    /// The `Synthetic` records that the text describes. `seed` replaces that of the first one; further records have seeds that follow from it.
+    pub fn synthetic(&self, seed: Option<u64>) -> Vec<Record> {
+        let records = self.spec.data.iter().enumerate().filter_map(|(index, data)| match data {
+            DataSpec::Synthetic(synthetic) => {
+                // Records of one spec must not repeat each other's noise.
+                let own =
+                    seed.map(|seed| seed.wrapping_add((index as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15)));
+                let name = self.checked.records[index].name.clone();
+                Some(Record::synthetic(name, &self.text[synthetic.span.range()], own))
+            }
+            DataSpec::Csv(_) => None,
+        });
+        records.collect()
+    }
+}
+
+impl fmt::Debug for Case {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Case").field("text", &self.text).finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,141 @@
+//! What can go wrong, as data with a `Display`.
+
+use crate::laws::LawError;
+use crate::record::RecordError;
+use crate::simulate::SimulationError;
+use phisindy_gap::GapError;
+use phisindy_learn::LearnError;
+use phisindy_phys::{Diagnostic, Sources, splice::SetError};
+use phisindy_sim::SyntheticError;
+use std::fmt;
+
+/// Why there is no result.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum Error {
+    /// The text of the spec, or what was set in it or in a record, is wrong.
+    Spec(SpecError),
+    /// A field cannot be set: [`crate::Case::with`].
+    Set(SetError),
+    /// The arrays make no record.
+    Record(RecordError),
+    /// A law cannot be read.
+    Law(LawError),
+    /// A synthetic record cannot be made.
+    Synthetic {
+        /// Name of the record.
+        record: String,
+        /// Why.
+        error: SyntheticError,
+    },
+    /// [`crate::identify`] came to no result.
+    Identify(LearnError),
+    /// [`crate::gap`] came to no result.
+    Gap(GapError),
+    /// The model has an unknown part, which must be identified before it can be simulated.
+    Open,
+    /// A record cannot be simulated.
+    Simulate {
+        /// Name of the record.
+        record: String,
+        /// Why.
+        error: SimulationError,
+    },
+    /// The identified model cannot be written as a spec.
+    Completed(String),
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Error::Spec(error) => error.fmt(f),
+            Error::Set(error) => error.fmt(f),
+            Error::Record(error) => error.fmt(f),
+            Error::Law(error) => error.fmt(f),
+            Error::Synthetic { record, error } => write!(f, "record `{record}`: {error}"),
+            Error::Identify(error) => error.fmt(f),
+            Error::Gap(error) => error.fmt(f),
+            Error::Open => f.write_str(
+                "the model has an unknown part: identify it first, then simulate `Identified::case`",
+            ),
+            Error::Simulate { record, error } => write!(f, "record `{record}`: {error}"),
+            Error::Completed(reason) => {
+                write!(f, "the identified model cannot be written as a spec: {reason}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for Error {}
+
+impl From<SpecError> for Error {
+    fn from(error: SpecError) -> Error {
+        Error::Spec(error)
+    }
+}
+
+impl From<SetError> for Error {
+    fn from(error: SetError) -> Error {
+        Error::Set(error)
+    }
+}
+
+impl From<RecordError> for Error {
+    fn from(error: RecordError) -> Error {
+        Error::Record(error)
+    }
+}
+
+impl From<LawError> for Error {
+    fn from(error: LawError) -> Error {
+        Error::Law(error)
+    }
+}
+
+impl From<LearnError> for Error {
+    fn from(error: LearnError) -> Error {
+        Error::Identify(error)
+    }
+}
+
+impl From<GapError> for Error {
+    fn from(error: GapError) -> Error {
+        Error::Gap(error)
+    }
+}
+
+/// All mistakes of a spec. Its `Display` has a paragraph for each: message, line and column, what to do.
+///
+/// ```
+/// let error = phisindy::Case::read("(\n    states: { \"x\": \"m\" },\n    known: { \"x\": \"w\" },\n)").unwrap_err();
+/// assert_eq!(error.mistakes().count(), 1);
+/// assert!(error.to_string().starts_with("error: unknown name `w`\n  at spec:3:19"), "{error}");
+/// ```
+#[derive(Clone, Debug)]
+pub struct SpecError {
+    diagnostics: Vec<Diagnostic>,
+    sources: Sources,
+}
+
+impl SpecError {
+    pub(crate) fn new(diagnostics: Vec<Diagnostic>, sources: Sources) -> SpecError {
+        SpecError { diagnostics, sources }
+    }
+
+    /// The mistakes, without the warnings beside them.
+    pub fn mistakes(&self) -> impl Iterator<Item = &Diagnostic> {
+        self.diagnostics.iter().filter(|d| d.is_error())
+    }
+}
+
+impl fmt::Display for SpecError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (k, mistake) in self.mistakes().enumerate() {
+            let between = if k > 0 { "\n" } else { "" };
+            write!(f, "{between}{}", mistake.located(&self.sources))?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for SpecError {}

@@ -1,0 +1,134 @@
+//! Finds data files in `--data`, then `PHISINDY_DATA`, then beside the spec, never outside these folders, and opens them.
+
+use super::Request;
+use phisindy_expr::Span;
+use phisindy_import::{DataFile, csv, unreadable};
+use phisindy_phys::spec::CsvSpec;
+use phisindy_phys::{Diagnostic, SourceId, Sources, Table, Units};
+use std::fs::File;
+use std::io;
+use std::path::{Component, Path, PathBuf};
+
+/// Opens a plain file. Pipes and devices are refused: reading them may block or never end.
+///
+/// # Errors
+/// The path is no plain file, or it cannot be opened.
+pub fn open_plain_file(path: &Path) -> io::Result<File> {
+    // Checked before opening: opening a pipe waits for a writer.
+    let kind = std::fs::metadata(path)?.file_type();
+    if kind.is_dir() {
+        return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
+    }
+    if !kind.is_file() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is a pipe or a device, not a file"));
+    }
+    File::open(path)
+}
+
+/// Opens a data file for the readers; messages call it `name`, and `at` is where the user named it.
+///
+/// # Errors
+/// As [`open_plain_file`].
+pub fn opened<'a>(path: &Path, name: &'a str, at: (SourceId, Span)) -> Result<DataFile<'a>, Box<Diagnostic>> {
+    let file = open_plain_file(path).and_then(|file| Ok((file.metadata()?.len(), file)));
+    match file {
+        Ok((size, file)) => Ok(DataFile::new(name, file, size)),
+        Err(e) => Err(Box::new(unreadable(name, at, &e))),
+    }
+}
+
+/// Reads the columns of the record `csv` from the file at `path`. Returns the table and warnings.
+///
+/// # Errors
+/// As [`open_plain_file`], and as [`csv::record`].
+pub(crate) fn read(
+    csv: &CsvSpec,
+    units: &Units,
+    path: &Path,
+    spec: SourceId,
+    sources: &mut Sources,
+) -> Result<(Table, Vec<Diagnostic>), Vec<Diagnostic>> {
+    let name = path.display().to_string();
+    let file = opened(path, &name, (spec, csv.path.span)).map_err(|d| vec![*d])?;
+    csv::record(csv, units, file, spec, sources)
+}
+
+/// Folders of data files, in the order in which they are searched.
+pub(crate) struct Folders {
+    folders: Vec<(PathBuf, &'static str)>,
+    /// Whether the user named one.
+    pub(crate) given: bool,
+}
+
+impl Folders {
+    /// The folders for a spec.
+    pub(crate) fn new(request: &Request, spec: &Path) -> Folders {
+        let mut folders = Vec::new();
+        folders.extend(request.data.iter().map(|d| (d.clone(), "--data")));
+        folders.extend(request.further_data.iter().map(|d| (d.clone(), "PHISINDY_DATA")));
+        let given = !folders.is_empty();
+        folders.push((spec.parent().map(Path::to_owned).unwrap_or_default(), "beside the spec"));
+        Folders { folders, given }
+    }
+
+    /// The file of this name, which stands at `at` in the spec.
+    ///
+    /// # Errors
+    /// It is in none of the folders (`Missing::Nowhere`), or it leads out of its folder.
+    pub(crate) fn find(&self, name: &str, spec: SourceId, at: Span) -> Result<PathBuf, Missing> {
+        let plain =
+            Path::new(name).components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
+        if !plain {
+            let d = Diagnostic::error(format!("`{name}` leads out of the data folder")).at(spec, at, "");
+            return Err(Missing::Refused(d.help("name the file alone, and its folder with --data")));
+        }
+        for (folder, _) in &self.folders {
+            let path = folder.join(name);
+            if !path.exists() {
+                continue;
+            }
+            let root = if folder.as_os_str().is_empty() { Path::new(".") } else { folder.as_path() };
+            match (root.canonicalize(), path.canonicalize()) {
+                (Ok(root), Ok(real)) if real.starts_with(&root) => return Ok(path),
+                _ => {
+                    let d = Diagnostic::error(format!(
+                        "`{}` is a link that leads out of the data folder",
+                        path.display()
+                    ));
+                    let d = d.at(spec, at, "asked for here");
+                    return Err(Missing::Refused(
+                        d.help("copy the file into the folder, or name its real folder with --data"),
+                    ));
+                }
+            }
+        }
+        let mut d =
+            Diagnostic::error(format!("there is no data file `{name}`")).at(spec, at, "asked for here");
+        for (folder, why) in &self.folders {
+            let shown = if folder.as_os_str().is_empty() { ".".into() } else { folder.display().to_string() };
+            let missing =
+                if folder.as_os_str().is_empty() || folder.is_dir() { "" } else { ", which is no folder" };
+            d = d.help(format!("looked in `{shown}` ({why}{missing})"));
+        }
+        Err(Missing::Nowhere(
+            d.help("say where the data files are with --data DIR or the environment variable PHISINDY_DATA"),
+        ))
+    }
+}
+
+/// Why there is no file.
+pub(crate) enum Missing {
+    /// Looked for and not found.
+    Nowhere(Diagnostic),
+    /// Not allowed.
+    Refused(Diagnostic),
+}
+
+impl Missing {
+    /// What to tell the user.
+    pub(crate) fn diagnostic(self) -> Diagnostic {
+        match self {
+            Missing::Nowhere(d) | Missing::Refused(d) => d,
+        }
+    }
+}

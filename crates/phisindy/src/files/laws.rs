@@ -1,0 +1,135 @@
+//! The catalogue of laws on disk: built in, beside a spec, and in a folder that the user names.
+
+use super::{Request, open_plain_file};
+use crate::laws::{Catalogue, LawError};
+use std::fmt;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+/// Most bytes of a law.
+const LONGEST: u64 = 1 << 16;
+/// Most laws of a folder.
+const MOST: usize = 1000;
+
+/// All laws: built in, then those of each folder, which may replace earlier ones.
+///
+/// # Errors
+/// A folder or one of its files cannot be read, or a file holds no law.
+pub fn catalogue(folders: &[&Path]) -> Result<Catalogue, LawFolderError> {
+    let mut all = Catalogue::built_in();
+    for folder in folders {
+        let unreadable = |error| LawFolderError::Folder { folder: folder.to_path_buf(), error };
+        let entries = std::fs::read_dir(folder).map_err(unreadable)?;
+        let mut paths: Vec<PathBuf> =
+            entries.map(|e| e.map(|e| e.path())).collect::<Result<_, _>>().map_err(unreadable)?;
+        paths.retain(|p| p.extension().is_some_and(|e| e == "ron"));
+        paths.sort();
+        if paths.len() > MOST {
+            return Err(LawFolderError::TooMany { folder: folder.to_path_buf(), laws: paths.len() });
+        }
+        for path in paths {
+            let id = path.file_stem().map_or(String::new(), |s| s.to_string_lossy().into_owned());
+            let text = text_of(&path, folder)?;
+            all = all.with(&id, &text).map_err(|error| LawFolderError::Law { path, error })?;
+        }
+    }
+    Ok(all)
+}
+
+/// The laws that a spec may name: built in, in the folder `laws` beside it, in that of the request.
+///
+/// # Errors
+/// As [`catalogue`].
+pub fn beside(spec: &Path, request: &Request) -> Result<Catalogue, LawFolderError> {
+    let own = spec.parent().map(|p| p.join("laws")).filter(|p| p.is_dir());
+    let folders: Vec<&Path> = own.as_deref().into_iter().chain(request.laws.as_deref()).collect();
+    catalogue(&folders)
+}
+
+/// The text of a law. The folder may come with somebody else's spec, so nothing is read that is not a file in it.
+fn text_of(path: &Path, folder: &Path) -> Result<String, LawFolderError> {
+    let unreadable = |error: io::Error| LawFolderError::File { path: path.to_owned(), error };
+    let (inside, real) =
+        (path.canonicalize().map_err(unreadable)?, folder.canonicalize().map_err(unreadable)?);
+    if !inside.starts_with(real) {
+        return Err(LawFolderError::LeadsOut(path.to_owned()));
+    }
+    let mut text = String::new();
+    let file = open_plain_file(path).map_err(unreadable)?;
+    file.take(LONGEST + 1).read_to_string(&mut text).map_err(unreadable)?;
+    if text.len() as u64 > LONGEST {
+        return Err(LawFolderError::TooLong(path.to_owned()));
+    }
+    Ok(text)
+}
+
+/// Why there is no catalogue.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum LawFolderError {
+    /// A folder cannot be read.
+    Folder {
+        /// The folder.
+        folder: PathBuf,
+        /// Why.
+        error: io::Error,
+    },
+    /// A folder holds more laws than anybody would write.
+    TooMany {
+        /// The folder.
+        folder: PathBuf,
+        /// Their number.
+        laws: usize,
+    },
+    /// A file cannot be read.
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        error: io::Error,
+    },
+    /// A file is a link to something outside of its folder.
+    LeadsOut(PathBuf),
+    /// A file is too long for a law.
+    TooLong(PathBuf),
+    /// A file holds no law.
+    Law {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        error: LawError,
+    },
+}
+
+impl fmt::Display for LawFolderError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            LawFolderError::Folder { folder, error } => {
+                write!(f, "cannot read the folder of laws `{}`: {error}", folder.display())
+            }
+            LawFolderError::TooMany { folder, laws } => write!(
+                f,
+                "the folder of laws `{}` holds {laws} laws (at most {MOST}): take some out",
+                folder.display()
+            ),
+            LawFolderError::File { path, error } => {
+                write!(f, "cannot read the law `{}`: {error}", path.display())
+            }
+            LawFolderError::LeadsOut(path) => write!(
+                f,
+                "cannot read the law `{}`: it is a link that leads out of the folder of laws: copy the file into the folder",
+                path.display()
+            ),
+            LawFolderError::TooLong(path) => write!(
+                f,
+                "cannot read the law `{}`: it is longer than {LONGEST} bytes: a law is a few lines of text",
+                path.display()
+            ),
+            LawFolderError::Law { path, error } => {
+                write!(f, "the law `{}` cannot be read: {}", path.display(), error.reason)
+            }
+        }
+    }
+}
+
+impl std::error::Error for LawFolderError {}

@@ -1,0 +1,436 @@
+//! From a spec file to a checked case with its records.
+
+use super::folders::{self, Folders, Missing};
+use super::laws;
+use super::trends::Trends;
+use super::{Assignment, Request};
+use crate::error::{Error, SpecError};
+use crate::loaded::{Laws, Loaded, NotWritten, checked};
+use phisindy_expr::Span;
+use phisindy_phys::spec::{ColumnSpec, CsvSpec, InputSpec, Role, Text};
+use phisindy_phys::{
+    Case, Diagnostic, Origin, Record, RecordPlan, Severity, SourceId, Sources, Table, Units,
+    link_continuations, overlaps, suspicions, unit::Unit,
+};
+use phisindy_signal::{Interpolation, Signal, strongest_line};
+use phisindy_sim::{SyntheticError, Trajectory, synthesize};
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+/// What the spec is read for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// All records are needed, and the laws that `unknown` names.
+    Run,
+    /// All records are needed; the catalogue is searched whatever `unknown` names.
+    Gap,
+    /// Files are read if they are there; nothing is simulated.
+    Check,
+    /// Synthetic records, and measured ones if the model has no unknown part and can predict them.
+    Simulate,
+}
+
+/// Why there is no case, as an exit code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// The spec or its files are wrong.
+    Input,
+    /// The truth of a synthetic record cannot be simulated.
+    Numerics,
+}
+
+/// Reads a spec and its records. All diagnostics, errors and warnings, are added to `found`.
+///
+/// # Errors
+/// At least one of the diagnostics is an error.
+pub fn load(
+    path: &Path,
+    request: &Request,
+    purpose: Purpose,
+    sources: &mut Sources,
+    found: &mut Vec<Diagnostic>,
+) -> Result<Loaded, Refusal> {
+    let text = spec_text(path)
+        .and_then(|text| with_assignments(text, &request.assignments, sources))
+        .map_err(|d| {
+            found.push(d);
+            Refusal::Input
+        })?;
+    load_text(path, text, request, purpose, sources, found)
+}
+
+/// The same from a text that was read before; `path` says where its data files are, and its assignments have been spliced in.
+///
+/// # Errors
+/// At least one of the diagnostics is an error.
+pub fn load_text(
+    path: &Path,
+    text: String,
+    request: &Request,
+    purpose: Purpose,
+    sources: &mut Sources,
+    found: &mut Vec<Diagnostic>,
+) -> Result<Loaded, Refusal> {
+    let shown = path.display().to_string();
+    let name = if request.assignments.is_empty() { shown.clone() } else { format!("{shown} (after --set)") };
+    let source = sources.add(name, text.clone());
+    let (parsed, case) = match checked(&text, source) {
+        Ok((parsed, case, warnings)) => {
+            found.extend(warnings);
+            (parsed, case)
+        }
+        Err(mistakes) => {
+            found.extend(mistakes);
+            return Err(Refusal::Input);
+        }
+    };
+    let laws = match purpose {
+        Purpose::Run | Purpose::Check if !case.laws.is_empty() => {
+            Some(named_laws(&case, path, request, source).map_err(|mistakes| {
+                found.extend(mistakes);
+                Refusal::Input
+            })?)
+        }
+        _ => None,
+    };
+    let mut loader = Loader {
+        request,
+        source,
+        folders: Folders::new(request, path),
+        sources,
+        found,
+        trends: Trends::default(),
+    };
+    let (records, truths) = loader.records(&case, purpose)?;
+    let loaded = Loaded { spec: shown, text, parsed, case, records, truths, doubts: vec![] };
+    match laws {
+        Some(laws) => {
+            // A check does without the records.
+            let records = if purpose == Purpose::Run { loaded.records.clone() } else { vec![] };
+            laws.written(loaded, records, sources, found).map_err(|NotWritten| Refusal::Input)
+        }
+        None => Ok(loaded),
+    }
+}
+
+fn named_laws(
+    case: &Case,
+    path: &Path,
+    request: &Request,
+    source: SourceId,
+) -> Result<Laws, Vec<Diagnostic>> {
+    let catalogue = laws::beside(path, request).map_err(|e| vec![Diagnostic::error(e.to_string())])?;
+    Laws::of(case, &catalogue, source)
+}
+
+/// Reads a spec and all its records, for [`Loaded::identify`] and [`Loaded::gap`]. What is odd about them is in [`Loaded::doubts`].
+///
+/// # Errors
+/// The spec or one of its files is wrong.
+pub fn open(path: &Path, request: &Request) -> Result<Loaded, Error> {
+    let (mut sources, mut found) = (Sources::default(), Vec::new());
+    match load(path, request, Purpose::Gap, &mut sources, &mut found) {
+        Ok(loaded) => Ok(Loaded { doubts: found.into_iter().map(|d| d.message).collect(), ..loaded }),
+        Err(Refusal::Input | Refusal::Numerics) => Err(SpecError::new(found, sources).into()),
+    }
+}
+
+/// The text of the spec.
+pub fn spec_text(path: &Path) -> Result<String, Diagnostic> {
+    let shown = path.display();
+    let mut text = start_of(path)
+        .map_err(|e| {
+            Diagnostic::error(format!("cannot read the spec `{shown}`: {e}")).help(
+                "name a text file that exists and that you may read; `phisindy new DATA.csv` writes one",
+            )
+        })
+        .and_then(|bytes| {
+            let text = String::from_utf8(bytes);
+            text.map_err(|_| {
+                Diagnostic::error(format!("the spec `{shown}` is not UTF-8 text")).help("save it as UTF-8")
+            })
+        })?;
+    if let Some(rest) = text.strip_prefix('\u{feff}') {
+        text = rest.to_owned();
+    }
+    Ok(text)
+}
+
+/// What the reader of specs takes, and a byte more, by which it sees that there is too much.
+const LONGEST: u64 = (1 << 20) + 1;
+
+/// The bytes of a file, as far as they can be a spec. It may be a pipe, for the user named it.
+pub fn start_of(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let file = File::open(path)?;
+    if file.metadata()?.is_dir() {
+        return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
+    }
+    file.take(LONGEST).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// The text with every assignment spliced in.
+pub fn with_assignments(
+    mut text: String,
+    sets: &[Assignment],
+    sources: &mut Sources,
+) -> Result<String, Diagnostic> {
+    for set in sets {
+        text = phisindy_phys::splice::set(&text, &set.path, &set.value).map_err(|e| {
+            let whole = format!("{}={}", set.path, set.value);
+            let at = whole
+                .find(&e.part)
+                .map_or(Span::new(0, set.path.len()), |at| Span::new(at, at + e.part.len()));
+            let argument = sources.add("--set", whole);
+            let near =
+                phisindy_expr::nearest(&e.part, e.available.iter().map(String::as_str)).map(str::to_owned);
+            let mut d = Diagnostic::error(e.message.clone()).at(argument, at, "");
+            d.help.extend(near.map(|near| format!("did you mean `{near}`?")));
+            if !e.available.is_empty() {
+                d = d.help(format!("there is: {}", e.available.join(", ")));
+            }
+            d.help("a path is made of fields, keys and indices, as in `data.0.noise=Additive(0.02)`")
+        })?;
+    }
+    Ok(text)
+}
+
+struct Loader<'a> {
+    request: &'a Request,
+    source: SourceId,
+    folders: Folders,
+    sources: &'a mut Sources,
+    found: &'a mut Vec<Diagnostic>,
+    trends: Trends,
+}
+
+type Records = (Vec<Record>, Vec<Option<Trajectory>>);
+
+impl Loader<'_> {
+    fn records(&mut self, case: &Case, purpose: Purpose) -> Result<Records, Refusal> {
+        let (mut records, mut truths, mut plans) = (vec![], vec![], vec![]);
+        let mut refusal = None;
+        for (index, plan) in case.records.iter().enumerate() {
+            let made = match (&plan.origin, purpose) {
+                (Origin::Csv(_), Purpose::Simulate) if case.is_open() => continue,
+                (Origin::Synthetic(_), Purpose::Check) => continue,
+                (Origin::Csv(csv), _) => {
+                    self.measured(plan, csv, case, purpose).map(|record| record.map(|r| (r, None)))
+                }
+                (Origin::Synthetic(_), _) => {
+                    self.synthetic(index, plan, case).map(|(r, truth)| Some((r, Some(truth))))
+                }
+            };
+            match made {
+                Ok(Some((record, truth))) => {
+                    records.push(record);
+                    truths.push(truth);
+                    plans.push(plan.clone());
+                }
+                Ok(None) => {}
+                Err(why) => refusal = refusal.or(Some(why)),
+            }
+        }
+        link_continuations(&mut records, &plans);
+        for overlap in overlaps(&records, &plans) {
+            let help = "let the window of one begin where that of the other ends, or take another file to validate on";
+            self.push(Diagnostic::warning(overlap).help(help));
+        }
+        if purpose == Purpose::Check && case.records.iter().all(|plan| plan.role == Role::Validate) {
+            self.push(
+                Diagnostic::error("no record has the role Fit")
+                    .help("there is nothing to identify from: take `role: Validate` off one of them"),
+            );
+            refusal = refusal.or(Some(Refusal::Input));
+        }
+        refusal.map_or(Ok((records, truths)), Err)
+    }
+
+    /// Something odd about a record; what several records share is said once.
+    fn doubt(&mut self, record: &str, what: &str) {
+        let what = format!(": {what}");
+        let records = |d: &Diagnostic| d.message.strip_suffix(&what).map(str::to_owned);
+        match self.found.iter_mut().find_map(|d| Some((records(d)?, d))) {
+            Some((others, said)) => said.message = format!("{others}, {record}{what}"),
+            None => self.found.push(Diagnostic::warning(format!("{record}{what}"))),
+        }
+    }
+
+    fn push(&mut self, diagnostic: Diagnostic) {
+        // Two records of one file have the same mistakes.
+        if !self.found.iter().any(|d| d.message == diagnostic.message && d.help == diagnostic.help) {
+            self.found.push(diagnostic);
+        }
+    }
+
+    /// A record from a file; none if `check` may do without.
+    fn measured(
+        &mut self,
+        plan: &RecordPlan,
+        csv: &CsvSpec,
+        case: &Case,
+        purpose: Purpose,
+    ) -> Result<Option<Record>, Refusal> {
+        if csv.in_memory {
+            let message = format!("record `{}` is arrays of another program, not a file", plan.name);
+            let d = Diagnostic::error(message).at(self.source, csv.span, "");
+            self.push(d.help("name a file: `Csv(path: \"run.csv\", ...)`"));
+            return Err(Refusal::Input);
+        }
+        let path = match self.folders.find(&csv.path.value, self.source, csv.path.span) {
+            Ok(path) => path,
+            Err(Missing::Nowhere(mut d)) if purpose == Purpose::Check && !self.folders.given => {
+                d.severity = Severity::Warning;
+                self.push(d);
+                return Ok(None);
+            }
+            Err(missing) => {
+                self.push(missing.diagnostic());
+                return Err(Refusal::Input);
+            }
+        };
+        let units = Units::of(csv, &case.system);
+        let read = folders::read(csv, &units, &path, self.source, self.sources);
+        let record = read.and_then(|(mut table, warnings)| {
+            warnings.into_iter().chain(beyond_the_end(csv, &table, self.source)).for_each(|d| self.push(d));
+            let done = self.trends.take_off(csv, &units, &mut table);
+            let mut record = Record::from_table(plan, &table, &case.system, self.source)?;
+            record.notes.extend(decimation(csv, &record));
+            record.notes.extend(done);
+            Ok(record)
+        });
+        if let Ok(record) = &record {
+            suspicions(&case.system, record).into_iter().for_each(|s| self.doubt(&record.name, &s));
+        }
+        record.map(Some).map_err(|mistakes| {
+            mistakes.into_iter().for_each(|d| self.push(d));
+            Refusal::Input
+        })
+    }
+
+    fn synthetic(
+        &mut self,
+        index: usize,
+        plan: &RecordPlan,
+        case: &Case,
+    ) -> Result<(Record, Trajectory), Refusal> {
+        let Origin::Synthetic(truth) = &plan.origin else { return Err(Refusal::Input) };
+        // Records of one spec must not repeat each other's noise.
+        let seed = self
+            .request
+            .seed
+            .map(|seed| seed.wrapping_add((index as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15)));
+        let mistakes = std::cell::RefCell::new(Vec::new());
+        let (folders, source) = (&self.folders, self.source);
+        let sources = std::cell::RefCell::new(&mut *self.sources);
+        let file = |input: &InputSpec| {
+            input_file(input, folders, source, &mut sources.borrow_mut()).map_err(|found| {
+                let message = found.first().map_or(String::new(), |d| d.message.clone());
+                mistakes.borrow_mut().extend(found);
+                message
+            })
+        };
+        let made = synthesize(plan, truth, &case.system, seed, &file);
+        let mistakes = mistakes.into_inner();
+        made.map_err(|error| {
+            let numerics = matches!(error, SyntheticError::Simulation(_));
+            if mistakes.is_empty() {
+                let d = Diagnostic::error(format!("record `{}`: {error}", plan.name));
+                self.push(if numerics {
+                    d.help("`known` and `truth` may grow without bound, or divide by zero, from this start")
+                } else {
+                    d
+                });
+            }
+            mistakes.into_iter().for_each(|d| self.push(d));
+            if numerics { Refusal::Numerics } else { Refusal::Input }
+        })
+    }
+}
+
+/// A warning where a window goes on after its file has ended: the file may have been longer.
+fn beyond_the_end(csv: &CsvSpec, table: &Table, source: SourceId) -> Option<Diagnostic> {
+    let ((start, end), (_, last)) = (csv.window.as_ref()?, table.extent?);
+    let missing = end.value - last;
+    // The window of a record that is whole often ends half a step behind it.
+    let told = table.time.len() >= 2 && missing > 0.02 * (end.value - start.value);
+    let message =
+        format!("the window goes on to {}, but the time in `{}` ends at {last}", end.value, csv.path.value);
+    let d = || {
+        Diagnostic::warning(message).at(source, start.span.to(end.span), "goes on after the end of the file")
+    };
+    told.then(|| d().help(format!("if the file is whole, end the window there: ({}, {last})", start.value)))
+}
+
+/// What `decimate` did, in words.
+fn decimation(csv: &CsvSpec, record: &Record) -> Option<String> {
+    let every = csv.decimate.as_ref().map(|d| d.value).filter(|n| *n > 1)?;
+    let said = format!("each sample is the mean of {every} rows of `{}` (decimate)", csv.path.value);
+    // A mean over a stretch takes (pi f stretch)^2/6 off a sine.
+    let step = (record.time[record.len() - 1] - record.time[0]) / (record.len() - 1).max(1) as f64;
+    let main = record.columns.iter().flatten().filter_map(|c| strongest_line(&record.time, c));
+    let loss =
+        main.map(|line| (std::f64::consts::PI * line.frequency * step).powi(2) / 6.0).fold(0.0, f64::max);
+    Some(if loss > LOSS {
+        format!(
+            "{said}; that takes {:.1} % off the amplitude of the motion, and rounds its stops and turns more than that: what the result says of friction is off by as much; decimate less",
+            100.0 * loss
+        )
+    } else {
+        said
+    })
+}
+
+/// A mean of rows that takes more than this off the amplitude is told.
+const LOSS: f64 = 0.003;
+
+/// An input of a synthetic record that is given as a file.
+fn input_file(
+    input: &InputSpec,
+    folders: &Folders,
+    source: SourceId,
+    sources: &mut Sources,
+) -> Result<Signal, Vec<Diagnostic>> {
+    let InputSpec::File { path, time, column } = input else {
+        return Err(vec![Diagnostic::error("this input is not a file")]);
+    };
+    let found = folders.find(&path.value, source, path.span).map_err(|m| vec![m.diagnostic()])?;
+    let csv = column_of(path, time, column);
+    let unit = |c: &ColumnSpec| c.unit.as_ref().and_then(|u| Unit::parse(&u.value).ok()).unwrap_or(Unit::ONE);
+    let units = Units { time: unit(time), columns: vec![unit(column)] };
+    let (table, _) = folders::read(&csv, &units, &found, source, sources)?;
+    let (times, values) = (table.time.into(), table.columns.concat());
+    Signal::new(times, values, Interpolation::Cubic).map_err(|e| {
+        vec![Diagnostic::error(format!("`{}` is no input: {e}", path.value)).at(source, path.span, "")]
+    })
+}
+
+/// A plain file with one column, in the form that records have.
+fn column_of(path: &Text, time: &ColumnSpec, column: &ColumnSpec) -> CsvSpec {
+    CsvSpec {
+        path: path.clone(),
+        in_memory: false,
+        name: None,
+        time: time.clone(),
+        rate: None,
+        columns: vec![(column.header.clone(), column.clone())],
+        derive: vec![],
+        sensors: vec![],
+        rows: vec![],
+        window: None,
+        start: vec![],
+        role: Role::Fit,
+        separator: None,
+        decimal: None,
+        header: None,
+        skip: 0,
+        run: None,
+        interpolate: vec![],
+        constants: vec![],
+        decimate: None,
+        detrend: vec![],
+        span: path.span,
+    }
+}

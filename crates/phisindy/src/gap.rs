@@ -1,0 +1,84 @@
+//! The search of the catalogue: which laws a model lacks.
+
+use crate::case::Case;
+use crate::error::Error;
+use crate::laws::Catalogue;
+use crate::loaded::Loaded;
+use crate::options::Options;
+use crate::record::Record;
+use phisindy_gap::{self as workflow, Status, Step};
+
+/// Finds where a model and its records disagree, names the laws of the catalogue that are missing, and adds them. Candidates and laws in `unknown` are
+/// left out.
+///
+/// # Errors
+/// A record makes no sense with the case, or the model cannot be simulated. That no law explains the records is a status, not an error.
+pub fn gap(case: &Case, records: &[Record], options: &Options<'_>) -> Result<Gap, Error> {
+    Loaded::of(case, records)?.gap(options)
+}
+
+impl Loaded {
+    /// As [`gap`].
+    ///
+    /// # Errors
+    /// As [`gap`].
+    pub fn gap(self, options: &Options<'_>) -> Result<Gap, Error> {
+        self.comparable()?;
+        let entries = options.laws.map_or_else(|| Catalogue::built_in().entries(), Catalogue::entries);
+        let mut observe = |fraction: f64, activity: &str| options.progress(fraction, activity);
+        let result = workflow::gap(&self.text, self.case, self.records, &entries, &mut observe)?;
+        Ok(Gap { result, doubts: self.doubts })
+    }
+}
+
+/// What the search found. A gap is the rms of the residual of a free run in units of the noise: 1 is perfect.
+pub struct Gap {
+    result: workflow::Gap,
+    doubts: Vec<String>,
+}
+
+impl Gap {
+    /// How it ended.
+    pub fn status(&self) -> Status {
+        self.result.status
+    }
+
+    /// The laws that were added, in their order.
+    pub fn steps(&self) -> &[Step] {
+        &self.result.steps
+    }
+
+    /// Laws that helped a little before the search gave up.
+    pub fn partial(&self) -> &[Step] {
+        &self.result.partial
+    }
+
+    /// The gap of the model as it was, on the fitted records and on those kept for validation.
+    pub fn before(&self) -> (f64, Option<f64>) {
+        self.result.before
+    }
+
+    /// The gap of the completed model.
+    pub fn after(&self) -> (f64, Option<f64>) {
+        self.result.after
+    }
+
+    /// What a careful reader should know of the text, the records and the result.
+    pub fn warnings(&self) -> Vec<String> {
+        let found = self.result.warnings.iter().map(ToString::to_string);
+        self.doubts.iter().cloned().chain(found).collect()
+    }
+
+    /// Whether the observer stopped the work before its end.
+    pub fn stopped(&self) -> bool {
+        self.result.stopped
+    }
+
+    /// The model with the laws written into it.
+    ///
+    /// # Errors
+    /// The text has a mistake, which is one of this library.
+    pub fn case(&self) -> Result<Case, Error> {
+        Ok(Case::read(&self.result.completed)?)
+    }
+}

@@ -1,0 +1,144 @@
+//! A checked spec with its records, wherever they come from.
+
+use crate::laws::Catalogue;
+use phisindy_gap::{Effect, Entry, asked, written_in};
+use phisindy_phys::spec::Spec;
+use phisindy_phys::{Case, Diagnostic, Origin, Record, RecordPlan, SourceId, Sources};
+use phisindy_report::Input;
+use phisindy_sim::Trajectory;
+
+/// A checked spec with its records, from memory or from files: what [`crate::identify`], [`crate::gap`] and [`crate::simulate`] work on.
+pub struct Loaded {
+    /// What the spec is called in messages: its path as it was given, or `the spec`.
+    pub spec: String,
+    /// Its text with every assignment, and with an entry of `data` for each record.
+    pub text: String,
+    /// The text, read.
+    pub parsed: Spec,
+    /// The checked spec.
+    pub case: Case,
+    /// In the order of the spec.
+    pub records: Vec<Record>,
+    /// For each record, if it is synthetic: what it would be without noise.
+    pub truths: Vec<Option<Trajectory>>,
+    /// What was odd about the spec and its data, in words.
+    pub doubts: Vec<String>,
+}
+
+impl Loaded {
+    /// What a report needs of it.
+    pub fn input(&self) -> Input<'_> {
+        Input {
+            name: &self.spec,
+            text: &self.text,
+            spec: &self.parsed,
+            case: &self.case,
+            records: &self.records,
+            doubts: &self.doubts,
+        }
+    }
+
+    /// The plans of the records that are simulated: of a model with an unknown part the synthetic ones.
+    pub fn simulated(&self) -> impl Iterator<Item = &RecordPlan> {
+        let open = self.case.is_open();
+        self.case.records.iter().filter(move |p| !open || matches!(p.origin, Origin::Synthetic(_)))
+    }
+
+    /// To be simulated with one of its records alone.
+    ///
+    /// # Errors
+    /// There is none of this name or place.
+    pub fn only(mut self, record: &str) -> Result<Loaded, Diagnostic> {
+        let k = record_named(record, self.records.iter().map(|r| r.name.as_str()))?;
+        let plan = self.simulated().nth(k).cloned();
+        self.case.records = plan.into_iter().collect();
+        self.records = vec![self.records.swap_remove(k)];
+        self.truths = vec![self.truths.swap_remove(k)];
+        Ok(self)
+    }
+}
+
+/// Which of these records is meant, by its name or its place.
+///
+/// # Errors
+/// None of them.
+pub fn record_named<'a>(
+    wish: &str,
+    names: impl Iterator<Item = &'a str> + Clone,
+) -> Result<usize, Diagnostic> {
+    let place = || wish.parse().ok().filter(|k| *k < names.clone().count());
+    names.clone().position(|name| name == wish).or_else(place).ok_or_else(|| {
+        let all: Vec<String> = names.clone().enumerate().map(|(k, name)| format!("{k} `{name}`")).collect();
+        Diagnostic::error(format!("there is no record `{wish}`"))
+            .help(format!("there is: {}", all.join(", ")))
+    })
+}
+
+/// Form first, then meaning.
+pub(crate) fn checked(
+    text: &str,
+    source: SourceId,
+) -> Result<(Spec, Case, Vec<Diagnostic>), Vec<Diagnostic>> {
+    let (spec, mut warnings) = phisindy_phys::spec::read(text, source)?;
+    match phisindy_phys::check(&spec, source) {
+        Ok((case, more)) => {
+            warnings.extend(more);
+            Ok((spec, case, warnings))
+        }
+        Err(mistakes) => {
+            warnings.extend(mistakes);
+            Err(warnings)
+        }
+    }
+}
+
+/// The laws that `unknown` names.
+pub(crate) struct Laws {
+    effects: Vec<Effect>,
+    catalogue: Vec<Entry>,
+}
+
+impl Laws {
+    /// Those of a case.
+    ///
+    /// # Errors
+    /// A law that the catalogue does not have, or that cannot act there.
+    pub(crate) fn of(case: &Case, catalogue: &Catalogue, source: SourceId) -> Result<Laws, Vec<Diagnostic>> {
+        let catalogue = catalogue.entries();
+        Ok(Laws { effects: asked(case, &catalogue, source)?, catalogue })
+    }
+
+    /// The spec with its laws written out, their numbers started where `records` say; none of them need be there.
+    ///
+    /// # Errors
+    /// The spec cannot hold a law. Diagnostics are added to `found`, new warnings too.
+    pub(crate) fn written(
+        self,
+        loaded: Loaded,
+        records: Vec<Record>,
+        sources: &mut Sources,
+        found: &mut Vec<Diagnostic>,
+    ) -> Result<Loaded, NotWritten> {
+        let laws = loaded.case.laws.clone();
+        let draft = written_in(&loaded.text, loaded.case, records, &self.effects, &self.catalogue);
+        let draft = draft.map_err(|why| {
+            found.push(Diagnostic::error(format!(
+                "the laws of `unknown` cannot be written into the model: {why}"
+            )));
+            NotWritten
+        })?;
+        let source = sources.add(format!("{} (its laws written out)", loaded.spec), draft.text.clone());
+        let (parsed, case, warnings) = checked(&draft.text, source).map_err(|mistakes| {
+            found.extend(mistakes);
+            NotWritten
+        })?;
+        let new: Vec<Diagnostic> =
+            warnings.into_iter().filter(|w| found.iter().all(|d| d.message != w.message)).collect();
+        found.extend(new);
+        let (text, records) = (draft.text, draft.records);
+        Ok(Loaded { text, parsed, case: Case { laws, ..case }, records, ..loaded })
+    }
+}
+
+/// The laws cannot be written into the spec; why is in the diagnostics.
+pub(crate) struct NotWritten;

@@ -1,0 +1,158 @@
+//! The motion that a model predicts.
+
+use crate::case::Case;
+use crate::error::Error;
+use crate::loaded::Loaded;
+use crate::record::Record;
+use phisindy_phys::{self as phys, Origin, System};
+use phisindy_signal::{Differentiator, standard_deviation};
+use phisindy_sim::{Automaton, Drive, Options, SimError, Trajectory};
+use std::fmt;
+
+/// A state beyond this many times its size has diverged.
+const DIVERGED: f64 = 1e4;
+
+/// A free run at the times of a record, in SI.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    /// Name of the record.
+    pub record: String,
+    /// Seconds.
+    pub time: Vec<f64>,
+    /// Names of the states and what would be measured of each: with its sensor where the record has a column of it, else the state itself.
+    pub states: Vec<(String, Vec<f64>)>,
+    /// Whether a model predicts it; false for the truth of a synthetic record.
+    pub predicted: bool,
+}
+
+impl Motion {
+    /// The samples of a state.
+    pub fn state(&self, name: &str) -> Option<&[f64]> {
+        self.states.iter().find(|(n, _)| n == name).map(|(_, values)| values.as_slice())
+    }
+}
+
+/// Runs a model without unknown part freely along each record: driven by its inputs, from its `start`, or else from its first sample. The motion
+/// of a synthetic record is its truth without noise.
+///
+/// ```
+/// use phisindy::{Case, simulate};
+/// let case = Case::read(r#"(states: { "x": "m", "v": "m/s" }, known: { "x": "v", "v": "-x" })"#)?;
+/// let t: Vec<f64> = (0..100).map(|k| 0.1 * f64::from(k)).collect();
+/// let record = case.record(&[("t", &t)])?.with("start", r#"{ "x": 1.0, "v": 0.0 }"#);
+/// let motion = &simulate(&case, &[record])?[0];
+/// let x = motion.state("x").unwrap();
+/// assert!(x.iter().zip(&t).all(|(x, t)| (x - t.cos()).abs() < 1e-6));
+/// # Ok::<(), phisindy::Error>(())
+/// ```
+///
+/// # Errors
+/// The model has an unknown part and a record is measured, nothing tells where a state starts, or the motion has no bounds.
+pub fn simulate(case: &Case, records: &[Record]) -> Result<Vec<Motion>, Error> {
+    Loaded::of(case, records)?.simulate()
+}
+
+impl Loaded {
+    /// As [`simulate`], along the records that [`Loaded::simulated`] plans.
+    ///
+    /// # Errors
+    /// As [`simulate`].
+    pub fn simulate(&self) -> Result<Vec<Motion>, Error> {
+        let system = &self.case.system;
+        let one = |((record, truth), plan): ((&phys::Record, &Option<Trajectory>), &phys::RecordPlan)| {
+            let columns = match (truth, &plan.origin) {
+                (Some(truth), Origin::Synthetic(made)) => {
+                    let row = |t: f64| (t / made.step).round() as usize;
+                    let column =
+                        |k: usize| record.time.iter().map(|&t| truth.states[row(t) * truth.n + k]).collect();
+                    (0..truth.n).map(column).collect()
+                }
+                _ if self.case.is_open() => return Err(Error::Open),
+                _ => free_run(system, record)
+                    .map_err(|error| Error::Simulate { record: record.name.clone(), error })?,
+            };
+            let names = system.states.iter().map(|s| s.name.clone());
+            let states = names.zip::<Vec<Vec<f64>>>(columns).collect();
+            let (record, time) = (record.name.clone(), record.time.to_vec());
+            Ok(Motion { record, time, states, predicted: truth.is_none() })
+        };
+        self.records.iter().zip(&self.truths).zip(self.simulated()).map(one).collect()
+    }
+}
+
+/// The free run of a model without unknown part along a measured record, one column for each state (SI).
+///
+/// It begins at the record's start state; what the spec does not say of it is taken from the first sample.
+fn free_run(system: &System, record: &phys::Record) -> Result<Vec<Vec<f64>>, SimulationError> {
+    let mut filled = record.clone();
+    // A state that cannot be derived is asked for below, unless the spec states where it starts.
+    let _ = filled.fill_velocities(system, Differentiator::default());
+    let start = system.states.iter().enumerate().map(|(k, state)| {
+        let sensor = &record.sensors[k];
+        let first = filled.columns[k].as_ref().map(|c| {
+            if record.columns[k].is_some() { (c[0] - sensor.offset.start) / sensor.gain.start } else { c[0] }
+        });
+        record.start[k].or(first).ok_or_else(|| SimulationError::NoStart { state: state.name.clone() })
+    });
+    let start: Vec<f64> = start.collect::<Result<_, _>>()?;
+    let size = |k: usize| filled.columns[k].as_ref().map_or(0.0, |column| standard_deviation(column));
+    let scale = start.iter().enumerate().map(|(k, x)| size(k).max(x.abs()));
+    let scale = scale.map(|s| if s > 0.0 { s } else { 1.0 }).collect();
+    let model = system.model(&[]);
+    let automaton = Automaton::new(&model).map_err(|e| SimulationError::Model(e.message(&model.names)))?;
+    let parameters: Vec<f64> =
+        system.parameters.iter().map(|p| p.start).chain(record.constants.iter().copied()).collect();
+    let drive = Drive { inputs: &record.inputs, parameters: &parameters };
+    let options = Options { scale, diverged: DIVERGED, ..Options::default() };
+    let run = phisindy_sim::simulate(&automaton, &drive, record.time[0], &start, &record.time, &options)
+        .map_err(SimulationError::Run)?;
+    Ok((0..run.n).map(|k| readings(record, &run, k)).collect())
+}
+
+/// What the sensor of a state would read along a run; the state itself where there is none.
+fn readings(record: &phys::Record, run: &Trajectory, state: usize) -> Vec<f64> {
+    let values = run.column(state);
+    if record.columns[state].is_none() {
+        return values;
+    }
+    let sensor = &record.sensors[state];
+    let (offset, gain, delay) = (sensor.offset.start, sensor.gain.start, sensor.delay.start);
+    let rates = run.rates.iter().skip(state).step_by(run.n);
+    values.iter().zip(rates).map(|(x, rate)| offset + gain * (x - delay * rate)).collect()
+}
+
+/// Why a model has no free run along a record.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum SimulationError {
+    /// Nothing tells where a state starts.
+    NoStart {
+        /// Its name.
+        state: String,
+    },
+    /// The rates of the model cannot be simulated at all: why.
+    Model(String),
+    /// The run came to no end.
+    Run(SimError),
+}
+
+impl SimulationError {
+    /// Whether a state grew without bound.
+    pub fn diverged(&self) -> bool {
+        matches!(self, SimulationError::Run(SimError::Diverged { .. }))
+    }
+}
+
+impl fmt::Display for SimulationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            SimulationError::NoStart { state } => {
+                write!(f, "no column tells where {state} starts: add `start: {{ \"{state}\": ... }}`")
+            }
+            SimulationError::Model(reason) => f.write_str(reason),
+            SimulationError::Run(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for SimulationError {}

@@ -1,0 +1,62 @@
+//! The tables of README.md and the docs, by the program that writes them.
+#![allow(missing_docs)]
+
+#[allow(dead_code)] // each test uses its part
+mod common;
+
+use common::{Scratch, blind, top};
+use std::fs;
+
+#[test]
+fn the_table_of_operations_is_the_codes() {
+    let said = blind(&["language"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let reference = fs::read_to_string(top().join("docs/reference.md")).expect("the reference");
+    assert!(said.out.contains("`tanh(x)`") && said.out.contains("`a ^ b`"), "{}", said.out);
+    assert!(
+        reference.contains(&said.out),
+        "out of date: phisindy-blind language --write docs/reference.md\n{}",
+        said.out
+    );
+}
+
+#[test]
+fn tables_go_into_the_readme() {
+    let scratch = Scratch::new("table");
+    let readme = scratch.path("README.md");
+    let text = "# R\n<!-- table:paper -->\nold\n<!-- end -->\n<!-- table:sweep -->\n<!-- end -->\nlast\n";
+    fs::write(&readme, text).expect("written");
+    let quick = ["--cases", "1a", "--set", "data.0.duration=20.0", "--set", "learn.epochs=[50, 50, 50]"];
+    let paper = blind(&[&["paper", "--write", readme.as_str()], quick.as_slice()].concat());
+    assert_eq!(paper.code, 0, "{}", paper.err);
+    assert!(paper.out.contains("| 1a | 0.5 | 0.502, eq. (41) | "), "{}", paper.out);
+    assert!(paper.out.contains("| 1a | 0.5 | 0.354, eq. (42) | "), "{}", paper.out);
+    let seeds = blind(&[&["sweep", "--seeds", "2", "--write", readme.as_str()], quick.as_slice()].concat());
+    assert_eq!(seeds.code, 0, "{}", seeds.err);
+    assert!(seeds.out.contains("| 1a | additive, 2 % | 2 of 2 | "), "{}", seeds.out);
+    let written = fs::read_to_string(&readme).expect("it");
+    assert_eq!(
+        written,
+        text.replace("old\n", &paper.out).replace("sweep -->\n", &format!("sweep -->\n{}", seeds.out))
+    );
+    fs::write(&readme, "no marks").expect("written");
+    let said = blind(&[&["sweep", "--seeds", "2", "--write", readme.as_str()], quick.as_slice()].concat());
+    assert_eq!(said.code, 2);
+    assert!(said.err.contains("`<!-- table:sweep -->` is missing"), "{}", said.err);
+}
+
+#[test]
+fn mistakes_of_the_command_line_end_with_2() {
+    for arguments in [
+        &["paper", "--cases", "11"] as &[&str],
+        &["sweep", "--cases", "1a", "--method", "step"],
+        &["hidden"],
+        &["score", "--out", "specs"],
+        &["wrong", "--only", "nothing of the kind"],
+        &["language", "--write", "no such file"],
+    ] {
+        let said = blind(arguments);
+        assert_eq!(said.code, 2, "{arguments:?}: {}", said.err);
+        assert!(said.err.contains("error") && !said.err.contains("panicked"), "{arguments:?}: {}", said.err);
+    }
+}
