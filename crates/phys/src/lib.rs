@@ -18,13 +18,14 @@ mod units;
 
 pub use decision::{Basis, Decision};
 pub use law::{Internal, Law, LawParameter, Need, Screen, Sketch};
-pub use suspicion::{clipped, suspicions};
+pub use suspicion::{Suspicion, clipped, suspicions};
 pub use system::check::{Case, check, check_names, takes_units};
 pub use system::constants::Value;
 pub use system::equations::{Contact, Input, Parameter, State, System, Term};
 pub use system::model::Model;
+pub use system::note::Note;
 pub use system::plan::{Origin, RecordPlan, Synthetic, SyntheticInput};
-pub use system::record::{Derivation, Record, Table, Units, derivation_note, link_continuations, overlaps};
+pub use system::record::{Derivation, Overlap, Record, Table, Units, link_continuations, overlaps};
 pub use system::sensor::{Sensor, SensorParameter};
 pub use text::diagnostic::{Diagnostic, Label, Located, Severity, Source, SourceId, Sources};
 pub use text::{spec, splice};

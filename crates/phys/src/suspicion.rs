@@ -2,19 +2,24 @@
 //! velocity that is not the rate of its displacement, and columns that are swapped.
 
 mod balance;
+mod clipped;
 mod frozen;
 mod jumps;
 mod rates;
 mod scatter;
 mod spikes;
 mod stairs;
+mod words;
+
+pub use clipped::clipped;
+pub use words::Suspicion;
 
 use crate::system::equations::System;
 use crate::system::record::Record;
 use balance::balance;
 use frozen::frozen;
 use jumps::jumps;
-use phisindy_signal::{Interpolation, Signal, noise_level, quantum, standard_deviation};
+use phisindy_signal::{Interpolation, Signal, bounds, noise_level, quantum, standard_deviation};
 use rates::rates;
 use spikes::spikes;
 use stairs::stairs;
@@ -27,8 +32,8 @@ const LEVELS: usize = 3;
 /// Between its samples an input is guessed; an error beyond this part of its standard deviation moves the result.
 const GUESSED: f64 = 0.01;
 
-/// Oddities of a record, in words with what to do and without its name; empty if there are none. None of them stops anything.
-pub fn suspicions(system: &System, record: &Record) -> Vec<String> {
+/// What is odd about a record; empty if nothing is. None of it stops anything.
+pub fn suspicions(system: &System, record: &Record) -> Vec<Suspicion> {
     let mut found = Vec::new();
     holes(record, &mut found);
     let before = found.len();
@@ -64,7 +69,7 @@ pub fn suspicions(system: &System, record: &Record) -> Vec<String> {
     found
 }
 
-fn holes(record: &Record, found: &mut Vec<String>) {
+fn holes(record: &Record, found: &mut Vec<Suspicion>) {
     let mut steps: Vec<f64> = record.time.windows(2).map(|w| w[1] - w[0]).collect();
     let after = |k: usize| (record.time[k], record.time[k + 1]);
     steps.sort_by(f64::total_cmp);
@@ -73,65 +78,47 @@ fn holes(record: &Record, found: &mut Vec<String>) {
         (0..record.len().saturating_sub(1)).filter(|&k| after(k).1 - after(k).0 > HOLE * usual).collect();
     // Of samples at all sorts of times none is a hole.
     if let (Some(&first), true) = (all.first(), all.len() * 50 <= record.len()) {
-        let (a, b) = after(first);
-        let more = if all.len() > 1 { format!(" ({} such holes)", all.len()) } else { String::new() };
-        found.push(format!(
-            "no samples from {a:.6} s to {b:.6} s, {:.0} times the usual step{more}: inputs are interpolated across it, and noise and smoothing count samples as if there were none; cut the record there with `window`",
-            (b - a) / usual
-        ));
+        let (from, to) = after(first);
+        found.push(Suspicion::MissingSamples { from, to, steps: (to - from) / usual, count: all.len() });
     }
 }
 
-fn still(name: &str, column: &[f64], found: &mut Vec<String>) {
+fn still(name: &str, column: &[f64], found: &mut Vec<Suspicion>) {
     let (min, max) = bounds(column);
     if min == max {
-        found.push(format!("`{name}` is {min} in all {} samples: is the sensor connected?", column.len()));
+        let (column, samples) = (name.to_owned(), column.len());
+        found.push(Suspicion::Constant { column, value: min, samples });
     }
 }
 
 /// Whether a column is written with too few digits, or counted by too coarse a sensor.
-fn rounded(name: &str, column: &[f64], found: &mut Vec<String>) -> bool {
+fn rounded(name: &str, column: &[f64], found: &mut Vec<Suspicion>) -> bool {
     let size = standard_deviation(column);
     let Some(step) = quantum(column, LEVELS).filter(|step| *step > ROUNDED * size) else { return false };
     let (min, max) = bounds(column);
-    found.push(format!(
-        "`{name}` has only {:.0} different values, {step:.1e} apart: each is wrong by up to {:.0} % of the size of the motion, and by as much from sample to sample; write more \
-         digits, or use a finer sensor",
-        ((max - min) / step).round() + 1.0,
-        50.0 * step / size
-    ));
+    let levels = ((max - min) / step).round() + 1.0;
+    found.push(Suspicion::Quantised { column: name.to_owned(), levels, step, size });
     true
 }
 
 /// Whether each value of a column stands until the next one comes: of an input so it may have been.
-fn repeated(name: &str, column: &[f64], input: Option<Interpolation>, found: &mut Vec<String>) -> bool {
+fn repeated(name: &str, column: &[f64], input: Option<Interpolation>, found: &mut Vec<Suspicion>) -> bool {
     let Some(length) = stairs(column).filter(|_| input != Some(Interpolation::Hold)) else { return false };
-    let help = match input {
-        None => format!("keep only the rows in which it changes, one in {length}"),
-        Some(_) => format!(
-            "if the actuator held it, too, say `interpolate: {{ \"{name}\": Hold }}`; if not, keep only the rows in which it changes"
-        ),
-    };
-    found.push(format!(
-        "`{name}` has a new value only every {length} samples, and repeats the old one between them: what is written there is up to {} samples late; {help}",
-        length - 1
-    ));
+    found.push(Suspicion::Repeated { column: name.to_owned(), length, input: input.is_some() });
     true
 }
 
-fn cut(name: &str, column: &[f64], found: &mut Vec<String>) {
+fn cut(name: &str, column: &[f64], found: &mut Vec<Suspicion>) {
     let (min, max) = bounds(column);
     let samples = if min < max { clipped(column, min, max) } else { 0 };
     if samples > 0 {
-        found.push(format!(
-            "`{name}` is cut off at {min:.6} or {max:.6} in {samples} samples: the sensor was at the end of its range, and what it hides is fitted as if it were motion",
-        ));
+        found.push(Suspicion::Clipped { column: name.to_owned(), range: (min, max), samples });
     }
 }
 
 /// Leaves out every second sample and looks how well the others tell it: what is guessed between all samples is wrong by a quarter of that (straight lines), or by a
 /// sixteenth (cubics), of which noise is no part.
-fn coarse(name: &str, signal: &Signal, found: &mut Vec<String>) {
+fn coarse(name: &str, signal: &Signal, found: &mut Vec<Suspicion>) {
     let (time, values) = (signal.time(), signal.values());
     let finer = match signal.kind() {
         Interpolation::Linear => 4.0,
@@ -155,36 +142,28 @@ fn coarse(name: &str, signal: &Signal, found: &mut Vec<String>) {
     let noise = noise_level(&missed).min(noise_level(values));
     let error = (power - 1.5 * noise * noise).max(0.0).sqrt() / finer / standard_deviation(values);
     if error > GUESSED {
-        let help = if signal.kind() == Interpolation::Linear {
-            format!("`interpolate: {{ \"{name}\": Cubic }}` if it is smooth, or sample it faster")
-        } else {
-            "sample it faster".to_owned()
-        };
-        found.push(format!(
-            "between its samples `{name}` is guessed, and wrong by about {:.1} % of its size: that much of the drive is not what it was; {help}",
-            100.0 * error
-        ));
+        found.push(Suspicion::Undersampled { input: name.to_owned(), error, interpolation: signal.kind() });
     }
 }
 
 /// Samples that are not what the sensor saw. `velocity` is that of a displacement, with its column if it has one.
-fn torn(time: &[f64], name: &str, column: &[f64], velocity: Option<Option<&[f64]>>, found: &mut Vec<String>) {
-    let more = |count: usize| if count > 1 { format!(" (and in {} more)", count - 1) } else { String::new() };
+fn torn(
+    time: &[f64],
+    name: &str,
+    column: &[f64],
+    velocity: Option<Option<&[f64]>>,
+    found: &mut Vec<Suspicion>,
+) {
     let frozen = frozen(column);
     let whole = |k: usize| frozen.iter().all(|r| k + 1 < r.start || k > r.end);
     if let Some(first) = frozen.first() {
-        found.push(format!(
-            "`{name}` is {:.6} in {} samples from {:.6} s to {:.6} s{}, and moves or has noise before and after them: the sensor dropped out or the logger \
-             repeated a value; repair or cut this part",
-            column[first.start],
-            first.len(),
-            time[first.start],
-            time[first.end - 1],
-            match frozen.len() {
-                1 => String::new(),
-                n => format!(" (and in {} more such stretches)", n - 1),
-            }
-        ));
+        found.push(Suspicion::Frozen {
+            column: name.to_owned(),
+            value: column[first.start],
+            samples: first.len(),
+            from_to: (time[first.start], time[first.end - 1]),
+            count: frozen.len(),
+        });
     }
     // A velocity may jump: when a body strikes a stop. A level that is taken from frozen samples is none.
     let apart = |k: usize| frozen.iter().all(|r| k + jumps::LEVEL < r.start || k > r.end + jumps::LEVEL);
@@ -195,72 +174,13 @@ fn torn(time: &[f64], name: &str, column: &[f64], velocity: Option<Option<&[f64]
         .filter(|&k| whole(k) && jumps.iter().all(|j| k.abs_diff(*j) > 1))
         .collect();
     if let Some(&first) = spikes.first() {
-        found.push(format!(
-            "`{name}` jumps to {:.6} and back in the sample at {:.6} s{}: a spike of the sensor weighs as much as a hundred good samples; repair or cut it",
-            column[first],
-            time[first],
-            more(spikes.len())
-        ));
+        let (value, time, count) = (column[first], time[first], spikes.len());
+        found.push(Suspicion::Spike { column: name.to_owned(), value, time, count });
     }
     if let Some(&k) = jumps.first() {
-        found.push(format!(
-            "`{name}` is elsewhere from {:.6} s to {:.6} s and stays there ({:.6}, then {:.6}){}: a body does not do that, so the sensor slipped or was set anew; cut the \
-             record there with `window`",
-            time[k],
-            time[k + 1],
-            column[k],
-            column[k + 1],
-            match jumps.len() {
-                1 => String::new(),
-                n => format!(" ({n} such jumps)"),
-            }
-        ));
+        let (before, after) = ((time[k], column[k]), (time[k + 1], column[k + 1]));
+        found.push(Suspicion::Jump { column: name.to_owned(), before, after, count: jumps.len() });
     }
-}
-
-fn bounds(values: &[f64]) -> (f64, f64) {
-    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)))
-}
-
-/// Samples in runs at exactly the least or greatest value into which the signal does not come to rest but is cut: the step before is
-/// large, beyond one step of a rounded column, and the run is longer than those in which the column repeats values anyway (a coarse sensor, a slow one).
-pub fn clipped(values: &[f64], min: f64, max: f64) -> usize {
-    let steps = values.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>() / values.len().max(2) as f64;
-    let usual = steps.sqrt();
-    let (low, high) = (last_step(values, |v| v), last_step(values, |v| -v));
-    let (mut inner, mut outer, mut k) = (vec![], vec![], 0);
-    while k < values.len() {
-        let x = values[k];
-        let end = (k..values.len()).find(|&j| values[j] != x).unwrap_or(values.len());
-        if x != min && x != max {
-            inner.push(end - k);
-        } else if k > 0
-            && (x - values[k - 1]).abs() > (0.3 * usual).max(1.5 * if x == min { low } else { high })
-        {
-            outer.push(end - k);
-        }
-        k = end;
-    }
-    inner.sort_unstable();
-    // Of hundreds of runs a few are long by chance.
-    let common = inner.get(inner.len() * 98 / 100).copied().unwrap_or(0);
-    let cut = outer.iter().filter(|n| **n > 2 * common.max(1));
-    let (total, runs) = cut.fold((0, 0), |(total, runs), n| (total + n, runs + 1));
-    if runs >= 3 || total >= 20 { total } else { 0 }
-}
-
-/// The step of the rounding at one end of a column, 0 if its last three levels are not equally far apart.
-fn last_step(values: &[f64], order: impl Fn(f64) -> f64) -> f64 {
-    let mut ends = [f64::INFINITY; 3];
-    for v in values.iter().map(|v| order(*v)) {
-        let at = ends.iter().position(|e| v <= *e).filter(|&at| v < ends[at]);
-        if let Some(at) = at {
-            ends[at..].rotate_right(1);
-            ends[at] = v;
-        }
-    }
-    let (step, next) = (ends[1] - ends[0], ends[2] - ends[1]);
-    if (step - next).abs() < 0.1 * step { step } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -293,7 +213,7 @@ mod tests {
 
     fn told(x: Vec<f64>, v: Vec<f64>) -> String {
         let (system, record) = record(x, v);
-        suspicions(&system, &record).join("; ")
+        suspicions(&system, &record).iter().map(Suspicion::to_string).collect::<Vec<_>>().join("; ")
     }
 
     #[test]
@@ -343,7 +263,7 @@ mod tests {
             let values = time.iter().map(|t| (std::f64::consts::TAU * t).sin()).collect();
             let mut found = vec![];
             coarse("u", &Signal::new(time.into(), values, kind).unwrap(), &mut found);
-            found.join("; ")
+            found.iter().map(Suspicion::to_string).collect::<Vec<_>>().join("; ")
         };
         assert_eq!(told(40, Interpolation::Linear), "");
         // (2 pi/12)^2/8 = 3.4 % of the amplitude in the middle of each interval.
@@ -360,6 +280,10 @@ mod tests {
         let (system, mut record) = record(sine(2000, 0.0), velocity());
         record.time =
             record.time.iter().enumerate().map(|(i, t)| if i < 500 { *t } else { t + 3.0 }).collect();
-        assert!(suspicions(&system, &record)[0].contains("no samples from 12.475000 s to 15.500000 s"));
+        assert!(
+            suspicions(&system, &record)[0]
+                .to_string()
+                .contains("no samples from 12.475000 s to 15.500000 s")
+        );
     }
 }

@@ -1,10 +1,13 @@
 //! The time derivative of a noisy sampled column, with the noise level deciding how much is smoothed.
 
 mod local;
+mod smoothing;
 mod spectral;
 mod spline;
 #[cfg(test)]
 mod tests;
+
+pub use smoothing::Smoothing;
 
 use crate::interpolate::{SignalError, check_samples};
 use crate::noise_level::quantum::rounding_error;
@@ -63,8 +66,8 @@ pub struct Differentiated {
     /// noisy motion the true error is 0.8 to 1.8 times this; it gathers at corners and at the ends of the record. On
     /// data without noise it is only a lower bound.
     pub std_error: f64,
-    /// What was done, for people: method, window or level, noise.
-    pub description: String,
+    /// What was done: method, window or cutoff, noise.
+    pub smoothing: Smoothing,
 }
 
 /// Differentiates the column `values`, sampled at the strictly increasing `time`.

@@ -22,11 +22,11 @@ mod trend;
 mod whiteness;
 
 pub use blocks::Blocks;
-pub use derivative::{Differentiated, Differentiator, automatic, differentiate};
+pub use derivative::{Differentiated, Differentiator, Smoothing, automatic, differentiate};
 pub use interpolate::{Interpolation, Signal, SignalError};
 pub use noise_level::quantum::{quantum, rounding_error};
 pub use noise_level::{autocorrelation, effective_samples, median, noise_level};
 pub use spectrum::{Line, mean_step, strongest_line, strongest_lines, tone_share};
-pub use spread::standard_deviation;
+pub use spread::{bounds, standard_deviation};
 pub use trend::{Detrend, Trend};
 pub use whiteness::{chance_of_white, whiteness_score};

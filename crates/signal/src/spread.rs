@@ -13,3 +13,12 @@ pub fn standard_deviation(values: &[f64]) -> f64 {
     let mean = values.iter().sum::<f64>() / n;
     (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()
 }
+
+/// The least and the greatest value; `(inf, -inf)` for nothing. Numbers that are not a number are left out.
+///
+/// ```
+/// assert_eq!(phisindy_signal::bounds(&[2.0, -1.0, 0.5]), (-1.0, 2.0));
+/// ```
+pub fn bounds(values: &[f64]) -> (f64, f64) {
+    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)))
+}

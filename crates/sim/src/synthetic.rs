@@ -5,9 +5,7 @@ use crate::noise::{Noise, Streams, add_noise};
 use crate::{Automaton, Drive, Options, SimError, Trajectory, simulate};
 use phisindy_expr::{Id, Scratch, Tape};
 use phisindy_phys::spec::{InputSpec, NoiseSpec};
-use phisindy_phys::{
-    Derivation, Record, RecordPlan, Synthetic, SyntheticInput, System, Value, derivation_note,
-};
+use phisindy_phys::{Derivation, Note, Record, RecordPlan, Synthetic, SyntheticInput, System, Value};
 use phisindy_signal::{Interpolation, Signal, differentiate};
 use std::fmt;
 use std::sync::Arc;
@@ -197,7 +195,8 @@ pub fn synthesize(
         if truth.measured_inputs[of] && !truth.measured_inputs[k] {
             let d = differentiate(&seen_time, &seen[of], plan.differentiators[k])
                 .map_err(|e| SyntheticError::Other(e.to_string()))?;
-            notes.push(derivation_note(&system.inputs[k].name, &system.inputs[of].name, &d));
+            let (input, of_name) = (system.inputs[k].name.clone(), system.inputs[of].name.clone());
+            notes.push(Note::DerivedInput { input, of: of_name, smoothing: d.smoothing });
             let column = std::mem::replace(&mut seen[of], d.values);
             derivations.push(Derivation { input: k, of, column });
             seen[k] = d.derivative;

@@ -2,7 +2,7 @@
 
 use approx::assert_abs_diff_eq;
 use phisindy_phys::spec::InputSpec;
-use phisindy_phys::{Origin, Record, SourceId, check, spec};
+use phisindy_phys::{Note, Origin, Record, SourceId, check, spec};
 use phisindy_signal::{Interpolation, Signal};
 use phisindy_sim::{ExcitationError, SyntheticError, Trajectory, synthesize};
 use std::sync::Arc;
@@ -45,7 +45,8 @@ fn the_derivative_of_a_measured_input_is_derived_from_its_samples() {
         assert_abs_diff_eq!(clean.states[2 * k], x, epsilon = 1e-6);
     }
     assert_eq!((record.derivations.len(), record.derivations[0].input, record.derivations[0].of), (1, 1, 0));
-    assert!(record.notes.iter().any(|n| n.contains("du") && n.contains('u')), "{:?}", record.notes);
+    let derived = |n: &Note| matches!(n, Note::DerivedInput { input, of, .. } if input == "du" && of == "u");
+    assert!(record.notes.iter().any(derived), "{:?}", record.notes);
     assert!(record.columns[0].is_some() && record.columns[1].is_none());
 }
 

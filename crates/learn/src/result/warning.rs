@@ -3,6 +3,7 @@
 use super::parameter::FoundParameter;
 use super::quantity::{Quantity, TermId};
 use super::record_fit::RecordFit;
+use phisindy_phys::Note;
 use phisindy_phys::spec::Optimiser;
 use phisindy_signal::Differentiator;
 
@@ -14,7 +15,7 @@ pub enum Warning {
         /// Name of the record.
         record: String,
         /// What was done.
-        note: String,
+        note: Note,
     },
     /// A number ended at a bound of the spec.
     AtBound {

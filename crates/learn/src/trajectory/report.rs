@@ -17,7 +17,7 @@ use crate::trajectory::problem::Problem;
 use crate::trajectory::separability::inseparable;
 use crate::trajectory::unknowns::Unknowns;
 use phisindy_phys::spec::Method;
-use phisindy_phys::{Record, System};
+use phisindy_phys::{Note, Record, System};
 use phisindy_signal::Differentiator;
 use rayon::prelude::*;
 
@@ -85,7 +85,7 @@ fn named(system: &System, fit: &Fit<'_>, moved: &[(usize, FoundParameter)]) -> V
 
 /// What was done to the data.
 fn notes(records: &[Record]) -> impl Iterator<Item = Warning> {
-    let note = |r: &Record, note: &String| Warning::DataNote { record: r.name.clone(), note: note.clone() };
+    let note = |r: &Record, note: &Note| Warning::DataNote { record: r.name.clone(), note: note.clone() };
     records.iter().flat_map(move |r| r.notes.iter().map(move |n| note(r, n)))
 }
 

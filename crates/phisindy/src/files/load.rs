@@ -9,7 +9,7 @@ use crate::loaded::{Laws, Loaded, NotWritten, checked};
 use phisindy_expr::Span;
 use phisindy_phys::spec::{ColumnSpec, CsvSpec, InputSpec, Role, Text};
 use phisindy_phys::{
-    Case, Diagnostic, Origin, Record, RecordPlan, Severity, SourceId, Sources, Table, Units,
+    Case, Diagnostic, Note, Origin, Record, RecordPlan, Severity, SourceId, Sources, Table, Units,
     link_continuations, overlaps, suspicions, unit::Unit,
 };
 use phisindy_signal::{Interpolation, Signal, strongest_line};
@@ -101,6 +101,7 @@ pub fn load_text(
         sources,
         found,
         trends: Trends::default(),
+        suspected: vec![],
     };
     let (records, truths) = loader.records(&case, purpose)?;
     let loaded = Loaded { spec: shown, text, parsed, case, records, truths, doubts: vec![] };
@@ -204,6 +205,21 @@ struct Loader<'a> {
     sources: &'a mut Sources,
     found: &'a mut Vec<Diagnostic>,
     trends: Trends,
+    suspected: Vec<Suspected>,
+}
+
+/// What is odd about one or more records.
+struct Suspected {
+    /// Of its diagnostic in [`Loader::found`].
+    place: usize,
+    records: Vec<String>,
+    words: String,
+}
+
+impl Suspected {
+    fn message(&self) -> String {
+        format!("{}: {}", self.records.join(", "), self.words)
+    }
 }
 
 type Records = (Vec<Record>, Vec<Option<Trajectory>>);
@@ -236,7 +252,7 @@ impl Loader<'_> {
         link_continuations(&mut records, &plans);
         for overlap in overlaps(&records, &plans) {
             let help = "let the window of one begin where that of the other ends, or take another file to validate on";
-            self.push(Diagnostic::warning(overlap).help(help));
+            self.push(Diagnostic::warning(overlap.to_string()).help(help));
         }
         if purpose == Purpose::Check && case.records.iter().all(|plan| plan.role == Role::Validate) {
             self.push(
@@ -248,13 +264,19 @@ impl Loader<'_> {
         refusal.map_or(Ok((records, truths)), Err)
     }
 
-    /// Something odd about a record; what several records share is said once.
-    fn doubt(&mut self, record: &str, what: &str) {
-        let what = format!(": {what}");
-        let records = |d: &Diagnostic| d.message.strip_suffix(&what).map(str::to_owned);
-        match self.found.iter_mut().find_map(|d| Some((records(d)?, d))) {
-            Some((others, said)) => said.message = format!("{others}, {record}{what}"),
-            None => self.found.push(Diagnostic::warning(format!("{record}{what}"))),
+    /// Warns of something odd about a record; what several records share is one warning.
+    fn warn_of(&mut self, record: &str, words: String) {
+        match self.suspected.iter_mut().find(|s| s.words == words) {
+            Some(shared) => {
+                shared.records.push(record.to_owned());
+                self.found[shared.place].message = shared.message();
+            }
+            None => {
+                let records = vec![record.to_owned()];
+                let new = Suspected { place: self.found.len(), records, words };
+                self.found.push(Diagnostic::warning(new.message()));
+                self.suspected.push(new);
+            }
         }
     }
 
@@ -297,12 +319,15 @@ impl Loader<'_> {
             warnings.into_iter().chain(beyond_the_end(csv, &table, self.source)).for_each(|d| self.push(d));
             let done = self.trends.take_off(csv, &units, &mut table);
             let mut record = Record::from_table(plan, &table, &case.system, self.source)?;
-            record.notes.extend(decimation(csv, &record));
+            let decimated = decimation(csv, &record);
+            record.notes.extend(decimated);
             record.notes.extend(done);
             Ok(record)
         });
         if let Ok(record) = &record {
-            suspicions(&case.system, record).into_iter().for_each(|s| self.doubt(&record.name, &s));
+            for suspicion in suspicions(&case.system, record) {
+                self.warn_of(&record.name, suspicion.to_string());
+            }
         }
         record.map(Some).map_err(|mistakes| {
             mistakes.into_iter().for_each(|d| self.push(d));
@@ -364,23 +389,15 @@ fn beyond_the_end(csv: &CsvSpec, table: &Table, source: SourceId) -> Option<Diag
     told.then(|| d().help(format!("if the file is whole, end the window there: ({}, {last})", start.value)))
 }
 
-/// What `decimate` did, in words.
-fn decimation(csv: &CsvSpec, record: &Record) -> Option<String> {
-    let every = csv.decimate.as_ref().map(|d| d.value).filter(|n| *n > 1)?;
-    let said = format!("each sample is the mean of {every} rows of `{}` (decimate)", csv.path.value);
+/// What `decimate` did.
+fn decimation(csv: &CsvSpec, record: &Record) -> Option<Note> {
+    let rows = csv.decimate.as_ref().map(|d| d.value).filter(|n| *n > 1)?;
     // A mean over a stretch takes (pi f stretch)^2/6 off a sine.
     let step = (record.time[record.len() - 1] - record.time[0]) / (record.len() - 1).max(1) as f64;
     let main = record.columns.iter().flatten().filter_map(|c| strongest_line(&record.time, c));
     let loss =
         main.map(|line| (std::f64::consts::PI * line.frequency * step).powi(2) / 6.0).fold(0.0, f64::max);
-    Some(if loss > LOSS {
-        format!(
-            "{said}; that takes {:.1} % off the amplitude of the motion, and rounds its stops and turns more than that: what the result says of friction is off by as much; decimate less",
-            100.0 * loss
-        )
-    } else {
-        said
-    })
+    Some(Note::Decimated { path: csv.path.value.clone(), rows, loss: Some(loss).filter(|loss| *loss > LOSS) })
 }
 
 /// A mean of rows that takes more than this off the amplitude is told.

@@ -4,6 +4,7 @@
 //! Nothing is differentiated twice: with a test function `f` that vanishes with its slope at both ends of a stretch, the integral of `f v'` is that of `-f' v`, and of
 //! `f'' x`. Both sides are such integrals over half a period each.
 
+use super::words::Suspicion;
 use crate::system::equations::System;
 use crate::system::record::Record;
 use phisindy_expr::{Binary, Graph, Id, Node, Scratch, Tape, Unary};
@@ -26,7 +27,7 @@ const STRETCH: usize = 12;
 const STRETCHES: usize = 8;
 
 /// Tells of two columns of one unit that should be exchanged, of a column or a part of a rate that is off by a power of 1000.
-pub(super) fn balance(system: &System, record: &Record, found: &mut Vec<String>) {
+pub(super) fn balance(system: &System, record: &Record, found: &mut Vec<Suspicion>) {
     let rates: Vec<Rate> = system.states.iter().filter_map(|s| Rate::of(system, s.velocity?)).collect();
     let now: Vec<Sums> = rates.iter().filter_map(|rate| Sums::new(system, record, rate)).collect();
     let left = worst(&now);
@@ -51,7 +52,7 @@ pub(super) fn balance(system: &System, record: &Record, found: &mut Vec<String>)
     };
     let best = changes.filter_map(then).min_by(|a, b| a.0.total_cmp(&b.0));
     let best = best.filter(|(after, _)| mended(left, *after));
-    let off: Vec<(f64, String)> = now.iter().filter_map(|sums| sums.off(system)).collect();
+    let off: Vec<(f64, Suspicion)> = now.iter().filter_map(|sums| sums.off(system)).collect();
     // In a linear model a drive that is too large is a motion that is too small: a part says where to look.
     let parts = off.iter().map(|(after, _)| *after).fold(f64::NEG_INFINITY, f64::max);
     match best {
@@ -91,29 +92,13 @@ impl Change {
         }
     }
 
-    fn told(self, system: &System) -> String {
+    fn told(self, system: &System) -> Suspicion {
+        let name = |k: usize| system.measured(k).0.to_owned();
         match self {
-            Change::Exchange(i, j) => format!(
-                "with `{}` and `{}` exchanged the model tells the acceleration, and as they are it does not: the two columns are probably swapped",
-                system.measured(i).0,
-                system.measured(j).0
-            ),
-            Change::Scale(k, factor) if factor < 0.0 => format!(
-                "the model tells the acceleration once the column `{}` has the other sign: which way does its sensor count?",
-                system.measured(k).0
-            ),
-            Change::Scale(k, factor) => format!(
-                "the model tells the acceleration once the column `{}` is {} as large: is it in the unit that the spec says?",
-                system.measured(k).0,
-                times(factor)
-            ),
+            Change::Exchange(i, j) => Suspicion::SwappedByModel { first: name(i), second: name(j) },
+            Change::Scale(k, factor) => Suspicion::ColumnScaled { column: name(k), factor },
         }
     }
-}
-
-/// `1000 times`, `1/1000 times`.
-fn times(factor: f64) -> String {
-    if factor > 1.0 { format!("{factor} times") } else { format!("1/{} times", (1.0 / factor).round()) }
 }
 
 /// Whether what is left now falls to what an incomplete model may leave.
@@ -256,8 +241,8 @@ impl<'r> Sums<'r> {
         [0..half, half..self.measured.len()].into_iter().all(|of| self.misfit_in(of, factor) < HALVES)
     }
 
-    /// Whether one part, or all that drives, is off by a power of 1000: what is left once it is put right, and in words.
-    fn off(&self, system: &System) -> Option<(f64, String)> {
+    /// Whether one part, or all that drives, is off by a power of 1000: what is left once it is put right, and what was wrong.
+    fn off(&self, system: &System) -> Option<(f64, Suspicion)> {
         let Rate { velocity, graph, parts } = self.rate;
         let now = self.misfit(&|_| 1.0);
         let states: Vec<Id> = system.states.iter().map(|s| s.node).collect();
@@ -281,31 +266,14 @@ impl<'r> Sums<'r> {
             Node::Binary(Binary::Mul, a, b) if graph.value(b).is_some() => a,
             _ => part,
         };
-        let texts: Vec<String> =
-            group.iter().map(|&k| format!("`{}`", graph.text(bare(parts[k]), &system.names))).collect();
-        if f < 0.0 {
-            if !self.holds_in_halves(&|k| if group.contains(&k) { f } else { 1.0 }) {
-                return None;
-            }
-            let told = format!(
-                "the model tells the acceleration in `{}` once its part in {} has the other sign: look at the signs of the equation, and at which way the sensors count",
-                system.states[*velocity].name,
-                texts.join(", ")
-            );
-            return Some((after, told));
+        if f < 0.0 && !self.holds_in_halves(&|k| if group.contains(&k) { f } else { 1.0 }) {
+            return None;
         }
-        let (plural, are) = if texts.len() > 1 { ("s", "are") } else { ("", "is") };
-        let told = format!(
-            "the model tells the acceleration in `{}` once its part{plural} in {} {are} {} as large: look at the units of the constants and columns there, and of the \
-             measured motion",
-            system.states[*velocity].name,
-            texts.join(", "),
-            times(f)
-        );
         // Seconds read as milliseconds, or the other way round, square in an acceleration.
         let clock = parts.len() > 1 && group.len() == parts.len() && (f == 1e6 || f == 1e-6);
-        let told = if clock { format!("{told}, or of the time column") } else { told };
-        Some((after, told))
+        let texts = group.iter().map(|&k| graph.text(bare(parts[k]), &system.names)).collect();
+        let velocity = system.states[*velocity].name.clone();
+        Some((after, Suspicion::PartScaled { velocity, parts: texts, factor: f, clock }))
     }
 }
 
@@ -419,7 +387,7 @@ mod tests {
         let record = Record::from_table(&case.records[0], &table, &case.system, id).unwrap();
         let mut found = vec![];
         balance(&case.system, &record, &mut found);
-        found.join("; ")
+        found.iter().map(Suspicion::to_string).collect::<Vec<_>>().join("; ")
     }
 
     const ORDER: [usize; 3] = [0, 1, 2];

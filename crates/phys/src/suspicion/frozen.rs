@@ -1,6 +1,6 @@
 //! Stretches in which a logger repeats its last value.
 
-use phisindy_signal::{noise_level, rounding_error, standard_deviation};
+use phisindy_signal::{bounds, noise_level, rounding_error, standard_deviation};
 use std::ops::Range;
 
 /// Fewer equal samples are no stretch.
@@ -15,7 +15,7 @@ const CATCH_UP: f64 = 4.0;
 /// The stretches of equal values that no rest of the body explains: the sensor has noise everywhere else, or what follows is far away.
 pub(super) fn frozen(column: &[f64]) -> Vec<Range<usize>> {
     let n = column.len();
-    let (min, max) = super::bounds(column);
+    let (min, max) = bounds(column);
     let mut runs: Vec<Range<usize>> = Vec::new();
     let mut k = 0;
     while k < n {

@@ -1,5 +1,6 @@
 //! A velocity is the rate of its displacement. Where it is not, a unit is wrong, a sensor is mounted the other way round, or columns are swapped.
 
+use super::words::Suspicion;
 use crate::system::equations::System;
 use crate::system::record::Record;
 use phisindy_signal::{noise_level, standard_deviation};
@@ -19,7 +20,7 @@ const SAME: f64 = 0.35;
 const OTHER: f64 = 0.5;
 
 /// Compares each measured velocity with the rate of its measured displacement. Returns whether it told of anything.
-pub(super) fn rates(system: &System, record: &Record, found: &mut Vec<String>) -> bool {
+pub(super) fn rates(system: &System, record: &Record, found: &mut Vec<Suspicion>) -> bool {
     let before = found.len();
     let swapped = swapped(system, record);
     if let Some(told) = &swapped.told {
@@ -30,14 +31,11 @@ pub(super) fn rates(system: &System, record: &Record, found: &mut Vec<String>) -
         let (name, other) = (&system.states[k].name, &system.states[v].name);
         let Some(Rate { slope, correlation, .. }) = rate(record, x, y) else { continue };
         if correlation > ALIKE && !(1.0 / SCALE..SCALE).contains(&slope) {
-            found.push(format!(
-                "`{name}` moves at {} the rate that `{other}` gives: is the unit of one of them, or of time, right?",
-                factor(slope)
-            ));
+            let (displacement, velocity) = (name.clone(), other.clone());
+            found.push(Suspicion::RateScaled { displacement, velocity, factor: slope });
         } else if correlation < -ALIKE {
-            found.push(format!(
-                "`{other}` has the opposite sign of the rate of `{name}`: one of the two sensors is mounted the other way round",
-            ));
+            let (displacement, velocity) = (name.clone(), other.clone());
+            found.push(Suspicion::RateReversed { displacement, velocity });
         }
     }
     found.len() > before
@@ -55,10 +53,10 @@ fn pairs(system: &System, record: &Record) -> impl Iterator<Item = (usize, usize
 /// Displacements and their velocities.
 type Pairs = Vec<(usize, usize)>;
 
-/// Columns that are exchanged, in words, and the pairs that are wrong because of it.
+/// Columns that are exchanged, and the pairs that are wrong because of it.
 #[derive(Default)]
 struct Swapped {
-    told: Option<String>,
+    told: Option<Suspicion>,
     pairs: Pairs,
 }
 
@@ -78,10 +76,8 @@ fn swapped(system: &System, record: &Record) -> Swapped {
         let off = |rate: &Rate| rate.slope.abs().ln().abs();
         let likelier = straight.correlation > -ALIKE || off(&crossed) < off(&straight);
         if straight.correlation < UNLIKE && crossed.correlation > ALIKE && likelier {
-            let told = format!(
-                "`{}` is the rate of `{}`, and not the other way round: the two columns are probably swapped",
-                columns[k].0, columns[v].0
-            );
+            let (displacement, velocity) = (columns[k].0.clone(), columns[v].0.clone());
+            let told = Suspicion::PairSwapped { displacement, velocity };
             return Swapped { told: Some(told), pairs: vec![(k, v)] };
         }
     }
@@ -124,16 +120,12 @@ fn swapped(system: &System, record: &Record) -> Swapped {
     best.sort_by(|a, b| a.0.total_cmp(&b.0));
     let Some((least, .., touched)) = best.first() else { return Swapped::default() };
     // Of two bodies both displacements or both velocities may be the ones.
-    let named: Vec<String> = best
+    let candidates: Vec<(String, String)> = best
         .iter()
         .filter(|(misfit, .., other)| *misfit < ALSO.0 * least + ALSO.1 && other == touched)
-        .map(|(_, [i, j], _)| format!("`{}` and `{}`", columns[*i].0, columns[*j].0))
+        .map(|(_, [i, j], _)| (columns[*i].0.clone(), columns[*j].0.clone()))
         .collect();
-    let told = format!(
-        "with {} exchanged each velocity is the rate of its displacement, and as they are it is not: the two columns are probably swapped",
-        named.join(" (or ") + if named.len() > 1 { ")" } else { "" }
-    );
-    Swapped { told: Some(told), pairs: touched.clone() }
+    Swapped { told: Some(Suspicion::SwappedByRates { candidates }), pairs: touched.clone() }
 }
 
 /// The rate of a displacement against a velocity.
@@ -180,17 +172,6 @@ fn rate(record: &Record, x: &[f64], y: &[f64]) -> Option<Rate> {
     })
 }
 
-/// A factor in words; near a power of ten as that.
-fn factor(value: f64) -> String {
-    let power = value.abs().log10().round();
-    let round = (value.abs() / 10f64.powf(power) - 1.0).abs() < 0.15;
-    match (round, power > 0.0) {
-        (true, true) => format!("{:.0} times", 10f64.powf(power)),
-        (true, false) => format!("1/{:.0} of", 10f64.powf(-power)),
-        _ => format!("{value:.3} times"),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -231,7 +212,7 @@ mod tests {
         let record = Record::from_table(&case.records[0], &table, &case.system, id).unwrap();
         let mut found = vec![];
         rates(&case.system, &record, &mut found);
-        found.join("; ")
+        found.iter().map(Suspicion::to_string).collect::<Vec<_>>().join("; ")
     }
 
     const MOTIONS: [[f64; 3]; 3] = [[1.0, 0.6, 0.2], [0.5, -0.9, 0.3], [0.8, -0.2, -0.5]];

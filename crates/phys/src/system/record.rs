@@ -2,12 +2,14 @@
 
 use crate::system::constants::Value;
 use crate::system::equations::System;
+use crate::system::note::Note;
 use crate::system::plan::{Origin, RecordPlan};
 use crate::system::sensor::Sensor;
 use crate::text::diagnostic::{Diagnostic, SourceId};
 use crate::text::spec::{ColumnSpec, CsvSpec, Role, Text};
 use crate::units::unit::Unit;
 use phisindy_signal::{Differentiated, Differentiator, Signal, SignalError, differentiate};
+use std::fmt;
 use std::sync::Arc;
 
 /// One run as it was sampled.
@@ -33,8 +35,8 @@ pub struct Record {
     pub continues: Option<usize>,
     /// The inputs that were derived from measured ones.
     pub derivations: Vec<Derivation>,
-    /// What was done to the data, in words.
-    pub notes: Vec<String>,
+    /// What was done to the data.
+    pub notes: Vec<Note>,
 }
 
 /// An input that was derived from a measured one.
@@ -152,7 +154,8 @@ impl Record {
         for (k, of) in plan.derived.iter().enumerate().filter_map(|(k, of)| of.map(|of| (k, of))) {
             if let (None, Some(source)) = (&raw[k], &raw[of]) {
                 let d = differentiated(&time, source, plan.differentiators[k]).map_err(|d| vec![d])?;
-                notes.push(derivation_note(&system.inputs[k].name, &system.inputs[of].name, &d));
+                let (input, of_name) = (system.inputs[k].name.clone(), system.inputs[of].name.clone());
+                notes.push(Note::DerivedInput { input, of: of_name, smoothing: d.smoothing });
                 let column = raw[of].replace(d.values).unwrap_or_default();
                 derivations.push(Derivation { input: k, of, column });
                 raw[k] = Some(d.derivative);
@@ -195,7 +198,7 @@ impl Record {
     }
 
     /// Adds, to each state without a column that is the velocity of a measured one, the derivative of that one (method `step` needs a sample
-    /// of every state). Returns what was done, in words, or the names of the states that remain without samples.
+    /// of every state). Returns what was done, or the names of the states that remain without samples.
     ///
     /// # Errors
     /// Names of states that cannot be derived.
@@ -203,17 +206,15 @@ impl Record {
         &mut self,
         system: &System,
         how: Differentiator,
-    ) -> Result<Vec<String>, Vec<String>> {
+    ) -> Result<Vec<Note>, Vec<String>> {
         let mut done = Vec::new();
         for (k, state) in system.states.iter().enumerate() {
             let (Some(v), Some(values)) = (state.velocity, &self.columns[k]) else { continue };
             if self.columns[v].is_none()
                 && let Ok(d) = differentiate(&self.time, values, how)
             {
-                done.push(format!(
-                    "{} is the derivative of {} ({})",
-                    system.states[v].name, state.name, d.description
-                ));
+                let (velocity, displacement) = (system.states[v].name.clone(), state.name.clone());
+                done.push(Note::DerivedVelocity { velocity, displacement, smoothing: d.smoothing });
                 self.columns[v] = Some(d.derivative);
                 self.columns[k] = Some(d.values);
             }
@@ -227,11 +228,6 @@ impl Record {
 
 fn no_signal(input: &str, error: &SignalError) -> Diagnostic {
     Diagnostic::error(format!("input `{input}`: {error}"))
-}
-
-/// What was done to an input and its source, in words.
-pub fn derivation_note(name: &str, of: &str, d: &Differentiated) -> String {
-    format!("{name} is the derivative of {of}, and {of} is smoothed with it: {}", d.description)
 }
 
 fn differentiated(time: &[f64], values: &[f64], how: Differentiator) -> Result<Differentiated, Diagnostic> {
@@ -268,8 +264,34 @@ fn same_run(a: &CsvSpec, b: &CsvSpec) -> bool {
     !a.in_memory && a.path.value == b.path.value && rows(a) == rows(b) && run(a) == run(b)
 }
 
-/// Validate records that hold samples of a Fit record, in words: what such a record says was fitted.
-pub fn overlaps(records: &[Record], plans: &[RecordPlan]) -> Vec<String> {
+/// A Validate record that holds samples of a Fit record: there it is no independent check.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Overlap {
+    /// The Validate record, as a message names it.
+    pub validate: String,
+    /// The Fit record.
+    pub fit: String,
+    /// The samples of the Validate record that both show.
+    pub shared: usize,
+    /// All samples of the Validate record.
+    pub samples: usize,
+    /// First and last time that both show, in seconds.
+    pub from_to: (f64, f64),
+}
+
+impl fmt::Display for Overlap {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Overlap { validate, fit, shared, samples, from_to: (begin, end) } = self;
+        write!(
+            f,
+            "{validate} should be validated on, and {shared} of its {samples} samples are fitted: from {begin} s to {end} s it shows \
+             what {fit} shows, so it is no independent check there"
+        )
+    }
+}
+
+/// Validate records that hold samples of a Fit record.
+pub fn overlaps(records: &[Record], plans: &[RecordPlan]) -> Vec<Overlap> {
     let mut all = Vec::new();
     let name = |k: usize| {
         let alone = records.iter().filter(|r| r.name == records[k].name).count() == 1;
@@ -283,13 +305,8 @@ pub fn overlaps(records: &[Record], plans: &[RecordPlan]) -> Vec<String> {
             let shared = validate.time.iter().filter(|t| (begin..=end).contains(t)).count();
             // Windows that touch share the sample between them.
             if same_run(a, b) && shared > 2 {
-                all.push(format!(
-                    "{} should be validated on, and {shared} of its {} samples are fitted: from {begin} s to {end} s it shows what {} shows, so it is no \
-                     independent check there",
-                    name(v),
-                    validate.len(),
-                    name(f)
-                ));
+                let (validate, samples, fit) = (name(v), validate.len(), name(f));
+                all.push(Overlap { validate, fit, shared, samples, from_to: (begin, end) });
             }
         }
     }

@@ -11,7 +11,7 @@
 
 use std::ops::Range;
 
-use super::{Differentiated, noise_of, uniform_step};
+use super::{Differentiated, Smoothing, noise_of, uniform_step};
 
 /// Squared departure, in variances of the narrower window, that noise explains. Below 6 false alarms dominate.
 const EXPLAINED: f64 = 8.0;
@@ -86,9 +86,7 @@ pub(super) fn differentiate(time: &[f64], values: &[f64]) -> Differentiated {
         values: smooth.iter().map(|a| a.value).collect(),
         derivative: slopes.iter().map(|a| a.value).collect(),
         std_error: (slopes.iter().map(|a| a.risk).sum::<f64>() / n as f64).sqrt(),
-        description: format!(
-            "local cubics over {least} to {most} samples (median {median}), noise {noise:.3e}"
-        ),
+        smoothing: Smoothing::LocalCubics { least, median, most, noise },
     }
 }
 

@@ -6,13 +6,13 @@ use std::sync::Arc;
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
-use super::{Differentiated, noise_of, uniform_step};
+use super::{Differentiated, Smoothing, noise_of, uniform_step};
 use crate::interpolate::{Interpolation, Signal, SignalError};
 
 pub(super) fn differentiate(time: &[f64], values: &[f64]) -> Result<Differentiated, SignalError> {
     let noise = noise_of(time, values);
     if let Some(step) = uniform_step(time, 1e-6) {
-        return Ok(uniform(step, values, noise));
+        return Ok(uniform(step, values, noise, false));
     }
     // Through the spline: on smooth motion it is far more exact than straight lines and passes noise on unchanged.
     let n = time.len();
@@ -23,16 +23,16 @@ pub(super) fn differentiate(time: &[f64], values: &[f64]) -> Result<Differentiat
         let mut hint = 0;
         Ok(at.iter().map(|&t| signal.value_and_slope(t, &mut hint).0).collect())
     };
-    let even = uniform(span / (n - 1) as f64, &read(Arc::from(time), values, &grid)?, noise);
+    let even = uniform(span / (n - 1) as f64, &read(Arc::from(time), values, &grid)?, noise, true);
     Ok(Differentiated {
         values: read(grid.clone(), &even.values, time)?,
         derivative: read(grid, &even.derivative, time)?,
         std_error: even.std_error,
-        description: format!("{}, resampled", even.description),
+        smoothing: even.smoothing,
     })
 }
 
-fn uniform(step: f64, values: &[f64], noise: f64) -> Differentiated {
+fn uniform(step: f64, values: &[f64], noise: f64, resampled: bool) -> Differentiated {
     let n = values.len();
     // Oddly mirrored about the line through both ends the record is periodic with a continuous slope.
     let period = 2 * (n - 1);
@@ -72,7 +72,7 @@ fn uniform(step: f64, values: &[f64], noise: f64) -> Differentiated {
         values: (0..n).map(|i| smooth[i] + line(i)).collect(),
         derivative: (0..n).map(|i| slope[i] + rise / step).collect(),
         std_error: noise * (passed * scale).sqrt(),
-        description: format!("Fourier series up to {hertz:.4} per unit of time, noise {noise:.3e}"),
+        smoothing: Smoothing::FourierSeries { cutoff: hertz, noise, resampled },
     }
 }
 

@@ -4,7 +4,7 @@
 
 use std::f64::consts::PI;
 
-use super::{Differentiated, noise_of};
+use super::{Differentiated, Smoothing, noise_of};
 
 /// Smoothing length of a spline that passes through all samples for every practical purpose, in samples.
 const SHORTEST: f64 = 0.02;
@@ -57,7 +57,7 @@ pub(super) fn differentiate(time: &[f64], values: &[f64]) -> Differentiated {
         values: smooth,
         derivative,
         std_error: noise * gain(alpha(length)) / mean_step,
-        description: format!("smoothing spline, length {:.4} samples, noise {noise:.3e}", length),
+        smoothing: Smoothing::Spline { length, noise },
     }
 }
 

@@ -36,7 +36,7 @@ fn the_rig_twin_is_differentiated_to_a_hundredth_of_a_millimetre_per_second() {
         for (how, limit) in ALL.into_iter().zip(limits) {
             let found = differentiate(&time, &noisy(&x, 1e-6, 3), how).unwrap();
             let wrong = error(&found.derivative, &v);
-            assert!(wrong < limit, "{how:?} at {omega}: {wrong:e}, {}", found.description);
+            assert!(wrong < limit, "{how:?} at {omega}: {wrong:e}, {}", found.smoothing);
             assert!(
                 (0.8..1.8).contains(&(wrong / found.std_error)),
                 "{how:?}: {wrong:e} of {:e}",
@@ -55,13 +55,13 @@ fn clean_data_are_not_smoothed() {
     // Cubics on five samples: h^4/30 of the fifth derivative in their middle, a few times more for those that lean.
     let inside = 20..1980;
     let worst = inside.clone().fold(0.0_f64, |m, i| m.max((local.derivative[i] - v[i]).abs()));
-    assert!(worst < 0.15 * 0.01_f64.powi(4) * 3f64.powi(5), "{worst:e}, {}", local.description);
+    assert!(worst < 0.15 * 0.01_f64.powi(4) * 3f64.powi(5), "{worst:e}, {}", local.smoothing);
     assert!(error(&local.derivative, &v) < 1e-6);
     // The other two do not know the curvature at the ends; away from them they are exact too.
     for (how, limit) in [(Differentiator::Spline, 1e-6), (Differentiator::Spectral, 1e-3)] {
         let found = differentiate(&time, &x, how).unwrap();
         let wrong = error(&found.derivative[200..1800], &v[200..1800]);
-        assert!(wrong < limit, "{how:?} {wrong:e} {}", found.description);
+        assert!(wrong < limit, "{how:?} {wrong:e} {}", found.smoothing);
     }
 }
 
@@ -71,7 +71,7 @@ fn a_cubic_is_exact_on_any_grid() {
         let (x, v) = (column(&time, |t| 5.0 - t + t.powi(3)), column(&time, |t| -1.0 + 3.0 * t * t));
         let found = automatic(&time, &x).unwrap();
         let worst = found.derivative.iter().zip(&v).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
-        assert!(worst < 1e-9, "{worst:e} {}", found.description);
+        assert!(worst < 1e-9, "{worst:e} {}", found.smoothing);
     }
 }
 
@@ -100,7 +100,7 @@ fn a_quantised_encoder() {
     for (how, limit) in ALL.into_iter().zip([2.3e-3, 4e-3, 3.2e-3]) {
         let found = differentiate(&time, &read, how).unwrap();
         let wrong = error(&found.derivative, &column(&time, |t| speed(moving(t))));
-        assert!(wrong < limit, "{how:?} {wrong:e} {}", found.description);
+        assert!(wrong < limit, "{how:?} {wrong:e} {}", found.smoothing);
     }
 }
 

@@ -2,8 +2,9 @@
 
 use super::*;
 use crate::result::quantity::{RecordId, SensorPart};
+use phisindy_phys::Note;
 use phisindy_phys::spec::Optimiser;
-use phisindy_signal::Differentiator;
+use phisindy_signal::{Differentiator, Smoothing};
 use phisindy_sim::SimError;
 
 fn term(candidate: &str) -> TermId {
@@ -40,8 +41,15 @@ fn warnings() {
     let k = || Quantity::Parameter(constant(None));
     let all = [
         (
-            Warning::DataNote { record: "r".into(), note: "v is the derivative of x (spline)".into() },
-            "r: v is the derivative of x (spline)",
+            Warning::DataNote {
+                record: "r".into(),
+                note: Note::DerivedVelocity {
+                    velocity: "v".into(),
+                    displacement: "x".into(),
+                    smoothing: Smoothing::Spline { length: 2.5, noise: 1e-3 },
+                },
+            },
+            "r: v is the derivative of x (smoothing spline, length 2.5000 samples, noise 1.000e-3)",
         ),
         (
             Warning::AtBound { number: coefficient("1"), value: 0.0 },

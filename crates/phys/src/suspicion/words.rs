@@ -1,0 +1,365 @@
+//! What is odd about a record: each kind with its numbers, and in words with what to do.
+
+use phisindy_signal::Interpolation;
+use std::fmt;
+
+/// Something odd about a record before any model is fitted. It stops nothing. `Display` says it in words, without the name of the record.
+///
+/// Columns are named as the spec names the state or input that they measure. Times are in seconds, values in SI.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Suspicion {
+    /// No samples for a while.
+    MissingSamples {
+        /// The last sample before it.
+        from: f64,
+        /// The first sample after it.
+        to: f64,
+        /// Its length in usual steps.
+        steps: f64,
+        /// How many such gaps there are; this is the first one.
+        count: usize,
+    },
+    /// A column with one value in all samples.
+    Constant {
+        /// The column.
+        column: String,
+        /// Its value.
+        value: f64,
+        /// How many samples.
+        samples: usize,
+    },
+    /// A column with few levels: too few digits, or a coarse sensor.
+    Quantised {
+        /// The column.
+        column: String,
+        /// How many levels lie between its least and greatest value.
+        levels: f64,
+        /// Between two of them.
+        step: f64,
+        /// The standard deviation of the column.
+        size: f64,
+    },
+    /// A column that repeats each value for several samples.
+    Repeated {
+        /// The column.
+        column: String,
+        /// How many samples each value usually stands.
+        length: usize,
+        /// Whether it is an input, which the actuator may have held as well.
+        input: bool,
+    },
+    /// A column that is cut off at the end of its range.
+    Clipped {
+        /// The column.
+        column: String,
+        /// Its least and greatest value.
+        range: (f64, f64),
+        /// How many samples are cut off.
+        samples: usize,
+    },
+    /// An input that moves between its samples more than they tell.
+    Undersampled {
+        /// The input.
+        input: String,
+        /// Standard error between the samples, as a part of the standard deviation of the input.
+        error: f64,
+        /// How it is interpolated.
+        interpolation: Interpolation,
+    },
+    /// A stretch of equal values in a column that has noise or moves before and after it.
+    Frozen {
+        /// The column.
+        column: String,
+        /// The value that stands there.
+        value: f64,
+        /// How many samples.
+        samples: usize,
+        /// Its first and last sample.
+        from_to: (f64, f64),
+        /// How many such stretches there are; this is the first one.
+        count: usize,
+    },
+    /// A sample far from its neighbours.
+    Spike {
+        /// The column.
+        column: String,
+        /// What it says there.
+        value: f64,
+        /// When.
+        time: f64,
+        /// How many spikes there are; this is the first one.
+        count: usize,
+    },
+    /// A displacement whose level is another one from one sample to the next.
+    Jump {
+        /// The column.
+        column: String,
+        /// Time and value before it.
+        before: (f64, f64),
+        /// Time and value after it.
+        after: (f64, f64),
+        /// How many jumps there are; this is the first one.
+        count: usize,
+    },
+    /// A displacement that moves at another scale than its velocity.
+    RateScaled {
+        /// The displacement.
+        displacement: String,
+        /// Its velocity.
+        velocity: String,
+        /// Rate of the displacement over the velocity.
+        factor: f64,
+    },
+    /// A velocity that has the sign of minus the rate of its displacement.
+    RateReversed {
+        /// The displacement.
+        displacement: String,
+        /// Its velocity.
+        velocity: String,
+    },
+    /// A displacement that is the rate of its velocity.
+    PairSwapped {
+        /// The column of the displacement.
+        displacement: String,
+        /// The column of the velocity.
+        velocity: String,
+    },
+    /// Columns that must be exchanged for each velocity to be the rate of its displacement.
+    SwappedByRates {
+        /// The pairs of columns of which one should be exchanged; the likeliest first.
+        candidates: Vec<(String, String)>,
+    },
+    /// Columns that must be exchanged for the known part to give the measured acceleration.
+    SwappedByModel {
+        /// One column.
+        first: String,
+        /// The other one.
+        second: String,
+    },
+    /// A column that must be multiplied for the known part to give the measured acceleration.
+    ColumnScaled {
+        /// The column.
+        column: String,
+        /// A power of 1000, or -1.
+        factor: f64,
+    },
+    /// A part of the known rate that must be multiplied for it to be the measured acceleration.
+    PartScaled {
+        /// The velocity whose rate it is.
+        velocity: String,
+        /// The parts, as expressions.
+        parts: Vec<String>,
+        /// A power of 1000, or -1.
+        factor: f64,
+        /// Whether a time column in milliseconds would explain it as well.
+        clock: bool,
+    },
+}
+
+impl fmt::Display for Suspicion {
+    // One arm for each sentence: the table is longer than 80 lines, and has no logic to divide.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Suspicion::MissingSamples { from, to, steps, count } => write!(
+                f,
+                "no samples from {from:.6} s to {to:.6} s, {steps:.0} times the usual step{}: inputs are interpolated across it, \
+                 and noise and smoothing count samples as if there were none; cut the record there with `window`",
+                if *count > 1 { format!(" ({count} such holes)") } else { String::new() }
+            ),
+            Suspicion::Constant { column, value, samples } => {
+                write!(f, "`{column}` is {value} in all {samples} samples: is the sensor connected?")
+            }
+            Suspicion::Quantised { column, levels, step, size } => write!(
+                f,
+                "`{column}` has only {levels:.0} different values, {step:.1e} apart: each is wrong by up to {:.0} % of the size of \
+                 the motion, and by as much from sample to sample; write more digits, or use a finer sensor",
+                50.0 * step / size
+            ),
+            Suspicion::Repeated { column, length, input } => {
+                write!(
+                    f,
+                    "`{column}` has a new value only every {length} samples, and repeats the old one between them: what is written \
+                     there is up to {} samples late; ",
+                    length - 1
+                )?;
+                if *input {
+                    write!(
+                        f,
+                        "if the actuator held it, too, say `interpolate: {{ \"{column}\": Hold }}`; if not, keep only the rows in \
+                         which it changes"
+                    )
+                } else {
+                    write!(f, "keep only the rows in which it changes, one in {length}")
+                }
+            }
+            Suspicion::Clipped { column, range: (min, max), samples } => write!(
+                f,
+                "`{column}` is cut off at {min:.6} or {max:.6} in {samples} samples: the sensor was at the end of its range, and \
+                 what it hides is fitted as if it were motion"
+            ),
+            Suspicion::Undersampled { input, error, interpolation } => {
+                write!(
+                    f,
+                    "between its samples `{input}` is guessed, and wrong by about {:.1} % of its size: that much of the drive is \
+                     not what it was; ",
+                    100.0 * error
+                )?;
+                match interpolation {
+                    Interpolation::Linear => {
+                        write!(
+                            f,
+                            "`interpolate: {{ \"{input}\": Cubic }}` if it is smooth, or sample it faster"
+                        )
+                    }
+                    Interpolation::Cubic | Interpolation::Hold => f.write_str("sample it faster"),
+                }
+            }
+            Suspicion::Frozen { column, value, samples, from_to: (from, to), count } => write!(
+                f,
+                "`{column}` is {value:.6} in {samples} samples from {from:.6} s to {to:.6} s{}, and moves or has noise before and \
+                 after them: the sensor dropped out or the logger repeated a value; repair or cut this part",
+                if *count > 1 {
+                    format!(" (and in {} more such stretches)", count - 1)
+                } else {
+                    String::new()
+                }
+            ),
+            Suspicion::Spike { column, value, time, count } => write!(
+                f,
+                "`{column}` jumps to {value:.6} and back in the sample at {time:.6} s{}: a spike of the sensor weighs as much as a \
+                 hundred good samples; repair or cut it",
+                if *count > 1 { format!(" (and in {} more)", count - 1) } else { String::new() }
+            ),
+            Suspicion::Jump { column, before, after, count } => write!(
+                f,
+                "`{column}` is elsewhere from {:.6} s to {:.6} s and stays there ({:.6}, then {:.6}){}: a body does not do that, \
+                 so the sensor slipped or was set anew; cut the record there with `window`",
+                before.0,
+                after.0,
+                before.1,
+                after.1,
+                if *count > 1 { format!(" ({count} such jumps)") } else { String::new() }
+            ),
+            Suspicion::RateScaled { displacement, velocity, factor } => write!(
+                f,
+                "`{displacement}` moves at {} the rate that `{velocity}` gives: is the unit of one of them, or of time, right?",
+                near_power_of_ten(*factor)
+            ),
+            Suspicion::RateReversed { displacement, velocity } => write!(
+                f,
+                "`{velocity}` has the opposite sign of the rate of `{displacement}`: one of the two sensors is mounted the other \
+                 way round"
+            ),
+            Suspicion::PairSwapped { displacement, velocity } => write!(
+                f,
+                "`{displacement}` is the rate of `{velocity}`, and not the other way round: the two columns are probably swapped"
+            ),
+            Suspicion::SwappedByRates { candidates } => {
+                let named: Vec<String> = candidates.iter().map(|(a, b)| format!("`{a}` and `{b}`")).collect();
+                write!(
+                    f,
+                    "with {} exchanged each velocity is the rate of its displacement, and as they are it is not: the two columns \
+                     are probably swapped",
+                    named.join(" (or ") + if named.len() > 1 { ")" } else { "" }
+                )
+            }
+            Suspicion::SwappedByModel { first, second } => write!(
+                f,
+                "with `{first}` and `{second}` exchanged the model tells the acceleration, and as they are it does not: the two \
+                 columns are probably swapped"
+            ),
+            Suspicion::ColumnScaled { column, factor } if *factor < 0.0 => write!(
+                f,
+                "the model tells the acceleration once the column `{column}` has the other sign: which way does its sensor count?"
+            ),
+            Suspicion::ColumnScaled { column, factor } => write!(
+                f,
+                "the model tells the acceleration once the column `{column}` is {} as large: is it in the unit that the spec says?",
+                times(*factor)
+            ),
+            Suspicion::PartScaled { velocity, parts, factor, .. } if *factor < 0.0 => write!(
+                f,
+                "the model tells the acceleration in `{velocity}` once its part in {} has the other sign: look at the signs of the \
+                 equation, and at which way the sensors count",
+                quoted(parts)
+            ),
+            Suspicion::PartScaled { velocity, parts, factor, clock } => {
+                let (plural, are) = if parts.len() > 1 { ("s", "are") } else { ("", "is") };
+                write!(
+                    f,
+                    "the model tells the acceleration in `{velocity}` once its part{plural} in {} {are} {} as large: look at the \
+                     units of the constants and columns there, and of the measured motion{}",
+                    quoted(parts),
+                    times(*factor),
+                    if *clock { ", or of the time column" } else { "" }
+                )
+            }
+        }
+    }
+}
+
+/// `` `a`, `b` ``.
+fn quoted(parts: &[String]) -> String {
+    parts.iter().map(|part| format!("`{part}`")).collect::<Vec<_>>().join(", ")
+}
+
+/// `1000 times`, `1/1000 times`.
+fn times(factor: f64) -> String {
+    if factor > 1.0 { format!("{factor} times") } else { format!("1/{} times", (1.0 / factor).round()) }
+}
+
+/// The size of a factor; near a power of ten as that.
+fn near_power_of_ten(factor: f64) -> String {
+    let power = factor.abs().log10().round();
+    let round = (factor.abs() / 10f64.powf(power) - 1.0).abs() < 0.15;
+    match (round, power > 0.0) {
+        (true, true) => format!("{:.0} times", 10f64.powf(power)),
+        (true, false) => format!("1/{:.0} of", 10f64.powf(-power)),
+        _ => format!("{factor:.3} times"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sentences_count_what_they_tell_of() {
+        let gap = |count| Suspicion::MissingSamples { from: 1.0, to: 2.5, steps: 150.0, count }.to_string();
+        assert!(gap(1).starts_with("no samples from 1.000000 s to 2.500000 s, 150 times the usual step: "));
+        assert!(gap(3).contains("the usual step (3 such holes): inputs are interpolated across it"));
+        let spike = |count| Suspicion::Spike { column: "x".into(), value: 3.0, time: 0.5, count }.to_string();
+        assert!(spike(1).starts_with("`x` jumps to 3.000000 and back in the sample at 0.500000 s: a spike"));
+        assert!(spike(4).contains("at 0.500000 s (and in 3 more): a spike"));
+        let frozen = |count| {
+            let (column, from_to) = ("x".to_owned(), (1.0, 2.0));
+            Suspicion::Frozen { column, value: 0.5, samples: 9, from_to, count }.to_string()
+        };
+        assert!(frozen(1).contains("to 2.000000 s, and moves"));
+        assert!(frozen(2).contains("to 2.000000 s (and in 1 more such stretches), and moves"));
+    }
+
+    #[test]
+    fn factors_near_powers_of_ten_are_told_as_such() {
+        let told = |factor| {
+            let (displacement, velocity) = ("x".to_owned(), "v".to_owned());
+            Suspicion::RateScaled { displacement, velocity, factor }.to_string()
+        };
+        assert!(told(1040.0).starts_with("`x` moves at 1000 times the rate that `v` gives"));
+        assert!(told(0.00098).starts_with("`x` moves at 1/1000 of the rate that `v` gives"));
+        assert!(told(4.2).starts_with("`x` moves at 4.200 times the rate that `v` gives"));
+    }
+
+    #[test]
+    fn parts_of_a_rate_are_named_in_the_right_number() {
+        let told = |parts: &[&str], factor, clock| {
+            let parts = parts.iter().map(|p| (*p).to_owned()).collect();
+            Suspicion::PartScaled { velocity: "v".into(), parts, factor, clock }.to_string()
+        };
+        assert!(told(&["k*x"], 1e3, false).contains("its part in `k*x` is 1000 times as large"));
+        let both = told(&["k*x", "F"], 1e-6, true);
+        assert!(both.contains("its parts in `k*x`, `F` are 1/1000000 times as large"), "{both}");
+        assert!(both.ends_with("measured motion, or of the time column"), "{both}");
+        assert!(told(&["F"], -1.0, false).contains("its part in `F` has the other sign"));
+    }
+}
