@@ -9,9 +9,11 @@ mod tests;
 
 pub use smoothing::Smoothing;
 
+use crate::grid::uniform_step;
 use crate::interpolate::{SignalError, check_samples};
+use crate::noise_level::noise_level;
 use crate::noise_level::quantum::rounding_error;
-use crate::noise_level::{median, noise_level};
+use crate::statistics::{largest, median};
 
 /// Least number of samples for a derivative: a cubic and one degree of freedom.
 const LEAST_SAMPLES: usize = 5;
@@ -115,18 +117,10 @@ pub fn automatic(time: &[f64], values: &[f64]) -> Result<Differentiated, SignalE
     differentiate(time, values, Differentiator::default())
 }
 
-/// The step of a grid that is uniform to `tolerance` (a share of the step).
-fn uniform_step(time: &[f64], tolerance: f64) -> Option<f64> {
-    let (first, last) = (time.first()?, time.last()?);
-    let step = (last - first) / (time.len() - 1) as f64;
-    let even = time.iter().enumerate().all(|(i, t)| (t - first - i as f64 * step).abs() <= tolerance * step);
-    even.then_some(step)
-}
-
 /// Standard deviation of the noise: from the spectrum on a nearly uniform grid, else from what parabolas through four
 /// neighbours leave. Never less than the rounding of the numbers.
 fn noise_of(time: &[f64], values: &[f64]) -> f64 {
-    let rounding = values.iter().fold(0.0_f64, |m, v| m.max(v.abs())) * f64::EPSILON;
+    let rounding = largest(values) * f64::EPSILON;
     let noise =
         if uniform_step(time, 0.05).is_some() { noise_level(values) } else { uneven_noise(time, values) };
     noise.max(rounding)

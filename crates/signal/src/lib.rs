@@ -1,19 +1,23 @@
 //! Numerics on sampled columns. They know slices of numbers and nothing of specs, systems or records.
 //!
 //! ```text
-//! file rows --Blocks, Trend--> column --noise_level--> noise --differentiate--> smoothed column and its derivative
-//!                                |                                                |
-//!                                +--strongest_line, strongest_lines--> lines      +--Signal--> value and slope at any time
+//! rows of a file --Blocks, Trend--> column --noise_level--> noise --differentiate--> smoothed column and its derivative
+//!                                     |                                                |
+//!                                     +--strongest_line(s)--> spectral lines           +--Signal--> value and slope at any time
 //!
-//! residual --chance_of_white, whiteness_score--> is anything left but noise?   --effective_samples--> independent samples
+//! residual --chance_of_white, whiteness_score--> is it more than noise?
+//!     +------effective_samples--> independent samples
 //! ```
 
+mod autocorrelation;
 mod blocks;
 mod derivative;
+mod fft;
+mod grid;
 mod interpolate;
+mod lines;
 mod noise_level;
-mod spectrum;
-mod spread;
+mod statistics;
 #[cfg(any(test, feature = "test-signals"))]
 #[allow(missing_docs)]
 #[doc(hidden)]
@@ -21,12 +25,14 @@ pub mod test_signals;
 mod trend;
 mod whiteness;
 
+pub use autocorrelation::{autocorrelation, effective_samples};
 pub use blocks::Blocks;
 pub use derivative::{Differentiated, Differentiator, Smoothing, automatic, differentiate};
+pub use grid::mean_step;
 pub use interpolate::{Interpolation, Signal, SignalError};
+pub use lines::{Line, strongest_line, strongest_lines, tone_share};
+pub use noise_level::noise_level;
 pub use noise_level::quantum::{quantum, rounding_error};
-pub use noise_level::{autocorrelation, effective_samples, median, noise_level};
-pub use spectrum::{Line, mean_step, strongest_line, strongest_lines, tone_share};
-pub use spread::{bounds, standard_deviation};
+pub use statistics::{bounds, median, standard_deviation};
 pub use trend::{Detrend, Trend};
 pub use whiteness::{chance_of_white, whiteness_score};

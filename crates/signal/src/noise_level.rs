@@ -1,10 +1,12 @@
-//! How noisy a column is, and how many independent samples a residual holds: both without a model of the motion.
+//! The noise level of a column, without a model of the motion.
 
 pub(crate) mod quantum;
 #[cfg(test)]
 mod tests;
 
-use realfft::RealFftPlanner;
+use crate::fft::Forward;
+use crate::statistics::median;
+use crate::trend::without_line;
 
 /// Below this many samples a spectrum has too few bins above the motion.
 const SHORT: usize = 192;
@@ -103,20 +105,6 @@ fn clipped_mean(power: &[f64]) -> f64 {
     (0..20).fold(start, |mean, _| sum / count + clip / (clip / mean).exp_m1())
 }
 
-/// Median by selection; 0 for nothing.
-pub fn median(values: &mut [f64]) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let (middle, odd) = (values.len() / 2, values.len() % 2 == 1);
-    let (low, &mut upper, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
-    if odd {
-        return upper;
-    }
-    let lower = low.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    0.5 * (lower + upper)
-}
-
 /// Power at the frequencies k/n, k = 3 .. n/2 - 1, from the lowest up, scaled so that white noise has its variance at
 /// each; two independent numbers for each frequency.
 ///
@@ -125,7 +113,7 @@ pub fn median(values: &mut [f64]) -> f64 {
 fn periodograms(values: &[f64]) -> Vec<f64> {
     let n = values.len();
     let level = without_line(values);
-    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(n);
+    let transform = Forward::new(n);
     let tapered = |order: f64| {
         let mut energy = 0.0;
         let mut windowed: Vec<f64> = level
@@ -138,25 +126,11 @@ fn periodograms(values: &[f64]) -> Vec<f64> {
                 taper * v
             })
             .collect();
-        let mut spectrum = transform.make_output_vec();
-        // The buffers come from the plan, so their lengths fit and the transform cannot fail.
-        let _ = transform.process(&mut windowed, &mut spectrum);
-        (spectrum, energy)
+        (transform.of(&mut windowed), energy)
     };
     let ((first, first_energy), (second, second_energy)) = (tapered(1.0), tapered(2.0));
     let bins = 3..n / 2;
     bins.flat_map(|k| [first[k].norm_sqr() / first_energy, second[k].norm_sqr() / second_energy]).collect()
-}
-
-/// The values less their straight line by least squares: it would leak more than anything else.
-fn without_line(values: &[f64]) -> Vec<f64> {
-    let centre = (values.len() - 1) as f64 / 2.0;
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    let (moment, spread) = values.iter().enumerate().fold((0.0, 0.0), |(moment, spread), (i, v)| {
-        let u = i as f64 - centre;
-        (moment + u * (v - mean), spread + u * u)
-    });
-    values.iter().enumerate().map(|(i, v)| v - mean - moment / spread * (i as f64 - centre)).collect()
 }
 
 /// Level from the median absolute difference of order 3, or of a higher order while that is clearly smaller.
@@ -187,74 +161,4 @@ fn level_of_differences(values: &[f64]) -> f64 {
         level = now;
     }
     if level.is_finite() { level } else { 0.0 }
-}
-
-/// How many independent samples a residual is worth: n / (1 + 2 * sum of its autocorrelations), within [1, n].
-///
-/// The sum runs over the initial positive sequence of pairs (C. J. Geyer, Practical Markov chain Monte Carlo, 1992).
-/// The mean is removed first. White residuals give about n; constant or empty ones give n unchanged, since there is
-/// nothing to correlate. Numbers that are not finite give NaN.
-///
-/// ```
-/// let alternating_slowly: Vec<f64> = (0..1000).map(|i| (0.01 * f64::from(i)).sin()).collect();
-/// assert!(phisindy_signal::effective_samples(&alternating_slowly) < 20.0);
-/// ```
-pub fn effective_samples(residual: &[f64]) -> f64 {
-    let n = residual.len();
-    if residual.iter().any(|r| !r.is_finite()) {
-        return f64::NAN;
-    }
-    let correlation = autocorrelation(residual);
-    if n < 4 || correlation.is_empty() {
-        return n as f64;
-    }
-    let mut pairs = 0.0;
-    for pair in correlation.chunks_exact(2) {
-        let sum = pair[0] + pair[1];
-        if sum <= 0.0 {
-            break;
-        }
-        pairs += sum;
-    }
-    // The pairs count lag 0 once; 1 + 2 * (lags > 0) counts it as one.
-    let inflation = 2.0 * pairs - 1.0;
-    if inflation <= 1.0 { n as f64 } else { (n as f64 / inflation).max(1.0) }
-}
-
-/// Autocorrelations at lags 0 .. n-1 (mean removed, divided by n, so that the sequence is positive definite); empty if
-/// the values do not vary.
-///
-/// ```
-/// let alternating = phisindy_signal::autocorrelation(&[1.0, -1.0, 1.0, -1.0]);
-/// assert_eq!(alternating[..2], [1.0, -0.75]);
-/// ```
-pub fn autocorrelation(values: &[f64]) -> Vec<f64> {
-    let n = values.len();
-    if n == 0 {
-        return Vec::new();
-    }
-    let mean = values.iter().sum::<f64>() / n as f64;
-    // Zeros beyond n keep the circular correlation from wrapping round.
-    let padded = (2 * n).next_power_of_two();
-    let mut buffer: Vec<f64> = values.iter().map(|v| v - mean).collect();
-    buffer.resize(padded, 0.0);
-    let mut planner = RealFftPlanner::<f64>::new();
-    let (forward, inverse) = (planner.plan_fft_forward(padded), planner.plan_fft_inverse(padded));
-    let mut spectrum = forward.make_output_vec();
-    if forward.process(&mut buffer, &mut spectrum).is_err() {
-        return Vec::new();
-    }
-    for z in &mut spectrum {
-        *z = (z.norm_sqr()).into();
-    }
-    if inverse.process(&mut spectrum, &mut buffer).is_err() {
-        return Vec::new();
-    }
-    let variance = buffer[0];
-    let scale = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    if variance / padded as f64 <= n as f64 * (1e-15 * scale).powi(2) {
-        return Vec::new();
-    }
-    buffer.truncate(n);
-    buffer.iter().map(|c| c / variance).collect()
 }

@@ -50,3 +50,12 @@ impl Trend {
         }
     }
 }
+
+/// A column less its straight line by least squares, each sample one unit of time after the one before.
+///
+/// A line leaks into a spectrum more than anything else.
+pub(crate) fn without_line(values: &[f64]) -> Vec<f64> {
+    let index: Vec<f64> = (0..values.len()).map(|i| i as f64).collect();
+    let trend = Trend::of(&index, values, Detrend::Linear);
+    values.iter().zip(&index).map(|(x, i)| x - trend.offset - trend.slope * (i - trend.at)).collect()
+}

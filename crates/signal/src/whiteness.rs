@@ -1,19 +1,31 @@
-//! Is a residual noise? The periodogram of white noise is a row of independent exponential numbers: a line, or low frequencies with more than their
-//! share, are not.
+//! Is a residual more than white noise?
+//!
+//! There are two measures, because they are compared with two kinds of limits:
+//!
+//! - [`chance_of_white`] is a probability, for a verdict on one residual. It needs no motion beside it: the periodogram of white noise is a
+//!   row of independent exponential numbers, and a line or an excess at low frequencies is improbable among them. No window is applied,
+//!   since a window would make neighbours dependent.
+//! - [`whiteness_score`] is a number of standard deviations, for ranking models of which all but the last leave far more than noise. There
+//!   a probability would be 0. It compares the band in which the motion lies with the band above it, by a Hann window, which keeps the
+//!   strong lines of a missing effect out of the band above.
+//!
+//! The two agree on what is white, not on numbers: a score beyond 6 has a probability far below 1e-6.
 
-use crate::noise_level::median;
-use crate::spectrum::periodogram;
-use realfft::RealFftPlanner;
+use crate::fft::{periodogram, power};
+use crate::statistics::median;
 
-/// Fewer samples than this tell nothing.
-const FEWEST: usize = 64;
-/// The narrowest band of low frequencies that is looked at, in bins; the others are twice as wide each.
-const NARROW: usize = 4;
+/// Both measures need this many samples.
+const MIN_SAMPLES: usize = 64;
+/// The narrowest band of low frequencies that is tested, in bins; each further one is twice as wide.
+const NARROWEST_BAND: usize = 4;
+/// Neighbouring bins of a Hann window are correlated: this many count as one.
+const BINS_PER_SAMPLE: f64 = 1.94;
 
-/// The probability that white noise would look as coloured as this by chance: the strongest single frequency (R. A. Fisher, Proc. R. Soc. A 125
-/// (1929) 54-59), and the power in bands from zero up, each against the median of the spectrum; the number of looks is paid for.
+/// The probability that white noise departs from a flat spectrum as far as this residual does.
 ///
-/// 1 for too few samples, and for a residual that is nothing at all; numbers that are not finite give 0.
+/// Tested are the strongest single frequency (R. A. Fisher, Proc. R. Soc. A 125 (1929) 54-59) and the power in bands from zero up, each
+/// against the median of the spectrum. The smallest probability is multiplied by the number of tests (Bonferroni), so the result is an
+/// upper bound. Fewer than 64 samples and a residual of zeros give 1; numbers that are not finite give 0.
 ///
 /// ```
 /// let noise: Vec<f64> = (0..2000_u32).map(|i| f64::from(i.wrapping_mul(2_654_435_769) >> 16) / 65536.0 - 0.5).collect();
@@ -25,17 +37,13 @@ pub fn chance_of_white(residual: &[f64]) -> f64 {
     if residual.iter().any(|e| !e.is_finite()) {
         return 0.0;
     }
-    if n < FEWEST {
+    if n < MIN_SAMPLES {
         return 1.0;
     }
-    let mut values = residual.to_vec();
-    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(n);
-    let mut spectrum = transform.make_output_vec();
-    // The buffers come from the plan, so the transform cannot fail.
-    let _ = transform.process(&mut values, &mut spectrum);
-    // The mean is a frequency too, but the last bin of an even number has half the freedom.
-    let power: Vec<f64> = spectrum[1..n.div_ceil(2)].iter().map(|z| z.norm_sqr()).collect();
-    let level = median(&mut power.clone()) / std::f64::consts::LN_2;
+    let spectrum = power(&mut residual.to_vec());
+    // Without the mean, and without the last bin of an even length, which has one degree of freedom only.
+    let power = &spectrum[1..n.div_ceil(2)];
+    let level = median(&mut power.to_vec()) / std::f64::consts::LN_2;
     if level <= 0.0 {
         return if power.iter().any(|p| *p > 0.0) { 0.0 } else { 1.0 };
     }
@@ -43,51 +51,54 @@ pub fn chance_of_white(residual: &[f64]) -> f64 {
     let strongest = power.iter().copied().fold(0.0, f64::max) / level;
     let line = bins as f64 * (-strongest).exp();
     let widths: Vec<usize> =
-        std::iter::successors(Some(NARROW), |w| Some(2 * w)).take_while(|w| *w <= bins / 4).collect();
+        std::iter::successors(Some(NARROWEST_BAND), |w| Some(2 * w)).take_while(|w| *w <= bins / 4).collect();
     let band = |&width: &usize| widths.len() as f64 * upper_tail(&power[..width], level);
     (widths.iter().map(band).fold(line, f64::min) * 2.0).min(1.0)
 }
 
-/// The chance of at least so much power in a band: a chi square with two degrees of freedom for each bin (Wilson and Hilferty, PNAS 17 (1931) 684-688).
+/// The probability of at least this power in a band, a chi square with two degrees of freedom for each bin (E. B. Wilson and M. M. Hilferty,
+/// PNAS 17 (1931) 684-688).
 fn upper_tail(power: &[f64], level: f64) -> f64 {
     let m = power.len() as f64;
     let ratio = power.iter().sum::<f64>() / (level * m);
     let z = (ratio.cbrt() - (1.0 - 1.0 / (9.0 * m))) * (9.0 * m).sqrt();
-    // An upper bound of the tail of a normal number, good where it is small.
+    // An upper bound of the tail of the normal distribution, close where it is small.
     if z <= 1.0 { 1.0 } else { (-0.5 * z * z).exp() / (z * (2.0 * std::f64::consts::PI).sqrt()) }
 }
 
-/// `(mean power in the band of the motion / mean power above - 1) sqrt(bins in the band)` of a residual, by a Hann periodogram: about a standard normal number for
-/// white noise, in the hundreds for a missing effect. `motion` is the column, which says where its band ends. 0 for records too short to tell.
+/// How far a residual departs from white noise, in standard deviations.
+///
+/// The score is `(mean power in the band of the motion / mean power above it - 1) * sqrt(bins in the band)` by a Hann periodogram, or the
+/// same for the lowest frequencies alone, or the mean over its standard error, whichever is largest. White noise gives about a standard
+/// normal number, a missing effect hundreds. `motion` is the column itself, which tells where its band ends. Fewer than 64 samples and
+/// columns of two lengths give 0; a residual without any power above the band gives infinity.
 pub fn whiteness_score(residual: &[f64], motion: &[f64]) -> f64 {
     let n = residual.len();
-    if n < 64 || motion.len() != n {
+    if n < MIN_SAMPLES || motion.len() != n {
         return 0.0;
     }
     let (left, column) = (periodogram(residual), periodogram(motion));
     let bins = left.len();
     let edge = band(&column);
-    // The floor: the upper part, without lines.
-    let above = &left[edge..];
-    let floor = trimmed_mean(above);
+    let floor = trimmed_mean(&left[edge..]);
     if floor <= 0.0 {
         return if left[..edge].iter().any(|p| *p > 0.0) { f64::INFINITY } else { 0.0 };
     }
     let inside = left[1..edge].iter().sum::<f64>() / (edge - 1) as f64;
-    // Neighbouring bins of a Hann window are correlated: 1.94 bins count as one.
-    let wide = (inside / floor - 1.0) * ((edge - 1) as f64 / 1.94).sqrt();
-    // Where lines or slow drifts hold it all, a narrow band sees them better.
+    let wide = (inside / floor - 1.0) * ((edge - 1) as f64 / BINS_PER_SAMPLE).sqrt();
+    // A narrow band is more sensitive to lines at low frequencies and to slow drifts.
     let narrow_edge = (bins / 50).clamp(16, edge.max(17) - 1);
     let narrow = left[1..narrow_edge].iter().sum::<f64>() / (narrow_edge - 1) as f64;
-    let narrow = (narrow / floor - 1.0) * ((narrow_edge - 1) as f64 / 1.94).sqrt();
-    // The mean, which the periodogram leaves out: white noise of this floor has one of sqrt(floor / energy of the window / n).
+    let narrow = (narrow / floor - 1.0) * ((narrow_edge - 1) as f64 / BINS_PER_SAMPLE).sqrt();
+    // The periodogram leaves out the mean. Its standard error is sqrt(variance / n), with the variance from the floor; 0.375 is the mean
+    // square of a Hann window.
     let mean = residual.iter().sum::<f64>() / n as f64;
     let variance = floor / (n as f64 * 0.375);
     let level = mean.abs() / (variance / n as f64).sqrt();
     wide.max(narrow).max(level)
 }
 
-/// The bin where the motion's band ends: from there up its power is that of the noise. Between a twentieth and a half of the axis.
+/// The bin where the band of the motion ends: above it the column has the power of its noise. Between a twentieth and a half of the axis.
 fn band(column: &[f64]) -> usize {
     let bins = column.len();
     let floor = trimmed_mean(&column[bins / 2..]);
@@ -102,7 +113,7 @@ fn band(column: &[f64]) -> usize {
     edge.clamp((bins / 20).max(17), (bins / 2).max(18))
 }
 
-/// Mean of exponentially distributed powers from the lower nine tenths.
+/// Mean of exponentially distributed powers, from their lower nine tenths, so that lines do not count.
 fn trimmed_mean(power: &[f64]) -> f64 {
     let mut sorted = power.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);

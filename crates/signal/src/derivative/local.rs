@@ -11,7 +11,8 @@
 
 use std::ops::Range;
 
-use super::{Differentiated, Smoothing, noise_of, uniform_step};
+use super::{Differentiated, Smoothing, noise_of};
+use crate::grid::uniform_step;
 
 /// Squared departure, in variances of the narrower window, that noise explains. Below 6 false alarms dominate.
 const EXPLAINED: f64 = 8.0;

@@ -3,10 +3,11 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
-use super::{Differentiated, Smoothing, noise_of, uniform_step};
+use super::{Differentiated, Smoothing, noise_of};
+use crate::fft::{Forward, Inverse};
+use crate::grid::uniform_step;
 use crate::interpolate::{Interpolation, Signal, SignalError};
 
 pub(super) fn differentiate(time: &[f64], values: &[f64]) -> Result<Differentiated, SignalError> {
@@ -44,14 +45,7 @@ fn uniform(step: f64, values: &[f64], noise: f64, resampled: bool) -> Differenti
         mirrored[i] = v;
         mirrored[period - i] = -v;
     }
-    let mut planner = RealFftPlanner::<f64>::new();
-    let (forward, inverse) = (planner.plan_fft_forward(period), planner.plan_fft_inverse(period));
-    let mut spectrum = forward.make_output_vec();
-    let mut smooth = inverse.make_output_vec();
-    let mut slope = inverse.make_output_vec();
-    // The transforms cannot fail: their buffers come from the plans, and the ends of the spectra are real.
-    let _ = forward.process(&mut mirrored, &mut spectrum);
-
+    let mut spectrum = Forward::new(period).of(&mut mirrored);
     let cut = cut_off(&spectrum, noise, period);
     let omega = |k: usize| 2.0 * PI * k as f64 / (period as f64 * step);
     let scale = 1.0 / period as f64;
@@ -65,8 +59,8 @@ fn uniform(step: f64, values: &[f64], noise: f64, resampled: bool) -> Differenti
         *dz = Complex::new(-omega(k) * amplitude, 0.0);
         passed += 2.0 * (omega(k) * roll_off(k, cut)).powi(2);
     }
-    let _ = inverse.process(&mut spectrum, &mut smooth);
-    let _ = inverse.process(&mut derivative_spectrum, &mut slope);
+    let inverse = Inverse::new(period);
+    let (smooth, slope) = (inverse.of(&mut spectrum), inverse.of(&mut derivative_spectrum));
     let hertz = omega(cut.min(last)) / (2.0 * PI);
     Differentiated {
         values: (0..n).map(|i| smooth[i] + line(i)).collect(),

@@ -5,6 +5,7 @@
 use std::f64::consts::PI;
 
 use super::{Differentiated, Smoothing, noise_of};
+use crate::grid::mean_step;
 
 /// Smoothing length of a spline that passes through all samples for every practical purpose, in samples.
 const SHORTEST: f64 = 0.02;
@@ -34,7 +35,7 @@ struct Fit {
 
 pub(super) fn differentiate(time: &[f64], values: &[f64]) -> Differentiated {
     let n = time.len();
-    let mean_step = (time[n - 1] - time[0]) / (n - 1) as f64;
+    let mean_step = mean_step(time);
     let smoother = Smoother::new(time, values, mean_step);
     let longest = LONGEST.min(n as f64 / 4.0);
     let length = least(SHORTEST.ln(), longest.ln(), |l| smoother.fit(alpha(l.exp())).score).exp();

@@ -1,5 +1,6 @@
 //! The step of a quantised column (an encoder's count, the last digit of a text file).
 
+use crate::statistics::largest;
 use std::collections::BTreeSet;
 
 /// Fewer levels than this are a switching signal, not a quantised motion.
@@ -16,7 +17,7 @@ pub fn rounding_error(values: &[f64]) -> f64 {
 
 /// The smallest change from sample to sample, if samples often repeat, all changes are multiples of it, and there are this many levels.
 pub fn quantum(values: &[f64], least_levels: usize) -> Option<f64> {
-    let scale = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let scale = largest(values);
     let changes = || values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     // Equal up to rounding is equal.
     let same = 1e-12 * scale;

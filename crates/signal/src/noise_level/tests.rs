@@ -1,4 +1,5 @@
 use super::*;
+use crate::autocorrelation::effective_samples;
 use crate::test_signals::{gaussian, noisy, rig_twin, rms, stick_slip};
 
 fn deviation(values: &[f64]) -> f64 {

@@ -1,12 +1,23 @@
-//! The strongest line in the spectrum of a column.
+//! Spectral lines of a column.
+//!
+//! There are two finders, because they answer two questions:
+//!
+//! - [`strongest_line`] asks how a column mainly moves. It takes any time grid, removes the straight line, limits the number of samples,
+//!   interpolates between bins by the ratio of two amplitudes, and says which share of the variance the line holds.
+//! - [`strongest_lines`] asks which tones stand out of a residual or an input. It takes a uniform grid, removes the mean alone,
+//!   compares powers with a noise that may rise with the frequency, and interpolates by a parabola through logarithms.
+//!
+//! Their frequencies agree to a fraction of a bin, not to the last bit.
 
-use crate::trend::{Detrend, Trend};
-use realfft::RealFftPlanner;
+use crate::fft::{hann, periodogram, power};
+use crate::grid::linear_resampled;
+use crate::statistics::largest;
+use crate::trend::without_line;
 
 /// Longer columns are read on a coarser grid: no motion of interest has so many periods.
-const MOST: usize = 1 << 16;
+const MAX_SAMPLES: usize = 1 << 16;
 
-/// A frequency and how much of the motion it is.
+/// A frequency and its share of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
     /// Periods per unit of time.
@@ -15,8 +26,9 @@ pub struct Line {
     pub share: f64,
 }
 
-/// The strongest line of a column, its straight line taken off; uneven grids are resampled. None for a column that does not vary or has
-/// fewer than 16 samples.
+/// The strongest line of a column after its straight line is removed. Uneven grids are resampled.
+///
+/// Returns `None` for a column that does not vary or has fewer than 16 samples.
 ///
 /// ```
 /// let time: Vec<f64> = (0..1000).map(|i| 0.01 * f64::from(i)).collect();
@@ -25,76 +37,40 @@ pub struct Line {
 /// assert!((line.frequency - 1.23).abs() < 0.005 && line.share > 0.9);
 /// ```
 pub fn strongest_line(time: &[f64], values: &[f64]) -> Option<Line> {
-    let n = time.len().min(values.len()).min(MOST);
-    let (first, last) = (*time.first()?, *time.get(values.len().min(time.len()) - 1)?);
+    let samples = time.len().min(values.len());
+    let (time, values) = (&time[..samples], &values[..samples]);
+    let n = samples.min(MAX_SAMPLES);
+    let (first, last) = (*time.first()?, *time.last()?);
     // A comparison that is false for NaN.
     let forward = last - first > 0.0;
     if n < 16 || !forward {
         return None;
     }
     let step = (last - first) / (n - 1) as f64;
-    let mut even = Vec::with_capacity(n);
-    let mut k = 0;
-    for i in 0..n {
-        let t = first + i as f64 * step;
-        while k + 2 < time.len().min(values.len()) && time[k + 1] < t {
-            k += 1;
-        }
-        let part = ((t - time[k]) / (time[k + 1] - time[k])).clamp(0.0, 1.0);
-        even.push(values[k] + part * (values[k + 1] - values[k]));
-    }
-    let trend = Trend::of(&(0..n).map(|i| i as f64).collect::<Vec<_>>(), &even, Detrend::Linear);
-    let mut windowed: Vec<f64> = even
-        .iter()
-        .enumerate()
-        .map(|(i, x)| {
-            let hann = (std::f64::consts::PI * (i as f64 + 0.5) / n as f64).sin().powi(2);
-            hann * (x - trend.offset - trend.slope * (i as f64 - trend.at))
-        })
-        .collect();
-    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(n);
-    let mut spectrum = transform.make_output_vec();
-    transform.process(&mut windowed, &mut spectrum).ok()?;
-    let power: Vec<f64> = spectrum.iter().map(|z| z.norm_sqr()).collect();
+    let even = linear_resampled(time, values, step, n);
+    let mut windowed: Vec<f64> =
+        without_line(&even).iter().enumerate().map(|(i, x)| hann(i, n) * x).collect();
+    let power = power(&mut windowed);
     let total: f64 = power.iter().skip(1).sum();
     let top = (1..power.len().saturating_sub(1)).max_by(|&a, &b| power[a].total_cmp(&power[b]))?;
-    let size = even.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-    if !(total.is_finite() && total > (1e-12 * size * n as f64).powi(2)) {
+    // Rounding leaves this much of a column that does not vary.
+    if !(total.is_finite() && total > (1e-12 * largest(&even) * n as f64).powi(2)) {
         return None;
     }
-    // Between the bins: for the Hann window the ratio of the two largest amplitudes says where.
-    let root = |k: usize| power[k].sqrt();
-    let up = root(top + 1) >= root(top - 1) || top == 1;
-    let ratio = root(if up { top + 1 } else { top - 1 }) / root(top);
+    // Between bins: the Hann window fixes the ratio of the two largest amplitudes.
+    let amplitude = |k: usize| power[k].sqrt();
+    let up = amplitude(top + 1) >= amplitude(top - 1) || top == 1;
+    let ratio = amplitude(if up { top + 1 } else { top - 1 }) / amplitude(top);
     let shift = ((2.0 * ratio - 1.0) / (ratio + 1.0)).clamp(0.0, 0.5);
     let bin = top as f64 + if up { shift } else { -shift };
     let around = power[top.saturating_sub(2).max(1)..(top + 3).min(power.len())].iter().sum::<f64>();
     Some(Line { frequency: bin / (n as f64 * step), share: around / total })
 }
 
-/// Power at the frequencies k/n, k = 0 .. n/2, Hann window, mean removed.
-pub(crate) fn periodogram(values: &[f64]) -> Vec<f64> {
-    let n = values.len();
-    let mean = values.iter().sum::<f64>() / n as f64;
-    let mut windowed: Vec<f64> = values
-        .iter()
-        .enumerate()
-        .map(|(i, v)| (v - mean) * (std::f64::consts::PI * (i as f64 + 0.5) / n as f64).sin().powi(2))
-        .collect();
-    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(n);
-    let mut spectrum = transform.make_output_vec();
-    // The buffers come from the plan, so the transform cannot fail.
-    let _ = transform.process(&mut windowed, &mut spectrum);
-    spectrum.iter().map(|z| z.norm_sqr()).collect()
-}
-
-/// The mean step of a time grid of two samples or more.
-pub fn mean_step(time: &[f64]) -> f64 {
-    (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64
-}
-
-/// The strongest frequencies (rad/s) of a uniformly sampled signal, refined between bins, strongest first. The power of its noise is taken
-/// to rise with this power of the frequency: 4 for the second derivative of white noise.
+/// At most `count` angular frequencies (radians per unit of `step`) of a uniformly sampled column, strongest first.
+///
+/// The power of the noise is taken to rise with the frequency to the power `rise`: 0 for white noise, 4 for its second derivative. Lines
+/// are at least 2.5 bins apart. Fewer than 16 samples give none.
 pub fn strongest_lines(values: &[f64], step: f64, count: usize, rise: i32) -> Vec<f64> {
     let n = values.len();
     if n < 16 {
@@ -122,13 +98,13 @@ pub fn strongest_lines(values: &[f64], step: f64, count: usize, rise: i32) -> Ve
     chosen
 }
 
-/// The part of the variance of values that oscillates at so many radians per sample.
-pub fn tone_share(values: &[f64], turn: f64) -> f64 {
+/// The part of the variance of a column that one frequency holds, given in radians per sample; 0 for a column that does not vary.
+pub fn tone_share(values: &[f64], radians: f64) -> f64 {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     let (mut re, mut im, mut power) = (0.0, 0.0, 0.0);
     for (i, value) in values.iter().enumerate() {
-        let (sin, cos) = (turn * i as f64).sin_cos();
+        let (sin, cos) = (radians * i as f64).sin_cos();
         re += (value - mean) * cos;
         im += (value - mean) * sin;
         power += (value - mean).powi(2);

@@ -1,4 +1,4 @@
-//! How far samples scatter about their mean.
+//! Plain statistics of samples.
 
 /// Root of the mean squared deviation from the mean (divided by n); 0 for nothing.
 ///
@@ -21,4 +21,23 @@ pub fn standard_deviation(values: &[f64]) -> f64 {
 /// ```
 pub fn bounds(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)))
+}
+
+/// The largest absolute value; 0 for nothing.
+pub(crate) fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0_f64, |m, v| m.max(v.abs()))
+}
+
+/// Median by selection; 0 for nothing.
+pub fn median(values: &mut [f64]) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let (middle, odd) = (values.len() / 2, values.len() % 2 == 1);
+    let (low, &mut upper, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    if odd {
+        return upper;
+    }
+    let lower = low.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    0.5 * (lower + upper)
 }
