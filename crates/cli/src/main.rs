@@ -10,7 +10,6 @@ mod commands;
 mod draw;
 mod interrupt;
 mod limit;
-mod new;
 mod outdir;
 mod progress;
 mod sweep;
@@ -47,7 +46,7 @@ fn execute(args: &Args) -> Result<u8> {
         Command::Gap { spec } => commands::gap::gap(spec, options),
         Command::Simulate { spec, record } => commands::simulate::simulate(spec, record.as_deref(), options),
         Command::Check { specs } => Ok(commands::check::check(specs, options)),
-        Command::New(args) => new::command(args, options),
+        Command::New(args) => commands::new::command(args, options),
         Command::Laws { name } => commands::laws::laws(name.as_deref(), options),
         Command::Export(args) => commands::export::export(args, options),
         Command::Completions { shell } => commands::manual::completions(*shell),

@@ -1,7 +1,7 @@
 //! `phisindy new`: writes a commented spec for a data file.
 
 use crate::args::{NewArgs, Options};
-use crate::command::{INPUT, print, remark};
+use crate::terminal::{INPUT, print, remark};
 use crate::{draw, outdir};
 use anyhow::{Result, anyhow};
 use phisindy::files;
