@@ -11,7 +11,7 @@ use phisindy_phys::Sensor;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Changes with every change of the form that a reader could stumble over.
+/// Increases with every change that can break a reader.
 const SCHEMA_VERSION: u32 = 1;
 
 #[derive(Serialize)]
@@ -86,7 +86,7 @@ struct SensorOut {
     offset: f64,
 }
 
-/// A node of an expression; `args` are places in the list that holds the node.
+/// A node of an expression; `args` are indices into the list of nodes.
 #[derive(Serialize)]
 #[serde(untagged)]
 enum NodeOut<'a> {
@@ -95,9 +95,9 @@ enum NodeOut<'a> {
     Operation { args: Vec<usize>, op: &'a str },
 }
 
-/// The text: indented, a line at the end.
+/// The text, indented, with an end of line.
 pub(crate) fn written(subject: &Subject) -> String {
-    // Nothing in there can fail: keys are texts, and every number is finite.
+    // This cannot fail: all keys are strings, and every number is finite.
     serde_json::to_string_pretty(&model(subject)).unwrap_or_default() + "\n"
 }
 
@@ -160,12 +160,12 @@ fn sensor(s: &Sensor) -> SensorOut {
     SensorOut { delay: s.delay.start, gain: s.gain.start, offset: s.offset.start }
 }
 
-/// The name of an operation; the language has none for the negative of a number.
+/// The name of an operation; negation has no name in the language of specs.
 fn named(operation: &'static str) -> &'static str {
     if operation.is_empty() { "neg" } else { operation }
 }
 
-/// An expression as a list, operands before operations and the root last: no reader's stack is too small for it.
+/// An expression as a list, operands before operations and the root last, so that readers need no recursion.
 fn tree<'a>(graph: &Graph, names: &'a Names, root: Id) -> Vec<NodeOut<'a>> {
     let order = graph.reachable(&[root]);
     let place = |id: Id| order.binary_search(&id).unwrap_or_default();

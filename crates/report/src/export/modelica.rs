@@ -1,4 +1,5 @@
-//! A model in Modelica: contacts are friction elements with modes, as in the standard library, and the tool solves those that stick together.
+//! A model in Modelica: contacts are friction elements with modes, as in the standard library; the tool
+//! solves contacts that stick together.
 
 use super::functions::stem_of_temporaries;
 use super::head::head;
@@ -9,7 +10,7 @@ use phisindy_expr::{Id, Language, Naming, Node, Scratch, Symbol, Tape};
 use std::collections::HashMap;
 use std::fmt::Write;
 
-/// How far off rest friction is looked at that is singular there, for speeds of about 1 m/s.
+/// Distance from rest at which singular friction is evaluated, for speeds of about 1 m/s.
 const OFF_SURFACE: f64 = 1e-6;
 
 /// The text of the model.
@@ -22,7 +23,7 @@ pub(crate) fn written(subject: &Subject, name: &str) -> String {
     };
     let [friction, load, speed, locked, forward, backward, mode, floor] =
         ["friction", "load", "speed", "locked", "forward", "backward", "mode", "floor"].map(&mut fresh);
-    // The margin serves the rounding of our own simulation; the side of what is locked is 0.
+    // Margins account for rounding in our own simulation only; the side of a locked contact is 0.
     let mut graph = s.graph.clone();
     let zero = graph.constant(0.0);
     let without: HashMap<Id, Id> = s.margins.iter().map(|&id| (id, zero)).collect();
@@ -146,7 +147,8 @@ pub(crate) fn written(subject: &Subject, name: &str) -> String {
     out
 }
 
-/// Friction that is singular or vanishes at rest is looked at a little off it: the floor under `|w|`, decided at the start state.
+/// The floor under `|w|`: friction that is singular or vanishes at rest is evaluated slightly off rest.
+/// Decided at the start state.
 fn floor_at_start(subject: &Subject, k: usize) -> f64 {
     let s = &subject.switched;
     if !s.switches[k].shaped {
@@ -175,8 +177,7 @@ fn floor_at_start(subject: &Subject, k: usize) -> f64 {
     if rest.is_finite() && (rest >= near || !near.is_finite()) { 0.0 } else { OFF_SURFACE }
 }
 
-/// A text as Modelica writes it.
-/// `(unit = "...")`; Modelica writes products with a point.
+/// `(unit = "...")`; Modelica writes products with a dot.
 fn unit(unit: &str) -> String {
     if unit.is_empty() { String::new() } else { format!("(unit = {})", quoted(&pointed(unit))) }
 }

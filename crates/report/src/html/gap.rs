@@ -26,7 +26,7 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     let mut page = Page::new(input, banner(found, ending));
     add_remarks(&mut page, &found.warnings, input.doubts, &notes(input));
     page.figures("The gap", vec![shrink::chart(found)]);
-    // What holds of several steps is said once.
+    // A remark that applies to several steps is made once.
     let mut told = Vec::new();
     let mut missing = Vec::new();
     for (k, step) in found.steps.iter().enumerate() {
@@ -61,7 +61,7 @@ fn banner(found: &Gap, how: Ending) -> Banner {
         Status::Explained => (Tone::Good, "Explained"),
         Status::Unexplained => (Tone::Open, "Unexplained"),
     };
-    // The headline has said the first word.
+    // The headline already states the status.
     let words = ending(found);
     let words = words.split_once(": ").map_or(words.as_str(), |(_, rest)| rest);
     let stopped = how
@@ -74,7 +74,7 @@ fn banner(found: &Gap, how: Ending) -> Banner {
     }
 }
 
-/// A step: law, place, numbers, its picture, and of rivals and vetoes what was not `told` before.
+/// A step: law, place, parameters, picture, and the remarks about rivals and vetoes that are not in `told`.
 fn shown(
     number: Option<usize>,
     s: &Step,

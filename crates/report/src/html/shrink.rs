@@ -1,4 +1,4 @@
-//! The gap as it shrinks, effect by effect: bars on a logarithmic axis.
+//! The gap after each effect: bars on a logarithmic axis.
 
 use crate::chart::{Axis, Chart, Mark, Panel, Place, Scale, WIDTH, digits, word};
 use crate::gap::whose;
@@ -30,7 +30,7 @@ pub(crate) fn chart(found: &Gap) -> (Chart, String) {
     let bar = |k: usize, value: f64| {
         let y = 1.0 - (k as f64 + 0.5) / rows.len() as f64;
         let half = 0.2 / rows.len() as f64;
-        // Lower in its row: the name stands above.
+        // The bar stands low in its row, below its name.
         (from, value, y - half - 0.4 * half, y + half - 0.4 * half)
     };
     let boxes = |of: std::ops::Range<usize>, class| Mark::Boxes {

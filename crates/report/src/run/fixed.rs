@@ -1,4 +1,4 @@
-//! What was held: the constants and sensor parameters that the fit did not move, and at which values.
+//! Constants and sensor parameters that the fit did not move, with their values.
 
 use crate::input::Input;
 use crate::table::short;
@@ -7,20 +7,20 @@ use phisindy_phys::spec::{ConstantSpec, DataSpec, Role};
 use phisindy_phys::unit::Unit;
 use serde::Serialize;
 
-/// A number that was held.
+/// A number that the fit did not move.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Held {
     /// `m`, or `x.delay` for a sensor.
     name: String,
     /// In `unit`.
     value: f64,
-    /// As the spec writes it; empty for numbers in SI whose unit it does not say.
+    /// Unit as the spec writes it; empty for an SI number without a stated unit.
     unit: String,
-    /// The record whose own it is; none for what all records share.
+    /// The record that has this value; none if all records share it.
     record: Option<String>,
 }
 
-/// Everything that was held, in the order of the spec: constants, those of the records, sensors.
+/// All fixed numbers in the order of the spec: constants, constants of records, sensors.
 pub(crate) fn held(input: Input<'_>, found: &Identified) -> Vec<Held> {
     let mut all = constants(input, found);
     let (spec, system, records) = (input.spec, &input.case.system, input.records);
@@ -57,7 +57,7 @@ pub(crate) fn held(input: Input<'_>, found: &Identified) -> Vec<Held> {
                     SensorPart::Gain => &s.gain,
                     SensorPart::Delay => &s.delay,
                 };
-                // A constant of the case is listed as such.
+                // Shared constants are listed as constants.
                 let told =
                     parameter.shared.is_none() && (parameter.start != idle || parameter.within.is_some());
                 (told && !moved(r)).then(|| (parameter.start / factor(unit), unit.to_owned()))
@@ -68,7 +68,7 @@ pub(crate) fn held(input: Input<'_>, found: &Identified) -> Vec<Held> {
     all
 }
 
-/// Constants of the case that did not move.
+/// Constants of the spec that did not move.
 fn constants(input: Input<'_>, found: &Identified) -> Vec<Held> {
     let system = &input.case.system;
     let moved = |name: &str| {
@@ -90,7 +90,8 @@ fn constants(input: Input<'_>, found: &Identified) -> Vec<Held> {
     input.spec.constants.iter().filter_map(stands).collect()
 }
 
-/// One number for all Fit records, or one for each of them. (A Validate record has those of the run that it continues, or finds its own.)
+/// One number for all Fit records, or one for each of them. (A Validate record has the numbers of the run
+/// that it continues, or fits its own.)
 fn of_records(name: &str, input: Input<'_>, value: &dyn Fn(usize) -> Option<(f64, String)>) -> Vec<Held> {
     let fitted: Vec<usize> =
         (0..input.records.len()).filter(|&r| input.records[r].role == Role::Fit).collect();
@@ -107,7 +108,7 @@ fn of_records(name: &str, input: Input<'_>, value: &dyn Fn(usize) -> Option<(f64
     all
 }
 
-/// `held: m = 3.0799 kg, N = 2.4525 N [250 g] and 4.4145 N [450 g]`; none if nothing was held.
+/// `held: m = 3.0799 kg, N = 2.4525 N [250 g] and 4.4145 N [450 g]`; none without fixed numbers.
 pub(crate) fn line(all: &[Held]) -> Option<String> {
     let mut words: Vec<(&str, Vec<String>)> = Vec::new();
     for h in all {
@@ -124,7 +125,7 @@ pub(crate) fn line(all: &[Held]) -> Option<String> {
     (!each.is_empty()).then(|| format!("held: {}", each.join(", ")))
 }
 
-/// The unit that a constant states.
+/// The stated unit of a constant.
 fn unit_of(constant: &ConstantSpec) -> String {
     let unit = match constant {
         ConstantSpec::Number { unit, .. } => unit.as_ref(),

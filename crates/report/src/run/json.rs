@@ -1,4 +1,5 @@
-//! A result as JSON: the keys are a contract with users (DESIGN.md section 4). Numbers that are not finite become null.
+//! The result of `run` as JSON: the keys are a contract with users. Numbers that are not
+//! finite become null.
 
 use super::contribution::{Contribution, contribution};
 use super::fixed::Held;
@@ -15,7 +16,7 @@ struct Outcome<'a> {
     method: &'a str,
     verdict: &'a str,
     reason: Option<String>,
-    /// Which free runs the verdict rests on.
+    /// The free runs that the verdict rests on.
     basis: String,
     equations: Vec<EquationOut<'a>>,
     parameters: Vec<ParameterOut<'a>>,
@@ -42,16 +43,16 @@ struct EquationOut<'a> {
 struct TermOut<'a> {
     candidate: &'a str,
     coefficient: f64,
-    /// SI; `1` is a plain number, and empty is what the spec does not determine.
+    /// SI; `1` for a plain number, empty if the spec does not determine it.
     unit: String,
     std_error: f64,
     ci95: [f64; 2],
-    /// What the spec allows; null where it sets no bound.
+    /// Bounds of the spec; null for none.
     bounds: [f64; 2],
     at_bound: bool,
-    /// The force behind a coefficient that is a rate.
+    /// The coefficient times the inertia of the state.
     force: Option<ForceOut>,
-    /// What it does along the motion.
+    /// Its contribution to the motion.
     contribution: Option<Contribution>,
 }
 
@@ -90,7 +91,7 @@ struct PointOut {
     nrmse: Option<f64>,
 }
 
-/// One line.
+/// The result on one line.
 pub(crate) fn line(report: &RunReport<'_>) -> String {
     let (system, found) = (&report.input.case.system, report.found);
     let equations = report.equations.iter().map(|equation| {
@@ -152,6 +153,6 @@ pub(crate) fn line(report: &RunReport<'_>) -> String {
         seconds: report.ending.seconds,
         version: env!("CARGO_PKG_VERSION"),
     };
-    // Nothing in there can fail: keys are texts, and numbers that are not finite are null.
+    // This cannot fail: all keys are strings, and numbers that are not finite become null.
     serde_json::to_string(&outcome).unwrap_or_default()
 }

@@ -25,7 +25,7 @@ pub(crate) fn plain(report: &RunReport<'_>) -> String {
     lines.join("\n") + "\n"
 }
 
-/// All that is not an equation, as lines.
+/// Everything but the equations, as lines.
 fn details(report: &RunReport<'_>) -> Vec<String> {
     let found = report.found;
     let mut lines = vec![String::new()];
@@ -64,7 +64,7 @@ fn details(report: &RunReport<'_>) -> Vec<String> {
         lines.push(String::new());
         lines.extend(report.warnings.iter().flat_map(|w| w.lines()).map(|w| format!("warning: {w}")));
     }
-    // Titles and names may hold ends of lines, behind which nothing would be a comment.
+    // Titles and names may contain line ends, after which the text would not be a comment.
     lines.into_iter().map(|line| line.replace(['\n', '\r'], " ")).collect()
 }
 
@@ -127,7 +127,7 @@ fn words(words: &[&str]) -> Vec<String> {
     words.iter().map(|w| (*w).to_owned()).collect()
 }
 
-/// Value, error, interval.
+/// Value, standard error, interval.
 fn estimate(e: &Estimate, factor: f64) -> [String; 3] {
     let interval = interval(e.ci95.0 / factor, e.ci95.1 / factor);
     [short(e.value / factor), short(e.std_error / factor), interval]
