@@ -5,7 +5,7 @@ mod report;
 mod text;
 
 pub use report::GapReport;
-pub(crate) use text::{ending, rivals, vetoes, whose};
+pub(crate) use text::{basis, outcome, rivals, vetoes};
 
 use crate::format::Format;
 

@@ -15,7 +15,7 @@ mod mathml;
 mod motion;
 mod page;
 mod regimes;
-mod repeat;
+mod reproduction;
 mod residual;
 mod run;
 mod selection;
@@ -48,7 +48,7 @@ pub fn refusal(spec: &str, text: Option<&str>, mistakes: &str, invocation: &Invo
     };
     let mut page = Page::of_refusal(spec, banner);
     page.section("What is wrong", [block(mistakes.trim_end(), "mistakes")]);
-    page.section("To repeat it", repeat::command(None, spec, text, invocation));
+    page.section("To repeat it", reproduction::command(None, spec, text, invocation));
     page.html()
 }
 
@@ -61,7 +61,7 @@ pub fn failure(why: &str, diverged: bool, input: Input<'_>, invocation: &Invocat
     add_remarks(&mut page, &[], input.doubts, &data::notes(input));
     let seen = data::measured(input);
     page.figures("Measured", motion::charts(&seen));
-    repeat::add(&mut page, input, invocation);
+    reproduction::add(&mut page, input, invocation);
     page.html()
 }
 

@@ -56,7 +56,7 @@ pub(crate) fn gap(spec: &Path, options: &Options) -> Result<u8> {
     };
     let ending =
         Ending { seconds: begin.elapsed().as_secs_f64(), stopped: found.stopped.then(interrupt::reason) };
-    let report = GapReport { input: loaded.input(), found: &found, catalogue: &catalogue, ending };
+    let report = GapReport { input: loaded.input(), gap: &found, catalogue: &catalogue, ending };
     if !options.quiet {
         report.notes().for_each(|w| remark(&format!("note: {w}")));
     }

@@ -140,7 +140,7 @@ pub(crate) fn lines(report: &GapReport<'_>) -> String {
 }
 
 fn outcome<'a>(report: &GapReport<'a>) -> Outcome<'a> {
-    let GapReport { input, found, ending, .. } = *report;
+    let GapReport { input, gap: found, ending, .. } = *report;
     Outcome {
         doubts: input.doubts,
         last: FinalGap { fit: found.after.0, validate: found.after.1, within_errors: found.carried },

@@ -13,11 +13,11 @@ const BAR: usize = 24;
 
 /// The text: first a bar for each step, then the steps with their numbers, then the outcome.
 pub(crate) fn text(report: &GapReport<'_>) -> String {
-    let GapReport { found, catalogue, ending: how, .. } = *report;
+    let GapReport { gap: found, catalogue, ending: how, .. } = *report;
     let mut out: Vec<String> = Vec::new();
     let shown = |(fit, validate): (f64, Option<f64>)| validate.unwrap_or(fit);
     let before = shown(found.before);
-    let which = whose(found);
+    let which = basis(found);
     out.push(format!("gap {which}, in units of the noise (1 is perfect)"));
     out.push(format!("  {:>8}  {}  the model as it is", short(before), bar(before, before)));
     for s in found.steps.iter().chain(&found.partial) {
@@ -82,18 +82,18 @@ pub(crate) fn text(report: &GapReport<'_>) -> String {
         out.push(format!("{record} ({role}): NRMSE of {column} {a:.4} -> {b:.4}"));
     }
     out.extend(how.stopped_words().map(|stopped| format!("{stopped} before the end; so far:")));
-    out.push(ending(found));
+    out.push(outcome(found));
     out.push(format!("{:.1} s", how.seconds));
     out.join("\n") + "\n"
 }
 
 /// The data that the shown gap refers to.
-pub(crate) fn whose(found: &Gap) -> &'static str {
+pub(crate) fn basis(found: &Gap) -> &'static str {
     if found.before.1.is_some() { "on data not used" } else { "on the fitted data" }
 }
 
 /// The outcome in words, its status first.
-pub(crate) fn ending(found: &Gap) -> String {
+pub(crate) fn outcome(found: &Gap) -> String {
     let shown = |(fit, validate): (f64, Option<f64>)| validate.unwrap_or(fit);
     let (before, last) = (shown(found.before), shown(found.after));
     match found.status {
@@ -101,16 +101,16 @@ pub(crate) fn ending(found: &Gap) -> String {
             format!(
                 "nothing-missing: the model explains the data to their noise (gap {}{})",
                 short(last),
-                hangs(found)
+                sensitivity(found)
             )
         }
         Status::Explained => {
-            let why = match hangs(found) {
-                hangs if !hangs.is_empty() => hangs,
+            let why = match sensitivity(found) {
+                words if !words.is_empty() => words,
                 _ if last > NOISE => ", which is about what the motion itself repeats to".into(),
                 _ => String::new(),
             };
-            format!("explained: the gap {} went from {} to {}{why}", whose(found), short(before), short(last))
+            format!("explained: the gap {} went from {} to {}{why}", basis(found), short(before), short(last))
         }
         Status::Unexplained => {
             let place = found
@@ -131,7 +131,7 @@ pub(crate) fn ending(found: &Gap) -> String {
 
 /// If the motion on Validate records is sensitive to uncertain parameters: the gap that remains when these
 /// move within their errors.
-fn hangs(found: &Gap) -> String {
+fn sensitivity(found: &Gap) -> String {
     match (found.after.1, found.carried) {
         (Some(gap), Some(left)) if gap > NOISE && left < NOISE => {
             format!(

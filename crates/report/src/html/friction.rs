@@ -95,12 +95,12 @@ impl Axes<'_> {
     }
 
     fn curve(&self, number: usize, name: Option<&str>, curve: &Curve) -> (Chart, String) {
-        let along = |values: &[f64]| -> Vec<(f64, f64)> {
+        let against_velocity = |values: &[f64]| -> Vec<(f64, f64)> {
             curve.velocity.iter().copied().zip(values.iter().copied()).collect()
         };
         let mut entries: Vec<Entry> = vec![("model", Swatch::Line, "identified".to_owned())];
         let mut marks = Vec::new();
-        let mut points = along(&curve.value);
+        let mut points = against_velocity(&curve.value);
         if let Some(band) = &curve.band {
             let area = curve.velocity.iter().zip(band).map(|(v, (a, b))| (*v, *a, *b)).collect();
             marks.push(Mark::Band { class: "band", points: area });
@@ -108,11 +108,11 @@ impl Axes<'_> {
             points.extend(curve.velocity.iter().zip(band).flat_map(|(v, (a, b))| [(*v, *a), (*v, *b)]));
         }
         marks.push(Mark::Level { class: "zero", y: 0.0 });
-        marks.push(Mark::Line { class: "model", points: along(&curve.value) });
+        marks.push(Mark::Line { class: "model", points: against_velocity(&curve.value) });
         if let Some(truth) = &curve.truth {
-            marks.push(Mark::Line { class: "truth", points: along(truth) });
+            marks.push(Mark::Line { class: "truth", points: against_velocity(truth) });
             entries.push(("truth", Swatch::Line, "truth".to_owned()));
-            points.extend(along(truth));
+            points.extend(against_velocity(truth));
         }
         let of = name.map_or(String::new(), |name| format!(", {name}"));
         let title = format!("Identified {} in the equation of {}{of}", self.what, self.state);

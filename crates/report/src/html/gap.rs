@@ -3,11 +3,11 @@
 use super::data::{Model, Seen, notes};
 use super::page::{Banner, Page, Tone, add_remarks, capital, paragraph};
 use super::table::{Cell, code, in_unit, parameters, table, text};
-use super::{force, map, mathml, motion, repeat, residual, shrink};
+use super::{force, map, mathml, motion, reproduction, residual, shrink};
 use crate::chart::digits;
 use crate::equation::equations;
 use crate::format::role_name as role;
-use crate::gap::{GapReport, ending, rivals, vetoes};
+use crate::gap::{GapReport, outcome, rivals, vetoes};
 use crate::input::{Ending, Invocation};
 use crate::markup::{Element, element};
 use phisindy_gap::{Entry, Gap, Region, Status, Step};
@@ -15,7 +15,7 @@ use phisindy_phys::{SourceId, check_names, spec};
 
 /// The page.
 pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
-    let GapReport { input, found, catalogue, ending } = *report;
+    let GapReport { input, gap: found, catalogue, ending } = *report;
     let (was, now) = (&found.was, &found.simulated);
     let seen = Seen {
         system: &input.case.system,
@@ -51,7 +51,7 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     page.section("Records", [records(found), repeatability(found)].into_iter().flatten());
     page.figures("What is left", residual::charts(&seen));
     page.section("Parameters", parameters(&found.parameters));
-    repeat::add(&mut page, input, invocation);
+    reproduction::add(&mut page, input, invocation);
     page
 }
 
@@ -62,7 +62,7 @@ fn banner(found: &Gap, how: Ending) -> Banner {
         Status::Unexplained => (Tone::Open, "Unexplained"),
     };
     // The headline already states the status.
-    let words = ending(found);
+    let words = outcome(found);
     let words = words.split_once(": ").map_or(words.as_str(), |(_, rest)| rest);
     let stopped = how
         .stopped_words()

@@ -70,23 +70,23 @@ fn below_labels(time: &Axis, place: Place) -> Vec<crate::markup::Element> {
 type Values<'v> = dyn Fn(usize, &[f64]) -> Option<Vec<f64>> + 'v;
 
 fn panel(seen: &Seen<'_>, chain: &[usize], column: &Column<'_>, time: &Axis, labelled: bool) -> Panel {
-    let along = |values: &Values<'_>| -> Vec<(f64, f64)> {
-        let mut points = Vec::new();
+    let points = |values: &Values<'_>| -> Vec<(f64, f64)> {
+        let mut all = Vec::new();
         for (r, samples) in &column.parts {
             let Some(values) = values(*r, samples) else { continue };
-            points.extend(seen.records[*r].time.iter().copied().zip(values));
+            all.extend(seen.records[*r].time.iter().copied().zip(values));
             // Separate runs are not joined by a line.
-            points.push((f64::NAN, f64::NAN));
+            all.push((f64::NAN, f64::NAN));
         }
-        points
+        all
     };
     let simulated = |model: &Model<'_>| {
-        along(&|r, samples: &[f64]| {
+        points(&|r, samples: &[f64]| {
             let residual = model.residual(r, column.name)?;
             Some(samples.iter().zip(residual).map(|(y, e)| y - e).collect())
         })
     };
-    let measured = along(&|_, samples: &[f64]| Some(samples.to_vec()));
+    let measured = points(&|_, samples: &[f64]| Some(samples.to_vec()));
     let model = seen.model.as_ref().map(simulated).unwrap_or_default();
     let was = seen.was.as_ref().map(simulated).unwrap_or_default();
     let (low, high) = Axis::around("", "", measured.iter().map(|p| p.1)).ends();

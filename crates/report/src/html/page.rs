@@ -19,7 +19,7 @@ pub(crate) enum Tone {
 
 impl Tone {
     /// Class and sign, so that the tone does not depend on colour alone.
-    fn look(self) -> (&'static str, &'static str) {
+    fn class_and_sign(self) -> (&'static str, &'static str) {
         match self {
             Tone::Good => ("good", "✓"),
             Tone::Bad => ("bad", "✕"),
@@ -106,7 +106,7 @@ impl Page {
     }
 
     fn page(&self) -> String {
-        let (class, sign) = self.banner.tone.look();
+        let (class, sign) = self.banner.tone.class_and_sign();
         let meta = |name: &str, content: &str| element("meta").with("name", name).with("content", content);
         let head = element("head")
             .add(element("meta").with("charset", "utf-8"))

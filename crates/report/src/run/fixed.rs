@@ -9,7 +9,7 @@ use serde::Serialize;
 
 /// A number that the fit did not move.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct Held {
+pub(crate) struct FixedValue {
     /// `m`, or `x.delay` for a sensor.
     name: String,
     /// In `unit`.
@@ -21,7 +21,7 @@ pub(crate) struct Held {
 }
 
 /// All fixed numbers in the order of the spec: constants, constants of records, sensors.
-pub(crate) fn held(input: Input<'_>, found: &Identified) -> Vec<Held> {
+pub(crate) fn fixed_values(input: Input<'_>, found: &Identified) -> Vec<FixedValue> {
     let mut all = constants(input, found);
     let (spec, system, records) = (input.spec, &input.case.system, input.records);
     for (k, (name, _)) in system.record_constants.iter().enumerate() {
@@ -69,7 +69,7 @@ pub(crate) fn held(input: Input<'_>, found: &Identified) -> Vec<Held> {
 }
 
 /// Constants of the spec that did not move.
-fn constants(input: Input<'_>, found: &Identified) -> Vec<Held> {
+fn constants(input: Input<'_>, found: &Identified) -> Vec<FixedValue> {
     let system = &input.case.system;
     let moved = |name: &str| {
         let moves = |p: &phisindy_learn::FoundParameter| {
@@ -85,22 +85,26 @@ fn constants(input: Input<'_>, found: &Identified) -> Vec<Held> {
     let stands = |(name, constant): &(phisindy_phys::spec::Text, ConstantSpec)| {
         let name = name.value.clone();
         let value = value(&name, constant).filter(|_| !moved(&name))?;
-        Some(Held { name, value, unit: unit_of(constant), record: None })
+        Some(FixedValue { name, value, unit: unit_of(constant), record: None })
     };
     input.spec.constants.iter().filter_map(stands).collect()
 }
 
 /// One number for all Fit records, or one for each of them. (A Validate record has the numbers of the run
 /// that it continues, or fits its own.)
-fn of_records(name: &str, input: Input<'_>, value: &dyn Fn(usize) -> Option<(f64, String)>) -> Vec<Held> {
+fn of_records(
+    name: &str,
+    input: Input<'_>,
+    value: &dyn Fn(usize) -> Option<(f64, String)>,
+) -> Vec<FixedValue> {
     let fitted: Vec<usize> =
         (0..input.records.len()).filter(|&r| input.records[r].role == Role::Fit).collect();
     let entry = |&r: &usize| {
         let (value, unit) = value(r)?;
-        Some(Held { name: name.to_owned(), value, unit, record: Some(input.records[r].name.clone()) })
+        Some(FixedValue { name: name.to_owned(), value, unit, record: Some(input.records[r].name.clone()) })
     };
-    let mut all: Vec<Held> = fitted.iter().filter_map(entry).collect();
-    let same = |h: &Held| (h.value, &h.unit) == (all[0].value, &all[0].unit);
+    let mut all: Vec<FixedValue> = fitted.iter().filter_map(entry).collect();
+    let same = |h: &FixedValue| (h.value, &h.unit) == (all[0].value, &all[0].unit);
     if all.len() == fitted.len() && all.iter().all(same) {
         all.truncate(1);
         all.iter_mut().for_each(|h| h.record = None);
@@ -109,7 +113,7 @@ fn of_records(name: &str, input: Input<'_>, value: &dyn Fn(usize) -> Option<(f64
 }
 
 /// `held: m = 3.0799 kg, N = 2.4525 N [250 g] and 4.4145 N [450 g]`; none without fixed numbers.
-pub(crate) fn line(all: &[Held]) -> Option<String> {
+pub(crate) fn line(all: &[FixedValue]) -> Option<String> {
     let mut words: Vec<(&str, Vec<String>)> = Vec::new();
     for h in all {
         let value = format!("{} {}", short(h.value), h.unit);

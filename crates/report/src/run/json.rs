@@ -2,7 +2,7 @@
 //! finite become null.
 
 use super::contribution::{Contribution, contribution};
-use super::fixed::Held;
+use super::fixed::FixedValue;
 use super::report::RunReport;
 use crate::format::{method_name as method, role_name as role};
 use phisindy_learn::{Estimate, Verdict};
@@ -20,7 +20,8 @@ struct Outcome<'a> {
     basis: String,
     equations: Vec<EquationOut<'a>>,
     parameters: Vec<ParameterOut<'a>>,
-    held: &'a [Held],
+    #[serde(rename = "held")]
+    fixed: &'a [FixedValue],
     records: Vec<RecordOut<'a>>,
     noise_model: String,
     selection: Vec<PointOut>,
@@ -93,7 +94,7 @@ struct PointOut {
 
 /// The result on one line.
 pub(crate) fn line(report: &RunReport<'_>) -> String {
-    let (system, found) = (&report.input.case.system, report.found);
+    let (system, found) = (&report.input.case.system, report.identified);
     let equations = report.equations.iter().map(|equation| {
         let here = found.terms.iter().filter(|f| system.terms[f.term].state == equation.state);
         let terms = here.map(|f| {
@@ -143,7 +144,7 @@ pub(crate) fn line(report: &RunReport<'_>) -> String {
         basis: report.basis(),
         equations: equations.collect(),
         parameters: parameters.collect(),
-        held: &report.held,
+        fixed: &report.fixed,
         records: records.collect(),
         noise_model: found.noise_model.to_string(),
         selection: selection.collect(),

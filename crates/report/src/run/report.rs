@@ -1,6 +1,6 @@
 //! The result of `run` with everything that a report adds to it.
 
-use super::fixed::{self, Held};
+use super::fixed::{FixedValue, fixed_values};
 use crate::equation::{Equation, equations};
 use crate::input::{Ending, Input};
 use crate::table::short;
@@ -13,11 +13,11 @@ pub struct RunReport<'a> {
     /// The case and its records.
     pub(crate) input: Input<'a>,
     /// The identified model.
-    pub(crate) found: &'a Identified,
+    pub(crate) identified: &'a Identified,
     /// Its equations.
     pub(crate) equations: Vec<Equation>,
     /// Numbers that the fit did not move.
-    pub(crate) held: Vec<Held>,
+    pub(crate) fixed: Vec<FixedValue>,
     /// Warnings of the identification, without the notes.
     pub warnings: Vec<String>,
     /// How the data were processed before the identification.
@@ -42,21 +42,21 @@ impl<'a> RunReport<'a> {
                 if warning.is_note() { &mut notes } else { &mut warnings }.push(text);
             }
         }
-        let held = fixed::held(input, found);
-        RunReport { input, found, equations, held, warnings, notes, ending }
+        let fixed = fixed_values(input, found);
+        RunReport { input, identified: found, equations, fixed, warnings, notes, ending }
     }
 
     /// The free runs that the verdict rests on, in words.
     pub(crate) fn basis(&self) -> String {
         let validated: Vec<&RecordFit> =
-            self.found.records.iter().filter(|r| r.role == Role::Validate).collect();
+            self.identified.records.iter().filter(|r| r.role == Role::Validate).collect();
         let worst = |records: &[&RecordFit]| {
             let worst = records.iter().max_by(|a, b| a.worst().total_cmp(&b.worst()));
             worst.map_or(String::new(), |r| format!("NRMSE up to {} ({})", short(r.worst()), r.name))
         };
         match validated.len() {
             0 => {
-                let fitted: Vec<&RecordFit> = self.found.records.iter().collect();
+                let fitted: Vec<&RecordFit> = self.identified.records.iter().collect();
                 format!(
                     "rests on the fitted records alone, run freely: {}; none has the role Validate",
                     worst(&fitted)
@@ -73,7 +73,7 @@ impl<'a> RunReport<'a> {
         let system = &self.input.case.system;
         let term = &system.terms[found.term];
         let (unit, inertia) = (term.force?, system.inertia[term.state]?);
-        let moved = self.found.parameters.iter().filter(|p| p.id.record().is_none());
+        let moved = self.identified.parameters.iter().filter(|p| p.id.record().is_none());
         let values: Vec<_> = moved
             .filter_map(|p| Some((system.parameters[p.id.constant()?].node, p.estimate.value)))
             .collect();

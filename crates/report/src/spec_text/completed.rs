@@ -14,7 +14,7 @@ pub const COMPLETED: &str = "completed.ron";
 
 /// The text of `completed.ron`, and why it lacks start states and sensors, if it does.
 pub fn completed(report: &GapReport<'_>) -> (String, Option<String>) {
-    let GapReport { input, found, .. } = *report;
+    let GapReport { input, gap: found, .. } = *report;
     let measured = input.case.records.iter().any(|plan| matches!(plan.origin, Origin::Csv(_)));
     let data = if measured {
         " --data DIR      (DIR: where its data files are)"
@@ -40,13 +40,13 @@ pub fn completed(report: &GapReport<'_>) -> (String, Option<String>) {
 ///
 /// # Errors
 /// In words: the text has no place for a value.
-fn filled(loaded: Input<'_>, found: &Gap) -> Result<String, String> {
+fn filled(input: Input<'_>, found: &Gap) -> Result<String, String> {
     let mut text = Text(found.completed.clone());
     let (spec, _) = spec::read(&text.0, SourceId(0)).map_err(|d| first(&d))?;
     let measured = |r: usize| matches!(spec.data.get(r), Some(DataSpec::Csv(_)));
     for p in &found.parameters {
         let (Some(owner), Some((column, part))) = (p.id.record(), sensor_of(p)) else { continue };
-        for r in records_of(loaded, owner) {
+        for r in records_of(input, owner) {
             let at = r.to_string();
             if let Some(find) = spec.data.get(r).and_then(|data| searched(data, column, part)) {
                 let factor =
