@@ -1,4 +1,4 @@
-//! The result of `gap` as JSON: the keys are a contract with users (docs/reference.md).
+//! The result of `gap` as JSON: the keys are a contract with users.
 //!
 //! Keys are in alphabetical order, which is the order of the fields here. Numbers that are not finite become
 //! null.

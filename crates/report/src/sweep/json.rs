@@ -1,4 +1,4 @@
-//! The result of a sweep as JSON: the keys are a contract with users (docs/reference.md).
+//! The result of a sweep as JSON: the keys are a contract with users.
 //!
 //! Keys are in alphabetical order, which is the order of the fields here. Numbers that are not finite become
 //! null.
@@ -65,7 +65,7 @@ struct FailureOut<'a> {
 }
 
 /// The result on one line.
-pub fn json(sweep: &SweepRuns<'_>) -> String {
+pub(super) fn line(sweep: &SweepRuns<'_>) -> String {
     let statistics = sweep.statistics();
     let mut cells: Vec<CellOut<'_>> =
         sweep.cells.iter().zip(&statistics).map(|(cell, statistics)| cell_out(cell, statistics)).collect();

@@ -22,7 +22,7 @@ fn words(words: &[&str]) -> Vec<String> {
 }
 
 /// The table as lines. It depends only on the runs, not on their duration.
-pub fn table(sweep: &SweepRuns<'_>) -> Vec<String> {
+pub(super) fn table(sweep: &SweepRuns<'_>) -> Vec<String> {
     let (first, last) = (sweep.first, sweep.first.wrapping_add(sweep.seeds - 1));
     let name = if sweep.title.is_empty() {
         sweep.spec.to_owned()
