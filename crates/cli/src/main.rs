@@ -1,4 +1,4 @@
-//! `phisindy`: the program around the crates. The only one that reads and writes files, and that draws.
+//! `phisindy`: the program around the libraries, and the only crate that reads and writes files.
 //!
 //! ```text
 //! args --> commands --> load (spec, data files) --> phisindy_learn, phisindy_gap --> phisindy_report --> terminal, outdir
@@ -20,15 +20,13 @@ use anyhow::{Context, Result};
 use clap::Parser;
 use std::io;
 use std::process::ExitCode;
-// The commands that move to crates of their own still call it so.
-use terminal as command;
 
 fn main() -> ExitCode {
     let args = Args::parse();
     interrupt::listen(args.options.limit.unwrap_or_default());
     match execute(&args) {
         Ok(code) => ExitCode::from(code),
-        // Whoever read the result has read enough.
+        // The reader of the result has closed the pipe.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             terminal::complain(&format!("{error:#}"));
@@ -37,7 +35,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Does what the command line says, and returns the exit code.
+/// Executes a command and returns the exit code.
 fn execute(args: &Args) -> Result<u8> {
     let options = &args.options;
     start_threads(options)?;

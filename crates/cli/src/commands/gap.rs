@@ -61,7 +61,7 @@ pub(crate) fn gap(spec: &Path, options: &Options) -> Result<u8> {
         report.notes().for_each(|w| remark(&format!("note: {w}")));
     }
     let kept = folder.as_ref().map_or(Ok(()), |folder| keep(&report, options, folder));
-    // A full disk must not take away what was computed: it is printed all the same.
+    // A full disk must not lose the result, so it is printed first.
     print(&report.written(options.format.into()))?;
     kept?;
     if found.stopped {

@@ -53,7 +53,7 @@ pub(crate) fn sweep(args: &SweepArgs, options: &Options) -> Result<u8> {
     Ok(complain_of_cells(&result))
 }
 
-/// A sweep that makes sense.
+/// A checked sweep.
 struct Prepared {
     /// The spec itself.
     base: Loaded,
@@ -63,7 +63,8 @@ struct Prepared {
     plan: Plan,
 }
 
-/// Checks everything before the first run. Otherwise what is wrong was drawn, and the inner error is the exit code.
+/// Checks everything before the first run. If something is wrong, it shows the mistakes; the inner error is
+/// the exit code.
 fn prepared(args: &SweepArgs, options: &Options) -> Result<Result<Prepared, u8>> {
     let mut sources = Sources::default();
     let drawn = |mistake: &Diagnostic, sources: &Sources| {
@@ -116,7 +117,7 @@ fn first_seed(args: &SweepArgs, options: &Options, base: &Loaded) -> Result<u64>
     Ok(first)
 }
 
-/// Says which cells have no result, and returns the exit code.
+/// Reports cells without a result, and returns the exit code.
 fn complain_of_cells(result: &SweepRuns<'_>) -> u8 {
     let mut worst = 0;
     for cell in &result.cells {
@@ -147,7 +148,8 @@ fn complain_of_stop(journal: &Journal, folder: Option<&OutDir>) {
     complain(&format!("stopped before the end: {kept}"));
 }
 
-/// A cell that makes sense; otherwise what is wrong was drawn, and this is the exit code. Warnings are drawn if `aloud`.
+/// A checked cell. If something is wrong, it shows the mistakes; the error is the exit code. Shows warnings
+/// if `aloud`.
 fn checked(
     args: &SweepArgs,
     cell: Cell,
@@ -163,7 +165,7 @@ fn checked(
     checked.map_err(exit_code)
 }
 
-/// What varies, in the order of the options.
+/// The axes of the sweep, in the order of the options.
 fn axes(args: &SweepArgs, case: &Case, method: Method) -> Result<Vec<Axis>> {
     let mut axes = Vec::new();
     let mut add = |option: &str, name: &str, paths: &[String], list: &str, separator: char| {
