@@ -5,6 +5,7 @@ pub(crate) mod export;
 pub(crate) mod gap;
 pub(crate) mod laws;
 pub(crate) mod manual;
+pub(crate) mod new;
 pub(crate) mod run;
 pub(crate) mod simulate;
 mod spec_file;

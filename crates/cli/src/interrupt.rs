@@ -1,5 +1,5 @@
-//! What ends the work before its end: Ctrl-C, or a limit. The first Ctrl-C asks the work to end, the second one ends the program; so does a
-//! limit, if the work does not end soon after.
+//! Early ends of work: Ctrl-C, or a limit. The first Ctrl-C requests that the work ends, the second one ends
+//! the program. A limit ends the program if the work does not end soon after it is met.
 
 use crate::limit::{Limit, held};
 use crate::terminal::{NUMERICS, complain};
@@ -11,14 +11,15 @@ use std::time::{Duration, Instant};
 static ASKED: AtomicBool = AtomicBool::new(false);
 static MET: OnceLock<StopReason> = OnceLock::new();
 
-/// Exit code of a program that was interrupted.
+/// Exit code after Ctrl-C.
 const INTERRUPTED: u8 = 130;
-/// How often the limits are looked at.
+/// Interval between checks of the limits.
 const TICK: Duration = Duration::from_millis(20);
-/// Work that does not end so long after a limit is ended.
+/// Time that work has to end after a limit is met.
 const GRACE: Duration = Duration::from_secs(10);
 
-/// Starts to listen and to watch. Without a handler Ctrl-C ends the program at once, which is no harm.
+/// Installs the handler of Ctrl-C and starts to check the limits. Without the handler Ctrl-C ends the program
+/// at once.
 pub(crate) fn listen(limit: Limit) {
     let _ = ctrlc::set_handler(|| {
         if ASKED.swap(true, Ordering::SeqCst) {
@@ -26,12 +27,12 @@ pub(crate) fn listen(limit: Limit) {
         }
     });
     if limit != (Limit { time: None, memory: None }) {
-        // Nothing is lost with the handle: the thread ends with the program.
+        // The handle is not needed: the thread ends with the program.
         let _ = std::thread::Builder::new().name("limit".to_owned()).spawn(move || watch(limit));
     }
 }
 
-/// Looks at the clock and at the memory until a limit is met, and then whether the work ends.
+/// Checks time and memory until a limit is met, then whether the work ends.
 fn watch(limit: Limit) {
     let begin = Instant::now();
     let met = loop {
@@ -55,7 +56,7 @@ fn watch(limit: Limit) {
     std::process::exit(i32::from(NUMERICS));
 }
 
-/// What to do about a limit.
+/// Advice about a limit that is met.
 const RAISE: &str = "allow more with --limit, as in --limit 2h,16GB, or make the case smaller";
 
 /// Whether the work should end.
@@ -63,17 +64,17 @@ pub(crate) fn asked() -> bool {
     ASKED.load(Ordering::SeqCst)
 }
 
-/// The exit code of work that ended because it was asked to.
+/// The exit code of work that ended early.
 pub(crate) fn code() -> u8 {
     if MET.get().is_some() { NUMERICS } else { INTERRUPTED }
 }
 
-/// Who asked, for a result that is not finished.
+/// Why the work ended early.
 pub(crate) fn reason() -> StopReason {
     MET.get().copied().unwrap_or(StopReason::Interrupt)
 }
 
-/// Says that a limit was met, and what to do. Who typed Ctrl-C knows it.
+/// Reports that a limit was met, with advice. After Ctrl-C there is nothing to report.
 pub(crate) fn tell() {
     if let Some(met) = MET.get() {
         complain(&format!("{met}: what was finished is kept; {RAISE}"));

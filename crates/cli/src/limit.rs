@@ -1,18 +1,18 @@
-//! `--limit`: how long the program may work and how much memory it may hold before it stops as Ctrl-C stops it.
+//! `--limit`: the time and the memory after which the program stops as it does after Ctrl-C.
 
 use std::time::Duration;
 
-/// What a normal user never meets, and what stops a spec from somebody else from taking a machine.
+/// Enough for normal use, and a bound on what a spec from an unknown source can take.
 const DEFAULT: Limit = Limit { time: Some(Duration::from_secs(24 * 3600)), memory: Some(8_000_000_000) };
 /// Seconds in each unit of time.
 const TIMES: &[(&str, f64)] = &[("ms", 1e-3), ("s", 1.0), ("min", 60.0), ("h", 3600.0), ("d", 86400.0)];
 /// Bytes in each unit of memory.
 const MEMORIES: &[(&str, f64)] = &[("MB", 1e6), ("GB", 1e9)];
 
-/// Time and memory; none: as much as there is.
+/// Limits of time and memory; `None` for no limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Limit {
-    /// Since the program started.
+    /// Time since the start of the program.
     pub(crate) time: Option<Duration>,
     /// Bytes.
     pub(crate) memory: Option<u64>,
@@ -25,7 +25,8 @@ impl Default for Limit {
 }
 
 impl Limit {
-    /// `10min`, `4GB`, both with a comma between, or `none`; what is not named stays at its default.
+    /// Parses `10min`, `4GB`, both separated by a comma, or `none`; a limit that is not named has its
+    /// default.
     ///
     /// # Errors
     /// In words.
@@ -52,7 +53,7 @@ impl Limit {
     }
 }
 
-/// Bytes of memory that the program holds now; none where the system does not say it in a file (it does on Linux).
+/// Resident memory of the program in bytes; `None` on systems without `/proc/self/status`.
 pub(crate) fn held() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;

@@ -1,4 +1,4 @@
-//! `phisindy`: the program around the crates. The only one that reads and writes files, and that draws.
+//! `phisindy`: the program around the libraries, and the only crate that reads and writes files.
 //!
 //! ```text
 //! args --> commands --> load (spec, data files) --> phisindy_learn, phisindy_gap --> phisindy_report --> terminal, outdir
@@ -10,7 +10,6 @@ mod commands;
 mod draw;
 mod interrupt;
 mod limit;
-mod new;
 mod outdir;
 mod progress;
 mod sweep;
@@ -21,15 +20,13 @@ use anyhow::{Context, Result};
 use clap::Parser;
 use std::io;
 use std::process::ExitCode;
-// The commands that move to crates of their own still call it so.
-use terminal as command;
 
 fn main() -> ExitCode {
     let args = Args::parse();
     interrupt::listen(args.options.limit.unwrap_or_default());
     match execute(&args) {
         Ok(code) => ExitCode::from(code),
-        // Whoever read the result has read enough.
+        // The reader of the result has closed the pipe.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             terminal::complain(&format!("{error:#}"));
@@ -38,7 +35,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Does what the command line says, and returns the exit code.
+/// Executes a command and returns the exit code.
 fn execute(args: &Args) -> Result<u8> {
     let options = &args.options;
     start_threads(options)?;
@@ -47,7 +44,7 @@ fn execute(args: &Args) -> Result<u8> {
         Command::Gap { spec } => commands::gap::gap(spec, options),
         Command::Simulate { spec, record } => commands::simulate::simulate(spec, record.as_deref(), options),
         Command::Check { specs } => Ok(commands::check::check(specs, options)),
-        Command::New(args) => new::command(args, options),
+        Command::New(args) => commands::new::command(args, options),
         Command::Laws { name } => commands::laws::laws(name.as_deref(), options),
         Command::Export(args) => commands::export::export(args, options),
         Command::Completions { shell } => commands::manual::completions(*shell),

@@ -1,4 +1,5 @@
-//! The folder of `--out`: made and tried before the work starts, written so that no half-written file is ever seen.
+//! The folder of `--out`: created and tested before the work starts. A file appears in it as a whole or not
+//! at all.
 
 use anyhow::{Context, Result, bail};
 use phisindy_report::spec_text::head;
@@ -6,11 +7,11 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// A folder that can be written to.
+/// A writable folder.
 pub(crate) struct OutDir(PathBuf);
 
 impl OutDir {
-    /// Makes the folder if needed and tries to write into it.
+    /// Creates the folder if it does not exist, and tries to write into it.
     pub(crate) fn create(path: &Path) -> Result<OutDir> {
         fs::create_dir_all(path)
             .with_context(|| format!("cannot make the folder `{}` of --out{ELSEWHERE}", path.display()))?;
@@ -22,12 +23,12 @@ impl OutDir {
         Ok(dir)
     }
 
-    /// The folder.
+    /// The path of the folder.
     pub(crate) fn path(&self) -> &Path {
         &self.0
     }
 
-    /// Writes a file: under another name first, so that it is there as a whole or not at all.
+    /// Writes a file, first under another name, so that it appears as a whole or not at all.
     pub(crate) fn write(&self, name: &str, content: &str) -> Result<()> {
         let (temporary, path) = (self.temporary(name), self.0.join(name));
         whole(&temporary, content)
@@ -36,7 +37,7 @@ impl OutDir {
             .with_context(|| format!("cannot write `{}`{ELSEWHERE}", path.display()))
     }
 
-    /// Refuses a folder with what another command found: together with this one's files nobody could tell which belong to which.
+    /// Refuses a folder with the results of another command: mixed results could not be told apart.
     pub(crate) fn without(&self, other: &str, name: &str) -> Result<()> {
         let path = self.0.join(name);
         let ours = fs::read_to_string(&path).is_ok_and(|text| text.starts_with(&head(other)));
@@ -54,18 +55,19 @@ impl OutDir {
     }
 }
 
-/// A file whose content is on the disk when this returns: a name must not point to less than the whole, even after a power cut.
+/// Writes a file and flushes it to the disk, so that even after a power cut no name points to a part of a
+/// file.
 fn whole(path: &Path, content: &str) -> io::Result<()> {
     let mut file = File::create(path)?;
     file.write_all(content.as_bytes())?;
     file.sync_all()
 }
 
-/// What to do where nothing can be written.
+/// Advice if nothing can be written.
 const ELSEWHERE: &str =
     " (make room or give yourself the right to write there, or choose another folder with --out)";
 
-/// Refuses to replace a file unless that is asked for: it may hold hours of somebody's edits.
+/// Refuses to replace a file without `--force`: it may contain hours of edits.
 pub(crate) fn unless_there(path: &Path, force: bool) -> Result<()> {
     if path.exists() && !force {
         bail!(
@@ -76,14 +78,14 @@ pub(crate) fn unless_there(path: &Path, force: bool) -> Result<()> {
     Ok(())
 }
 
-/// Writes a file beside the folder of `--out`, in place of what was there.
+/// Writes a file, or replaces it.
 pub(crate) fn replace_file(path: &Path, content: &str) -> Result<()> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     OutDir(folder.to_owned()).write(&name, content)
 }
 
-/// One folder for each spec: the given one for a single spec, else one in it named after each.
+/// One folder for each spec: `out` for a single spec, else a folder in it named after each spec.
 pub(crate) fn folders(out: &Path, specs: &[PathBuf]) -> Result<Vec<OutDir>> {
     let name = |k: usize| {
         let stem =

@@ -1,34 +1,34 @@
-//! What the program says: the result on standard output, everything else on standard error, and its exit codes.
+//! Output of the program: the result on standard output, everything else on standard error. Exit codes.
 
 use crate::draw;
 use anyhow::{Context, Result};
 use phisindy_phys::{Diagnostic, Sources};
 use std::io::{self, Write};
 
-/// The result was rejected.
+/// Exit code: the result is rejected.
 pub(crate) const REJECTED: u8 = 1;
-/// The spec, its files or the command line are wrong.
+/// Exit code: the spec, its files or the command line are wrong.
 pub(crate) const INPUT: u8 = 2;
-/// The numerics failed.
+/// Exit code: the numerics failed, or a limit was met.
 pub(crate) const NUMERICS: u8 = 3;
 
-/// What is wrong where the result has nowhere to go.
+/// Context of an error on standard output.
 pub(crate) const STDOUT: &str =
     "cannot write to standard output: write into a file on a disk with space, or give --out DIR";
 
-/// The result.
+/// Prints the result.
 pub(crate) fn print(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).context(STDOUT)
 }
 
-/// A message on standard error.
+/// Prints an error message on standard error.
 pub(crate) fn complain(message: &str) {
     draw::show([&Diagnostic::error(message)], &Sources::default());
 }
 
-/// A line on standard error that is no mistake.
+/// Prints a line on standard error that is not an error.
 pub(crate) fn remark(message: &str) {
-    // Nobody is left to tell if standard error is closed.
+    // If standard error is closed, there is nobody left to inform.
     let _ = writeln!(io::stderr(), "{message}");
 }

@@ -1,4 +1,5 @@
-//! Charts as SVG: panels with axes, drawn in classes that a style sheet colours, so that one picture serves light, dark and paper.
+//! Charts as SVG: panels with axes. Elements carry classes and a style sheet sets their colours, so that one
+//! picture serves light and dark pages and paper.
 //!
 //! ```text
 //! Panel { axes, marks } --> Chart (panels placed in a picture, a legend) --> SVG, alone or in a page

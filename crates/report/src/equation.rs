@@ -1,4 +1,4 @@
-//! What was identified, as equations: the known part with its numbers, then the terms that were found.
+//! Equations with their numbers: the known part, then the identified terms.
 
 mod linear_combination;
 
@@ -8,23 +8,24 @@ use phisindy_learn::{FoundParameter, FoundTerm};
 use phisindy_phys::{Case, System};
 use std::collections::{HashMap, HashSet};
 
-/// The equation of one state. Numbers are in SI.
+/// The equation of one state, in SI units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Equation {
     /// Index of the state.
     pub state: usize,
     /// The whole line, `\dot{y} = ...`.
     pub latex: String,
-    /// The right side in the language of the specs, numbers in full.
+    /// The right side in the language of the specs, numbers in full precision.
     pub text: String,
 }
 
-/// The equations of all states that have a dictionary; with laws, or without any dictionary, also of all states whose rate is more than another state.
+/// The equations of all states that have candidates. If the spec names laws, or has no candidates at all,
+/// also those of all states whose rate is more than another state.
 pub fn equations(case: &Case, terms: &[FoundTerm], parameters: &[FoundParameter]) -> Vec<Equation> {
     let system = &case.system;
     let mut asked: Vec<bool> =
         (0..system.states.len()).map(|k| system.terms.iter().any(|t| t.state == k)).collect();
-    // A law may bring a state of its own.
+    // A law may add a state.
     if !asked.contains(&true) || !case.laws.is_empty() {
         asked.iter_mut().zip(&system.states).for_each(|(asked, s)| *asked |= s.velocity.is_none());
     }
@@ -34,9 +35,9 @@ pub fn equations(case: &Case, terms: &[FoundTerm], parameters: &[FoundParameter]
 
 struct Writer {
     graph: Graph,
-    /// What stands for each movable constant.
+    /// The value of each movable constant, as a node.
     values: HashMap<Id, Id>,
-    /// How names that mean the derivative of another one are written.
+    /// LaTeX of names that mean the derivative of another name.
     dots: Vec<(String, String)>,
 }
 
@@ -46,7 +47,7 @@ impl Writer {
         let mut graph = system.graph.clone();
         let mut values = HashMap::new();
         for found in parameters {
-            // A constant with a value for each record keeps its name, as constants of records do.
+            // A constant with one value per record keeps its name.
             if let (Some(k), None) = (found.id.constant(), found.id.record()) {
                 values.insert(system.parameters[k].node, graph.constant(found.estimate.value));
             }
@@ -84,7 +85,8 @@ impl Writer {
         }
         let one = self.graph.constant(1.0);
         brackets.retain(|(factor, sum)| {
-            // What needs no brackets continues the sum; it is not added to its like, so that what was found stays visible.
+            // A group that needs no brackets continues the sum. It is not merged with a like part, so that
+            // the identified term stays visible.
             let open = *factor == one || sum.parts.len() == 1;
             if open {
                 plain.parts.extend(sum.parts.iter().map(|&(c, bare)| (c, self.graph.mul(bare, *factor))));
@@ -109,7 +111,7 @@ impl Writer {
     }
 }
 
-/// A sum, then factors times sums in brackets.
+/// The plain sum, then each factor times its sum in brackets.
 fn written(
     graph: &mut Graph,
     plain: &LinearCombination,
@@ -152,7 +154,7 @@ fn dotted(name: &str) -> String {
     }
 }
 
-/// Names that the text of an equation uses and that stand for something else in each record.
+/// Names in the equations that have one value per record.
 pub(crate) fn names_of_records(system: &System, equations: &[Equation]) -> Vec<String> {
     let words: HashSet<&str> =
         equations.iter().flat_map(|e| e.text.split(|c: char| !c.is_alphanumeric() && c != '_')).collect();

@@ -1,4 +1,4 @@
-//! A model without unknown part as a text that runs elsewhere.
+//! A model without unknown part as a program or model file for other tools.
 //!
 //! ```text
 //! checked spec --Subject--> Functions (two functions of the model in a language) --> Python, C
@@ -30,7 +30,7 @@ pub struct Exporter {
     pub write: fn(&Subject, &str) -> String,
 }
 
-/// All languages.
+/// All languages; a new one is a new row.
 pub const EXPORTERS: &[Exporter] = &[
     Exporter {
         name: "python",
@@ -53,8 +53,8 @@ pub const EXPORTERS: &[Exporter] = &[
     },
 ];
 
-/// The name of a model in its file: the given one, which is that of the file without its ending, or else one made of the
-/// title. (Tools look for a Modelica model in the file of its name.)
+/// The name of a model in its file: `stem`, the file's name without extension, or else a name made of the
+/// title. (Tools expect a Modelica model in the file of its name.)
 pub fn model_name(subject: &Subject, stem: Option<&str>) -> String {
     let title = subject.title.split(':').next().unwrap_or_default();
     let words = title.split(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty());

@@ -5,7 +5,7 @@ mod report;
 mod text;
 
 pub use report::GapReport;
-pub(crate) use text::{ending, rivals, vetoes, whose};
+pub(crate) use text::{basis, outcome, rivals, vetoes};
 
 use crate::format::Format;
 
@@ -23,8 +23,8 @@ impl GapReport<'_> {
         json::lines(self) + "\n"
     }
 
-    /// `gap.txt`: the text, and what the terminal is told beside it: what is odd about the data, and what a careful reader
-    /// should know.
+    /// `gap.txt`: the text, and what the terminal is told beside it: what is odd about the data, and what a
+    /// careful reader should know.
     pub fn text_with_remarks(&self) -> String {
         let data = self.input.doubts.iter().map(|doubt| format!("warning: {doubt}\n"));
         let remarks: String = data.chain(self.notes().map(|note| format!("note: {note}\n"))).collect();

@@ -1,4 +1,5 @@
-//! `report.html`: what a run or a gap found, in one file that needs no network and no script, and its figures as files of their own.
+//! `report.html`: the result of `run` or `gap` as one page that needs no network and no script, and its
+//! figures as files.
 //!
 //! ```text
 //! Report, Gap or a failure --> sections (tables, equations, figures) --> Page --> report.html, figures/*.svg
@@ -14,7 +15,7 @@ mod mathml;
 mod motion;
 mod page;
 mod regimes;
-mod repeat;
+mod reproduction;
 mod residual;
 mod run;
 mod selection;
@@ -37,7 +38,8 @@ pub fn gap(report: &GapReport<'_>, invocation: &Invocation) -> HtmlReport {
     gap::page(report, invocation).html()
 }
 
-/// The report of a spec that is wrong: its mistakes as they were drawn; `text` is the spec as far as it could be read.
+/// The report of a wrong spec. `mistakes` are its diagnostics as text; `text` is the spec as far as it could
+/// be read.
 pub fn refusal(spec: &str, text: Option<&str>, mistakes: &str, invocation: &Invocation) -> HtmlReport {
     let banner = Banner {
         tone: Tone::Bad,
@@ -46,11 +48,12 @@ pub fn refusal(spec: &str, text: Option<&str>, mistakes: &str, invocation: &Invo
     };
     let mut page = Page::of_refusal(spec, banner);
     page.section("What is wrong", [block(mistakes.trim_end(), "mistakes")]);
-    page.section("To repeat it", repeat::command(None, spec, text, invocation));
+    page.section("To repeat it", reproduction::command(None, spec, text, invocation));
     page.html()
 }
 
-/// The report of work that came to no result: why, and whether a state grew without bound, beside what was measured.
+/// The report of work that came to no result: why, and whether a state grew without bound, beside what was
+/// measured.
 pub fn failure(why: &str, diverged: bool, input: Input<'_>, invocation: &Invocation) -> HtmlReport {
     let text = advice(diverged).map_or_else(|| why.to_owned(), |advice| format!("{why}: {advice}"));
     let banner = Banner { tone: Tone::Bad, headline: "Failed".to_owned(), text };
@@ -58,7 +61,7 @@ pub fn failure(why: &str, diverged: bool, input: Input<'_>, invocation: &Invocat
     add_remarks(&mut page, &[], input.doubts, &data::notes(input));
     let seen = data::measured(input);
     page.figures("Measured", motion::charts(&seen));
-    repeat::add(&mut page, input, invocation);
+    reproduction::add(&mut page, input, invocation);
     page.html()
 }
 

@@ -1,4 +1,5 @@
-//! Results as text. Functions take results and return strings: nothing here reads or writes a file, prints, or looks at a clock.
+//! Results as text. Functions take results and return strings: nothing here reads or writes a file, prints,
+//! or looks at a clock.
 //!
 //! ```text
 //! Identified --> RunReport --+--> text, LaTeX, JSON          (run)

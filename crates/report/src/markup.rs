@@ -1,8 +1,8 @@
-//! Elements of HTML and SVG. What is built of them is well formed: every tag is closed, every text escaped.
+//! Elements of HTML and SVG. Their text is well formed: every tag is closed, every text escaped.
 
 use std::fmt::{self, Display, Write};
 
-/// An element with its attributes and what is in it.
+/// An element with its attributes and its content.
 #[derive(Clone, Debug)]
 pub(crate) struct Element {
     name: &'static str,
@@ -14,11 +14,11 @@ pub(crate) struct Element {
 enum Content {
     Element(Element),
     Text(String),
-    /// Written by another program that closes its tags.
+    /// Well-formed markup from another writer.
     Raw(String),
 }
 
-/// Elements without content end in their own tag; all others have an end tag, as HTML wants it.
+/// Elements that close in their own tag if they are empty; HTML requires an end tag of all others.
 const VOID: &[&str] = &["meta", "br", "path", "line", "rect", "circle"];
 
 /// An empty element.
@@ -27,35 +27,35 @@ pub(crate) fn element(name: &'static str) -> Element {
 }
 
 impl Element {
-    /// With one more attribute.
+    /// Adds an attribute.
     pub(crate) fn with(mut self, name: &'static str, value: impl Display) -> Element {
         self.attributes.push((name, value.to_string()));
         self
     }
 
-    /// Of a class.
+    /// Sets the class.
     pub(crate) fn class(self, class: impl Display) -> Element {
         self.with("class", class)
     }
 
-    /// With a text at its end.
+    /// Appends text.
     pub(crate) fn text(mut self, text: impl Display) -> Element {
         self.content.push(Content::Text(text.to_string()));
         self
     }
 
-    /// With an element at its end.
+    /// Appends an element.
     pub(crate) fn add(mut self, child: Element) -> Element {
         self.content.push(Content::Element(child));
         self
     }
 
-    /// With elements at its end.
+    /// Appends elements.
     pub(crate) fn all(self, children: impl IntoIterator<Item = Element>) -> Element {
         children.into_iter().fold(self, Element::add)
     }
 
-    /// With markup at its end that is well formed already.
+    /// Appends markup that is already well formed.
     pub(crate) fn raw(mut self, markup: impl Into<String>) -> Element {
         self.content.push(Content::Raw(markup.into()));
         self
@@ -83,12 +83,12 @@ impl Display for Element {
     }
 }
 
-/// A text as markup that shows it.
+/// The text with all special characters escaped.
 pub(crate) fn escaped(text: &str) -> String {
     Escaped(text).to_string()
 }
 
-/// A text in which nothing reads as markup.
+/// Displays a text with all special characters escaped.
 struct Escaped<'a>(&'a str);
 
 impl Display for Escaped<'_> {
@@ -99,7 +99,7 @@ impl Display for Escaped<'_> {
                 '<' => f.write_str("&lt;")?,
                 '>' => f.write_str("&gt;")?,
                 '"' => f.write_str("&quot;")?,
-                // What no markup may hold, escaped or not.
+                // Control characters are not allowed in markup, escaped or not.
                 c if c.is_control() && !matches!(c, '\n' | '\t') => f.write_char('\u{fffd}')?,
                 c => f.write_char(c)?,
             }

@@ -1,6 +1,6 @@
-//! Rows of words in aligned columns, and numbers short enough to read.
+//! Tables as text with aligned columns, and numbers with few digits.
 
-/// The rows as lines; every column is as wide as its widest word.
+/// The rows as lines; every column is as wide as its widest cell.
 pub fn aligned(rows: &[Vec<String>]) -> Vec<String> {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |k: usize| rows.iter().filter_map(|r| r.get(k)).map(|w| w.chars().count()).max().unwrap_or(0);
@@ -12,25 +12,25 @@ pub fn aligned(rows: &[Vec<String>]) -> Vec<String> {
     rows.iter().map(line).collect()
 }
 
-/// A number with five digits.
+/// A number with five significant digits.
 pub fn short(x: f64) -> String {
     digits(x, 5)
 }
 
-/// An interval with five digits, or as many more as its ends need to be told apart.
+/// An interval with five digits, or more if its ends would read alike.
 pub fn interval(low: f64, high: f64) -> String {
     let (low, high) = ends(low, high);
     format!("[{low}, {high}]")
 }
 
-/// The same, each end alone.
+/// The ends of such an interval.
 pub fn ends(low: f64, high: f64) -> (String, String) {
     let with = |n: usize| (digits(low, n), digits(high, n));
     let apart = (5..=17).map(with).find(|(low, high)| low != high);
     apart.unwrap_or_else(|| with(5))
 }
 
-/// A number with so many digits at most.
+/// A number with at most this many significant digits.
 fn digits(x: f64, digits: usize) -> String {
     if !x.is_finite() {
         return if x.is_nan() { "unknown".to_owned() } else { "unbounded".to_owned() };

@@ -6,11 +6,11 @@ use crate::terminal::remark;
 use phisindy::files::Purpose;
 use std::path::PathBuf;
 
-/// Looks for mistakes in specs and their data files, and returns the exit code.
+/// Checks specs and their data files, and returns the exit code.
 pub(crate) fn check(specs: &[PathBuf], options: &Options) -> u8 {
     let codes = specs.iter().map(|spec| match loaded_with_warnings(spec, options, Purpose::Check, None) {
         Ok((_, warnings)) => {
-            // Silence would leave it open whether anything was looked at.
+            // Silence would not show that anything was checked.
             if !options.quiet {
                 let warned = match warnings {
                     0 => String::new(),

@@ -38,7 +38,7 @@ pub(crate) fn export(args: &ExportArgs, options: &Options) -> Result<u8> {
     Ok(0)
 }
 
-/// The spec that is meant: itself, or the one that `run` or `gap` left in a folder.
+/// The spec to export: `path` itself, or the one that `run` or `gap` wrote into the folder `path`.
 fn spec_of(path: &Path) -> Result<PathBuf> {
     if !path.is_dir() {
         return Ok(path.to_owned());
@@ -61,17 +61,17 @@ fn spec_of(path: &Path) -> Result<PathBuf> {
     }
 }
 
-/// The file of --out: itself, or one with a plain name if it is a folder.
+/// The file of `--out`: `out` itself, or a file with the default name in the folder `out`.
 fn file_of(out: &Path, to: &Exporter) -> PathBuf {
     let folder =
         out.is_dir() || out.as_os_str().to_string_lossy().ends_with(['/', std::path::MAIN_SEPARATOR]);
     if folder { out.join(to.file) } else { out.to_owned() }
 }
 
-/// Reads a spec. Its warnings are not repeated: `check` and `run` have told of them.
+/// Reads a spec. Warnings are not shown, for `check` and `run` have shown them.
 ///
 /// # Errors
-/// Diagnostics: mistakes of the spec, an unknown part, a record that is not there.
+/// Diagnostics: mistakes of the spec, an unknown part, a missing record.
 fn subject(
     path: &Path,
     record: Option<&str>,
@@ -97,7 +97,7 @@ fn subject(
     Subject::new(spec, &case, &shown, record, constants.as_deref())
 }
 
-/// The constants of each record, once its excitation has been made.
+/// The constants of each record, once its excitation is generated.
 fn simulated_constants(
     path: &Path,
     text: String,

@@ -56,12 +56,12 @@ pub(crate) fn gap(spec: &Path, options: &Options) -> Result<u8> {
     };
     let ending =
         Ending { seconds: begin.elapsed().as_secs_f64(), stopped: found.stopped.then(interrupt::reason) };
-    let report = GapReport { input: loaded.input(), found: &found, catalogue: &catalogue, ending };
+    let report = GapReport { input: loaded.input(), gap: &found, catalogue: &catalogue, ending };
     if !options.quiet {
         report.notes().for_each(|w| remark(&format!("note: {w}")));
     }
     let kept = folder.as_ref().map_or(Ok(()), |folder| keep(&report, options, folder));
-    // A full disk must not take away what was computed: it is printed all the same.
+    // A full disk must not lose the result, so it is printed first.
     print(&report.written(options.format.into()))?;
     kept?;
     if found.stopped {

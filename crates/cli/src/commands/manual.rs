@@ -9,7 +9,7 @@ use clap_complete::Shell;
 use clap_mangen::Man;
 use std::io;
 
-/// Prints what a shell needs to complete the program's command line.
+/// Prints the completion script of a shell.
 pub(crate) fn completions(shell: Shell) -> Result<u8> {
     let mut text = Vec::new();
     clap_complete::generate(shell, &mut Args::command(), "phisindy", &mut text);
@@ -20,7 +20,7 @@ pub(crate) fn completions(shell: Shell) -> Result<u8> {
 /// Prints the manual of the whole program, or writes a page for it and one for each subcommand into --out.
 pub(crate) fn pages(options: &Options) -> Result<u8> {
     let mut program = Args::command();
-    // Only now do subcommands know the options that they share.
+    // Propagates the global options to the subcommands.
     program.build();
     let subcommands: Vec<Command> =
         program.get_subcommands().filter(|s| !s.is_hide_set() && s.get_name() != "help").cloned().collect();
@@ -36,7 +36,7 @@ pub(crate) fn pages(options: &Options) -> Result<u8> {
     for subcommand in subcommands {
         let name = subcommand.get_bin_name().unwrap_or(subcommand.get_name()).to_uppercase();
         text += &format!(".SH \"{name}\"\n");
-        // Its sections stand below its name.
+        // Its sections become subsections.
         text += &sections(&subcommand)?.replace("\n.SH ", "\n.SS ").replacen(".SH ", ".SS ", 1);
     }
     print(&text)?;
@@ -51,7 +51,7 @@ fn page(command: &Command) -> Result<String> {
     Ok(title + &sections(command)?)
 }
 
-/// What a page says, the examples right after the synopsis.
+/// The sections of a page, examples right after the synopsis.
 fn sections(command: &Command) -> Result<String> {
     let man = Man::new(command.clone());
     let mut text = rendered(|out| {
@@ -79,7 +79,7 @@ fn sections(command: &Command) -> Result<String> {
 fn examples_section(examples: &str) -> String {
     let lines = examples.lines().filter(|line| line.trim() != "Examples:").map(|line| {
         let line = line.trim_end().replace('\\', "\\e").replace('-', "\\-").replace('\'', "\\(aq");
-        // A point in front would be a request.
+        // A dot in front would be a request of roff.
         format!("\\&{line}\n")
     });
     format!(".SH EXAMPLES\n.nf\n{}.fi\n", lines.collect::<String>())

@@ -66,7 +66,7 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
         caution(&report, options.format);
     }
     let kept = folder.map_or(Ok(()), |folder| keep(&report, &loaded, &found, options, folder));
-    // A full disk must not take away what was computed: it is printed all the same.
+    // A full disk must not lose the result, so it is printed first.
     let blank = if follows && options.format != Format::Json { "\n" } else { "" };
     print(&format!("{blank}{}", report.written(options.format.into())))?;
     kept?;
@@ -97,7 +97,7 @@ fn keep(
     write_html(&html::run(report, &invocation(options)), folder)
 }
 
-/// What a reader should know, on standard error; not a second time where the result goes to the same terminal.
+/// Notes and warnings on standard error; warnings not twice if the result goes to the same terminal.
 fn caution(report: &RunReport<'_>, format: Format) {
     let twice = format != Format::Json && io::stdout().is_terminal() && io::stderr().is_terminal();
     report.notes.iter().for_each(|note| remark(&format!("note: {note}")));
@@ -107,7 +107,7 @@ fn caution(report: &RunReport<'_>, format: Format) {
     }
 }
 
-/// The call into the library, with the bar, until the user has enough.
+/// Runs the identification with a progress bar, until an early end is requested.
 fn identify_with_progress(loaded: &Loaded, options: &Options) -> Result<Identified, LearnError> {
     let mut progress = Progress::new(&loaded.spec, options.quiet);
     let learn = LearnOptions { method: options.method.map(Into::into) };

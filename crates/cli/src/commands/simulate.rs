@@ -1,5 +1,5 @@
-//! Simulated runs as CSV: synthetic data (time, the noisy columns of the record, the exact states, the inputs), and the free run of a model
-//! without unknown part along a measured record.
+//! `phisindy simulate`: simulated runs as CSV. Synthetic data (time, noisy columns, exact states, inputs), or
+//! the free run of a model without unknown part along a measured record.
 
 use super::spec_file::{failed, loaded};
 use crate::args::Options;
@@ -48,7 +48,7 @@ pub(crate) fn simulate(spec: &Path, record: Option<&str>, options: &Options) -> 
     Ok(0)
 }
 
-/// Writes all records of the case below one another; several are told apart by a first column.
+/// Writes all records of the case one after another; a first column names the record if there are several.
 fn write(loaded: &Loaded, runs: &[Motion], out: &mut dyn Write) -> Result<()> {
     let system = &loaded.case.system;
     let states = 0..system.states.len();

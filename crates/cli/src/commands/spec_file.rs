@@ -1,4 +1,4 @@
-//! What commands that work on a spec share: reading it, and reporting that it is wrong or that the work failed.
+//! Shared by commands that work on a spec: reading it, reporting its mistakes, reporting failures.
 
 use crate::args::Options;
 use crate::draw;
@@ -12,7 +12,7 @@ use phisindy_report::html::{self, HtmlReport};
 use phisindy_report::{Input, Invocation};
 use std::path::Path;
 
-/// Reads a spec and draws what there is to say about it; mistakes also into the report of a folder.
+/// Reads a spec and shows its diagnostics; mistakes also go into the report of a folder.
 ///
 /// # Errors
 /// The exit code: the spec or its files are wrong.
@@ -37,7 +37,7 @@ pub(super) fn loaded_with_warnings(
 ) -> Result<(Loaded, usize), u8> {
     let (mut sources, mut found) = (Sources::default(), Vec::new());
     let loaded = load(spec, &options.request(), purpose, &mut sources, &mut found);
-    // Next to a mistake, warnings are mostly its consequences: what failed to parse leaves constants unused.
+    // Beside errors, warnings are mostly their consequences: text that does not parse leaves constants unused.
     let drawn = || found.iter().filter(|d| d.is_error() || (loaded.is_ok() && !options.quiet));
     draw::show(drawn(), &sources);
     if let (Err(_), Some(folder)) = (&loaded, folder) {
@@ -58,13 +58,13 @@ pub(super) fn exit_code(refusal: Refusal) -> u8 {
     }
 }
 
-/// Why a spec came to nothing, on standard error, with what to do where a state grew without bound.
+/// Reports a failure on standard error, with advice if a state grew without bound.
 pub(super) fn failed(spec: &str, why: &str, diverged: bool) {
     let d = Diagnostic::error(format!("{spec}: {why}"));
     draw::show([&html::advice(diverged).into_iter().fold(d, Diagnostic::help)], &Sources::default());
 }
 
-/// The same as a report in the folder of `--out`.
+/// Writes a failure as a report into the folder of `--out`.
 pub(super) fn keep_failure(
     why: &str,
     diverged: bool,

@@ -10,28 +10,101 @@ use anyhow::{Result, anyhow, bail};
 use phisindy::Loaded;
 use phisindy::files::{spec_text, with_assignments};
 use phisindy_phys::spec::Method;
-use phisindy_phys::{Case, Origin, Sources};
-use phisindy_report::sweep::{CellRuns, RunVerdict, SweepRuns, json, table};
+use phisindy_phys::{Case, Diagnostic, Origin, Sources};
+use phisindy_report::sweep::{CellRuns, RunVerdict, SweepRuns};
 
-/// Sweeps, prints, and says with which exit code to end.
+/// Sweeps, prints and keeps the result, and returns the exit code.
 pub(crate) fn sweep(args: &SweepArgs, options: &Options) -> Result<u8> {
     let folder = options.out.as_deref().map(OutDir::create).transpose()?;
+    let Prepared { base, text, method, plan } = match prepared(args, options)? {
+        Ok(prepared) => prepared,
+        Err(code) => return Ok(code),
+    };
+    let mut journal = match &folder {
+        Some(folder) => Journal::open(folder.path(), &base.spec, &format!("{method:?}\n{text}"))?,
+        None => Journal::default(),
+    };
+    let before = journal.len();
+    let outcome = crate::sweep::sweep(&plan, &mut journal, &base.spec)?;
+    let cells = plan.cells.iter().zip(&outcome.runs);
+    let cells = cells.map(|(c, runs)| CellRuns { label: &c.cell.label, truth: &c.truth, runs });
+    let result = SweepRuns {
+        spec: &base.spec,
+        title: &base.case.system.title,
+        method,
+        first: plan.first,
+        seeds: plan.seeds,
+        cells: cells.collect(),
+        stopped: outcome.stopped,
+        seconds: outcome.seconds,
+    };
+    print(&result.written(options.format.into()))?;
+    if outcome.stopped {
+        complain_of_stop(&journal, folder.as_ref());
+        interrupt::tell();
+        return Ok(interrupt::code());
+    }
+    if let Some(folder) = &folder {
+        folder.write("sweep.json", &result.written(Format::Json.into()))?;
+    }
+    if !options.quiet && options.format != Format::Json {
+        remark(&format!("{} runs in {:.1} s", journal.len() - before, outcome.seconds));
+    }
+    Ok(complain_of_cells(&result))
+}
+
+/// A checked sweep.
+struct Prepared {
+    /// The spec itself.
+    base: Loaded,
+    /// Its text with every `--set` in it.
+    text: String,
+    method: Method,
+    plan: Plan,
+}
+
+/// Checks everything before the first run. If something is wrong, it shows the mistakes; the inner error is
+/// the exit code.
+fn prepared(args: &SweepArgs, options: &Options) -> Result<Result<Prepared, u8>> {
     let mut sources = Sources::default();
+    let drawn = |mistake: &Diagnostic, sources: &Sources| {
+        draw::show([mistake], sources);
+        Ok(Err(INPUT))
+    };
     let text =
         match spec_text(&args.spec).and_then(|text| with_assignments(text, &options.sets, &mut sources)) {
             Ok(text) => text,
-            Err(mistake) => {
-                draw::show([&mistake], &sources);
-                return Ok(INPUT);
-            }
+            Err(mistake) => return drawn(&mistake, &sources),
         };
     let plain = Cell { label: String::new(), text: text.clone() };
     let base = match checked(args, plain, options, &mut sources, true) {
         Ok((_, loaded)) => loaded,
-        Err(code) => return Ok(code),
+        Err(code) => return Ok(Err(code)),
     };
     let case = &base.case;
-    let Some(first) = options.seed.or(seed_of(case)) else {
+    let first = first_seed(args, options, &base)?;
+    if case.system.terms.is_empty() {
+        bail!("{}: `unknown` is empty, so there is nothing to find", base.spec);
+    }
+    let method = options.method.map(Method::from).or(case.learn.method).unwrap_or(Method::Trajectory);
+    let cells = match product(&text, &axes(args, case, method)?, &mut sources) {
+        Ok(cells) => cells,
+        Err(mistake) => return drawn(&mistake, &sources),
+    };
+    let mut all = Vec::new();
+    for cell in cells {
+        match checked(args, cell, options, &mut sources, false) {
+            Ok((checked, _)) => all.push(checked),
+            Err(code) => return Ok(Err(code)),
+        }
+    }
+    let plan =
+        Plan { spec: args.spec.clone(), options: options.clone(), cells: all, first, seeds: args.seeds };
+    Ok(Ok(Prepared { base, text, method, plan }))
+}
+
+fn first_seed(args: &SweepArgs, options: &Options, base: &Loaded) -> Result<u64> {
+    let Some(first) = options.seed.or(seed_of(&base.case)) else {
         bail!("{}: no record of this case is `Synthetic`, so there is no truth to compare with", base.spec);
     };
     if first.checked_add(args.seeds - 1).is_none() {
@@ -41,84 +114,26 @@ pub(crate) fn sweep(args: &SweepArgs, options: &Options) -> Result<u8> {
             u64::MAX
         );
     }
-    if case.system.terms.is_empty() {
-        bail!("{}: `unknown` is empty, so there is nothing to find", base.spec);
-    }
-    let method_used = options.method.map(Method::from).or(case.learn.method).unwrap_or(Method::Trajectory);
-    let cells = match product(&text, &axes(args, case, method_used)?, &mut sources) {
-        Ok(cells) => cells,
-        Err(mistake) => {
-            draw::show([&mistake], &sources);
-            return Ok(INPUT);
-        }
-    };
-    let mut all = Vec::new();
-    for cell in cells {
-        match checked(args, cell, options, &mut sources, false) {
-            Ok((checked, _)) => all.push(checked),
-            Err(code) => return Ok(code),
-        }
-    }
-    let mut journal = match &folder {
-        Some(folder) => Journal::open(folder.path(), &base.spec, &format!("{method_used:?}\n{text}"))?,
-        None => Journal::default(),
-    };
-    let plan =
-        Plan { spec: args.spec.clone(), options: options.clone(), cells: all, first, seeds: args.seeds };
-    let before = journal.len();
-    let outcome = crate::sweep::sweep(&plan, &mut journal, &base.spec)?;
-    let cells = plan.cells.iter().zip(&outcome.runs);
-    let cells = cells.map(|(c, runs)| CellRuns { label: &c.cell.label, truth: &c.truth, runs });
-    let result = SweepRuns {
-        spec: &base.spec,
-        title: &case.system.title,
-        method: method_used,
-        first,
-        seeds: args.seeds,
-        cells: cells.collect(),
-        stopped: outcome.stopped,
-        seconds: outcome.seconds,
-    };
-    let object = json(&result) + "\n";
-    match options.format {
-        Format::Json => print(&object)?,
-        form => {
-            let comment = |line: &String| match form {
-                Format::Latex if line.is_empty() => "%\n".to_owned(),
-                Format::Latex => format!("% {line}\n"),
-                _ => format!("{line}\n"),
-            };
-            print(&table(&result).iter().map(comment).collect::<String>())?;
-        }
-    }
-    let new = journal.len() - before;
-    if outcome.stopped {
-        complain_of_stop(&journal, folder.as_ref());
-        interrupt::tell();
-        return Ok(interrupt::code());
-    }
-    if let Some(folder) = &folder {
-        folder.write("sweep.json", &object)?;
-    }
-    if !options.quiet && options.format != Format::Json {
-        remark(&format!("{new} runs in {:.1} s", outcome.seconds));
-    }
+    Ok(first)
+}
+
+/// Reports cells without a result, and returns the exit code.
+fn complain_of_cells(result: &SweepRuns<'_>) -> u8 {
     let mut worst = 0;
-    for (checked, runs) in plan.cells.iter().zip(&outcome.runs) {
-        let cell =
-            if checked.cell.label.is_empty() { base.spec.as_str() } else { checked.cell.label.as_str() };
-        if let Err(why) = &checked.truth {
-            complain(&format!("{cell}: {why}: no seed can be right"));
+    for cell in &result.cells {
+        let name = if cell.label.is_empty() { result.spec } else { cell.label };
+        if let Err(why) = cell.truth {
+            complain(&format!("{name}: {why}: no seed can be right"));
             worst = REJECTED;
-        } else if runs.iter().all(|r| matches!(r.verdict, RunVerdict::Failed(_))) {
+        } else if cell.runs.iter().all(|r| matches!(r.verdict, RunVerdict::Failed(_))) {
             complain(&format!(
-                "{cell}: no run came to a result: {}",
-                runs.first().map_or(String::new(), |r| r.verdict.to_string())
+                "{name}: no run came to a result: {}",
+                cell.runs.first().map_or(String::new(), |r| r.verdict.to_string())
             ));
             worst = REJECTED;
         }
     }
-    Ok(worst)
+    worst
 }
 
 fn complain_of_stop(journal: &Journal, folder: Option<&OutDir>) {
@@ -133,7 +148,8 @@ fn complain_of_stop(journal: &Journal, folder: Option<&OutDir>) {
     complain(&format!("stopped before the end: {kept}"));
 }
 
-/// A cell that makes sense; otherwise what is wrong was drawn, and this is the exit code. Warnings are drawn if `aloud`.
+/// A checked cell. If something is wrong, it shows the mistakes; the error is the exit code. Shows warnings
+/// if `aloud`.
 fn checked(
     args: &SweepArgs,
     cell: Cell,
@@ -149,7 +165,7 @@ fn checked(
     checked.map_err(exit_code)
 }
 
-/// What varies, in the order of the options.
+/// The axes of the sweep, in the order of the options.
 fn axes(args: &SweepArgs, case: &Case, method: Method) -> Result<Vec<Axis>> {
     let mut axes = Vec::new();
     let mut add = |option: &str, name: &str, paths: &[String], list: &str, separator: char| {

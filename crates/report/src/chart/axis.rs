@@ -1,22 +1,22 @@
-//! Axes: where a value stands, and at which round values there are ticks.
+//! Axes: positions of values, and ticks at round values.
 
-/// How values are spread over an axis.
+/// The scale of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Scale {
-    /// Evenly.
+    /// Linear.
     Linear,
-    /// By their logarithm.
+    /// Logarithmic.
     Log,
-    /// By the logarithm of one more than they are: from zero up.
+    /// `ln(1 + value)`, which starts at zero.
     FromZero,
 }
 
 /// An axis with its range.
 #[derive(Clone, Debug)]
 pub(crate) struct Axis {
-    /// What it measures.
+    /// The quantity.
     name: String,
-    /// In which unit; empty for plain numbers.
+    /// Its unit; empty for plain numbers.
     unit: String,
     scale: Scale,
     from: f64,
@@ -31,16 +31,16 @@ pub(crate) struct Axis {
 pub(crate) type Tick = (f64, String);
 
 impl Axis {
-    /// An even axis that holds the values, with a little room at both ends.
+    /// A linear axis that contains the values, with 6 % of their range added at both ends.
     pub(crate) fn around(name: &str, unit: &str, values: impl IntoIterator<Item = f64>) -> Axis {
         let (from, to) = extent(values);
         let room = 0.06 * (to - from);
         Axis::between(name, unit, from - room, to + room)
     }
 
-    /// An even axis with these ends.
+    /// A linear axis with these ends.
     pub(crate) fn between(name: &str, unit: &str, from: f64, to: f64) -> Axis {
-        // An axis without length still needs one.
+        // A range of zero length is widened.
         let (from, to) = if to > from {
             (from, to)
         } else {
@@ -75,12 +75,12 @@ impl Axis {
         self
     }
 
-    /// Both ends.
+    /// The first and the last value of the axis.
     pub(crate) fn ends(&self) -> (f64, f64) {
         (self.from, self.to)
     }
 
-    /// Where a value stands: 0 at the beginning, 1 at the end.
+    /// The position of a value: 0 at the start of the axis, 1 at its end.
     pub(crate) fn place(&self, value: f64) -> f64 {
         let spread = |v: f64| match self.scale {
             Scale::Linear => v,
@@ -91,14 +91,14 @@ impl Axis {
         ((spread(value) - a) / (b - a)).clamp(-1.0, 2.0)
     }
 
-    /// The power of ten that all labels share, so that they stay short.
+    /// The power of ten that all labels share, which keeps them short.
     fn power(&self) -> i32 {
         let largest = self.from.abs().max(self.to.abs());
         let power = largest.log10().floor() as i32;
         if self.scale == Scale::Linear && !(-2..5).contains(&power) { 3 * power.div_euclid(3) } else { 0 }
     }
 
-    /// What is written beside the axis.
+    /// The label of the axis.
     pub(crate) fn label(&self) -> String {
         let factor = match self.power() {
             0 => String::new(),
@@ -116,7 +116,7 @@ impl Axis {
             Scale::Log => self.decades(count, self.from),
             Scale::FromZero => {
                 let above = self.decades(count, 1.0_f64.min(self.to));
-                // Near zero there is no room for both.
+                // Near zero there is no room for two labels.
                 let above = above.into_iter().filter(|(v, _)| self.place(*v) > 0.07);
                 [(0.0, "0".to_owned())].into_iter().chain(above).collect()
             }
@@ -126,7 +126,7 @@ impl Axis {
     fn even(&self, count: usize) -> Vec<Tick> {
         let rough = (self.to - self.from) / count.max(1) as f64;
         let size = 10f64.powf(rough.log10().floor());
-        // The round step whose number of ticks is nearest to that asked for.
+        // Takes the round step whose number of ticks is nearest to `count`.
         let apart = |s: &f64| (s * size / rough).ln().abs();
         let nearest = [1.0, 2.0, 5.0, 10.0].into_iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
         let step = size * nearest.unwrap_or(1.0);
@@ -139,7 +139,7 @@ impl Axis {
         (first..=last).map(|k| (k as f64 * step, label(k as f64 * step))).collect()
     }
 
-    /// Powers of ten, with 2 and 5 between them where there are few.
+    /// Powers of ten, with 2 and 5 between them on a short axis.
     fn decades(&self, count: usize, from: f64) -> Vec<Tick> {
         let low = from.max(f64::MIN_POSITIVE).log10();
         let (first, last) = (low.floor() as i32, self.to.log10().ceil() as i32);
@@ -152,7 +152,7 @@ impl Axis {
     }
 }
 
-/// The least and the largest of the values that are numbers.
+/// The least and the largest of the finite values.
 fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     let finite = values.into_iter().filter(|v| v.is_finite());
     let (from, to) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
@@ -160,7 +160,7 @@ fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
 }
 
 fn plain(x: f64) -> String {
-    // A power of ten times 1, 2 or 5: the shortest text is exact up to the last bit.
+    // The value is 1, 2 or 5 times a power of ten: rounding removes its error in the last bit.
     format!("{}", (x * 1e6).round() / 1e6)
 }
 
@@ -175,12 +175,12 @@ fn superscript(power: i32) -> String {
     power.to_string().chars().map(raised).collect()
 }
 
-/// A hyphen is not a minus.
+/// Replaces hyphens by minus signs.
 fn minus(text: String) -> String {
     text.replace('-', "−")
 }
 
-/// A number for a text in a picture: so many significant digits.
+/// A number in a text, with `count` significant digits.
 pub(crate) fn digits(x: f64, count: usize) -> String {
     if !x.is_finite() {
         return "–".to_owned();

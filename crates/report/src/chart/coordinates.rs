@@ -1,11 +1,11 @@
-//! From values on axes to places in a picture.
+//! From values on axes to coordinates in a picture.
 
 use super::axis::Axis;
 use super::decimate::decimated;
 use super::label::at;
 use crate::markup::{Element, element};
 
-/// The plotting area of a panel in its picture; labels stand outside of it.
+/// The plotting area of a panel; labels stand outside of it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
     /// Left edge.
@@ -18,11 +18,11 @@ pub(crate) struct Place {
     pub(crate) height: f64,
 }
 
-/// Where values stand in a picture.
+/// Maps values on two axes to coordinates.
 pub(crate) struct Coordinates<'a> {
-    /// Across.
+    /// The horizontal axis.
     pub(crate) x: &'a Axis,
-    /// Up.
+    /// The vertical axis.
     pub(crate) y: &'a Axis,
     /// The plotting area.
     pub(crate) place: Place,
@@ -37,7 +37,7 @@ impl Coordinates<'_> {
         self.place.y + self.place.height * (1.0 - self.y.place(y))
     }
 
-    /// Cut off at the edges: an inner picture hides what lies outside of it.
+    /// Clips elements at the edges: a nested `svg` hides what lies outside of it.
     pub(super) fn clipped(&self, content: Vec<Element>) -> Element {
         let Place { x, y, width, height } = self.place;
         let inner = element("svg")
@@ -49,7 +49,7 @@ impl Coordinates<'_> {
         inner.with("viewBox", view).all(content)
     }
 
-    /// A line through points, as the data of a path; points that are not finite break it.
+    /// A line through points as path data; points that are not finite interrupt it.
     pub(super) fn path(&self, points: &[(f64, f64)]) -> String {
         let columns = self.place.width as usize;
         let mut out = String::new();

@@ -1,6 +1,8 @@
-//! Long columns drawn short: of the samples that fall on one column of pixels only the first, the least, the largest and the last are seen.
+//! Decimation of long lines: of the samples on one column of pixels only the first, the least, the largest
+//! and the last are visible.
 
-/// The points that draw the same line at a width of `columns` pixels from `from` to `to`, `x` not decreasing.
+/// The points that draw the same line at a width of `columns` pixels between `from` and `to`; `x` must not
+/// decrease.
 pub(crate) fn decimated(points: &[(f64, f64)], (from, to): (f64, f64), columns: usize) -> Vec<(f64, f64)> {
     if points.len() <= 4 * columns {
         return points.to_vec();

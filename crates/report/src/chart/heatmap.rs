@@ -1,13 +1,13 @@
-//! A square of numbers between -1 and 1, coloured by size and sign, each number written into its cell.
+//! A square matrix of numbers between -1 and 1: cells shaded by size and sign, with the number in each cell.
 
 use super::label::{at, width_of, word};
 use super::picture::Chart;
 use crate::markup::element;
 
-/// The colour of a full cell still leaves its number readable.
+/// Opacity of a cell of size 1; its number stays readable.
 const FULL: f64 = 0.6;
 
-/// The matrix with its names at the left and, numbered, at the top.
+/// The matrix with names at the left and their numbers at the top.
 pub(crate) fn heatmap(
     name: &str,
     title: &str,

@@ -1,12 +1,12 @@
-//! What the lines of a picture mean, in one row above it.
+//! The legend: one row above the panels.
 
 use super::label::{at, width_of, word};
 use crate::markup::{Element, element};
 
-/// How an entry is shown.
+/// The sample in front of an entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Swatch {
-    /// A piece of a line.
+    /// A short line.
     Line,
     /// A filled box.
     Box,
@@ -14,10 +14,10 @@ pub(crate) enum Swatch {
     Dot,
 }
 
-/// A class of marks, how it looks, and what it means.
+/// Class of the marks, their sample, and their meaning.
 pub(crate) type Entry = (&'static str, Swatch, String);
 
-/// Draws the row with its left end at `x`, its base line at `y`, entries after one another.
+/// The row with its left end at `x` and its base line at `y`.
 pub(crate) fn legend(entries: &[Entry], mut x: f64, y: f64) -> Vec<Element> {
     let mut out = Vec::new();
     for (class, swatch, text) in entries {

@@ -1,28 +1,28 @@
-//! What is drawn on the axes of a panel.
+//! Marks: the content of a panel.
 
 use super::coordinates::{Coordinates, Place};
 use super::label::{at, width_of, word};
 use crate::markup::{Element, element};
 
-/// Points with values that are not finite break a line.
+/// Points; those that are not finite interrupt a line.
 pub(crate) type Points = Vec<(f64, f64)>;
 
-/// A mark; `class` names its colour and stroke.
+/// A mark; the style sheet defines colour and stroke by `class`.
 #[derive(Clone, Debug)]
 pub(crate) enum Mark {
-    /// Points joined in their order.
+    /// A line through points in their order.
     Line { class: &'static str, points: Points },
-    /// Points alone, of a radius.
+    /// Dots of a radius.
     Dots { class: &'static str, points: Points, radius: f64 },
-    /// The area between two values at each x.
+    /// The area between two curves: x, lower, upper.
     Band { class: &'static str, points: Vec<(f64, f64, f64)> },
-    /// A stretch of the x axis, over the whole height, with words above it.
+    /// An interval of the x axis over the whole height, with words above it.
     Span { from: f64, to: f64, words: &'static str },
-    /// A level.
+    /// A horizontal line.
     Level { class: &'static str, y: f64 },
-    /// From zero up or down to each point.
+    /// A vertical line from zero to each point.
     Stems { class: &'static str, points: Points },
-    /// Rectangles: x from, x to, y from, y to.
+    /// Rectangles: left, right, lower, upper.
     Boxes { class: &'static str, boxes: Vec<(f64, f64, f64, f64)> },
 }
 
@@ -34,7 +34,7 @@ impl Mark {
         match self {
             Mark::Line { class, points } => vec![coordinates.clipped(path(class, coordinates.path(points)))],
             Mark::Dots { class, points, radius } => {
-                // One path of small circles is a tenth of so many elements.
+                // One path of small circles takes a tenth of the text that single elements take.
                 let r = at(*radius);
                 let circle = |&(x, y): &(f64, f64)| {
                     let (x, y) = (at(coordinates.x(x) - radius), at(coordinates.y(y)));
@@ -56,7 +56,7 @@ impl Mark {
                 let area = area.with("width", at((b - a).max(0.0))).with("height", at(height));
                 let edge = element("line").class("edge").with("x1", at(a)).with("x2", at(a));
                 let edge = edge.with("y1", at(top)).with("y2", at(top + height));
-                // Above the area, where nothing is drawn; to the left where there is no room to the right.
+                // The words stand above the area, right-aligned if there is no room on the right.
                 let fits = a + width_of(words) <= left + width;
                 let (class, x) = if fits { ("small", a + 1.0) } else { ("small end", b - 1.0) };
                 vec![area, edge, word(class, x, top - 6.0, words)]
@@ -76,7 +76,7 @@ impl Mark {
             Mark::Boxes { class, boxes } => {
                 let one = |&(a, b, low, high): &(f64, f64, f64, f64)| {
                     let (a, b) = (coordinates.x(a), coordinates.x(b));
-                    // The shortest stretch is still seen.
+                    // The shortest rectangle stays visible.
                     let (y, wide) = (coordinates.y(high), (b - a).max(0.7));
                     format!("M{} {}h{}v{}h-{}z", at(a), at(y), at(wide), at(coordinates.y(low) - y), at(wide))
                 };

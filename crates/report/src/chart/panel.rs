@@ -1,4 +1,4 @@
-//! One pair of axes with what is drawn on them.
+//! A panel: one pair of axes with marks.
 
 use super::axis::Axis;
 use super::coordinates::{Coordinates, Place};
@@ -9,15 +9,15 @@ use crate::markup::{Element, element};
 /// Axes and marks.
 #[derive(Clone, Debug)]
 pub(crate) struct Panel {
-    /// Above it; empty for none.
+    /// Text above the panel; empty for none.
     pub(crate) heading: String,
-    /// Across.
+    /// The horizontal axis.
     pub(crate) x: Axis,
-    /// Up.
+    /// The vertical axis.
     pub(crate) y: Axis,
-    /// From the back to the front.
+    /// Drawn in this order.
     pub(crate) marks: Vec<Mark>,
-    /// Whether the x axis has its label (of panels above one another the last one has).
+    /// Whether the x axis has labels; of stacked panels only the last one has.
     pub(crate) labelled: bool,
 }
 
@@ -48,7 +48,7 @@ impl Panel {
             words.push(word("heading", left, top - 10.0, &self.heading));
         }
         let label = self.y.label();
-        // A label longer than the axis would run into its neighbours: it stands above instead of beside.
+        // A label longer than the axis would overlap the next panel, so it stands above the panel.
         if width_of(&label) <= height + 24.0 {
             let (x, y) = (at(left - 56.0), at(top + 0.5 * height));
             let turned = word("label middle", 0.0, 0.0, &label);

@@ -1,25 +1,25 @@
-//! A picture as SVG, in a page or as a file of its own.
+//! A picture as SVG, inside a page or as a file.
 
 use super::label::at;
 use crate::markup::{Element, element};
 
-/// The colours of charts; the names of classes are those of the marks.
+/// The style sheet of charts; its classes are those of the marks.
 pub(crate) const STYLE: &str = include_str!("chart.css");
 
-/// The width of a picture that fills its page, in its own units (about pixels).
+/// Width of a picture that fills its page, in pixels.
 pub(crate) const WIDTH: f64 = 760.0;
 
-/// Below this width the words of a picture are too small.
+/// Below this width labels are too small to read.
 const LEAST: f64 = 580.0;
 
-/// A picture, with what it says for those who do not see it.
+/// A picture with a description for readers who do not see it.
 #[derive(Clone, Debug)]
 pub(crate) struct Chart {
-    /// Its name: of its file, and unique in its page.
+    /// Name of its file, unique in its page.
     pub(crate) name: String,
-    /// What it shows.
+    /// What the picture shows.
     pub(crate) title: String,
-    /// The same with numbers.
+    /// The content in words and numbers.
     pub(crate) description: String,
     width: f64,
     height: f64,
@@ -33,12 +33,12 @@ impl Chart {
         Chart { name, title, description, width, height, body: vec![] }
     }
 
-    /// With a part of it drawn.
+    /// Adds elements.
     pub(crate) fn draw(&mut self, parts: impl IntoIterator<Item = Element>) {
         self.body.extend(parts);
     }
 
-    /// As an element of a page that has the style.
+    /// The picture as an element of a page that includes the style sheet.
     pub(crate) fn inline(&self) -> Element {
         let (title, description) = (format!("{}-title", self.name), format!("{}-desc", self.name));
         self.frame()
@@ -48,7 +48,7 @@ impl Chart {
             .all(self.body.iter().cloned())
     }
 
-    /// As a file of its own.
+    /// The picture as a file, with the style sheet in it.
     pub(crate) fn file(&self) -> String {
         let svg = self
             .frame()
@@ -68,7 +68,7 @@ impl Chart {
             .with("viewBox", format!("0 0 {} {}", self.width, self.height))
             .with("width", self.width)
             .with("height", self.height)
-            // A narrow page scrolls a wide picture: smaller, its words could not be read.
+            // A narrow page scrolls a wide picture: scaled down, its labels would be unreadable.
             .with("style", format!("min-width:{}px", at(self.width.min(LEAST.max(0.8 * self.width)))))
     }
 }

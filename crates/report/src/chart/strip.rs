@@ -1,4 +1,4 @@
-//! A narrow band below a panel, on the same x axis: what is the case when.
+//! A narrow band below a panel with the same x axis; it shows when a condition holds.
 
 use super::axis::Axis;
 use super::coordinates::{Coordinates, Place};
@@ -6,13 +6,13 @@ use super::label::{at, word};
 use super::mark::Mark;
 use crate::markup::{Element, element};
 
-/// A band from 0 to 1 with a name.
+/// A band of height 0 to 1 with a name.
 pub(crate) struct Strip<'a> {
-    /// At its left.
+    /// Label at the left.
     pub(crate) name: &'a str,
-    /// That of the panel above.
+    /// The x axis of the panel above.
     pub(crate) x: &'a Axis,
-    /// What is the case.
+    /// Intervals in which the condition holds.
     pub(crate) marks: Vec<Mark>,
 }
 

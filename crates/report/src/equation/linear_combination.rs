@@ -1,8 +1,8 @@
-//! A node as a sum of numbers times nodes, so that an equation reads as people write it: `-0.1 y - x + cos(0.3 t)`.
+//! A node as a sum of numbers times nodes, so that it prints as people write it: `-0.1 y - x + cos(0.3 t)`.
 
 use phisindy_expr::{Binary, Graph, Id, Node, Unary};
 
-/// `sum of coefficient * node`, like terms collected, in the order in which they were met.
+/// `sum of coefficient * node` with like terms collected, in order of appearance.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct LinearCombination {
     /// Coefficients and nodes; the node of a lone number is the number one.
@@ -10,11 +10,11 @@ pub(crate) struct LinearCombination {
 }
 
 impl LinearCombination {
-    /// Takes a node apart. Sums are opened and numbers multiplied in, except that a multiple of the sum of two names stays together:
-    /// `-386.7 (x - u)` says more than `-386.7 x + 386.7 u`.
+    /// Decomposes a node. Sums are expanded and numbers multiplied in, except for a multiple of the sum of
+    /// two names: `-386.7 (x - u)` says more than `-386.7 x + 386.7 u`.
     pub(crate) fn of(graph: &mut Graph, root: Id) -> LinearCombination {
         let mut all = LinearCombination::default();
-        // The order of the sum is kept by putting the right operand on the stack first.
+        // The right operand goes on the stack first, which keeps the order of the sum.
         let mut stack = vec![(1.0, root)];
         while let Some((factor, id)) = stack.pop() {
             let (number, rest) = split(graph, id);
@@ -33,7 +33,7 @@ impl LinearCombination {
         all
     }
 
-    /// Adds one part, to its like if there is one.
+    /// Adds a part, to a like part if there is one.
     pub(crate) fn push(&mut self, coefficient: f64, node: Id) {
         match self.parts.iter_mut().find(|(_, n)| *n == node) {
             Some((c, _)) => *c += coefficient,
@@ -41,7 +41,7 @@ impl LinearCombination {
         }
     }
 
-    /// The sum as text, each part written by `print`; the order stays (a graph would turn `-a + b` into `b - a`).
+    /// The sum as text in its order (a graph would turn `-a + b` into `b - a`); `print` writes a part.
     pub(crate) fn written(&self, graph: &mut Graph, print: &dyn Fn(&Graph, Id) -> String) -> String {
         let mut out = String::new();
         for &(c, node) in &self.parts {
@@ -59,7 +59,7 @@ impl LinearCombination {
     }
 }
 
-/// The number in front of a product or quotient, and what is left without it.
+/// The numeric factor of a product or quotient, and the rest.
 pub(crate) fn split(graph: &mut Graph, id: Id) -> (f64, Id) {
     let (number, rest) = match graph.node(id) {
         Node::Constant(bits) => (f64::from_bits(bits), graph.constant(1.0)),
@@ -74,7 +74,7 @@ pub(crate) fn split(graph: &mut Graph, id: Id) -> (f64, Id) {
         }
         _ => (1.0, id),
     };
-    // A product that over- or underflows stays as it is written.
+    // A number that over- or underflows stays where it is written.
     if number.is_normal() || (number == 0.0 && graph.value(id) == Some(0.0)) {
         (number, rest)
     } else {
@@ -91,7 +91,7 @@ mod tests {
     use super::*;
     use phisindy_expr::{Names, parse};
 
-    /// The text of an expression after it was taken apart and put together.
+    /// The text of an expression after decomposition.
     fn tidy(text: &str) -> String {
         let (mut graph, mut names) = (Graph::default(), Names::default());
         let ast = parse(text).expect("a good expression");

@@ -1,4 +1,4 @@
-//! A model as one file of C99 that needs the mathematical library alone.
+//! A model as one file of C99 that needs only the mathematical library.
 
 use super::functions::{Function, Functions, Read};
 use super::head::{head, kind};
@@ -19,7 +19,7 @@ pub(crate) fn written(subject: &Subject) -> String {
     ];
     let mut out = String::from("/*\n");
     for line in head(subject, &functions.identifiers, &usage) {
-        // The end of a comment inside of it would be code.
+        // A comment must not contain its own end.
         let _ = writeln!(out, "{}", format!("   {}", line.replace("*/", "* /")).trim_end());
     }
     out += "*/\n\n#include <math.h>\n#include <stdbool.h>\n#include <stdio.h>\n#include <stdlib.h>\n#include <string.h>\n\n";
@@ -84,8 +84,7 @@ pub(crate) fn written(subject: &Subject) -> String {
     out
 }
 
-/// A text as C writes it.
-/// An array of at least one entry: C99 has no empty ones.
+/// An array with at least one entry: C99 has no empty arrays.
 fn array(out: &mut String, name: &str, entries: impl Iterator<Item = String>, none: &str) {
     let entries: Vec<String> = entries.collect();
     let list = if entries.is_empty() { none.to_owned() } else { entries.join(", ") };
@@ -107,7 +106,7 @@ fn define(
     });
     let _ =
         write!(out, "\n/* {about} */\nstatic void {name}(double t, {}, double *out)\n{{\n", lists.join(", "));
-    // Not every model uses everything, and compilers ask why.
+    // Avoids warnings about unused parameters.
     let _ = writeln!(out, "    (void)t, {}, (void)out;", arguments.map(|a| format!("(void){a}")).join(", "));
     for (local, from) in &function.reads {
         let _ = match from {

@@ -1,26 +1,27 @@
-//! The two functions that every exported model has: the rates in given modes, and the surfaces with all that the contact rule asks of them.
+//! The two functions of every exported model: the rates in given modes, and the surfaces with the derivatives
+//! that the contact rule needs.
 
 use super::identifier::Identifiers;
 use super::subject::Subject;
 use phisindy_expr::{Code, Id, Language, Naming, Node, Symbol};
 use std::collections::HashMap;
 
-/// A function's text: what it reads from its arguments, and its expressions.
+/// A function: the arguments it reads, and its expressions.
 pub(crate) struct Function {
-    /// Local name, and the argument and place it comes from.
+    /// Local name and source of its value.
     pub(crate) reads: Vec<(String, Read)>,
     pub(crate) code: Code,
 }
 
-/// Where a local name gets its value.
+/// The source of a local variable's value.
 pub(crate) enum Read {
-    /// An element of an argument that is a list.
+    /// An element of a list argument.
     Element(&'static str, usize),
-    /// A constant, by its place.
+    /// A constant, by its index.
     Constant(usize),
 }
 
-/// Both functions, and the identifiers they use.
+/// Both functions and their identifiers.
 pub(crate) struct Functions {
     pub(crate) identifiers: Identifiers,
     /// `dx/dt`.
@@ -30,7 +31,7 @@ pub(crate) struct Functions {
 }
 
 impl Functions {
-    /// Writes both in a language.
+    /// Both functions in a language.
     pub(crate) fn new(subject: &Subject, language: Language) -> Functions {
         let mut identifiers = Identifiers::new(language, subject.names());
         let s = &subject.switched;
@@ -87,7 +88,7 @@ impl Functions {
     }
 }
 
-/// A letter such that, with a number behind it, it is nobody's name.
+/// A prefix that gives unused names when followed by a number.
 pub(crate) fn stem_of_temporaries(names: &[&str]) -> String {
     let mut stem = "q".to_owned();
     while names.iter().any(|n| n.strip_prefix(&stem).is_some_and(|rest| rest.parse::<usize>().is_ok())) {

@@ -1,11 +1,11 @@
-//! The comment at the head of an exported file: what it is, what it measures, how it is called.
+//! The comment at the head of an exported file: title, states, inputs, equations, usage.
 
 use super::identifier::Identifiers;
 use super::subject::{Quantity, Subject};
 use phisindy_phys::Sensor;
 use phisindy_signal::Interpolation;
 
-/// The rule that decides sticking, in words.
+/// The contact rule in words.
 pub(crate) const RULE: [&str; 6] = [
     "Contacts: each sgn(w) in the rates is a mode s in {-1, 0, +1}, and |w| is s*w. Where w = 0, let r+ and r- be dw/dt with s = +1 and",
     "s = -1 (of friction that is singular near zero speed: the largest one-sided friction up to 1e-6 of the scale of speed). The contact",
@@ -15,7 +15,7 @@ pub(crate) const RULE: [&str; 6] = [
     "that sticks again.",
 ];
 
-/// The lines, without comment marks.
+/// The lines of the comment, without comment marks.
 pub(crate) fn head(subject: &Subject, identifiers: &Identifiers, usage: &[&str]) -> Vec<String> {
     let record = subject.chosen();
     let mut lines = Vec::new();
@@ -58,7 +58,7 @@ pub(crate) fn head(subject: &Subject, identifiers: &Identifiers, usage: &[&str])
     lines
 }
 
-/// A text on one line.
+/// The text on one line.
 fn plain(text: &str) -> String {
     text.replace(['\n', '\r'], " ")
 }
@@ -71,7 +71,7 @@ fn quantities(list: &[Quantity]) -> String {
     list.iter().map(quantity).collect::<Vec<_>>().join(", ")
 }
 
-/// What a sensor makes of its quantity.
+/// The reading of a sensor as a formula.
 fn reading(column: &str, sensor: &Sensor) -> String {
     let (offset, gain, delay) = (sensor.offset.start, sensor.gain.start, sensor.delay.start);
     format!("{offset:?} + {gain:?}*{column}(t - {delay:?} s)")

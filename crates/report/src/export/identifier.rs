@@ -1,20 +1,20 @@
-//! Names of a spec as identifiers of another language: kept where they are legal there, else changed without clashes.
+//! Names of a spec as identifiers of another language: legal names stay, others change without clashes.
 
 use phisindy_expr::Language;
 use std::collections::{HashMap, HashSet};
 
-/// Words that mean something in Python, and names that the exported functions use.
+/// Keywords of Python, and names that the exported functions use.
 const PYTHON: &str = "False None True and as assert async await break class continue def del elif else except finally for from global if import in is \
 lambda nonlocal not or pass raise return try while with yield math bisect csv sys print float int abs max min sum \
 t state inputs slopes parameters mode side floors margins";
 
-/// The same of C, and macros that its headers define.
+/// The same for C, and macros of its headers.
 const C: &str = "auto break case char const continue default do double else enum extern float for goto if inline int long register restrict return short \
 signed sizeof static struct switch typedef union unsigned void volatile while bool true false asm typeof linux unix NULL EOF NAN INFINITY HUGE_VAL errno \
 stdin stdout stderr assert isnan isinf isfinite signbit fpclassify isnormal STATES INPUTS CONTACTS CAN_STICK SHAPED START START_TIME STATE_NAMES \
 INPUT_NAMES INPUT_KINDS CONTACT_NAMES PARAMETERS Parameters t state inputs slopes parameters mode side floors margins out";
 
-/// The same of Modelica.
+/// The same for Modelica.
 const MODELICA: &str = "algorithm and annotation assert block break class connect connector constant constrainedby der discrete each else elseif elsewhen \
 encapsulated end enumeration equation expandable extends external false final flow for function if import impure in initial inner input loop model not \
 operator or outer output package parameter partial protected public pure record redeclare replaceable return stream then true type when while within time Real \
@@ -29,7 +29,8 @@ pub(crate) struct Identifiers {
 }
 
 impl Identifiers {
-    /// Identifiers for these names. Legal ones are kept; those that must change come second, so that they take nobody's place.
+    /// Identifiers for these names. Legal names come first, so that a changed name never takes the place of a
+    /// legal one.
     pub(crate) fn new<'a>(language: Language, names: impl Iterator<Item = &'a str> + Clone) -> Identifiers {
         let words = match language {
             Language::Python => PYTHON,
@@ -52,12 +53,12 @@ impl Identifiers {
         all
     }
 
-    /// The identifier of a name that was there from the start.
+    /// The identifier of a name given to [`Identifiers::new`].
     pub(crate) fn of(&self, name: &str) -> &str {
         &self.names[name]
     }
 
-    /// A new identifier, as near to the wish as is free.
+    /// A new identifier: `wish`, or a variant of it that is free.
     pub(crate) fn fresh(&mut self, wish: &str) -> String {
         let mut identifier = wish.to_owned();
         while !legal(self.language, &identifier) || !self.taken.insert(identifier.clone()) {
@@ -66,7 +67,7 @@ impl Identifiers {
         identifier
     }
 
-    /// Names that had to change, with what became of them, in order.
+    /// Changed names with their identifiers, in order.
     pub(crate) fn changed(&self) -> Vec<(&str, &str)> {
         let mut all: Vec<(&str, &str)> =
             self.names.iter().filter(|(a, b)| a != b).map(|(a, b)| (a.as_str(), b.as_str())).collect();
@@ -75,9 +76,9 @@ impl Identifiers {
     }
 }
 
-/// Whether a name can stand as it is; words of the language are looked at elsewhere.
+/// Whether the characters of a name are legal; keywords are checked elsewhere.
 fn legal(language: Language, name: &str) -> bool {
-    // Python takes two ways of writing a letter for one name; of Greek letters there is one way each.
+    // Python normalises identifiers (NFKC); Greek letters have one form each, so they stay distinct.
     let letter = |c: char| c.is_ascii_alphabetic() || (language == Language::Python && greek(c).is_some());
     let reserved = language == Language::C && name.starts_with('_');
     let mut letters = name.chars();

@@ -1,108 +1,179 @@
 //! A model as data, for programs that write their own: `docs/model.md` says what each key holds.
+//!
+//! Keys stand in alphabetical order, which is the order of the fields here.
 
 use super::head::{RULE, kind};
-use super::subject::{Quantity, Subject};
+use super::subject::{Constant, Quantity, RecordNote, Subject};
 use crate::format::role_name;
 use phisindy_expr::ops::{BINARY, UNARY};
-use phisindy_expr::{Id, Node};
+use phisindy_expr::{Graph, Id, Names, Node};
 use phisindy_phys::Sensor;
-use serde_json::{Map, Value, json};
+use serde::Serialize;
+use std::collections::BTreeMap;
 
-/// Changes with every change of the form that a reader could stumble over.
+/// Increases with every change that can break a reader.
 const SCHEMA_VERSION: u32 = 1;
 
-/// The text: indented, a line at the end.
+#[derive(Serialize)]
+struct ModelOut<'a> {
+    constants: Vec<ConstantOut<'a>>,
+    contacts: Vec<ContactOut<'a>>,
+    inputs: Vec<InputOut<'a>>,
+    operations: BTreeMap<&'a str, &'a str>,
+    rates: Vec<RateOut<'a>>,
+    record: usize,
+    records: Vec<RecordOut<'a>>,
+    rule: String,
+    schema: &'a str,
+    schema_version: u32,
+    spec: &'a str,
+    states: Vec<QuantityOut<'a>>,
+    time: QuantityOut<'a>,
+    title: &'a str,
+    version: &'a str,
+}
+
+#[derive(Serialize)]
+struct QuantityOut<'a> {
+    name: &'a str,
+    unit: &'a str,
+}
+
+#[derive(Serialize)]
+struct ConstantOut<'a> {
+    name: &'a str,
+    unit: &'a str,
+    value: f64,
+}
+
+#[derive(Serialize)]
+struct ContactOut<'a> {
+    can_stick: bool,
+    shaped: bool,
+    tree: Vec<NodeOut<'a>>,
+    velocity: &'a str,
+}
+
+#[derive(Serialize)]
+struct InputOut<'a> {
+    interpolation: &'a str,
+    name: &'a str,
+    unit: &'a str,
+}
+
+#[derive(Serialize)]
+struct RateOut<'a> {
+    latex: String,
+    state: &'a str,
+    text: String,
+    tree: Vec<NodeOut<'a>>,
+}
+
+#[derive(Serialize)]
+struct RecordOut<'a> {
+    constants: BTreeMap<&'a str, f64>,
+    name: &'a str,
+    role: &'a str,
+    sensors: BTreeMap<&'a str, SensorOut>,
+    start: BTreeMap<&'a str, Option<f64>>,
+    start_time: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct SensorOut {
+    delay: f64,
+    gain: f64,
+    offset: f64,
+}
+
+/// A node of an expression; `args` are indices into the list of nodes.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum NodeOut<'a> {
+    Number { number: f64 },
+    Name { name: &'a str },
+    Operation { args: Vec<usize>, op: &'a str },
+}
+
+/// The text, indented, with an end of line.
 pub(crate) fn written(subject: &Subject) -> String {
-    let quantity = |q: &Quantity| json!({ "name": q.name, "unit": q.unit });
-    let inputs = subject
-        .inputs
-        .iter()
-        .zip(&subject.interpolation)
-        .map(|(q, i)| json!({ "name": q.name, "unit": q.unit, "interpolation": kind(*i) }));
-    let constants =
-        subject.constants.iter().map(|c| json!({ "name": c.name, "value": c.value, "unit": c.unit }));
-    let rates = subject.states.iter().zip(&subject.model.rates).map(|(q, &rate)| {
-        json!({
-            "state": q.name,
-            "text": subject.model.text(rate),
-            "latex": subject.model.graph.latex(rate, &subject.model.names),
-            "tree": tree(subject, rate),
-        })
-    });
-    let contacts = subject.switched.switches.iter().zip(&subject.switched.surfaces).map(|(switch, &w)| {
-        json!({
-            "velocity": switch.text,
-            "tree": tree_in(&subject.switched.graph, &subject.switched.names, w),
-            "can_stick": switch.can_stick,
-            "shaped": switch.shaped,
-        })
-    });
-    let records = subject.records.iter().map(|r| {
-        let start: Map<String, Value> = named(subject.states.iter().map(|q| &q.name).zip(&r.start));
-        let sensors: Map<String, Value> =
-            r.sensors.iter().map(|(name, s)| (name.clone(), sensor(s))).collect();
-        json!({
-            "name": r.name,
-            "role": role_name(r.role),
-            "start_time": r.start_time,
-            "start": start,
-            "constants": named(r.constants.iter().map(|(name, value)| (name, value))),
-            "sensors": sensors,
-        })
-    });
-    let operations: Map<String, Value> = UNARY
-        .iter()
-        .map(|r| (if r.name.is_empty() { "neg" } else { r.name }, r.about))
-        .chain(BINARY.iter().map(|r| (r.name, r.about)))
-        .map(|(name, about)| (name.to_owned(), json!(about)))
-        .collect();
-    let model = json!({
-        "schema": "phisindy-model",
-        "schema_version": SCHEMA_VERSION,
-        "version": env!("CARGO_PKG_VERSION"),
-        "title": subject.title,
-        "spec": subject.spec,
-        "time": { "name": "t", "unit": "s" },
-        "states": subject.states.iter().map(quantity).collect::<Vec<_>>(),
-        "inputs": inputs.collect::<Vec<_>>(),
-        "constants": constants.collect::<Vec<_>>(),
-        "rates": rates.collect::<Vec<_>>(),
-        "contacts": contacts.collect::<Vec<_>>(),
-        "rule": RULE.join(" "),
-        "record": subject.record,
-        "records": records.collect::<Vec<_>>(),
-        "operations": operations,
-    });
-    // Nothing in there can fail: keys are texts, and every number is finite.
-    serde_json::to_string_pretty(&model).unwrap_or_default() + "\n"
+    // This cannot fail: all keys are strings, and every number is finite.
+    serde_json::to_string_pretty(&model(subject)).unwrap_or_default() + "\n"
 }
 
-fn named<'a, T: serde::Serialize + 'a>(
-    pairs: impl Iterator<Item = (&'a String, &'a T)>,
-) -> Map<String, Value> {
-    pairs.map(|(name, value)| (name.clone(), json!(value))).collect()
+fn model(subject: &Subject) -> ModelOut<'_> {
+    let inputs = subject.inputs.iter().zip(&subject.interpolation);
+    let rates = subject.states.iter().zip(&subject.model.rates);
+    let contacts = subject.switched.switches.iter().zip(&subject.switched.surfaces);
+    let unary = UNARY.iter().map(|r| (named(r.name), r.about));
+    ModelOut {
+        constants: subject.constants.iter().map(constant).collect(),
+        contacts: contacts
+            .map(|(switch, &w)| ContactOut {
+                can_stick: switch.can_stick,
+                shaped: switch.shaped,
+                tree: tree(&subject.switched.graph, &subject.switched.names, w),
+                velocity: &switch.text,
+            })
+            .collect(),
+        inputs: inputs
+            .map(|(q, i)| InputOut { interpolation: kind(*i), name: &q.name, unit: &q.unit })
+            .collect(),
+        operations: unary.chain(BINARY.iter().map(|r| (r.name, r.about))).collect(),
+        rates: rates
+            .map(|(q, &rate)| RateOut {
+                latex: subject.model.graph.latex(rate, &subject.model.names),
+                state: &q.name,
+                text: subject.model.text(rate),
+                tree: tree(&subject.model.graph, &subject.model.names, rate),
+            })
+            .collect(),
+        record: subject.record,
+        records: subject.records.iter().map(|r| record(r, &subject.states)).collect(),
+        rule: RULE.join(" "),
+        schema: "phisindy-model",
+        schema_version: SCHEMA_VERSION,
+        spec: &subject.spec,
+        states: subject.states.iter().map(|q| QuantityOut { name: &q.name, unit: &q.unit }).collect(),
+        time: QuantityOut { name: "t", unit: "s" },
+        title: &subject.title,
+        version: env!("CARGO_PKG_VERSION"),
+    }
 }
 
-fn sensor(s: &Sensor) -> Value {
-    json!({ "offset": s.offset.start, "gain": s.gain.start, "delay": s.delay.start })
+fn constant(c: &Constant) -> ConstantOut<'_> {
+    ConstantOut { name: &c.name, unit: &c.unit, value: c.value }
 }
 
-fn tree(subject: &Subject, root: Id) -> Value {
-    tree_in(&subject.model.graph, &subject.model.names, root)
+fn record<'a>(r: &'a RecordNote, states: &'a [Quantity]) -> RecordOut<'a> {
+    RecordOut {
+        constants: r.constants.iter().map(|(name, value)| (name.as_str(), *value)).collect(),
+        name: &r.name,
+        role: role_name(r.role),
+        sensors: r.sensors.iter().map(|(name, s)| (name.as_str(), sensor(s))).collect(),
+        start: states.iter().zip(&r.start).map(|(q, x)| (q.name.as_str(), *x)).collect(),
+        start_time: r.start_time,
+    }
 }
 
-/// The tree of an expression as a list, operands before operations and the root last: no reader's stack is too small for it.
-fn tree_in(graph: &phisindy_expr::Graph, names: &phisindy_expr::Names, root: Id) -> Value {
+fn sensor(s: &Sensor) -> SensorOut {
+    SensorOut { delay: s.delay.start, gain: s.gain.start, offset: s.offset.start }
+}
+
+/// The name of an operation; negation has no name in the language of specs.
+fn named(operation: &'static str) -> &'static str {
+    if operation.is_empty() { "neg" } else { operation }
+}
+
+/// An expression as a list, operands before operations and the root last, so that readers need no recursion.
+fn tree<'a>(graph: &Graph, names: &'a Names, root: Id) -> Vec<NodeOut<'a>> {
     let order = graph.reachable(&[root]);
     let place = |id: Id| order.binary_search(&id).unwrap_or_default();
     let node = |&id: &Id| match graph.node(id) {
-        Node::Constant(bits) => json!({ "number": f64::from_bits(bits) }),
-        Node::Symbol(symbol) => json!({ "name": names.name(symbol) }),
-        Node::Unary(op, a) => {
-            let name = op.row().name;
-            json!({ "op": if name.is_empty() { "neg" } else { name }, "args": [place(a)] })
-        }
-        Node::Binary(op, a, b) => json!({ "op": op.row().name, "args": [place(a), place(b)] }),
+        Node::Constant(bits) => NodeOut::Number { number: f64::from_bits(bits) },
+        Node::Symbol(symbol) => NodeOut::Name { name: names.name(symbol) },
+        Node::Unary(op, a) => NodeOut::Operation { args: vec![place(a)], op: named(op.row().name) },
+        Node::Binary(op, a, b) => NodeOut::Operation { args: vec![place(a), place(b)], op: op.row().name },
     };
-    Value::Array(order.iter().map(node).collect())
+    order.iter().map(node).collect()
 }

@@ -1,28 +1,96 @@
-//! A model in Modelica: contacts are friction elements with modes, as in the standard library, and the tool solves those that stick together.
+//! A model in Modelica: contacts are friction elements with modes, as in the standard library; the tool
+//! solves contacts that stick together.
 
 use super::functions::stem_of_temporaries;
 use super::head::head;
 use super::identifier::Identifiers;
 use super::quoted::quoted;
 use super::subject::{Quantity, Subject};
-use phisindy_expr::{Id, Language, Naming, Node, Scratch, Symbol, Tape};
+use phisindy_expr::{Code, Id, Language, Naming, Node, Scratch, Symbol, Tape};
+use phisindy_sim::Switch;
 use std::collections::HashMap;
 use std::fmt::Write;
 
-/// How far off rest friction is looked at that is singular there, for speeds of about 1 m/s.
+/// Distance from rest at which singular friction is evaluated, for speeds of about 1 m/s.
 const OFF_SURFACE: f64 = 1e-6;
 
 /// The text of the model.
 pub(crate) fn written(subject: &Subject, name: &str) -> String {
     let mut identifiers = Identifiers::new(Language::Modelica, subject.names());
+    let contacts = ContactNames::of(subject, &mut identifiers);
+    let code = code(subject, &identifiers, &contacts);
+    let usage = [
+        "Simulate with event detection on; inputs are connected from outside. The contacts are written like the friction elements of the",
+        "Modelica standard library: locked, sliding forward or backward, and load is the path parameter of friction.",
+    ];
+    let mut out = String::new();
+    for line in head(subject, &identifiers, &usage) {
+        let _ = writeln!(out, "{}", format!("// {line}").trim_end());
+    }
+    let _ = writeln!(out, "model {name} {}", quoted(&subject.title));
+    declare_quantities(&mut out, subject, &identifiers);
+    let switches = &subject.switched.switches;
+    for (switch, contact) in switches.iter().zip(&contacts) {
+        let text = quoted(&format!("Mode of {}: 1 forward, -1 backward, 0 sticks", switch.text));
+        let _ = writeln!(out, "  Integer {}(start = 0, fixed = true) {text};", contact.mode);
+    }
+    out += "protected\n";
+    for (k, (switch, contact)) in switches.iter().zip(&contacts).enumerate() {
+        declare_contact(&mut out, switch, contact, floor_at_start(subject, k));
+    }
+    for (name, _) in &code.temporaries {
+        let _ = writeln!(out, "  Real {name};");
+    }
+    out.push('\n');
+    out += Language::Modelica.helpers();
+    out += "equation\n";
+    for (name, value) in &code.temporaries {
+        let _ = writeln!(out, "  {name} = {value};");
+    }
+    let (rates, surfaces) = code.roots.split_at(subject.states.len());
+    let (surfaces, surface_rates) = surfaces.split_at(switches.len());
+    for (q, rate) in subject.states.iter().zip(rates) {
+        let _ = writeln!(out, "  der({}) = {rate};", identifiers.of(&q.name));
+    }
+    for (k, (switch, contact)) in switches.iter().zip(&contacts).enumerate() {
+        write_contact(&mut out, switch, contact, &surfaces[k], &surface_rates[k]);
+    }
+    let _ = writeln!(out, "end {name};");
+    out
+}
+
+/// The variables of one contact.
+struct ContactNames {
+    friction: String,
+    load: String,
+    speed: String,
+    locked: String,
+    forward: String,
+    backward: String,
+    mode: String,
+    floor: String,
+}
+
+impl ContactNames {
+    /// Names for all contacts of a model.
+    fn of(subject: &Subject, identifiers: &mut Identifiers) -> Vec<ContactNames> {
+        let count = subject.switched.switches.len();
+        let stems = ["friction", "load", "speed", "locked", "forward", "backward", "mode", "floor"];
+        let all: [Vec<String>; 8] =
+            stems.map(|stem| (0..count).map(|k| identifiers.fresh(&format!("{stem}{k}"))).collect());
+        let of = |k: usize| {
+            let [friction, load, speed, locked, forward, backward, mode, floor] =
+                all.each_ref().map(|names| names[k].clone());
+            ContactNames { friction, load, speed, locked, forward, backward, mode, floor }
+        };
+        (0..count).map(of).collect()
+    }
+}
+
+/// Rates, surfaces and rates of surfaces as expressions.
+fn code(subject: &Subject, identifiers: &Identifiers, contacts: &[ContactNames]) -> Code {
     let s = &subject.switched;
-    let switches = 0..s.switches.len();
-    let mut fresh = |stem: &str| -> Vec<String> {
-        switches.clone().map(|k| identifiers.fresh(&format!("{stem}{k}"))).collect()
-    };
-    let [friction, load, speed, locked, forward, backward, mode, floor] =
-        ["friction", "load", "speed", "locked", "forward", "backward", "mode", "floor"].map(&mut fresh);
-    // The margin serves the rounding of our own simulation; the side of what is locked is 0.
+    // Margins account for rounding in our own simulation only; the side of a locked contact is 0.
     let mut graph = s.graph.clone();
     let zero = graph.constant(0.0);
     let without: HashMap<Id, Id> = s.margins.iter().map(|&id| (id, zero)).collect();
@@ -44,27 +112,21 @@ pub(crate) fn written(subject: &Subject, name: &str) -> String {
     for (q, &slope) in subject.inputs.iter().zip(&s.slopes) {
         call(slope, format!("der({})", identifiers.of(&q.name)));
     }
-    for k in switches.clone() {
-        call(s.modes[k], friction[k].clone());
-        call(s.sides[k], format!("(if {} then 0 else {})", locked[k], friction[k]));
-        call(s.floors[k], floor[k].clone());
+    for (k, contact) in contacts.iter().enumerate() {
+        call(s.modes[k], contact.friction.clone());
+        call(s.sides[k], format!("(if {} then 0 else {})", contact.locked, contact.friction));
+        call(s.floors[k], contact.floor.clone());
     }
     let stem = stem_of_temporaries(&subject.names().collect::<Vec<_>>());
     let moving = subject.moving();
     let naming =
         Naming { symbol: &|s| words[&s].clone(), temporary: &|k| format!("{stem}{k}"), moving: &moving };
     let roots: Vec<Id> = [&rates, &surfaces, &surface_rates].into_iter().flatten().copied().collect();
-    let code = graph.code(&roots, Language::Modelica, &naming);
+    graph.code(&roots, Language::Modelica, &naming)
+}
 
-    let mut out = String::new();
-    let usage = [
-        "Simulate with event detection on; inputs are connected from outside. The contacts are written like the friction elements of the",
-        "Modelica standard library: locked, sliding forward or backward, and load is the path parameter of friction.",
-    ];
-    for line in head(subject, &identifiers, &usage) {
-        let _ = writeln!(out, "{}", format!("// {line}").trim_end());
-    }
-    let _ = writeln!(out, "model {name} {}", quoted(&subject.title));
+/// Declarations of constants, states and inputs.
+fn declare_quantities(out: &mut String, subject: &Subject, identifiers: &Identifiers) {
     for c in &subject.constants {
         let _ =
             writeln!(out, "  parameter Real {}{} = {:?};", identifiers.of(&c.name), unit(&c.unit), c.value);
@@ -82,71 +144,54 @@ pub(crate) fn written(subject: &Subject, name: &str) -> String {
     for q in &subject.inputs {
         let _ = writeln!(out, "  input Real {}{};", identifiers.of(&q.name), unit(&q.unit));
     }
-    for k in switches.clone() {
-        let text = quoted(&format!("Mode of {}: 1 forward, -1 backward, 0 sticks", s.switches[k].text));
-        let _ = writeln!(out, "  Integer {}(start = 0, fixed = true) {text};", mode[k]);
+}
+
+/// Declarations of a contact, except for its mode, which is public.
+fn declare_contact(out: &mut String, switch: &Switch, names: &ContactNames, floor_value: f64) {
+    let text = &switch.text;
+    let ContactNames { friction, load, speed, locked, forward, backward, floor, .. } = names;
+    let _ = writeln!(out, "  Real {speed} {};", quoted(text));
+    let _ = writeln!(
+        out,
+        "  Real {friction} {};",
+        quoted(&format!("sgn({text}), or the part of its friction that holds it"))
+    );
+    if switch.can_stick {
+        let _ = writeln!(out, "  Real {load} \"Path parameter\";");
+        let _ = writeln!(out, "  Boolean {forward}(start = false, fixed = true);");
+        let _ = writeln!(out, "  Boolean {backward}(start = false, fixed = true);");
     }
-    out += "protected\n";
-    for k in switches.clone() {
-        let text = &s.switches[k].text;
-        let (speed, friction, load) = (&speed[k], &friction[k], &load[k]);
-        let _ = writeln!(out, "  Real {speed} {};", quoted(text));
+    let _ = writeln!(out, "  Boolean {locked};");
+    let said = "Speed at which friction is looked at while it holds";
+    let _ = writeln!(out, "  parameter Real {floor} = {floor_value:?} \"{said}\";");
+}
+
+/// Equations of a contact with the surface `w` and its rate `a`.
+fn write_contact(out: &mut String, switch: &Switch, names: &ContactNames, w: &str, a: &str) {
+    let ContactNames { friction, load, speed, locked, forward, backward, mode, .. } = names;
+    let _ = writeln!(out, "  {speed} = {w};");
+    if !switch.can_stick {
+        let _ = writeln!(out, "  {locked} = false;");
         let _ = writeln!(
             out,
-            "  Real {friction} {};",
-            quoted(&format!("sgn({text}), or the part of its friction that holds it"))
+            "  {mode} = if {speed} > 0 then 1 elseif {speed} < 0 then -1 else 0;\n  {friction} = {mode};"
         );
-        if s.switches[k].can_stick {
-            let _ = writeln!(out, "  Real {load} \"Path parameter\";");
-            let _ = writeln!(out, "  Boolean {}(start = false, fixed = true);", forward[k]);
-            let _ = writeln!(out, "  Boolean {}(start = false, fixed = true);", backward[k]);
-        }
-        let _ = writeln!(out, "  Boolean {};", locked[k]);
-        let said = "Speed at which friction is looked at while it holds";
-        let _ = writeln!(out, "  parameter Real {} = {:?} \"{said}\";", floor[k], floor_at_start(subject, k));
+        return;
     }
-    for (name, _) in &code.temporaries {
-        let _ = writeln!(out, "  Real {name};");
-    }
-    out.push('\n');
-    out += Language::Modelica.helpers();
-    out += "equation\n";
-    for (name, value) in &code.temporaries {
-        let _ = writeln!(out, "  {name} = {value};");
-    }
-    let n = subject.states.len();
-    for (q, rate) in subject.states.iter().zip(&code.roots) {
-        let _ = writeln!(out, "  der({}) = {rate};", identifiers.of(&q.name));
-    }
-    for k in switches {
-        let (w, a) = (&code.roots[n + k], &code.roots[n + s.switches.len() + k]);
-        let (speed, friction, load, locked) = (&speed[k], &friction[k], &load[k], &locked[k]);
-        let (forward, backward, mode) = (&forward[k], &backward[k], &mode[k]);
-        let _ = writeln!(out, "  {speed} = {w};");
-        if !s.switches[k].can_stick {
-            let _ = writeln!(out, "  {locked} = false;");
-            let _ = writeln!(
-                out,
-                "  {mode} = if {speed} > 0 then 1 elseif {speed} < 0 then -1 else 0;\n  {friction} = {mode};"
-            );
-            continue;
-        }
-        let _ = write!(
-            out,
-            "  {forward} = pre({mode}) == 0 and {load} > 1 or initial() and {speed} > 0;
+    let _ = write!(
+        out,
+        "  {forward} = pre({mode}) == 0 and {load} > 1 or initial() and {speed} > 0;
   {backward} = pre({mode}) == 0 and {load} < -1 or initial() and {speed} < 0;
   {locked} = not (pre({mode}) <> 0 or {forward} or {backward});
   {friction} = if {locked} then {load} elseif {forward} then 1 elseif {backward} then -1 else pre({mode});
   {a} = if {locked} then 0 elseif {forward} then {load} - 1 elseif {backward} then {load} + 1 else {load} - pre({mode});
   {mode} = if (pre({mode}) == 1 or {forward}) and {speed} > 0 then 1 elseif (pre({mode}) == -1 or {backward}) and {speed} < 0 then -1 else 0;
 "
-        );
-    }
-    let _ = writeln!(out, "end {name};");
-    out
+    );
 }
 
-/// Friction that is singular or vanishes at rest is looked at a little off it: the floor under `|w|`, decided at the start state.
+/// The floor under `|w|`: friction that is singular or vanishes at rest is evaluated slightly off rest.
+/// Decided at the start state.
 fn floor_at_start(subject: &Subject, k: usize) -> f64 {
     let s = &subject.switched;
     if !s.switches[k].shaped {
@@ -175,8 +220,7 @@ fn floor_at_start(subject: &Subject, k: usize) -> f64 {
     if rest.is_finite() && (rest >= near || !near.is_finite()) { 0.0 } else { OFF_SURFACE }
 }
 
-/// A text as Modelica writes it.
-/// `(unit = "...")`; Modelica writes products with a point.
+/// `(unit = "...")`; Modelica writes products with a dot.
 fn unit(unit: &str) -> String {
     if unit.is_empty() { String::new() } else { format!("(unit = {})", quoted(&pointed(unit))) }
 }

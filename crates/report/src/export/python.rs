@@ -1,4 +1,4 @@
-//! A model as a Python module that needs the standard library alone.
+//! A model as a Python module that needs only the standard library.
 
 use super::functions::{Function, Functions, Read};
 use super::head::{head, kind};
@@ -69,7 +69,6 @@ fn line_of(out: &mut String, mark: &str, line: &str) {
     let _ = writeln!(out, "{}", format!("{mark} {line}").trim_end());
 }
 
-/// A text as Python writes it.
 fn list(out: &mut String, name: &str, entries: impl Iterator<Item = String>) {
     let _ = writeln!(out, "{name} = [{}]", entries.collect::<Vec<_>>().join(", "));
 }

@@ -1,7 +1,7 @@
-//! Texts as literals of the languages of exported models.
+//! String literals in the languages of exported models.
 
-/// A text in quotes as Python, C and Modelica read it alike: quotes, backslashes and ends of lines are escaped; other control characters, for which the
-/// three have no common way, are blanks.
+/// A string literal that Python, C and Modelica read alike. Quotes, backslashes and line ends are escaped;
+/// other control characters, for which the three have no common form, become blanks.
 pub(super) fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {

@@ -1,4 +1,4 @@
-//! What is exported: a model without unknown part, its constants as parameters, and where its records start.
+//! The exported model: no unknown part, constants as parameters, and the start states of its records.
 
 use phisindy_expr::{Id, parse};
 use phisindy_phys::spec::{ConstantSpec, DataSpec, Movable, Number, Role, Spec, Text};
@@ -16,31 +16,31 @@ pub(crate) struct Quantity {
     pub(crate) node: Id,
 }
 
-/// A number of the model that a user may change.
+/// A constant of the model that a user of the export may change.
 pub(crate) struct Constant {
     pub(crate) name: String,
     /// SI.
     pub(crate) value: f64,
-    /// SI; empty where the spec states none.
+    /// SI; empty if the spec states none.
     pub(crate) unit: String,
     pub(crate) node: Id,
 }
 
-/// What a record says beside its samples.
+/// A record without its samples.
 pub(crate) struct RecordNote {
     pub(crate) name: String,
     pub(crate) role: Role,
-    /// When the start state holds; `None`: at the first sample.
+    /// Time of the start state in seconds; `None` for the first sample.
     pub(crate) start_time: Option<f64>,
-    /// SI; `None` where the spec does not say.
+    /// Start state in SI; `None` where the spec does not state it.
     pub(crate) start: Vec<Option<f64>>,
-    /// Constants that differ between records (SI).
+    /// Constants of the record, SI.
     pub(crate) constants: Vec<(String, f64)>,
-    /// Of each column that does not read what it measures.
+    /// Sensors of columns that do not read their quantity directly.
     pub(crate) sensors: Vec<(String, Sensor)>,
 }
 
-/// A model as it is exported; all numbers in SI.
+/// An exported model; all numbers in SI.
 pub struct Subject {
     pub(crate) title: String,
     /// Path of the spec.
@@ -58,11 +58,11 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// The model of a checked spec with one of its records, and the constants of all records where those of the plans do not
-    /// say them (see [`uses_largest_input`]).
+    /// The model of a checked spec for one of its records. `record_constants` are the constants of all
+    /// records, needed if [`uses_largest_input`] holds.
     ///
     /// # Errors
-    /// Diagnostics, which are mistakes of this program: the spec was checked.
+    /// Diagnostics. They are mistakes of this program, for the spec was checked.
     ///
     /// # Panics
     /// `record` is not one of the case's records.
@@ -76,7 +76,7 @@ impl Subject {
         let records = notes(case, record_constants);
         let interpolation = case.records[record].interpolation.clone();
         freed(&mut spec);
-        // Dimensions were checked above, with the constants as they are written.
+        // The caller has checked the dimensions with the constants as written.
         let (case, _) = check_names(&spec, SourceId(0))?;
         let system = case.system;
         let model = system.model(&[]);
@@ -104,13 +104,13 @@ impl Subject {
         &self.records[self.record]
     }
 
-    /// Every name that an exported text may hold.
+    /// Every name that an exported text may contain.
     pub(crate) fn names(&self) -> impl Iterator<Item = &str> + Clone {
         let quantities = self.states.iter().chain(&self.inputs).map(|q| q.name.as_str());
         quantities.chain(self.constants.iter().map(|c| c.name.as_str()))
     }
 
-    /// What varies while the model runs.
+    /// Nodes that vary during a simulation.
     pub(crate) fn moving(&self) -> Vec<Id> {
         let s = &self.switched;
         let own = self.states.iter().chain(&self.inputs).map(|q| q.node).chain([self.model.time]);
@@ -123,7 +123,7 @@ fn quantity(name: &str, unit: &str, node: Id) -> Quantity {
     Quantity { name: name.to_owned(), unit: si(unit), node }
 }
 
-/// The SI unit behind a unit: itself if it is one.
+/// The SI unit of a unit's dimension; the unit itself if it is one.
 fn si(unit: &str) -> String {
     match Unit::parse(unit) {
         Ok(parsed) if parsed.factor != 1.0 => parsed.dimension.to_string(),
@@ -131,7 +131,8 @@ fn si(unit: &str) -> String {
     }
 }
 
-/// Lets every number with a name move, so that it stays a name in the expressions; those that records calculate with must stay numbers.
+/// Makes every named number movable, so that expressions keep its name. Numbers that constants of records are
+/// computed from must stay numbers.
 fn freed(spec: &mut Spec) {
     let mut held: Vec<String> = Vec::new();
     for data in &spec.data {
@@ -169,7 +170,8 @@ fn names_in(constant: &ConstantSpec) -> Vec<String> {
     parse(value).map(|ast| ast.names().map(|(name, _)| name.to_owned()).collect()).unwrap_or_default()
 }
 
-/// Whether a constant of a record is the largest absolute value of an input: the excitation must be made to know it.
+/// Whether a constant of a record is the largest absolute value of an input, which is known only once the
+/// input is generated.
 pub fn uses_largest_input(case: &Case) -> bool {
     case.records.iter().flat_map(|r| &r.constants).any(|c| matches!(c, Value::MaxAbs(_)))
 }
@@ -212,7 +214,7 @@ fn notes(case: &Case, largest: Option<&[Vec<f64>]>) -> Vec<RecordNote> {
     case.records.iter().enumerate().map(note).collect()
 }
 
-/// The SI unit of a constant of the records, as the first of them states it.
+/// The SI unit of a constant of the records, as the first record states it.
 fn unit_of(name: &str, spec: &Spec) -> String {
     let own = spec.data.iter().flat_map(|data| match data {
         DataSpec::Csv(csv) => &csv.constants,
@@ -226,7 +228,7 @@ fn unit_of(name: &str, spec: &Spec) -> String {
     stated.next().map_or(String::new(), |unit| si(&unit.value))
 }
 
-/// The constants that the rates use, in the order of the spec, those of the records last.
+/// The constants that the rates use: those of the spec in its order, then those of the records.
 fn constants(system: &System, model: &Model, record: &RecordNote, spec: &Spec) -> Vec<Constant> {
     let movable = system.parameters.iter().map(|p| Constant {
         name: p.name.clone(),

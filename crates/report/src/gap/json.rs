@@ -1,6 +1,7 @@
-//! The result of `gap` as JSON: the keys are a contract with users (docs/reference.md).
+//! The result of `gap` as JSON: the keys are a contract with users.
 //!
-//! Keys stand in alphabetical order, which is the order of the fields here. Numbers that are not finite become null.
+//! Keys are in alphabetical order, which is the order of the fields here. Numbers that are not finite become
+//! null.
 
 use super::report::GapReport;
 use crate::format::role_name;
@@ -127,9 +128,9 @@ struct ParameterOut<'a> {
     value: f64,
 }
 
-/// One line.
+/// The result on one line.
 pub(crate) fn line(report: &GapReport<'_>) -> String {
-    // Nothing in there can fail: keys are texts, and numbers that are not finite are null.
+    // This cannot fail: all keys are strings, and numbers that are not finite become null.
     serde_json::to_string(&outcome(report)).unwrap_or_default()
 }
 
@@ -139,7 +140,7 @@ pub(crate) fn lines(report: &GapReport<'_>) -> String {
 }
 
 fn outcome<'a>(report: &GapReport<'a>) -> Outcome<'a> {
-    let GapReport { input, found, ending, .. } = *report;
+    let GapReport { input, gap: found, ending, .. } = *report;
     Outcome {
         doubts: input.doubts,
         last: FinalGap { fit: found.after.0, validate: found.after.1, within_errors: found.carried },

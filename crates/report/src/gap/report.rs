@@ -9,7 +9,7 @@ pub struct GapReport<'a> {
     /// The case and its records.
     pub input: Input<'a>,
     /// What the workflow found.
-    pub found: &'a Gap,
+    pub gap: &'a Gap,
     /// The laws that were tried.
     pub catalogue: &'a [Entry],
     /// How the work ended.
@@ -19,7 +19,7 @@ pub struct GapReport<'a> {
 impl<'a> GapReport<'a> {
     /// Warnings that the text of the result does not hold.
     pub fn notes(&self) -> impl Iterator<Item = &'a String> {
-        let found = self.found;
+        let found = self.gap;
         found.warnings.iter().filter(|w| found.instead.as_ref() != Some(w))
     }
 }

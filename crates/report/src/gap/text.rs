@@ -6,18 +6,18 @@ use phisindy_gap::{Entry, Gap, Status, Step};
 use phisindy_phys::Law;
 use phisindy_phys::spec::Role;
 
-/// A gap beyond this is more than noise.
+/// A larger gap is more than noise.
 const NOISE: f64 = 1.1;
-/// Cells of the bar that shows the gap shrink.
+/// Length of the bars, in characters.
 const BAR: usize = 24;
 
-/// For people: a line and a bar for each step.
+/// The text: first a bar for each step, then the steps with their numbers, then the outcome.
 pub(crate) fn text(report: &GapReport<'_>) -> String {
-    let GapReport { found, catalogue, ending: how, .. } = *report;
+    let GapReport { gap: found, catalogue, ending: how, .. } = *report;
     let mut out: Vec<String> = Vec::new();
     let shown = |(fit, validate): (f64, Option<f64>)| validate.unwrap_or(fit);
     let before = shown(found.before);
-    let which = whose(found);
+    let which = basis(found);
     out.push(format!("gap {which}, in units of the noise (1 is perfect)"));
     out.push(format!("  {:>8}  {}  the model as it is", short(before), bar(before, before)));
     for s in found.steps.iter().chain(&found.partial) {
@@ -63,7 +63,7 @@ pub(crate) fn text(report: &GapReport<'_>) -> String {
         }
     }
     out.extend(moved(found));
-    // The same law is ruled out round after round: once is enough.
+    // Several rounds may rule out the same law; it is listed once.
     let steps = found.steps.iter().chain(&found.partial);
     for veto in steps.flat_map(vetoes) {
         if !out.contains(&veto) {
@@ -82,18 +82,18 @@ pub(crate) fn text(report: &GapReport<'_>) -> String {
         out.push(format!("{record} ({role}): NRMSE of {column} {a:.4} -> {b:.4}"));
     }
     out.extend(how.stopped_words().map(|stopped| format!("{stopped} before the end; so far:")));
-    out.push(ending(found));
+    out.push(outcome(found));
     out.push(format!("{:.1} s", how.seconds));
     out.join("\n") + "\n"
 }
 
-/// Of which data a gap is told.
-pub(crate) fn whose(found: &Gap) -> &'static str {
+/// The data that the shown gap refers to.
+pub(crate) fn basis(found: &Gap) -> &'static str {
     if found.before.1.is_some() { "on data not used" } else { "on the fitted data" }
 }
 
-/// How it ended, in words.
-pub(crate) fn ending(found: &Gap) -> String {
+/// The outcome in words, its status first.
+pub(crate) fn outcome(found: &Gap) -> String {
     let shown = |(fit, validate): (f64, Option<f64>)| validate.unwrap_or(fit);
     let (before, last) = (shown(found.before), shown(found.after));
     match found.status {
@@ -101,16 +101,16 @@ pub(crate) fn ending(found: &Gap) -> String {
             format!(
                 "nothing-missing: the model explains the data to their noise (gap {}{})",
                 short(last),
-                hangs(found)
+                sensitivity(found)
             )
         }
         Status::Explained => {
-            let why = match hangs(found) {
-                hangs if !hangs.is_empty() => hangs,
+            let why = match sensitivity(found) {
+                words if !words.is_empty() => words,
                 _ if last > NOISE => ", which is about what the motion itself repeats to".into(),
                 _ => String::new(),
             };
-            format!("explained: the gap {} went from {} to {}{why}", whose(found), short(before), short(last))
+            format!("explained: the gap {} went from {} to {}{why}", basis(found), short(before), short(last))
         }
         Status::Unexplained => {
             let place = found
@@ -129,8 +129,9 @@ pub(crate) fn ending(found: &Gap) -> String {
     }
 }
 
-/// Where the motion on Validate records hangs on numbers that are not known so well: what their errors leave of the gap.
-fn hangs(found: &Gap) -> String {
+/// If the motion on Validate records is sensitive to uncertain parameters: the gap that remains when these
+/// move within their errors.
+fn sensitivity(found: &Gap) -> String {
     match (found.after.1, found.carried) {
         (Some(gap), Some(left)) if gap > NOISE && left < NOISE => {
             format!(
@@ -142,7 +143,7 @@ fn hangs(found: &Gap) -> String {
     }
 }
 
-/// The numbers of a step, and of its rivals those that no step before it has named.
+/// The parameters of a step, and those of its rivals that earlier steps do not list.
 fn details(s: &Step, catalogue: &[Entry], out: &mut Vec<String>) {
     for p in &s.parameters {
         out.push(format!(
@@ -162,7 +163,7 @@ fn details(s: &Step, catalogue: &[Entry], out: &mut Vec<String>) {
     }
 }
 
-/// What moved beside the effects: constants and sensors of the spec itself.
+/// Fitted constants and sensor parameters of the spec itself.
 fn moved(found: &Gap) -> Vec<String> {
     let steps = || found.steps.iter().chain(&found.partial);
     let own = |name: &str| steps().any(|s| s.parameters.iter().any(|p| p.constant == name));
@@ -183,11 +184,12 @@ fn moved(found: &Gap) -> Vec<String> {
     if said.is_empty() { said } else { ["with".to_owned()].into_iter().chain(said).collect() }
 }
 
-/// What else would nearly do, and what would decide.
+/// Laws that fit nearly as well, each with the measurement that would decide.
 pub(crate) fn rivals(s: &Step, catalogue: &[Entry]) -> Vec<(String, Option<String>)> {
     let near = s.rivals.iter().filter(|r| r.delta_bic < 10.0);
     let said = near.map(|r| {
-        // A richer description may fit better and still not be preferred: what it adds does not carry over to data not used.
+        // A richer description may fit better and still not be preferred: its gain does not carry over to
+        // unused data.
         let by = if r.delta_bic < 0.0 {
             format!(
                 "fits better, BIC {} lower, but says little more about data not used",
@@ -205,7 +207,7 @@ pub(crate) fn rivals(s: &Step, catalogue: &[Entry]) -> Vec<(String, Option<Strin
     said.chain(alike.map(|(_, same, check)| ((*same).to_owned(), Some((*check).to_owned())))).collect()
 }
 
-/// What no record can tell from an effect of a sensor, and what to look at.
+/// Laws that no record can tell from another explanation, that explanation, and a check that can.
 const ALIKE: &[(&str, &str, &str)] = &[
     (
         "asymmetric-coulomb",
@@ -239,7 +241,7 @@ const ALIKE: &[(&str, &str, &str)] = &[
     ),
 ];
 
-/// Laws joined by ` + ` with their places, which are joined by `, `; a place that all share is said once.
+/// Laws joined by ` + ` with their places, which are joined by `, `; a common place is named once.
 fn placed(laws: &str, at: &str) -> String {
     let places: Vec<&str> = at.split(", ").collect();
     if places.iter().all(|p| *p == places[0]) {
@@ -248,12 +250,12 @@ fn placed(laws: &str, at: &str) -> String {
     laws.split(" + ").zip(places).map(|(law, at)| format!("{law} at {at}")).collect::<Vec<_>>().join(" + ")
 }
 
-/// What other evidence rules out.
+/// Laws that other evidence rules out.
 pub(crate) fn vetoes(s: &Step) -> impl Iterator<Item = String> {
     s.vetoed.iter().map(|(law, why)| format!("{law} is ruled out: {why}"))
 }
 
-/// Pairs of laws, and the measurement that tells one from the other.
+/// Pairs of laws and the measurement that distinguishes them.
 const DECIDING: &[(&str, &str, &str)] = &[
     ("stribeck", "dieterich-ruina", "a slower run, with speeds well below those of this record,"),
     ("coulomb", "offset", "a run that sticks"),
@@ -263,7 +265,7 @@ const DECIDING: &[(&str, &str, &str)] = &[
     ("harmonic-force", "parametric-stiffness", "a run about another mean position"),
 ];
 
-/// The measurement that tells a law from its rival, where one does.
+/// The measurement that distinguishes a law from its rival, if there is one.
 fn deciding(own: &Law, id: &str, rival: &str, catalogue: &[Entry]) -> Option<&'static str> {
     let same = |&&(a, b, _): &&(&str, &str, &str)| (id == a && rival == b) || (id == b && rival == a);
     if let Some((.., what)) = DECIDING.iter().find(same) {
@@ -272,7 +274,7 @@ fn deciding(own: &Law, id: &str, rival: &str, catalogue: &[Entry]) -> Option<&'s
     if own.sensor.is_some() || rival.starts_with("sensor") {
         return Some("the same motion read by a second sensor");
     }
-    // Laws joined by ` + ` are no entry of the catalogue.
+    // A combination of laws is not in the catalogue.
     let other = &catalogue.iter().find(|e| e.id == rival)?.law;
     let both = own.family == "friction" && other.family == "friction";
     Some(match (both, other.internal.is_empty()) {
@@ -282,7 +284,7 @@ fn deciding(own: &Law, id: &str, rival: &str, catalogue: &[Entry]) -> Option<&'s
     })
 }
 
-/// A gap as a bar on a logarithmic scale from 1 to the first one.
+/// A gap as a bar on a logarithmic scale from 1 to the initial gap.
 fn bar(value: f64, whole: f64) -> String {
     let full = whole.max(1.5).ln();
     let part = (value.max(1.0).ln() / full).clamp(0.0, 1.0);

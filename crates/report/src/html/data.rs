@@ -1,4 +1,4 @@
-//! Records beside what models make of them: the material of the figures.
+//! Records and the free runs of models: the data of the figures.
 
 use crate::input::Input;
 use phisindy_learn::RecordFit;
@@ -6,27 +6,27 @@ use phisindy_phys::spec::Role;
 use phisindy_phys::{Record, System};
 use phisindy_sim::Automaton;
 
-/// A model running freely along the records.
+/// A model with its free run of each record.
 pub(crate) struct Model<'a> {
-    /// Its states are in the order of its runs.
+    /// Its states are in the order of the runs.
     pub(crate) system: &'a System,
     /// In the order of the records.
     pub(crate) fits: &'a [RecordFit],
-    /// What its runs can stick at, by switch; `None` for a switch that cannot.
+    /// Name of each contact, by switch; `None` for a switch that cannot stick.
     pub(crate) contacts: Vec<Option<String>>,
 }
 
 impl<'a> Model<'a> {
-    /// A model with these terms of its dictionary.
+    /// A model with these terms of its candidates.
     pub(crate) fn new(system: &'a System, terms: &[usize], fits: &'a [RecordFit]) -> Model<'a> {
-        // The fits come from this model, so it can be compiled; if not, there are no regimes to show.
+        // The fits come from this model, so it compiles; if not, there are no regimes to show.
         let automaton = Automaton::new(&system.model(terms));
         let contact = |s: &phisindy_sim::Switch| s.can_stick.then(|| s.text.clone());
         let contacts = automaton.map_or(vec![], |a| a.switches.iter().map(contact).collect());
         Model { system, fits, contacts }
     }
 
-    /// Measured less simulated, of a record and a state, in the unit of the state; none without a column or a run.
+    /// Measured minus simulated values of a state in its unit; none without a column or a run.
     pub(crate) fn residual(&self, record: usize, state: &str) -> Option<Vec<f64>> {
         let k = self.system.state(state)?;
         let residual = self.fits[record].residuals.get(k).filter(|r| !r.is_empty())?;
@@ -41,31 +41,31 @@ impl<'a> Model<'a> {
 
 /// Records, and up to two models of them.
 pub(crate) struct Seen<'a> {
-    /// What the spec says.
+    /// The checked system of the spec.
     pub(crate) system: &'a System,
     /// In the order of the spec.
     pub(crate) records: &'a [Record],
-    /// The model as it was, where there is another one.
+    /// The model before effects were added, if there is one.
     pub(crate) was: Option<Model<'a>>,
-    /// The model that was found.
+    /// The final model.
     pub(crate) model: Option<Model<'a>>,
 }
 
-/// The index of a record, and a number for each of its samples.
+/// Index of a record and one number for each of its samples.
 pub(crate) type Part = (usize, Vec<f64>);
 
-/// A measured column along a chain of records.
+/// A measured column of a chain of records.
 pub(crate) struct Column<'a> {
     /// Name of the state.
     pub(crate) name: &'a str,
-    /// Its unit, in which the values are.
+    /// Unit of the values.
     pub(crate) unit: &'a str,
-    /// For each record of the chain its samples.
+    /// Samples of each record of the chain.
     pub(crate) parts: Vec<Part>,
 }
 
 impl Seen<'_> {
-    /// Records that follow one another on one time axis.
+    /// Chains of records: those that continue one another on one time axis.
     pub(crate) fn chains(&self) -> Vec<Vec<usize>> {
         let mut chains: Vec<Vec<usize>> = Vec::new();
         for (r, record) in self.records.iter().enumerate() {
@@ -104,19 +104,19 @@ impl Seen<'_> {
         chain.iter().map(|&r| self.records[r].name.as_str()).collect::<Vec<_>>().join("; ")
     }
 
-    /// Stretches of a chain that were not fitted.
+    /// Time intervals of a chain that were not fitted.
     pub(crate) fn unfitted(&self, chain: &[usize]) -> Vec<(f64, f64)> {
         let validate = chain.iter().filter(|&&r| self.records[r].role == Role::Validate);
         validate.map(|&r| self.span(&[r])).collect()
     }
 }
 
-/// The records alone.
+/// The records without a model.
 pub(crate) fn measured(input: Input<'_>) -> Seen<'_> {
     Seen { system: &input.case.system, records: input.records, was: None, model: None }
 }
 
-/// What was done to the data, in words.
+/// How the data were processed, in words.
 pub(crate) fn notes(input: Input<'_>) -> Vec<String> {
     let of = |r: &Record| r.notes.iter().map(|note| format!("{}: {note}", r.name)).collect::<Vec<_>>();
     input.records.iter().flat_map(of).collect()

@@ -1,4 +1,5 @@
-//! The force of an effect that `gap` added, against the displacement, velocity or time that its law is about.
+//! The force of an effect that `gap` added, against the displacement, velocity or time that its law depends
+//! on.
 
 use super::table::unit as unit_words;
 use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Swatch, WIDTH, digits, legend};
@@ -7,10 +8,10 @@ use phisindy_phys::Record;
 
 const LEFT: f64 = 70.0;
 const HIGH: f64 = 220.0;
-/// Dots of all records together, at most.
+/// Most dots of all records together.
 const DOTS: usize = 3000;
 
-/// The chart of a step, by its number; none for what acts on a sensor.
+/// The chart of a step; none for an effect on a sensor.
 pub(crate) fn chart(found: &Gap, number: usize, step: &Step, records: &[Record]) -> Option<(Chart, String)> {
     let course = course(found, step, records)?;
     let law = &step.effect.entry.law.name;
@@ -56,7 +57,7 @@ fn marks(course: &Course) -> Vec<Mark> {
     course.records.iter().map(mark).collect()
 }
 
-/// What it is, and over which range.
+/// Quantity and ranges, in words.
 fn said(course: &Course, what: &str) -> String {
     let all = || course.records.iter().flat_map(|(_, points)| points.iter().copied());
     let range = |values: &mut dyn Iterator<Item = f64>| {

@@ -8,10 +8,10 @@ use phisindy_phys::{Case, Record};
 
 const LEFT: f64 = 70.0;
 const HIGH: f64 = 250.0;
-/// Dots of a cloud at most.
+/// Most dots of a cloud.
 const DOTS: usize = 3000;
 
-/// What an inertia makes of a rate, by the unit of the rate.
+/// Units of rates and of the corresponding forces.
 const FORCES: [(&str, &str); 2] = [("m/s^2", "N"), ("rad/s^2", "N*m")];
 
 /// A chart for each state whose rate has an identified part that depends on a velocity.
@@ -21,7 +21,7 @@ pub(crate) fn charts(case: &Case, records: &[Record], found: &Identified) -> Vec
     parts.iter().flat_map(|part| part_charts(case, part)).collect()
 }
 
-/// The unit of the force behind the rate of a state.
+/// The unit of the force that corresponds to the rate of a state.
 fn force_unit(state: &str) -> Option<&'static str> {
     let rate = rate(state)?;
     let of = |(unit, force): &(&str, &'static str)| {
@@ -35,7 +35,7 @@ fn rate(state: &str) -> Option<Dimension> {
     Unit::parse(state).ok().map(|u| u.dimension.div(second))
 }
 
-/// One chart for each curve, so that no two bands cover each other; one for a cloud.
+/// One chart per curve, so that bands do not overlap; one for a cloud.
 fn part_charts(case: &Case, part: &UnknownPart) -> Vec<(Chart, String)> {
     let state = &case.system.states[part.state];
     let unit = match (part.force, force_unit(&state.unit)) {
@@ -56,13 +56,13 @@ fn part_charts(case: &Case, part: &UnknownPart) -> Vec<(Chart, String)> {
     }
 }
 
-/// The unit of the velocity, where it is a state; differences of velocities have that of the first.
+/// The unit of the velocity; a difference of velocities has that of the first.
 fn velocity_unit(case: &Case, velocity: &str) -> String {
     let words = velocity.split(|c: char| !c.is_alphanumeric() && c != '_');
     let unit = |word: &str| {
         let state = case.system.state(word).map(|k| case.system.states[k].unit.as_str());
         let unit = state.or(case.system.input(word).map(|k| case.system.inputs[k].unit.as_str()))?;
-        // Curves are in SI.
+        // Curves are in SI units.
         Unit::parse(unit).ok().map(|u| unit_words(&u.dimension.to_string())).filter(|text| !text.is_empty())
     };
     words.into_iter().find_map(unit).unwrap_or_default()
@@ -95,12 +95,12 @@ impl Axes<'_> {
     }
 
     fn curve(&self, number: usize, name: Option<&str>, curve: &Curve) -> (Chart, String) {
-        let along = |values: &[f64]| -> Vec<(f64, f64)> {
+        let against_velocity = |values: &[f64]| -> Vec<(f64, f64)> {
             curve.velocity.iter().copied().zip(values.iter().copied()).collect()
         };
         let mut entries: Vec<Entry> = vec![("model", Swatch::Line, "identified".to_owned())];
         let mut marks = Vec::new();
-        let mut points = along(&curve.value);
+        let mut points = against_velocity(&curve.value);
         if let Some(band) = &curve.band {
             let area = curve.velocity.iter().zip(band).map(|(v, (a, b))| (*v, *a, *b)).collect();
             marks.push(Mark::Band { class: "band", points: area });
@@ -108,11 +108,11 @@ impl Axes<'_> {
             points.extend(curve.velocity.iter().zip(band).flat_map(|(v, (a, b))| [(*v, *a), (*v, *b)]));
         }
         marks.push(Mark::Level { class: "zero", y: 0.0 });
-        marks.push(Mark::Line { class: "model", points: along(&curve.value) });
+        marks.push(Mark::Line { class: "model", points: against_velocity(&curve.value) });
         if let Some(truth) = &curve.truth {
-            marks.push(Mark::Line { class: "truth", points: along(truth) });
+            marks.push(Mark::Line { class: "truth", points: against_velocity(truth) });
             entries.push(("truth", Swatch::Line, "truth".to_owned()));
-            points.extend(along(truth));
+            points.extend(against_velocity(truth));
         }
         let of = name.map_or(String::new(), |name| format!(", {name}"));
         let title = format!("Identified {} in the equation of {}{of}", self.what, self.state);

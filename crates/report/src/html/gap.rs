@@ -3,11 +3,11 @@
 use super::data::{Model, Seen, notes};
 use super::page::{Banner, Page, Tone, add_remarks, capital, paragraph};
 use super::table::{Cell, code, in_unit, parameters, table, text};
-use super::{force, map, mathml, motion, repeat, residual, shrink};
+use super::{force, map, mathml, motion, reproduction, residual, shrink};
 use crate::chart::digits;
 use crate::equation::equations;
 use crate::format::role_name as role;
-use crate::gap::{GapReport, ending, rivals, vetoes};
+use crate::gap::{GapReport, outcome, rivals, vetoes};
 use crate::input::{Ending, Invocation};
 use crate::markup::{Element, element};
 use phisindy_gap::{Entry, Gap, Region, Status, Step};
@@ -15,7 +15,7 @@ use phisindy_phys::{SourceId, check_names, spec};
 
 /// The page.
 pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
-    let GapReport { input, found, catalogue, ending } = *report;
+    let GapReport { input, gap: found, catalogue, ending } = *report;
     let (was, now) = (&found.was, &found.simulated);
     let seen = Seen {
         system: &input.case.system,
@@ -26,7 +26,7 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     let mut page = Page::new(input, banner(found, ending));
     add_remarks(&mut page, &found.warnings, input.doubts, &notes(input));
     page.figures("The gap", vec![shrink::chart(found)]);
-    // What holds of several steps is said once.
+    // A remark that applies to several steps is made once.
     let mut told = Vec::new();
     let mut missing = Vec::new();
     for (k, step) in found.steps.iter().enumerate() {
@@ -51,7 +51,7 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     page.section("Records", [records(found), repeatability(found)].into_iter().flatten());
     page.figures("What is left", residual::charts(&seen));
     page.section("Parameters", parameters(&found.parameters));
-    repeat::add(&mut page, input, invocation);
+    reproduction::add(&mut page, input, invocation);
     page
 }
 
@@ -61,8 +61,8 @@ fn banner(found: &Gap, how: Ending) -> Banner {
         Status::Explained => (Tone::Good, "Explained"),
         Status::Unexplained => (Tone::Open, "Unexplained"),
     };
-    // The headline has said the first word.
-    let words = ending(found);
+    // The headline already states the status.
+    let words = outcome(found);
     let words = words.split_once(": ").map_or(words.as_str(), |(_, rest)| rest);
     let stopped = how
         .stopped_words()
@@ -74,7 +74,7 @@ fn banner(found: &Gap, how: Ending) -> Banner {
     }
 }
 
-/// A step: law, place, numbers, its picture, and of rivals and vetoes what was not `told` before.
+/// A step: law, place, parameters, picture, and the remarks about rivals and vetoes that are not in `told`.
 fn shown(
     number: Option<usize>,
     s: &Step,

@@ -1,13 +1,13 @@
-//! Where in time each model misses: rms of residual over noise in stretches of each record, the darker the more.
+//! The misfit over time: rms of residual over noise in intervals of each record, darker for more.
 
 use super::data::{Model, Seen};
 use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Strip, Swatch, WIDTH, digits, legend};
 
 const LEFT: f64 = 150.0;
 const HIGH: f64 = 22.0;
-/// Stretches of a chain.
+/// Number of intervals of a chain.
 const CELLS: usize = 72;
-/// Levels of the map: from which multiple of the noise on, and the class.
+/// Levels of the map: least multiple of the noise, and class.
 const LEVELS: [(f64, &str); 5] = [
     (1.25, "level one"),
     (2.0, "level two"),
@@ -16,7 +16,7 @@ const LEVELS: [(f64, &str); 5] = [
     (80.0, "level five"),
 ];
 
-/// Time from, time to, rms of residual over noise.
+/// Start, end, rms of residual over noise.
 type Cell = (f64, f64, f64);
 
 /// A chart for each chain; `noise` is the standard deviation of each column (SI).

@@ -1,12 +1,12 @@
-//! Equations as MathML, broken into lines where they are long.
+//! Equations as MathML; long ones are broken into lines.
 
 use crate::markup::{Element, element, escaped};
 use pulldown_latex::{Parser, RenderConfig, Storage, config::DisplayMode, push_mathml};
 
-/// About how many symbols a line holds.
+/// Approximate number of symbols on a line.
 const LINE: usize = 62;
 
-/// An equation in display style, from the LaTeX that the program prints; LaTeX that cannot be set stands as it is.
+/// An equation in display style from LaTeX; LaTeX that cannot be converted is shown as it is.
 pub(crate) fn equation(latex: &str) -> Element {
     let block = element("div").class("equation scroll").with("tabindex", 0).with("role", "group");
     let block = block.with("aria-label", "equation");
@@ -16,11 +16,11 @@ pub(crate) fn equation(latex: &str) -> Element {
     }
 }
 
-/// `plain` is the same LaTeX on one line, for whoever copies or hears it.
+/// `plain` is the same LaTeX on one line, for copies and screen readers.
 fn mathml(latex: &str, plain: &str) -> Option<String> {
     let storage = Storage::new();
     let events: Vec<_> = Parser::new(latex, &storage).collect::<Result<_, _>>().ok()?;
-    // The annotation is written as it is given.
+    // The renderer does not escape the annotation.
     let plain = escaped(plain);
     let config =
         RenderConfig { display_mode: DisplayMode::Block, annotation: Some(&plain), ..Default::default() };
@@ -29,7 +29,8 @@ fn mathml(latex: &str, plain: &str) -> Option<String> {
     Some(out)
 }
 
-/// The same equation on several aligned lines if one does not hold it: a line begins with a sign that stands outside of all brackets.
+/// The equation on several aligned lines if it is too long for one. Each line begins with a sign outside of
+/// all brackets.
 fn broken(latex: &str) -> String {
     let Some((left, right)) = latex.split_once(" = ") else { return latex.to_owned() };
     let mut lines: Vec<String> = vec![String::new()];
@@ -44,11 +45,11 @@ fn broken(latex: &str) -> String {
     if lines.len() == 1 {
         return latex.to_owned();
     }
-    // Nothing before a sign would make it that of a number.
+    // `{}` in front of a sign keeps it a binary operator.
     format!("\\begin{{aligned}} {left} &= {} \\end{{aligned}}", lines.join(" \\\\ &\\quad {}"))
 }
 
-/// A sum cut before each sign outside of brackets.
+/// The parts of a sum, split before each sign outside of brackets.
 fn pieces(sum: &str) -> Vec<&str> {
     let (mut depth, mut from, mut out) = (0i32, 0, Vec::new());
     for (at, c) in sum.char_indices() {
@@ -69,7 +70,7 @@ fn pieces(sum: &str) -> Vec<&str> {
     out
 }
 
-/// About how many symbols are seen: of a command one, of braces none.
+/// Approximate number of visible symbols: one for a command, none for braces.
 fn size(latex: &str) -> usize {
     let (mut count, mut command) = (0, false);
     for c in latex.chars() {

@@ -1,4 +1,5 @@
-//! Measured against simulated, for each chain of records: a panel for each column, and the regimes below.
+//! Measured and simulated motion of each chain of records: a panel for each column, regimes of contacts
+//! below.
 
 use super::data::{Column, Model, Seen};
 use super::regimes;
@@ -8,7 +9,7 @@ use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Swatch, WIDTH, digits
 const LEFT: f64 = 70.0;
 const HIGH: f64 = 168.0;
 const GAP: f64 = 24.0;
-/// Up to so many samples are drawn as dots.
+/// Up to this number of samples, the measurement is drawn as dots.
 const DOTS: usize = 400;
 
 /// A chart for each chain.
@@ -65,31 +66,31 @@ fn below_labels(time: &Axis, place: Place) -> Vec<crate::markup::Element> {
     panel.drawn(place)
 }
 
-/// What is drawn for a record, from its index and its samples.
+/// Values to draw for a record, from its index and its samples.
 type Values<'v> = dyn Fn(usize, &[f64]) -> Option<Vec<f64>> + 'v;
 
 fn panel(seen: &Seen<'_>, chain: &[usize], column: &Column<'_>, time: &Axis, labelled: bool) -> Panel {
-    let along = |values: &Values<'_>| -> Vec<(f64, f64)> {
-        let mut points = Vec::new();
+    let points = |values: &Values<'_>| -> Vec<(f64, f64)> {
+        let mut all = Vec::new();
         for (r, samples) in &column.parts {
             let Some(values) = values(*r, samples) else { continue };
-            points.extend(seen.records[*r].time.iter().copied().zip(values));
-            // A run of a record of its own does not start where another one ended.
-            points.push((f64::NAN, f64::NAN));
+            all.extend(seen.records[*r].time.iter().copied().zip(values));
+            // Separate runs are not joined by a line.
+            all.push((f64::NAN, f64::NAN));
         }
-        points
+        all
     };
     let simulated = |model: &Model<'_>| {
-        along(&|r, samples: &[f64]| {
+        points(&|r, samples: &[f64]| {
             let residual = model.residual(r, column.name)?;
             Some(samples.iter().zip(residual).map(|(y, e)| y - e).collect())
         })
     };
-    let measured = along(&|_, samples: &[f64]| Some(samples.to_vec()));
+    let measured = points(&|_, samples: &[f64]| Some(samples.to_vec()));
     let model = seen.model.as_ref().map(simulated).unwrap_or_default();
     let was = seen.was.as_ref().map(simulated).unwrap_or_default();
     let (low, high) = Axis::around("", "", measured.iter().map(|p| p.1)).ends();
-    // A model that runs away does not squeeze what was measured.
+    // A diverging model must not compress the measured motion.
     let room = 0.3 * (high - low);
     let shown = model.iter().chain(&was).map(|p| p.1.clamp(low - room, high + room));
     let y = Axis::around(column.name, &unit(column.unit), measured.iter().map(|p| p.1).chain(shown));

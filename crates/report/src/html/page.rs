@@ -1,4 +1,4 @@
-//! The page: what stands round the sections, and how it is written.
+//! The page: header, banner, sections, figures.
 
 use crate::chart::{self, Chart};
 use crate::input::Input;
@@ -6,20 +6,20 @@ use crate::markup::{Element, element};
 
 const STYLE: &str = include_str!("style.css");
 
-/// How a result sounds.
+/// The tone of a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Tone {
-    /// It can be used.
+    /// The result can be used.
     Good,
-    /// It cannot.
+    /// The result cannot be used.
     Bad,
-    /// Something is open.
+    /// A question stays open.
     Open,
 }
 
 impl Tone {
-    /// Class and sign: not told by colour alone.
-    fn look(self) -> (&'static str, &'static str) {
+    /// Class and sign, so that the tone does not depend on colour alone.
+    fn class_and_sign(self) -> (&'static str, &'static str) {
         match self {
             Tone::Good => ("good", "✓"),
             Tone::Bad => ("bad", "✕"),
@@ -35,7 +35,7 @@ pub(crate) struct Banner {
     pub(crate) text: String,
 }
 
-/// A finished report: one page that needs no network and no script, and its figures as files of their own.
+/// A finished report: one page that needs no network and no script, and its figures as files.
 #[derive(Clone, Debug)]
 pub struct HtmlReport {
     /// The page.
@@ -44,7 +44,7 @@ pub struct HtmlReport {
     pub figures: Vec<(String, String)>,
 }
 
-/// A report that is being put together.
+/// A report under construction.
 pub(crate) struct Page {
     title: String,
     spec: String,
@@ -67,7 +67,7 @@ impl Page {
         Page { title, spec, banner, sections: vec![], charts: vec![] }
     }
 
-    /// With a section; none without content.
+    /// Adds a section unless it is empty.
     pub(crate) fn section(&mut self, heading: &str, content: impl IntoIterator<Item = Element>) {
         let content: Vec<Element> = content.into_iter().collect();
         if !content.is_empty() {
@@ -77,21 +77,21 @@ impl Page {
         }
     }
 
-    /// With a section of lines; none without any.
+    /// Adds a section with a list unless it is empty.
     pub(crate) fn list(&mut self, heading: &str, lines: &[String]) {
         let items = lines.iter().map(|line| element("li").text(line));
         let list = element("ul").all(items);
         self.section(heading, (!lines.is_empty()).then_some(list));
     }
 
-    /// With a section of figures and their captions; none without any.
+    /// Adds a section with figures and captions unless it is empty.
     pub(crate) fn figures(&mut self, heading: &str, charts: Vec<(Chart, String)>) {
         let figures: Vec<Element> =
             charts.into_iter().map(|(chart, caption)| self.figure(chart, &caption)).collect();
         self.section(heading, figures);
     }
 
-    /// A chart with its caption, as an element; its file is written with the page.
+    /// A chart with its caption as an element; the chart becomes a figure file of the report.
     pub(crate) fn figure(&mut self, chart: Chart, caption: &str) -> Element {
         let group = element("div").class("scroll").with("tabindex", 0).with("role", "group");
         let drawn = group.with("aria-label", &chart.title).add(chart.inline());
@@ -106,7 +106,7 @@ impl Page {
     }
 
     fn page(&self) -> String {
-        let (class, sign) = self.banner.tone.look();
+        let (class, sign) = self.banner.tone.class_and_sign();
         let meta = |name: &str, content: &str| element("meta").with("name", name).with("content", content);
         let head = element("head")
             .add(element("meta").with("charset", "utf-8"))
@@ -134,13 +134,13 @@ impl Page {
     }
 }
 
-/// The words with their first letter large.
+/// The words with the first letter in upper case.
 pub(crate) fn capital(words: &str) -> String {
     let mut letters = words.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// Text whose lines stay as they are.
+/// Preformatted text.
 pub(crate) fn block(text: &str, label: &str) -> Element {
     let pre = element("pre").class("scroll").with("tabindex", 0).with("role", "group");
     pre.with("aria-label", label).add(element("code").text(text))
@@ -151,7 +151,7 @@ pub(crate) fn paragraph(text: &str) -> Element {
     element("p").text(text)
 }
 
-/// Warnings, what was odd about the data and what was done to them, each in its section.
+/// Adds warnings, doubts about the data and notes on their processing, each in its section.
 pub(crate) fn add_remarks(page: &mut Page, warnings: &[String], doubts: &[String], notes: &[String]) {
     page.list("Warnings", warnings);
     page.list("What is odd about the data", doubts);

@@ -1,4 +1,4 @@
-//! Stick and slip along the time axis.
+//! Stick and slip over time.
 
 use super::data::Seen;
 use crate::chart::{Axis, Mark, Strip, digits};
@@ -9,7 +9,7 @@ pub(crate) fn strips<'s>(seen: &'s Seen<'_>, chain: &[usize], time: &'s Axis) ->
     contacts(seen).into_iter().map(strip).collect()
 }
 
-/// How long each contact sticks, in words.
+/// Number and total duration of each contact's sticking phases, in words.
 pub(crate) fn described(seen: &Seen<'_>, chain: &[usize]) -> String {
     let one = |(switch, name): (usize, &str)| {
         let all = stretches(seen, chain, switch);
@@ -32,7 +32,8 @@ fn contacts<'s>(seen: &'s Seen<'_>) -> Vec<(usize, &'s str)> {
     all.filter_map(|(k, name)| Some((k, name.as_deref()?))).collect()
 }
 
-/// Sticking over the whole height, slipping forward above, backward below: to be told apart without colours.
+/// Sticking fills the whole height, slip forward the upper part, slip backward the lower part; colours are
+/// not needed.
 fn marks(seen: &Seen<'_>, chain: &[usize], switch: usize) -> Vec<Mark> {
     let all = stretches(seen, chain, switch);
     let boxes = |mode: i8, low: f64, high: f64| {
@@ -46,7 +47,7 @@ fn marks(seen: &Seen<'_>, chain: &[usize], switch: usize) -> Vec<Mark> {
     ]
 }
 
-/// Stretches of one mode: from, to, mode.
+/// Intervals of constant mode: start, end, mode.
 fn stretches(seen: &Seen<'_>, chain: &[usize], switch: usize) -> Vec<(f64, f64, i8)> {
     let Some(model) = &seen.model else { return vec![] };
     let mut out: Vec<(f64, f64, i8)> = Vec::new();

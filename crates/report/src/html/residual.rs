@@ -1,4 +1,4 @@
-//! What is left: the residual over time within the noise, and its autocorrelation within the band of white noise.
+//! The residual over time with the noise band, and its autocorrelation with the band of white noise.
 
 use super::data::{Column, Model, Part, Seen};
 use super::table::unit;
@@ -9,12 +9,12 @@ use phisindy_signal::autocorrelation;
 const HIGH: f64 = 150.0;
 const LEFT: f64 = 70.0;
 const MIDDLE: f64 = 500.0;
-/// Half of a 95 % interval, in standard deviations.
+/// Half width of a 95 % interval of the normal distribution, in standard deviations.
 const REACH: f64 = 1.96;
-/// Lags that are shown at most.
+/// Most lags shown.
 const LAGS: usize = 160;
 
-/// A chart for each chain whose model runs.
+/// A chart for each chain on which the model runs.
 pub(crate) fn charts(seen: &Seen<'_>) -> Vec<(Chart, String)> {
     let Some(model) = &seen.model else { return vec![] };
     let all = seen.chains();
@@ -86,10 +86,10 @@ fn over_time(
     Panel { heading: String::new(), x: Axis::between("time", "s", from, to), y, marks, labelled: true }
 }
 
-/// The record whose autocorrelation is shown: the longest that was fitted, else the longest.
+/// The record whose autocorrelation is shown: the longest fitted one, else the longest.
 fn shown<'p>(seen: &Seen<'_>, parts: &'p [Part]) -> &'p Part {
     let rank = |p: &&Part| (seen.records[p.0].role == Role::Fit, p.1.len());
-    // A residual has at least one part.
+    // There is at least one part.
     parts.iter().max_by_key(rank).unwrap_or(&parts[0])
 }
 
@@ -98,7 +98,7 @@ fn correlogram(seen: &Seen<'_>, (record, residual): &Part) -> Panel {
     let n = residual.len();
     let step = (time[n.min(time.len()) - 1] - time[0]) / (n - 1).max(1) as f64;
     let all = autocorrelation(residual);
-    // From lag 1 on (at 0 it is 1) over a twentieth of the record, thinned where that is long.
+    // From lag 1 (at lag 0 it is 1) over a twentieth of the record, thinned if there are many lags.
     let most = (n / 20).clamp(20, n.saturating_sub(1).max(1));
     let every = most.div_ceil(LAGS);
     let lags = (1..=most).step_by(every).filter(|&k| k < all.len());

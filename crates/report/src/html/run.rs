@@ -3,7 +3,7 @@
 use super::data::{Model, Seen};
 use super::page::{Banner, Page, Tone, add_remarks, capital, paragraph};
 use super::table::{Cell, code, estimate, in_unit, parameters, table, text, unit};
-use super::{correlation, friction, mathml, motion, repeat, residual, selection};
+use super::{correlation, friction, mathml, motion, reproduction, residual, selection};
 use crate::chart::digits;
 use crate::equation::names_of_records;
 use crate::format::{method_name as method, role_name as role};
@@ -15,7 +15,7 @@ use phisindy_phys::spec::Role;
 
 /// The page.
 pub(crate) fn page(report: &RunReport<'_>, invocation: &Invocation) -> Page {
-    let (input, case, found) = (report.input, report.input.case, report.found);
+    let (input, case, found) = (report.input, report.input.case, report.identified);
     let terms: Vec<usize> = found.terms.iter().map(|f| f.term).collect();
     let model = Model::new(&case.system, &terms, &found.records);
     let seen = Seen { system: &case.system, records: input.records, was: None, model: Some(model) };
@@ -34,12 +34,12 @@ pub(crate) fn page(report: &RunReport<'_>, invocation: &Invocation) -> Page {
         "What the data can tell apart",
         correlation::chart(&case.system, found).into_iter().collect(),
     );
-    repeat::add(&mut page, input, invocation);
+    reproduction::add(&mut page, input, invocation);
     page
 }
 
 fn banner(report: &RunReport<'_>) -> Banner {
-    let found = report.found;
+    let found = report.identified;
     let worst = |role: Role| {
         let of = found.records.iter().filter(|r| r.role == role).map(|r| r.worst());
         of.reduce(f64::max).map(|e| digits(e, 2))
@@ -81,11 +81,11 @@ fn equations(report: &RunReport<'_>) -> Vec<Element> {
 
 fn coefficients(report: &RunReport<'_>) -> Option<Element> {
     let system = &report.input.case.system;
-    let forces = report.found.terms.iter().any(|f| report.force(f).is_some());
+    let forces = report.identified.terms.iter().any(|f| report.force(f).is_some());
     let mut head =
         vec!["equation", "factor", "candidate", "unit", "coefficient", "std. error", "95 % interval"];
     head.extend(forces.then_some("times inertia"));
-    let rows = report.found.terms.iter().map(|f| {
+    let rows = report.identified.terms.iter().map(|f| {
         let term = &system.terms[f.term];
         let state = &system.states[term.state].name;
         let dimension = term.unit.map_or(String::new(), |unit| unit.to_string());
@@ -105,7 +105,7 @@ fn coefficients(report: &RunReport<'_>) -> Option<Element> {
 fn records(report: &RunReport<'_>) -> Option<Element> {
     let system = &report.input.case.system;
     let mut rows = Vec::new();
-    for record in &report.found.records {
+    for record in &report.identified.records {
         let samples = record.samples.to_string();
         let mut row = |cells: [Cell; 4]| {
             let front = [text(&record.name), text(role(record.role)), text(&samples)];

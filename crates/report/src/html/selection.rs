@@ -1,13 +1,13 @@
-//! The path of the selection: the criterion against the number of terms.
+//! The path of term selection: criterion against number of terms.
 
 use super::page::capital;
 use crate::chart::{Axis, Chart, Mark, Panel, Place, Scale, Swatch, WIDTH, digits, legend};
 use phisindy_learn::Identified;
 use phisindy_phys::spec::Method;
 
-/// The chart; none where there was nothing to choose.
+/// The chart; none if there was no choice.
 pub(crate) fn chart(found: &Identified) -> Option<(Chart, String)> {
-    // Of several visits to one number of terms the best one counts.
+    // Of several models with the same number of terms the best one counts.
     let mut path: Vec<(usize, f64)> = Vec::new();
     for point in found.selection.iter().filter(|p| p.criterion.is_finite()) {
         match path.iter_mut().find(|(terms, _)| *terms == point.terms) {
@@ -19,7 +19,7 @@ pub(crate) fn chart(found: &Identified) -> Option<(Chart, String)> {
     if path.len() < 2 {
         return None;
     }
-    // Of the criterion differences count; the loss of method step is what it is.
+    // Only differences of the criterion matter; the loss of method step is shown as it is.
     let step = found.method == Method::Step;
     let least = path.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
     let base = if step { 0.0 } else { least };

@@ -1,7 +1,7 @@
-//! The gap as it shrinks, effect by effect: bars on a logarithmic axis.
+//! The gap after each effect: bars on a logarithmic axis.
 
 use crate::chart::{Axis, Chart, Mark, Panel, Place, Scale, WIDTH, digits, word};
-use crate::gap::whose;
+use crate::gap::basis;
 use phisindy_gap::Gap;
 
 const LEFT: f64 = 24.0;
@@ -15,7 +15,7 @@ pub(crate) fn chart(found: &Gap) -> (Chart, String) {
         let name = format!("+ {} at {}", s.effect.entry.law.name, s.effect.place.at);
         rows.push((name, s.validate.map_or(s.fit.1, |v| v.1)));
     }
-    let which = whose(found);
+    let which = basis(found);
     let said: Vec<String> = rows.iter().map(|(name, gap)| format!("{name}: {}", digits(*gap, 3))).collect();
     let title = "The gap, step by step";
     let text = format!("rms of residual over noise {which}; 1 is perfect. {}.", said.join("; "));
@@ -30,7 +30,7 @@ pub(crate) fn chart(found: &Gap) -> (Chart, String) {
     let bar = |k: usize, value: f64| {
         let y = 1.0 - (k as f64 + 0.5) / rows.len() as f64;
         let half = 0.2 / rows.len() as f64;
-        // Lower in its row: the name stands above.
+        // The bar stands low in its row, below its name.
         (from, value, y - half - 0.4 * half, y + half - 0.4 * half)
     };
     let boxes = |of: std::ops::Range<usize>, class| Mark::Boxes {

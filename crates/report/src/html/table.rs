@@ -1,4 +1,4 @@
-//! Tables. Numbers are shown with five digits and kept in full beside them, for whoever copies or checks them.
+//! Tables. Numbers are shown with five digits; the full value is in the `value` attribute.
 
 use crate::markup::{Element, element};
 use crate::table::{ends, short};
@@ -10,7 +10,7 @@ pub(crate) enum Cell {
     Text(String),
     /// Text in the language of the specs.
     Code(String),
-    /// The same of one record.
+    /// The same for one record.
     CodeOf(String, String),
     /// A number.
     Number(f64),
@@ -28,7 +28,7 @@ pub(crate) fn code(text: impl Into<String>) -> Cell {
     Cell::Code(text.into())
 }
 
-/// A table with a caption for those who do not see it; nothing without rows.
+/// A table with a caption for screen readers; none without rows.
 pub(crate) fn table(caption: &str, head: &[&str], rows: Vec<Vec<Cell>>) -> Option<Element> {
     if rows.is_empty() {
         return None;
@@ -63,7 +63,7 @@ fn cell(cell: Cell) -> Element {
     }
 }
 
-/// A number with its value in full.
+/// A number with its full value as attribute.
 fn number(x: f64) -> Element {
     shown(x, &short(x))
 }
@@ -81,7 +81,7 @@ pub(crate) fn estimate(e: &Estimate, factor: f64) -> [Cell; 3] {
     ]
 }
 
-/// A table of parameters that moved.
+/// A table of fitted parameters.
 pub(crate) fn parameters(found: &[FoundParameter]) -> Option<Element> {
     let bounded = found.iter().any(|p| p.at_bound);
     let row = |p: &FoundParameter| {
@@ -102,7 +102,7 @@ pub(crate) fn parameters(found: &[FoundParameter]) -> Option<Element> {
     table("Parameters that were fitted", &head, found.iter().map(row).collect())
 }
 
-/// A unit as people write it; nothing for a plain number.
+/// A unit with raised exponents; empty for a plain number.
 pub(crate) fn unit(unit: &str) -> String {
     const RAISED: [(&str, &str); 8] = [
         ("^-1", "⁻¹"),

@@ -1,20 +1,21 @@
-//! Pictures of laws: the force along the motion `x = sin t`, `v = cos t`, drawn over what the law depends on most.
+//! Pictures of laws: the force during the motion `x = sin t`, `v = cos t` against the main variable of the
+//! law.
 
 use super::file::LawFile;
 use crate::chart::{Axis, Chart, Mark, Panel, Place};
 use phisindy_expr::{Graph, Id, Names, Scratch, Tape, parse};
 use phisindy_phys::Sketch;
 
-/// Points along the two periods of the motion that are drawn.
+/// Points of the curve, over two periods of the motion.
 const POINTS: usize = 1600;
-/// Steps between two points, for states of a law's own.
+/// Integration steps between two points, for internal states of a law.
 const STEPS: usize = 8;
 const SIZE: (f64, f64) = (380.0, 250.0);
 
-/// The picture as SVG; `None` for a law that does not say how it is drawn.
+/// The picture as SVG; `None` for a law without a sketch.
 ///
 /// # Errors
-/// In words: the expressions of the law, or of its sketch, cannot be evaluated.
+/// In words: an expression of the law cannot be evaluated.
 pub fn picture(entry: &LawFile) -> Result<Option<String>, String> {
     let Some(sketch) = &entry.law.sketch else { return Ok(None) };
     let curve = curve(entry, sketch)?;
@@ -26,7 +27,7 @@ pub fn picture(entry: &LawFile) -> Result<Option<String>, String> {
     } else {
         "force"
     };
-    // Zero is always in the picture.
+    // Both axes include zero.
     let across = Axis::around(&sketch.over, "", curve.iter().map(|p| p.0).chain([0.0]));
     let up = Axis::around(what, "", curve.iter().map(|p| p.1).chain([0.0]));
     let upright = [up.ends().0, up.ends().1].map(|y| (0.0, y)).to_vec();
@@ -54,7 +55,7 @@ fn curve(entry: &LawFile, sketch: &Sketch) -> Result<Vec<(f64, f64)>, String> {
         let given = law.given.iter().find(|(n, _)| n == name).map(|(_, (value, _))| *value);
         given.or_else(|| sketch.with.iter().find(|(n, _)| n == name).map(|(_, value)| *value))
     };
-    // A sensor shows the displacement: as it is, larger, higher, later.
+    // A sensor law is shown as its reading of the displacement.
     let force = match law.sensor.as_deref() {
         Some("gain") => "gain*x",
         Some("offset") => "x + offset",
@@ -100,7 +101,7 @@ fn curve(entry: &LawFile, sketch: &Sketch) -> Result<Vec<(f64, f64)>, String> {
             _ => t.sin(),
         };
         curve.push((x, at(t, &z)[0]));
-        // Small steps of the midpoint rule.
+        // Explicit midpoint rule with small steps.
         for j in 0..STEPS * usize::from(!z.is_empty()) {
             let h = step / STEPS as f64;
             let s = t + h * j as f64;

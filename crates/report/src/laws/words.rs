@@ -10,7 +10,7 @@ pub fn list(all: &[LawFile]) -> String {
     aligned(&rows).join("\n") + "\n"
 }
 
-/// One law, for people: its name, what it says, its parameters, where it comes from, its text.
+/// One law for people: name, description, parameters, reference, text.
 pub fn shown(entry: &LawFile) -> String {
     let law = &entry.law;
     let mut lines = vec![format!("{} ({})", law.name, entry.id), law.about.clone(), String::new()];
@@ -32,7 +32,7 @@ pub fn shown(entry: &LawFile) -> String {
     lines.join("\n") + "\n"
 }
 
-/// All laws with their pictures, as a page of Markdown.
+/// A page of Markdown with all laws and links to their pictures.
 pub fn gallery(all: &[LawFile]) -> String {
     let mut out = String::from(
         "# The catalogue of laws\n\nWritten by `phisindy laws --out docs/laws` from the files in `specs/laws`. Each picture is drawn along the motion `x = sin t`, `v = cos t`, with example\nnumbers; a law of your own gets one by a line `sketch: (over: \"v\", with: { ... })`.\n",
@@ -57,7 +57,7 @@ pub fn gallery(all: &[LawFile]) -> String {
     out
 }
 
-/// What stands behind the colon as code.
+/// Formats the part after the colon as code.
 fn code(line: &str) -> String {
     line.split_once(": ").map_or_else(|| line.to_owned(), |(what, text)| format!("{what}: `{text}`"))
 }

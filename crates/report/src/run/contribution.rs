@@ -1,4 +1,5 @@
-//! What each term does along the motion, with units: its size, its share of the unknown force, the energy it takes out.
+//! The contribution of each term to the motion: its size, its share of the unknown force, the energy it
+//! dissipates.
 
 use crate::table::short;
 use phisindy_learn::{FoundTerm, Identified};
@@ -6,7 +7,7 @@ use phisindy_phys::unit::{Dimension, Unit};
 use phisindy_phys::{System, Term};
 use serde::Serialize;
 
-/// A number and its unit in SI; the unit is empty where the spec does not determine it.
+/// A number and its SI unit; the unit is empty if the spec does not determine it.
 #[derive(Serialize)]
 pub(crate) struct Quantity {
     value: f64,
@@ -21,20 +22,20 @@ impl Quantity {
     }
 }
 
-/// What one term does.
+/// The contribution of one term.
 #[derive(Serialize)]
 pub(crate) struct Contribution {
-    /// Root mean square of the force (of the rate, where no inertia is stated).
+    /// Root mean square of the force, or of the rate if the spec states no inertia.
     rms: Quantity,
-    /// Over that of all terms of the equation together.
+    /// Ratio to the root mean square of all terms of the equation together.
     share: f64,
-    /// Energy taken out of the motion per second, per unit of inertia where none is stated; negative if it is fed.
+    /// Dissipated power, per unit of inertia if none is stated; negative if the term feeds energy.
     power: Option<Quantity>,
-    /// The same per cycle.
+    /// Dissipated energy per cycle, likewise.
     energy_per_cycle: Option<Quantity>,
 }
 
-/// What a term does, if that is known.
+/// The contribution of a term, if it is known.
 pub(crate) fn contribution(system: &System, found: &FoundTerm) -> Option<Contribution> {
     let term = &system.terms[found.term];
     let c = found.contribution?;
@@ -49,7 +50,7 @@ pub(crate) fn contribution(system: &System, found: &FoundTerm) -> Option<Contrib
     })
 }
 
-/// The rows of a table, the heading first.
+/// The rows of a table, headings first.
 pub(crate) fn rows(system: &System, found: &Identified) -> Vec<Vec<String>> {
     let heading = ["equation", "candidate", "rms", "of the unknown part", "dissipates", "per cycle"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
@@ -71,13 +72,13 @@ pub(crate) fn rows(system: &System, found: &Identified) -> Vec<Vec<String>> {
     rows
 }
 
-/// The unit of a term's force, or of its rate where no inertia is stated.
+/// The unit of a term's force, or of its rate if no inertia is stated.
 fn force(system: &System, term: &Term) -> Option<Dimension> {
     let state = Unit::parse(&system.states[term.state].unit).ok()?.dimension;
     Some(term.energy?.div(state).div(Dimension::SECOND))
 }
 
-/// Energy and power have names of their own; others are printed as they are.
+/// The unit in J or W if it is an energy or a power.
 fn name(dimension: Dimension) -> String {
     let joule = Dimension::NEWTON.mul(Dimension::METRE);
     let watt = joule.div(Dimension::SECOND);

@@ -1,4 +1,4 @@
-//! What was held: the constants and sensor parameters that the fit did not move, and at which values.
+//! Constants and sensor parameters that the fit did not move, with their values.
 
 use crate::input::Input;
 use crate::table::short;
@@ -7,21 +7,21 @@ use phisindy_phys::spec::{ConstantSpec, DataSpec, Role};
 use phisindy_phys::unit::Unit;
 use serde::Serialize;
 
-/// A number that was held.
+/// A number that the fit did not move.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct Held {
+pub(crate) struct FixedValue {
     /// `m`, or `x.delay` for a sensor.
     name: String,
     /// In `unit`.
     value: f64,
-    /// As the spec writes it; empty for numbers in SI whose unit it does not say.
+    /// Unit as the spec writes it; empty for an SI number without a stated unit.
     unit: String,
-    /// The record whose own it is; none for what all records share.
+    /// The record that has this value; none if all records share it.
     record: Option<String>,
 }
 
-/// Everything that was held, in the order of the spec: constants, those of the records, sensors.
-pub(crate) fn held(input: Input<'_>, found: &Identified) -> Vec<Held> {
+/// All fixed numbers in the order of the spec: constants, constants of records, sensors.
+pub(crate) fn fixed_values(input: Input<'_>, found: &Identified) -> Vec<FixedValue> {
     let mut all = constants(input, found);
     let (spec, system, records) = (input.spec, &input.case.system, input.records);
     for (k, (name, _)) in system.record_constants.iter().enumerate() {
@@ -57,7 +57,7 @@ pub(crate) fn held(input: Input<'_>, found: &Identified) -> Vec<Held> {
                     SensorPart::Gain => &s.gain,
                     SensorPart::Delay => &s.delay,
                 };
-                // A constant of the case is listed as such.
+                // Shared constants are listed as constants.
                 let told =
                     parameter.shared.is_none() && (parameter.start != idle || parameter.within.is_some());
                 (told && !moved(r)).then(|| (parameter.start / factor(unit), unit.to_owned()))
@@ -68,8 +68,8 @@ pub(crate) fn held(input: Input<'_>, found: &Identified) -> Vec<Held> {
     all
 }
 
-/// Constants of the case that did not move.
-fn constants(input: Input<'_>, found: &Identified) -> Vec<Held> {
+/// Constants of the spec that did not move.
+fn constants(input: Input<'_>, found: &Identified) -> Vec<FixedValue> {
     let system = &input.case.system;
     let moved = |name: &str| {
         let moves = |p: &phisindy_learn::FoundParameter| {
@@ -85,21 +85,26 @@ fn constants(input: Input<'_>, found: &Identified) -> Vec<Held> {
     let stands = |(name, constant): &(phisindy_phys::spec::Text, ConstantSpec)| {
         let name = name.value.clone();
         let value = value(&name, constant).filter(|_| !moved(&name))?;
-        Some(Held { name, value, unit: unit_of(constant), record: None })
+        Some(FixedValue { name, value, unit: unit_of(constant), record: None })
     };
     input.spec.constants.iter().filter_map(stands).collect()
 }
 
-/// One number for all Fit records, or one for each of them. (A Validate record has those of the run that it continues, or finds its own.)
-fn of_records(name: &str, input: Input<'_>, value: &dyn Fn(usize) -> Option<(f64, String)>) -> Vec<Held> {
+/// One number for all Fit records, or one for each of them. (A Validate record has the numbers of the run
+/// that it continues, or fits its own.)
+fn of_records(
+    name: &str,
+    input: Input<'_>,
+    value: &dyn Fn(usize) -> Option<(f64, String)>,
+) -> Vec<FixedValue> {
     let fitted: Vec<usize> =
         (0..input.records.len()).filter(|&r| input.records[r].role == Role::Fit).collect();
     let entry = |&r: &usize| {
         let (value, unit) = value(r)?;
-        Some(Held { name: name.to_owned(), value, unit, record: Some(input.records[r].name.clone()) })
+        Some(FixedValue { name: name.to_owned(), value, unit, record: Some(input.records[r].name.clone()) })
     };
-    let mut all: Vec<Held> = fitted.iter().filter_map(entry).collect();
-    let same = |h: &Held| (h.value, &h.unit) == (all[0].value, &all[0].unit);
+    let mut all: Vec<FixedValue> = fitted.iter().filter_map(entry).collect();
+    let same = |h: &FixedValue| (h.value, &h.unit) == (all[0].value, &all[0].unit);
     if all.len() == fitted.len() && all.iter().all(same) {
         all.truncate(1);
         all.iter_mut().for_each(|h| h.record = None);
@@ -107,8 +112,8 @@ fn of_records(name: &str, input: Input<'_>, value: &dyn Fn(usize) -> Option<(f64
     all
 }
 
-/// `held: m = 3.0799 kg, N = 2.4525 N [250 g] and 4.4145 N [450 g]`; none if nothing was held.
-pub(crate) fn line(all: &[Held]) -> Option<String> {
+/// `held: m = 3.0799 kg, N = 2.4525 N [250 g] and 4.4145 N [450 g]`; none without fixed numbers.
+pub(crate) fn line(all: &[FixedValue]) -> Option<String> {
     let mut words: Vec<(&str, Vec<String>)> = Vec::new();
     for h in all {
         let value = format!("{} {}", short(h.value), h.unit);
@@ -124,7 +129,7 @@ pub(crate) fn line(all: &[Held]) -> Option<String> {
     (!each.is_empty()).then(|| format!("held: {}", each.join(", ")))
 }
 
-/// The unit that a constant states.
+/// The stated unit of a constant.
 fn unit_of(constant: &ConstantSpec) -> String {
     let unit = match constant {
         ConstantSpec::Number { unit, .. } => unit.as_ref(),

@@ -1,7 +1,8 @@
-//! A result as JSON: the keys are a contract with users (DESIGN.md section 4). Numbers that are not finite become null.
+//! The result of `run` as JSON: the keys are a contract with users. Numbers that are not
+//! finite become null.
 
 use super::contribution::{Contribution, contribution};
-use super::fixed::Held;
+use super::fixed::FixedValue;
 use super::report::RunReport;
 use crate::format::{method_name as method, role_name as role};
 use phisindy_learn::{Estimate, Verdict};
@@ -15,11 +16,12 @@ struct Outcome<'a> {
     method: &'a str,
     verdict: &'a str,
     reason: Option<String>,
-    /// Which free runs the verdict rests on.
+    /// The free runs that the verdict rests on.
     basis: String,
     equations: Vec<EquationOut<'a>>,
     parameters: Vec<ParameterOut<'a>>,
-    held: &'a [Held],
+    #[serde(rename = "held")]
+    fixed: &'a [FixedValue],
     records: Vec<RecordOut<'a>>,
     noise_model: String,
     selection: Vec<PointOut>,
@@ -42,16 +44,16 @@ struct EquationOut<'a> {
 struct TermOut<'a> {
     candidate: &'a str,
     coefficient: f64,
-    /// SI; `1` is a plain number, and empty is what the spec does not determine.
+    /// SI; `1` for a plain number, empty if the spec does not determine it.
     unit: String,
     std_error: f64,
     ci95: [f64; 2],
-    /// What the spec allows; null where it sets no bound.
+    /// Bounds of the spec; null for none.
     bounds: [f64; 2],
     at_bound: bool,
-    /// The force behind a coefficient that is a rate.
+    /// The coefficient times the inertia of the state.
     force: Option<ForceOut>,
-    /// What it does along the motion.
+    /// Its contribution to the motion.
     contribution: Option<Contribution>,
 }
 
@@ -90,9 +92,9 @@ struct PointOut {
     nrmse: Option<f64>,
 }
 
-/// One line.
+/// The result on one line.
 pub(crate) fn line(report: &RunReport<'_>) -> String {
-    let (system, found) = (&report.input.case.system, report.found);
+    let (system, found) = (&report.input.case.system, report.identified);
     let equations = report.equations.iter().map(|equation| {
         let here = found.terms.iter().filter(|f| system.terms[f.term].state == equation.state);
         let terms = here.map(|f| {
@@ -142,7 +144,7 @@ pub(crate) fn line(report: &RunReport<'_>) -> String {
         basis: report.basis(),
         equations: equations.collect(),
         parameters: parameters.collect(),
-        held: &report.held,
+        fixed: &report.fixed,
         records: records.collect(),
         noise_model: found.noise_model.to_string(),
         selection: selection.collect(),
@@ -152,6 +154,6 @@ pub(crate) fn line(report: &RunReport<'_>) -> String {
         seconds: report.ending.seconds,
         version: env!("CARGO_PKG_VERSION"),
     };
-    // Nothing in there can fail: keys are texts, and numbers that are not finite are null.
+    // This cannot fail: all keys are strings, and numbers that are not finite become null.
     serde_json::to_string(&outcome).unwrap_or_default()
 }

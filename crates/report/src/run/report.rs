@@ -1,6 +1,6 @@
-//! What `run` found, with all that a report says beside it.
+//! The result of `run` with everything that a report adds to it.
 
-use super::fixed::{self, Held};
+use super::fixed::{FixedValue, fixed_values};
 use crate::equation::{Equation, equations};
 use crate::input::{Ending, Input};
 use crate::table::short;
@@ -8,26 +8,26 @@ use phisindy_learn::{FoundTerm, Identified, RecordFit};
 use phisindy_phys::spec::Role;
 use phisindy_phys::unit::Dimension;
 
-/// Everything that is to be told about one spec.
+/// The result of `run` for one spec.
 pub struct RunReport<'a> {
     /// The case and its records.
     pub(crate) input: Input<'a>,
-    /// What was found.
-    pub(crate) found: &'a Identified,
-    /// The same as equations.
+    /// The identified model.
+    pub(crate) identified: &'a Identified,
+    /// Its equations.
     pub(crate) equations: Vec<Equation>,
-    /// What the fit did not move.
-    pub(crate) held: Vec<Held>,
-    /// What a careful reader should know.
+    /// Numbers that the fit did not move.
+    pub(crate) fixed: Vec<FixedValue>,
+    /// Warnings of the identification, without the notes.
     pub warnings: Vec<String>,
-    /// What was done to the data.
+    /// How the data were processed before the identification.
     pub notes: Vec<String>,
     /// How the work ended.
     pub(crate) ending: Ending,
 }
 
 impl<'a> RunReport<'a> {
-    /// Writes the equations, and tells notes about the data from warnings.
+    /// Derives the equations, and separates notes about the data from warnings.
     pub fn new(input: Input<'a>, found: &'a Identified, ending: Ending) -> RunReport<'a> {
         let case = input.case;
         let equations = equations(case, &found.terms, &found.parameters);
@@ -42,21 +42,21 @@ impl<'a> RunReport<'a> {
                 if warning.is_note() { &mut notes } else { &mut warnings }.push(text);
             }
         }
-        let held = fixed::held(input, found);
-        RunReport { input, found, equations, held, warnings, notes, ending }
+        let fixed = fixed_values(input, found);
+        RunReport { input, identified: found, equations, fixed, warnings, notes, ending }
     }
 
-    /// Which free runs the verdict rests on.
+    /// The free runs that the verdict rests on, in words.
     pub(crate) fn basis(&self) -> String {
         let validated: Vec<&RecordFit> =
-            self.found.records.iter().filter(|r| r.role == Role::Validate).collect();
+            self.identified.records.iter().filter(|r| r.role == Role::Validate).collect();
         let worst = |records: &[&RecordFit]| {
             let worst = records.iter().max_by(|a, b| a.worst().total_cmp(&b.worst()));
             worst.map_or(String::new(), |r| format!("NRMSE up to {} ({})", short(r.worst()), r.name))
         };
         match validated.len() {
             0 => {
-                let fitted: Vec<&RecordFit> = self.found.records.iter().collect();
+                let fitted: Vec<&RecordFit> = self.identified.records.iter().collect();
                 format!(
                     "rests on the fitted records alone, run freely: {}; none has the role Validate",
                     worst(&fitted)
@@ -67,12 +67,13 @@ impl<'a> RunReport<'a> {
         }
     }
 
-    /// The force behind a coefficient that is a rate, and its unit, where the spec states the inertia and it is one number.
+    /// The coefficient times the inertia of its state, and the unit of that force, if the spec states an
+    /// inertia that is one number.
     pub(crate) fn force(&self, found: &FoundTerm) -> Option<(f64, Dimension)> {
         let system = &self.input.case.system;
         let term = &system.terms[found.term];
         let (unit, inertia) = (term.force?, system.inertia[term.state]?);
-        let moved = self.found.parameters.iter().filter(|p| p.id.record().is_none());
+        let moved = self.identified.parameters.iter().filter(|p| p.id.record().is_none());
         let values: Vec<_> = moved
             .filter_map(|p| Some((system.parameters[p.id.constant()?].node, p.estimate.value)))
             .collect();

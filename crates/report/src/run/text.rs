@@ -25,9 +25,9 @@ pub(crate) fn plain(report: &RunReport<'_>) -> String {
     lines.join("\n") + "\n"
 }
 
-/// All that is not an equation, as lines.
+/// Everything but the equations, as lines.
 fn details(report: &RunReport<'_>) -> Vec<String> {
-    let found = report.found;
+    let found = report.identified;
     let mut lines = vec![String::new()];
     let title = &report.input.case.system.title;
     lines.push(if title.is_empty() {
@@ -55,7 +55,7 @@ fn details(report: &RunReport<'_>) -> Vec<String> {
     section(contribution::rows(&report.input.case.system, found));
     section(parameters(report));
     section(records(report));
-    lines.extend(fixed::line(&report.held));
+    lines.extend(fixed::line(&report.fixed));
     let own = names_of_records(&report.input.case.system, &report.equations);
     if !own.is_empty() {
         lines.push(format!("{}: each record has its own", own.join(", ")));
@@ -64,7 +64,7 @@ fn details(report: &RunReport<'_>) -> Vec<String> {
         lines.push(String::new());
         lines.extend(report.warnings.iter().flat_map(|w| w.lines()).map(|w| format!("warning: {w}")));
     }
-    // Titles and names may hold ends of lines, behind which nothing would be a comment.
+    // Titles and names may contain line ends, after which the text would not be a comment.
     lines.into_iter().map(|line| line.replace(['\n', '\r'], " ")).collect()
 }
 
@@ -78,10 +78,10 @@ fn coefficients(report: &RunReport<'_>) -> Vec<Vec<String>> {
         "std. error",
         "95 % interval",
     ])];
-    if report.found.terms.iter().any(|found| report.force(found).is_some()) {
+    if report.identified.terms.iter().any(|found| report.force(found).is_some()) {
         rows[0].push("times inertia".to_owned());
     }
-    for found in &report.found.terms {
+    for found in &report.identified.terms {
         let term = &report.input.case.system.terms[found.term];
         let state = &report.input.case.system.states[term.state].name;
         let unit = term.unit.map_or("-".to_owned(), |unit| unit.to_string());
@@ -98,7 +98,7 @@ fn coefficients(report: &RunReport<'_>) -> Vec<Vec<String>> {
 
 fn parameters(report: &RunReport<'_>) -> Vec<Vec<String>> {
     let mut rows = vec![words(&["parameter", "unit", "value", "std. error", "95 % interval", ""])];
-    for p in &report.found.parameters {
+    for p in &report.identified.parameters {
         let mut row = vec![p.id.to_string(), if p.unit.is_empty() { "-".to_owned() } else { p.unit.clone() }];
         row.extend(estimate(&p.estimate, p.factor));
         row.push(if p.at_bound { "at its bound".to_owned() } else { String::new() });
@@ -109,7 +109,7 @@ fn parameters(report: &RunReport<'_>) -> Vec<Vec<String>> {
 
 fn records(report: &RunReport<'_>) -> Vec<Vec<String>> {
     let mut rows = vec![words(&["record", "role", "samples", "NRMSE of the free run"])];
-    for record in &report.found.records {
+    for record in &report.identified.records {
         let errors: Vec<String> =
             record.nrmse.iter().map(|(name, e)| format!("{name} {}", short(*e))).collect();
         let errors = record.failure.as_ref().map_or(errors.join(", "), |why| format!("failed: {why}"));
@@ -127,7 +127,7 @@ fn words(words: &[&str]) -> Vec<String> {
     words.iter().map(|w| (*w).to_owned()).collect()
 }
 
-/// Value, error, interval.
+/// Value, standard error, interval.
 fn estimate(e: &Estimate, factor: f64) -> [String; 3] {
     let interval = interval(e.ci95.0 / factor, e.ci95.1 / factor);
     [short(e.value / factor), short(e.std_error / factor), interval]

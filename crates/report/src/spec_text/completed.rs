@@ -1,4 +1,4 @@
-//! `completed.ron`: the spec's text with the effects that `gap` found in it.
+//! `completed.ron`: the text of the spec with the effects that `gap` found.
 
 use super::edit::{Text, first, head, number, records_of, sensor_of};
 use crate::gap::GapReport;
@@ -9,12 +9,12 @@ use phisindy_phys::spec::{self, DataSpec, Find, SensorValue};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{Origin, SourceId};
 
-/// The file that holds the spec with the effects in it.
+/// Name of the file.
 pub const COMPLETED: &str = "completed.ron";
 
-/// The spec with the effects in it, and why it lacks start states and sensors, if it does.
+/// The text of `completed.ron`, and why it lacks start states and sensors, if it does.
 pub fn completed(report: &GapReport<'_>) -> (String, Option<String>) {
-    let GapReport { input, found, .. } = *report;
+    let GapReport { input, gap: found, .. } = *report;
     let measured = input.case.records.iter().any(|plan| matches!(plan.origin, Origin::Csv(_)));
     let data = if measured {
         " --data DIR      (DIR: where its data files are)"
@@ -35,18 +35,18 @@ pub fn completed(report: &GapReport<'_>) -> (String, Option<String>) {
     (text, why)
 }
 
-/// The text that `gap` completed, with what its fit found of each measured record in it: the start state, and where the search for the numbers of its
-/// sensors goes on. (The start of a synthetic record says how it is made, not what was found.)
+/// The completed text with fitted values of each measured record: its start state, and the start values of
+/// searched sensor parameters. (The start of a synthetic record defines its data; it is not a fitted value.)
 ///
 /// # Errors
-/// In words: the text cannot hold it.
-fn filled(loaded: Input<'_>, found: &Gap) -> Result<String, String> {
+/// In words: the text has no place for a value.
+fn filled(input: Input<'_>, found: &Gap) -> Result<String, String> {
     let mut text = Text(found.completed.clone());
     let (spec, _) = spec::read(&text.0, SourceId(0)).map_err(|d| first(&d))?;
     let measured = |r: usize| matches!(spec.data.get(r), Some(DataSpec::Csv(_)));
     for p in &found.parameters {
         let (Some(owner), Some((column, part))) = (p.id.record(), sensor_of(p)) else { continue };
-        for r in records_of(loaded, owner) {
+        for r in records_of(input, owner) {
             let at = r.to_string();
             if let Some(find) = spec.data.get(r).and_then(|data| searched(data, column, part)) {
                 let factor =
@@ -68,7 +68,7 @@ fn filled(loaded: Input<'_>, found: &Gap) -> Result<String, String> {
     Ok(text.0)
 }
 
-/// The parameter of a sensor that is searched for in a record.
+/// The searched parameter of a record's sensor, if it is one.
 fn searched<'a>(data: &'a DataSpec, column: &str, part: SensorPart) -> Option<&'a Find> {
     let sensors = match data {
         DataSpec::Csv(csv) => &csv.sensors,

@@ -1,4 +1,5 @@
-//! `identified.ron`: the spec's text with what was identified in it, so that `simulate` predicts. Comments and everything else stay.
+//! `identified.ron`: the text of the spec with the identified terms and numbers, for predictions with
+//! `simulate`. Comments and everything else stay.
 
 use super::edit::{Text, first, head, number, records_of, sensor_of};
 use crate::input::Input;
@@ -8,20 +9,21 @@ use phisindy_phys::spec::{ConstantSpec, DataSpec, Spec, UnknownSpec};
 use phisindy_phys::unit::{Dimension, Unit};
 use phisindy_phys::{SourceId, spec};
 
-/// The file that `run` leaves.
+/// Name of the file.
 pub const IDENTIFIED: &str = "identified.ron";
 
-/// The text.
+/// The text of `identified.ron`.
 ///
 /// # Errors
-/// In words: the text cannot hold what was identified (a mistake of this program, or a spec that uses a form it does not know).
+/// In words: the result does not fit into the text, because of a mistake of this program or an unknown form
+/// of the spec.
 pub fn identified(input: Input<'_>, found: &Identified) -> Result<String, String> {
     let spec = input.spec;
     let mut text = Text(input.text.to_owned());
     rates(&mut text, spec, input, found)?;
     parameters(&mut text, spec, input, found)?;
     for (r, record) in found.records.iter().enumerate() {
-        // The start of a synthetic record is that of its run, not that of the window which was seen.
+        // The start of a synthetic record is that of the whole run, not that of its window.
         let windowed = matches!(&spec.data[r], DataSpec::Synthetic(s) if s.window.is_some());
         for (state, x) in input.case.system.states.iter().zip(&record.start).filter(|_| !windowed) {
             text.set(&["data", &r.to_string(), "start", &state.name], &number(x / state.factor))?;
@@ -49,7 +51,7 @@ pub fn identified(input: Input<'_>, found: &Identified) -> Result<String, String
     Ok(text)
 }
 
-/// The identified terms into the known rates, their coefficients into the constants.
+/// Writes the identified terms into the known rates and their coefficients into the constants.
 fn rates(text: &mut Text, spec: &Spec, input: Input<'_>, found: &Identified) -> Result<(), String> {
     let system = &input.case.system;
     let units = speaks_of_units(spec);
@@ -83,7 +85,7 @@ fn rates(text: &mut Text, spec: &Spec, input: Input<'_>, found: &Identified) -> 
     Ok(())
 }
 
-/// Whether the constants have units: among numbers without, one with a unit would have the others checked.
+/// Whether constants have units. One unit among plain numbers would have all of them checked.
 fn speaks_of_units(spec: &Spec) -> bool {
     spec.constants.iter().any(|(_, c)| match c {
         ConstantSpec::Number { unit, .. } => unit.is_some(),
@@ -93,14 +95,14 @@ fn speaks_of_units(spec: &Spec) -> bool {
     })
 }
 
-/// A unit as a spec writes it; none for a plain number, and for one that a spec has no way to write.
+/// A unit as a spec writes it; none for a plain number or a unit without such a form.
 fn written_unit(dimension: Dimension) -> Option<String> {
     let text = dimension.to_string();
     let same = Unit::parse(&text).is_ok_and(|unit| unit.dimension == dimension && unit.factor == 1.0);
     (same && !dimension.is_none()).then_some(text)
 }
 
-/// A name that nothing in the spec has, nor any coefficient before.
+/// A name that neither the spec nor another coefficient has.
 fn free(mut name: String, input: Input<'_>, given: &[String]) -> String {
     while input.case.system.names.get(&name).is_some() || given.contains(&name) {
         name.push('_');
@@ -108,10 +110,10 @@ fn free(mut name: String, input: Input<'_>, given: &[String]) -> String {
     name
 }
 
-/// `known + factor*(c1*candidate1 + ...)`, as people write it.
+/// `known + factor*(c1*candidate1 + ...)`, simplified as people write it.
 fn rate(known: &str, unknown: &UnknownSpec, terms: &[(String, &str)]) -> String {
     let factor = unknown.factor.as_ref().map_or("1", |f| f.value.trim());
-    // A leading minus takes the whole product, and with it the sum.
+    // A leading minus applies to the whole product.
     let (minus, factor) = match root(factor) {
         Some(AstKind::Unary(Unary::Neg, _)) if factor.starts_with('-') => (true, factor[1..].trim()),
         _ => (false, factor),
@@ -146,7 +148,7 @@ fn root(text: &str) -> Option<AstKind> {
     Some(parse(text).ok()?.nodes.last()?.kind.clone())
 }
 
-/// An expression as a factor of a product.
+/// An expression as a factor of a product, in brackets if it needs them.
 fn bracketed(text: &str) -> String {
     match root(text) {
         Some(AstKind::Binary(Binary::Add | Binary::Sub, ..) | AstKind::Unary(Unary::Neg, _)) => {
@@ -156,7 +158,7 @@ fn bracketed(text: &str) -> String {
     }
 }
 
-/// Fitted numbers into constants and sensors.
+/// Writes fitted numbers into constants and sensors.
 fn parameters(text: &mut Text, spec: &Spec, input: Input<'_>, found: &Identified) -> Result<(), String> {
     for p in &found.parameters {
         let value = p.estimate.value / p.factor;
@@ -170,7 +172,7 @@ fn parameters(text: &mut Text, spec: &Spec, input: Input<'_>, found: &Identified
     Ok(())
 }
 
-/// A movable constant goes on moving, from where the fit ended.
+/// A movable constant stays movable and starts at its fitted value.
 fn constant(text: &mut Text, spec: &Spec, name: &str, value: f64) -> Result<(), String> {
     let Some((_, constant)) = spec.constants.iter().find(|(n, _)| n.value == name) else { return Ok(()) };
     let (field, within) = match constant {
@@ -178,11 +180,11 @@ fn constant(text: &mut Text, spec: &Spec, name: &str, value: f64) -> Result<(), 
         ConstantSpec::Find(f) => ("start", &f.within),
         _ => return Ok(()),
     };
-    // A bound that went to SI and back may have moved by a bit.
+    // Conversion to SI and back may move a value past its bound by one bit.
     text.set(&["constants", name, field], &number(value.clamp(within.0.value, within.1.value)))
 }
 
-/// A constant with a value for each record becomes a constant of the records.
+/// A constant with one value per record becomes a constant of the records.
 fn of_record(
     text: &mut Text,
     spec: &Spec,
@@ -193,7 +195,7 @@ fn of_record(
 ) -> Result<(), String> {
     let value = format!("({}, \"{}\")", number(p.estimate.value / p.factor), p.unit);
     let value = if p.unit.is_empty() { number(p.estimate.value / p.factor) } else { value };
-    // The default, for records that were not fitted.
+    // The default for records that were not fitted.
     text.set(&["constants", name], &value)?;
     for r in 0..spec.data.len() {
         if r == record || input.records.get(r).is_some_and(|other| other.continues == Some(record)) {
@@ -203,11 +205,11 @@ fn of_record(
     Ok(())
 }
 
-/// What was found of a sensor is held.
+/// A fitted sensor parameter becomes a fixed number.
 fn sensor(text: &mut Text, input: Input<'_>, record: usize, p: &FoundParameter) -> Result<(), String> {
     let Some((column, part)) = sensor_of(p) else { return Ok(()) };
     for r in records_of(input, record) {
-        // Plain numbers of sensors are in SI.
+        // Plain numbers of sensors are in SI units.
         text.set(&["data", &r.to_string(), "sensors", column, part.name()], &number(p.estimate.value))?;
     }
     Ok(())

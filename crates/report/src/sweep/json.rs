@@ -1,6 +1,7 @@
-//! The result of a sweep as JSON: the keys are a contract with users (docs/reference.md).
+//! The result of a sweep as JSON: the keys are a contract with users.
 //!
-//! Keys stand in alphabetical order, which is the order of the fields here. Numbers that are not finite become null.
+//! Keys are in alphabetical order, which is the order of the fields here. Numbers that are not finite become
+//! null.
 
 use super::runs::{CellRuns, RunVerdict, SweepRuns};
 use super::statistics::Statistics;
@@ -8,7 +9,7 @@ use crate::format::method_name;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// A sweep. With one cell its numbers stand here, with several cells they stand in `cells`.
+/// A sweep. The numbers of a single cell stand here, those of several cells in `cells`.
 #[derive(Serialize)]
 struct Outcome<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -63,8 +64,8 @@ struct FailureOut<'a> {
     verdict: &'a RunVerdict,
 }
 
-/// One line.
-pub fn json(sweep: &SweepRuns<'_>) -> String {
+/// The result on one line.
+pub(super) fn line(sweep: &SweepRuns<'_>) -> String {
     let statistics = sweep.statistics();
     let mut cells: Vec<CellOut<'_>> =
         sweep.cells.iter().zip(&statistics).map(|(cell, statistics)| cell_out(cell, statistics)).collect();
@@ -97,7 +98,7 @@ pub fn json(sweep: &SweepRuns<'_>) -> String {
     } else {
         outcome.cells = Some(cells);
     }
-    // Nothing in there can fail: keys are texts, and numbers that are not finite are null.
+    // This cannot fail: all keys are strings, and numbers that are not finite become null.
     serde_json::to_string(&outcome).unwrap_or_default()
 }
 

@@ -30,7 +30,7 @@ pub struct Run {
     pub bound: Vec<Option<f64>>,
     /// Terms that are not in the truth.
     pub spurious: Vec<String>,
-    /// Not to be reproduced.
+    /// Duration in seconds.
     pub seconds: f64,
 }
 
@@ -96,7 +96,7 @@ pub struct CellRuns<'a> {
 }
 
 impl<'a> CellRuns<'a> {
-    /// The names of the terms of the truth that a run did not find.
+    /// Names of true terms that a run did not find.
     pub(super) fn missing(&self, run: &Run) -> Vec<&'a str> {
         let Ok(named) = self.truth else { return vec![] };
         let missing =

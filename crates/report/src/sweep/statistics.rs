@@ -1,13 +1,13 @@
-//! What the runs of one cell say together.
+//! Statistics of the runs of one cell.
 
 use super::runs::{NamedTruth, Run, SweepRuns};
 
-/// The runs of one cell in numbers.
+/// Statistics of one cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Statistics {
     /// Finished runs.
     pub runs: usize,
-    /// Those whose terms are exactly those of the truth.
+    /// Runs with exactly the true terms.
     pub exact: usize,
     /// For each term of the truth.
     pub coefficients: Vec<Coefficient>,
@@ -18,9 +18,9 @@ pub struct Statistics {
 pub struct Coefficient {
     /// `STATE:candidate`
     pub name: String,
-    /// What it should be.
+    /// True value.
     pub truth: f64,
-    /// In how many runs the term was found.
+    /// Number of runs that found the term.
     pub found: usize,
     /// Median of the estimates.
     pub median: Option<f64>,
@@ -28,12 +28,12 @@ pub struct Coefficient {
     pub rmse: Option<f64>,
     /// The least standard error that the data allow (Cramer-Rao), root mean square over the same runs.
     pub bound: Option<f64>,
-    /// Part of the runs whose 95 % interval holds the truth.
+    /// Fraction of these runs whose 95 % interval contains the truth.
     pub coverage: Option<f64>,
 }
 
 impl Statistics {
-    /// Counts and averages; `runs` in the order of their seeds, so that the sums are always the same.
+    /// The statistics; `runs` are ordered by seed, so that the sums are reproducible.
     pub fn of(named: &NamedTruth, runs: &[Run]) -> Statistics {
         let one = |(k, name): (usize, &String)| {
             let truth = named.truth.coefficients[k];
@@ -97,7 +97,7 @@ fn values_in_order(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |sum, x| sum + x)
 }
 
-/// The largest of them, if all are there.
+/// The largest value; none if one is missing.
 fn largest(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
     let all: Option<Vec<f64>> = values.collect();
     all?.into_iter().reduce(f64::max)
@@ -130,7 +130,7 @@ mod tests {
         let all = Statistics::of(&named, &runs);
         let c = &all.coefficients[0];
         assert_eq!((all.runs, all.exact, c.found, c.median), (5, 4, 4, Some(1.0)));
-        // Errors -0.1, 0.2, 0.1, -0.1; only 1.2 - 0.15 lies above the truth.
+        // Errors are -0.1, 0.2, 0.1, -0.1; only 1.2 - 0.15 lies above the truth.
         assert!((c.rmse.expect("found") - (0.07_f64 / 4.0).sqrt()).abs() < 1e-15);
         assert_eq!((c.coverage, c.bound), (Some(0.75), Some(0.1_f64.powi(2).sqrt())));
         let none = Statistics::of(&named, &[run(None)]);

@@ -5,14 +5,14 @@ use super::statistics::Statistics;
 use crate::format::method_name;
 use crate::table::{aligned, short};
 
-/// Seeds of failed runs beyond this many are not listed for people (JSON has all).
+/// Most failed runs that are listed; the JSON has all.
 const LISTED: usize = 20;
 
 fn word(x: Option<f64>) -> String {
     x.map_or("-".to_owned(), short)
 }
 
-/// A fraction as per cent.
+/// A fraction in per cent.
 fn percent(x: Option<f64>) -> String {
     x.map_or("-".to_owned(), |x| format!("{} %", short(100.0 * x)))
 }
@@ -21,8 +21,8 @@ fn words(words: &[&str]) -> Vec<String> {
     words.iter().map(|w| (*w).to_owned()).collect()
 }
 
-/// The table as lines. It depends on the runs alone, not on how long they took.
-pub fn table(sweep: &SweepRuns<'_>) -> Vec<String> {
+/// The table as lines. It depends only on the runs, not on their duration.
+pub(super) fn table(sweep: &SweepRuns<'_>) -> Vec<String> {
     let (first, last) = (sweep.first, sweep.first.wrapping_add(sweep.seeds - 1));
     let name = if sweep.title.is_empty() {
         sweep.spec.to_owned()
@@ -114,7 +114,7 @@ fn block(checked: &CellRuns<'_>, statistics: &Statistics) -> Vec<String> {
     lines
 }
 
-/// What is wrong with a run, in words.
+/// Why a run is not exact, in words.
 fn brief(checked: &CellRuns<'_>, run: &Run) -> String {
     if matches!(run.verdict, RunVerdict::Failed(_)) {
         return run.verdict.to_string();

@@ -1,4 +1,4 @@
-//! What it takes to repeat a result: what was held constant, the spec, the version, the command, the seed.
+//! What it takes to repeat a result: fixed constants, spec, version, command, seed.
 
 use super::page::{Page, block, paragraph};
 use super::table::{Cell, code, in_unit, table, text};
@@ -14,7 +14,7 @@ pub(crate) fn add(page: &mut Page, input: Input<'_>, invocation: &Invocation) {
     page.section("To repeat it", command(seeds(input, invocation), input.name, Some(input.text), invocation));
 }
 
-/// The version, the command, the spec as far as it could be read.
+/// Version, command, seeds, and the spec as far as it could be read.
 pub(crate) fn command(
     seeds: Option<Element>,
     spec: &str,
@@ -30,7 +30,7 @@ pub(crate) fn command(
     [version, command].into_iter().chain(seeds).chain(spec.into_iter().flatten()).collect()
 }
 
-/// A word as a shell reads it.
+/// A word quoted for a shell.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,+@%".contains(c);
     if !word.is_empty() && word.chars().all(plain) {

@@ -1,7 +1,7 @@
 //! `phisindy new`: writes a commented spec for a data file.
 
 use crate::args::{NewArgs, Options};
-use crate::command::{INPUT, print, remark};
+use crate::terminal::{INPUT, print, remark};
 use crate::{draw, outdir};
 use anyhow::{Result, anyhow};
 use phisindy::files;
@@ -10,13 +10,13 @@ use phisindy_import::{Draft, accepted, csv, spec_text, summary};
 use phisindy_phys::{Diagnostic, Sources};
 use std::path::{Path, PathBuf};
 
-/// Does it.
+/// Writes a spec for a data file and returns the exit code.
 ///
 /// # Errors
 /// The spec cannot be written.
 pub(crate) fn command(args: &NewArgs, options: &Options) -> Result<u8> {
     let out = options.out.as_deref().filter(|out| *out != Path::new("-"));
-    // Before any work: a spec may hold hours of somebody's edits.
+    // Checked before any work: an existing spec may contain hours of edits.
     if let Some(out) = out {
         if out.is_dir() {
             return Err(anyhow!(
@@ -64,7 +64,7 @@ fn drafted(args: &NewArgs, sources: &mut Sources) -> Result<Draft, Box<Diagnosti
     Draft::of(table).map_err(|why| why.diagnostic(&name, at))
 }
 
-/// What to type after this, as arguments of `run`.
+/// The next command, as arguments of `run`.
 fn next_command(args: &NewArgs, out: Option<&Path>) -> String {
     let folder = |path: &Path| match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
@@ -82,7 +82,7 @@ fn next_command(args: &NewArgs, out: Option<&Path>) -> String {
     if same { quoted(&spec) } else { format!("{} --data {}", quoted(&spec), quoted(&data)) }
 }
 
-/// As a shell takes it.
+/// The word quoted for a shell.
 fn quoted(path: &Path) -> String {
     let text = path.display().to_string();
     let plain = text.chars().all(|c| c.is_alphanumeric() || "/._-+=".contains(c));
