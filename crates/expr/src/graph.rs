@@ -226,6 +226,41 @@ impl Graph {
         roots.iter().map(|id| new[id]).collect()
     }
 
+    /// Expressions of another graph, built (and simplified) in this one. `with` maps nodes of `other`, its symbols above all, to nodes of
+    /// this graph.
+    ///
+    /// # Errors
+    /// A symbol of `other` that `with` does not map: the two graphs need not share a table of names.
+    ///
+    /// ```
+    /// # use phisindy_expr::*;
+    /// # use std::collections::HashMap;
+    /// let (mut law, mut own, mut names) = (Graph::default(), Names::default(), Names::default());
+    /// let force = law.lower(&parse("c*v^2").unwrap(), |n| Some(own.intern(n))).unwrap();
+    /// let symbol = |g: &mut Graph, n: &mut Names, name: &str| { let s = n.intern(name); g.symbol(s) };
+    /// let (c, v) = (symbol(&mut law, &mut own, "c"), symbol(&mut law, &mut own, "v"));
+    /// let mut model = Graph::default();
+    /// let (drag, speed) = (symbol(&mut model, &mut names, "drag"), symbol(&mut model, &mut names, "y"));
+    /// let copy = model.graft(&law, &[force], &HashMap::from([(c, drag), (v, speed)])).unwrap();
+    /// assert_eq!(model.text(copy[0], &names), "drag*y^2");
+    /// assert!(model.graft(&law, &[force], &HashMap::new()).is_err());
+    /// ```
+    pub fn graft(&mut self, other: &Graph, roots: &[Id], with: &HashMap<Id, Id>) -> Result<Vec<Id>, Symbol> {
+        let mut new: HashMap<Id, Id> = HashMap::new();
+        let keys: Vec<Id> = with.keys().copied().collect();
+        for id in other.reachable_above(roots, &keys) {
+            let node = match (with.get(&id), other.node(id)) {
+                (Some(&replacement), _) => replacement,
+                (None, Node::Unary(op, a)) => self.unary(op, new[&a]),
+                (None, Node::Binary(op, a, b)) => self.binary(op, new[&a], new[&b]),
+                (None, Node::Constant(bits)) => self.intern(Node::Constant(bits)),
+                (None, Node::Symbol(symbol)) => return Err(symbol),
+            };
+            new.insert(id, node);
+        }
+        Ok(roots.iter().map(|id| new[id]).collect())
+    }
+
     /// The border between what stays and what varies: every node that does not use `varying` but is used by a node of `roots` that
     /// does (or is a root itself), numbers excepted. Evaluated once per data set, these are the inputs of what is left for each epoch.
     ///

@@ -44,7 +44,7 @@ mod tape;
 mod token;
 mod vjp;
 
-pub use ast::{Ast, AstKind, AstNode};
+pub use ast::{Ast, AstKind, AstNode, rename};
 pub use code::{Code, Language, Naming};
 pub use graph::{Graph, Id, Node};
 pub use lower::UnknownName;

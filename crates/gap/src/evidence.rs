@@ -1,13 +1,12 @@
 //! Evidence that a fit alone does not use: an elastic contact must give way, in the stops, in proportion to the force on it.
 
-use crate::course::node;
+use crate::constraint::fulfilled;
 use crate::drive::Drive;
-use crate::effect::Effect;
-use crate::fitted::{Fitted, values};
+use crate::evaluate::{evaluated, mean_along};
+use crate::model::{EXPLAINED, Fitted, values};
 use crate::motion::{Motion, rest_threshold, resting};
-use crate::need::fulfilled;
-use crate::place::Site;
-use crate::verdict::EXPLAINED;
+use crate::place::{Effect, Site};
+use crate::result::Veto;
 use phisindy_expr::Tape;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{LawParameter, Record};
@@ -23,32 +22,32 @@ const GIVES_BACK: f64 = 0.01;
 const NO_END: f64 = 0.5;
 
 /// Why an effect cannot be, although it fits; `None` if nothing speaks against it.
-pub(crate) fn against(fitted: &Fitted, effect: &Effect) -> Option<String> {
+pub(crate) fn against(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     [feeds, lacks, endless, clings, pushes, echoes, stands_firm]
         .into_iter()
         .find_map(|speaks| speaks(fitted, effect))
 }
 
 /// An elastic contact must give way, in the stops, in proportion to the force on it.
-fn stands_firm(fitted: &Fitted, effect: &Effect) -> Option<String> {
+fn stands_firm(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     // Of a model that leaves nothing but noise the stops, too, are as measured.
-    if fitted.is_white() && fitted.fit < EXPLAINED {
+    if fitted.score.is_white() && fitted.score.fit < EXPLAINED {
         return None;
     }
-    if effect.entry.law.internal.is_empty() || effect.entry.law.family != "friction" {
+    if !effect.entry.law.has_memory() || effect.entry.law.family != "friction" {
         return None;
     }
     let Site::Force { acts, .. } = &effect.place.site else { return None };
     let &[(v, _)] = acts.as_slice() else { return None };
-    let (draft, system) = (&fitted.draft, &fitted.draft.case.system);
+    let (model, system) = (&fitted.model, &fitted.model.system);
     let x = (0..system.states.len()).find(|&x| system.states[x].velocity == Some(v))?;
     let n = system.states.len();
     let (mut sxx, mut sxy, mut stops) = (0.0, 0.0, 0);
     let mut asked = 0.0;
-    for (r, record) in draft.records.iter().enumerate().filter(|(_, d)| d.role == Role::Fit) {
+    for (r, record) in model.records.iter().enumerate().filter(|(_, d)| d.role == Role::Fit) {
         let run = fitted.cal.records[r].run.as_ref()?;
         record.columns[x].as_ref()?;
-        let motion = Motion::new(system, record, &draft.smooth[r], r, &fitted.cal);
+        let motion = Motion::new(system, record, &model.smooth[r], r, &fitted.cal);
         let speed: Vec<f64> = (0..motion.samples()).map(|i| motion.states[i * n + v]).collect();
         let step = (motion.time[motion.samples() - 1] - motion.time[0]) / motion.samples() as f64;
         let least = ((0.06 * motion.period / step) as usize).clamp(8, motion.samples());
@@ -76,64 +75,58 @@ fn stands_firm(fitted: &Fitted, effect: &Effect) -> Option<String> {
         return None;
     }
     let slope = sxy / sxx;
-    (slope < GIVES).then(|| {
-        format!(
-            "in {stops} stops the mass moves with the force on the contact by {slope:.2} of what this law asks for: the contact does not give way"
-        )
-    })
+    (slope < GIVES).then_some(Veto::DoesNotGiveWay { stops, slope })
 }
 
 /// The parameters of an effect of a fitted model.
 fn numbers(fitted: &Fitted, effect: &Effect) -> Option<Vec<f64>> {
-    let (_, names, _) = fitted.draft.effects.iter().find(|(e, ..)| e.same(effect))?;
-    Some(values(fitted, names, &effect.start))
+    let own = fitted.model.effects.iter().find(|a| a.effect.same(effect))?;
+    Some(values(fitted, &own.names, &effect.start))
 }
 
 /// The condition of the law's file that its parameters do not fulfil.
-fn lacks(fitted: &Fitted, effect: &Effect) -> Option<String> {
+fn lacks(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     let law = &effect.entry.law;
     let need = law.needs.as_ref()?;
-    (fulfilled(law, &numbers(fitted, effect)?)? < 0.0).then(|| need.because.clone())
+    (fulfilled(law, &numbers(fitted, effect)?)? < 0.0).then(|| Veto::Requirement(need.because.clone()))
 }
 
 /// A parameter that runs to the end of what its law allows stands for a simpler law.
-fn endless(fitted: &Fitted, effect: &Effect) -> Option<String> {
+fn endless(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     let law = &effect.entry.law;
     // A phase may be any.
     let ends = |((_, p), v): &(&(String, LawParameter), f64)| !p.each && *v > NO_END * p.within.1;
     let found = law.parameters.iter().zip(numbers(fitted, effect)?).find(ends)?;
     let ((name, p), _) = found;
-    Some(format!("its {name} runs to the end of what the law allows ({:e} {})", p.within.1, p.unit))
+    Some(Veto::ParameterAtEnd { name: name.clone(), bound: p.within.1, unit: p.unit.clone() })
 }
 
 /// An elastic contact whose force stays below this part of its level never slips.
 const SLIPS: f64 = 0.5;
 
 /// A contact that gives way and never slips is a spring from where the record begins.
-fn clings(fitted: &Fitted, effect: &Effect) -> Option<String> {
+fn clings(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     let law = &effect.entry.law;
-    if law.family != "friction" || law.internal.is_empty() {
+    if law.family != "friction" || !law.has_memory() {
         return None;
     }
     let level = *numbers(fitted, effect)?.first()?;
     // How far it gave way only its own run knows.
     fitted.cal.records.iter().map(|r| r.run.as_ref()).collect::<Option<Vec<_>>>()?;
-    let most = along(fitted, effect)?.into_iter().fold(0.0_f64, |m, (force, _)| m.max(force.abs()));
-    (most < SLIPS * level).then(|| "its contact never slips: it stands for a spring".to_owned())
+    let most = force_and_speed(fitted, effect)?.into_iter().fold(0.0_f64, |m, (force, _)| m.max(force.abs()));
+    (most < SLIPS * level).then_some(Veto::NeverSlips)
 }
 
-/// Force of an effect on its body, and the velocity of its place, along the motion of all Fit records, where they are finite.
-fn along(fitted: &Fitted, effect: &Effect) -> Option<Vec<(f64, f64)>> {
+/// Force that an effect subtracts from its body, and the velocity of its place, along the motion of all Fit records, where they are finite.
+fn force_and_speed(fitted: &Fitted, effect: &Effect) -> Option<Vec<(f64, f64)>> {
     let Site::Force { velocity, .. } = &effect.place.site else { return None };
-    let (draft, system) = (&fitted.draft, &fitted.draft.case.system);
-    let (_, _, expression) = draft.effects.iter().find(|(e, ..)| e.same(effect))?;
-    let mut graph = system.graph.clone();
-    let (force, speed) = (node(&mut graph, system, expression)?, node(&mut graph, system, velocity)?);
-    let tape = Tape::compile(&graph, &system.arguments(), &[force, speed]).ok()?;
+    let (model, system) = (&fitted.model, &fitted.model.system);
+    let force = model.effects.iter().find(|a| a.effect.same(effect))?.force?;
+    let tape = Tape::compile(&system.graph, &system.arguments(), &[force, velocity.node]).ok()?;
     let mut all = Vec::new();
-    for (r, record) in draft.records.iter().enumerate().filter(|(_, d)| d.role == Role::Fit) {
-        let motion = Motion::new(system, record, &draft.smooth[r], r, &fitted.cal);
-        let values = crate::along::evaluated(&tape, &motion, &[], &[]);
+    for (r, record) in model.records.iter().enumerate().filter(|(_, d)| d.role == Role::Fit) {
+        let motion = Motion::new(system, record, &model.smooth[r], r, &fitted.cal);
+        let values = evaluated(&tape, &motion, &[], &[]);
         let pairs = values[0].iter().copied().zip(values[1].iter().copied());
         all.extend(pairs.filter(|(force, speed)| (force * speed).is_finite()));
     }
@@ -141,69 +134,61 @@ fn along(fitted: &Fitted, effect: &Effect) -> Option<Vec<(f64, f64)>> {
 }
 
 /// Friction takes energy. One that gives back part of it along the measured motion is a curve through something else.
-fn pushes(fitted: &Fitted, effect: &Effect) -> Option<String> {
+fn pushes(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     // A contact that gives way stores energy, and may give it back.
-    if effect.entry.law.family != "friction" || !effect.entry.law.internal.is_empty() {
+    if effect.entry.law.family != "friction" || effect.entry.law.has_memory() {
         return None;
     }
     let (mut taken, mut given) = (0.0, 0.0);
-    for (force, speed) in along(fitted, effect)? {
-        // The expression is what acts on the body.
+    for (force, speed) in force_and_speed(fitted, effect)? {
         let power = force * speed;
-        if power < 0.0 { taken -= power } else { given += power }
+        if power > 0.0 { taken += power } else { given -= power }
     }
-    (given > GIVES_BACK * taken).then(|| "in places it would push instead of brake".to_owned())
+    (given > GIVES_BACK * taken).then_some(Veto::Pushes)
 }
 
 /// A force at a frequency of the drive makes good, there, whatever else the model lacks.
-fn echoes(fitted: &Fitted, effect: &Effect) -> Option<String> {
+fn echoes(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     let law = &effect.entry.law;
     let screen = law.screen.as_ref()?;
     let oscillates = |name: &String| screen.grid.iter().any(|(grid, unit)| grid == name && unit == "rad/s");
     let at = law.parameters.iter().position(|(name, _)| oscillates(name))?;
     let frequency = *numbers(fitted, effect)?.get(at)?;
     // The drive of the model as it was: in this one the force is part of it.
-    let base = fitted.draft.without_effects();
+    let base = fitted.model.without_effects();
     let span = |r: &Record| r.time[r.len() - 1] - r.time[0];
     let fits = || base.records.iter().filter(|r| r.role == Role::Fit);
     let longest = fits().map(span).fold(0.0, f64::max);
     if frequency * longest < std::f64::consts::PI {
-        return Some(format!("no record lasts half of one of its periods ({:.0} s)", TAU / frequency));
+        return Some(Veto::SlowTone(TAU / frequency));
     }
-    let line = fits().find_map(|r| Drive::new(&base.case.system, r)?.line_at(frequency))?;
-    Some(format!(
-        "its frequency is that of the drive ({line:.4} rad/s), where it would stand for anything else that is missing"
-    ))
+    let line = fits().find_map(|r| Drive::new(&base.system, r)?.line_at(frequency))?;
+    Some(Veto::DriveFrequency(line))
 }
 
 /// A dashpot may be weaker than the model thought, but what is left of it may not feed the motion.
-fn feeds(fitted: &Fitted, effect: &Effect) -> Option<String> {
-    if effect.entry.id != "viscous" {
+fn feeds(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
+    if !effect.entry.law.is_dashpot() {
         return None;
     }
     let Site::Force { acts, .. } = &effect.place.site else { return None };
-    let system = &fitted.draft.case.system;
+    let system = &fitted.model.system;
     let &(v, _) = acts.first()?;
     let mut graph = system.graph.clone();
     let slope = graph.gradient(system.known[v], &[system.states[v].node])[0];
-    let record = fitted.draft.records.first()?;
-    let motion = Motion::new(system, record, fitted.draft.smooth.first()?, 0, &fitted.cal);
-    let mean = crate::along::mean_along(system, &graph, slope, &motion)?;
-    (mean > 0.0)
-        .then(|| "with it the damping of the body is negative in total: it would feed the motion".to_owned())
+    let record = fitted.model.records.first()?;
+    let motion = Motion::new(system, record, fitted.model.smooth.first()?, 0, &fitted.cal);
+    let mean = mean_along(system, &graph, slope, &motion)?;
+    (mean > 0.0).then_some(Veto::FeedsMotion)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::draft::Draft;
-    use crate::effect::Entry;
-    use crate::fitted::noise;
-    use crate::place::places;
+    use crate::model::{TrialModel, noise_of};
     use phisindy_learn::Effort;
-    use phisindy_phys::{Law, Origin, SourceId, check, spec};
+    use phisindy_phys::{LawEntry, Origin, SourceId, check, spec};
     use phisindy_sim::synthesize;
-    use std::sync::Arc;
 
     /// A law at the velocity of an oscillator that lacks `truth`, fitted to its motion from these numbers (SI) on.
     fn fitted(truth: &str, id: &str, law: &str, start: &[f64]) -> (Fitted, Effect) {
@@ -219,20 +204,19 @@ mod tests {
             synthesize(&case.records[0], plan, &case.system, None, &|_| Err("no files here".into()))
                 .expect("a record");
         let records = vec![record];
-        let noise = noise(&records);
-        let draft = Draft::base(&text, case, records);
-        let entry = Entry { id: id.into(), law: Arc::new(Law::read(law).expect("a law")) };
-        let place = places(&draft.case.system, &draft.case.records, &[]).into_iter().find(|p| p.at == "v");
-        let place = place.expect("a place");
+        let noise = noise_of(&records);
+        let base = TrialModel::base(spec, case, records);
+        let entry = LawEntry::read(id, law).expect("a law");
+        let place = base.places().iter().find(|p| p.at == "v").expect("a place").clone();
         let effect =
             Effect { entry, place, mirror: false, load: None, start: start.to_vec(), beside: vec![] };
-        let draft = draft.with(&effect).expect("a draft");
-        (Fitted::new(draft, &noise, Effort::Plain).expect("a fit"), effect)
+        let model = base.with(&effect).expect("a model");
+        (Fitted::new(model, &noise, Effort::Plain).expect("a fit"), effect)
     }
 
-    fn said(truth: &str, id: &str, law: &str, start: &[f64]) -> String {
+    fn said(truth: &str, id: &str, law: &str, start: &[f64]) -> Option<Veto> {
         let (fitted, effect) = fitted(truth, id, law, start);
-        against(&fitted, &effect).unwrap_or_default()
+        against(&fitted, &effect)
     }
 
     const PRESLIDING: &str = include_str!("../../../specs/laws/presliding.ron");
@@ -243,8 +227,8 @@ mod tests {
     #[test]
     fn an_elastic_contact_that_never_slips_is_a_spring() {
         let (spring, contact) = fitted("-0.5*x", "presliding", PRESLIDING, &[100.0, 0.5]);
-        assert!(clings(&spring, &contact).is_some_and(|why| why.contains("never slips")));
-        assert_eq!(said("-0.3*sgn(v)", "presliding", PRESLIDING, &[0.3, 5.0]), "");
+        assert_eq!(clings(&spring, &contact), Some(Veto::NeverSlips));
+        assert_eq!(said("-0.3*sgn(v)", "presliding", PRESLIDING, &[0.3, 5.0]), None);
     }
 
     /// A gap beyond all that the body does is none: what is left is a constant force, or a spring that is gone.
@@ -254,15 +238,15 @@ mod tests {
         assert_ne!(law, DEAD_ZONE);
         let truth = "-0.8*(max(x-0.3, 0) + min(x+0.3, 0) - x)";
         let why = said(truth, "dead-zone", &law, &[0.8, 0.3]);
-        assert!(why.contains("runs to the end"), "{why}");
-        assert_eq!(said(truth, "dead-zone", DEAD_ZONE, &[0.8, 0.3]), "");
+        assert!(matches!(why, Some(Veto::ParameterAtEnd { .. })), "{why:?}");
+        assert_eq!(said(truth, "dead-zone", DEAD_ZONE, &[0.8, 0.3]), None);
     }
 
     /// Half a period in a record is a slope; one and a half are a tone.
     #[test]
     fn a_tone_slower_than_the_record_is_none() {
         let why = said("0.2*cos(0.05*t+1)", "harmonic-force", TONE, &[0.2, 0.05, 1.0]);
-        assert!(why.contains("half of one of its periods"), "{why}");
-        assert_eq!(said("0.2*cos(0.25*t+1)", "harmonic-force", TONE, &[0.2, 0.25, 1.0]), "");
+        assert!(matches!(why, Some(Veto::SlowTone(_))), "{why:?}");
+        assert_eq!(said("0.2*cos(0.25*t+1)", "harmonic-force", TONE, &[0.2, 0.25, 1.0]), None);
     }
 }

@@ -8,42 +8,36 @@
 //!                      +--- best, if Validate says so --- full fits of the best few, evidence, simplification
 //! ```
 //!
-//! The crate reads no files: it takes the text of a spec with its records and gives back a text with effects written into it.
+//! The crate reads no files: it takes the text of a spec with its records, adds effects to the graph of its system, and gives back data and a
+//! text with the effects written into it. Its sentences are in `result/words.rs`.
 
-mod along;
-mod asked;
-mod causes;
-mod clock;
-mod course;
-mod draft;
+mod alternative_constant;
+mod constraint;
+mod data_mistakes;
 mod drive;
-mod effect;
+mod drive_frequency;
+mod evaluate;
 mod evidence;
-mod fitted;
-mod found;
-mod held;
-mod mistaken;
+mod model;
 mod motion;
-mod need;
+mod other_causes;
 mod place;
-mod proposals;
-mod recipe;
-mod refine;
-mod region;
 mod repeat;
-mod response;
+mod requested_laws;
+mod result;
 mod screen;
 mod search;
-mod verdict;
 mod whiteness;
 mod workflow;
 
-pub use asked::{asked, written_in};
-pub use course::{Course, course};
-pub use draft::Draft;
-pub use effect::{Effect, Entry};
-pub use found::{Gap, GapError, Rival, Simulated, Status, Step, StepParameter};
-pub use place::{Place, Site, places};
-pub use region::Region;
+pub use model::{Applied, SpecTextError, TrialModel};
+pub use place::{Effect, EffectError, Place, Quantity, Site, places};
 pub use repeat::{Repeat, repeatability};
+pub use requested_laws::{WrittenOut, requested_laws, written_out};
+pub use result::{
+    Activity, Alternative, AlternativeConstant, Cause, ColumnGap, ColumnRepeat, DataError, DataMistake,
+    DriveFrequency, ForceHistory, Gap, GapError, InputNoise, Location, ModelError, Named, NamedValue,
+    PlacedLaw, Region, Rival, Simulated, Status, Step, StepParameter, StopReason, Veto, Vetoed, Warning,
+    force_history,
+};
 pub use workflow::gap;

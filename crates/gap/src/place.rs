@@ -1,5 +1,10 @@
 //! Where a law can act: at a velocity, between two bodies, between a body and an input, on a column, on all columns.
 
+mod effect;
+
+pub use effect::{Effect, EffectError};
+pub(crate) use effect::{bindings, fits, is_force};
+
 use phisindy_expr::Id;
 use phisindy_phys::{Contact, RecordPlan, System};
 
@@ -12,15 +17,24 @@ pub struct Place {
     pub site: Site,
 }
 
+/// A displacement or velocity of a place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quantity {
+    /// As an expression of the spec, in brackets where it is no name.
+    pub text: String,
+    /// Its node in the graph of the system.
+    pub node: Id,
+}
+
 /// What a place is.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Site {
     /// A force: the expressions of displacement (if there is one) and velocity, and the states whose rates it enters with its sign.
     Force {
         /// What laws call x.
-        displacement: Option<String>,
+        displacement: Option<Quantity>,
         /// What laws call v.
-        velocity: String,
+        velocity: Quantity,
         /// States whose rates the force enters, -1 where it is subtracted.
         acts: Vec<(usize, f64)>,
         /// The state whose units count.
@@ -31,6 +45,11 @@ pub enum Site {
 }
 
 impl Place {
+    /// Whether it is the same place, perhaps of another system, whose nodes are others.
+    pub fn is(&self, other: &Place) -> bool {
+        self.at == other.at && std::mem::discriminant(&self.site) == std::mem::discriminant(&other.site)
+    }
+
     /// Whether a force acts between two bodies or a body and an input.
     pub fn is_relative(&self) -> bool {
         self.at.contains('-')
@@ -42,7 +61,8 @@ impl Place {
     }
 }
 
-/// All places of a system, bodies first, then what lies between them, then sensors. `own` are states that belong to laws.
+/// All places of a system, bodies first, then what lies between them, then sensors. The relative displacements and velocities become nodes of
+/// the system's graph.
 ///
 /// ```
 /// use phisindy_gap::places;
@@ -51,24 +71,23 @@ impl Place {
 ///     known: { "x1": "v1", "x2": "v2", "v1": "-2*k*x1 + k*x2", "v2": "k*(x1 - x2)" }, unknown: {},
 ///     data: [ Csv(path: "run.csv", time: "t", columns: { "x1": "x1" }) ])"#;
 /// let (spec, _) = spec::read(text, SourceId(0)).unwrap();
-/// let (case, _) = check(&spec, SourceId(0)).unwrap();
-/// let all = places(&case.system, &case.records, &[]);
+/// let (mut case, _) = check(&spec, SourceId(0)).unwrap();
+/// let all = places(&mut case.system, &case.records);
 /// // On each body, between them, and at the one sensor.
 /// assert_eq!(all.iter().map(|place| place.at.as_str()).collect::<Vec<_>>(), ["v1", "v2", "v1-v2", "x1"]);
 /// ```
-pub fn places(system: &System, plans: &[RecordPlan], own: &[String]) -> Vec<Place> {
-    let states = &system.states;
+pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
+    let states = system.states.clone();
     let displacement = |v: usize| (0..states.len()).find(|&x| states[x].velocity == Some(v));
-    let bodies: Vec<usize> = (0..states.len())
-        .filter(|&k| states[k].velocity.is_none() && !own.contains(&states[k].name))
-        .collect();
+    let bodies: Vec<usize> = (0..states.len()).filter(|&k| states[k].velocity.is_none()).collect();
+    let plain = |k: usize| Quantity { text: states[k].name.clone(), node: states[k].node };
     let mut all = Vec::new();
     for &v in &bodies {
         all.push(Place {
             at: states[v].name.clone(),
             site: Site::Force {
-                displacement: displacement(v).map(|x| states[x].name.clone()),
-                velocity: states[v].name.clone(),
+                displacement: displacement(v).map(plain),
+                velocity: plain(v),
                 acts: vec![(v, -1.0)],
                 state: v,
             },
@@ -83,8 +102,8 @@ pub fn places(system: &System, plans: &[RecordPlan], own: &[String]) -> Vec<Plac
             all.push(Place {
                 at: format!("{}-{}", states[a].name, states[b].name),
                 site: Site::Force {
-                    displacement: Some(format!("({}-{})", states[x].name, states[y].name)),
-                    velocity: format!("({}-{})", states[a].name, states[b].name),
+                    displacement: Some(difference(system, &plain(x), &plain(y))),
+                    velocity: difference(system, &plain(a), &plain(b)),
                     acts: vec![(a, -1.0), (b, 1.0)],
                     state: a,
                 },
@@ -97,22 +116,24 @@ pub fn places(system: &System, plans: &[RecordPlan], own: &[String]) -> Vec<Plac
             if states[v].unit != system.inputs[du].unit || states[x].unit != system.inputs[u].unit {
                 continue;
             }
-            let (u, du) = (&system.inputs[u].name, &system.inputs[du].name);
+            let input =
+                |k: usize| Quantity { text: system.inputs[k].name.clone(), node: system.inputs[k].node };
+            let (u, du) = (input(u), input(du));
             all.push(Place {
-                at: format!("{}-{du}", states[v].name),
+                at: format!("{}-{}", states[v].name, du.text),
                 site: Site::Force {
-                    displacement: Some(format!("({}-{u})", states[x].name)),
-                    velocity: format!("({}-{du})", states[v].name),
+                    displacement: Some(difference(system, &plain(x), &u)),
+                    velocity: difference(system, &plain(v), &du),
                     acts: vec![(v, -1.0)],
                     state: v,
                 },
             });
         }
     }
-    for (v, at) in belts(system, &bodies) {
-        // Friction against what the spec calls a contact: of a body on a belt the way there is no displacement of a spring.
+    for (v, at, node) in belts(system, &bodies) {
+        // A contact of the spec is a place for friction. A body on a belt has no displacement against it that a spring could follow.
         if !all.iter().any(|p: &Place| p.at == at) {
-            let velocity = format!("({at})");
+            let velocity = Quantity { text: format!("({at})"), node };
             let site = Site::Force { displacement: None, velocity, acts: vec![(v, -1.0)], state: v };
             all.push(Place { at, site });
         }
@@ -126,8 +147,13 @@ pub fn places(system: &System, plans: &[RecordPlan], own: &[String]) -> Vec<Plac
     all
 }
 
-/// Contacts of one body with something that moves as it is told, `v - V` or `v - belt`: the body and the relative velocity.
-fn belts(system: &System, bodies: &[usize]) -> Vec<(usize, String)> {
+/// `(a-b)`.
+fn difference(system: &mut System, a: &Quantity, b: &Quantity) -> Quantity {
+    Quantity { text: format!("({}-{})", a.text, b.text), node: system.graph.sub(a.node, b.node) }
+}
+
+/// Contacts of one body with something whose motion is given, `v - V` or `v - belt`: the body and the relative velocity.
+fn belts(system: &System, bodies: &[usize]) -> Vec<(usize, String, Id)> {
     let nodes: Vec<Id> = system.states.iter().map(|s| s.node).collect();
     let mut graph = system.graph.clone();
     let mut of = |c: &Contact| {
@@ -135,7 +161,9 @@ fn belts(system: &System, bodies: &[usize]) -> Vec<(usize, String)> {
         let values: Vec<Option<f64>> = slopes.iter().map(|&s| graph.value(s)).collect();
         let moved: Vec<usize> = (0..values.len()).filter(|&k| values[k] != Some(0.0)).collect();
         match moved[..] {
-            [v] if values[v] == Some(1.0) && bodies.contains(&v) => Some((v, c.text.replace(' ', ""))),
+            [v] if values[v] == Some(1.0) && bodies.contains(&v) => {
+                Some((v, c.text.replace(' ', ""), c.node))
+            }
             _ => None,
         }
     };

@@ -1,24 +1,27 @@
-//! Every law at every place, at a glance: the linear response to the measured motion, one Gram matrix for all.
+//! Every law at every place, screened: the linear response to the measured motion, one Gram matrix for all.
 
 mod gram;
-mod ground;
-mod imitated;
+mod regression_data;
+mod regressors;
+mod response;
+mod sibling_starts;
 mod trial;
 
-use crate::draft::Draft;
-use crate::effect::{Effect, Entry, fits};
-use crate::need;
-use crate::place::{Place, Site, places};
-use crate::recipe::{Recipe, Scale};
+use crate::model::TrialModel;
+
+use crate::constraint;
+use crate::place::{Effect, Site, fits};
 use faer::Mat;
 use gram::{Projected, projected, solve};
-use ground::{Base, Ground, Movable};
 use phisindy_learn::Calibration;
+use phisindy_phys::LawEntry;
 use phisindy_phys::spec::Role;
 use rayon::prelude::*;
+use regression_data::{Base, Movable, RegressionData};
+use regressors::{Regressors, Scale};
 use trial::{Trial, force_trials, sensor_trials};
 
-pub(crate) use imitated::imitated;
+pub(crate) use sibling_starts::sibling_starts;
 
 /// Rows of the regression at most: more say nothing new.
 const ROWS: usize = 20_000;
@@ -40,7 +43,7 @@ pub(crate) struct Candidate {
     pub(crate) others: Vec<Effect>,
     columns: Vec<usize>,
     grid: Vec<f64>,
-    recipe: usize,
+    regressors: usize,
 }
 
 /// What a screening found.
@@ -51,38 +54,35 @@ pub(crate) struct Screening {
     /// How much of each column that was projected out is in each of the others.
     follow: Mat<f64>,
     movable: Vec<Movable>,
-    recipes: Vec<Option<Recipe>>,
+    regressors: Vec<Option<Regressors>>,
 }
 
 /// Screens the catalogue in a fitted model.
 pub(crate) fn screen(
-    draft: &Draft,
+    model: &TrialModel,
     fitted: &Calibration,
-    catalogue: &[Entry],
+    catalogue: &[LawEntry],
     noise: &[Vec<f64>],
 ) -> Option<Screening> {
-    let system = &draft.case.system;
-    let of: Vec<usize> = (0..draft.records.len()).filter(|&r| draft.records[r].role == Role::Fit).collect();
-    let total: usize = of.iter().map(|&r| draft.records[r].readings()).sum();
+    let system = &model.system;
+    let of: Vec<usize> = (0..model.records.len()).filter(|&r| model.records[r].role == Role::Fit).collect();
+    let total: usize = of.iter().map(|&r| model.records[r].readings()).sum();
     let stride = total.div_ceil(ROWS).max(1);
-    let all_places = places(system, &draft.case.records, &draft.internal);
     let base = Base::new(system)?;
-    let grounds: Vec<Ground> = of
-        .iter()
-        .map(|&r| base.ground(system, draft, r, fitted, noise, stride, &all_places))
-        .collect::<Option<_>>()?;
+    let data: Vec<RegressionData> =
+        of.iter().map(|&r| base.data(model, r, fitted, noise, stride)).collect::<Option<_>>()?;
     // The columns that are projected out, and the target.
-    let (fixed, movable) = base.fixed(system, draft, &of, &grounds);
-    let effects = effects(draft, catalogue, &all_places);
-    let made: Vec<(Option<Recipe>, Vec<Trial>)> = effects
+    let (fixed, movable) = base.fixed(system, model, &of, &data);
+    let effects = effects(model, catalogue);
+    let made: Vec<(Option<Regressors>, Vec<Trial>)> = effects
         .par_iter()
         .enumerate()
         .map(|(k, effect)| match &effect.place.site {
-            Site::Sensor(states) => (None, sensor_trials(k, effect, states, &grounds)),
-            Site::Force { .. } => match Recipe::new(effect, system) {
-                Some(recipe) => {
-                    let trials = force_trials(k, effect, &recipe, system, &grounds);
-                    (Some(recipe), trials)
+            Site::Sensor(states) => (None, sensor_trials(k, effect, states, &data)),
+            Site::Force { .. } => match Regressors::new(effect, system) {
+                Some(regressors) => {
+                    let trials = force_trials(k, effect, &regressors, system, &data);
+                    (Some(regressors), trials)
                 }
                 None => (None, vec![]),
             },
@@ -103,8 +103,8 @@ pub(crate) fn screen(
     let gram = gram * faer::Scale(stride as f64);
     let Projected { gram, kept, follow } = projected(&gram, fixed.len());
     let samples = (rows * stride) as f64;
-    let recipes = made.iter().map(|_| None).collect();
-    let mut screening = Screening { candidates: vec![], gram, follow, movable, recipes };
+    let regressors = made.iter().map(|_| None).collect();
+    let mut screening = Screening { candidates: vec![], gram, follow, movable, regressors };
     let mut best: Vec<Vec<Candidate>> = vec![vec![]; effects.len()];
     let price = |size: usize| size as f64 * samples.ln();
     for (trial, at) in candidates {
@@ -114,8 +114,8 @@ pub(crate) fn screen(
             continue;
         }
         let Some((gain, coefficients)) = solve(&screening.gram, &at) else { continue };
-        let recipe = made[trial.recipe].0.as_ref();
-        let Some(effect) = seeded(&trial.effect, recipe, &coefficients, &trial.grid) else { continue };
+        let regressors = made[trial.regressors].0.as_ref();
+        let Some(effect) = seeded(&trial.effect, regressors, &coefficients, &trial.grid) else { continue };
         let effect = Effect { beside: screening.beside(&at, &coefficients), ..effect };
         let size = trial.effect.entry.law.parameters.len();
         let candidate = Candidate {
@@ -125,16 +125,16 @@ pub(crate) fn screen(
             others: vec![],
             columns: at,
             grid: trial.grid.clone(),
-            recipe: trial.recipe,
+            regressors: trial.regressors,
         };
-        best[trial.recipe].push(candidate);
+        best[trial.regressors].push(candidate);
     }
-    screening.recipes = made.into_iter().map(|(r, _)| r).collect();
+    screening.regressors = made.into_iter().map(|(r, _)| r).collect();
     screening.candidates = best
         .into_iter()
         .filter_map(|mut seeds| {
             seeds.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-            let others = others(&seeds, screening.recipes[seeds.first()?.recipe].as_ref(), &grounds);
+            let others = others(&seeds, screening.regressors[seeds.first()?.regressors].as_ref(), &data);
             let first = seeds.into_iter().next()?;
             Some(Candidate { others, ..first })
         })
@@ -145,12 +145,12 @@ pub(crate) fn screen(
 
 /// Other starts than the best of a law's `seeds`, which come best first: of a law that oscillates one for each line, for a body that sticks by turns answers at more lines than the
 /// one that it is pushed at.
-fn others(seeds: &[Candidate], recipe: Option<&Recipe>, grounds: &[Ground]) -> Vec<Effect> {
-    let tone = recipe.and_then(|r| r.grid.iter().position(|(scale, _)| *scale == Scale::Frequency));
+fn others(seeds: &[Candidate], regressors: Option<&Regressors>, data: &[RegressionData]) -> Vec<Effect> {
+    let tone = regressors.and_then(|r| r.grid.iter().position(|(scale, _)| *scale == Scale::Frequency));
     let Some(tone) = tone else {
         return seeds.iter().skip(1).take(SEEDS).map(|c| c.effect.clone()).collect();
     };
-    let fine = grounds.iter().map(Ground::resolution).fold(0.0, f64::max);
+    let fine = data.iter().map(RegressionData::resolution).fold(0.0, f64::max);
     let mut kept: Vec<&Candidate> = Vec::new();
     for seed in seeds {
         if kept.iter().all(|k| (k.grid[tone] - seed.grid[tone]).abs() > fine) {
@@ -220,7 +220,7 @@ impl Screening {
     }
 
     fn reseeded(&self, c: &Candidate, coefficients: &[f64]) -> Option<Candidate> {
-        let effect = seeded(&c.effect, self.recipes[c.recipe].as_ref(), coefficients, &c.grid)?;
+        let effect = seeded(&c.effect, self.regressors[c.regressors].as_ref(), coefficients, &c.grid)?;
         Some(Candidate { effect, ..c.clone() })
     }
 }
@@ -235,11 +235,11 @@ pub(crate) fn excludes(a: &Effect, b: &Effect) -> bool {
 }
 
 /// Laws at places, with their mirror images and loads, that the model does not hold yet.
-fn effects(draft: &Draft, catalogue: &[Entry], places: &[Place]) -> Vec<Effect> {
-    let loads = loads(draft);
+fn effects(model: &TrialModel, catalogue: &[LawEntry]) -> Vec<Effect> {
+    let loads = model.loads();
     let mut all = Vec::new();
     for entry in catalogue {
-        for place in places.iter().filter(|p| fits(&entry.law, p)) {
+        for place in model.places().iter().filter(|p| fits(&entry.law, p)) {
             let start =
                 entry.law.parameters.iter().map(|(_, p)| 0.0_f64.clamp(p.within.0, p.within.1)).collect();
             let plain = Effect {
@@ -253,53 +253,25 @@ fn effects(draft: &Draft, catalogue: &[Entry], places: &[Place]) -> Vec<Effect> 
             if entry.law.mirror.is_some() {
                 all.push(Effect { mirror: true, ..plain.clone() });
             }
-            if entry.law.family == "friction" && entry.law.internal.is_empty() {
+            if entry.law.family == "friction" && !entry.law.has_memory() {
                 all.extend(loads.iter().map(|l| Effect { load: Some(l.clone()), ..plain.clone() }));
             }
             all.push(plain);
         }
     }
-    all.retain(|e| !draft.effects.iter().any(|(held, ..)| excludes(held, e)));
+    all.retain(|e| !model.effects.iter().any(|own| excludes(&own.effect, e)));
     all
 }
 
-/// Constants of the records that are forces of different size: what friction may be in proportion to.
-fn loads(draft: &Draft) -> Vec<String> {
-    let system = &draft.case.system;
-    (0..system.record_constants.len())
-        .filter(|&k| {
-            let values: Vec<f64> = draft.records.iter().map(|r| r.constants[k]).collect();
-            let name = &system.record_constants[k].0;
-            values.iter().all(|v| *v > 0.0)
-                && values.iter().any(|v| (v - values[0]).abs() > 1e-9 * values[0])
-                && !system.graph.uses(&system.known, &[system.record_constants[k].1])
-                && is_force(draft, name)
-        })
-        .map(|k| system.record_constants[k].0.clone())
-        .collect()
-}
-
-fn is_force(draft: &Draft, name: &str) -> bool {
-    use phisindy_phys::spec::{ConstantSpec, DataSpec, read};
-    use phisindy_phys::unit::{Dimension, Unit};
-    let Ok((spec, _)) = read(&draft.text, phisindy_phys::SourceId(0)) else { return false };
-    spec.data.iter().any(|d| {
-        let constants = match d {
-            DataSpec::Csv(c) => &c.constants,
-            DataSpec::Synthetic(s) => &s.constants,
-        };
-        constants.iter().any(|(n, c)| {
-            n.value == name
-                && matches!(c, ConstantSpec::Number { unit: Some(u), .. }
-                    if Unit::parse(&u.value).is_ok_and(|u| u.dimension == Dimension::NEWTON))
-        })
-    })
-}
-
 /// The effect with parameters from coefficients and grid, if they lie within the law's bounds.
-fn seeded(effect: &Effect, recipe: Option<&Recipe>, coefficients: &[f64], grid: &[f64]) -> Option<Effect> {
-    let values = match recipe {
-        Some(recipe) => recipe.parameters(coefficients, grid)?,
+fn seeded(
+    effect: &Effect,
+    regressors: Option<&Regressors>,
+    coefficients: &[f64],
+    grid: &[f64],
+) -> Option<Effect> {
+    let values = match regressors {
+        Some(regressors) => regressors.parameters(coefficients, grid)?,
         None => match effect.entry.law.sensor.as_deref() {
             Some("gain") => vec![1.0 + coefficients[0]],
             _ => vec![coefficients[0]],
@@ -309,5 +281,5 @@ fn seeded(effect: &Effect, recipe: Option<&Recipe>, coefficients: &[f64], grid: 
         let slack = 1e-9 * (p.within.1 - p.within.0).abs().min(1.0);
         *v >= p.within.0 - slack && *v <= p.within.1 + slack
     });
-    inside.then(|| Effect { start: need::inside(&effect.entry.law, &values), ..effect.clone() })
+    inside.then(|| Effect { start: constraint::inside(&effect.entry.law, &values), ..effect.clone() })
 }

@@ -45,6 +45,19 @@ pub enum Error {
     Completed(String),
 }
 
+impl Error {
+    /// Whether a state grew without bound: the units of the columns and constants, the signs of stiffness and damping, or the start values of
+    /// movable constants may be wrong.
+    pub fn diverged(&self) -> bool {
+        match self {
+            Error::Identify(error) => error.diverged(),
+            Error::Gap(error) => error.diverged(),
+            Error::Simulate { error, .. } => error.diverged(),
+            _ => false,
+        }
+    }
+}
+
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

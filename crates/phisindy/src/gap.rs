@@ -6,7 +6,7 @@ use crate::laws::Catalogue;
 use crate::loaded::Loaded;
 use crate::options::Options;
 use crate::record::Record;
-use phisindy_gap::{self as workflow, Status, Step};
+use phisindy_gap::{self as workflow, Activity, Status, Step};
 
 /// Finds where a model and its records disagree, names the laws of the catalogue that are missing, and adds them. Candidates and laws in `unknown` are
 /// left out.
@@ -24,9 +24,10 @@ impl Loaded {
     /// As [`gap`].
     pub fn gap(self, options: &Options<'_>) -> Result<Gap, Error> {
         self.comparable()?;
-        let entries = options.laws.map_or_else(|| Catalogue::built_in().entries(), Catalogue::entries);
-        let mut observe = |fraction: f64, activity: &str| options.progress(fraction, activity);
-        let result = workflow::gap(&self.text, self.case, self.records, &entries, &mut observe)?;
+        let laws = options.laws.cloned().unwrap_or_else(Catalogue::built_in);
+        let mut observe =
+            |fraction: f64, activity: Activity| options.progress(fraction, &activity.to_string());
+        let result = workflow::gap(&self.text, self.case, self.records, laws.laws(), &mut observe)?;
         Ok(Gap { result, doubts: self.doubts })
     }
 }
@@ -71,7 +72,7 @@ impl Gap {
 
     /// Whether the observer stopped the work before its end.
     pub fn stopped(&self) -> bool {
-        self.result.stopped
+        self.result.interrupted()
     }
 
     /// The model with the laws written into it.

@@ -1,17 +1,12 @@
 //! The catalogue of laws.
 
-mod built_in;
-
-use phisindy_gap::Entry;
-use phisindy_phys::Law;
-use phisindy_report::laws::LawFile;
+use phisindy_phys::{BUILT_IN, LawEntry};
 use std::fmt;
-use std::sync::Arc;
 
 /// Laws by their ids, in alphabetical order.
 #[derive(Clone, Debug)]
 pub struct Catalogue {
-    laws: Vec<LawFile>,
+    laws: Vec<LawEntry>,
 }
 
 impl Catalogue {
@@ -22,7 +17,7 @@ impl Catalogue {
     pub fn built_in() -> Catalogue {
         let empty = Catalogue { laws: vec![] };
         let with = |all: Catalogue, (id, text): &(&str, &str)| all.with(id, text);
-        match built_in::LAWS.iter().try_fold(empty, with) {
+        match BUILT_IN.iter().try_fold(empty, with) {
             Ok(all) => all,
             Err(error) => panic!("built-in laws: {error}"),
         }
@@ -41,22 +36,17 @@ impl Catalogue {
     /// # Errors
     /// The text is no law.
     pub fn with(mut self, id: &str, text: &str) -> Result<Catalogue, LawError> {
-        let law = Law::read(text).map_err(|e| LawError { id: id.to_owned(), reason: e.to_string() })?;
+        let law =
+            LawEntry::read(id, text).map_err(|e| LawError { id: id.to_owned(), reason: e.to_string() })?;
         self.laws.retain(|other| other.id != id);
-        self.laws.push(LawFile { id: id.to_owned(), text: text.to_owned(), law });
+        self.laws.push(law);
         self.laws.sort_by(|a, b| a.id.cmp(&b.id));
         Ok(self)
     }
 
     /// The laws with their ids and texts.
-    pub fn laws(&self) -> &[LawFile] {
+    pub fn laws(&self) -> &[LawEntry] {
         &self.laws
-    }
-
-    /// The laws as the search takes them.
-    pub fn entries(&self) -> Vec<Entry> {
-        let entry = |file: &LawFile| Entry { id: file.id.clone(), law: Arc::new(file.law.clone()) };
-        self.laws.iter().map(entry).collect()
     }
 }
 

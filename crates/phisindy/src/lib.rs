@@ -60,5 +60,5 @@ pub use simulate::{Motion, SimulationError, simulate};
 pub use phisindy_gap::{Rival, Status, Step, StepParameter};
 pub use phisindy_learn::{Estimate, FoundParameter, RecordFit, Verdict};
 pub use phisindy_phys::Diagnostic;
+pub use phisindy_phys::LawEntry;
 pub use phisindy_phys::spec::{Method, Role};
-pub use phisindy_report::laws::LawFile;

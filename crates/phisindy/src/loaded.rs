@@ -1,9 +1,9 @@
 //! A checked spec with its records, wherever they come from.
 
 use crate::laws::Catalogue;
-use phisindy_gap::{Effect, Entry, asked, written_in};
+use phisindy_gap::{Effect, requested_laws, written_out};
 use phisindy_phys::spec::Spec;
-use phisindy_phys::{Case, Diagnostic, Origin, Record, RecordPlan, SourceId, Sources};
+use phisindy_phys::{Case, Diagnostic, LawEntry, Origin, Record, RecordPlan, SourceId, Sources};
 use phisindy_report::Input;
 use phisindy_sim::Trajectory;
 
@@ -95,7 +95,7 @@ pub(crate) fn checked(
 /// The laws that `unknown` names.
 pub(crate) struct Laws {
     effects: Vec<Effect>,
-    catalogue: Vec<Entry>,
+    catalogue: Vec<LawEntry>,
 }
 
 impl Laws {
@@ -104,8 +104,8 @@ impl Laws {
     /// # Errors
     /// A law that the catalogue does not have, or that cannot act there.
     pub(crate) fn of(case: &Case, catalogue: &Catalogue, source: SourceId) -> Result<Laws, Vec<Diagnostic>> {
-        let catalogue = catalogue.entries();
-        Ok(Laws { effects: asked(case, &catalogue, source)?, catalogue })
+        let catalogue = catalogue.laws().to_vec();
+        Ok(Laws { effects: requested_laws(case, &catalogue, source)?, catalogue })
     }
 
     /// The spec with its laws written out, their numbers started where `records` say; none of them need be there.
@@ -120,7 +120,7 @@ impl Laws {
         found: &mut Vec<Diagnostic>,
     ) -> Result<Loaded, NotWritten> {
         let laws = loaded.case.laws.clone();
-        let draft = written_in(&loaded.text, loaded.case, records, &self.effects, &self.catalogue);
+        let draft = written_out(&loaded.text, loaded.case, records, &self.effects, &self.catalogue);
         let draft = draft.map_err(|why| {
             found.push(Diagnostic::error(format!(
                 "the laws of `unknown` cannot be written into the model: {why}"

@@ -1,5 +1,14 @@
-//! A law of the catalogue: a force with parameters that may act at many places of a model, as its file says it.
+//! A law of the catalogue: a force with parameters that may act at many places of a model. Its file is text; reading compiles it to nodes of a
+//! graph of its own, and what a law is (whether it sticks, remembers, has a clearance) is asked of that graph.
 
+mod catalogue;
+mod compiled;
+
+pub use catalogue::{BUILT_IN, LawEntry};
+pub use compiled::{LawError, LawGraph, LawScreen};
+
+use crate::units::unit::{Dimension, Unit};
+use phisindy_expr::{Binary, Id, Node, Unary};
 use serde::de::{Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, de};
 use std::fmt;
@@ -61,6 +70,34 @@ pub struct Law {
     /// How its picture is drawn.
     #[serde(default)]
     pub sketch: Option<Sketch>,
+    /// Another cause that no record can tell from it, and what to check.
+    #[serde(default)]
+    pub indistinguishable: Option<Indistinguishable>,
+    /// For other laws, by id, the measurement that tells them from this one.
+    #[serde(default, deserialize_with = "ordered")]
+    pub told_apart_by: Vec<(String, String)>,
+    /// Its expressions as nodes.
+    #[serde(skip)]
+    compiled: LawGraph,
+}
+
+/// A cause that has the same effect on every record as a law.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Indistinguishable {
+    /// The other cause, in words.
+    pub cause: String,
+    /// What to check on the rig, in words.
+    pub check: String,
+}
+
+/// What a role of a law stands for at a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// The displacement, in metres.
+    Displacement,
+    /// The velocity, in metres per second.
+    Velocity,
 }
 
 /// A condition on the parameters of a law.
@@ -127,31 +164,86 @@ pub struct Internal {
 }
 
 impl Law {
-    /// Reads the text of a law.
+    /// Reads the text of a law and compiles its expressions.
     ///
     /// # Errors
-    /// What is wrong, with line and column.
-    pub fn read(text: &str) -> Result<Law, String> {
-        ron::Options::default()
+    /// The form (with line and column), an expression that cannot be parsed, a name that stands for nothing, a parameter without a seed.
+    pub fn read(text: &str) -> Result<Law, LawError> {
+        let law: Law = ron::Options::default()
             .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)
             .from_str(text)
-            .map_err(|e| e.to_string())
+            .map_err(|e| LawError::Form(e.to_string()))?;
+        Ok(Law { compiled: LawGraph::new(&law)?, ..law })
     }
 
-    /// The force that it subtracts (a push with its sign turned); `None` for what acts on sensors.
+    /// Its expressions as nodes of a graph of their own.
+    pub fn nodes(&self) -> &LawGraph {
+        &self.compiled
+    }
+
+    /// The force that it subtracts (a push with its sign turned), as text; `None` for what acts on sensors.
     pub fn subtracted(&self, mirror: bool) -> Option<String> {
         let force = if mirror { self.mirror.as_ref() } else { self.force.as_ref() };
         force.cloned().or_else(|| self.push.as_ref().filter(|_| !mirror).map(|p| format!("-({p})")))
     }
 
-    /// Whether it is a friction that can stick: its force holds the sign of the velocity.
-    pub fn sticks(&self) -> bool {
-        self.force.as_ref().is_some_and(|f| f.contains("sgn("))
+    /// The name that the law gives to a displacement or a velocity, told by the unit of the role.
+    pub fn role(&self, wanted: Role) -> Option<&str> {
+        let unit = match wanted {
+            Role::Displacement => Dimension::METRE,
+            Role::Velocity => Dimension::METRE.div(Dimension::SECOND),
+        };
+        let is = |text: &str| Unit::parse(text).is_ok_and(|u| u.dimension == unit);
+        self.roles.iter().find(|(_, unit)| is(unit)).map(|(name, _)| name.as_str())
     }
 
-    /// Whether it has a clearance: its force has a corner at a displacement.
+    /// Whether it has states of its own.
+    pub fn has_memory(&self) -> bool {
+        !self.internal.is_empty()
+    }
+
+    /// Whether it is a friction that can stick: its force jumps with the sign of the velocity.
+    pub fn sticks(&self) -> bool {
+        let of = &self.compiled;
+        let (Some(force), Some(v)) = (of.force.filter(|_| self.force.is_some()), of.velocity) else {
+            return false;
+        };
+        crate::system::equations::holds_sign(&mut of.graph.clone(), &[force], v)
+    }
+
+    /// Whether it has a clearance: its force has a corner or a jump at a displacement other than zero.
     pub fn has_clearance(&self) -> bool {
-        self.force.as_ref().is_some_and(|f| f.contains("pos(") || f.contains("dead("))
+        let of = &self.compiled;
+        let (Some(force), Some(x)) = (of.force, of.displacement) else { return false };
+        let depends = |id: Id| of.graph.uses(&[id], &[x]);
+        of.graph.reachable(&[force]).into_iter().any(|id| match of.graph.node(id) {
+            Node::Binary(Binary::Max | Binary::Min | Binary::Dead, a, b) => depends(a) || depends(b),
+            Node::Unary(Unary::Pos | Unary::Step | Unary::Abs | Unary::Sgn, a) => a != x && depends(a),
+            _ => false,
+        })
+    }
+
+    /// Whether it is a dashpot: its force is in proportion to the velocity, whatever else the motion does.
+    pub fn is_dashpot(&self) -> bool {
+        let of = &self.compiled;
+        let (Some(force), Some(v), false) = (of.force, of.velocity, self.has_memory()) else { return false };
+        let mut graph = of.graph.clone();
+        let slope = graph.gradient(force, &[v])[0];
+        let moving: Vec<Id> = of.displacement.into_iter().chain([v, of.time]).collect();
+        !graph.uses(&[slope], &moving) && graph.value(slope) != Some(0.0)
+    }
+
+    /// Whether it is a spring: a force of the displacement alone, without memory.
+    pub fn is_spring(&self) -> bool {
+        let of_displacement = self.role(Role::Displacement).is_some() && self.role(Role::Velocity).is_none();
+        of_displacement && self.sensor.is_none() && !self.has_memory()
+    }
+
+    /// The parameters in which the force is linear, jointly: no slope by one of them depends on another of them.
+    pub fn linear_parameters(&self) -> Vec<usize> {
+        let of = &self.compiled;
+        of.force
+            .map_or(vec![], |force| compiled::jointly_linear(&mut of.graph.clone(), force, &of.parameters))
     }
 
     /// What it does, in lines.

@@ -17,7 +17,10 @@ mod text;
 mod units;
 
 pub use decision::{Basis, Decision};
-pub use law::{Internal, Law, LawParameter, Need, Screen, Sketch};
+pub use law::{
+    BUILT_IN, Indistinguishable, Internal, Law, LawEntry, LawError, LawGraph, LawParameter, LawScreen, Need,
+    Role as LawRole, Screen, Sketch,
+};
 pub use suspicion::{Suspicion, clipped, suspicions};
 pub use system::check::{Case, check, check_names, takes_units};
 pub use system::constants::Value;

@@ -11,7 +11,6 @@ use phisindy::files::{Purpose, beside};
 use phisindy_gap::{GapError, Status};
 use phisindy_report::spec_text::{COMPLETED, IDENTIFIED, completed};
 use phisindy_report::{Ending, GapReport, html};
-use phisindy_sim::DIVERGED;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
@@ -28,12 +27,12 @@ pub(crate) fn gap(spec: &Path, options: &Options) -> Result<u8> {
         Ok(loaded) => loaded,
         Err(code) => return Ok(code),
     };
-    let catalogue = beside(spec, &options.request())?.entries();
+    let catalogue = beside(spec, &options.request())?;
     let found = {
         let mut progress = Progress::new(&loaded.spec, options.quiet);
         let (case, records) = (loaded.case.clone(), loaded.records.clone());
-        phisindy_gap::gap(&loaded.text, case, records, &catalogue, &mut |fraction, what| {
-            progress.doing(what);
+        phisindy_gap::gap(&loaded.text, case, records, catalogue.laws(), &mut |fraction, activity| {
+            progress.doing(&activity.to_string());
             progress.at(fraction);
             if interrupt::asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         })
@@ -42,7 +41,7 @@ pub(crate) fn gap(spec: &Path, options: &Options) -> Result<u8> {
         Ok(found) => found,
         Err(error) => {
             let why = error.to_string();
-            let diverged = why.contains(DIVERGED);
+            let diverged = error.diverged();
             failed(&loaded.spec, &why, diverged);
             interrupt::tell();
             if let Some(folder) = &folder {
@@ -54,9 +53,11 @@ pub(crate) fn gap(spec: &Path, options: &Options) -> Result<u8> {
             });
         }
     };
-    let ending =
-        Ending { seconds: begin.elapsed().as_secs_f64(), stopped: found.stopped.then(interrupt::reason) };
-    let report = GapReport { input: loaded.input(), gap: &found, catalogue: &catalogue, ending };
+    let ending = Ending {
+        seconds: begin.elapsed().as_secs_f64(),
+        stopped: found.interrupted().then(interrupt::reason),
+    };
+    let report = GapReport { input: loaded.input(), gap: &found, catalogue: catalogue.laws(), ending };
     if !options.quiet {
         report.notes().for_each(|w| remark(&format!("note: {w}")));
     }
@@ -64,10 +65,10 @@ pub(crate) fn gap(spec: &Path, options: &Options) -> Result<u8> {
     // A full disk must not lose the result, so it is printed first.
     print(&report.written(options.format.into()))?;
     kept?;
-    if found.stopped {
+    if found.interrupted() {
         interrupt::tell();
     }
-    Ok(match (found.stopped, found.status) {
+    Ok(match (found.interrupted(), found.status) {
         (true, _) => interrupt::code(),
         (false, Status::Unexplained) => REJECTED,
         (false, _) => 0,

@@ -38,8 +38,7 @@ pub(crate) fn simulate(spec: &Path, record: Option<&str>, options: &Options) -> 
     let runs = match loaded.simulate() {
         Ok(runs) => runs,
         Err(why) => {
-            let diverged = matches!(&why, phisindy::Error::Simulate { error, .. } if error.diverged());
-            failed(&loaded.spec, &why.to_string(), diverged);
+            failed(&loaded.spec, &why.to_string(), why.diverged());
             return Ok(NUMERICS);
         }
     };
@@ -48,7 +47,7 @@ pub(crate) fn simulate(spec: &Path, record: Option<&str>, options: &Options) -> 
     Ok(0)
 }
 
-/// Writes all records of the case one after another; a first column names the record if there are several.
+/// Writes all records of the case below one another; several are told apart by a first column.
 fn write(loaded: &Loaded, runs: &[Motion], out: &mut dyn Write) -> Result<()> {
     let system = &loaded.case.system;
     let states = 0..system.states.len();

@@ -37,7 +37,7 @@ pub(super) fn loaded_with_warnings(
 ) -> Result<(Loaded, usize), u8> {
     let (mut sources, mut found) = (Sources::default(), Vec::new());
     let loaded = load(spec, &options.request(), purpose, &mut sources, &mut found);
-    // Beside errors, warnings are mostly their consequences: text that does not parse leaves constants unused.
+    // Next to a mistake, warnings are mostly its consequences: what failed to parse leaves constants unused.
     let drawn = || found.iter().filter(|d| d.is_error() || (loaded.is_ok() && !options.quiet));
     draw::show(drawn(), &sources);
     if let (Err(_), Some(folder)) = (&loaded, folder) {

@@ -71,11 +71,11 @@ fn prepared(args: &SweepArgs, options: &Options) -> Result<Result<Prepared, u8>>
         draw::show([mistake], sources);
         Ok(Err(INPUT))
     };
-    let text =
-        match spec_text(&args.spec).and_then(|text| with_assignments(text, &options.sets, &mut sources)) {
-            Ok(text) => text,
-            Err(mistake) => return drawn(&mistake, &sources),
-        };
+    let text = spec_text(&args.spec).and_then(|text| with_assignments(text, &options.sets, &mut sources));
+    let text = match text {
+        Ok(text) => text,
+        Err(mistake) => return drawn(&mistake, &sources),
+    };
     let plain = Cell { label: String::new(), text: text.clone() };
     let base = match checked(args, plain, options, &mut sources, true) {
         Ok((_, loaded)) => loaded,

@@ -1,11 +1,11 @@
 //! The columns of a law at a place: what it would do to the measured motion, for each of the numbers that it does not depend on linearly.
 
-use super::ground::Ground;
-use crate::along::evaluated;
-use crate::effect::Effect;
+use super::regression_data::RegressionData;
+use crate::evaluate::evaluated;
+
+use super::regressors::{Regressors, Scale};
 use crate::motion::Motion;
-use crate::place::{Place, Site};
-use crate::recipe::{Recipe, Scale};
+use crate::place::{Effect, Place, Site};
 use crate::whiteness::{lines, mean_step};
 use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::System;
@@ -15,7 +15,7 @@ const GRID: usize = 200;
 
 /// What one evaluation of an effect gives: the columns of a trial, by record.
 pub(super) struct Trial {
-    pub(super) recipe: usize,
+    pub(super) regressors: usize,
     pub(super) effect: Effect,
     pub(super) grid: Vec<f64>,
     /// Responses as rows, for each column.
@@ -24,35 +24,35 @@ pub(super) struct Trial {
 
 /// Offset, gain or delay of the sensors of some states.
 pub(super) fn sensor_trials(
-    recipe: usize,
+    regressors: usize,
     effect: &Effect,
     states: &[usize],
-    grounds: &[Ground],
+    data: &[RegressionData],
 ) -> Vec<Trial> {
     let which = match effect.entry.law.sensor.as_deref() {
         Some("offset") => 0,
         Some("gain") => 1,
         _ => 2,
     };
-    let column = grounds.iter().flat_map(|g| g.sensor(states, which)).collect();
-    vec![Trial { recipe, effect: effect.clone(), grid: vec![], columns: vec![column] }]
+    let column = data.iter().flat_map(|g| g.sensor(states, which)).collect();
+    vec![Trial { regressors, effect: effect.clone(), grid: vec![], columns: vec![column] }]
 }
 
 /// A force law over its grid.
 pub(super) fn force_trials(
     index: usize,
     effect: &Effect,
-    recipe: &Recipe,
+    regressors: &Regressors,
     system: &System,
-    grounds: &[Ground],
+    data: &[RegressionData],
 ) -> Vec<Trial> {
     let Site::Force { acts, .. } = &effect.place.site else { return vec![] };
     let n = system.states.len();
     let law = &effect.entry.law;
-    let mut graph = recipe.graph.clone();
+    let mut graph = regressors.graph.clone();
     let one = graph.constant(1.0);
     let mut outputs = Vec::new();
-    for &column in &recipe.columns {
+    for &column in &regressors.columns {
         for &(state, sign) in acts {
             let over = graph.div(column, system.inertia[state].unwrap_or(one));
             outputs.push(if sign < 0.0 { graph.neg(over) } else { over });
@@ -63,28 +63,28 @@ pub(super) fn force_trials(
         let over = graph.div(one, system.inertia[state].unwrap_or(one));
         outputs.push(if sign < 0.0 { graph.neg(over) } else { over });
     }
-    outputs.push(recipe.velocity);
-    outputs.push(recipe.displacement.unwrap_or(recipe.velocity));
+    outputs.push(regressors.velocity);
+    outputs.push(regressors.displacement.unwrap_or(regressors.velocity));
     let mut all = system.arguments();
-    all.extend(&recipe.symbols);
-    let internal = recipe.internal.map(|(z, rate)| (z, rate, graph.gradient(rate, &[z])[0]));
+    all.extend(&regressors.symbols);
+    let internal = regressors.internal.map(|(z, rate)| (z, rate, graph.gradient(rate, &[z])[0]));
     all.extend(internal.iter().map(|(z, ..)| *z));
     let Ok(tape) = Tape::compile(&graph, &all, &outputs) else { return vec![] };
     let inner = internal.and_then(|(_, rate, slope)| Tape::compile(&graph, &all, &[rate, slope]).ok());
-    let count = recipe.columns.len();
+    let count = regressors.columns.len();
     let width = acts.len();
     let sticks = law.sticks();
     let mut trials = Vec::new();
-    for grid in grids(recipe, effect, system, grounds, &tape, inner.is_some()) {
+    for grid in grids(regressors, effect, system, data, &tape, inner.is_some()) {
         let mut columns: Vec<Vec<f64>> = vec![vec![]; count];
         let mut holding: Vec<f64> = vec![];
         let mut held = false;
-        for ground in grounds {
-            let samples = ground.motion.samples();
-            let z = inner.as_ref().map(|tape| remembered(tape, &ground.motion, &grid));
+        for data in data {
+            let samples = data.motion.samples();
+            let z = inner.as_ref().map(|tape| remembered(tape, &data.motion, &grid));
             let values =
-                evaluated(&tape, &ground.motion, &grid, &z.iter().map(Vec::as_slice).collect::<Vec<_>>());
-            let still = ground.still.iter().find(|s| s.at == effect.place.at);
+                evaluated(&tape, &data.motion, &grid, &z.iter().map(Vec::as_slice).collect::<Vec<_>>());
+            let still = data.still.iter().find(|s| s.at == effect.place.at);
             let rests = |i: usize| sticks && still.is_some_and(|s| s.rests[i]);
             for (c, column) in columns.iter_mut().enumerate() {
                 let mut g = vec![0.0; samples * n];
@@ -94,8 +94,8 @@ pub(super) fn force_trials(
                         .filter(|&i| !rests(i))
                         .for_each(|i| g[i * n + state] = if force[i].is_finite() { force[i] } else { 0.0 });
                 }
-                ground.quiet(&mut g);
-                column.extend(ground.read(&ground.linear.response(&g, &vec![0.0; n]), false));
+                data.quiet(&mut g);
+                column.extend(data.read(&data.linear.response(&g, &vec![0.0; n]), false));
             }
             // At rest the missing friction is what the other forces need to be held.
             if sticks {
@@ -105,31 +105,31 @@ pub(super) fn force_trials(
                     let (mut toward, mut give) = (0.0, 0.0);
                     for (j, &(state, _)) in acts.iter().enumerate() {
                         let c = if j == 0 { 1.0 } else { -1.0 };
-                        toward += c * ground.rates[i * n + state];
+                        toward += c * data.rates[i * n + state];
                         give += c * values[count * width + j][i];
                     }
-                    toward -= base_slope(system, &effect.place, ground, i);
+                    toward -= base_slope(system, &effect.place, data, i);
                     for (j, &(state, _)) in acts.iter().enumerate() {
                         g[i * n + state] = -toward / give * values[count * width + j][i];
                     }
                 }
-                holding.extend(ground.read(&ground.linear.response(&g, &vec![0.0; n]), false));
+                holding.extend(data.read(&data.linear.response(&g, &vec![0.0; n]), false));
             }
         }
         if held {
             columns.push(holding);
         }
-        let trial = Trial { recipe: index, effect: effect.clone(), grid, columns };
+        let trial = Trial { regressors: index, effect: effect.clone(), grid, columns };
         trials.push(trial);
     }
     trials
 }
 
 /// The acceleration of an input against which a body rests.
-fn base_slope(system: &System, place: &Place, ground: &Ground, i: usize) -> f64 {
+fn base_slope(system: &System, place: &Place, data: &RegressionData, i: usize) -> f64 {
     let Some((_, second)) = place.at.split_once('-') else { return 0.0 };
-    let m = ground.motion.inputs.len() / ground.motion.samples();
-    system.input(second).map_or(0.0, |u| ground.motion.slopes[i * m + u])
+    let m = data.motion.inputs.len() / data.motion.samples();
+    system.input(second).map_or(0.0, |u| data.motion.slopes[i * m + u])
 }
 
 /// An internal state along a motion, by exponential steps: exact where its rate is linear in it.
@@ -163,48 +163,48 @@ fn remembered(tape: &Tape, motion: &Motion, grid: &[f64]) -> Vec<f64> {
 
 /// The numbers of the grid that suit the motion.
 fn grids(
-    recipe: &Recipe,
+    regressors: &Regressors,
     effect: &Effect,
     system: &System,
-    grounds: &[Ground],
+    data: &[RegressionData],
     tape: &Tape,
     memory: bool,
 ) -> Vec<Vec<f64>> {
-    if recipe.grid.is_empty() {
+    if regressors.grid.is_empty() {
         return vec![vec![]];
     }
     let outputs = tape.outputs();
     let n = system.states.len();
     let (mut speeds, mut places) = (Vec::new(), Vec::new());
     let mut frequencies: Vec<f64> = Vec::new();
-    for ground in grounds {
-        let samples = ground.motion.samples();
+    for data in data {
+        let samples = data.motion.samples();
         let zero = vec![0.0; samples];
         let series: Vec<&[f64]> = if memory { vec![&zero] } else { vec![] };
-        let values = evaluated(tape, &ground.motion, &vec![0.0; recipe.grid.len()], &series);
+        let values = evaluated(tape, &data.motion, &vec![0.0; regressors.grid.len()], &series);
         speeds.extend(values[outputs - 2].iter().map(|v| v.abs()));
         places.extend(values[outputs - 1].iter().copied());
-        if recipe.grid.iter().any(|(s, _)| *s == Scale::Frequency) {
+        if regressors.grid.iter().any(|(s, _)| *s == Scale::Frequency) {
             let Site::Force { state, .. } = &effect.place.site else { continue };
-            let step = mean_step(&ground.motion.time);
+            let step = mean_step(&data.motion.time);
             // The missing rate, times what the law multiplies its oscillation with.
             let lack: Vec<f64> = (0..samples)
-                .map(|i| (ground.slope(i, *state, n) - ground.rates[i * n + state]) * values[0][i])
+                .map(|i| (data.slope(i, *state, n) - data.rates[i * n + state]) * values[0][i])
                 .collect();
-            let fine = ground.resolution();
+            let fine = data.resolution();
             // In a motion of one period every periodic lack can be written as forces at its multiples: they would explain anything.
-            let own = 2.0 * std::f64::consts::PI / ground.motion.period;
+            let own = 2.0 * std::f64::consts::PI / data.motion.period;
             let force = values[0].iter().all(|v| *v == values[0][0]);
             let echo = |w: f64| {
                 // At a frequency of the drive a force stands for anything that is missing; what multiplies the motion does not.
-                force && ground.drive.iter().any(|line| (w - line).abs() < fine)
-                    || ground.motion.periodic && (w / own - (w / own).round()).abs() * own < 2.0 * fine
+                force && data.drive.iter().any(|line| (w - line).abs() < fine)
+                    || data.motion.periodic && (w / own - (w / own).round()).abs() * own < 2.0 * fine
             };
             // Strong as a force, or far above the noise of a second derivative.
-            let lack = smoothed(&lack, ground.motion.period / step);
+            let lack = smoothed(&lack, data.motion.period / step);
             let strong = lines(&lack, step, 6, 0);
             let clear = lines(&lack, step, 4, 4);
-            for line in strong.into_iter().chain(clear).chain(ground.left.iter().copied()) {
+            for line in strong.into_iter().chain(clear).chain(data.left.iter().copied()) {
                 if !echo(line) {
                     let near = [-0.5, -0.25, 0.0, 0.25, 0.5].map(|d| line + d * fine);
                     frequencies.extend(near.into_iter().filter(|w| *w > 0.0));
@@ -245,7 +245,7 @@ fn grids(
         }
     };
     let mut all: Vec<Vec<f64>> = vec![vec![]];
-    for of in &recipe.grid {
+    for of in &regressors.grid {
         let values = axis(of);
         all =
             all.iter().flat_map(|g| values.iter().map(|v| g.iter().copied().chain([*v]).collect())).collect();

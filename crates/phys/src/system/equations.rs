@@ -1,7 +1,7 @@
 //! A checked system: known rates, unknown terms, parameters, contacts. It exists only if every name in the spec resolved.
 
 use crate::system::model::Model;
-use crate::units::unit::Dimension;
+use crate::units::unit::{Dimension, Unit};
 use phisindy_expr::{Graph, Id, Names, Node, Unary};
 use std::collections::HashMap;
 
@@ -173,6 +173,64 @@ impl System {
         let parameters = self.parameters.iter().map(|p| p.node);
         let constants = self.record_constants.iter().map(|&(_, node)| node);
         [self.time].into_iter().chain(states).chain(inputs).chain(parameters).chain(constants).collect()
+    }
+
+    /// Adds a number that may move in the fit; returns its index. Start and bounds are in SI.
+    ///
+    /// The name must not be taken: a symbol of this name would be the same number.
+    pub fn add_parameter(
+        &mut self,
+        name: &str,
+        unit: &str,
+        start: f64,
+        within: (f64, f64),
+        each: bool,
+    ) -> usize {
+        let symbol = self.names.intern(name);
+        let node = self.graph.symbol(symbol);
+        self.parameters.push(Parameter {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            node,
+            start,
+            within,
+            sigma: None,
+            each,
+            known: false,
+        });
+        self.parameters.len() - 1
+    }
+
+    /// Adds a state whose rate is still zero; returns its index. It has no inertia and is nobody's velocity.
+    ///
+    /// The name must not be taken.
+    pub fn add_state(&mut self, name: &str, unit: &str) -> usize {
+        let symbol = self.names.intern(name);
+        let node = self.graph.symbol(symbol);
+        let factor = Unit::parse(unit).map_or(1.0, |u| u.factor);
+        self.states.push(State {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            factor,
+            node,
+            velocity: None,
+        });
+        self.known.push(self.graph.constant(0.0));
+        self.inertia.push(None);
+        self.states.len() - 1
+    }
+
+    /// What a name of the spec stands for in expressions: the time, a state, an input, a number that moves, or the value of a constant.
+    pub fn quantity(&mut self, name: &str) -> Option<Id> {
+        if let Some((_, value)) = self.constants.iter().find(|(n, _)| n == name) {
+            return Some(self.graph.constant(*value));
+        }
+        let states = self.states.iter().map(|s| (&s.name, s.node));
+        let inputs = self.inputs.iter().map(|u| (&u.name, u.node));
+        let parameters = self.parameters.iter().map(|p| (&p.name, p.node));
+        let records = self.record_constants.iter().map(|(name, node)| (name, *node));
+        let mut all = states.chain(inputs).chain(parameters).chain(records);
+        all.find(|(n, _)| *n == name).map(|(_, node)| node).or((name == "t").then_some(self.time))
     }
 
     /// Index of a state by name.

@@ -28,7 +28,7 @@ struct Outcome<'a> {
     steps: Vec<StepOut<'a>>,
     title: &'a str,
     version: &'a str,
-    warnings: &'a [String],
+    warnings: Vec<String>,
     #[serde(rename = "where")]
     located: Vec<RegionOut<'a>>,
     whiteness: Change,
@@ -58,7 +58,7 @@ struct FinalGap {
 #[derive(Serialize)]
 struct RegionOut<'a> {
     column: &'a str,
-    region: &'a str,
+    region: String,
     share: f64,
 }
 
@@ -72,7 +72,7 @@ struct StepOut<'a> {
     mirror: bool,
     name: &'a str,
     parameters: BTreeMap<&'a str, StepParameterOut<'a>>,
-    rivals: Vec<RivalOut<'a>>,
+    rivals: Vec<RivalOut>,
     scales_with: Option<&'a str>,
     validate: Option<Change>,
     vetoed: Vec<VetoOut<'a>>,
@@ -87,16 +87,16 @@ struct StepParameterOut<'a> {
 }
 
 #[derive(Serialize)]
-struct RivalOut<'a> {
-    at: &'a str,
+struct RivalOut {
+    at: String,
     delta_bic: f64,
-    law: &'a str,
+    law: String,
 }
 
 #[derive(Serialize)]
 struct VetoOut<'a> {
     law: &'a str,
-    why: &'a str,
+    why: String,
 }
 
 #[derive(Serialize)]
@@ -143,7 +143,7 @@ fn outcome<'a>(report: &GapReport<'a>) -> Outcome<'a> {
     let GapReport { input, gap: found, ending, .. } = *report;
     Outcome {
         doubts: input.doubts,
-        last: FinalGap { fit: found.after.0, validate: found.after.1, within_errors: found.carried },
+        last: FinalGap { fit: found.after.0, validate: found.after.1, within_errors: found.predictive },
         initial: InitialGap { fit: found.before.0, validate: found.before.1 },
         left: found.left.iter().map(region).collect(),
         noise: found.noise.iter().map(|(name, sigma)| (name.as_str(), *sigma)).collect(),
@@ -157,9 +157,9 @@ fn outcome<'a>(report: &GapReport<'a>) -> Outcome<'a> {
         steps: found.steps.iter().map(step).collect(),
         title: &input.case.system.title,
         version: env!("CARGO_PKG_VERSION"),
-        warnings: &found.warnings,
+        warnings: found.warnings.iter().map(ToString::to_string).collect(),
         located: found.located.iter().map(region).collect(),
-        whiteness: change(found.colour),
+        whiteness: change(found.whiteness),
     }
 }
 
@@ -168,7 +168,7 @@ fn change((before, after): (f64, f64)) -> Change {
 }
 
 fn region(r: &Region) -> RegionOut<'_> {
-    RegionOut { column: &r.column, region: &r.region, share: r.share }
+    RegionOut { column: &r.column, region: r.to_string(), share: r.share }
 }
 
 fn step(s: &Step) -> StepOut<'_> {
@@ -177,7 +177,7 @@ fn step(s: &Step) -> StepOut<'_> {
             StepParameterOut { ci95: p.ci95.into(), constant: &p.constant, unit: &p.unit, value: p.value };
         (p.name.as_str(), out)
     });
-    let rivals = s.rivals.iter().map(|r| RivalOut { at: &r.at, delta_bic: r.delta_bic, law: &r.law });
+    let rivals = s.rivals.iter().map(|r| RivalOut { at: r.at(), delta_bic: r.delta_bic, law: r.law() });
     StepOut {
         at: &s.effect.place.at,
         delta_bic: s.delta_bic,
@@ -190,27 +190,29 @@ fn step(s: &Step) -> StepOut<'_> {
         rivals: rivals.collect(),
         scales_with: s.effect.load.as_deref(),
         validate: s.validate.map(change),
-        vetoed: s.vetoed.iter().map(|(law, why)| VetoOut { law, why }).collect(),
+        vetoed: s.vetoed.iter().map(|v| VetoOut { law: &v.law.law, why: v.why.to_string() }).collect(),
     }
 }
 
 fn records(found: &Gap) -> Vec<RecordOut<'_>> {
     let all = found.nrmse.iter();
-    let one = all.map(|(record, role, column, before, after)| {
-        let nrmse = change((*before, *after));
-        RecordOut { column, nrmse, record, role: role_name(*role) }
+    let one = all.map(|c| RecordOut {
+        column: &c.column,
+        nrmse: change((c.before, c.after)),
+        record: &c.record,
+        role: role_name(c.role),
     });
     one.collect()
 }
 
 fn repeatability(found: &Gap) -> Vec<RepeatOut<'_>> {
     let all = found.repeat.iter();
-    let one = all.map(|(record, column, r)| RepeatOut {
-        column,
-        nrmse: r.nrmse,
-        period: r.period,
-        record,
-        rms: r.rms,
+    let one = all.map(|c| RepeatOut {
+        column: &c.column,
+        nrmse: c.repeat.nrmse,
+        period: c.repeat.period,
+        record: &c.record,
+        rms: c.repeat.rms,
     });
     one.collect()
 }

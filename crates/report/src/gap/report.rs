@@ -1,7 +1,8 @@
 //! The result of the gap workflow with what a report says beside it.
 
 use crate::input::{Ending, Input};
-use phisindy_gap::{Entry, Gap};
+use phisindy_gap::{Gap, Warning};
+use phisindy_phys::LawEntry;
 
 /// Everything that is told about a spec after the gap workflow.
 #[derive(Clone, Copy)]
@@ -11,15 +12,14 @@ pub struct GapReport<'a> {
     /// What the workflow found.
     pub gap: &'a Gap,
     /// The laws that were tried.
-    pub catalogue: &'a [Entry],
+    pub catalogue: &'a [LawEntry],
     /// How the work ended.
     pub ending: Ending,
 }
 
 impl<'a> GapReport<'a> {
     /// Warnings that the text of the result does not hold.
-    pub fn notes(&self) -> impl Iterator<Item = &'a String> {
-        let found = self.gap;
-        found.warnings.iter().filter(|w| found.instead.as_ref() != Some(w))
+    pub fn notes(&self) -> impl Iterator<Item = &'a Warning> {
+        self.gap.warnings.iter().filter(|w| !matches!(w, Warning::Alternative(_)))
     }
 }

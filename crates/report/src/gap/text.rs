@@ -2,8 +2,8 @@
 
 use super::report::GapReport;
 use crate::table::{interval, short};
-use phisindy_gap::{Entry, Gap, Status, Step};
-use phisindy_phys::Law;
+use phisindy_gap::{Gap, Rival, Status, Step};
+use phisindy_phys::LawEntry;
 use phisindy_phys::spec::Role;
 
 /// A larger gap is more than noise.
@@ -39,9 +39,9 @@ pub(crate) fn text(report: &GapReport<'_>) -> String {
         } else {
             String::new()
         };
-        out.push(format!("where: in {}{share}, {}", first.column, first.region));
+        out.push(format!("where: in {}{share}, {first}", first.column));
     }
-    out.extend(found.instead.clone());
+    out.extend(found.alternative.as_ref().map(ToString::to_string));
     if found.status == Status::Unexplained && !found.steps.is_empty() {
         out.push("brings the gap far down, whatever else is missing:".into());
     }
@@ -70,16 +70,18 @@ pub(crate) fn text(report: &GapReport<'_>) -> String {
             out.push(veto);
         }
     }
-    for (record, column, r) in &found.repeat {
+    for c in &found.repeat {
         out.push(format!(
-            "{record}: {column} repeats from cycle to cycle ({} s) to NRMSE {:.3}",
-            short(r.period),
-            r.nrmse
+            "{}: {} repeats from cycle to cycle ({} s) to NRMSE {:.3}",
+            c.record,
+            c.column,
+            short(c.repeat.period),
+            c.repeat.nrmse
         ));
     }
-    for (record, role, column, a, b) in &found.nrmse {
-        let role = if *role == Role::Fit { "fit" } else { "validate" };
-        out.push(format!("{record} ({role}): NRMSE of {column} {a:.4} -> {b:.4}"));
+    for c in &found.nrmse {
+        let role = if c.role == Role::Fit { "fit" } else { "validate" };
+        out.push(format!("{} ({role}): NRMSE of {} {:.4} -> {:.4}", c.record, c.column, c.before, c.after));
     }
     out.extend(how.stopped_words().map(|stopped| format!("{stopped} before the end; so far:")));
     out.push(outcome(found));
@@ -113,13 +115,11 @@ pub(crate) fn outcome(found: &Gap) -> String {
             format!("explained: the gap {} went from {} to {}{why}", basis(found), short(before), short(last))
         }
         Status::Unexplained => {
-            let place = found
-                .left
-                .first()
-                .map_or(String::new(), |r| format!(", mostly in {}, {}", r.column, r.region));
+            let place =
+                found.left.first().map_or(String::new(), |r| format!(", mostly in {}, {r}", r.column));
             format!(
                 "unexplained: {}: a gap of {} is left{place}",
-                match found.instead {
+                match found.alternative {
                     Some(_) => "no law here explains it, but something else would, as is said beside it",
                     None => "something is missing that no law here explains",
                 },
@@ -132,7 +132,7 @@ pub(crate) fn outcome(found: &Gap) -> String {
 /// If the motion on Validate records is sensitive to uncertain parameters: the gap that remains when these
 /// move within their errors.
 fn sensitivity(found: &Gap) -> String {
-    match (found.after.1, found.carried) {
+    match (found.after.1, found.predictive) {
         (Some(gap), Some(left)) if gap > NOISE && left < NOISE => {
             format!(
                 "; {} with the numbers moved within their error bars, on which the motion there hangs",
@@ -144,7 +144,7 @@ fn sensitivity(found: &Gap) -> String {
 }
 
 /// The parameters of a step, and those of its rivals that earlier steps do not list.
-fn details(s: &Step, catalogue: &[Entry], out: &mut Vec<String>) {
+fn details(s: &Step, catalogue: &[LawEntry], out: &mut Vec<String>) {
     for p in &s.parameters {
         out.push(format!(
             "     {} = {} {} {}",
@@ -185,7 +185,7 @@ fn moved(found: &Gap) -> Vec<String> {
 }
 
 /// Laws that fit nearly as well, each with the measurement that would decide.
-pub(crate) fn rivals(s: &Step, catalogue: &[Entry]) -> Vec<(String, Option<String>)> {
+pub(crate) fn rivals(s: &Step, catalogue: &[LawEntry]) -> Vec<(String, Option<String>)> {
     let near = s.rivals.iter().filter(|r| r.delta_bic < 10.0);
     let said = near.map(|r| {
         // A richer description may fit better and still not be preferred: its gain does not carry over to
@@ -198,90 +198,41 @@ pub(crate) fn rivals(s: &Step, catalogue: &[Entry]) -> Vec<(String, Option<Strin
         } else {
             format!("BIC {} higher", short(r.delta_bic))
         };
-        let what = deciding(&s.effect.entry.law, &s.effect.entry.id, &r.law, catalogue);
-        let rival = format!("not excluded: {} ({by})", placed(&r.law, &r.at));
-        (rival, what.map(|what| format!("{what} would decide")))
+        let what = deciding(&s.effect.entry, r, catalogue);
+        (format!("not excluded: {r} ({by})"), what.map(|what| format!("{what} would decide")))
     });
-    let id = s.effect.entry.id.as_str();
-    let alike = ALIKE.iter().filter(|(law, ..)| *law == id);
-    said.chain(alike.map(|(_, same, check)| ((*same).to_owned(), Some((*check).to_owned())))).collect()
-}
-
-/// Laws that no record can tell from another explanation, that explanation, and a check that can.
-const ALIKE: &[(&str, &str, &str)] = &[
-    (
-        "asymmetric-coulomb",
-        "the same: plain friction of the mean level, and a constant force of half the difference; on linear springs, too, a displacement sensor whose zero is off",
-        "check the zero of the displacement sensor, and whether the rig stands level",
-    ),
-    (
-        "harmonic-force",
-        "the same, where the rig answers in proportion: a tone of this frequency on the sensor itself (hum of the mains, perhaps folded down by the sampling)",
-        "look at the signal with the rig at rest",
-    ),
-    (
-        "stiffness",
-        "the same, where the model has a spring there: its stiffness is another one than the spec says, by this much",
-        "measure the stiffness at rest",
-    ),
-    (
-        "viscous",
-        "the same, where the model has a damper there: its constant is another one than the spec says, by this much",
-        "a decay at small amplitude",
-    ),
-    (
-        "sensor-delay",
-        "the same, if it is all that was measured: what drives the motion is recorded early (of a negative delay: late)",
-        "check the clocks of both channels",
-    ),
-    (
-        "sensor-gain",
-        "the same, if it is all that was measured: the drive is stronger or weaker than the spec says, or inertia, damping and stiffness are all off by one factor; levels of friction then scale with it",
-        "check the constants that are held, and the scale of the inputs",
-    ),
-];
-
-/// Laws joined by ` + ` with their places, which are joined by `, `; a common place is named once.
-fn placed(laws: &str, at: &str) -> String {
-    let places: Vec<&str> = at.split(", ").collect();
-    if places.iter().all(|p| *p == places[0]) {
-        return format!("{laws} at {}", places[0]);
-    }
-    laws.split(" + ").zip(places).map(|(law, at)| format!("{law} at {at}")).collect::<Vec<_>>().join(" + ")
+    let same = s.effect.entry.law.indistinguishable.iter();
+    said.chain(same.map(|same| (same.cause.clone(), Some(same.check.clone())))).collect()
 }
 
 /// Laws that other evidence rules out.
 pub(crate) fn vetoes(s: &Step) -> impl Iterator<Item = String> {
-    s.vetoed.iter().map(|(law, why)| format!("{law} is ruled out: {why}"))
+    s.vetoed.iter().map(ToString::to_string)
 }
 
-/// Pairs of laws and the measurement that distinguishes them.
-const DECIDING: &[(&str, &str, &str)] = &[
-    ("stribeck", "dieterich-ruina", "a slower run, with speeds well below those of this record,"),
-    ("coulomb", "offset", "a run that sticks"),
-    ("offset", "sensor-offset", "a second displacement, or the same sensor at another zero,"),
-    ("dead-zone", "cubic-stiffness", "a run at a larger and one at a smaller amplitude"),
-    ("one-sided-stop", "cubic-stiffness", "a run at a larger and one at a smaller amplitude"),
-    ("harmonic-force", "parametric-stiffness", "a run about another mean position"),
-];
-
 /// The measurement that distinguishes a law from its rival, if there is one.
-fn deciding(own: &Law, id: &str, rival: &str, catalogue: &[Entry]) -> Option<&'static str> {
-    let same = |&&(a, b, _): &&(&str, &str, &str)| (id == a && rival == b) || (id == b && rival == a);
-    if let Some((.., what)) = DECIDING.iter().find(same) {
-        return Some(what);
+fn deciding(own: &LawEntry, rival: &Rival, catalogue: &[LawEntry]) -> Option<String> {
+    let named = |law: &LawEntry, other: &str| {
+        law.law.told_apart_by.iter().find(|(id, _)| id == other).map(|(_, what)| what.clone())
+    };
+    let of = |law: &str| catalogue.iter().find(|e| e.id == law);
+    let first = of(&rival.laws.first()?.law)?;
+    let named = named(own, &first.id).or_else(|| named(first, &own.id)).filter(|_| rival.laws.len() == 1);
+    if named.is_some() {
+        return named;
     }
-    if own.sensor.is_some() || rival.starts_with("sensor") {
-        return Some("the same motion read by a second sensor");
+    if own.law.sensor.is_some() || first.law.sensor.is_some() {
+        return Some("the same motion read by a second sensor".to_owned());
     }
-    // A combination of laws is not in the catalogue.
-    let other = &catalogue.iter().find(|e| e.id == rival)?.law;
-    let both = own.family == "friction" && other.family == "friction";
-    Some(match (both, other.internal.is_empty()) {
-        (true, false) => "a close look at the displacement in the stops",
-        (true, true) => "runs at other speeds and amplitudes",
+    // A combination of laws has no such measurement.
+    let other = Some(first).filter(|_| rival.laws.len() == 1)?;
+    let both = own.law.family == "friction" && other.law.family == "friction";
+    let what = match (both, other.law.has_memory()) {
+        (true, true) => "a close look at the displacement in the stops",
+        (true, false) => "runs at other speeds and amplitudes",
         (false, _) => "a run at another amplitude",
-    })
+    };
+    Some(what.to_owned())
 }
 
 /// A gap as a bar on a logarithmic scale from 1 to the initial gap.

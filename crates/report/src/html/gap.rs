@@ -10,13 +10,13 @@ use crate::format::role_name as role;
 use crate::gap::{GapReport, outcome, rivals, vetoes};
 use crate::input::{Ending, Invocation};
 use crate::markup::{Element, element};
-use phisindy_gap::{Entry, Gap, Region, Status, Step};
-use phisindy_phys::{SourceId, check_names, spec};
+use phisindy_gap::{ColumnGap, ColumnRepeat, Gap, Region, Status, Step};
+use phisindy_phys::{LawEntry, SourceId, check_names, spec};
 
 /// The page.
 pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     let GapReport { input, gap: found, catalogue, ending } = *report;
-    let (was, now) = (&found.was, &found.simulated);
+    let (was, now) = (&found.initial, &found.simulated);
     let seen = Seen {
         system: &input.case.system,
         records: input.records,
@@ -24,7 +24,8 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
         model: Some(Model::new(&now.system, &[], &now.records)),
     };
     let mut page = Page::new(input, banner(found, ending));
-    add_remarks(&mut page, &found.warnings, input.doubts, &notes(input));
+    let warnings: Vec<String> = found.warnings.iter().map(ToString::to_string).collect();
+    add_remarks(&mut page, &warnings, input.doubts, &notes(input));
     page.figures("The gap", vec![shrink::chart(found)]);
     // A remark that applies to several steps is made once.
     let mut told = Vec::new();
@@ -78,7 +79,7 @@ fn banner(found: &Gap, how: Ending) -> Banner {
 fn shown(
     number: Option<usize>,
     s: &Step,
-    catalogue: &[Entry],
+    catalogue: &[LawEntry],
     picture: Option<Element>,
     told: &mut Vec<String>,
 ) -> Vec<Element> {
@@ -128,7 +129,7 @@ fn located(found: &Gap) -> Vec<Element> {
     let side = |which: &'static str, list: &[Region]| {
         let row = move |r: &Region| {
             let share = text(format!("{:.0} %", 100.0 * r.share));
-            vec![text(which), code(&r.column), share, text(&r.region)]
+            vec![text(which), code(&r.column), share, text(r.to_string())]
         };
         list.iter().map(row).collect::<Vec<_>>()
     };
@@ -142,17 +143,18 @@ fn located(found: &Gap) -> Vec<Element> {
 
 fn records(found: &Gap) -> Option<Element> {
     let noise = |column: &str| found.noise.iter().find(|(name, _)| name == column).map_or(f64::NAN, |n| n.1);
-    let row = |(record, r, column, before, after): &(String, _, String, f64, f64)| {
-        let noise = Cell::Number(noise(column));
-        vec![text(record), text(role(*r)), code(column), Cell::Number(*before), Cell::Number(*after), noise]
+    let row = |c: &ColumnGap| {
+        let noise = Cell::Number(noise(&c.column));
+        let (before, after) = (Cell::Number(c.before), Cell::Number(c.after));
+        vec![text(&c.record), text(role(c.role)), code(&c.column), before, after, noise]
     };
     let head = ["record", "role", "column", "NRMSE before", "NRMSE after", "noise (SI)"];
     table("Records and how the models do on them", &head, found.nrmse.iter().map(row).collect())
 }
 
 fn repeatability(found: &Gap) -> Option<Element> {
-    let row = |(record, column, r): &(String, String, phisindy_gap::Repeat)| {
-        vec![text(record), code(column), Cell::Number(r.period), Cell::Number(r.nrmse)]
+    let row = |c: &ColumnRepeat| {
+        vec![text(&c.record), code(&c.column), Cell::Number(c.repeat.period), Cell::Number(c.repeat.nrmse)]
     };
     let head = ["record", "column", "period (s)", "repeats to NRMSE"];
     table("How well the motion itself repeats", &head, found.repeat.iter().map(row).collect())

@@ -1,9 +1,9 @@
 //! Pictures of laws: the force during the motion `x = sin t`, `v = cos t` against the main variable of the
 //! law.
 
-use super::file::LawFile;
 use crate::chart::{Axis, Chart, Mark, Panel, Place};
 use phisindy_expr::{Graph, Id, Names, Scratch, Tape, parse};
+use phisindy_phys::LawEntry;
 use phisindy_phys::Sketch;
 
 /// Points of the curve, over two periods of the motion.
@@ -15,8 +15,8 @@ const SIZE: (f64, f64) = (380.0, 250.0);
 /// The picture as SVG; `None` for a law without a sketch.
 ///
 /// # Errors
-/// In words: an expression of the law cannot be evaluated.
-pub fn picture(entry: &LawFile) -> Result<Option<String>, String> {
+/// In words: the expressions of the law, or of its sketch, cannot be evaluated.
+pub fn picture(entry: &LawEntry) -> Result<Option<String>, String> {
     let Some(sketch) = &entry.law.sketch else { return Ok(None) };
     let curve = curve(entry, sketch)?;
     let sensor = entry.law.sensor.is_some();
@@ -48,7 +48,7 @@ pub fn picture(entry: &LawFile) -> Result<Option<String>, String> {
 }
 
 /// The points of the picture.
-fn curve(entry: &LawFile, sketch: &Sketch) -> Result<Vec<(f64, f64)>, String> {
+fn curve(entry: &LawEntry, sketch: &Sketch) -> Result<Vec<(f64, f64)>, String> {
     let law = &entry.law;
     let (mut graph, mut names) = (Graph::default(), Names::default());
     let number = |name: &str| -> Option<f64> {

@@ -1,17 +1,17 @@
 //! Laws for people: a list, one law with its parameters, a page with all pictures.
 
-use super::file::LawFile;
 use crate::table::{aligned, short};
+use phisindy_phys::LawEntry;
 
 /// One line for each law.
-pub fn list(all: &[LawFile]) -> String {
+pub fn list(all: &[LawEntry]) -> String {
     let rows: Vec<Vec<String>> =
         all.iter().map(|e| vec![e.id.clone(), e.law.name.clone(), e.law.about.clone()]).collect();
     aligned(&rows).join("\n") + "\n"
 }
 
-/// One law for people: name, description, parameters, reference, text.
-pub fn shown(entry: &LawFile) -> String {
+/// One law, for people: its name, what it says, its parameters, where it comes from, its text.
+pub fn shown(entry: &LawEntry) -> String {
     let law = &entry.law;
     let mut lines = vec![format!("{} ({})", law.name, entry.id), law.about.clone(), String::new()];
     lines.extend(law.acts());
@@ -32,8 +32,8 @@ pub fn shown(entry: &LawFile) -> String {
     lines.join("\n") + "\n"
 }
 
-/// A page of Markdown with all laws and links to their pictures.
-pub fn gallery(all: &[LawFile]) -> String {
+/// All laws with their pictures, as a page of Markdown.
+pub fn gallery(all: &[LawEntry]) -> String {
     let mut out = String::from(
         "# The catalogue of laws\n\nWritten by `phisindy laws --out docs/laws` from the files in `specs/laws`. Each picture is drawn along the motion `x = sin t`, `v = cos t`, with example\nnumbers; a law of your own gets one by a line `sketch: (over: \"v\", with: { ... })`.\n",
     );

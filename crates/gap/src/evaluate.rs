@@ -1,6 +1,5 @@
 //! Expressions along a measured motion.
 
-use crate::course::node;
 use crate::motion::Motion;
 use crate::place::{Place, Site};
 use phisindy_expr::{Id, Scratch, Tape};
@@ -36,9 +35,7 @@ pub(crate) fn evaluated(tape: &Tape, motion: &Motion, grid: &[f64], series: &[&[
 /// The velocity of a place along a motion.
 pub(crate) fn speed(system: &System, motion: &Motion, place: &Place) -> Option<Vec<f64>> {
     let Site::Force { velocity, .. } = &place.site else { return None };
-    let mut graph = system.graph.clone();
-    let speed = node(&mut graph, system, velocity)?;
-    let tape = Tape::compile(&graph, &system.arguments(), &[speed]).ok()?;
+    let tape = Tape::compile(&system.graph, &system.arguments(), &[velocity.node]).ok()?;
     evaluated(&tape, motion, &[], &[]).pop()
 }
 

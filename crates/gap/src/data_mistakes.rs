@@ -1,6 +1,7 @@
 //! Mistakes in a file that no missing effect explains: columns of two bodies exchanged, a unit that is off by a factor.
 
-use crate::fitted::Fitted;
+use crate::model::Fitted;
+use crate::result::{DataMistake, Named};
 use phisindy_signal::{noise_level, standard_deviation};
 
 /// A column that is this many times what the model gives, in its very shape, has the wrong unit.
@@ -11,12 +12,14 @@ const OUT_OF_ALL_PROPORTION: f64 = 300.0;
 const MOVES: f64 = 10.0;
 /// Correlation above which two curves have one shape.
 const ALIKE: f64 = 0.95;
+/// Correlation below which a column does not follow its own model.
+const UNLIKE: f64 = 0.8;
 
-/// What the records of a fitted model look like, in words with what to do.
-pub(crate) fn mistaken(base: &Fitted) -> Vec<String> {
-    let states = &base.draft.case.system.states;
+/// What the records of a fitted model look like, as far as something is wrong with them.
+pub(crate) fn data_mistakes(base: &Fitted) -> Vec<DataMistake> {
+    let states = &base.model.system.states;
     let mut found = Vec::new();
-    for (record, fit) in base.draft.records.iter().zip(&base.cal.records) {
+    for (record, fit) in base.model.records.iter().zip(&base.cal.records) {
         let simulated = |k: usize| -> Option<Vec<f64>> {
             let column = record.columns[k].as_ref()?;
             let residual = &fit.residuals[k];
@@ -27,29 +30,21 @@ pub(crate) fn mistaken(base: &Fitted) -> Vec<String> {
             (0..states.len()).filter_map(|k| Some((k, record.columns[k].as_ref()?, simulated(k)?))).collect();
         for (i, (a, measured, own)) in all.iter().enumerate() {
             let (slope, alike) = agreement(own, measured);
+            let of = || Named { record: record.name.clone(), column: states[*a].name.clone() };
             if alike > ALIKE && !(1.0 / SCALE..SCALE).contains(&slope) {
-                found.push(format!(
-                    "{}: `{}` has the shape that the model gives, but {slope:.3} times its size: are the units of the column, and of the forces, right?",
-                    record.name, states[*a].name
-                ));
+                found.push(DataMistake::Scale { of: of(), factor: slope });
             }
             let larger = standard_deviation(own) / standard_deviation(measured);
             let far = !(1.0 / OUT_OF_ALL_PROPORTION..OUT_OF_ALL_PROPORTION).contains(&larger);
             if alike <= ALIKE && far && standard_deviation(measured) > MOVES * noise_level(measured) {
-                found.push(format!(
-                    "{}: the model moves `{}` {larger:.1e} times as much as the record shows: are the units of the columns, of the forces and of the constants right?",
-                    record.name, states[*a].name
-                ));
+                found.push(DataMistake::Proportion { of: of(), factor: larger });
             }
             for (b, other, theirs) in all[i + 1..].iter().filter(|(b, ..)| states[*b].unit == states[*a].unit)
             {
                 let now = alike.min(agreement(theirs, other).1);
                 let swapped = agreement(own, other).1.min(agreement(theirs, measured).1);
-                if swapped > ALIKE && now < 0.8 {
-                    found.push(format!(
-                        "{}: `{}` fits what the model gives for `{}`, and the other way round: the two columns are probably swapped",
-                        record.name, states[*a].name, states[*b].name
-                    ));
+                if swapped > ALIKE && now < UNLIKE {
+                    found.push(DataMistake::Swapped { of: of(), other: states[*b].name.clone() });
                 }
             }
         }

@@ -1,27 +1,26 @@
-//! What a round tries: drafts of the model with one or two effects more, from starts that a fit can use.
+//! What a round tries: the model with one or two effects more, from starts that a fit can use.
 
-use crate::draft::Draft;
-use crate::effect::{Effect, Entry, fits};
-use crate::fitted::{Fitted, current, values};
-use crate::place::{Place, Site, places};
-use crate::screen::{Candidate, Screening, excludes, imitated};
-use crate::search::{BEST, Search};
+use super::{BEST, Search};
+use crate::model::{Fitted, TrialModel, current, values};
+use crate::place::{Effect, Place, Site, fits, is_force};
+use crate::screen::{Candidate, Screening, excludes, sibling_starts};
+use phisindy_phys::LawEntry;
 use rayon::prelude::*;
 
-/// Of the segments that a glance looks at, the part that tells the starts of one law apart: every third.
+/// The starts of one law are told apart on every third of the segments.
 const SEEDED: usize = 3;
 
 impl Search<'_> {
     /// The best laws for a model that comes to rest, each tried by a few steps of the fit itself: a linear response knows nothing of stops.
-    pub(crate) fn approached(&self, draft: &Draft, found: &Screening) -> Vec<Vec<Effect>> {
+    pub(crate) fn approached(&self, model: &TrialModel, found: &Screening) -> Vec<Vec<Effect>> {
         let mut all: Vec<(f64, Effect)> = found
             .candidates
             .par_iter()
             .filter_map(|c| {
                 let starts = [&c.effect].into_iter().chain(&c.others).map(neutral);
                 let looked = starts.filter_map(|e| {
-                    let d = draft.with(&e).ok()?;
-                    Some((d.approach(self.noise)?, e))
+                    let d = model.with(&e).ok()?;
+                    Some((d.free_run_cost(self.noise)?, e))
                 });
                 looked.min_by(|a, b| a.0.total_cmp(&b.0))
             })
@@ -31,67 +30,67 @@ impl Search<'_> {
     }
 
     /// Every law of the family of the leading friction, started from what the leader found.
-    pub(crate) fn siblings(&self, draft: &Draft, singles: &[Fitted]) -> Vec<Draft> {
+    pub(crate) fn siblings(&self, model: &TrialModel, singles: &[Fitted]) -> Vec<TrialModel> {
         let Some(leader) = singles.first() else { return vec![] };
-        let Some((effect, names, _)) = leader.draft.effects.last() else { return vec![] };
-        let law = &effect.entry.law;
-        if !law.internal.is_empty() || leader.draft.effects.len() != draft.effects.len() + 1 {
+        let Some(last) = leader.model.effects.last() else { return vec![] };
+        let effect = &last.effect;
+        if effect.entry.law.has_memory() || leader.model.effects.len() != model.effects.len() + 1 {
             return vec![];
         }
         let found = Effect {
-            start: values(leader, names, &effect.start),
+            start: values(leader, &last.names, &effect.start),
             beside: leader.found(|p| !p.each),
             ..effect.clone()
         };
         family(self.catalogue, &effect.entry)
             .filter(|e| e.id != effect.entry.id)
-            .filter_map(|e| imitated(&leader.draft, &leader.cal, &found, e))
+            .filter_map(|e| sibling_starts(&leader.model, &leader.cal, &found, e))
             .flatten()
-            .filter_map(|e| draft.with(&e).ok())
+            .filter_map(|e| model.with(&e).ok())
             .collect()
     }
 
     /// The family of the leading friction at every other place, from the levels that the leader found, where it looks no worse: of two places of which one moves little against the other a
     /// linear response sees the stops of both.
-    pub(crate) fn elsewhere(&self, draft: &Draft, singles: &[Fitted]) -> Vec<Draft> {
-        let Some(leader) = singles.iter().find(|f| f.draft.effects.len() == draft.effects.len() + 1) else {
+    pub(crate) fn elsewhere(&self, model: &TrialModel, singles: &[Fitted]) -> Vec<TrialModel> {
+        let Some(leader) = singles.iter().find(|f| f.model.effects.len() == model.effects.len() + 1) else {
             return vec![];
         };
         let effects = current(leader);
         let [.., last] = &effects[..] else { return vec![] };
         let law = &last.entry.law;
-        if law.family != "friction" || !law.internal.is_empty() {
+        if law.family != "friction" || law.has_memory() {
             return vec![];
         }
-        let look = |d: &Draft| d.glance(self.noise, 1).unwrap_or(f64::INFINITY);
-        let here = look(&leader.draft);
+        let look = |d: &TrialModel| d.segment_cost(self.noise, 1).unwrap_or(f64::INFINITY);
+        let here = look(&leader.model);
         let free = |p: &&Place| fits(law, p) && p.at != last.place.at;
-        let everywhere = places(&draft.case.system, &draft.case.records, &draft.internal);
         let family: Vec<Effect> =
             family(self.catalogue, &last.entry).map(|entry| relative(last, entry)).collect();
-        everywhere
+        model
+            .places()
             .iter()
             .filter(free)
             .flat_map(|place| family.iter().map(|e| Effect { place: place.clone(), ..e.clone() }))
-            .filter(|e| !draft.effects.iter().any(|(held, ..)| excludes(held, e)))
-            .filter(|e| !singles.iter().any(|f| f.draft.effects.last().is_some_and(|(own, ..)| own.same(e))))
-            .filter_map(|e| draft.with(&e).ok())
-            .collect::<Vec<Draft>>()
+            .filter(|e| !model.effects.iter().any(|own| excludes(&own.effect, e)))
+            .filter(|e| !singles.iter().any(|f| f.model.effects.last().is_some_and(|own| own.effect.same(e))))
+            .filter_map(|e| model.with(&e).ok())
+            .collect::<Vec<TrialModel>>()
             .into_par_iter()
             .filter(|d| look(d) <= here)
             .collect()
     }
 
     /// The model with each of its effects replaced by a law that contains it.
-    pub(crate) fn richer(&self, draft: &Draft, now: &Fitted) -> Vec<Draft> {
+    pub(crate) fn richer(&self, model: &TrialModel, now: &Fitted) -> Vec<TrialModel> {
         let effects = current(now);
-        let base = draft.without_effects();
+        let base = model.without_effects();
         let mut all = Vec::new();
         for k in 0..effects.len() {
             for entry in self
                 .catalogue
                 .iter()
-                .filter(|e| e.law.simpler.contains(&effects[k].entry.id) && e.law.internal.is_empty())
+                .filter(|e| e.law.simpler.contains(&effects[k].entry.id) && !e.law.has_memory())
             {
                 let mut list = effects.clone();
                 list[k] = relative(&effects[k], entry);
@@ -102,10 +101,10 @@ impl Search<'_> {
     }
 
     /// What a leading law of many parameters may stand for: its simpler relatives, each beside every law of one parameter that acts on the same body or on a sensor.
-    pub(crate) fn parted(&self, draft: &Draft, leader: &Fitted, found: &Screening) -> Vec<Vec<Effect>> {
+    pub(crate) fn parted(&self, model: &TrialModel, leader: &Fitted, found: &Screening) -> Vec<Vec<Effect>> {
         let effects = current(leader);
         let [.., last] = &effects[..] else { return vec![] };
-        if !is_composed(last) || effects.len() != draft.effects.len() + 1 {
+        if !is_composed(last) || effects.len() != model.effects.len() + 1 {
             return vec![];
         }
         let plain = self.catalogue.iter().filter(|e| last.entry.law.simpler.contains(&e.id));
@@ -124,13 +123,13 @@ impl Search<'_> {
             .collect()
     }
 
-    /// Each law from the best of its starts, by a glance.
-    pub(crate) fn seeded(&self, draft: &Draft, laws: Vec<&Candidate>) -> Vec<Vec<Effect>> {
+    /// Each law from the best of its starts, by their cost over segments.
+    pub(crate) fn seeded(&self, model: &TrialModel, laws: Vec<&Candidate>) -> Vec<Vec<Effect>> {
         laws.into_par_iter()
             .map(|c| {
                 let look = |e: &Effect| {
-                    let d = draft.with(e).ok()?;
-                    d.glance(self.noise, SEEDED)
+                    let d = model.with(e).ok()?;
+                    d.segment_cost(self.noise, SEEDED)
                 };
                 let starts: Vec<&Effect> = [&c.effect].into_iter().chain(&c.others).collect();
                 if starts.len() == 1 {
@@ -145,9 +144,9 @@ impl Search<'_> {
 }
 
 /// The laws of a law's family that have no memory; none if it has no family.
-pub(crate) fn family<'a>(catalogue: &'a [Entry], of: &'a Entry) -> impl Iterator<Item = &'a Entry> {
+pub(crate) fn family<'a>(catalogue: &'a [LawEntry], of: &'a LawEntry) -> impl Iterator<Item = &'a LawEntry> {
     let name = &of.law.family;
-    catalogue.iter().filter(move |e| !name.is_empty() && e.law.family == *name && e.law.internal.is_empty())
+    catalogue.iter().filter(move |e| !name.is_empty() && e.law.family == *name && !e.law.has_memory())
 }
 
 /// Whether two forces act on one body.
@@ -200,8 +199,7 @@ pub(crate) fn is_composed(effect: &Effect) -> bool {
 pub(crate) fn neutral(effect: &Effect) -> Effect {
     let law = &effect.entry.law;
     let small = |(v, (_, p)): (&f64, &(String, phisindy_phys::LawParameter))| {
-        let force = phisindy_phys::unit::Unit::parse(&p.unit).is_ok_and(|u| u.dimension.powers()[0] != 0.0);
-        if force { (0.05 * v).clamp(p.within.0, p.within.1) } else { *v }
+        if is_force(&p.unit) { (0.05 * v).clamp(p.within.0, p.within.1) } else { *v }
     };
     let start = match law.sensor.as_deref() {
         Some("gain") => vec![1.0],
@@ -212,7 +210,7 @@ pub(crate) fn neutral(effect: &Effect) -> Effect {
 }
 
 /// A simpler law in the place of another, started from its first level.
-pub(crate) fn relative(effect: &Effect, entry: &Entry) -> Effect {
+pub(crate) fn relative(effect: &Effect, entry: &LawEntry) -> Effect {
     let level = effect.start.first().copied().unwrap_or(0.0);
     let first = entry.law.parameters.first().map_or("", |(_, p)| p.unit.as_str());
     // Levels start at the level; what may have either sign, at nothing; a speed at a small one.

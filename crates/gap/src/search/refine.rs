@@ -1,12 +1,11 @@
 //! A model that was found, mended: effects at other places, siblings in each other's place, fewer and simpler effects.
 
-use crate::draft::Draft;
-use crate::effect::{Effect, fits};
-use crate::fitted::{Fitted, current};
-use crate::place::{Site, places};
-use crate::proposals::{family, relative};
-use crate::screen::{excludes, imitated};
-use crate::search::{EFFECTS, Measure, RACE, SIMPLER, Search};
+use super::proposals::{family, relative};
+use super::{EFFECTS, RACE, SIMPLER, Search};
+use crate::evidence::against;
+use crate::model::{Fitted, Measure, TrialModel, current};
+use crate::place::{Effect, Site, fits};
+use crate::screen::{excludes, sibling_starts};
 use phisindy_learn::Effort;
 use rayon::prelude::*;
 
@@ -23,11 +22,10 @@ impl Search<'_> {
             if effects.len() < 2 {
                 break;
             }
-            let base = now.draft.without_effects();
-            let everywhere = places(&base.case.system, &base.case.records, &base.internal);
+            let base = now.model.without_effects();
             let elsewhere = |k: usize| {
                 let own = &effects[k];
-                let free = everywhere.iter().filter(|p| fits(&own.entry.law, p) && p.at != own.place.at);
+                let free = base.places().iter().filter(|p| fits(&own.entry.law, p) && p.at != own.place.at);
                 free.map(|p| Effect { place: p.clone(), ..own.clone() }).collect::<Vec<_>>()
             };
             let trials: Vec<Vec<Effect>> = (0..effects.len())
@@ -35,9 +33,9 @@ impl Search<'_> {
                 .filter(|(k, e)| effects.iter().enumerate().all(|(j, other)| j == *k || !excludes(other, e)))
                 .map(|(k, e)| replaced(&effects, k, e))
                 .collect();
-            let (noise, veto) = (self.noise, self.veto);
+            let noise = self.noise;
             let others: Vec<Fitted> =
-                trials.par_iter().filter_map(|list| instead(&base, &now, list, noise, veto)).collect();
+                trials.par_iter().filter_map(|list| instead(&base, &now, list, noise)).collect();
             match better(&now, others, candidates) {
                 Some(better) => now = better,
                 None => break,
@@ -50,16 +48,16 @@ impl Search<'_> {
     /// while the others were missing.
     pub(crate) fn exchanged(&self, now: Fitted, candidates: usize) -> Fitted {
         let effects = current(&now);
-        if effects.len() < 2 || now.fit > NEAR {
+        if effects.len() < 2 || now.score.fit > NEAR {
             return now;
         }
-        let base = now.draft.without_effects();
+        let base = now.model.without_effects();
         let kin = |k: usize| {
             let own = &effects[k];
             let law = &own.entry.law;
             family(self.catalogue, &own.entry)
-                .filter(|e| law.internal.is_empty() && e.id != own.entry.id && !law.simpler.contains(&e.id))
-                .filter_map(|e| imitated(&now.draft, &now.cal, own, e))
+                .filter(|e| !law.has_memory() && e.id != own.entry.id && !law.simpler.contains(&e.id))
+                .filter_map(|e| sibling_starts(&now.model, &now.cal, own, e))
                 .flatten()
                 .collect::<Vec<Effect>>()
         };
@@ -67,13 +65,14 @@ impl Search<'_> {
             .flat_map(|k| kin(k).into_iter().map(move |e| (k, e)))
             .map(|(k, e)| replaced(&effects, k, e))
             .collect();
-        let (noise, veto) = (self.noise, self.veto);
+        let noise = self.noise;
         let fitted = |list: &Vec<Effect>| {
             let other = refitted(base.with_all(list).ok()?, &now, noise)?;
-            list.iter().all(|e| veto(&other, e).is_none()).then_some(other)
+            list.iter().all(|e| against(&other, e).is_none()).then_some(other)
         };
         let others: Vec<Fitted> = trials.par_iter().filter_map(fitted).collect();
-        let carries = |f: &Fitted| f.carried.zip(now.carried).is_none_or(|(a, b)| a < ALIKE * b);
+        let carries =
+            |f: &Fitted| f.score.predictive.zip(now.score.predictive).is_none_or(|(a, b)| a < ALIKE * b);
         better(&now, others, candidates).filter(carries).unwrap_or(now)
     }
 
@@ -81,8 +80,7 @@ impl Search<'_> {
     pub(crate) fn simplified(&self, mut now: Fitted, candidates: usize) -> Fitted {
         'again: loop {
             let effects = current(&now);
-            let base = now.draft.without_effects();
-            let everywhere = places(&base.case.system, &base.case.records, &base.internal);
+            let base = now.model.without_effects();
             for k in 0..effects.len() {
                 let mut trials: Vec<Vec<Effect>> = Vec::new();
                 if effects.len() > 1 {
@@ -123,21 +121,22 @@ impl Search<'_> {
                 for j in (0..effects.len()).filter(|&j| j != k && effects[j].entry.id == effects[k].entry.id)
                 {
                     let between = format!("{}-{}", effects[k].place.at, effects[j].place.at);
-                    let Some(place) = everywhere.iter().find(|p| p.at == between) else { continue };
+                    let Some(place) = base.places().iter().find(|p| p.at == between) else { continue };
                     let one = Effect { place: place.clone(), ..effects[k].clone() };
                     let others = effects.iter().enumerate().filter(|(i, _)| *i != k && *i != j);
                     trials.push(others.map(|(_, e)| e.clone()).chain([one]).collect());
                 }
-                let (noise, veto, model) = (self.noise, self.veto, &now);
+                let (noise, model) = (self.noise, &now);
                 let fitted: Vec<Fitted> =
-                    trials.par_iter().filter_map(|list| instead(&base, model, list, noise, veto)).collect();
+                    trials.par_iter().filter_map(|list| instead(&base, model, list, noise)).collect();
                 for simple in fitted {
                     let same = self.as_good(&simple, &now, candidates);
-                    let by = Measure::of([&simple, &now], candidates);
-                    let carries = simple.carried.zip(now.carried).is_none_or(|(a, b)| a < ALIKE * b)
-                        || !now.is_white()
-                        || by.score(&simple) + SIMPLER < by.score(&now);
-                    if same && carries && (simple.is_white() || !now.is_white()) {
+                    let by = Measure::of([&simple.score, &now.score], candidates);
+                    let carries =
+                        simple.score.predictive.zip(now.score.predictive).is_none_or(|(a, b)| a < ALIKE * b)
+                            || !now.score.is_white()
+                            || by.criterion(&simple.score) + SIMPLER < by.criterion(&now.score);
+                    if same && carries && (simple.score.is_white() || !now.score.is_white()) {
                         now = simple;
                         continue 'again;
                     }
@@ -157,41 +156,35 @@ fn replaced(effects: &[Effect], k: usize, other: Effect) -> Vec<Effect> {
 
 /// The best of some models of the same size, if it is better than `now` by more than chance.
 fn better(now: &Fitted, others: Vec<Fitted>, candidates: usize) -> Option<Fitted> {
-    let by = Measure::of(others.iter().chain([now]), candidates);
-    let best = others.into_iter().min_by(|a, b| by.score(a).total_cmp(&by.score(b)));
-    best.filter(|b| by.score(b) + SIMPLER < by.score(now))
+    let by = Measure::of(others.iter().chain([now]).map(|f| &f.score), candidates);
+    let best = others.into_iter().min_by(|a, b| by.criterion(&a.score).total_cmp(&by.criterion(&b.score)));
+    best.filter(|b| by.criterion(&b.score) + SIMPLER < by.criterion(&now.score))
 }
 
 /// A model with other effects than a fitted one, fitted from there; `None` if it is far behind after a few steps, or evidence speaks against it.
-fn instead(
-    base: &Draft,
-    now: &Fitted,
-    list: &[Effect],
-    noise: &[Vec<f64>],
-    veto: &(dyn Fn(&Fitted, &Effect) -> Option<String> + Sync),
-) -> Option<Fitted> {
-    let mut draft = base.with_all(list).ok()?;
-    now.starts(&mut draft);
-    let look = if now.rests() { draft.approach(noise) } else { draft.glance(noise, 1) }?;
-    if look > RACE * now.fit.powi(2).max(1.0) {
+fn instead(base: &TrialModel, now: &Fitted, list: &[Effect], noise: &[Vec<f64>]) -> Option<Fitted> {
+    let mut model = base.with_all(list).ok()?;
+    now.starts(&mut model);
+    let cost = if now.rests() { model.free_run_cost(noise) } else { model.segment_cost(noise, 1) }?;
+    if cost > RACE * now.score.fit.powi(2).max(1.0) {
         return None;
     }
-    let other = refitted(draft, now, noise)?;
-    list.iter().all(|e| veto(&other, e).is_none()).then_some(other)
+    let other = refitted(model, now, noise)?;
+    list.iter().all(|e| against(&other, e).is_none()).then_some(other)
 }
 
 /// A part of a fitted model, which starts near where it should end. Through stops the way over short segments may lead astray: then also straight from where that
 /// model's runs started.
-pub(crate) fn refitted(mut draft: Draft, whole: &Fitted, noise: &[Vec<f64>]) -> Option<Fitted> {
-    whole.starts(&mut draft);
+pub(crate) fn refitted(mut model: TrialModel, whole: &Fitted, noise: &[Vec<f64>]) -> Option<Fitted> {
+    whole.starts(&mut model);
     let straight = if whole.rests() || whole.strikes() {
-        Fitted::new(draft.clone(), noise, Effort::Thorough).ok()
+        Fitted::new(model.clone(), noise, Effort::Thorough).ok()
     } else {
         None
     };
-    let long = Fitted::new(draft, noise, Effort::Plain).ok();
+    let long = Fitted::new(model, noise, Effort::Plain).ok();
     match (straight, long) {
-        (Some(a), Some(b)) => Some(if a.fit < b.fit { a } else { b }),
+        (Some(a), Some(b)) => Some(if a.score.fit < b.score.fit { a } else { b }),
         (a, b) => a.or(b),
     }
 }

@@ -2,15 +2,16 @@
 
 use super::gram::solve;
 use super::seeded;
-use crate::along::{evaluated, speed};
-use crate::draft::Draft;
-use crate::effect::{Effect, Entry};
+use crate::evaluate::{evaluated, speed};
+use crate::model::TrialModel;
 use crate::motion::Motion;
-use crate::place::Site;
-use crate::recipe::Recipe;
+use crate::place::{Effect, Site};
+
+use super::regressors::Regressors;
 use faer::Mat;
 use phisindy_expr::Tape;
 use phisindy_learn::Calibration;
+use phisindy_phys::LawEntry;
 use phisindy_phys::spec::Role;
 
 /// An imitation that explains this part of what the best one does is worth a fit of its own: the regression weighs speeds as the sibling's force has them.
@@ -21,18 +22,18 @@ const JUST: f64 = 1e-5;
 
 /// Starts of a law from the force that a fitted sibling at the same place has: its columns regressed on that force along the motion, one for each of its inner
 /// parameters that does nearly as well as the best. None where that gives nothing within the law's bounds.
-pub(crate) fn imitated(
-    draft: &Draft,
+pub(crate) fn sibling_starts(
+    model: &TrialModel,
     fitted: &Calibration,
     sibling: &Effect,
-    entry: &Entry,
+    entry: &LawEntry,
 ) -> Option<Vec<Effect>> {
-    let system = &draft.case.system;
-    let r = draft.records.iter().position(|r| r.role == Role::Fit)?;
-    let mut motion = Motion::new(system, &draft.records[r], &draft.smooth[r], r, fitted);
+    let system = &model.system;
+    let r = model.records.iter().position(|r| r.role == Role::Fit)?;
+    let mut motion = Motion::new(system, &model.records[r], &model.smooth[r], r, fitted);
     let start = entry.law.parameters.iter().map(|_| 0.0).collect();
     let wanted = Effect { entry: entry.clone(), start, mirror: false, ..sibling.clone() };
-    let (own, other) = (Recipe::new(sibling, system)?, Recipe::new(&wanted, system)?);
+    let (own, other) = (Regressors::new(sibling, system)?, Regressors::new(&wanted, system)?);
     // What a contact holds at rest it holds just before it slips.
     let speeds: Vec<f64> = speed(system, &motion, &sibling.place)?;
     let top = speeds.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
@@ -42,14 +43,14 @@ pub(crate) fn imitated(
     for (i, speed) in speeds.iter().enumerate().filter(|(_, speed)| speed.abs() <= slow) {
         motion.states[i * n + state] += JUST * top * speed.signum() - speed;
     }
-    let along = |recipe: &Recipe, grid: &[f64]| -> Option<Vec<Vec<f64>>> {
+    let columns_of = |regressors: &Regressors, grid: &[f64]| -> Option<Vec<Vec<f64>>> {
         let mut all = system.arguments();
-        all.extend(&recipe.symbols);
-        let tape = Tape::compile(&recipe.graph, &all, &recipe.columns).ok()?;
+        all.extend(&regressors.symbols);
+        let tape = Tape::compile(&regressors.graph, &all, &regressors.columns).ok()?;
         Some(evaluated(&tape, &motion, grid, &[]))
     };
     let (coefficients, grid) = own.direct(&sibling.start)?;
-    let columns = along(&own, &grid)?;
+    let columns = columns_of(&own, &grid)?;
     let samples = motion.samples();
     let force: Vec<f64> =
         (0..samples).map(|i| columns.iter().zip(&coefficients).map(|(c, k)| c[i] * k).sum()).collect();
@@ -60,7 +61,7 @@ pub(crate) fn imitated(
     };
     let mut all: Vec<(f64, Effect)> = Vec::new();
     for grid in tried {
-        let columns = along(&other, &grid)?;
+        let columns = columns_of(&other, &grid)?;
         let n = columns.len() + 1;
         let value = |k: usize, i: usize| if k == 0 { force[i] } else { columns[k - 1][i] };
         let gram = Mat::from_fn(n, n, |a, b| (0..samples).map(|i| value(a, i) * value(b, i)).sum::<f64>());

@@ -1,9 +1,8 @@
 //! What may be behind a gap that no law of a force explains: a tone, a drift, noise of the measured inputs.
 
-use crate::draft::Draft;
 use crate::drive::Drive;
-use crate::fitted::Fitted;
-use crate::verdict::EXPLAINED;
+use crate::model::{EXPLAINED, Fitted, TrialModel};
+use crate::result::{Cause, InputNoise, Named};
 use crate::whiteness::{lines, mean_step, share};
 use phisindy_learn::Effort;
 use phisindy_phys::Record;
@@ -12,6 +11,7 @@ use phisindy_signal::{Differentiator, Interpolation, Signal, noise_level, standa
 use phisindy_sim::{Noise, Streams, add_noise};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// A tone, or a drift, that holds at least this part of what is left of a column is told.
 const MOST: f64 = 0.5;
@@ -22,22 +22,21 @@ const DRAWS: usize = 4;
 /// An input that changes from sample to sample by more than this part of its size does so because that is what it is.
 const ROUGH: f64 = 0.2;
 
-/// What else than a force may be behind what is left, in words with what to do.
-/// `base` is the model as it was: an effect may bend a drift.
-pub(crate) fn causes(base: &Fitted, last: &Fitted) -> Vec<String> {
+/// What else than a force may be behind what is left. `base` is the model as it was: an effect may bend a drift.
+pub(crate) fn causes(base: &Fitted, last: &Fitted) -> Vec<Cause> {
     let mut told = Vec::new();
-    let system = &last.draft.case.system;
+    let system = &last.model.system;
     let fitted = |(_, (r, _)): &(usize, (&Record, _))| r.role == Role::Fit;
     let was = |r: usize, name: &str| {
-        let state = base.draft.case.system.state(name)?;
+        let state = base.model.system.state(name)?;
         base.cal.records[r].residuals.get(state)
     };
-    for (r, (record, fit)) in last.draft.records.iter().zip(&last.cal.records).enumerate().filter(fitted) {
+    for (r, (record, fit)) in last.model.records.iter().zip(&last.cal.records).enumerate().filter(fitted) {
         let mut drive = Drive::new(system, record);
         for ((state, residual), column) in system.states.iter().zip(&fit.residuals).zip(&record.columns) {
             let Some(column) = column.as_ref().filter(|c| c.len() == residual.len()) else { continue };
-            let of = format!("of what is left of {} in {}", state.name, record.name);
-            let drifts = |residual: &Vec<f64>| drift(&record.time, residual, column, &state.name, &of);
+            let of = Named { record: record.name.clone(), column: state.name.clone() };
+            let drifts = |residual: &Vec<f64>| drift(&record.time, residual, column, &of);
             told.extend(was(r, &state.name).and_then(drifts).or_else(|| drifts(residual)));
             told.extend(tone(record, residual, drive.as_mut(), &of));
         }
@@ -45,33 +44,27 @@ pub(crate) fn causes(base: &Fitted, last: &Fitted) -> Vec<String> {
     told
 }
 
-/// The noise of the measured inputs, where much of what is left may come from it, in words: the same inputs with as much noise once more lead the model as far from where it went.
-pub(crate) fn inputs(last: &Fitted, noise: &[Vec<f64>]) -> Option<String> {
-    if last.fit <= EXPLAINED {
+/// The noise of the measured inputs, where much of what is left may come from it: the same inputs with as much noise once more lead the model as far from where it went.
+pub(crate) fn input_noise(last: &Fitted, noise: &[Vec<f64>]) -> Option<InputNoise> {
+    if last.score.fit <= EXPLAINED {
         return None;
     }
-    let settled = last.settled().ok()?;
-    let (draws, of): (Vec<Draft>, Vec<Vec<usize>>) =
+    let settled = last.settled();
+    let (draws, of): (Vec<TrialModel>, Vec<Vec<usize>>) =
         (0..DRAWS).filter_map(|draw| disturbed(&settled, draw)).unzip();
-    let names: Vec<&str> = of.first()?.iter().map(|k| settled.case.system.inputs[*k].name.as_str()).collect();
-    if names.is_empty() {
+    let inputs: Vec<String> = of.first()?.iter().map(|k| settled.system.inputs[*k].name.clone()).collect();
+    if inputs.is_empty() {
         return None;
     }
-    let apart: Vec<f64> = draws.into_par_iter().filter_map(|draft| parted(last, draft, noise)).collect();
+    let apart: Vec<f64> = draws.into_par_iter().filter_map(|model| difference(last, model, noise)).collect();
     // The square of the gap that it alone leaves, but for the noise of what it is compared with.
     let made = apart.iter().sum::<f64>() / apart.len() as f64;
-    (made > PART * (last.fit.powi(2) - 1.0)).then(|| {
-        format!(
-            "what changes in {} from sample to sample, as noise does, moves the model and not the rig: so much noise alone leaves a gap of about {:.2} on the fitted data, where {:.2} is left; measure that input with less noise, or say in the spec what was commanded",
-            names.join(" and "),
-            (1.0 + made).sqrt(),
-            last.fit
-        )
-    })
+    let much = made > PART * (last.score.fit.powi(2) - 1.0);
+    much.then(|| InputNoise { inputs, alone: (1.0 + made).sqrt(), left: last.score.fit })
 }
 
 /// A residual that is a straight line in time above all.
-fn drift(time: &[f64], residual: &[f64], column: &[f64], name: &str, of: &str) -> Option<String> {
+fn drift(time: &[f64], residual: &[f64], column: &[f64], of: &Named) -> Option<Cause> {
     let n = residual.len() as f64;
     let mean = |v: &[f64]| v.iter().sum::<f64>() / n;
     let (middle, level) = (mean(time), mean(residual));
@@ -83,16 +76,15 @@ fn drift(time: &[f64], residual: &[f64], column: &[f64], name: &str, of: &str) -
     }
     let part = te * te / (tt * ee);
     let swing = te / tt * (time.last()? - time.first()?);
-    (part > MOST && swing.abs() > noise_level(column)).then(|| {
-        format!(
-            "{:.0} % {of} grows with time, by {swing:.3e} (SI) from end to end: drift of a sensor, perhaps as it warms up; `detrend: {{ \"{name}\": Linear }}` takes it off",
-            100.0 * part
-        )
+    (part > MOST && swing.abs() > noise_level(column)).then(|| Cause::Drift {
+        of: of.clone(),
+        share: part,
+        swing,
     })
 }
 
 /// A residual that is one tone above all, for no law of a force has to be behind it.
-fn tone(record: &Record, residual: &[f64], drive: Option<&mut Drive<'_>>, of: &str) -> Option<String> {
+fn tone(record: &Record, residual: &[f64], drive: Option<&mut Drive<'_>>, of: &Named) -> Option<Cause> {
     let step = mean_step(&record.time);
     let line = *lines(residual, step, 1, 0).first()?;
     let part = share(residual, line * step);
@@ -102,20 +94,14 @@ fn tone(record: &Record, residual: &[f64], drive: Option<&mut Drive<'_>>, of: &s
         return None;
     }
     let driven = drive.is_some_and(|d| d.lines().iter().any(|own| (own - line).abs() * span < TAU));
-    (!driven).then(|| {
-        format!(
-            "{:.0} % {of} is one tone of {line:.4} rad/s ({:.4} Hz): hum of the sensor or the mains, a drive that the model does not know, or the rig's own frequency where it is another one than the model's",
-            100.0 * part,
-            line / TAU
-        )
-    })
+    (!driven).then(|| Cause::Tone { of: of.clone(), share: part, frequency: line })
 }
 
 /// A model with as much noise once more on the measured inputs of its Fit records, and those inputs.
-fn disturbed(draft: &Draft, draw: usize) -> Option<(Draft, Vec<usize>)> {
-    let (mut out, mut all) = (draft.clone(), Vec::new());
-    for (record, plan) in out.records.iter_mut().zip(&draft.case.records).filter(|(r, _)| r.role == Role::Fit)
-    {
+fn disturbed(model: &TrialModel, draw: usize) -> Option<(TrialModel, Vec<usize>)> {
+    let (mut out, mut all) = (model.clone(), Vec::new());
+    let records = Arc::make_mut(&mut out.records).iter_mut().zip(&model.given.plans);
+    for (record, plan) in records.filter(|(r, _)| r.role == Role::Fit) {
         let (noisy, of) = noisier(record, &plan.differentiators, draw)?;
         *record = noisy;
         all.extend(of);
@@ -154,7 +140,7 @@ fn noisier(record: &Record, how: &[Differentiator], draw: usize) -> Option<(Reco
 }
 
 /// The mean square, in units of the noise, by which another model's residuals differ on Fit records.
-fn parted(last: &Fitted, other: Draft, noise: &[Vec<f64>]) -> Option<f64> {
+fn difference(last: &Fitted, other: TrialModel, noise: &[Vec<f64>]) -> Option<f64> {
     let other = Fitted::new(other, noise, Effort::Thorough).ok()?;
     let (mut sum, mut count) = (0.0, 0usize);
     let records = other.cal.records.iter().zip(&last.cal.records).zip(noise);

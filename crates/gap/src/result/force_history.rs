@@ -1,19 +1,17 @@
 //! The force of an effect along the motion of the final model: what a picture of it shows.
 
-use crate::effect::Effect;
-use crate::found::{Gap, Step};
-use crate::place::Site;
-use phisindy_expr::{Graph, Id, Scratch, Tape, parse};
+use super::{Gap, Step};
+use crate::place::{Effect, Site};
+use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::unit::Unit;
-use phisindy_phys::{Record, System};
-use std::collections::HashMap;
+use phisindy_phys::{LawRole, Record};
 
 /// Samples of a record that are looked at, about: more would not show in a picture.
 const ROWS: usize = 4_000;
 
 /// The force of an effect against a displacement, a velocity or the time, as the picture of its law is drawn.
 #[derive(Clone, Debug)]
-pub struct Course {
+pub struct ForceHistory {
     /// What it is told against, in the language of the specs.
     pub over: String,
     /// The unit of that.
@@ -33,23 +31,21 @@ pub struct Course {
 
 /// The force of a step in the final model of `found`, along its runs; `records` are those that were searched. `None` for what acts on a
 /// sensor, or where no record could be run.
-pub fn course(found: &Gap, step: &Step, records: &[Record]) -> Option<Course> {
+pub fn force_history(found: &Gap, step: &Step, records: &[Record]) -> Option<ForceHistory> {
     let effect = &step.effect;
     let Site::Force { displacement, velocity, state, .. } = &effect.place.site else { return None };
     let law = &effect.entry.law;
-    let has = |letter: char| law.roles.iter().any(|(name, _)| name.starts_with(letter));
     let drawn = law.sketch.as_ref().and_then(|s| s.over.chars().next());
-    let letter = drawn.unwrap_or(if has('v') { 'v' } else { 'x' });
-    let (over, over_unit) = match (letter, displacement) {
-        ('x', Some(x)) => (x.as_str(), "m"),
-        ('t', _) => ("t", "s"),
-        _ => (velocity.as_str(), "m/s"),
-    };
+    let letter = drawn.unwrap_or(if law.role(LawRole::Velocity).is_some() { 'v' } else { 'x' });
     let system = &found.simulated.system;
-    let mut graph = system.graph.clone();
-    let sign = if law.push.is_some() { 1.0 } else { -1.0 };
-    let force = node(&mut graph, system, &step.expression)?;
-    let (place, speed) = (node(&mut graph, system, over)?, node(&mut graph, system, velocity)?);
+    let (over, place, over_unit) = match (letter, displacement) {
+        ('x', Some(x)) => (x.text.as_str(), x.node, "m"),
+        ('t', _) => ("t", system.time, "s"),
+        _ => (velocity.text.as_str(), velocity.node, "m/s"),
+    };
+    let graph = &system.graph;
+    let sign = if law.push.is_some() { -1.0 } else { 1.0 };
+    let (force, speed) = (step.force?, velocity.node);
     // The force alone: a load of the records is part of the expression already.
     let bare = Effect { load: None, ..effect.clone() };
     let unit = bare.unit("N", system);
@@ -59,7 +55,7 @@ pub fn course(found: &Gap, step: &Step, records: &[Record]) -> Option<Course> {
     let rest = graph.reachable_above(&[force], &[place]);
     let moving = system.states.iter().map(|s| s.node).chain(system.inputs.iter().map(|u| u.node));
     let function = moving.chain([system.time]).all(|id| id == place || !rest.contains(&id));
-    let tape = Tape::compile(&graph, &system.arguments(), &[place, force, speed]).ok()?;
+    let tape = Tape::compile(graph, &system.arguments(), &[place, force, speed]).ok()?;
     let mut scratch = Scratch::<1>::new(&tape);
     let mut out = Vec::new();
     for (r, record) in records.iter().enumerate() {
@@ -90,7 +86,7 @@ pub fn course(found: &Gap, step: &Step, records: &[Record]) -> Option<Course> {
         }
     }
     let over = over.trim_start_matches('(').trim_end_matches(')').to_owned();
-    (!out.is_empty()).then_some(Course {
+    (!out.is_empty()).then_some(ForceHistory {
         over,
         over_unit,
         unit,
@@ -99,22 +95,6 @@ pub fn course(found: &Gap, step: &Step, records: &[Record]) -> Option<Course> {
         function,
         records: out,
     })
-}
-
-/// A text of the completed spec as a node, its constants as their values.
-pub(crate) fn node(graph: &mut Graph, system: &System, text: &str) -> Option<Id> {
-    let root = graph.lower(&parse(text).ok()?, |name| system.names.get(name)).ok()?;
-    let values = constants(graph, system);
-    Some(graph.replace(&[root], &values)[0])
-}
-
-/// The constants of a spec and their values, as nodes.
-pub(crate) fn constants(graph: &mut Graph, system: &System) -> HashMap<Id, Id> {
-    let value = |(name, value): &(String, f64)| {
-        let symbol = system.names.get(name)?;
-        Some((graph.symbol(symbol), graph.constant(*value)))
-    };
-    system.constants.iter().filter_map(value).collect()
 }
 
 /// The numbers of the final model in a record: its parameters, then the constants of the record.

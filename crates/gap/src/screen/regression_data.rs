@@ -1,11 +1,11 @@
 //! A record as a regression sees it: the measured motion, the linear system that responds to it, and what may move already.
 
-use crate::along::{evaluated, speed};
-use crate::draft::Draft;
+use super::response::{Linear, shift};
 use crate::drive::Drive;
+use crate::evaluate::{evaluated, speed};
+use crate::model::TrialModel;
 use crate::motion::{Motion, rest_threshold, resting};
-use crate::place::{Place, Site};
-use crate::response::{Linear, shift};
+use crate::place::Site;
 use crate::whiteness::lines;
 use phisindy_expr::{Id, Tape};
 use phisindy_learn::Calibration;
@@ -25,7 +25,7 @@ pub(super) struct Movable {
 }
 
 /// One record, ready.
-pub(super) struct Ground {
+pub(super) struct RegressionData {
     pub(super) motion: Motion,
     /// Responses of the linear system.
     pub(super) linear: Linear,
@@ -80,20 +80,17 @@ impl Base {
         Some(Base { tape, n, parameters: parameters.len() })
     }
 
-    #[allow(clippy::too_many_arguments)] // what a record is, and what is known of it
-    pub(super) fn ground(
+    pub(super) fn data(
         &self,
-        system: &System,
-        draft: &Draft,
+        model: &TrialModel,
         record: usize,
         fitted: &Calibration,
         noise: &[Vec<f64>],
         stride: usize,
-        places: &[Place],
-    ) -> Option<Ground> {
-        let n = self.n;
-        let data = &draft.records[record];
-        let motion = Motion::new(system, data, &draft.smooth[record], record, fitted);
+    ) -> Option<RegressionData> {
+        let (n, system) = (self.n, &model.system);
+        let data = &model.records[record];
+        let motion = Motion::new(system, data, &model.smooth[record], record, fitted);
         let samples = motion.samples();
         let values = evaluated(&self.tape, &motion, &[], &[]);
         if values[..n + n * n].iter().flatten().any(|v| !v.is_finite()) {
@@ -106,14 +103,13 @@ impl Base {
         (0..samples * n).for_each(|i| rates[i] = values[i % n][i / n]);
         // What rests: bodies for which friction is or may be missing.
         let mut still: Vec<Still> = Vec::new();
-        for place in places {
+        for place in model.places() {
             let Site::Force { acts, velocity, .. } = &place.site else { continue };
             let speed = speed(system, &motion, place)?;
             let least = ((0.04 * motion.period / (span / samples as f64)) as usize).clamp(5, samples);
             let rests = resting(&speed, rest_threshold(&speed), least);
             // Friction that is in the model already holds with what force it needs.
-            let bare = |text: &str| text.replace([' ', '(', ')'], "");
-            let own = system.contacts.iter().any(|c| bare(&c.text) == bare(velocity) && system.rubs(c));
+            let own = system.contacts.iter().any(|c| c.node == velocity.node && system.rubs(c));
             if own {
                 let inertia = |k: usize, i: usize| values[n + n * n + n * self.parameters + k][i];
                 for i in (0..samples).filter(|&i| rests[i]) {
@@ -153,32 +149,32 @@ impl Base {
         let known = linear.response(&bracket, &motion.states[..n]);
         let step = span / (samples - 1) as f64;
         let left = fitted.records[record].residuals.iter().flat_map(|e| lines(e, step, 4, 0)).collect();
-        let bare = draft.without_effects();
-        let drive = Drive::new(&bare.case.system, &bare.records[record]).map_or(vec![], |mut d| d.lines());
-        Some(Ground { motion, linear, known, bracket, rows, rates, stride, still, left, drive })
+        let bare = model.without_effects();
+        let drive = Drive::new(&bare.system, &bare.records[record]).map_or(vec![], |mut d| d.lines());
+        Some(RegressionData { motion, linear, known, bracket, rows, rates, stride, still, left, drive })
     }
 
     /// Target and columns to project out, over all records: start states, parameters, sensors.
     pub(super) fn fixed(
         &self,
         system: &System,
-        draft: &Draft,
+        model: &TrialModel,
         of: &[usize],
-        grounds: &[Ground],
+        data: &[RegressionData],
     ) -> (Vec<Vec<f64>>, Vec<Movable>) {
         let n = self.n;
         let mut movable = Vec::new();
         let mut all: Vec<Vec<f64>> = Vec::new();
-        let total: usize = grounds.iter().map(Ground::height).sum();
+        let total: usize = data.iter().map(RegressionData::height).sum();
         let mut target = Vec::with_capacity(total);
-        for ground in grounds {
-            let predicted = ground.read(&ground.known, true);
-            target.extend(ground.measured().iter().zip(&predicted).map(|(y, p)| y - p));
+        for data in data {
+            let predicted = data.read(&data.known, true);
+            target.extend(data.measured().iter().zip(&predicted).map(|(y, p)| y - p));
         }
         all.push(target);
         let mut before = 0;
-        for ground in grounds {
-            let zero = vec![0.0; ground.bracket.len()];
+        for data in data {
+            let zero = vec![0.0; data.bracket.len()];
             let mut push = |rows: Vec<f64>| {
                 let mut column = vec![0.0; total];
                 column[before..before + rows.len()].copy_from_slice(&rows);
@@ -187,25 +183,25 @@ impl Base {
             for k in 0..n {
                 let mut start = vec![0.0; n];
                 start[k] = 1.0;
-                push(ground.read(&ground.linear.response(&zero, &start), false));
+                push(data.read(&data.linear.response(&zero, &start), false));
             }
-            before += ground.height();
+            before += data.height();
         }
         // Parameters: shared ones over all records, others (and sensors) record by record.
-        let responses: Vec<Vec<Vec<f64>>> = grounds
+        let responses: Vec<Vec<Vec<f64>>> = data
             .par_iter()
-            .map(|ground| {
-                let values = evaluated(&self.tape, &ground.motion, &[], &[]);
+            .map(|data| {
+                let values = evaluated(&self.tape, &data.motion, &[], &[]);
                 (0..self.parameters)
                     .map(|p| {
-                        let samples = ground.motion.samples();
+                        let samples = data.motion.samples();
                         let mut g = vec![0.0; samples * n];
                         for row in 0..n {
                             let column = &values[n + n * n + row * self.parameters + p];
                             (0..samples).for_each(|i| g[i * n + row] = column[i]);
                         }
-                        ground.quiet(&mut g);
-                        ground.read(&ground.linear.response(&g, &vec![0.0; n]), false)
+                        data.quiet(&mut g);
+                        data.read(&data.linear.response(&g, &vec![0.0; n]), false)
                     })
                     .collect()
             })
@@ -213,9 +209,9 @@ impl Base {
         for (p, parameter) in system.parameters.iter().enumerate() {
             let mut before = 0;
             let mut joint = vec![0.0; total];
-            for (r, ground) in grounds.iter().enumerate() {
+            for (r, data) in data.iter().enumerate() {
                 let mut rows = responses[r][p].clone();
-                let sensors = &draft.records[of[r]].sensors;
+                let sensors = &model.records[of[r]].sensors;
                 for which in 0..3 {
                     let states: Vec<usize> = (0..n)
                         .filter(|&k| {
@@ -224,7 +220,7 @@ impl Base {
                         })
                         .collect();
                     if !states.is_empty() {
-                        let own = ground.sensor(&states, which);
+                        let own = data.sensor(&states, which);
                         rows.iter_mut().zip(own).for_each(|(a, b)| *a += b);
                     }
                 }
@@ -235,7 +231,7 @@ impl Base {
                 } else {
                     joint[before..before + rows.len()].copy_from_slice(&rows);
                 }
-                before += ground.height();
+                before += data.height();
             }
             if !parameter.each {
                 // Column 0 is the target.
@@ -248,28 +244,28 @@ impl Base {
             }
         }
         let mut before = 0;
-        for (r, ground) in grounds.iter().enumerate() {
+        for (r, data) in data.iter().enumerate() {
             for k in 0..n {
-                let s = &draft.records[of[r]].sensors[k];
+                let s = &model.records[of[r]].sensors[k];
                 for (which, p) in [&s.offset, &s.gain, &s.delay].into_iter().enumerate() {
                     if p.within.is_some()
                         && p.shared.is_none()
-                        && ground.rows.iter().any(|(state, ..)| *state == k)
+                        && data.rows.iter().any(|(state, ..)| *state == k)
                     {
-                        let rows = ground.sensor(&[k], which);
+                        let rows = data.sensor(&[k], which);
                         let mut column = vec![0.0; total];
                         column[before..before + rows.len()].copy_from_slice(&rows);
                         all.push(column);
                     }
                 }
             }
-            before += ground.height();
+            before += data.height();
         }
         (all, movable)
     }
 }
 
-impl Ground {
+impl RegressionData {
     /// The distance of two frequencies that the record tells apart.
     pub(super) fn resolution(&self) -> f64 {
         let (time, samples) = (&self.motion.time, self.motion.samples());

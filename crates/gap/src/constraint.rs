@@ -1,6 +1,6 @@
 //! The condition that the parameters of a law fulfil, from its file: friction that falls with the speed starts above where it ends.
 
-use phisindy_expr::{Graph, Id, Names, Scratch, Tape, parse};
+use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::Law;
 
 /// A start fulfils the condition by this part of the law's level: on the border the numbers that shape the law have no say.
@@ -28,16 +28,12 @@ pub(crate) fn inside(law: &Law, parameters: &[f64]) -> Vec<f64> {
 }
 
 fn value_and_gradient(law: &Law, parameters: &[f64]) -> Option<(f64, Vec<f64>)> {
-    let (mut graph, mut names) = (Graph::default(), Names::default());
-    let mut symbols: Vec<Id> = Vec::new();
-    for (name, _) in &law.parameters {
-        let symbol = names.intern(name);
-        symbols.push(graph.symbol(symbol));
-    }
-    let value = graph.lower(&parse(&law.needs.as_ref()?.positive).ok()?, |n| names.get(n)).ok()?;
+    let of = law.nodes();
+    let mut graph = of.graph.clone();
+    let value = of.requirement?;
     let mut outputs = vec![value];
-    outputs.extend(graph.gradient(value, &symbols));
-    let mut scratch = Scratch::<1>::new(&Tape::compile(&graph, &symbols, &outputs).ok()?);
+    outputs.extend(graph.gradient(value, &of.parameters));
+    let mut scratch = Scratch::<1>::new(&Tape::compile(&graph, &of.parameters, &outputs).ok()?);
     scratch.at(parameters.iter().copied());
     Some((scratch.output(0)[0], (1..outputs.len()).map(|k| scratch.output(k)[0]).collect()))
 }

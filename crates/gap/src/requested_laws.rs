@@ -1,15 +1,14 @@
 //! Laws that a spec names in `unknown`: written into it as terms with numbers to be found, which start where the motion says.
 
-use crate::draft::Draft;
-use crate::effect::{Effect, Entry, fits};
-use crate::fitted::{Fitted, current, noise, values};
-use crate::place::{Site, places};
-use crate::proposals::neutral;
-use crate::screen::{imitated, screen};
+use crate::model::{Fitted, SpecTextError, TrialModel, current, noise_of, text_with, values};
+use crate::place::{Effect, Site, fits, places};
+use crate::result::ModelError;
+use crate::screen::{screen, sibling_starts};
+use crate::search::neutral;
 use crate::workflow::shortened;
 use phisindy_learn::Effort;
-use phisindy_phys::spec::{Role, Text};
-use phisindy_phys::{Case, Diagnostic, Record, SourceId, spec, splice};
+use phisindy_phys::spec::{Role, Spec, Text};
+use phisindy_phys::{Case, Diagnostic, LawEntry, Record, SourceId, spec, splice};
 use rayon::prelude::*;
 
 /// Starts of a law that are fitted in full: the best by a glance.
@@ -19,7 +18,11 @@ const STARTS: usize = 3;
 ///
 /// # Errors
 /// Diagnostics with their place in the spec: a law that the catalogue does not have, or that cannot act there.
-pub fn asked(case: &Case, catalogue: &[Entry], source: SourceId) -> Result<Vec<Effect>, Vec<Diagnostic>> {
+pub fn requested_laws(
+    case: &Case,
+    catalogue: &[LawEntry],
+    source: SourceId,
+) -> Result<Vec<Effect>, Vec<Diagnostic>> {
     let (mut effects, mut mistakes) = (Vec::new(), Vec::new());
     for (state, name) in &case.laws {
         match effect(case, *state, name, catalogue) {
@@ -31,7 +34,12 @@ pub fn asked(case: &Case, catalogue: &[Entry], source: SourceId) -> Result<Vec<E
 }
 
 /// A law at a state's velocity; else what is wrong, and what to do.
-fn effect(case: &Case, state: usize, name: &Text, catalogue: &[Entry]) -> Result<Effect, (String, String)> {
+fn effect(
+    case: &Case,
+    state: usize,
+    name: &Text,
+    catalogue: &[LawEntry],
+) -> Result<Effect, (String, String)> {
     let ids = || catalogue.iter().map(|e| e.id.as_str());
     let (law, own) = (&name.value, &case.system.states[state].name);
     let Some(entry) = catalogue.iter().find(|e| e.id == *law) else {
@@ -48,7 +56,7 @@ fn effect(case: &Case, state: usize, name: &Text, catalogue: &[Entry]) -> Result
         ));
     }
     let at = |p: &crate::Place| p.at == *own && matches!(p.site, Site::Force { .. });
-    let Some(place) = places(&case.system, &case.records, &[]).into_iter().find(at) else {
+    let Some(place) = places(&mut case.system.clone(), &case.records).into_iter().find(at) else {
         return Err((
             format!("`{own}` is a displacement: a force acts on the rate of its velocity"),
             "put the law into the entry of the velocity".into(),
@@ -69,48 +77,64 @@ fn somewhere((low, high): (f64, f64)) -> f64 {
     if low < 0.0 { 0.0_f64.min(high) } else { 1.0_f64.clamp(low, high) }
 }
 
-/// A spec with these laws written into its known rates in place of their names, and its records. Each law's numbers start where the best fit of the model
-/// with it ends, of several; without a record to fit, or where no fit comes to an end, anywhere within their bounds.
+/// A spec in which laws that it names are written out.
+#[derive(Clone, Debug)]
+pub struct WrittenOut {
+    /// Its text.
+    pub text: String,
+    /// Its records, with a column for each state that a law brings.
+    pub records: Vec<Record>,
+}
+
+/// A spec with these laws written into its known rates in place of their names, and its records. Each law's numbers start where the best fit
+/// of the model with it ends, of several; without a record to fit, or where no fit comes to an end, anywhere within their bounds.
 ///
 /// # Errors
-/// In words: the spec cannot hold a law.
-pub fn written_in(
+/// The spec cannot hold a law.
+pub fn written_out(
     text: &str,
     case: Case,
     records: Vec<Record>,
     effects: &[Effect],
-    catalogue: &[Entry],
-) -> Result<Draft, String> {
-    let whole = Draft::base(text, case, records);
-    let plain = whole.rebuilt(without_laws(text)?, vec![], vec![])?;
-    let effects = started(&whole, effects, catalogue).unwrap_or_else(|| effects.to_vec());
-    plain.with_all(&effects)
+    catalogue: &[LawEntry],
+) -> Result<WrittenOut, ModelError> {
+    let (spec, _) = spec::read(text, SourceId(0)).map_err(|_| ModelError::Spec)?;
+    let whole = TrialModel::base(spec.clone(), case, records);
+    let plain = whole.variant(without_laws(spec.clone())).ok_or(ModelError::Spec)?;
+    let effects = started(&whole, spec.clone(), effects, catalogue).unwrap_or_else(|| effects.to_vec());
+    let full = plain.with_all(&effects)?;
+    let text = text_with(&text_without_laws(text, &spec)?, &full)?;
+    Ok(WrittenOut { text, records: full.records.to_vec() })
 }
 
 /// The effects with starts that were fitted; `None` where nothing can be.
-fn started(whole: &Draft, effects: &[Effect], catalogue: &[Entry]) -> Option<Vec<Effect>> {
+fn started(
+    whole: &TrialModel,
+    spec: Spec,
+    effects: &[Effect],
+    catalogue: &[LawEntry],
+) -> Option<Vec<Effect>> {
     whole.records.iter().find(|r| r.role == Role::Fit)?;
-    let bare = splice::set(&whole.text, "unknown", "{}").ok()?;
-    let bare = whole.rebuilt(bare, vec![], vec![]).ok()?;
+    let bare = whole.variant(Spec { unknown: vec![], ..spec })?;
     let bare = match shortened(&bare.records) {
-        Some(short) => Draft::base(&bare.text, bare.case, short),
+        Some(short) => bare.for_records(short),
         None => bare,
     };
-    let noise = noise(&bare.records);
+    let noise = noise_of(&bare.records);
     let mut now = Fitted::new(bare, &noise, Effort::Plain).ok()?;
     for effect in effects {
         let simpler = catalogue.iter().filter(|e| effect.entry.law.simpler.contains(&e.id));
-        let entries: Vec<Entry> = [&effect.entry].into_iter().chain(simpler).cloned().collect();
+        let entries: Vec<LawEntry> = [&effect.entry].into_iter().chain(simpler).cloned().collect();
         now = best(&now, effect, &entries, &noise)?;
     }
     Some(current(&now))
 }
 
 /// The best fit of a model with one more effect, from the starts that the motion proposes.
-fn best(now: &Fitted, wanted: &Effect, entries: &[Entry], noise: &[Vec<f64>]) -> Option<Fitted> {
-    let draft = now.settled().ok()?;
-    let here = |e: &Effect| e.place == wanted.place && !e.mirror && e.load.is_none();
-    let proposed: Vec<Effect> = match screen(&draft, &now.cal, entries, noise) {
+fn best(now: &Fitted, wanted: &Effect, entries: &[LawEntry], noise: &[Vec<f64>]) -> Option<Fitted> {
+    let model = now.settled();
+    let here = |e: &Effect| e.place.is(&wanted.place) && !e.mirror && e.load.is_none();
+    let proposed: Vec<Effect> = match screen(&model, &now.cal, entries, noise) {
         Some(found) => {
             let all = found.candidates.into_iter().flat_map(|c| [c.effect].into_iter().chain(c.others));
             all.filter(here).collect()
@@ -121,25 +145,25 @@ fn best(now: &Fitted, wanted: &Effect, entries: &[Entry], noise: &[Vec<f64>]) ->
         proposed.into_iter().partition(|e| e.entry.id == wanted.entry.id);
     // One slow curve is hard to reach from a regression, easy from its simpler relative.
     let relatives = simpler.iter().filter_map(|e| {
-        let fitted = Fitted::new(draft.with(e).ok()?, noise, Effort::Plain).ok()?;
-        let (effect, names, _) = fitted.draft.effects.last()?;
+        let fitted = Fitted::new(model.with(e).ok()?, noise, Effort::Plain).ok()?;
+        let last = fitted.model.effects.last()?;
         let found = Effect {
-            start: values(&fitted, names, &effect.start),
-            beside: fitted.found(|p| !p.each && !names.contains(&p.name)),
-            ..effect.clone()
+            start: values(&fitted, &last.names, &last.effect.start),
+            beside: fitted.found(|p| !p.each && !last.names.contains(&p.name)),
+            ..last.effect.clone()
         };
-        imitated(&fitted.draft, &fitted.cal, &found, &wanted.entry)
+        sibling_starts(&fitted.model, &fitted.cal, &found, &wanted.entry)
     });
     let mut starts: Vec<Effect> = relatives.flatten().collect();
     // A linear response knows nothing of stops: friction that is too strong at first never lets go.
     starts.extend(own.iter().map(neutral));
     starts.extend(own);
     starts.push(wanted.clone());
-    let mut looked: Vec<(f64, Draft)> = starts
+    let mut looked: Vec<(f64, TrialModel)> = starts
         .into_par_iter()
         .filter_map(|e| {
-            let d = draft.with(&e).ok()?;
-            let look = d.glance(noise, 1)?;
+            let d = model.with(&e).ok()?;
+            let look = d.segment_cost(noise, 1)?;
             Some((look, d))
         })
         .collect();
@@ -150,18 +174,28 @@ fn best(now: &Fitted, wanted: &Effect, entries: &[Entry], noise: &[Vec<f64>]) ->
     fitted.into_iter().min_by(|a, b| a.cal.chi2.total_cmp(&b.cal.chi2))
 }
 
-/// The text without the names of laws, and without entries of `unknown` that hold nothing else.
-fn without_laws(text: &str) -> Result<String, String> {
-    let (spec, _) = spec::read(text, SourceId(0)).map_err(|_| "the spec cannot be read again")?;
+/// The spec without the names of laws, and without entries of `unknown` that hold nothing else.
+fn without_laws(mut spec: Spec) -> Spec {
+    spec.unknown.retain(|(_, u)| !u.candidates.is_empty());
+    spec.unknown.iter_mut().for_each(|(_, u)| u.laws.clear());
+    spec
+}
+
+/// The same in its text.
+fn text_without_laws(text: &str, spec: &Spec) -> Result<String, ModelError> {
+    let set = |text: &str, path: &str, value: &str| {
+        let wrong = |why: splice::SetError| SpecTextError { path: path.to_owned(), why: why.to_string() };
+        splice::set(text, path, value).map_err(wrong)
+    };
     let mut out = text.to_owned();
     if spec.unknown.iter().any(|(_, u)| u.candidates.is_empty()) {
         let kept = spec.unknown.iter().filter(|(_, u)| !u.candidates.is_empty());
         let entries = kept.map(|(name, u)| format!("\"{}\": {}", name.value, &text[u.span.range()]));
         let entries = format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "));
-        out = splice::set(&out, "unknown", &entries).map_err(|e| e.to_string())?;
+        out = set(&out, "unknown", &entries)?;
     }
     for (name, _) in spec.unknown.iter().filter(|(_, u)| !u.candidates.is_empty() && !u.laws.is_empty()) {
-        out = splice::set(&out, &format!("unknown.{}.laws", name.value), "[]").map_err(|e| e.to_string())?;
+        out = set(&out, &format!("unknown.{}.laws", name.value), "[]")?;
     }
     Ok(out)
 }
@@ -169,26 +203,28 @@ fn without_laws(text: &str) -> Result<String, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use phisindy_phys::{Law, check, spec};
-    use std::sync::Arc;
+    use phisindy_phys::check;
 
     #[test]
     fn laws_leave_the_text_and_candidates_stay() {
-        let spec = |unknown: &str| {
+        let text = |unknown: &str| {
             format!(
                 "(states: {{ \"x\": \"\", \"v\": \"\" }}, known: {{ \"x\": \"v\", \"v\": \"-x\" }}, unknown: {{ {unknown} }}, data: [Synthetic(truth: {{}}, \
                  start: {{ \"x\": 1.0, \"v\": 0.0 }}, duration: 1.0, step: 0.1, noise: None)])"
             )
         };
-        let left = |unknown: &str| without_laws(&spec(unknown)).unwrap();
-        assert_eq!(left("\"v\": (laws: [\"coulomb\"])"), spec(""));
+        let left = |unknown: &str| {
+            let (read, _) = spec::read(&text(unknown), SourceId(0)).unwrap();
+            text_without_laws(&text(unknown), &read).unwrap()
+        };
+        assert_eq!(left("\"v\": (laws: [\"coulomb\"])"), text(""));
         assert_eq!(
             left("\"v\": (candidates: [\"x\"], laws: [\"coulomb\"])"),
-            spec("\"v\": (candidates: [\"x\"], laws: [])")
+            text("\"v\": (candidates: [\"x\"], laws: [])")
         );
         assert_eq!(
             left("\"x\": (candidates: [\"x\"]), \"v\": (laws: [\"coulomb\"])"),
-            spec("\"x\": (candidates: [\"x\"])")
+            text("\"x\": (candidates: [\"x\"])")
         );
     }
 
@@ -200,8 +236,7 @@ mod tests {
             ("stiffness", include_str!("../../../specs/laws/stiffness.ron")),
             ("sensor-delay", include_str!("../../../specs/laws/sensor-delay.ron")),
         ];
-        let catalogue =
-            laws.map(|(id, text)| Entry { id: id.into(), law: Arc::new(Law::read(text).unwrap()) });
+        let catalogue = laws.map(|(id, text)| LawEntry::read(id, text).unwrap());
         let said = |states: &str, known: &str, unknown: &str| {
             let text = format!(
                 r#"(states: {{{states}}}, known: {{{known}}}, unknown: {{{unknown}}},
@@ -209,7 +244,7 @@ mod tests {
             );
             let (spec, _) = spec::read(&text, SourceId(0)).unwrap();
             let (case, _) = check(&spec, SourceId(0)).unwrap();
-            let mistakes = asked(&case, &catalogue, SourceId(0)).err().unwrap_or_default();
+            let mistakes = requested_laws(&case, &catalogue, SourceId(0)).err().unwrap_or_default();
             mistakes.iter().map(|d| format!("{}: {}", d.message, d.help.join(" "))).collect::<Vec<_>>()
         };
         let mass = |unknown: &str| said(r#""x": "m", "y": "m/s""#, r#""x": "y", "y": "-x""#, unknown);

@@ -1,8 +1,23 @@
-//! What the workflow found.
+//! What the workflow finds, as data. Its words are in `words.rs`.
 
-use crate::effect::Effect;
-use crate::fitted::Fitted;
-use crate::region::Region;
+mod error;
+mod finding;
+mod force_history;
+mod region;
+pub(crate) mod verdict;
+mod words;
+
+pub use error::{DataError, GapError, ModelError};
+pub use finding::{
+    Activity, Alternative, AlternativeConstant, Cause, DataMistake, DriveFrequency, InputNoise, Named,
+    NamedValue, StopReason, Veto, Vetoed, Warning,
+};
+pub use force_history::{ForceHistory, force_history};
+pub(crate) use region::regions;
+pub use region::{Location, Region};
+
+use crate::model::Fitted;
+use crate::place::Effect;
 use crate::repeat::Repeat;
 use phisindy_learn::{FoundParameter, RecordFit};
 use phisindy_phys::System;
@@ -45,13 +60,26 @@ pub struct StepParameter {
     pub unit: String,
 }
 
+/// A law at a place, by name.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct PlacedLaw {
+    /// The law's id.
+    pub law: String,
+    /// The place, as [`crate::Place::at`].
+    pub at: String,
+}
+
+impl PlacedLaw {
+    pub(crate) fn of(effect: &Effect) -> PlacedLaw {
+        PlacedLaw { law: effect.entry.id.clone(), at: effect.place.at.clone() }
+    }
+}
+
 /// A description that was fitted and not chosen.
 #[derive(Clone, Debug)]
 pub struct Rival {
-    /// Law, or laws joined by ` + `.
-    pub law: String,
-    /// Their places.
-    pub at: String,
+    /// What it has in the place of the step, and after it.
+    pub laws: Vec<PlacedLaw>,
     /// By how much its criterion is worse.
     pub delta_bic: f64,
 }
@@ -61,8 +89,10 @@ pub struct Rival {
 pub struct Step {
     /// Which and where.
     pub effect: Effect,
-    /// What was added.
+    /// What was added, in the language of the spec.
     pub expression: String,
+    /// The force that it subtracts, as a node of the final system; `None` for what acts on sensors.
+    pub force: Option<phisindy_expr::Id>,
     /// Its numbers in the final model.
     pub parameters: Vec<StepParameter>,
     /// Gap on the Fit records before and after.
@@ -73,8 +103,8 @@ pub struct Step {
     pub delta_bic: f64,
     /// What else would nearly do.
     pub rivals: Vec<Rival>,
-    /// What evidence speaks against: law, why.
-    pub vetoed: Vec<(String, String)>,
+    /// What evidence speaks against.
+    pub vetoed: Vec<Vetoed>,
 }
 
 /// A model and what it makes of the records.
@@ -88,8 +118,34 @@ pub struct Simulated {
 
 impl Simulated {
     pub(crate) fn of(fitted: Fitted) -> Simulated {
-        Simulated { system: fitted.draft.case.system, records: fitted.cal.records }
+        Simulated { system: fitted.model.system, records: fitted.cal.records }
     }
+}
+
+/// NRMSE of a column of a record.
+#[derive(Clone, Debug)]
+pub struct ColumnGap {
+    /// Name of the record.
+    pub record: String,
+    /// Fitted or only predicted.
+    pub role: Role,
+    /// Name of the column.
+    pub column: String,
+    /// In the model as it was.
+    pub before: f64,
+    /// In the final model.
+    pub after: f64,
+}
+
+/// How well a column of a record repeats from cycle to cycle.
+#[derive(Clone, Debug)]
+pub struct ColumnRepeat {
+    /// Name of the record.
+    pub record: String,
+    /// Name of the column.
+    pub column: String,
+    /// Period and scatter.
+    pub repeat: Repeat,
 }
 
 /// What the workflow found.
@@ -97,6 +153,8 @@ impl Simulated {
 pub struct Gap {
     /// How it ended.
     pub status: Status,
+    /// Why the search ended.
+    pub stop: StopReason,
     /// Estimated standard deviation of each measured column's noise (SI), over all records.
     pub noise: Vec<(String, f64)>,
     /// Where the model as it was misses.
@@ -111,45 +169,32 @@ pub struct Gap {
     pub before: (f64, Option<f64>),
     /// The gap of the final model.
     pub after: (f64, Option<f64>),
-    /// What is left of that on Validate records if the numbers of the model may move within their errors; the same where that was not asked.
-    pub carried: Option<f64>,
-    /// A constant that the spec holds and that would explain the data in place of what was found, in words.
-    pub instead: Option<String>,
-    /// NRMSE of each record and column in the final model, and in the model as it was.
-    pub nrmse: Vec<(String, Role, String, f64, f64)>,
-    /// Repeatability of the motion: record, column, value.
-    pub repeat: Vec<(String, String, Repeat)>,
-    /// The residual's score of whiteness before and after.
-    pub colour: (f64, f64),
+    /// What is left of that on Validate records if the numbers of the model may move within their errors; the same where that was not
+    /// computed.
+    pub predictive: Option<f64>,
+    /// Something else that would explain the data in place of what was found.
+    pub alternative: Option<Alternative>,
+    /// NRMSE of each record and column.
+    pub nrmse: Vec<ColumnGap>,
+    /// Repeatability of the motion.
+    pub repeat: Vec<ColumnRepeat>,
+    /// The residual's whiteness score before and after.
+    pub whiteness: (f64, f64),
     /// All numbers of the final model.
     pub parameters: Vec<FoundParameter>,
     /// The spec with the effects in it.
     pub completed: String,
     /// The model as it was, running freely along the records.
-    pub was: Simulated,
+    pub initial: Simulated,
     /// The final model, running freely along the records.
     pub simulated: Simulated,
     /// What a careful reader should know.
-    pub warnings: Vec<String>,
-    /// Whether it was stopped by the user.
-    pub stopped: bool,
+    pub warnings: Vec<Warning>,
 }
 
-/// Why there is nothing to say.
-#[derive(Clone, Debug, PartialEq)]
-pub enum GapError {
-    /// The records do not suit: what to do, in words.
-    Data(String),
-    /// The model cannot be simulated.
-    Numerics(String),
-}
-
-impl std::fmt::Display for GapError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            GapError::Data(text) | GapError::Numerics(text) => f.write_str(text),
-        }
+impl Gap {
+    /// Whether the user stopped it.
+    pub fn interrupted(&self) -> bool {
+        self.stop == StopReason::Interrupted
     }
 }
-
-impl std::error::Error for GapError {}

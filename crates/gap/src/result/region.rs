@@ -4,20 +4,43 @@ use phisindy_learn::Calibration;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Record, System};
 
+/// A part of the motion is told if its share of the gap is above its share of the samples by this.
+const SURPLUS: f64 = 0.15;
+
 /// How much of the gap a column holds, and where.
 #[derive(Clone, Debug)]
 pub struct Region {
     /// Name of the column.
     pub column: String,
-    /// Part of the sum of (residual/noise)^2.
+    /// Part of the sum of (residual/noise)^2 of all columns.
     pub share: f64,
-    /// Where, in words.
-    pub region: String,
+    /// Where in the motion.
+    pub location: Location,
+    /// Part of the column's sum that lies there.
+    pub power: f64,
+}
+
+/// Where in a motion.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs)] // the names say it; values are in `unit`
+pub enum Location {
+    Everywhere,
+    Sticking,
+    Switching,
+    Slipping,
+    FirstFifth,
+    FirstHalf,
+    LastHalf,
+    LastFifth,
+    Above { name: String, value: f64, unit: String },
+    Below { name: String, value: f64, unit: String },
+    SizeAbove { name: String, value: f64, unit: String },
+    SizeBelow { name: String, value: f64, unit: String },
 }
 
 /// One cut through the samples.
 struct Cut {
-    text: String,
+    location: Location,
     /// Part of the residual's power less the part of the samples.
     surplus: f64,
     power: f64,
@@ -42,7 +65,7 @@ pub(crate) fn regions(
     noise: &[Vec<f64>],
 ) -> Vec<Region> {
     let n = system.states.len();
-    let mut all: Vec<(String, f64, String)> = Vec::new();
+    let mut all: Vec<(f64, Region)> = Vec::new();
     for (k, state) in system.states.iter().enumerate() {
         let mut total = 0.0;
         let mut axes: Vec<Axis> = Vec::new();
@@ -100,17 +123,16 @@ pub(crate) fn regions(
         }
         let cuts = axes.iter().flat_map(|axis| cuts(axis, &power));
         let best = cuts.max_by(|a, b| a.surplus.total_cmp(&b.surplus));
-        let text = match best {
-            Some(cut) if cut.surplus > 0.15 => format!("{} ({:.0} % of it)", cut.text, 100.0 * cut.power),
-            _ => "everywhere alike".to_owned(),
+        let (location, power) = match best {
+            Some(cut) if cut.surplus > SURPLUS => (cut.location, cut.power),
+            _ => (Location::Everywhere, 1.0),
         };
-        all.push((state.name.clone(), total, text));
+        all.push((total, Region { column: state.name.clone(), share: 0.0, location, power }));
     }
-    let sum: f64 = all.iter().map(|(_, t, _)| t).sum();
-    let mut out: Vec<Region> = all
-        .into_iter()
-        .map(|(column, total, region)| Region { column, share: total / sum.max(f64::MIN_POSITIVE), region })
-        .collect();
+    let sum: f64 = all.iter().map(|(total, _)| total).sum();
+    let share = |total: f64| total / sum.max(f64::MIN_POSITIVE);
+    let mut out: Vec<Region> =
+        all.into_iter().map(|(total, region)| Region { share: share(total), ..region }).collect();
     out.sort_by(|a, b| b.share.total_cmp(&a.share));
     out
 }
@@ -120,7 +142,7 @@ fn cuts(axis: &Axis, power: &[f64]) -> Vec<Cut> {
     let Axis { name, values, .. } = axis;
     let total: f64 = power.iter().sum();
     let count = power.len() as f64;
-    let cut = |text: String, inside: &dyn Fn(f64) -> bool| {
+    let cut = |location: Location, inside: &dyn Fn(f64) -> bool| {
         let (mut p, mut c) = (0.0, 0.0);
         for (v, e) in values.iter().zip(power) {
             if inside(*v) {
@@ -129,13 +151,13 @@ fn cuts(axis: &Axis, power: &[f64]) -> Vec<Cut> {
             }
         }
         let (p, c) = (p / total.max(f64::MIN_POSITIVE), c / count);
-        Cut { text, surplus: p - c, power: p }
+        Cut { location, surplus: p - c, power: p }
     };
     if name == "regime" {
         return vec![
-            cut("while it sticks".into(), &|v| v == 2.0),
-            cut("where it switches".into(), &|v| v == 1.0),
-            cut("while it slips".into(), &|v| v == 0.0),
+            cut(Location::Sticking, &|v| v == 2.0),
+            cut(Location::Switching, &|v| v == 1.0),
+            cut(Location::Slipping, &|v| v == 0.0),
         ];
     }
     let mut sorted = values.to_vec();
@@ -143,45 +165,26 @@ fn cuts(axis: &Axis, power: &[f64]) -> Vec<Cut> {
     let q = |p: f64| sorted[((sorted.len() - 1) as f64 * p) as usize];
     if name == "time" {
         return vec![
-            cut("in the first fifth of the record".into(), &|v| v < 0.2),
-            cut("in the first half of the record".into(), &|v| v < 0.5),
-            cut("in the last half of the record".into(), &|v| v >= 0.5),
-            cut("in the last fifth of the record".into(), &|v| v >= 0.8),
+            cut(Location::FirstFifth, &|v| v < 0.2),
+            cut(Location::FirstHalf, &|v| v < 0.5),
+            cut(Location::LastHalf, &|v| v >= 0.5),
+            cut(Location::LastFifth, &|v| v >= 0.8),
         ];
     }
     let mut sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
     sizes.sort_unstable_by(f64::total_cmp);
     let size = |p: f64| sizes[((sizes.len() - 1) as f64 * p) as usize];
     let (high, low, large, small) = (q(0.75), q(0.25), size(0.75), size(0.25));
-    let told = |x: f64| format!("{} {}", rounded(x / axis.factor), axis.unit).trim_end().to_owned();
+    let of = |x: f64| (name.clone(), x / axis.factor, axis.unit.clone());
+    let place = |kind: fn((String, f64, String)) -> Location, at: f64| kind(of(at));
     vec![
-        cut(format!("at {name} above {}", told(high)), &|v| v > high),
-        cut(format!("at {name} below {}", told(low)), &|v| v < low),
-        cut(format!("at |{name}| above {}", told(large)), &|v| v.abs() > large),
-        cut(format!("at |{name}| below {}", told(small)), &|v| v.abs() < small),
+        cut(place(|(name, value, unit)| Location::Above { name, value, unit }, high), &|v| v > high),
+        cut(place(|(name, value, unit)| Location::Below { name, value, unit }, low), &|v| v < low),
+        cut(place(|(name, value, unit)| Location::SizeAbove { name, value, unit }, large), &|v| {
+            v.abs() > large
+        }),
+        cut(place(|(name, value, unit)| Location::SizeBelow { name, value, unit }, small), &|v| {
+            v.abs() < small
+        }),
     ]
-}
-
-/// Three digits are enough for a place.
-fn rounded(x: f64) -> String {
-    let scientific = format!("{x:.2e}");
-    match x.abs() {
-        1e-3..1e5 => scientific.parse::<f64>().map_or(scientific, |x| x.to_string()),
-        0.0 => "0".to_owned(),
-        _ => scientific,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_place_has_three_digits_of_any_size() {
-        let cases =
-            [(0.0, "0"), (0.012_345, "0.0123"), (-98_765.0, "-98800"), (2e-7, "2.00e-7"), (1.5e9, "1.50e9")];
-        for (x, due) in cases {
-            assert_eq!(rounded(x), due);
-        }
-    }
 }

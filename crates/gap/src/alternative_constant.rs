@@ -1,0 +1,212 @@
+//! Is it a missing effect, or a constant of the known part that is not what the spec says? A mass that is wrong by a few per cent bends a
+//! motion in a way that two or three laws imitate; what was found is told together with the constant that would do instead.
+
+use crate::evidence::against;
+use crate::model::{Fitted, Measure, TrialModel, current};
+use crate::place::Effect;
+use crate::result::{AlternativeConstant, NamedValue, PlacedLaw};
+use crate::screen::screen;
+use crate::search::{BEST, RACE, SIMPLER, WORTH, placed, size};
+use phisindy_learn::Effort;
+use phisindy_phys::LawEntry;
+use phisindy_phys::spec::{ConstantSpec, Movable, Number, Spec, Text};
+use phisindy_phys::unit::Unit;
+use rayon::prelude::*;
+
+/// A constant that is held may be off by this part.
+const OFF: f64 = 0.3;
+/// Models that are fitted in full.
+const FITTED: usize = 6;
+/// Constants beside which the catalogue is screened anew.
+const ANEW: usize = 2;
+
+/// A constant as the spec has it.
+struct Constant {
+    name: String,
+    unit: String,
+    value: f64,
+}
+
+/// A constant that would do instead of what was found.
+pub(crate) struct Instead {
+    pub(crate) constant: AlternativeConstant,
+    /// Whether the data speak for it: it needs fewer numbers, and its criterion is lower.
+    pub(crate) much_better: bool,
+}
+
+/// The best model in which one constant that the spec holds is free, and at least one effect less is needed, if it explains the data as well
+/// as `last` does, or explains them where `last` does not. One number for one number says nothing new: a spring that is missing and a
+/// stiffness that is too small are one force.
+pub(crate) fn alternative_constant(
+    last: &Fitted,
+    catalogue: &[LawEntry],
+    noise: &[Vec<f64>],
+    candidates: usize,
+) -> Option<Instead> {
+    let effects = current(last);
+    let base = last.model.without_effects();
+    let fewer = subsets(&effects, last.score.is_white());
+    let constants: Vec<(Constant, TrialModel)> = constants(&base.given.spec)
+        .into_iter()
+        .filter_map(|c| freed(&base, &c).map(|free| (c, free)))
+        .collect();
+    let price = (last.cal.samples as f64).ln();
+    let mut fitted = promising(last, &constants, &fewer, price, noise);
+    let chosen = |fitted: &[(&Constant, Fitted)], strict: bool| -> Option<(f64, usize)> {
+        let by = Measure::of(fitted.iter().map(|(_, f)| &f.score).chain([&last.score]), candidates);
+        let limit = |f: &Fitted| if last.score.explains() && simpler(f, last) { SIMPLER } else { -WORTH };
+        // A free constant is a number like any other.
+        let worse = fitted.iter().map(|(_, f)| by.criterion(&f.score) + price - by.criterion(&last.score));
+        worse
+            .enumerate()
+            .map(|(k, worse)| (worse, k))
+            .filter(|(worse, k)| fitted[*k].1.score.explains() && *worse < limit(&fitted[*k].1))
+            .filter(|(_, k)| !strict || stands(&fitted[*k].1))
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+    };
+    // Beside a constant that is wrong the search may have gone astray from the start.
+    let blamed = chosen(&fitted, false).map(|(_, k)| fitted[k].0);
+    if blamed.is_some() || !last.score.explains() {
+        let tried = |c: &Constant| blamed.is_none_or(|blamed| blamed.name == c.name);
+        fitted.extend(anew(constants.iter().filter(|(c, _)| tried(c)), catalogue, noise));
+    }
+    let (worse, k) = chosen(&fitted, true)?;
+    let (constant, best) = fitted.swap_remove(k);
+    let (_, value) = best.found(|p| p.name == constant.name).pop()?;
+    let factor = Unit::parse(&constant.unit).map_or(1.0, |u| u.factor);
+    let (kept, own) = (placed(&best.model), placed(&last.model));
+    let without = |a: &[PlacedLaw], b: &[PlacedLaw]| -> Vec<PlacedLaw> {
+        a.iter().filter(|law| !b.contains(law)).cloned().collect()
+    };
+    // One number for another is the same thing under another name.
+    let much_better = simpler(&best, last) && worse < -WORTH;
+    let constant = AlternativeConstant {
+        constant: NamedValue {
+            name: constant.name.clone(),
+            value: value / factor,
+            unit: constant.unit.clone(),
+        },
+        stated: constant.value,
+        other: without(&kept, &own),
+        needless: without(&own, &kept),
+        numbers: numbers(&best),
+        delta_bic: worse,
+    };
+    Some(Instead { constant, much_better })
+}
+
+/// Whether a model with a free constant needs fewer numbers than another one.
+fn simpler(free: &Fitted, last: &Fitted) -> bool {
+    size(&free.model) + 1 < size(&last.model)
+}
+
+/// Whether evidence speaks against none of its effects.
+fn stands(fitted: &Fitted) -> bool {
+    fitted.model.effects.iter().all(|a| against(fitted, &a.effect).is_none())
+}
+
+/// Each constant free beside each choice of effects: those that promise most by their cost over segments, fitted in full.
+fn promising<'c>(
+    last: &Fitted,
+    constants: &'c [(Constant, TrialModel)],
+    choices: &[Vec<Effect>],
+    price: f64,
+    noise: &[Vec<f64>],
+) -> Vec<(&'c Constant, Fitted)> {
+    let trials: Vec<(&Constant, &TrialModel, &Vec<Effect>)> = constants
+        .iter()
+        .flat_map(|(c, free)| choices.iter().map(move |effects| (c, free, effects)))
+        .collect();
+    let costed = trials.into_par_iter().filter_map(|(constant, free, effects)| {
+        let model = free.with_all(effects).ok()?;
+        Some((model.segment_cost(noise, 1)?, constant, model))
+    });
+    let mut costed: Vec<(f64, &Constant, TrialModel)> = costed.collect();
+    let least = costed.iter().map(|(cost, ..)| *cost).fold(f64::INFINITY, f64::min);
+    costed.retain(|(cost, ..)| *cost <= RACE * least);
+    let promise = |(cost, _, m): &(f64, &Constant, TrialModel)| {
+        last.cal.samples as f64 * (1.0 + cost.ln()) + price * size(m) as f64
+    };
+    costed.sort_by(|a, b| promise(a).total_cmp(&promise(b)));
+    costed.truncate(FITTED);
+    costed
+        .into_par_iter()
+        .filter_map(|(_, constant, model)| Some((constant, Fitted::new(model, noise, Effort::Plain).ok()?)))
+        .collect()
+}
+
+/// The numbers of the effects of a model.
+pub(crate) fn numbers(best: &Fitted) -> Vec<NamedValue> {
+    let parameters = &best.model.system.parameters;
+    let of = |name: &String| {
+        let unit = parameters.iter().find(|p| p.name == *name).map_or("", |p| p.unit.as_str());
+        let (_, value) = best.found(|p| p.name == *name).pop()?;
+        let factor = Unit::parse(unit).map_or(1.0, |u| u.factor);
+        Some(NamedValue { name: name.clone(), value: value / factor, unit: unit.to_owned() })
+    };
+    best.model.effects.iter().flat_map(|a| &a.names).filter_map(of).collect()
+}
+
+/// Models with one constant free and one effect: for the constants that alone leave least, the laws that promise most beside them.
+fn anew<'c>(
+    constants: impl Iterator<Item = &'c (Constant, TrialModel)>,
+    catalogue: &[LawEntry],
+    noise: &[Vec<f64>],
+) -> Vec<(&'c Constant, Fitted)> {
+    let constants: Vec<_> = constants.collect();
+    let alone = constants
+        .into_par_iter()
+        .filter_map(|(c, free)| Some((c, Fitted::new(free.clone(), noise, Effort::Plain).ok()?)));
+    let mut alone: Vec<(&Constant, Fitted)> = alone.collect();
+    alone.sort_by(|(_, a), (_, b)| a.score.fit.total_cmp(&b.score.fit));
+    alone.truncate(ANEW);
+    let beside = |(constant, free): &(&'c Constant, Fitted)| -> Option<Vec<(&'c Constant, TrialModel)>> {
+        let model = free.settled();
+        let found = screen(&model, &free.cal, catalogue, noise)?;
+        let best = found.candidates.iter().take(BEST);
+        Some(best.filter_map(|c| Some((*constant, model.with(&c.effect).ok()?))).collect())
+    };
+    let models: Vec<(&Constant, TrialModel)> = alone.iter().filter_map(beside).flatten().collect();
+    models
+        .into_par_iter()
+        .filter_map(|(c, model)| Some((c, Fitted::new(model, noise, Effort::Plain).ok()?)))
+        .collect()
+}
+
+/// The constants that a spec holds, but for those that are zero.
+fn constants(spec: &Spec) -> Vec<Constant> {
+    let of = |(name, constant): &(Text, ConstantSpec)| match constant {
+        ConstantSpec::Number { value, unit } if value.value != 0.0 => Some(Constant {
+            name: name.value.clone(),
+            unit: unit.as_ref().map_or(String::new(), |u| u.value.clone()),
+            value: value.value,
+        }),
+        _ => None,
+    };
+    spec.constants.iter().filter_map(of).collect()
+}
+
+/// The model with one of its constants free.
+fn freed(base: &TrialModel, constant: &Constant) -> Option<TrialModel> {
+    let mut spec = base.given.spec.clone();
+    let (_, own) = spec.constants.iter_mut().find(|(name, _)| name.value == constant.name)?;
+    let ConstantSpec::Number { value, unit } = own.clone() else { return None };
+    let span = value.span;
+    let (a, b) = ((1.0 - OFF) * value.value, (1.0 + OFF) * value.value);
+    let bound = |x: f64| Number { value: x, ..value.clone() };
+    let within = (bound(a.min(b)), bound(a.max(b)));
+    *own =
+        ConstantSpec::Movable(Movable { value: value.clone(), unit, within, sigma: None, each: false, span });
+    base.variant(spec)
+}
+
+/// Where some effects explain the data all choices of fewer of them; else the first of them, however many.
+fn subsets(effects: &[Effect], explain: bool) -> Vec<Vec<Effect>> {
+    let n = effects.len();
+    let of = |bits: usize| (0..n).filter(|k| bits >> k & 1 == 1).map(|k| effects[k].clone()).collect();
+    if explain {
+        (0..(1usize << n) - 1).map(of).collect()
+    } else {
+        (0..=n).map(|k| effects[..k].to_vec()).collect()
+    }
+}

@@ -1,0 +1,93 @@
+//! Is the drive at the frequency that the spec says? A rig that is driven a little faster or slower than its model lacks no force, and no law
+//! describes what that leaves.
+
+use crate::alternative_constant::numbers;
+use crate::drive::Drive;
+use crate::model::{Fitted, TrialModel};
+use crate::result::{Activity, DriveFrequency};
+use crate::search::{Search, placed};
+use crate::whiteness::{lines, mean_step};
+use crate::workflow::shortened;
+use phisindy_learn::Effort;
+use phisindy_phys::spec::Role;
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// The time of the drive may run so much slower or faster than that of the record.
+const OFF: f64 = 0.1;
+/// A frequency that lowers the gap to this part may be what the search went astray on.
+const HELPS: f64 = 0.9;
+/// A gap that falls to this part of what it was has found its cause, whatever else is missing.
+const CAUSE: f64 = 1.0 / 3.0;
+/// Two starts as near as this are one.
+const ONE: f64 = 1e-3;
+
+/// How far the workflow is by now.
+const LATE: f64 = 0.97;
+
+/// The drive of a model at another frequency, if that explains the records or most of the gap, alone or with the effects that are missing
+/// beside it.
+pub(crate) fn drive_frequency(base: &Fitted, search: &mut Search<'_>) -> Option<DriveFrequency> {
+    let fits = starts(&base.model).into_par_iter().filter_map(|start| {
+        let (model, name) = freed(&base.model, start)?;
+        Some((Fitted::new(model, search.noise, Effort::Plain).ok()?, name))
+    });
+    let all: Vec<(Fitted, String)> = fits.collect();
+    let (alone, name) = all.into_iter().min_by(|(a, _), (b, _)| a.score.fit.total_cmp(&b.score.fit))?;
+    let gap = |of: &Fitted| of.score.gap();
+    let cause = alone.score.fit < CAUSE * base.score.fit && gap(&alone) < CAUSE * gap(base);
+    let mut best = alone;
+    let helps = !best.score.explains() && best.score.fit < HELPS * base.score.fit;
+    if helps && shortened(&best.model.records).is_none() {
+        let mut observe = |_: f64, what: Activity| (search.observe)(LATE, what);
+        let mut beside = Search { observe: &mut observe, ..*search };
+        let searched = beside.run(best.settled());
+        best = searched.ok().map(|s| s.last).filter(|f| f.score.explains()).unwrap_or(best);
+    }
+    let explains = best.score.explains();
+    if !explains && !cause {
+        return None;
+    }
+    let (_, ratio) = best.found(|p| p.name == name).pop()?;
+    Some(DriveFrequency {
+        ratio,
+        beside: placed(&best.model),
+        gap: (gap(base), gap(&best)),
+        numbers: numbers(&best),
+        explains,
+    })
+}
+
+/// Where to begin: with what the spec says, and with the strongest line of each column beside the line of the drive that is next to it.
+fn starts(model: &TrialModel) -> Vec<f64> {
+    let mut all = vec![1.0];
+    for record in model.records.iter().filter(|r| r.role == Role::Fit) {
+        let step = mean_step(&record.time);
+        let driven = Drive::new(&model.system, record).map_or(vec![], |mut drive| drive.lines());
+        for column in record.columns.iter().flatten() {
+            let own = lines(column, step, 1, 0);
+            let pairs = own.iter().flat_map(|own| driven.iter().map(move |line| own / line));
+            all.extend(pairs.filter(|ratio| (ratio - 1.0).abs() < OFF));
+        }
+    }
+    all.sort_by(f64::total_cmp);
+    all.dedup_by(|a, b| (*a - *b).abs() < ONE);
+    all
+}
+
+/// The model whose known rates run in a time of their own, and the number that says how fast it goes; `None` where they do not depend on
+/// time.
+fn freed(base: &TrialModel, start: f64) -> Option<(TrialModel, String)> {
+    let mut model = base.without_effects();
+    let system = &mut model.system;
+    if !system.graph.uses(&system.known, &[system.time]) {
+        return None;
+    }
+    // A space keeps the name out of reach of any spec.
+    let name = "speed of the clock".to_owned();
+    let k = system.add_parameter(&name, "1", start, (1.0 - OFF, 1.0 + OFF), false);
+    let own_time = system.graph.mul(system.parameters[k].node, system.time);
+    let known = system.known.clone();
+    system.known = system.graph.replace(&known, &HashMap::from([(system.time, own_time)]));
+    Some((model, name))
+}

@@ -1,0 +1,14 @@
+//! Models under test: the model of the spec with laws added to its graph, fitted to the records.
+
+mod fitted;
+mod score;
+mod spec_text;
+mod trial_model;
+
+pub(crate) use fitted::{Fitted, current, noise_of, values};
+#[cfg(test)]
+pub(crate) use score::tests;
+pub(crate) use score::{EXPLAINED, FAR_OFF, Measure, Score};
+pub use spec_text::SpecTextError;
+pub(crate) use spec_text::{expression, text_with};
+pub use trial_model::{Applied, TrialModel};

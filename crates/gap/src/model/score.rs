@@ -1,0 +1,154 @@
+//! How good a fitted model is, as numbers: everything that decisions of the search and its end are made on.
+
+use crate::whiteness::COLOURED;
+
+/// An explained record ends below this many times its noise.
+pub(crate) const EXPLAINED: f64 = 1.08;
+/// A gap on Fit records above this is far from the noise: more than one effect is missing.
+pub(crate) const FAR_OFF: f64 = 2.0;
+/// The price of a sensor, which is the worse story where a force does as well.
+const SENSOR: f64 = 6.0;
+/// The price of a sensor that is early.
+const EARLY: f64 = 15.0;
+/// Residuals of which at least this part counts as independent count in full.
+const INDEPENDENT: f64 = 0.6;
+
+/// How well a model follows the records, and what it costs.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Score {
+    /// The gap: rms of residual / noise over all columns and samples of the Fit records.
+    pub(crate) fit: f64,
+    /// The same of the Validate records, if there are any.
+    pub(crate) validate: Option<f64>,
+    /// The gap on Validate records that remains when the errors of the fitted numbers are allowed for, where that was computed; else
+    /// the same as `validate`.
+    pub(crate) predictive: Option<f64>,
+    /// The largest whiteness score of any column; see [`crate::whiteness`].
+    pub(crate) whiteness: f64,
+    /// Samples of the Fit records.
+    pub(crate) samples: usize,
+    /// How many of them are independent.
+    pub(crate) effective: f64,
+    /// Number of effects.
+    pub(crate) effects: usize,
+    /// Parameters of all effects.
+    pub(crate) parameters: usize,
+    /// How many of the effects are properties of sensors, ...
+    pub(crate) sensors: usize,
+    /// ... and how many of these are delays below zero.
+    pub(crate) early: usize,
+}
+
+impl Score {
+    /// The gap that counts: on Validate records, the errors of the numbers allowed for, if there are any.
+    pub(crate) fn gap(&self) -> f64 {
+        self.predictive.unwrap_or(self.fit)
+    }
+
+    /// Whether nothing but noise is left.
+    pub(crate) fn is_white(&self) -> bool {
+        self.whiteness < COLOURED
+    }
+
+    /// Whether it leaves nothing but noise, on records that were not fitted too.
+    pub(crate) fn explains(&self) -> bool {
+        self.is_white() && self.gap() < EXPLAINED
+    }
+
+    /// The criterion: twice the negative logarithm of the likelihood plus the price of what was added; smaller is better. `candidates` is
+    /// how many effects there were to choose from, `independent` the part of the samples that counts.
+    ///
+    /// Far from the noise a rich law bends to the Fit records whatever is missing: there the gap on the Validate records counts.
+    ///
+    /// Down to the noise the likelihood is that of known noise. Above it the misfit itself is the scatter: what is left of a real rig is
+    /// many times its sensor noise, and a law that takes away a hundredth of that has explained nothing.
+    pub(crate) fn criterion(&self, candidates: usize, independent: f64) -> f64 {
+        let n = self.samples as f64;
+        // Of the free run: segments with starts of their own would flatter a model that cannot be run.
+        let ratio = match self.validate {
+            Some(validate) if self.fit > FAR_OFF => validate.max(FAR_OFF).powi(2),
+            _ => self.fit.powi(2),
+        };
+        let cost = if ratio > 1.0 { n * (1.0 + ratio.ln()) } else { n * ratio };
+        let price = self.parameters as f64 * (n * independent).max(2.0).ln();
+        // A sensor may be late; one that is early is a worse story: of a motion without a clock of its own both are the same.
+        let odd = SENSOR * self.sensors as f64 + EARLY * self.early as f64;
+        cost * independent + price + 2.0 * ln_choose(candidates, self.effects) + odd
+    }
+
+    /// The part of the samples that counts as independent.
+    pub(crate) fn independent(&self) -> f64 {
+        let part = self.effective / self.samples.max(1) as f64;
+        if part > INDEPENDENT || self.is_white() { 1.0 } else { part }
+    }
+}
+
+/// ln of the binomial coefficient.
+fn ln_choose(n: usize, k: usize) -> f64 {
+    (0..k.min(n)).map(|i| ((n - i) as f64 / (i + 1) as f64).ln()).sum()
+}
+
+/// What models are compared by: how many effects there were to choose from, and which part of the samples counts as independent.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Measure {
+    candidates: usize,
+    independent: f64,
+}
+
+impl Measure {
+    /// The measure for some models: the residual of the best of them says how many samples count.
+    pub(crate) fn of<'s>(all: impl IntoIterator<Item = &'s Score>, candidates: usize) -> Measure {
+        let best = all.into_iter().min_by(|a, b| a.fit.total_cmp(&b.fit));
+        Measure { candidates, independent: best.map_or(1.0, Score::independent) }
+    }
+
+    /// The criterion of a model; smaller is better.
+    pub(crate) fn criterion(self, of: &Score) -> f64 {
+        of.criterion(self.candidates, self.independent)
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// A model that leaves these gaps with so many effects of one parameter each; white where that is little.
+    pub(crate) fn score(fit: f64, validate: Option<f64>, effects: usize) -> Score {
+        Score {
+            fit,
+            validate,
+            predictive: validate,
+            whiteness: if fit < 1.05 { 1.0 } else { 50.0 },
+            samples: 1000,
+            effective: 1000.0,
+            effects,
+            parameters: effects,
+            sensors: 0,
+            early: 0,
+        }
+    }
+
+    #[test]
+    fn the_criterion_prices_what_was_added() {
+        let plain = score(1.0, None, 1);
+        let dearer = [
+            Score { parameters: 2, ..plain.clone() },
+            Score { sensors: 1, ..plain.clone() },
+            Score { fit: 1.1, ..plain.clone() },
+            Score { effects: 2, ..plain.clone() },
+        ];
+        for other in dearer {
+            assert!(other.criterion(30, 1.0) > plain.criterion(30, 1.0), "{other:?}");
+        }
+        // BIC's price of one parameter on a thousand samples, and the choice of one among thirty.
+        let none = score(1.0, None, 0);
+        let price = plain.criterion(30, 1.0) - none.criterion(30, 1.0);
+        assert!((price - 1000_f64.ln() - 2.0 * 30_f64.ln()).abs() < 1e-9, "{price}");
+        // Far from the noise Validate records count.
+        let far = |validate| score(9.0, Some(validate), 1).criterion(30, 1.0);
+        assert!(
+            far(8.0) < far(10.0)
+                && far(10.0) == Score { fit: 5.0, ..score(9.0, Some(10.0), 1) }.criterion(30, 1.0)
+        );
+    }
+}

@@ -1,0 +1,179 @@
+//! The text of a completed spec: effects, and numbers that moved, are spliced into the user's text once, so that its comments stay.
+
+use super::trial_model::{Applied, TrialModel};
+use crate::place::{Quantity, Site};
+use phisindy_expr::rename;
+use phisindy_phys::unit::Unit;
+use phisindy_phys::{LawRole, splice};
+use std::fmt;
+
+/// Why a text cannot hold an effect.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SpecTextError {
+    /// The path in the spec that cannot be set.
+    pub path: String,
+    /// Why not.
+    pub why: String,
+}
+
+impl fmt::Display for SpecTextError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "`{}` cannot be set: {}", self.path, self.why)
+    }
+}
+
+impl std::error::Error for SpecTextError {}
+
+/// A text that changes.
+struct Text(String);
+
+impl Text {
+    fn set(&mut self, path: &str, value: &str) -> Result<(), SpecTextError> {
+        let wrong = |why: String| SpecTextError { path: path.to_owned(), why };
+        self.0 = splice::set(&self.0, path, value).map_err(|e| wrong(e.to_string()))?;
+        Ok(())
+    }
+}
+
+/// The spec's text with the effects of a model in it, every number where the model starts it.
+///
+/// # Errors
+/// The text cannot hold an effect.
+pub(crate) fn text_with(text: &str, model: &TrialModel) -> Result<String, SpecTextError> {
+    let mut text = Text(text.to_owned());
+    let base = model.without_effects();
+    for (k, p) in base.system.parameters.iter().enumerate() {
+        let now = model.system.parameters[k].start;
+        let field = if p.known { "value" } else { "start" };
+        let factor = Unit::parse(&p.unit).map_or(1.0, |u| u.factor);
+        if now.to_bits() != p.start.to_bits() {
+            text.set(&format!("constants.{}.{field}", p.name), &format!("{:?}", now / factor))?;
+        }
+    }
+    let spec = &model.given.spec;
+    // Each rate as it grows.
+    let mut rates: Vec<(String, String)> =
+        spec.known.iter().map(|(name, rate)| (name.value.clone(), rate.value.clone())).collect();
+    let mut contacts: Vec<String> = spec.contacts.iter().map(|c| c.value.clone()).collect();
+    for applied in &model.effects {
+        constants(&mut text, model, applied)?;
+        match &applied.effect.place.site {
+            Site::Sensor(states) => {
+                let which = applied.effect.entry.law.sensor.as_deref().unwrap_or_default();
+                for record in 0..spec.data.len() {
+                    for &state in states {
+                        let name = &model.system.states[state].name;
+                        let path = format!("data.{record}.sensors.{name}.{which}");
+                        text.set(&path, &format!("\"{}\"", applied.names[0]))?;
+                    }
+                }
+            }
+            Site::Force { acts, .. } => {
+                internal(&mut text, model, applied)?;
+                let force = force_text(applied).unwrap_or_default();
+                for &(state, sign) in acts {
+                    let name = &model.system.states[state].name;
+                    let inertia = spec.inertia.iter().find(|(n, _)| n.value == *name).map(|(_, m)| &m.value);
+                    let over = inertia.map_or(String::new(), |m| format!("/({m})"));
+                    let sign = if sign < 0.0 { '-' } else { '+' };
+                    let Some((_, rate)) = rates.iter_mut().find(|(n, _)| n == name) else { continue };
+                    *rate = format!("{rate} {sign} ({force}){over}");
+                    text.set(&format!("known.{name}"), &format!("\"{rate}\""))?;
+                }
+                if applied.effect.entry.law.sticks() {
+                    contact(&mut text, model, applied, &mut contacts)?;
+                }
+            }
+        }
+    }
+    Ok(text.0)
+}
+
+fn constants(text: &mut Text, model: &TrialModel, applied: &Applied) -> Result<(), SpecTextError> {
+    for &k in &applied.parameters {
+        let p = &model.system.parameters[k];
+        let factor = Unit::parse(&p.unit).map_or(1.0, |u| u.factor);
+        let unit = if p.unit.is_empty() { String::new() } else { format!(", unit: \"{}\"", p.unit) };
+        let each = if p.each { ", each: true" } else { "" };
+        let (start, low, high) = (p.start / factor, p.within.0 / factor, p.within.1 / factor);
+        let value = format!("Find(start: {start:?}{unit}, within: ({low:?}, {high:?}){each})");
+        text.set(&format!("constants.{}", p.name), &value)?;
+    }
+    Ok(())
+}
+
+fn internal(text: &mut Text, model: &TrialModel, applied: &Applied) -> Result<(), SpecTextError> {
+    let law = &applied.effect.entry.law;
+    let with = replacements(applied);
+    for ((_, inner), name) in law.internal.iter().zip(&applied.internal) {
+        let unit = applied.effect.unit(&inner.unit, &model.system);
+        text.set(&format!("states.{name}"), &format!("\"{unit}\""))?;
+    }
+    for ((_, inner), name) in law.internal.iter().zip(&applied.internal) {
+        let rate = rename(&inner.rate, &with).unwrap_or_else(|_| inner.rate.clone());
+        text.set(&format!("known.{name}"), &format!("\"{rate}\""))?;
+    }
+    Ok(())
+}
+
+/// The contact of a friction, if the spec does not list it.
+fn contact(
+    text: &mut Text,
+    model: &TrialModel,
+    applied: &Applied,
+    all: &mut Vec<String>,
+) -> Result<(), SpecTextError> {
+    let at = &applied.effect.place.at;
+    let Site::Force { velocity, .. } = &applied.effect.place.site else { return Ok(()) };
+    let base = model.without_effects();
+    let of_spec = base.system.contacts.iter().any(|c| c.node == velocity.node);
+    if of_spec || all.contains(at) {
+        return Ok(());
+    }
+    all.push(at.clone());
+    let list: Vec<String> = all.iter().map(|c| format!("\"{c}\"")).collect();
+    text.set("contacts", &format!("[{}]", list.join(", ")))
+}
+
+/// What the names of a law are in the text.
+fn replacements(applied: &Applied) -> Vec<(String, String)> {
+    let law = &applied.effect.entry.law;
+    let mut with: Vec<(String, String)> = Vec::new();
+    if let Site::Force { displacement, velocity, .. } = &applied.effect.place.site {
+        let of = |role: LawRole, quantity: Option<&Quantity>| {
+            law.role(role).zip(quantity).map(|(name, q)| (name.to_owned(), q.text.clone()))
+        };
+        with.extend(of(LawRole::Displacement, displacement.as_ref()));
+        with.extend(of(LawRole::Velocity, Some(velocity)));
+    }
+    with.extend(law.parameters.iter().zip(&applied.names).map(|((p, _), name)| (p.clone(), name.clone())));
+    with.extend(law.given.iter().map(|(name, (value, _))| (name.clone(), format!("{value:?}"))));
+    with.extend(law.internal.iter().zip(&applied.internal).map(|((z, _), name)| (z.clone(), name.clone())));
+    with
+}
+
+/// The force that is subtracted, its load included.
+fn force_text(applied: &Applied) -> Option<String> {
+    let effect = &applied.effect;
+    let force = rename(&effect.entry.law.subtracted(effect.mirror)?, &replacements(applied)).ok()?;
+    Some(match &effect.load {
+        Some(load) => format!("{load}*({force})"),
+        None => force,
+    })
+}
+
+/// What an effect adds to the rate of its body, or does to a column, in the language of the spec.
+pub(crate) fn expression(applied: &Applied) -> String {
+    let effect = &applied.effect;
+    let (at, name) = (&effect.place.at, applied.names.first().map_or("", String::as_str));
+    match effect.entry.law.sensor.as_deref() {
+        Some("offset") => return format!("{at} + {name}"),
+        Some("gain") => return format!("{name}*{at}"),
+        Some(_) => return format!("{at}(t - {name})"),
+        None => {}
+    }
+    match (&effect.entry.law.push, &effect.load) {
+        (Some(push), None) => rename(push, &replacements(applied)).unwrap_or_default(),
+        _ => format!("-({})", force_text(applied).unwrap_or_default()),
+    }
+}

@@ -1,0 +1,424 @@
+//! The model of a spec with effects added to its graph, and the records as that system sees them.
+
+use crate::place::{Effect, EffectError, Place, Site, places};
+use phisindy_phys::spec::{ConstantSpec, DataSpec, Spec};
+use phisindy_phys::unit::Unit;
+use phisindy_phys::{
+    Case, Contact, Record, RecordPlan, Sensor, SensorParameter, SourceId, System, check_names, takes_units,
+};
+use std::sync::Arc;
+
+/// An effect in a model.
+#[derive(Clone, Debug)]
+pub struct Applied {
+    /// The law, its place, and where its search starts.
+    pub effect: Effect,
+    /// The constant of each parameter of the law.
+    pub names: Vec<String>,
+    /// The same as indices into [`System::parameters`].
+    pub parameters: Vec<usize>,
+    /// States that belong to the law.
+    pub internal: Vec<String>,
+    /// The force that it subtracts, a node of the system's graph; `None` for what acts on sensors.
+    pub force: Option<phisindy_expr::Id>,
+}
+
+/// What all models of one search share.
+#[derive(Debug)]
+pub(crate) struct Given {
+    /// The spec as it was read.
+    pub(crate) spec: Spec,
+    /// How its records were made.
+    pub(crate) plans: Vec<RecordPlan>,
+    /// Where laws can act.
+    pub(crate) places: Vec<Place>,
+    /// Constants of the records that are forces.
+    forces: Vec<String>,
+    /// Whether a constant that is added may have a unit.
+    takes_units: bool,
+}
+
+/// A model under test.
+#[derive(Clone, Debug)]
+pub struct TrialModel {
+    /// The system with its effects.
+    pub system: System,
+    /// The records, for this system.
+    pub records: Arc<Vec<Record>>,
+    /// Their smoothed states, to start from.
+    pub smooth: Arc<Vec<Record>>,
+    /// The effects that were added, in their order.
+    pub effects: Vec<Applied>,
+    pub(crate) given: Arc<Given>,
+    /// The model without any effect; `None` if this is it.
+    base: Option<Arc<TrialModel>>,
+}
+
+impl TrialModel {
+    /// The model of a spec.
+    pub fn base(spec: Spec, case: Case, records: Vec<Record>) -> TrialModel {
+        let smooth = records.iter().map(|r| phisindy_learn::smoothed(&case.system, r)).collect();
+        TrialModel::of(spec, case, records, smooth)
+    }
+
+    fn of(spec: Spec, case: Case, records: Vec<Record>, smooth: Vec<Record>) -> TrialModel {
+        let Case { mut system, records: plans, .. } = case;
+        let places = places(&mut system, &plans);
+        let names = system.record_constants.iter().map(|(name, _)| name);
+        let forces = names.filter(|name| is_force_of_records(&spec, name)).cloned().collect();
+        let takes_units = takes_units(&spec, SourceId(0));
+        TrialModel {
+            system,
+            records: Arc::new(records),
+            smooth: Arc::new(smooth),
+            effects: vec![],
+            given: Arc::new(Given { spec, plans, places, forces, takes_units }),
+            base: None,
+        }
+    }
+
+    /// The model of a changed spec (its states are the same) for the same records; no effects are in it.
+    ///
+    /// `None` if the changed spec is none.
+    pub(crate) fn variant(&self, spec: Spec) -> Option<TrialModel> {
+        let base = self.without_effects();
+        let (case, _) = check_names(&spec, SourceId(0)).ok()?;
+        let seen = |records: &[Record]| -> Vec<Record> {
+            let with =
+                |(r, plan): (&Record, &RecordPlan)| Record { sensors: plan.sensors.clone(), ..r.clone() };
+            records.iter().zip(&case.records).map(with).collect()
+        };
+        let (records, smooth) = (seen(&base.records), seen(&base.smooth));
+        Some(TrialModel::of(spec, case, records, smooth))
+    }
+
+    /// The same model for other records (fewer samples of them).
+    pub(crate) fn for_records(&self, records: Vec<Record>) -> TrialModel {
+        let smooth = records.iter().map(|r| phisindy_learn::smoothed(&self.system, r)).collect();
+        TrialModel { records: Arc::new(records), smooth: Arc::new(smooth), ..self.clone() }
+    }
+
+    /// This model with one more effect.
+    ///
+    /// # Errors
+    /// The law uses a name that the model does not have.
+    pub fn with(&self, effect: &Effect) -> Result<TrialModel, EffectError> {
+        // The effect may come from a variant of this model: its nodes are others.
+        let here = self.places().iter().find(|p| p.is(&effect.place)).unwrap_or(&effect.place);
+        let effect = &Effect { place: here.clone(), ..effect.clone() };
+        let mut out = self.starting_at(&effect.beside);
+        if self.base.is_none() {
+            out.base = Some(Arc::new(self.clone()));
+        }
+        let law = effect.entry.law.clone();
+        let mut taken = out.taken();
+        let at = &effect.place.at;
+        let names: Vec<String> = effect.labels().iter().map(|label| free(label, at, &mut taken)).collect();
+        let mut parameters = Vec::new();
+        for ((name, (_, p)), start) in names.iter().zip(&law.parameters).zip(&effect.start) {
+            let unit = if out.given.takes_units { effect.unit(&p.unit, &out.system) } else { String::new() };
+            let start = start.clamp(p.within.0, p.within.1);
+            parameters.push(out.system.add_parameter(name, &unit, start, p.within, p.each));
+        }
+        let mut applied =
+            Applied { effect: effect.clone(), names, parameters, internal: vec![], force: None };
+        match &effect.place.site {
+            Site::Sensor(states) => out.read_by(&applied, states)?,
+            Site::Force { acts, velocity, .. } => {
+                for (name, inner) in &law.internal {
+                    let name = free(name, at, &mut taken);
+                    let unit = effect.unit(&inner.unit, &out.system);
+                    out.remember(&name, &unit);
+                    applied.internal.push(name);
+                }
+                let system = &mut out.system;
+                let numbers: Vec<_> = applied.parameters.iter().map(|&k| system.parameters[k].node).collect();
+                let first = system.states.len() - applied.internal.len();
+                let own: Vec<_> = system.states[first..].iter().map(|s| s.node).collect();
+                let (force, rates) = effect.force(system, &numbers, &own)?;
+                system.known[first..].copy_from_slice(&rates);
+                for &(state, sign) in acts {
+                    let share = match system.inertia[state] {
+                        Some(inertia) => system.graph.div(force, inertia),
+                        None => force,
+                    };
+                    let known = system.known[state];
+                    system.known[state] = if sign < 0.0 {
+                        system.graph.sub(known, share)
+                    } else {
+                        system.graph.add(known, share)
+                    };
+                }
+                applied.force = Some(force);
+                if law.sticks() {
+                    let minus = system.graph.neg(velocity.node);
+                    let own = |c: &Contact| c.node == velocity.node || c.node == minus;
+                    if !system.contacts.iter().any(own) {
+                        system.contacts.push(Contact { text: at.clone(), node: velocity.node });
+                    }
+                }
+            }
+        }
+        out.effects.push(applied);
+        Ok(out)
+    }
+
+    /// A state that belongs to a law, from rest.
+    fn remember(&mut self, name: &str, unit: &str) {
+        let n = self.system.add_state(name, unit);
+        for record in Arc::make_mut(&mut self.records) {
+            record.columns.push(None);
+            record.start.push(None);
+            record.sensors.insert(n, Sensor::default());
+        }
+        for record in Arc::make_mut(&mut self.smooth) {
+            record.columns.push(Some(vec![0.0; record.time.len()]));
+            record.start.push(None);
+            record.sensors.insert(n, Sensor::default());
+        }
+    }
+
+    /// The effect's parameter in the sensors of these states.
+    fn read_by(&mut self, applied: &Applied, states: &[usize]) -> Result<(), EffectError> {
+        let entry = &applied.effect.entry;
+        let which = entry.law.sensor.as_deref().ok_or_else(|| EffectError::NoSensor(entry.id.clone()))?;
+        let k = applied.parameters[0];
+        let p = &self.system.parameters[k];
+        let parameter =
+            SensorParameter { start: p.start, within: Some(p.within), sigma: None, shared: Some(k) };
+        for records in [&mut self.records, &mut self.smooth] {
+            for record in Arc::make_mut(records) {
+                for &state in states {
+                    let sensor = &mut record.sensors[state];
+                    match which {
+                        "offset" => sensor.offset = parameter.clone(),
+                        "gain" => sensor.gain = parameter.clone(),
+                        _ => sensor.delay = parameter.clone(),
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// This model with several more effects, in their order.
+    ///
+    /// # Errors
+    /// As [`TrialModel::with`].
+    pub fn with_all(&self, effects: &[Effect]) -> Result<TrialModel, EffectError> {
+        effects.iter().try_fold(self.clone(), |model, effect| model.with(effect))
+    }
+
+    /// This model with none of its effects.
+    pub fn without_effects(&self) -> TrialModel {
+        self.base.as_ref().map_or_else(|| self.clone(), |base| (**base).clone())
+    }
+
+    /// This model with movable constants that start at these values (SI), or at the bound that is next to them.
+    pub(crate) fn starting_at(&self, values: &[(String, f64)]) -> TrialModel {
+        let mut out = self.clone();
+        for (name, value) in values {
+            let Some(k) = out.system.parameters.iter().position(|p| p.name == *name) else { continue };
+            let p = &mut out.system.parameters[k];
+            p.start = value.clamp(p.within.0, p.within.1);
+            let start = p.start;
+            let read = |r: &Record| r.sensors.iter().any(|s| slots(s).iter().any(|p| p.shared == Some(k)));
+            for records in [&mut out.records, &mut out.smooth] {
+                if !records.iter().any(read) {
+                    continue;
+                }
+                for sensor in Arc::make_mut(records).iter_mut().flat_map(|r| &mut r.sensors) {
+                    for parameter in [&mut sensor.offset, &mut sensor.gain, &mut sensor.delay] {
+                        if parameter.shared == Some(k) {
+                            parameter.start = start;
+                        }
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    /// How well it predicts over every `stride`-th of many short segments after a few steps of a fit: chi^2 per sample; `None` if it cannot
+    /// be simulated.
+    pub(crate) fn segment_cost(&self, noise: &[Vec<f64>], stride: usize) -> Option<f64> {
+        phisindy_learn::glance(&self.system, &self.records, &self.smooth, noise, stride)
+    }
+
+    /// The same in single runs.
+    pub(crate) fn free_run_cost(&self, noise: &[Vec<f64>]) -> Option<f64> {
+        phisindy_learn::approach(&self.system, &self.records, &self.smooth, noise)
+    }
+
+    /// Where laws can act.
+    pub(crate) fn places(&self) -> &[Place] {
+        &self.given.places
+    }
+
+    /// Constants of the records that are forces of different size and act nowhere yet: what friction may be in proportion to.
+    pub(crate) fn loads(&self) -> Vec<String> {
+        let system = &self.system;
+        (0..system.record_constants.len())
+            .filter(|&k| {
+                let (name, node) = &system.record_constants[k];
+                let values: Vec<f64> = self.records.iter().map(|r| r.constants[k]).collect();
+                values.iter().all(|v| *v > 0.0)
+                    && values.iter().any(|v| (v - values[0]).abs() > 1e-9 * values[0])
+                    && !system.graph.uses(&system.known, &[*node])
+                    && self.given.forces.contains(name)
+            })
+            .map(|k| system.record_constants[k].0.clone())
+            .collect()
+    }
+
+    /// Names that are in use.
+    fn taken(&self) -> Vec<String> {
+        let spec = &self.given.spec;
+        let of_records = spec.data.iter().flat_map(record_constants).map(|(name, _)| name.value.clone());
+        let own = |map: &[(phisindy_phys::spec::Text, _)]| -> Vec<String> {
+            map.iter().map(|(name, _): &(_, ConstantSpec)| name.value.clone()).collect()
+        };
+        let of_effects = self.effects.iter().flat_map(|a| a.names.iter().chain(&a.internal).cloned());
+        let states = self.system.states.iter().map(|s| s.name.clone());
+        let inputs = self.system.inputs.iter().map(|u| u.name.clone());
+        states.chain(inputs).chain(own(&spec.constants)).chain(of_records).chain(of_effects).collect()
+    }
+}
+
+fn slots(sensor: &Sensor) -> [&SensorParameter; 3] {
+    [&sensor.offset, &sensor.gain, &sensor.delay]
+}
+
+fn record_constants(data: &DataSpec) -> &[(phisindy_phys::spec::Text, ConstantSpec)] {
+    match data {
+        DataSpec::Csv(csv) => &csv.constants,
+        DataSpec::Synthetic(synthetic) => &synthetic.constants,
+    }
+}
+
+fn is_force_of_records(spec: &Spec, name: &str) -> bool {
+    use phisindy_phys::unit::Dimension;
+    spec.data.iter().flat_map(record_constants).any(|(n, c)| {
+        n.value == name
+            && matches!(c, ConstantSpec::Number { unit: Some(u), .. }
+                if Unit::parse(&u.value).is_ok_and(|u| u.dimension == Dimension::NEWTON))
+    })
+}
+
+/// A name that is not taken: as wished, with the place behind it, or with a number.
+fn free(wish: &str, at: &str, taken: &mut Vec<String>) -> String {
+    let plain: String = at.chars().filter(|c| c.is_alphanumeric()).collect();
+    let usable = |name: &str, taken: &[String]| {
+        !taken.iter().any(|t| t == name)
+            && name != "t"
+            && name != "pi"
+            && phisindy_expr::ops::function(name).is_none()
+    };
+    let mut names = [wish.to_owned(), format!("{wish}_{plain}")]
+        .into_iter()
+        .chain((2..).map(|k| format!("{wish}_{plain}{k}")));
+    let name = names.find(|n| usable(n, taken)).unwrap_or_else(|| wish.to_owned());
+    taken.push(name.clone());
+    name
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::text_with;
+    use phisindy_phys::{LawEntry, check, spec};
+
+    /// Where only states and inputs have units, and these do not fit without a mass, a constant with a unit would turn a warning into a mistake.
+    #[test]
+    fn a_spec_without_units_gets_none() {
+        let written = |k: &str| {
+            let text = format!(
+                r#"(constants: {{ "k": {k} }}, states: {{ "x": "m", "v": "m/s" }}, inputs: {{ "F": "N" }}, known: {{ "x": "v", "v": "F - k*x" }}, unknown: {{}},
+                data: [Csv(path: "a.csv", time: "t", columns: {{ "x": "x", "v": "v", "F": "F" }})])"#
+            );
+            let (spec, _) = spec::read(&text, SourceId(0)).expect("a spec");
+            let (case, _) = check_names(&spec, SourceId(0)).expect("a case");
+            let base = TrialModel::base(spec, case, vec![]);
+            let entry = LawEntry::read("coulomb", include_str!("../../../../specs/laws/coulomb.ron"));
+            let (entry, place) = (entry.expect("a law"), base.places()[0].clone());
+            let effect = Effect { entry, place, mirror: false, load: None, start: vec![1.0], beside: vec![] };
+            text_with(&text, &base.with(&effect).expect("a model")).expect("a text")
+        };
+        let plain = written("7.5");
+        let (spec, _) = spec::read(&plain, SourceId(0)).expect("a spec");
+        assert!(!plain.contains("m/s^2") && check(&spec, SourceId(0)).is_ok(), "{plain}");
+        assert!(written("(7.5, \"N/m\")").contains("m/s^2"));
+    }
+
+    /// What is added to the graph is what the text of the completed spec says: every built-in law at every place, rates compared at random states.
+    #[test]
+    fn the_graph_and_the_completed_text_are_one_model() {
+        let text = r#"(states: { "x1": "mm", "x2": "mm", "v1": "m/s", "v2": "m/s" }, inputs: { "u": "mm", "du": "m/s" },
+            constants: { "m": (2.0, "kg"), "k": (3.0, "N/m"), "c": (value: 0.5, unit: "N*s/m", within: (0.0, 1.0)) },
+            known: { "x1": "v1", "x2": "v2", "v1": "(-k*x1 + c*(v2-v1))/m", "v2": "(k*(u-x2) - c*(v2-v1))/m" }, inertia: { "v1": "m", "v2": "m" }, unknown: {},
+            contacts: ["v1 - du"],
+            data: [Csv(path: "a.csv", time: "t", columns: { "x1": "x1", "x2": "x2", "u": "u", "du": "du" }, constants: { "N": (2.0, "N") }),
+                   Csv(path: "b.csv", time: "t", columns: { "x1": "x1", "x2": "x2", "u": "u", "du": "du" }, constants: { "N": (4.0, "N") })])"#;
+        let (spec, _) = spec::read(text, SourceId(0)).expect("a spec");
+        let (case, _) = check_names(&spec, SourceId(0)).expect("a case");
+        let base = TrialModel::base(spec, case, vec![]);
+        let mut compared = 0;
+        for (id, law) in phisindy_phys::BUILT_IN {
+            let entry = LawEntry::read(id, law).expect("a law");
+            for place in base.places().iter().filter(|p| crate::place::fits(&entry.law, p)) {
+                let start: Vec<f64> =
+                    entry.law.parameters.iter().map(|(_, p)| 0.7_f64.clamp(p.within.0, p.within.1)).collect();
+                let effect = Effect {
+                    entry: entry.clone(),
+                    place: place.clone(),
+                    mirror: false,
+                    load: None,
+                    start,
+                    beside: vec![("c".into(), 0.25)],
+                };
+                let mirror = Effect { mirror: true, ..effect.clone() };
+                let effects = if entry.law.mirror.is_some() { vec![effect, mirror] } else { vec![effect] };
+                let model = base.with_all(&effects).expect("a model");
+                let completed = text_with(text, &model).expect("a text");
+                let (spec, _) = spec::read(&completed, SourceId(0)).expect("a spec");
+                let (case, _) =
+                    check_names(&spec, SourceId(0)).unwrap_or_else(|d| panic!("{d:?}\n{completed}"));
+                same(&model.system, &case.system, &completed);
+                compared += 1;
+            }
+        }
+        assert!(compared > 60, "{compared}");
+    }
+
+    /// Rates of two systems at some states, names, starts and bounds.
+    fn same(a: &System, b: &System, text: &str) {
+        use phisindy_expr::{Scratch, Tape};
+        let names = |s: &System| -> Vec<String> {
+            let states = s.states.iter().map(|s| s.name.clone());
+            states.chain(s.parameters.iter().map(|p| p.name.clone())).collect()
+        };
+        assert_eq!(names(a), names(b), "{text}");
+        assert_eq!(a.contacts.len(), b.contacts.len(), "{text}");
+        for (p, q) in a.parameters.iter().zip(&b.parameters) {
+            let near = |x: f64, y: f64| (x - y).abs() <= 1e-12 * x.abs().max(y.abs());
+            assert!(
+                near(p.start, q.start) && near(p.within.0, q.within.0) && near(p.within.1, q.within.1),
+                "{text}"
+            );
+        }
+        let rates = |s: &System, at: f64| -> Vec<f64> {
+            let tape = Tape::compile(&s.graph, &s.arguments(), &s.known).expect("a tape");
+            let mut scratch = Scratch::<1>::new(&tape);
+            let before = 1 + s.states.len() + s.inputs.len();
+            let moving = (0..before).map(|k| (at * (k + 1) as f64).sin());
+            let starts = s.parameters.iter().map(|p| p.start);
+            scratch.at(moving.chain(starts).chain(s.record_constants.iter().map(|_| 2.0)));
+            (0..s.known.len()).map(|k| scratch.output(k)[0]).collect()
+        };
+        for at in [0.3, 1.7, 2.9] {
+            for (x, y) in rates(a, at).iter().zip(rates(b, at)) {
+                assert!((x - y).abs() <= 1e-9 * x.abs().max(1.0), "{x} {y} {text}");
+            }
+        }
+    }
+}

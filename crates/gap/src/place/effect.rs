@@ -1,0 +1,231 @@
+//! A law at a place.
+
+use super::{Place, Site};
+use phisindy_expr::Id;
+use phisindy_phys::unit::{Dimension, Unit};
+use phisindy_phys::{Law, LawEntry, LawRole, System};
+use std::collections::HashMap;
+use std::fmt;
+
+/// A law at a place.
+#[derive(Clone, Debug)]
+pub struct Effect {
+    /// Which law.
+    pub entry: LawEntry,
+    /// Where.
+    pub place: Place,
+    /// Whether it is the law's mirror image.
+    pub mirror: bool,
+    /// A constant of the records, a force, that its levels scale with.
+    pub load: Option<String>,
+    /// For each parameter of the law where its search starts (SI).
+    pub start: Vec<f64>,
+    /// Where movable constants of the model start beside it (SI), by name: a damper that stood in for friction gives way to it.
+    pub beside: Vec<(String, f64)>,
+}
+
+/// Why a law cannot act on a model.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum EffectError {
+    /// The law uses a name that the model does not have.
+    UnknownName {
+        /// The law's id.
+        law: String,
+        /// The name.
+        name: String,
+    },
+    /// The law has no force.
+    NoForce(String),
+    /// The law is no property of a sensor.
+    NoSensor(String),
+}
+
+impl fmt::Display for EffectError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            EffectError::UnknownName { law, name } => {
+                write!(f, "the law `{law}` uses `{name}`, which the model does not have")
+            }
+            EffectError::NoForce(law) => write!(f, "the law `{law}` has no force"),
+            EffectError::NoSensor(law) => write!(f, "the law `{law}` is no property of a sensor"),
+        }
+    }
+}
+
+impl std::error::Error for EffectError {}
+
+/// Nodes of a model that the symbols of a law stand for, the law's own aside.
+pub(crate) fn bindings(effect: &Effect, system: &mut System) -> Result<HashMap<Id, Id>, EffectError> {
+    let law = &effect.entry.law;
+    let of = law.nodes();
+    let mut with = HashMap::from([(of.time, system.time)]);
+    if let Site::Force { displacement, velocity, .. } = &effect.place.site {
+        with.extend(of.displacement.zip(displacement.as_ref()).map(|(x, place)| (x, place.node)));
+        with.extend(of.velocity.map(|v| (v, velocity.node)));
+    }
+    for (name, symbol) in &of.outside {
+        let node = system
+            .quantity(name)
+            .ok_or_else(|| EffectError::UnknownName { law: effect.entry.id.clone(), name: name.clone() })?;
+        with.insert(*symbol, node);
+    }
+    Ok(with)
+}
+
+impl Effect {
+    /// Whether two effects are the same law at the same place.
+    pub fn same(&self, other: &Effect) -> bool {
+        self.entry.id == other.entry.id
+            && self.place.is(&other.place)
+            && self.mirror == other.mirror
+            && self.load == other.load
+    }
+
+    /// What each parameter is called in results.
+    pub fn labels(&self) -> Vec<String> {
+        let law = &self.entry.law;
+        let forces = law.parameters.iter().filter(|(_, p)| self.scales(&p.unit)).count();
+        law.parameters
+            .iter()
+            .map(|(name, p)| {
+                if !self.scales(&p.unit) {
+                    return name.clone();
+                }
+                // mu for the level, mus, mu0, ... for more of them.
+                match name.strip_prefix('F') {
+                    Some(_) if forces == 1 => "mu".into(),
+                    Some(rest) => format!("mu{rest}"),
+                    None => format!("mu_{name}"),
+                }
+            })
+            .collect()
+    }
+
+    /// Whether a parameter of this unit is one that a load scales.
+    fn scales(&self, unit: &str) -> bool {
+        self.load.is_some() && is_force(unit)
+    }
+
+    /// The force that the effect subtracts, its load included, and the rates of its states, as nodes of a system that has its parameters and
+    /// states already.
+    ///
+    /// # Errors
+    /// The law has no force, or uses a name that the system does not have.
+    pub(crate) fn force(
+        &self,
+        system: &mut System,
+        parameters: &[Id],
+        internal: &[Id],
+    ) -> Result<(Id, Vec<Id>), EffectError> {
+        let law = &self.entry.law;
+        let of = law.nodes();
+        let mut with = bindings(self, system)?;
+        with.extend(of.parameters.iter().copied().zip(parameters.iter().copied()));
+        with.extend(of.internal.iter().copied().zip(internal.iter().copied()));
+        let force = if self.mirror { of.mirror } else { of.force };
+        let no_force = || EffectError::NoForce(self.entry.id.clone());
+        let roots: Vec<Id> = force.into_iter().chain(of.rates.iter().copied()).collect();
+        force.ok_or_else(no_force)?;
+        let nodes = system.graph.graft(&of.graph, &roots, &with).map_err(|symbol| {
+            EffectError::UnknownName { law: self.entry.id.clone(), name: of.names.name(symbol).to_owned() }
+        })?;
+        let mut force = nodes[0];
+        if let Some(load) = &self.load {
+            let load = system
+                .quantity(load)
+                .ok_or_else(|| EffectError::UnknownName { law: self.entry.id.clone(), name: load.clone() })?;
+            force = system.graph.mul(load, force);
+        }
+        Ok((force, nodes[1..].to_vec()))
+    }
+
+    /// A unit of the law in the units of the place: a law speaks of newtons and metres, the model perhaps of volts, radians, or forces per mass.
+    pub fn unit(&self, unit: &str, system: &System) -> String {
+        let Ok(parsed) = Unit::parse(unit) else { return String::new() };
+        let Site::Force { state, .. } = &self.place.site else {
+            let Site::Sensor(states) = &self.place.site else { return String::new() };
+            // An offset has the unit of its column.
+            return if unit == "m" { system.states[states[0]].unit.clone() } else { unit.to_owned() };
+        };
+        let [kg, m, s, ..] = parsed.dimension.powers();
+        // Newtons, metres, seconds.
+        let (force, length, time) = (kg, m - kg, s + 2.0 * kg);
+        let force = if self.scales(unit) { force - 1.0 } else { force };
+        let v = &system.states[*state];
+        let x = system.states.iter().find(|x| x.velocity == Some(*state));
+        let x_unit = x.map_or("", |x| x.unit.as_str());
+        let dimension = |u: &str| Unit::parse(u).map_or(Dimension::NONE, |u| u.dimension);
+        let lengths = x.is_none_or(|_| dimension(x_unit) == Dimension::METRE);
+        let si_velocity = dimension(&v.unit) == Dimension::METRE.div(Dimension::SECOND);
+        let mut parts: Vec<(&str, f64)> = Vec::new();
+        match (system.inertia[*state].is_some(), lengths && si_velocity) {
+            (true, true) => parts.extend([("N", force), ("m", length), ("s", time)]),
+            (true, false) => parts.extend([("N", force), ("m", force), (x_unit, length), ("s", time)]),
+            (false, true) => parts.extend([("m", force + length), ("s", time - 2.0 * force)]),
+            (false, false) => parts.extend([(x_unit, force + length), ("s", time - 2.0 * force)]),
+        }
+        if unit == "rad" {
+            return "rad".into();
+        }
+        product(&parts)
+    }
+}
+
+/// Whether a unit holds a force: its power of the kilogram is one.
+pub(crate) fn is_force(unit: &str) -> bool {
+    Unit::parse(unit).is_ok_and(|u| u.dimension.powers()[0] == 1.0)
+}
+
+/// A unit from powers: `N*s/m`.
+fn product(parts: &[(&str, f64)]) -> String {
+    let mut parts: Vec<(&str, f64)> = parts.iter().copied().filter(|(u, _)| !u.is_empty()).collect();
+    // A metre may come twice.
+    for k in (1..parts.len()).rev() {
+        if let Some(j) = (0..k).find(|&j| parts[j].0 == parts[k].0) {
+            parts[j].1 += parts[k].1;
+            parts.remove(k);
+        }
+    }
+    let power = |(u, p): &(&str, f64)| {
+        let p = p.abs();
+        if p == 1.0 { (*u).to_owned() } else { format!("{u}^{p}") }
+    };
+    let top: Vec<String> = parts.iter().filter(|(_, p)| *p > 0.0).map(power).collect();
+    let bottom: Vec<String> = parts.iter().filter(|(_, p)| *p < 0.0).map(power).collect();
+    let top = if top.is_empty() && !bottom.is_empty() { "1".to_owned() } else { top.join("*") };
+    match bottom.len() {
+        0 => top,
+        1 => format!("{top}/{}", bottom[0]),
+        _ => format!("{top}/({})", bottom.join("*")),
+    }
+}
+
+/// Whether a law can act at a place.
+pub(crate) fn fits(law: &Law, place: &Place) -> bool {
+    match &place.site {
+        Site::Sensor(states) => match law.sensor.as_deref() {
+            // An offset common to all columns, of different units, is nothing.
+            Some("offset") => states.len() == 1,
+            Some(_) => true,
+            None => false,
+        },
+        Site::Force { displacement, .. } => {
+            // A push that depends on nothing at the place is the same against the wall as against the base.
+            let told_apart = !(law.roles.is_empty() && place.is_on_base());
+            let has_role = law.role(LawRole::Displacement).is_none() || displacement.is_some();
+            law.sensor.is_none() && told_apart && has_role
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_multiply() {
+        assert_eq!(product(&[("N", 1.0), ("m", -1.0), ("s", 1.0)]), "N*s/m");
+        assert_eq!(product(&[("V", -2.0), ("s", -2.0)]), "1/(V^2*s^2)");
+        assert_eq!(product(&[("N", 0.0), ("m", 0.0)]), "");
+    }
+}

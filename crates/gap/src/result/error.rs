@@ -1,0 +1,78 @@
+//! Why there is nothing to say.
+
+use crate::model::SpecTextError;
+use crate::place::EffectError;
+
+/// Why there is nothing to say.
+#[derive(Clone, Debug, PartialEq)]
+pub enum GapError {
+    /// The records do not suit.
+    Data(DataError),
+    /// The model as it is cannot be simulated, or the fit of the final one fails.
+    Numerics(ModelError),
+}
+
+impl GapError {
+    /// Whether a state of the model grew without bound.
+    pub fn diverged(&self) -> bool {
+        matches!(self, GapError::Numerics(ModelError::Fit(error)) if error.diverged())
+    }
+}
+
+/// Why records do not suit.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DataError {
+    /// No record has the role Fit.
+    NoFit,
+    /// A record is too short.
+    FewSamples {
+        /// Its name.
+        record: String,
+        /// How many samples it has.
+        samples: usize,
+        /// How many are needed.
+        least: usize,
+    },
+    /// A column from which nothing can be learned.
+    DeadColumn(phisindy_learn::DataError),
+    /// All columns are noise above all.
+    MostlyNoise {
+        /// Name of the record.
+        record: String,
+        /// The smallest part of a column's standard deviation that is noise.
+        share: f64,
+    },
+    /// The text of the spec cannot be read.
+    Spec(String),
+}
+
+/// Why a model cannot be had.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ModelError {
+    /// It cannot be fitted.
+    Fit(phisindy_learn::ModelError),
+    /// An effect cannot act on it.
+    Effect(EffectError),
+    /// The text of the spec cannot hold it.
+    Text(SpecTextError),
+    /// The spec, changed, is none.
+    Spec,
+}
+
+impl From<phisindy_learn::ModelError> for ModelError {
+    fn from(why: phisindy_learn::ModelError) -> Self {
+        ModelError::Fit(why)
+    }
+}
+
+impl From<EffectError> for ModelError {
+    fn from(why: EffectError) -> Self {
+        ModelError::Effect(why)
+    }
+}
+
+impl From<SpecTextError> for ModelError {
+    fn from(why: SpecTextError) -> Self {
+        ModelError::Text(why)
+    }
+}

@@ -1,0 +1,141 @@
+//! What the end of a search means: nothing missing, explained, unexplained; and which of its effects help. Decisions are made on scores.
+
+use super::{PlacedLaw, Status, Warning};
+use crate::model::{Fitted, Score};
+
+/// Effects that explain: more of them cover up whatever is missing ("with four parameters I can fit an elephant").
+const ELEPHANT: usize = 4;
+/// One fewer must leave no more than this many times the noise on the records that they were fitted to: what is a little more is what a
+/// curve through something else leaves.
+const CLEAN: f64 = 1.02;
+/// So many elastic effects at one place draw any curve.
+const BENT: usize = 3;
+/// Effects that lower a gap by less are no help.
+const HELPS: f64 = 0.95;
+
+/// How a search that ended with this score ends, and what a reader should know of it. `repeats`: what is left is what the motion itself
+/// repeats to; `bent`: the place of a spring that several effects bend.
+pub(crate) fn status(last: &Score, repeats: bool, bent: Option<String>) -> (Status, Option<Warning>) {
+    let count = last.effects;
+    let white = last.explains();
+    // Below the estimated noise, which of clean columns is too large, there is nothing to find.
+    let below = last.fit <= 1.0 && last.gap() <= 1.0;
+    let some_left = count + 1 == ELEPHANT && last.fit > CLEAN && !repeats;
+    let covered = count >= ELEPHANT || some_left || bent.is_some();
+    let warning = match bent {
+        _ if !white => None,
+        Some(at) => Some(Warning::Curve { count: BENT, at }),
+        None => covered.then_some(Warning::ManyEffects { count, some_left }),
+    };
+    let status = match ((white || repeats || below) && !covered, count == 0) {
+        (true, true) => Status::NothingMissing,
+        (true, false) => Status::Explained,
+        (false, _) => Status::Unexplained,
+    };
+    (status, warning)
+}
+
+/// How many of the effects help on data not used: those up to where the gap there is about as small as it gets. `path` are the models with
+/// no effect, with the first, with two, and so on, each with whether it follows the motion: a model that hardly moves misses less than one
+/// that moves otherwise than the rig, and explains nothing.
+pub(crate) fn helpful(path: &[(&Score, bool)]) -> usize {
+    let moves = |k: &usize| *k == 0 || path[*k].1;
+    let last = path.len() - 1;
+    if path[last].0.predictive.is_none() {
+        return if moves(&last) { last } else { 0 };
+    }
+    let gap = |k: usize| path[k].0.gap();
+    let least = (0..=last).filter(moves).map(gap).fold(f64::INFINITY, f64::min);
+    (0..=last).filter(moves).find(|k| HELPS * gap(*k) <= least).unwrap_or(0)
+}
+
+/// Where so many effects are forces of one displacement alone that they are one spring.
+pub(crate) fn bent(last: &Fitted) -> Option<String> {
+    let springs = last.model.effects.iter().map(|a| &a.effect).filter(|e| e.entry.law.is_spring());
+    let at: Vec<&String> = springs.map(|effect| &effect.place.at).collect();
+    at.iter()
+        .find(|place| at.iter().filter(|other| other == place).count() >= BENT)
+        .map(|place| (*place).clone())
+}
+
+/// What is told of an effect that is not added, though it may bring the gap on Fit records down: what it does to the gaps beside those that
+/// are.
+pub(crate) fn refused(whole: &Fitted, k: usize, kept: &Fitted, with: &Fitted) -> Option<Warning> {
+    let validate = kept.score.validate.zip(with.score.validate)?;
+    Some(Warning::Refused {
+        law: PlacedLaw::of(&whole.model.effects[k].effect),
+        fit: (kept.score.fit, with.score.fit),
+        validate,
+        follows: with.follows(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::tests::score;
+
+    #[test]
+    fn a_search_ends_as_its_score_says() {
+        use Status::{Explained, NothingMissing, Unexplained};
+        let table = [
+            // fit, validate, effects, repeats, bent, status, warning
+            (1.0, Some(1.0), 0, false, None, NothingMissing, None),
+            (1.0, Some(1.0), 2, false, None, Explained, None),
+            (1.0, Some(1.2), 1, false, None, Unexplained, None),
+            (30.0, Some(36.0), 1, false, None, Unexplained, None),
+            (30.0, Some(36.0), 3, true, None, Explained, None),
+            (0.9, Some(0.9), 1, false, None, Explained, None),
+            (1.01, Some(1.0), 3, false, None, Explained, None),
+            (
+                1.03,
+                Some(1.0),
+                3,
+                false,
+                None,
+                Unexplained,
+                Some(Warning::ManyEffects { count: 3, some_left: true }),
+            ),
+            (
+                1.0,
+                Some(1.0),
+                4,
+                false,
+                None,
+                Unexplained,
+                Some(Warning::ManyEffects { count: 4, some_left: false }),
+            ),
+            (
+                1.0,
+                Some(1.0),
+                3,
+                false,
+                Some("v"),
+                Unexplained,
+                Some(Warning::Curve { count: 3, at: "v".into() }),
+            ),
+            (9.0, Some(9.0), 3, false, Some("v"), Unexplained, None),
+        ];
+        for (fit, validate, effects, repeats, at, due, warning) in table {
+            let found = status(&score(fit, validate, effects), repeats, at.map(str::to_owned));
+            assert_eq!(found, (due, warning), "{fit} {validate:?} {effects}");
+        }
+    }
+
+    #[test]
+    fn effects_help_up_to_where_the_gap_is_least() {
+        let helps = |gaps: &[(f64, bool)]| {
+            let path: Vec<Score> =
+                gaps.iter().enumerate().map(|(k, (gap, _))| score(*gap, Some(*gap), k)).collect();
+            helpful(&path.iter().zip(gaps).map(|(s, (_, follows))| (s, *follows)).collect::<Vec<_>>())
+        };
+        assert_eq!(helps(&[(9.0, true), (3.0, true), (2.9, true)]), 1);
+        assert_eq!(helps(&[(9.0, true), (3.0, true), (2.0, true)]), 2);
+        assert_eq!(helps(&[(9.0, true), (12.0, true)]), 0);
+        // A model that stands still does not count.
+        assert_eq!(helps(&[(9.0, true), (3.0, false)]), 0);
+        // Without data that were not used the last model that follows counts.
+        let (a, b) = (score(9.0, None, 0), score(8.9, None, 1));
+        assert_eq!((helpful(&[(&a, true), (&b, true)]), helpful(&[(&a, true), (&b, false)])), (1, 0));
+    }
+}

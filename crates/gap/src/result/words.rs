@@ -1,0 +1,356 @@
+//! Everything that this crate says, in one place: data to sentences.
+
+use super::{
+    Activity, Alternative, AlternativeConstant, Cause, DataError, DataMistake, DriveFrequency, GapError,
+    InputNoise, Location, ModelError, Named, NamedValue, PlacedLaw, Rival, Veto, Vetoed, Warning,
+};
+use std::f64::consts::TAU;
+use std::fmt::{Display, Formatter, Result};
+
+impl Display for PlacedLaw {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        write!(f, "{} at {}", self.law, self.at)
+    }
+}
+
+impl Rival {
+    /// The ids of its laws, joined by ` + `.
+    pub fn law(&self) -> String {
+        joined(self.laws.iter().map(|l| l.law.as_str()), " + ")
+    }
+
+    /// Their places, joined by `, `.
+    pub fn at(&self) -> String {
+        joined(self.laws.iter().map(|l| l.at.as_str()), ", ")
+    }
+}
+
+impl Display for Rival {
+    /// `stribeck at v`, `coulomb + viscous at v`, `coulomb at v1 + viscous at v2`: a place that all share is said once.
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self.laws.first() {
+            Some(first) if self.laws.iter().all(|l| l.at == first.at) => {
+                write!(f, "{} at {}", self.law(), first.at)
+            }
+            _ => f.write_str(&joined(self.laws.iter().map(ToString::to_string), " + ")),
+        }
+    }
+}
+
+fn joined<T: AsRef<str>>(parts: impl Iterator<Item = T>, between: &str) -> String {
+    parts.map(|p| p.as_ref().to_owned()).collect::<Vec<_>>().join(between)
+}
+
+impl Display for Activity {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        f.write_str(match self {
+            Activity::Calibrating => "fitting what may move",
+            Activity::Screening => "looking at every law at every place",
+            Activity::FittingLaws => "fitting the best of them",
+            Activity::FittingPairs => "fitting the best pairs",
+            Activity::ErrorBars => "error bars",
+            Activity::Constants => "constants that are held",
+            Activity::OtherCauses => "other causes",
+        })
+    }
+}
+
+impl Display for Veto {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Veto::FeedsMotion => {
+                f.write_str("with it the damping of the body is negative in total: it would feed the motion")
+            }
+            Veto::Requirement(because) => f.write_str(because),
+            Veto::ParameterAtEnd { name, bound, unit } => {
+                write!(f, "its {name} runs to the end of what the law allows ({bound:e} {unit})")
+            }
+            Veto::NeverSlips => f.write_str("its contact never slips: it stands for a spring"),
+            Veto::Pushes => f.write_str("in places it would push instead of brake"),
+            Veto::SlowTone(period) => write!(f, "no record lasts half of one of its periods ({period:.0} s)"),
+            Veto::DriveFrequency(line) => write!(
+                f,
+                "its frequency is that of the drive ({line:.4} rad/s), where it would stand for anything else that is missing"
+            ),
+            Veto::DoesNotGiveWay { stops, slope } => write!(
+                f,
+                "in {stops} stops the mass moves with the force on the contact by {slope:.2} of what this law asks for: the contact does not give way"
+            ),
+        }
+    }
+}
+
+impl Display for Vetoed {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        write!(f, "{} is ruled out: {}", self.law.law, self.why)
+    }
+}
+
+/// A number to five digits with its unit.
+impl Display for NamedValue {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        write!(f, "{} = {}", self.name, in_unit(self.value, &self.unit))
+    }
+}
+
+fn in_unit(value: f64, unit: &str) -> String {
+    let digits = format!("{value:.4e}").parse::<f64>().unwrap_or(value);
+    if unit.is_empty() { format!("{digits}") } else { format!("{digits} {unit}") }
+}
+
+/// `, then Fc = 0.3 N, ...`
+fn then(numbers: &[NamedValue]) -> String {
+    let all: Vec<String> = numbers.iter().map(ToString::to_string).collect();
+    if all.is_empty() { String::new() } else { format!(", then {}", all.join(", ")) }
+}
+
+impl Display for Alternative {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Alternative::Constant(constant) => constant.fmt(f),
+            Alternative::Drive(drive) => drive.fmt(f),
+            Alternative::InputNoise(noise) => noise.fmt(f),
+        }
+    }
+}
+
+impl Display for AlternativeConstant {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let needless: Vec<String> = self.needless.iter().map(ToString::to_string).collect();
+        let less =
+            if needless.is_empty() { String::new() } else { format!(" without {}", needless.join(" and ")) };
+        let other: String = self.other.iter().map(|law| format!(" and {law}")).collect();
+        write!(
+            f,
+            "the known part may be wrong instead: with {} (the spec says {}){other} the model explains the data{less} (BIC {:.1} {}){}: is that constant known so well?",
+            self.constant,
+            in_unit(self.stated, &self.constant.unit),
+            self.delta_bic.abs(),
+            if self.delta_bic < 0.0 { "lower" } else { "higher" },
+            then(&self.numbers)
+        )
+    }
+}
+
+impl Display for DriveFrequency {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let beside: String = self.beside.iter().map(|law| format!(", with {law}")).collect();
+        let what = if self.explains {
+            "look at that frequency, and at the clock of the records"
+        } else {
+            "something else is missing, too, which may show when that is mended: free it, `(value: .., within: (.., ..))`, and look again"
+        };
+        write!(
+            f,
+            "the drive may be off its frequency: at {:.5} times what the spec says{beside} the gap of the model as it is goes from {:.3} to {:.3}{}: {what}",
+            self.ratio,
+            self.gap.0,
+            self.gap.1,
+            then(&self.numbers)
+        )
+    }
+}
+
+impl Display for InputNoise {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        write!(
+            f,
+            "what changes in {} from sample to sample, as noise does, moves the model and not the rig: so much noise alone leaves a gap of about {:.2} on the fitted data, where {:.2} is left; measure that input with less noise, or say in the spec what was commanded",
+            self.inputs.join(" and "),
+            self.alone,
+            self.left
+        )
+    }
+}
+
+impl Display for Named {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        write!(f, "of what is left of {} in {}", self.column, self.record)
+    }
+}
+
+impl Display for Cause {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Cause::Drift { of, share, swing } => write!(
+                f,
+                "{:.0} % {of} grows with time, by {swing:.3e} (SI) from end to end: drift of a sensor, perhaps as it warms up; `detrend: {{ \"{}\": Linear }}` takes it off",
+                100.0 * share,
+                of.column
+            ),
+            Cause::Tone { of, share, frequency } => write!(
+                f,
+                "{:.0} % {of} is one tone of {frequency:.4} rad/s ({:.4} Hz): hum of the sensor or the mains, a drive that the model does not know, or the rig's own frequency where it is another one than the model's",
+                100.0 * share,
+                frequency / TAU
+            ),
+        }
+    }
+}
+
+impl Display for DataMistake {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            DataMistake::Scale { of, factor } => write!(
+                f,
+                "{}: `{}` has the shape that the model gives, but {factor:.3} times its size: are the units of the column, and of the forces, right?",
+                of.record, of.column
+            ),
+            DataMistake::Proportion { of, factor } => write!(
+                f,
+                "{}: the model moves `{}` {factor:.1e} times as much as the record shows: are the units of the columns, of the forces and of the constants right?",
+                of.record, of.column
+            ),
+            DataMistake::Swapped { of, other } => write!(
+                f,
+                "{}: `{}` fits what the model gives for `{other}`, and the other way round: the two columns are probably swapped",
+                of.record, of.column
+            ),
+        }
+    }
+}
+
+impl Display for Warning {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Warning::UnknownLeftOut { candidates } => {
+                let what = if *candidates { "has candidates" } else { "names laws" };
+                write!(f, "`unknown` {what}: `gap` leaves them out and searches the catalogue instead")
+            }
+            Warning::Curve { count, at } => write!(
+                f,
+                "{count} corrections of the spring at {at} describe its curve, as so many would any: which law it follows they do not say; a static test, force against displacement, would"
+            ),
+            Warning::ManyEffects { count, some_left } => {
+                let what = if *some_left { "hardly more than noise" } else { "nothing but noise" };
+                write!(
+                    f,
+                    "with {count} effects the model leaves {what}, but so many corrections may cover up one effect that no law here describes"
+                )
+            }
+            Warning::Refused { law, fit, validate, follows } => {
+                let why = if *follows { "" } else { ", where the model hardly moves any more" };
+                write!(
+                    f,
+                    "{law} is not added: it takes the gap on the fitted data from {:.3} to {:.3}, and that on data not used from {:.3} to {:.3}{why}",
+                    fit.0, fit.1, validate.0, validate.1
+                )
+            }
+            Warning::Vetoed(vetoed) => {
+                write!(f, "{} fits, but evidence speaks against it: {}", vetoed.law.law, vetoed.why)
+            }
+            Warning::Alternative(alternative) => alternative.fmt(f),
+            Warning::Drive(drive) => drive.fmt(f),
+            Warning::Cause(cause) => cause.fmt(f),
+            Warning::Data(mistake) => mistake.fmt(f),
+            Warning::Fit(warning) => warning.fmt(f),
+        }
+    }
+}
+
+impl Display for Location {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let told = |x: &f64, unit: &str| format!("{} {unit}", rounded(*x)).trim_end().to_owned();
+        match self {
+            Location::Everywhere => f.write_str("everywhere alike"),
+            Location::Sticking => f.write_str("while it sticks"),
+            Location::Switching => f.write_str("where it switches"),
+            Location::Slipping => f.write_str("while it slips"),
+            Location::FirstFifth => f.write_str("in the first fifth of the record"),
+            Location::FirstHalf => f.write_str("in the first half of the record"),
+            Location::LastHalf => f.write_str("in the last half of the record"),
+            Location::LastFifth => f.write_str("in the last fifth of the record"),
+            Location::Above { name, value, unit } => write!(f, "at {name} above {}", told(value, unit)),
+            Location::Below { name, value, unit } => write!(f, "at {name} below {}", told(value, unit)),
+            Location::SizeAbove { name, value, unit } => write!(f, "at |{name}| above {}", told(value, unit)),
+            Location::SizeBelow { name, value, unit } => write!(f, "at |{name}| below {}", told(value, unit)),
+        }
+    }
+}
+
+impl Display for super::Region {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self.location {
+            Location::Everywhere => self.location.fmt(f),
+            _ => write!(f, "{} ({:.0} % of it)", self.location, 100.0 * self.power),
+        }
+    }
+}
+
+/// Three digits are enough for a place.
+fn rounded(x: f64) -> String {
+    let scientific = format!("{x:.2e}");
+    match x.abs() {
+        1e-3..1e5 => scientific.parse::<f64>().map_or(scientific, |x| x.to_string()),
+        0.0 => "0".to_owned(),
+        _ => scientific,
+    }
+}
+
+impl Display for GapError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            GapError::Data(error) => error.fmt(f),
+            GapError::Numerics(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for GapError {}
+
+impl Display for DataError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            DataError::NoFit => f.write_str(
+                "no record has the role Fit, so there is nothing to compare with: take `role: Validate` off one of them",
+            ),
+            DataError::FewSamples { record, samples, least } => write!(
+                f,
+                "{record}: {samples} samples are too few to tell noise from motion ({least} at least): take a longer window, or decimate less"
+            ),
+            DataError::DeadColumn(why) => why.fmt(f),
+            DataError::MostlyNoise { record, share } => write!(
+                f,
+                "{record}: what was measured is mostly noise ({:.0} % of it): no motion to explain",
+                100.0 * share
+            ),
+            DataError::Spec(why) => f.write_str(why),
+        }
+    }
+}
+
+impl Display for ModelError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            ModelError::Fit(why) => write!(f, "the model as it is cannot be simulated: {why}"),
+            ModelError::Effect(why) => why.fmt(f),
+            ModelError::Text(why) => why.fmt(f),
+            ModelError::Spec => f.write_str("the spec cannot be changed as the search needs it"),
+        }
+    }
+}
+
+impl std::error::Error for ModelError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_has_three_digits_of_any_size() {
+        let cases =
+            [(0.0, "0"), (0.012_345, "0.0123"), (-98_765.0, "-98800"), (2e-7, "2.00e-7"), (1.5e9, "1.50e9")];
+        for (x, due) in cases {
+            assert_eq!(rounded(x), due);
+        }
+    }
+
+    #[test]
+    fn a_place_that_all_laws_of_a_rival_share_is_said_once() {
+        let law = |law: &str, at: &str| PlacedLaw { law: law.into(), at: at.into() };
+        let said = |laws| Rival { laws, delta_bic: 1.0 }.to_string();
+        assert_eq!(said(vec![law("stribeck", "v")]), "stribeck at v");
+        assert_eq!(said(vec![law("coulomb", "v"), law("viscous", "v")]), "coulomb + viscous at v");
+        assert_eq!(said(vec![law("coulomb", "v1"), law("viscous", "v2")]), "coulomb at v1 + viscous at v2");
+    }
+}

@@ -1,0 +1,89 @@
+//! Which of some models is the best, by their scores.
+
+use crate::model::{FAR_OFF, Fitted, Measure, Score, TrialModel};
+use crate::result::PlacedLaw;
+use crate::search::{HALF, SIMPLER};
+
+/// A richer law must lower the gap on Validate records to this part, where something is left that is not noise.
+const RICHER: f64 = 0.95;
+
+/// Sorts models, the best first.
+pub(crate) fn rank(all: &mut [Fitted], candidates: usize) {
+    let by = Measure::of(all.iter().map(|f| &f.score), candidates);
+    all.sort_by(|a, b| by.criterion(&a.score).total_cmp(&by.criterion(&b.score)));
+}
+
+/// The best by the criterion, or a simpler one that is as good.
+pub(crate) fn preferred(all: &[Fitted], candidates: usize) -> Option<&Fitted> {
+    let scores: Vec<&Score> = all.iter().map(|f| &f.score).collect();
+    preferred_score(&scores, candidates).map(|k| &all[k])
+}
+
+fn preferred_score(all: &[&Score], candidates: usize) -> Option<usize> {
+    let by = Measure::of(all.iter().copied(), candidates);
+    let best = all.iter().min_by(|a, b| by.criterion(a).total_cmp(&by.criterion(b)))?;
+    let near = |s: &Score| by.criterion(s) - by.criterion(best) < SIMPLER || carries_no_further(s, best);
+    let near: Vec<usize> = (0..all.len()).filter(|&k| near(all[k])).collect();
+    let least = near.iter().map(|&k| all[k].parameters).min()?;
+    let gap = |k: usize| all[k].predictive.unwrap_or(0.0);
+    near.into_iter().filter(|&k| all[k].parameters == least).min_by(|&a, &b| gap(a).total_cmp(&gap(b)))
+}
+
+/// Whether, of two models that both leave more than noise, the second predicts Validate records no better than the first.
+pub(crate) fn carries_no_further(simple: &Score, rich: &Score) -> bool {
+    let further = simple.predictive.zip(rich.predictive).is_none_or(|(a, b)| b < RICHER * a);
+    !rich.is_white() && !simple.is_white() && !further && !on_the_way(simple, rich)
+}
+
+/// Whether the second model is on the way to something: while much is missing Validate records are missed whatever is added, and the end of
+/// the search judges them.
+pub(crate) fn on_the_way(from: &Score, to: &Score) -> bool {
+    to.fit > FAR_OFF && to.fit < HALF * from.fit
+}
+
+/// Parameters of all effects of a model.
+pub(crate) fn size(model: &TrialModel) -> usize {
+    model.effects.iter().map(|a| a.effect.entry.law.parameters.len()).sum()
+}
+
+/// Laws and places of a model.
+pub(crate) fn placed(model: &TrialModel) -> Vec<PlacedLaw> {
+    label(model, 0)
+}
+
+/// The same of its effects from one on.
+pub(crate) fn label(model: &TrialModel, from: usize) -> Vec<PlacedLaw> {
+    model.effects[from.min(model.effects.len())..].iter().map(|a| PlacedLaw::of(&a.effect)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::tests::score;
+
+    #[test]
+    fn a_simpler_model_that_does_as_well_is_preferred() {
+        let with = |fit: f64, parameters: usize| Score { parameters, ..score(fit, Some(fit), 1) };
+        let table: [(&[Score], usize); 5] = [
+            // White both: the criterion, which prices parameters.
+            (&[with(1.0, 3), with(1.0, 1)], 1),
+            (&[with(1.03, 1), with(1.0, 2)], 1),
+            (&[with(1.001, 1), with(1.0, 2)], 0),
+            // More than noise is left: the richer one must lower the gap on Validate records by a twentieth.
+            (&[with(1.50, 1), with(1.46, 3)], 0),
+            (&[with(1.60, 1), with(1.30, 3)], 1),
+        ];
+        for (scores, due) in table {
+            let all: Vec<&Score> = scores.iter().collect();
+            assert_eq!(preferred_score(&all, 30), Some(due), "{scores:?}");
+        }
+        assert_eq!(preferred_score(&[], 30), None);
+    }
+
+    #[test]
+    fn far_from_the_noise_half_the_gap_is_on_the_way() {
+        assert!(on_the_way(&score(30.0, None, 0), &score(14.0, None, 1)));
+        assert!(!on_the_way(&score(30.0, None, 0), &score(16.0, None, 1)));
+        assert!(!on_the_way(&score(3.0, None, 0), &score(1.4, None, 1)));
+    }
+}

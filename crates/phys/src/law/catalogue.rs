@@ -1,0 +1,116 @@
+//! The laws that come with the program, and the entries of a catalogue.
+
+use super::{Law, LawError};
+use std::sync::Arc;
+
+/// A law of a catalogue with its id.
+#[derive(Clone, Debug)]
+pub struct LawEntry {
+    /// The name of its file.
+    pub id: String,
+    /// The text of its file.
+    pub text: String,
+    /// What it says.
+    pub law: Arc<Law>,
+}
+
+impl LawEntry {
+    /// Reads the text of a law.
+    ///
+    /// # Errors
+    /// As [`Law::read`].
+    pub fn read(id: &str, text: &str) -> Result<LawEntry, LawError> {
+        Ok(LawEntry { id: id.to_owned(), text: text.to_owned(), law: Arc::new(Law::read(text)?) })
+    }
+}
+
+/// Id and text of each built-in law, in the order of the ids.
+#[rustfmt::skip]
+pub const BUILT_IN: &[(&str, &str)] = &[
+    ("asymmetric-coulomb", include_str!("../../../../specs/laws/asymmetric-coulomb.ron")),
+    ("coulomb", include_str!("../../../../specs/laws/coulomb.ron")),
+    ("cubic-stiffness", include_str!("../../../../specs/laws/cubic-stiffness.ron")),
+    ("dead-zone", include_str!("../../../../specs/laws/dead-zone.ron")),
+    ("dieterich-ruina", include_str!("../../../../specs/laws/dieterich-ruina.ron")),
+    ("harmonic-force", include_str!("../../../../specs/laws/harmonic-force.ron")),
+    ("offset", include_str!("../../../../specs/laws/offset.ron")),
+    ("one-sided-stop", include_str!("../../../../specs/laws/one-sided-stop.ron")),
+    ("parametric-stiffness", include_str!("../../../../specs/laws/parametric-stiffness.ron")),
+    ("position-dependent-friction", include_str!("../../../../specs/laws/position-dependent-friction.ron")),
+    ("presliding", include_str!("../../../../specs/laws/presliding.ron")),
+    ("quadratic-drag", include_str!("../../../../specs/laws/quadratic-drag.ron")),
+    ("quadratic-stiffness", include_str!("../../../../specs/laws/quadratic-stiffness.ron")),
+    ("sensor-delay", include_str!("../../../../specs/laws/sensor-delay.ron")),
+    ("sensor-gain", include_str!("../../../../specs/laws/sensor-gain.ron")),
+    ("sensor-offset", include_str!("../../../../specs/laws/sensor-offset.ron")),
+    ("stiffness", include_str!("../../../../specs/laws/stiffness.ron")),
+    ("stribeck", include_str!("../../../../specs/laws/stribeck.ron")),
+    ("van-der-pol", include_str!("../../../../specs/laws/van-der-pol.ron")),
+    ("viscous", include_str!("../../../../specs/laws/viscous.ron")),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The table is the folder, and what the laws are is read off their graphs.
+    #[test]
+    fn the_folder_is_built_in_and_its_laws_are_what_they_are() {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../specs/laws");
+        let mut files: Vec<String> = std::fs::read_dir(folder)
+            .unwrap()
+            .map(|e| e.unwrap().path().file_stem().unwrap().to_string_lossy().into_owned())
+            .collect();
+        files.sort();
+        assert_eq!(files, BUILT_IN.iter().map(|(id, _)| *id).collect::<Vec<_>>());
+        let all: Vec<LawEntry> =
+            BUILT_IN.iter().map(|(id, text)| LawEntry::read(id, text).expect(id)).collect();
+        let those = |is: fn(&Law) -> bool| -> Vec<&str> {
+            all.iter().filter(|e| is(&e.law)).map(|e| e.id.as_str()).collect()
+        };
+        assert_eq!(
+            those(Law::sticks),
+            ["asymmetric-coulomb", "coulomb", "dieterich-ruina", "position-dependent-friction", "stribeck"]
+        );
+        assert_eq!(those(Law::has_clearance), ["dead-zone", "one-sided-stop"]);
+        assert_eq!(those(Law::has_memory), ["presliding"]);
+        assert_eq!(those(Law::is_dashpot), ["viscous"]);
+        assert_eq!(
+            those(Law::is_spring),
+            [
+                "cubic-stiffness",
+                "dead-zone",
+                "one-sided-stop",
+                "parametric-stiffness",
+                "quadratic-stiffness",
+                "stiffness"
+            ]
+        );
+    }
+
+    /// However it is spelled: spaces, a sign turned, `max` in place of `pos`.
+    #[test]
+    fn a_law_is_told_by_its_graph_not_by_its_spelling() {
+        let law = |force: &str| {
+            let text = format!(
+                r#"(name: "L", roles: {{ "x": "m", "v": "m/s" }}, parameters: {{ "F": (unit: "N", within: (0.0, 1.0)), "g": (unit: "m", within: (0.0, 1.0)) }}, force: "{force}")"#
+            );
+            Law::read(&text).unwrap()
+        };
+        assert!(law("F * sgn (v)").sticks() && law("-F*sgn(-v)").sticks() && !law("F*sgn(x)").sticks());
+        assert!(law("F*max(x-g, 0)").has_clearance() && !law("F*x*|x|").has_clearance());
+        assert_eq!(law("F*dead(x, g)").linear_parameters(), [0]);
+        assert_eq!(
+            law("F*v + m*g").nodes().outside.iter().map(|(n, _)| n.as_str()).collect::<Vec<_>>(),
+            ["m"]
+        );
+    }
+
+    #[test]
+    fn a_mistake_says_where_it_stands() {
+        let said = |text: &str| LawEntry::read("l", text).unwrap_err().to_string();
+        assert!(said(r#"(name: "L", force: "F*(")"#).starts_with("`force`: "));
+        let need = r#"(name: "L", parameters: { "F": (unit: "N", within: (0.0, 1.0)) }, force: "F", needs: (positive: "F - G", because: "no"))"#;
+        assert_eq!(said(need), "`needs`: the name `G` stands for nothing here");
+    }
+}
