@@ -1,24 +1,20 @@
 //! Is it a missing effect, or a constant of the known part that is not what the spec says? A mass that is wrong by a few per cent bends a
 //! motion in a way that two or three laws imitate; what was found is told together with the constant that would do instead.
 
+use crate::decisions::{
+    CONSTANT_OFF, CONSTANTS_FITTED, CONSTANTS_SCREENED, FITTED_IN_FULL, RACE, SIMPLER, WORTH,
+};
 use crate::evidence::against;
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::Effect;
 use crate::result::{AlternativeConstant, NamedValue, PlacedLaw};
 use crate::screen::screen;
-use crate::search::{BEST, RACE, SIMPLER, WORTH, placed, size};
+use crate::search::{placed, size};
 use phisindy_learn::Effort;
 use phisindy_phys::LawEntry;
 use phisindy_phys::spec::{ConstantSpec, Movable, Number, Spec, Text};
 use phisindy_phys::unit::Unit;
 use rayon::prelude::*;
-
-/// A constant that is held may be off by this part.
-const OFF: f64 = 0.3;
-/// Models that are fitted in full.
-const FITTED: usize = 6;
-/// Constants beside which the catalogue is screened anew.
-const ANEW: usize = 2;
 
 /// A constant as the spec has it.
 struct Constant {
@@ -128,7 +124,7 @@ fn promising<'c>(
         last.cal.samples as f64 * (1.0 + cost.ln()) + price * size(m) as f64
     };
     costed.sort_by(|a, b| promise(a).total_cmp(&promise(b)));
-    costed.truncate(FITTED);
+    costed.truncate(CONSTANTS_FITTED);
     costed
         .into_par_iter()
         .filter_map(|(_, constant, model)| Some((constant, Fitted::new(model, noise, Effort::Plain).ok()?)))
@@ -159,11 +155,11 @@ fn anew<'c>(
         .filter_map(|(c, free)| Some((c, Fitted::new(free.clone(), noise, Effort::Plain).ok()?)));
     let mut alone: Vec<(&Constant, Fitted)> = alone.collect();
     alone.sort_by(|(_, a), (_, b)| a.score.fit.total_cmp(&b.score.fit));
-    alone.truncate(ANEW);
+    alone.truncate(CONSTANTS_SCREENED);
     let beside = |(constant, free): &(&'c Constant, Fitted)| -> Option<Vec<(&'c Constant, TrialModel)>> {
         let model = free.settled();
         let found = screen(&model, &free.cal, catalogue, noise)?;
-        let best = found.candidates.iter().take(BEST);
+        let best = found.candidates.iter().take(FITTED_IN_FULL);
         Some(best.filter_map(|c| Some((*constant, model.with(&c.effect).ok()?))).collect())
     };
     let models: Vec<(&Constant, TrialModel)> = alone.iter().filter_map(beside).flatten().collect();
@@ -192,7 +188,7 @@ fn freed(base: &TrialModel, constant: &Constant) -> Option<TrialModel> {
     let (_, own) = spec.constants.iter_mut().find(|(name, _)| name.value == constant.name)?;
     let ConstantSpec::Number { value, unit } = own.clone() else { return None };
     let span = value.span;
-    let (a, b) = ((1.0 - OFF) * value.value, (1.0 + OFF) * value.value);
+    let (a, b) = ((1.0 - CONSTANT_OFF) * value.value, (1.0 + CONSTANT_OFF) * value.value);
     let bound = |x: f64| Number { value: x, ..value.clone() };
     let within = (bound(a.min(b)), bound(a.max(b)));
     *own =

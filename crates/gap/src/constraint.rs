@@ -1,10 +1,8 @@
 //! The condition that the parameters of a law fulfil, from its file: friction that falls with the speed starts above where it ends.
 
+use crate::decisions::INSIDE;
 use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::Law;
-
-/// A start fulfils the condition by this part of the law's level: on the border the numbers that shape the law have no say.
-const INSIDE: f64 = 0.25;
 
 /// The condition at these parameters; nothing if the law has none.
 pub(crate) fn fulfilled(law: &Law, parameters: &[f64]) -> Option<f64> {

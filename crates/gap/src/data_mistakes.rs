@@ -1,19 +1,9 @@
 //! Mistakes in a file that no missing effect explains: columns of two bodies exchanged, a unit that is off by a factor.
 
+use crate::decisions::{MOVES, ONE_SHAPE, OTHER_SHAPE, OUT_OF_PROPORTION, WRONG_UNIT};
 use crate::model::Fitted;
 use crate::result::{DataMistake, Named};
 use phisindy_signal::{noise_level, standard_deviation};
-
-/// A column that is this many times what the model gives, in its very shape, has the wrong unit.
-const SCALE: f64 = 5.0;
-/// A model that moves this many times as much as the rig, whatever the shape, or so many times less, lacks no effect: friction would rather stop it.
-const OUT_OF_ALL_PROPORTION: f64 = 300.0;
-/// A rig that is at rest shows its noise; its motion is more than so many times that.
-const MOVES: f64 = 10.0;
-/// Correlation above which two curves have one shape.
-const ALIKE: f64 = 0.95;
-/// Correlation below which a column does not follow its own model.
-const UNLIKE: f64 = 0.8;
 
 /// What the records of a fitted model look like, as far as something is wrong with them.
 pub(crate) fn data_mistakes(base: &Fitted) -> Vec<DataMistake> {
@@ -31,19 +21,19 @@ pub(crate) fn data_mistakes(base: &Fitted) -> Vec<DataMistake> {
         for (i, (a, measured, own)) in all.iter().enumerate() {
             let (slope, alike) = agreement(own, measured);
             let of = || Named { record: record.name.clone(), column: states[*a].name.clone() };
-            if alike > ALIKE && !(1.0 / SCALE..SCALE).contains(&slope) {
+            if alike > ONE_SHAPE && !(1.0 / WRONG_UNIT..WRONG_UNIT).contains(&slope) {
                 found.push(DataMistake::Scale { of: of(), factor: slope });
             }
             let larger = standard_deviation(own) / standard_deviation(measured);
-            let far = !(1.0 / OUT_OF_ALL_PROPORTION..OUT_OF_ALL_PROPORTION).contains(&larger);
-            if alike <= ALIKE && far && standard_deviation(measured) > MOVES * noise_level(measured) {
+            let far = !(1.0 / OUT_OF_PROPORTION..OUT_OF_PROPORTION).contains(&larger);
+            if alike <= ONE_SHAPE && far && standard_deviation(measured) > MOVES * noise_level(measured) {
                 found.push(DataMistake::Proportion { of: of(), factor: larger });
             }
             for (b, other, theirs) in all[i + 1..].iter().filter(|(b, ..)| states[*b].unit == states[*a].unit)
             {
                 let now = alike.min(agreement(theirs, other).1);
                 let swapped = agreement(own, other).1.min(agreement(theirs, measured).1);
-                if swapped > ALIKE && now < UNLIKE {
+                if swapped > ONE_SHAPE && now < OTHER_SHAPE {
                     found.push(DataMistake::Swapped { of: of(), other: states[*b].name.clone() });
                 }
             }

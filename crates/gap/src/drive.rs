@@ -1,20 +1,9 @@
 //! What drives a record: the part of the known rates that is there while everything stands still.
 
+use crate::decisions::{DRIVE_LINE, DRIVE_LINES, DRIVE_REPEATS, DRIVE_TIMES, SAME_LINE};
 use crate::whiteness::{lines, mean_step, share};
 use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::{Record, System};
-
-/// Frequencies that are looked for in each rate.
-const LINES: usize = 6;
-/// Two frequencies whose phases drift apart by less than this along a record (rad) are one.
-const ONE: f64 = 1.0;
-/// Times at which a drive is compared with itself a period later ...
-const TIMES: usize = 400;
-/// ... and the part of its swing by which it may differ.
-const ALIKE: f64 = 0.05;
-
-/// A line holds at least this part of the power of a rate: noise has peaks too.
-const LINE: f64 = 0.05;
 
 /// The known rates at rest as functions of time.
 pub(crate) struct Drive<'a> {
@@ -43,12 +32,12 @@ impl<'a> Drive<'a> {
     /// Whether there is a drive, and it repeats with a period: a motion that nothing drives dies out, and one under two tones scatters from cycle to cycle for a reason.
     pub(crate) fn repeats(&mut self, period: f64) -> bool {
         let (first, last) = (self.record.time[0], self.record.time[self.record.len() - 1]);
-        let time = |i: usize| first + (last - first - period) * i as f64 / TIMES as f64;
-        let now: Vec<Vec<f64>> = (0..TIMES).map(|i| self.at(time(i))).collect();
-        let later: Vec<Vec<f64>> = (0..TIMES).map(|i| self.at(time(i) + period)).collect();
+        let time = |i: usize| first + (last - first - period) * i as f64 / DRIVE_TIMES as f64;
+        let now: Vec<Vec<f64>> = (0..DRIVE_TIMES).map(|i| self.at(time(i))).collect();
+        let later: Vec<Vec<f64>> = (0..DRIVE_TIMES).map(|i| self.at(time(i) + period)).collect();
         let (mut swing, mut apart) = (0.0, 0.0);
         for k in 0..self.system.known.len() {
-            let mean = now.iter().map(|rates| rates[k]).sum::<f64>() / TIMES as f64;
+            let mean = now.iter().map(|rates| rates[k]).sum::<f64>() / DRIVE_TIMES as f64;
             for (a, b) in now.iter().zip(&later) {
                 if a[k].is_finite() && b[k].is_finite() && mean.is_finite() {
                     swing += (a[k] - mean).powi(2);
@@ -58,13 +47,13 @@ impl<'a> Drive<'a> {
         }
         // What does not move but for rounding drives nothing.
         let level = now.iter().flatten().filter(|r| r.is_finite()).map(|r| r * r).sum::<f64>();
-        swing > 1e-20 * level && apart <= ALIKE * ALIKE * swing
+        swing > 1e-20 * level && apart <= DRIVE_REPEATS * DRIVE_REPEATS * swing
     }
 
     /// The line of the drive (rad/s) that stands at `frequency`, if there is one.
     pub(crate) fn line_at(&mut self, frequency: f64) -> Option<f64> {
         let span = self.record.time[self.record.len() - 1] - self.record.time[0];
-        self.lines().into_iter().find(|line| (frequency - line).abs() * span < ONE)
+        self.lines().into_iter().find(|line| (frequency - line).abs() * span < SAME_LINE)
     }
 
     /// The lines of the drive (rad/s), rate by rate.
@@ -75,8 +64,8 @@ impl<'a> Drive<'a> {
         let of = |k: usize| {
             let rate: Vec<f64> = rates.iter().map(|r| r[k]).collect();
             let moves = rate.iter().all(|r| r.is_finite()) && rate.iter().any(|r| *r != rate[0]);
-            let found = if moves { lines(&rate, step, LINES, 0) } else { vec![] };
-            found.into_iter().filter(|line| share(&rate, line * step) > LINE).collect::<Vec<_>>()
+            let found = if moves { lines(&rate, step, DRIVE_LINES, 0) } else { vec![] };
+            found.into_iter().filter(|line| share(&rate, line * step) > DRIVE_LINE).collect::<Vec<_>>()
         };
         (0..self.system.known.len()).flat_map(of).collect()
     }

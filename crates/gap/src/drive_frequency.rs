@@ -2,6 +2,7 @@
 //! describes what that leaves.
 
 use crate::alternative_constant::numbers;
+use crate::decisions::{CLOCK_CAUSE, CLOCK_HELPS, CLOCK_OFF, SAME_RATIO};
 use crate::drive::Drive;
 use crate::model::{Fitted, TrialModel};
 use crate::result::{Activity, DriveFrequency};
@@ -12,15 +13,6 @@ use phisindy_learn::Effort;
 use phisindy_phys::spec::Role;
 use rayon::prelude::*;
 use std::collections::HashMap;
-
-/// The time of the drive may run so much slower or faster than that of the record.
-const OFF: f64 = 0.1;
-/// A frequency that lowers the gap to this part may be what the search went astray on.
-const HELPS: f64 = 0.9;
-/// A gap that falls to this part of what it was has found its cause, whatever else is missing.
-const CAUSE: f64 = 1.0 / 3.0;
-/// Two starts as near as this are one.
-const ONE: f64 = 1e-3;
 
 /// How far the workflow is by now.
 const LATE: f64 = 0.97;
@@ -35,9 +27,9 @@ pub(crate) fn drive_frequency(base: &Fitted, search: &mut Search<'_>) -> Option<
     let all: Vec<(Fitted, String)> = fits.collect();
     let (alone, name) = all.into_iter().min_by(|(a, _), (b, _)| a.score.fit.total_cmp(&b.score.fit))?;
     let gap = |of: &Fitted| of.score.gap();
-    let cause = alone.score.fit < CAUSE * base.score.fit && gap(&alone) < CAUSE * gap(base);
+    let cause = alone.score.fit < CLOCK_CAUSE * base.score.fit && gap(&alone) < CLOCK_CAUSE * gap(base);
     let mut best = alone;
-    let helps = !best.score.explains() && best.score.fit < HELPS * base.score.fit;
+    let helps = !best.score.explains() && best.score.fit < CLOCK_HELPS * base.score.fit;
     if helps && shortened(&best.model.records).is_none() {
         let mut observe = |_: f64, what: Activity| (search.observe)(LATE, what);
         let mut beside = Search { observe: &mut observe, ..*search };
@@ -67,11 +59,11 @@ fn starts(model: &TrialModel) -> Vec<f64> {
         for column in record.columns.iter().flatten() {
             let own = lines(column, step, 1, 0);
             let pairs = own.iter().flat_map(|own| driven.iter().map(move |line| own / line));
-            all.extend(pairs.filter(|ratio| (ratio - 1.0).abs() < OFF));
+            all.extend(pairs.filter(|ratio| (ratio - 1.0).abs() < CLOCK_OFF));
         }
     }
     all.sort_by(f64::total_cmp);
-    all.dedup_by(|a, b| (*a - *b).abs() < ONE);
+    all.dedup_by(|a, b| (*a - *b).abs() < SAME_RATIO);
     all
 }
 
@@ -85,7 +77,7 @@ fn freed(base: &TrialModel, start: f64) -> Option<(TrialModel, String)> {
     }
     // A space keeps the name out of reach of any spec.
     let name = "speed of the clock".to_owned();
-    let k = system.add_parameter(&name, "1", start, (1.0 - OFF, 1.0 + OFF), false);
+    let k = system.add_parameter(&name, "1", start, (1.0 - CLOCK_OFF, 1.0 + CLOCK_OFF), false);
     let own_time = system.graph.mul(system.parameters[k].node, system.time);
     let known = system.known.clone();
     system.known = system.graph.replace(&known, &HashMap::from([(system.time, own_time)]));

@@ -1,9 +1,10 @@
 //! Evidence that a fit alone does not use: an elastic contact must give way, in the stops, in proportion to the force on it.
 
 use crate::constraint::fulfilled;
+use crate::decisions::{EXPLAINED, GIVES_BACK, GIVES_WAY, NO_END, SHORT_STOP, SLIPS};
 use crate::drive::Drive;
 use crate::evaluate::{evaluated, mean_along};
-use crate::model::{EXPLAINED, Fitted, values};
+use crate::model::{Fitted, values};
 use crate::motion::{Motion, rest_threshold, resting};
 use crate::place::{Effect, Site};
 use crate::result::Veto;
@@ -11,15 +12,6 @@ use phisindy_expr::Tape;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{LawParameter, Record};
 use std::f64::consts::TAU;
-
-/// A contact that gives way less than this part of what the law asks for does not give way.
-const GIVES: f64 = 0.3;
-
-/// Friction that gives back more than this part of the energy that it takes is none.
-const GIVES_BACK: f64 = 0.01;
-
-/// A parameter beyond this part of what its law allows has no end.
-const NO_END: f64 = 0.5;
 
 /// Why an effect cannot be, although it fits; `None` if nothing speaks against it.
 pub(crate) fn against(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
@@ -50,7 +42,7 @@ fn stands_firm(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
         let motion = Motion::new(system, record, &model.smooth[r], r, &fitted.cal);
         let speed: Vec<f64> = (0..motion.samples()).map(|i| motion.states[i * n + v]).collect();
         let step = (motion.time[motion.samples() - 1] - motion.time[0]) / motion.samples() as f64;
-        let least = ((0.06 * motion.period / step) as usize).clamp(8, motion.samples());
+        let least = ((SHORT_STOP * motion.period / step) as usize).clamp(8, motion.samples());
         let rests = resting(&speed, rest_threshold(&speed), least);
         let mut i = 0;
         while i < rests.len() {
@@ -75,7 +67,7 @@ fn stands_firm(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
         return None;
     }
     let slope = sxy / sxx;
-    (slope < GIVES).then_some(Veto::DoesNotGiveWay { stops, slope })
+    (slope < GIVES_WAY).then_some(Veto::DoesNotGiveWay { stops, slope })
 }
 
 /// The parameters of an effect of a fitted model.
@@ -100,9 +92,6 @@ fn endless(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     let ((name, p), _) = found;
     Some(Veto::ParameterAtEnd { name: name.clone(), bound: p.within.1, unit: p.unit.clone() })
 }
-
-/// An elastic contact whose force stays below this part of its level never slips.
-const SLIPS: f64 = 0.5;
 
 /// A contact that gives way and never slips is a spring from where the record begins.
 fn clings(fitted: &Fitted, effect: &Effect) -> Option<Veto> {

@@ -14,6 +14,7 @@
 mod alternative_constant;
 mod constraint;
 mod data_mistakes;
+mod decisions;
 mod drive;
 mod drive_frequency;
 mod evaluate;
@@ -30,6 +31,7 @@ mod search;
 mod whiteness;
 mod workflow;
 
+pub use decisions::decisions;
 pub use model::{Applied, SpecTextError, TrialModel};
 pub use place::{Effect, EffectError, Place, Quantity, Site, places};
 pub use repeat::{Repeat, repeatability};

@@ -8,7 +8,7 @@ mod trial_model;
 pub(crate) use fitted::{Fitted, current, noise_of, values};
 #[cfg(test)]
 pub(crate) use score::tests;
-pub(crate) use score::{EXPLAINED, FAR_OFF, Measure, Score};
+pub(crate) use score::{Measure, Score};
 pub use spec_text::SpecTextError;
 pub(crate) use spec_text::{expression, text_with};
 pub use trial_model::{Applied, TrialModel};

@@ -1,5 +1,6 @@
 //! The measured motion of a record, smoothed: what the laws are evaluated on. Used to look, never to estimate.
 
+use crate::decisions::{REST_NOISE, REST_PART};
 use crate::repeat::repeatability;
 use crate::whiteness::lines;
 use phisindy_learn::{Calibration, SensorPart};
@@ -127,5 +128,5 @@ pub(crate) fn resting(velocity: &[f64], threshold: f64, least: usize) -> Vec<boo
 pub(crate) fn rest_threshold(velocity: &[f64]) -> f64 {
     let rms = (velocity.iter().map(|v| v * v).sum::<f64>() / velocity.len().max(1) as f64).sqrt();
     // What a smooth curve has left of noise shows in its own roughness.
-    (3.0 * noise_level(velocity)).max(0.02 * rms)
+    (REST_NOISE * noise_level(velocity)).max(REST_PART * rms)
 }

@@ -1,7 +1,8 @@
 //! What may be behind a gap that no law of a force explains: a tone, a drift, noise of the measured inputs.
 
+use crate::decisions::{EXPLAINED, INPUT_NOISE_DRAWS, INPUT_NOISE_PART, MOST_OF_RESIDUAL, ROUGH_INPUT};
 use crate::drive::Drive;
-use crate::model::{EXPLAINED, Fitted, TrialModel};
+use crate::model::{Fitted, TrialModel};
 use crate::result::{Cause, InputNoise, Named};
 use crate::whiteness::{lines, mean_step, share};
 use phisindy_learn::Effort;
@@ -12,15 +13,6 @@ use phisindy_sim::{Noise, Streams, add_noise};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::Arc;
-
-/// A tone, or a drift, that holds at least this part of what is left of a column is told.
-const MOST: f64 = 0.5;
-/// Noise of inputs that accounts for this part of a gap is told.
-const PART: f64 = 0.25;
-/// How often as much noise is drawn: a rig that swings at one frequency answers each draw otherwise.
-const DRAWS: usize = 4;
-/// An input that changes from sample to sample by more than this part of its size does so because that is what it is.
-const ROUGH: f64 = 0.2;
 
 /// What else than a force may be behind what is left. `base` is the model as it was: an effect may bend a drift.
 pub(crate) fn causes(base: &Fitted, last: &Fitted) -> Vec<Cause> {
@@ -51,7 +43,7 @@ pub(crate) fn input_noise(last: &Fitted, noise: &[Vec<f64>]) -> Option<InputNois
     }
     let settled = last.settled();
     let (draws, of): (Vec<TrialModel>, Vec<Vec<usize>>) =
-        (0..DRAWS).filter_map(|draw| disturbed(&settled, draw)).unzip();
+        (0..INPUT_NOISE_DRAWS).filter_map(|draw| disturbed(&settled, draw)).unzip();
     let inputs: Vec<String> = of.first()?.iter().map(|k| settled.system.inputs[*k].name.clone()).collect();
     if inputs.is_empty() {
         return None;
@@ -59,7 +51,7 @@ pub(crate) fn input_noise(last: &Fitted, noise: &[Vec<f64>]) -> Option<InputNois
     let apart: Vec<f64> = draws.into_par_iter().filter_map(|model| difference(last, model, noise)).collect();
     // The square of the gap that it alone leaves, but for the noise of what it is compared with.
     let made = apart.iter().sum::<f64>() / apart.len() as f64;
-    let much = made > PART * (last.score.fit.powi(2) - 1.0);
+    let much = made > INPUT_NOISE_PART * (last.score.fit.powi(2) - 1.0);
     much.then(|| InputNoise { inputs, alone: (1.0 + made).sqrt(), left: last.score.fit })
 }
 
@@ -76,7 +68,7 @@ fn drift(time: &[f64], residual: &[f64], column: &[f64], of: &Named) -> Option<C
     }
     let part = te * te / (tt * ee);
     let swing = te / tt * (time.last()? - time.first()?);
-    (part > MOST && swing.abs() > noise_level(column)).then(|| Cause::Drift {
+    (part > MOST_OF_RESIDUAL && swing.abs() > noise_level(column)).then(|| Cause::Drift {
         of: of.clone(),
         share: part,
         swing,
@@ -90,7 +82,7 @@ fn tone(record: &Record, residual: &[f64], drive: Option<&mut Drive<'_>>, of: &N
     let part = share(residual, line * step);
     // What is slower than the record is no tone, and what answers the drive is what the model lacks.
     let span = step * residual.len() as f64;
-    if part <= MOST || line * span < TAU {
+    if part <= MOST_OF_RESIDUAL || line * span < TAU {
         return None;
     }
     let driven = drive.is_some_and(|d| d.lines().iter().any(|own| (own - line).abs() * span < TAU));
@@ -116,7 +108,7 @@ fn noisier(record: &Record, how: &[Differentiator], draw: usize) -> Option<(Reco
     let (mut out, mut of) = (record.clone(), Vec::new());
     let mut disturb = |k: usize, values: &mut Vec<f64>| {
         let sigma = noise_level(values);
-        if sigma > 0.0 && sigma < ROUGH * standard_deviation(values) {
+        if sigma > 0.0 && sigma < ROUGH_INPUT * standard_deviation(values) {
             let mut stream = Streams(draw as u64).stream(&format!("noise of input {k} in {}", record.name));
             add_noise(values, Noise::Sensor(sigma), &mut stream);
             of.push(k);

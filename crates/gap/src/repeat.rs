@@ -1,16 +1,9 @@
 //! How well the motion itself repeats: no model of a rig can be asked to be better than the rig.
 
+use crate::decisions::{PERIODIC, STEADY, TREND};
 use crate::whiteness::{lines, mean_step};
 use phisindy_phys::Record;
 use phisindy_signal::standard_deviation;
-
-/// A motion counts as periodic if its best periodic prediction misses less than this part of it.
-const PERIODIC: f64 = 0.1;
-
-/// Scatter in one half of a record beyond this many times that in the other is a transient.
-const STEADY: f64 = 3.0;
-/// Successive differences of cycles more alike than this are a trend: those of independent cycles are anticorrelated (-1/2), those of a transient all point one way.
-const TREND: f64 = 0.4;
 
 /// The repeatability of one column of a record.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,5 +1,6 @@
 //! Laws that a spec names in `unknown`: written into it as terms with numbers to be found, which start where the motion says.
 
+use crate::decisions::REQUESTED_STARTS;
 use crate::model::{Fitted, SpecTextError, TrialModel, current, noise_of, text_with, values};
 use crate::place::{Effect, Site, fits, places};
 use crate::result::ModelError;
@@ -10,9 +11,6 @@ use phisindy_learn::Effort;
 use phisindy_phys::spec::{Role, Spec, Text};
 use phisindy_phys::{Case, Diagnostic, LawEntry, Record, SourceId, spec, splice};
 use rayon::prelude::*;
-
-/// Starts of a law that are fitted in full: the best by a glance.
-const STARTS: usize = 3;
 
 /// The laws that a case asks for, each at the velocity of its equation.
 ///
@@ -168,7 +166,7 @@ fn best(now: &Fitted, wanted: &Effect, entries: &[LawEntry], noise: &[Vec<f64>])
         })
         .collect();
     looked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    looked.truncate(STARTS);
+    looked.truncate(REQUESTED_STARTS);
     let fitted: Vec<Fitted> =
         looked.into_par_iter().filter_map(|(_, d)| Fitted::new(d, noise, Effort::Plain).ok()).collect();
     fitted.into_iter().min_by(|a, b| a.cal.chi2.total_cmp(&b.cal.chi2))

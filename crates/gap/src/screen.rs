@@ -7,6 +7,7 @@ mod response;
 mod sibling_starts;
 mod trial;
 
+use crate::decisions::{GRID_STARTS, PLAIN_GAIN, REGRESSION_ROWS, TONE_STARTS};
 use crate::model::TrialModel;
 
 use crate::constraint;
@@ -22,13 +23,6 @@ use regressors::{Regressors, Scale};
 use trial::{Trial, force_trials, sensor_trials};
 
 pub(crate) use sibling_starts::sibling_starts;
-
-/// Rows of the regression at most: more say nothing new.
-const ROWS: usize = 20_000;
-/// Other starts that are kept for a law with numbers on a grid.
-const SEEDS: usize = 3;
-/// The same for laws that oscillate.
-const TONES: usize = 8;
 
 /// A law at a place with its best numbers of the grid.
 #[derive(Clone, Debug)]
@@ -67,7 +61,7 @@ pub(crate) fn screen(
     let system = &model.system;
     let of: Vec<usize> = (0..model.records.len()).filter(|&r| model.records[r].role == Role::Fit).collect();
     let total: usize = of.iter().map(|&r| model.records[r].readings()).sum();
-    let stride = total.div_ceil(ROWS).max(1);
+    let stride = total.div_ceil(REGRESSION_ROWS).max(1);
     let base = Base::new(system)?;
     let data: Vec<RegressionData> =
         of.iter().map(|&r| base.data(model, r, fitted, noise, stride)).collect::<Option<_>>()?;
@@ -148,7 +142,7 @@ pub(crate) fn screen(
 fn others(seeds: &[Candidate], regressors: Option<&Regressors>, data: &[RegressionData]) -> Vec<Effect> {
     let tone = regressors.and_then(|r| r.grid.iter().position(|(scale, _)| *scale == Scale::Frequency));
     let Some(tone) = tone else {
-        return seeds.iter().skip(1).take(SEEDS).map(|c| c.effect.clone()).collect();
+        return seeds.iter().skip(1).take(GRID_STARTS).map(|c| c.effect.clone()).collect();
     };
     let fine = data.iter().map(RegressionData::resolution).fold(0.0, f64::max);
     let mut kept: Vec<&Candidate> = Vec::new();
@@ -157,7 +151,7 @@ fn others(seeds: &[Candidate], regressors: Option<&Regressors>, data: &[Regressi
             kept.push(seed);
         }
     }
-    kept.into_iter().skip(1).take(TONES).map(|c| c.effect.clone()).collect()
+    kept.into_iter().skip(1).take(TONE_STARTS).map(|c| c.effect.clone()).collect()
 }
 
 impl Screening {
@@ -202,7 +196,7 @@ impl Screening {
         }
         // And the plain law of each family with everything: Coulomb and something else is what rich friction laws imitate.
         let plain = |c: &Candidate| {
-            self.candidates.iter().any(|r| simpler(r, c) && r.gain > 0.5 * self.candidates[0].gain)
+            self.candidates.iter().any(|r| simpler(r, c) && r.gain > PLAIN_GAIN * self.candidates[0].gain)
         };
         chosen.extend((leads..all.len()).filter(|&k| plain(&all[k].1) || plain(&all[k].2)).take(count));
         chosen.sort_unstable();

@@ -8,8 +8,12 @@ pub(crate) use compare::{label, placed, preferred, rank, size};
 pub(crate) use proposals::neutral;
 pub(crate) use refine::refitted;
 
+use crate::decisions::{
+    FAMILY_ROUNDS, FAR_OFF, FITTED_IN_FULL, MORE_STARTS, MOST_EFFECTS, ON_THE_WAY, RACE, RIVALS, SHRINKS,
+    SIMPLER, WEAK_ROUND, WORTH, WORTH_STARTS,
+};
 use crate::evidence::against;
-use crate::model::{FAR_OFF, Fitted, Measure, TrialModel, current};
+use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::Effect;
 use crate::result::{Activity, ModelError, PlacedLaw, Rival, StopReason, Vetoed};
 use crate::screen::{Candidate, Screening, screen};
@@ -19,32 +23,8 @@ use phisindy_phys::LawEntry;
 use proposals::{is_composed, rubbing, singles};
 use rayon::prelude::*;
 
-/// Effects in one model at most.
-pub(crate) const EFFECTS: usize = 4;
-/// Singles, and pairs, that are fitted in full.
-pub(crate) const BEST: usize = 6;
-/// What a new effect must bring.
-pub(crate) const WORTH: f64 = 10.0;
-/// A simpler description within this is preferred.
-pub(crate) const SIMPLER: f64 = 3.0;
-/// An effect that leaves more than this part of the gap on Validate records explains nothing of note.
-const SHRINK: f64 = 0.98;
-/// A round that leaves more than this part of a gap that is far above the noise is a weak one; after two of them, or after one that is not among the first two rounds, nothing in the catalogue helps.
-const FAR: f64 = 0.8;
-/// A model far from the noise that brings the gap on Fit records to this part is on the way, whatever Validate records say.
-const HALF: f64 = 0.5;
-/// How often a family of friction laws is tried again from a new leader.
-const FAMILY: usize = 2;
-/// In the race a model that is this many times worse than the best is out.
-pub(crate) const RACE: f64 = 3.0;
 /// Where there are few, and a first look at short segments may be wrong about what holds at rest, all are fitted.
 const ALL: f64 = f64::INFINITY;
-
-/// Models within this factor of the best gap, or of the noise, are worth more starts; so many of them at most.
-const NEAR: f64 = 2.0;
-const AGAIN: usize = 4;
-/// Rivals that a round tells.
-const RIVALS: usize = 5;
 
 /// A round of the search.
 #[derive(Clone, Debug)]
@@ -114,7 +94,7 @@ impl Search<'_> {
             if let Some(stop) = self.ends(&now, rounds.len(), weak) {
                 break stop;
             }
-            let part = 0.1 + 0.8 * (rounds.len() as f64 / EFFECTS as f64);
+            let part = 0.1 + 0.8 * (rounds.len() as f64 / MOST_EFFECTS as f64);
             if (self.observe)(part, Activity::Screening) {
                 break StopReason::Interrupted;
             }
@@ -131,7 +111,7 @@ impl Search<'_> {
                 break StopReason::Repeatability;
             }
             rounds.push(round);
-            weak += usize::from(next.score.fit > FAR_OFF.max(FAR * now.score.fit));
+            weak += usize::from(next.score.fit > FAR_OFF.max(WEAK_ROUND * now.score.fit));
             now = next;
         };
         if stop != StopReason::Interrupted {
@@ -160,10 +140,10 @@ impl Search<'_> {
     fn ends(&self, now: &Fitted, rounds: usize, weak: usize) -> Option<StopReason> {
         let effects = now.model.effects.len();
         // The last effect is tried where not much is missing: so many explain nothing, but one more may make others needless.
-        let too_far = effects + 1 == EFFECTS && now.score.fit > FAR_OFF * self.floor.max(1.0);
+        let too_far = effects + 1 == MOST_EFFECTS && now.score.fit > FAR_OFF * self.floor.max(1.0);
         if now.score.is_white() {
             Some(StopReason::White)
-        } else if effects >= EFFECTS || too_far {
+        } else if effects >= MOST_EFFECTS || too_far {
             Some(StopReason::EffectLimit)
         } else if self.repeats(now) && rounds > 0 {
             Some(StopReason::Repeatability)
@@ -188,7 +168,7 @@ impl Search<'_> {
             let best = self.exchanged(self.moved(best, candidates), candidates);
             return Some((best.clone(), round(before, &best, &singles, vetoed, candidates)));
         }
-        (self.observe)(0.1 + 0.8 * (before as f64 + 0.5) / EFFECTS as f64, Activity::FittingPairs);
+        (self.observe)(0.1 + 0.8 * (before as f64 + 0.5) / MOST_EFFECTS as f64, Activity::FittingPairs);
         let (pairs, pair) = self.best_pairs(start, &singles, best.as_ref(), &mut vetoed);
         let settled = pair.as_ref().filter(|pair| !pair.score.is_white()).map(|pair| placed(&pair.model));
         let all: Vec<Fitted> = singles.into_iter().chain(pairs).collect();
@@ -216,7 +196,7 @@ impl Search<'_> {
             rank(&mut singles, *candidates);
         }
         // From each new leader its whole family once more: one slow curve is hard to reach from a regression, easy from its neighbour.
-        for _ in 0..FAMILY {
+        for _ in 0..FAMILY_ROUNDS {
             let Some(leader) = singles.first().map(|f| placed(&f.model)) else { break };
             singles.extend(self.tried(self.siblings(model, &singles), ALL, *candidates, vetoed));
             rank(&mut singles, *candidates);
@@ -238,7 +218,7 @@ impl Search<'_> {
         let Start { now, model, found, candidates } = start;
         let price = (now.cal.samples as f64).ln();
         // Two at once where greed could go wrong from the start; later rounds have their friction already.
-        let wanted = if start.before() == 0 { BEST } else { 0 };
+        let wanted = if start.before() == 0 { FITTED_IN_FULL } else { 0 };
         let mut pairs: Vec<Vec<Effect>> =
             found.pairs(price, wanted).into_iter().map(|(a, b)| vec![a.effect, b.effect]).collect();
         pairs.extend(singles.first().map_or(vec![], |leader| self.parted(model, leader, found)));
@@ -272,7 +252,7 @@ impl Search<'_> {
     fn overlooked(&self, now: &Fitted, candidates: usize) -> Overlooked {
         let before = now.model.effects.len();
         let nothing = Overlooked::Near(vec![]);
-        if before + 1 >= EFFECTS || !now.score.is_white() || now.rests() {
+        if before + 1 >= MOST_EFFECTS || !now.score.is_white() || now.rests() {
             return nothing;
         }
         let model = now.settled();
@@ -391,8 +371,9 @@ impl Search<'_> {
         all.sort_by(|(_, a), (_, b)| by.criterion(&a.score).total_cmp(&by.criterion(&b.score)));
         // Those that are near but not there are worth more starts: a run through stops has side minima.
         let least = all.iter().map(|(_, f)| f.score.fit).fold(f64::INFINITY, f64::min);
-        let near = |f: &Fitted| (f.score.fit < NEAR * least || f.score.fit < NEAR) && f.may_gain();
-        all.par_iter_mut().take(AGAIN).filter(|(_, f)| near(f)).for_each(|(_, f)| {
+        let near =
+            |f: &Fitted| (f.score.fit < WORTH_STARTS * least || f.score.fit < WORTH_STARTS) && f.may_gain();
+        all.par_iter_mut().take(MORE_STARTS).filter(|(_, f)| near(f)).for_each(|(_, f)| {
             let thorough = Fitted::new(f.settled(), self.noise, Effort::Thorough);
             if let Ok(better) = thorough
                 && better.score.fit < f.score.fit
@@ -416,7 +397,7 @@ fn worth(now: &Fitted, next: &Fitted, candidates: usize) -> bool {
     let by = Measure::of([&now.score, &next.score], candidates);
     let gain = by.criterion(&now.score) - by.criterion(&next.score);
     let carries = match (now.score.predictive, next.score.predictive) {
-        (Some(before), Some(after)) => after < SHRINK * before || (next.score.is_white() && after < before),
+        (Some(before), Some(after)) => after < SHRINKS * before || (next.score.is_white() && after < before),
         _ => true,
     };
     // A motion that hangs on every number is missed on Validate records as long as anything is missing, and they say nothing of who is near.
@@ -438,7 +419,7 @@ fn one_or_two(
     let by = Measure::of([&single.score, &pair.score], candidates);
     let better = by.criterion(&pair.score) + WORTH < by.criterion(&single.score);
     let (own, both) = (label(&single.model, before), label(&pair.model, before));
-    let lower = pair.score.predictive.zip(single.score.predictive).is_none_or(|(p, s)| p < HALF * s);
+    let lower = pair.score.predictive.zip(single.score.predictive).is_none_or(|(p, s)| p < ON_THE_WAY * s);
     let much = lower || on_the_way(&single.score, &pair.score) || !own.iter().all(|e| both.contains(e));
     Some(if better && (pair.score.is_white() || much) { pair } else { single })
 }

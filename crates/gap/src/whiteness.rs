@@ -3,6 +3,3 @@
 pub(crate) use phisindy_signal::{
     mean_step, strongest_lines as lines, tone_share as share, whiteness_score as score,
 };
-
-/// A score beyond this is not noise: white residuals stay below 4.
-pub(crate) const COLOURED: f64 = 6.0;

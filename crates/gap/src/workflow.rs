@@ -2,6 +2,9 @@
 
 use crate::alternative_constant::alternative_constant;
 use crate::data_mistakes::data_mistakes;
+use crate::decisions::{
+    FEWEST_SAMPLES, MOSTLY_NOISE, ONE_CONSTANT, REPEATS, SCATTERS, SEARCHED_SAMPLES, SUBSTANTIAL,
+};
 use crate::drive::Drive;
 use crate::drive_frequency::drive_frequency;
 use crate::model::{Applied, Fitted, Measure, TrialModel, current, expression, noise_of, text_with};
@@ -18,19 +21,6 @@ use phisindy_phys::spec::{self, Role, Spec};
 use phisindy_phys::{Case, LawEntry, Record, SourceId, System};
 use phisindy_signal::standard_deviation;
 use std::ops::ControlFlow;
-
-/// A motion that is followed to this many times what it repeats to is explained.
-const REPEATS: f64 = 1.25;
-/// A motion whose cycles differ by more than this many times the noise has a scatter of its own.
-const SCATTERS: f64 = 5.0;
-/// Samples of the Fit records that a search uses.
-const SEARCHED: usize = 6_000;
-/// Fewest samples of a record.
-const FEWEST: usize = 64;
-/// An effect is kept although something else is missing too if each one so far has brought the gap down by this factor.
-const SUBSTANTIAL: f64 = 3.0;
-/// A gap above this on Fit records is not the work of one constant.
-const MUCH: f64 = 5.0;
 
 /// Runs the gap workflow on a checked spec and its records. `observe` is told a fraction and what is being done, and may stop the search.
 ///
@@ -95,9 +85,9 @@ fn suitable(system: &System, records: &[Record]) -> Result<(), GapError> {
     if !records.iter().any(|r| r.role == Role::Fit) {
         return Err(GapError::Data(DataError::NoFit));
     }
-    if let Some(short) = records.iter().find(|r| r.len() < FEWEST) {
+    if let Some(short) = records.iter().find(|r| r.len() < FEWEST_SAMPLES) {
         let (record, samples) = (short.name.clone(), short.len());
-        return Err(GapError::Data(DataError::FewSamples { record, samples, least: FEWEST }));
+        return Err(GapError::Data(DataError::FewSamples { record, samples, least: FEWEST_SAMPLES }));
     }
     match records.iter().find_map(|r| dead_column(system, r)) {
         Some(why) => Err(GapError::Data(DataError::DeadColumn(why))),
@@ -105,15 +95,12 @@ fn suitable(system: &System, records: &[Record]) -> Result<(), GapError> {
     }
 }
 
-/// The part of a column's standard deviation that may be noise.
-const NOISY: f64 = 0.8;
-
 /// Where every column of a record that is to be fitted is noise above all, any model would leave noise.
 fn mostly_noise(system: &System, records: &[Record], noise: &[Vec<f64>]) -> Result<(), GapError> {
     for (record, noise) in records.iter().zip(noise).filter(|(r, _)| r.role == Role::Fit) {
         let share = |k: usize| record.columns[k].as_ref().map(|c| noise[k] / standard_deviation(c));
         let shares: Vec<f64> = (0..system.states.len()).filter_map(share).collect();
-        if shares.iter().all(|s| *s > NOISY) {
+        if shares.iter().all(|s| *s > MOSTLY_NOISE) {
             let share = shares.iter().copied().fold(1.0, f64::min);
             return Err(GapError::Data(DataError::MostlyNoise { record: record.name.clone(), share }));
         }
@@ -131,7 +118,7 @@ fn without_candidates(spec: Spec, case: Case, records: Vec<Record>) -> Option<Tr
 /// The beginnings of long records, for the search; `None` if none is long.
 pub(crate) fn shortened(records: &[Record]) -> Option<Vec<Record>> {
     let fits = records.iter().filter(|r| r.role == Role::Fit).count().max(1);
-    let most = SEARCHED / fits;
+    let most = SEARCHED_SAMPLES / fits;
     let long = records.iter().any(|r| r.len() > most + most / 2);
     let cut = |r: &Record| {
         let n = r.len().min(most);
@@ -284,7 +271,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         let interrupted = self.stop == StopReason::Interrupted;
         let mut alternative = None;
         // Where much is missing no constant is to blame alone.
-        if status != Status::NothingMissing && !repeats && !interrupted && whole.score.fit < MUCH {
+        if status != Status::NothingMissing && !repeats && !interrupted && whole.score.fit < ONE_CONSTANT {
             (self.search.observe)(0.95, Activity::Constants);
             let catalogue = self.search.catalogue;
             if let Some(found) = alternative_constant(&whole, catalogue, &self.noise, self.candidates) {

@@ -2,28 +2,22 @@
 
 use super::score::Score;
 use super::trial_model::TrialModel;
+use crate::decisions::{CHOW, CLEAN_COLUMN, LITTLE_LEFT, NOT_WHITE, RESTS, STANDS_STILL};
 use crate::place::Effect;
 use crate::result::ModelError;
-use crate::whiteness::{COLOURED, score};
+use crate::whiteness::score;
 use phisindy_learn::{Calibration, Effort, FoundParameter, RecordFit, calibrate};
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Parameter, Record};
 use phisindy_signal::{noise_level, standard_deviation};
 use std::sync::Arc;
 
-/// A clean column still counts as known to this part of its standard deviation: the simulation itself is not better.
-const CLEAN: f64 = 1e-5;
-/// Where Fit records leave less than this, what is left on Validate records may be the uncertainty of what was fitted.
-const LITTLE: f64 = 1.1;
-/// A column of which so much is left is not followed: as much as a model leaves that stands still.
-const STANDS_STILL: f64 = 0.95;
-
 /// The noise of every column by record and state: from the spectrum above the motion, so that no model is needed.
 pub(crate) fn noise_of(records: &[Record]) -> Vec<Vec<f64>> {
     let of = |column: &Option<Vec<f64>>| {
         column
             .as_ref()
-            .map_or(1.0, |c| noise_level(c).max(CLEAN * standard_deviation(c)).max(f64::MIN_POSITIVE))
+            .map_or(1.0, |c| noise_level(c).max(CLEAN_COLUMN * standard_deviation(c)).max(f64::MIN_POSITIVE))
     };
     records.iter().map(|r| r.columns.iter().map(of).collect()).collect()
 }
@@ -80,10 +74,10 @@ impl Fitted {
     /// leaves nothing but noise on both, and Fit records are fitted no worse than chance has it (the predictive test of Chow 1960, doi
     /// 10.2307/1910133). The fit itself stays as it is.
     fn together(&self, noise: &[Vec<f64>]) -> Option<(Calibration, f64)> {
-        if self.score.validate.is_none() || self.score.fit > LITTLE || self.score.is_white() {
+        if self.score.validate.is_none() || self.score.fit > LITTLE_LEFT || self.score.is_white() {
             return None;
         }
-        if whiteness(&self.cal, &self.model.records, |r| r.role == Role::Fit) >= COLOURED {
+        if whiteness(&self.cal, &self.model.records, |r| r.role == Role::Fit) >= NOT_WHITE {
             return None;
         }
         let model = self.settled();
@@ -96,9 +90,9 @@ impl Fitted {
         let rise = power(&cal, noise, &fits).0 - power(&self.cal, noise, &fits).0;
         // The rise of chi^2 that as many numbers make by chance, five standard deviations high.
         let freedom = (self.cal.moved + fits.len() * model.system.states.len()) as f64;
-        let chance = freedom + 5.0 * (2.0 * freedom).sqrt();
+        let chance = freedom + CHOW * (2.0 * freedom).sqrt();
         let whiteness = whiteness(&cal, &records, |_| true);
-        (rise < chance && whiteness < COLOURED).then_some((cal, whiteness))
+        (rise < chance && whiteness < NOT_WHITE).then_some((cal, whiteness))
     }
 
     /// The noise as its residuals have it, by record and state: what a model that leaves nothing but noise shows better than the columns do, in which the motion
@@ -131,7 +125,7 @@ impl Fitted {
     pub(crate) fn rests(&self) -> bool {
         self.cal.records.iter().filter_map(|r| r.run.as_ref()).any(|run| {
             let still = run.modes.iter().filter(|m| **m == 0).count();
-            50 * still > run.modes.len().max(1)
+            RESTS * still > run.modes.len().max(1)
         })
     }
 

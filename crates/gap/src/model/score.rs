@@ -1,17 +1,6 @@
 //! How good a fitted model is, as numbers: everything that decisions of the search and its end are made on.
 
-use crate::whiteness::COLOURED;
-
-/// An explained record ends below this many times its noise.
-pub(crate) const EXPLAINED: f64 = 1.08;
-/// A gap on Fit records above this is far from the noise: more than one effect is missing.
-pub(crate) const FAR_OFF: f64 = 2.0;
-/// The price of a sensor, which is the worse story where a force does as well.
-const SENSOR: f64 = 6.0;
-/// The price of a sensor that is early.
-const EARLY: f64 = 15.0;
-/// Residuals of which at least this part counts as independent count in full.
-const INDEPENDENT: f64 = 0.6;
+use crate::decisions::{EARLY_PRICE, EXPLAINED, FAR_OFF, INDEPENDENT, NOT_WHITE, SENSOR_PRICE};
 
 /// How well a model follows the records, and what it costs.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,7 +36,7 @@ impl Score {
 
     /// Whether nothing but noise is left.
     pub(crate) fn is_white(&self) -> bool {
-        self.whiteness < COLOURED
+        self.whiteness < NOT_WHITE
     }
 
     /// Whether it leaves nothing but noise, on records that were not fitted too.
@@ -72,7 +61,7 @@ impl Score {
         let cost = if ratio > 1.0 { n * (1.0 + ratio.ln()) } else { n * ratio };
         let price = self.parameters as f64 * (n * independent).max(2.0).ln();
         // A sensor may be late; one that is early is a worse story: of a motion without a clock of its own both are the same.
-        let odd = SENSOR * self.sensors as f64 + EARLY * self.early as f64;
+        let odd = SENSOR_PRICE * self.sensors as f64 + EARLY_PRICE * self.early as f64;
         cost * independent + price + 2.0 * ln_choose(candidates, self.effects) + odd
     }
 

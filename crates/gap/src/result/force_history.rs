@@ -1,13 +1,11 @@
 //! The force of an effect along the motion of the final model: what a picture of it shows.
 
 use super::{Gap, Step};
+use crate::decisions::PICTURE_SAMPLES;
 use crate::place::{Effect, Site};
 use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{LawRole, Record};
-
-/// Samples of a record that are looked at, about: more would not show in a picture.
-const ROWS: usize = 4_000;
 
 /// The force of an effect against a displacement, a velocity or the time, as the picture of its law is drawn.
 #[derive(Clone, Debug)]
@@ -61,7 +59,7 @@ pub fn force_history(found: &Gap, step: &Step, records: &[Record]) -> Option<For
     for (r, record) in records.iter().enumerate() {
         let Some(run) = found.simulated.records.get(r).and_then(|fit| fit.run.as_ref()) else { continue };
         let numbers = numbers(found, record, r);
-        let every = record.len().div_ceil(ROWS).max(1);
+        let every = record.len().div_ceil(PICTURE_SAMPLES).max(1);
         let mut points = Vec::new();
         for (i, states) in run.states.chunks_exact(run.n).take(record.len()).enumerate().step_by(every) {
             let t = record.time[i];

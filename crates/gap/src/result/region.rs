@@ -1,11 +1,9 @@
 //! Where in the motion a model misses: which stretch of time, regime, displacement, velocity, phase or input holds more of the residual than its share of the samples.
 
+use crate::decisions::SURPLUS;
 use phisindy_learn::Calibration;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Record, System};
-
-/// A part of the motion is told if its share of the gap is above its share of the samples by this.
-const SURPLUS: f64 = 0.15;
 
 /// How much of the gap a column holds, and where.
 #[derive(Clone, Debug)]

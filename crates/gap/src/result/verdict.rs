@@ -1,17 +1,8 @@
 //! What the end of a search means: nothing missing, explained, unexplained; and which of its effects help. Decisions are made on scores.
 
 use super::{PlacedLaw, Status, Warning};
+use crate::decisions::{BENT, CLEAN_FIT, ELEPHANT, HELPS};
 use crate::model::{Fitted, Score};
-
-/// Effects that explain: more of them cover up whatever is missing ("with four parameters I can fit an elephant").
-const ELEPHANT: usize = 4;
-/// One fewer must leave no more than this many times the noise on the records that they were fitted to: what is a little more is what a
-/// curve through something else leaves.
-const CLEAN: f64 = 1.02;
-/// So many elastic effects at one place draw any curve.
-const BENT: usize = 3;
-/// Effects that lower a gap by less are no help.
-const HELPS: f64 = 0.95;
 
 /// How a search that ended with this score ends, and what a reader should know of it. `repeats`: what is left is what the motion itself
 /// repeats to; `bent`: the place of a spring that several effects bend.
@@ -20,7 +11,7 @@ pub(crate) fn status(last: &Score, repeats: bool, bent: Option<String>) -> (Stat
     let white = last.explains();
     // Below the estimated noise, which of clean columns is too large, there is nothing to find.
     let below = last.fit <= 1.0 && last.gap() <= 1.0;
-    let some_left = count + 1 == ELEPHANT && last.fit > CLEAN && !repeats;
+    let some_left = count + 1 == ELEPHANT && last.fit > CLEAN_FIT && !repeats;
     let covered = count >= ELEPHANT || some_left || bent.is_some();
     let warning = match bent {
         _ if !white => None,

@@ -1,10 +1,8 @@
 //! A Gram matrix of all columns at once: what is free to move is projected out, and regressions are small.
 
+use crate::decisions::DEGENERATE;
 use faer::Mat;
 use faer::linalg::solvers::Solve;
-
-/// A column of which less than this is left after projecting out what may move is no candidate.
-const DEGENERATE: f64 = 1e-7;
 
 /// Gain and coefficients of some columns of a projected Gram matrix whose target is column 0.
 pub(super) fn solve(gram: &Mat<f64>, at: &[usize]) -> Option<(f64, Vec<f64>)> {

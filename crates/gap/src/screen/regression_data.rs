@@ -1,6 +1,7 @@
 //! A record as a regression sees it: the measured motion, the linear system that responds to it, and what may move already.
 
 use super::response::{Linear, shift};
+use crate::decisions::{FORGETS_PER_PERIOD, RESTS, SHORT_REST};
 use crate::drive::Drive;
 use crate::evaluate::{evaluated, speed};
 use crate::model::TrialModel;
@@ -11,9 +12,6 @@ use phisindy_expr::{Id, Tape};
 use phisindy_learn::Calibration;
 use phisindy_phys::System;
 use rayon::prelude::*;
-
-/// Decay of the linear stand-in of a body that comes to rest, per period.
-const FORGET: f64 = 4.0;
 
 /// A movable constant of the model, whose column is projected out.
 pub(super) struct Movable {
@@ -106,7 +104,7 @@ impl Base {
         for place in model.places() {
             let Site::Force { acts, velocity, .. } = &place.site else { continue };
             let speed = speed(system, &motion, place)?;
-            let least = ((0.04 * motion.period / (span / samples as f64)) as usize).clamp(5, samples);
+            let least = ((SHORT_REST * motion.period / (span / samples as f64)) as usize).clamp(5, samples);
             let rests = resting(&speed, rest_threshold(&speed), least);
             // Friction that is in the model already holds with what force it needs.
             let own = system.contacts.iter().any(|c| c.node == velocity.node && system.rubs(c));
@@ -128,8 +126,8 @@ impl Base {
             still.push(Still { at: place.at.clone(), rests, held });
         }
         // A body at rest forgets; so must its linear stand-in, or errors made before a stop are carried past it.
-        let forgets = still.iter().any(|s| s.rests.iter().filter(|r| **r).count() * 50 > samples);
-        let decay = shift(&a, n, span).max(if forgets { FORGET / motion.period } else { 0.0 });
+        let forgets = still.iter().any(|s| s.rests.iter().filter(|r| **r).count() * RESTS > samples);
+        let decay = shift(&a, n, span).max(if forgets { FORGETS_PER_PERIOD / motion.period } else { 0.0 });
         (0..n).for_each(|k| a[k * n + k] -= decay);
         let bracket: Vec<f64> = (0..samples)
             .flat_map(|i| {

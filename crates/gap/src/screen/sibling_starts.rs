@@ -2,6 +2,7 @@
 
 use super::gram::solve;
 use super::seeded;
+use crate::decisions::{JUST_SLIPS, NEARLY_BEST, SLOW};
 use crate::evaluate::{evaluated, speed};
 use crate::model::TrialModel;
 use crate::motion::Motion;
@@ -13,12 +14,6 @@ use phisindy_expr::Tape;
 use phisindy_learn::Calibration;
 use phisindy_phys::LawEntry;
 use phisindy_phys::spec::Role;
-
-/// An imitation that explains this part of what the best one does is worth a fit of its own: the regression weighs speeds as the sibling's force has them.
-const NEARLY: f64 = 0.9;
-/// Of the highest speed, what counts as rest for it, and a speed at which a contact has just begun to slip.
-const SLOW: f64 = 2e-3;
-const JUST: f64 = 1e-5;
 
 /// Starts of a law from the force that a fitted sibling at the same place has: its columns regressed on that force along the motion, one for each of its inner
 /// parameters that does nearly as well as the best. None where that gives nothing within the law's bounds.
@@ -41,7 +36,7 @@ pub(crate) fn sibling_starts(
     let Site::Force { acts, .. } = &sibling.place.site else { return None };
     let &(state, _) = acts.first()?;
     for (i, speed) in speeds.iter().enumerate().filter(|(_, speed)| speed.abs() <= slow) {
-        motion.states[i * n + state] += JUST * top * speed.signum() - speed;
+        motion.states[i * n + state] += JUST_SLIPS * top * speed.signum() - speed;
     }
     let columns_of = |regressors: &Regressors, grid: &[f64]| -> Option<Vec<Vec<f64>>> {
         let mut all = system.arguments();
@@ -70,5 +65,5 @@ pub(crate) fn sibling_starts(
         all.extend(seeded(&wanted, Some(&other), &found, &grid).map(|effect| (gain, effect)));
     }
     let best = all.iter().map(|(gain, _)| *gain).fold(0.0, f64::max);
-    Some(all.into_iter().filter(|(gain, _)| *gain > NEARLY * best).map(|(_, e)| e).collect())
+    Some(all.into_iter().filter(|(gain, _)| *gain > NEARLY_BEST * best).map(|(_, e)| e).collect())
 }

@@ -1,6 +1,7 @@
 //! The columns of a law at a place: what it would do to the measured motion, for each of the numbers that it does not depend on linearly.
 
 use super::regression_data::RegressionData;
+use crate::decisions::GRID_VALUES;
 use crate::evaluate::evaluated;
 
 use super::regressors::{Regressors, Scale};
@@ -9,9 +10,6 @@ use crate::place::{Effect, Place, Site};
 use crate::whiteness::{lines, mean_step};
 use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::System;
-
-/// Values of a grid beyond these are not tried.
-const GRID: usize = 200;
 
 /// What one evaluation of an effect gives: the columns of a trial, by record.
 pub(super) struct Trial {
@@ -249,7 +247,7 @@ fn grids(
         let values = axis(of);
         all =
             all.iter().flat_map(|g| values.iter().map(|v| g.iter().copied().chain([*v]).collect())).collect();
-        all.truncate(GRID);
+        all.truncate(GRID_VALUES);
     }
     all
 }

@@ -1,11 +1,8 @@
 //! Which of some models is the best, by their scores.
 
-use crate::model::{FAR_OFF, Fitted, Measure, Score, TrialModel};
+use crate::decisions::{FAR_OFF, ON_THE_WAY, RICHER, SIMPLER};
+use crate::model::{Fitted, Measure, Score, TrialModel};
 use crate::result::PlacedLaw;
-use crate::search::{HALF, SIMPLER};
-
-/// A richer law must lower the gap on Validate records to this part, where something is left that is not noise.
-const RICHER: f64 = 0.95;
 
 /// Sorts models, the best first.
 pub(crate) fn rank(all: &mut [Fitted], candidates: usize) {
@@ -38,7 +35,7 @@ pub(crate) fn carries_no_further(simple: &Score, rich: &Score) -> bool {
 /// Whether the second model is on the way to something: while much is missing Validate records are missed whatever is added, and the end of
 /// the search judges them.
 pub(crate) fn on_the_way(from: &Score, to: &Score) -> bool {
-    to.fit > FAR_OFF && to.fit < HALF * from.fit
+    to.fit > FAR_OFF && to.fit < ON_THE_WAY * from.fit
 }
 
 /// Parameters of all effects of a model.

@@ -1,14 +1,12 @@
 //! What a round tries: the model with one or two effects more, from starts that a fit can use.
 
-use super::{BEST, Search};
+use super::Search;
+use crate::decisions::{FITTED_IN_FULL, LEADERS, NEUTRAL, SEEDED_STRIDE};
 use crate::model::{Fitted, TrialModel, current, values};
 use crate::place::{Effect, Place, Site, fits, is_force};
 use crate::screen::{Candidate, Screening, excludes, sibling_starts};
 use phisindy_phys::LawEntry;
 use rayon::prelude::*;
-
-/// The starts of one law are told apart on every third of the segments.
-const SEEDED: usize = 3;
 
 impl Search<'_> {
     /// The best laws for a model that comes to rest, each tried by a few steps of the fit itself: a linear response knows nothing of stops.
@@ -26,7 +24,7 @@ impl Search<'_> {
             })
             .collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
-        all.into_iter().take(BEST).map(|(_, e)| vec![e]).collect()
+        all.into_iter().take(FITTED_IN_FULL).map(|(_, e)| vec![e]).collect()
     }
 
     /// Every law of the family of the leading friction, started from what the leader found.
@@ -129,7 +127,7 @@ impl Search<'_> {
             .map(|c| {
                 let look = |e: &Effect| {
                     let d = model.with(e).ok()?;
-                    d.segment_cost(self.noise, SEEDED)
+                    d.segment_cost(self.noise, SEEDED_STRIDE)
                 };
                 let starts: Vec<&Effect> = [&c.effect].into_iter().chain(&c.others).collect();
                 if starts.len() == 1 {
@@ -173,7 +171,7 @@ pub(crate) fn rubbing(found: &Screening) -> Vec<Vec<Effect>> {
 
 /// The best singles, with the simpler relatives and the family of what is among them.
 pub(crate) fn singles(found: &Screening) -> Vec<&Candidate> {
-    let mut chosen: Vec<&Candidate> = found.candidates.iter().take(BEST).collect();
+    let mut chosen: Vec<&Candidate> = found.candidates.iter().take(FITTED_IN_FULL).collect();
     let leaders: Vec<&Candidate> = chosen.clone();
     for (rank, leader) in leaders.iter().enumerate() {
         let law = &leader.effect.entry.law;
@@ -181,7 +179,7 @@ pub(crate) fn singles(found: &Screening) -> Vec<&Candidate> {
             let here =
                 other.effect.place.at == leader.effect.place.at && other.effect.load == leader.effect.load;
             let relative = law.simpler.contains(&other.effect.entry.id)
-                || (rank < 3 && !law.family.is_empty() && other.effect.entry.law.family == law.family);
+                || (rank < LEADERS && !law.family.is_empty() && other.effect.entry.law.family == law.family);
             if here && relative && !chosen.iter().any(|c| c.effect.same(&other.effect)) {
                 chosen.push(other);
             }
@@ -199,7 +197,7 @@ pub(crate) fn is_composed(effect: &Effect) -> bool {
 pub(crate) fn neutral(effect: &Effect) -> Effect {
     let law = &effect.entry.law;
     let small = |(v, (_, p)): (&f64, &(String, phisindy_phys::LawParameter))| {
-        if is_force(&p.unit) { (0.05 * v).clamp(p.within.0, p.within.1) } else { *v }
+        if is_force(&p.unit) { (NEUTRAL * v).clamp(p.within.0, p.within.1) } else { *v }
     };
     let start = match law.sensor.as_deref() {
         Some("gain") => vec![1.0],

@@ -1,7 +1,8 @@
 //! A model that was found, mended: effects at other places, siblings in each other's place, fewer and simpler effects.
 
+use super::Search;
 use super::proposals::{family, relative};
-use super::{EFFECTS, RACE, SIMPLER, Search};
+use crate::decisions::{MOST_EFFECTS, NEAR_NOISE, RACE, SAME_GAP, SIMPLER};
 use crate::evidence::against;
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::{Effect, Site, fits};
@@ -9,15 +10,10 @@ use crate::screen::{excludes, sibling_starts};
 use phisindy_learn::Effort;
 use rayon::prelude::*;
 
-/// Gaps on Validate records within this factor are the same.
-const ALIKE: f64 = 1.02;
-/// A gap on Fit records below this is near the noise.
-const NEAR: f64 = 1.5;
-
 impl Search<'_> {
     /// Each effect at every other place: what was added first was looked for without the others, and may stand where it made good a part of them.
     pub(crate) fn moved(&self, mut now: Fitted, candidates: usize) -> Fitted {
-        for _ in 0..EFFECTS {
+        for _ in 0..MOST_EFFECTS {
             let effects = current(&now);
             if effects.len() < 2 {
                 break;
@@ -48,7 +44,7 @@ impl Search<'_> {
     /// while the others were missing.
     pub(crate) fn exchanged(&self, now: Fitted, candidates: usize) -> Fitted {
         let effects = current(&now);
-        if effects.len() < 2 || now.score.fit > NEAR {
+        if effects.len() < 2 || now.score.fit > NEAR_NOISE {
             return now;
         }
         let base = now.model.without_effects();
@@ -72,7 +68,7 @@ impl Search<'_> {
         };
         let others: Vec<Fitted> = trials.par_iter().filter_map(fitted).collect();
         let carries =
-            |f: &Fitted| f.score.predictive.zip(now.score.predictive).is_none_or(|(a, b)| a < ALIKE * b);
+            |f: &Fitted| f.score.predictive.zip(now.score.predictive).is_none_or(|(a, b)| a < SAME_GAP * b);
         better(&now, others, candidates).filter(carries).unwrap_or(now)
     }
 
@@ -132,10 +128,13 @@ impl Search<'_> {
                 for simple in fitted {
                     let same = self.as_good(&simple, &now, candidates);
                     let by = Measure::of([&simple.score, &now.score], candidates);
-                    let carries =
-                        simple.score.predictive.zip(now.score.predictive).is_none_or(|(a, b)| a < ALIKE * b)
-                            || !now.score.is_white()
-                            || by.criterion(&simple.score) + SIMPLER < by.criterion(&now.score);
+                    let carries = simple
+                        .score
+                        .predictive
+                        .zip(now.score.predictive)
+                        .is_none_or(|(a, b)| a < SAME_GAP * b)
+                        || !now.score.is_white()
+                        || by.criterion(&simple.score) + SIMPLER < by.criterion(&now.score);
                     if same && carries && (simple.score.is_white() || !now.score.is_white()) {
                         now = simple;
                         continue 'again;
