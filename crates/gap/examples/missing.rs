@@ -5,11 +5,10 @@
 //! ```
 #![allow(clippy::print_stdout)]
 
-use phisindy_gap::{Entry, Gap, gap};
-use phisindy_phys::{Law, Origin, Record, Sources, check, spec};
+use phisindy_gap::{Gap, gap};
+use phisindy_phys::{LawEntry, LawError, Origin, Record, Sources, check, spec};
 use phisindy_sim::synthesize;
 use std::ops::ControlFlow;
-use std::sync::Arc;
 
 /// A mass on a spring; the truth, which made the data, has friction and a spring that hardens. Nothing is asked: `unknown` is empty.
 const SPEC: &str = r#"(
@@ -44,8 +43,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let Origin::Synthetic(truth) = &plan.origin else { return Err("a measured record".into()) };
         records.push(synthesize(plan, truth, &case.system, None, &|_| Err("no files here".into()))?.0);
     }
-    let entry = |(id, text): (&str, &str)| Ok(Entry { id: id.into(), law: Arc::new(Law::read(text)?) });
-    let catalogue = LAWS.into_iter().map(entry).collect::<Result<Vec<_>, String>>()?;
+    let entries = LAWS.into_iter().map(|(id, text)| LawEntry::read(id, text));
+    let catalogue = entries.collect::<Result<Vec<_>, LawError>>()?;
 
     let found: Gap = gap(SPEC, case, records, &catalogue, &mut |_, _| ControlFlow::Continue(()))?;
     // A gap is the rms of the residual over the noise: 1 is perfect. What counts is the record that was not fitted.

@@ -97,7 +97,7 @@ proptest! {
         let all = texts("specs/laws");
         match Law::read(&damaged(all[which % all.len()].clone(), &edits)) {
             Ok(law) => prop_assert!(!law.acts().is_empty() || law.roles.is_empty()),
-            Err(why) => prop_assert!(!why.is_empty()),
+            Err(why) => prop_assert!(!why.to_string().is_empty()),
         }
     }
 }
