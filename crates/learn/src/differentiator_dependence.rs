@@ -1,5 +1,5 @@
-//! Whether a result depends on how columns were differentiated: by how much the numbers would move with another
-//! differentiator, by one Gauss-Newton step from where they are.
+//! Dependence of a result on how columns were differentiated: by how much the numbers would move with another
+//! differentiator, estimated by one Gauss-Newton step.
 
 use crate::decisions::{DIFFERENTIATOR_DAMPING, HALF_WIDTH_95};
 use crate::least_squares::Normal;
@@ -35,7 +35,7 @@ pub(crate) fn dependence(
     })
 }
 
-/// From one minimum to the other.
+/// The step from one minimum to the other.
 fn step(here: &Normal, there: &Normal) -> Option<Vec<f64>> {
     let right: Vec<f64> = here.gradient.iter().zip(&there.gradient).map(|(a, b)| a - b).collect();
     solve_damped(&there.matrix, &right, DIFFERENTIATOR_DAMPING)

@@ -21,8 +21,8 @@ pub struct LearnOptions {
     pub method: Option<Method>,
 }
 
-/// Identifies the unknown part of a case from its records. `observe` hears of the progress (a fraction of the
-/// work) and may stop it.
+/// Identifies the unknown part of a case from its records. `observe` receives the progress (a fraction of
+/// the work) and may stop it.
 ///
 /// # Errors
 /// The records do not suit the method, or the numerics fail altogether. A model that merely does not fit is a
@@ -68,8 +68,8 @@ pub fn identify(
     Ok(found)
 }
 
-/// What a careful reader should know of any result: terms that may as well be zero, validation that does not
-/// hold what the fit promises.
+/// Warnings that hold for either method: coefficients at a bound or compatible with zero, and validation that is
+/// much worse than the fit.
 fn remarks(system: &System, found: &mut Identified) {
     for found_term in &mut found.terms {
         let term = &system.terms[found_term.term];
@@ -93,7 +93,7 @@ fn remarks(system: &System, found: &mut Identified) {
     }
 }
 
-/// A record from which nothing can be learned is refused with the reason.
+/// Refuses a record from which nothing can be learned.
 fn suitable(system: &System, record: &Record) -> Result<(), LearnError> {
     if record.len() < FEWEST_SAMPLES {
         let (record, samples) = (record.name.clone(), record.len());

@@ -1,4 +1,4 @@
-//! Levenberg-Marquardt within bounds, for whatever gives a cost and its normal equations.
+//! Levenberg-Marquardt within bounds, for any function that gives a cost and its normal equations.
 
 use crate::decisions::{
     CHANCES, DAMPING_AFTER_FAILURE, DAMPING_FALL, DAMPING_RISE, FIRST_DAMPING, LEAST_DAMPING, MOST_DAMPING,
@@ -15,22 +15,22 @@ pub(crate) struct Normal {
     pub(crate) gradient: Vec<f64>,
 }
 
-/// How long to try.
+/// When to stop.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limits {
     /// Accepted steps at most.
     pub(crate) iterations: usize,
     /// Stops when a step lowers the cost by less than this part of it.
     pub(crate) gain: f64,
-    /// ... or, as long as the cost is above the first of these, by less than the second: where a model is far
-    /// off nobody asks for digits.
+    /// ... or, as long as the cost is above the first of these, by less than the second: digits of a
+    /// wrong model do not matter.
     pub(crate) far: (f64, f64),
     /// Gives up if [`CHANCES`] steps, or twice as many failures, leave the cost above this.
     pub(crate) hopeless: f64,
 }
 
 impl Limits {
-    /// So many steps, as long as each lowers the cost by that part.
+    /// At most `iterations` steps, as long as each lowers the cost by the part `gain`.
     pub(crate) fn new(iterations: usize, gain: f64) -> Limits {
         Limits { iterations, gain, far: (f64::INFINITY, gain), hopeless: f64::INFINITY }
     }
@@ -59,7 +59,7 @@ pub(crate) fn minimise(
         if hopeless && done >= CHANCES {
             break;
         }
-        // A step that keeps failing is on a cliff: it costs more than it will bring.
+        // A step that keeps failing costs more than it can gain.
         let most = if hopeless { done + 2 * CHANCES } else { TRIES_PER_STEP * limits.iterations };
         let mut better = None;
         let mut ceiling = f64::INFINITY;
@@ -101,7 +101,7 @@ pub(crate) fn minimise(
     Some(now)
 }
 
-/// The damped step; what sits at a bound and is pushed against it does not move.
+/// The damped step; unknowns at a bound that would leave it are fixed.
 fn bounded_step(now: &Normal, values: &[f64], bounds: &[(f64, f64)], damping: f64) -> Option<Vec<f64>> {
     let n = values.len();
     let mut matrix = now.matrix.clone();

@@ -31,11 +31,13 @@ pub use result::parameter::FoundParameter;
 pub use result::quantity::{ParameterId, ParameterOf, Quantity, RecordId, SensorPart, TermId};
 pub use result::record_fit::RecordFit;
 pub use result::term::{Contribution, FoundTerm};
-pub use result::unknown_part::{Course, Curve, UnknownPart, unknown_parts};
+pub use result::unknown_part::{Curve, PartValues, UnknownPart, unknown_parts};
 pub use result::verdict::{Rejection, Verdict};
 pub use result::warning::{Warning, at_bounds, sensitive_starts};
 pub use step::options::StepOptions;
 pub use step::train::{StepFit, train};
 pub use sweep::{SweepRun, Truth, bound, project, sweep_one};
-pub use trajectory::calibrate::{Calibration, Effort, RESTARTED, approach, calibrate, glance};
+pub use trajectory::calibrate::{
+    Calibration, Effort, RESTART_RANGE, calibrate, segment_cost, single_run_cost,
+};
 pub use trajectory::initial::smoothed;

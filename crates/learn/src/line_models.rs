@@ -1,5 +1,4 @@
-//! For tests: models whose motion is written down on a line, and fits of them with a noise that is known. What
-//! is fitted to these is linear regression.
+//! For tests: models whose motion is a line, fitted with known noise. Their fits are linear regressions.
 
 use crate::least_squares::Limits;
 use crate::step::onestep::tests::common;
@@ -58,7 +57,7 @@ pub(crate) fn fitted_terms<'a>(
     Fit { problem, x, noise, weights, normal, samples, effective, excess: 1.0, pieces: vec![1] }
 }
 
-/// Numbers of either sign and of size 1 in the mean square, that no line and no neighbour tells.
+/// Uncorrelated numbers of +1 and -1.
 pub(crate) fn scatter(samples: usize) -> Vec<f64> {
     let hashed = |i: usize| (i as u32).wrapping_mul(2_654_435_769).count_ones().is_multiple_of(2);
     (0..samples).map(|i| if hashed(i) { 1.0 } else { -1.0 }).collect()

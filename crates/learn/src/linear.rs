@@ -29,8 +29,8 @@ pub(crate) fn solve_damped(a: &Mat<f64>, b: &[f64], damping: f64) -> Option<Vec<
     x.iter().all(|v| v.is_finite()).then_some(x)
 }
 
-/// The inverse of a positive semidefinite matrix; directions that it does not see (eigenvalue below 1e-13 of
-/// unit diagonal) get an infinite diagonal.
+/// The inverse of a positive semidefinite matrix; unknowns in singular directions (eigenvalue below
+/// [`BLIND_EIGENVALUE`] of unit diagonal) get an infinite diagonal.
 pub(crate) fn covariance(a: &Mat<f64>) -> Mat<f64> {
     let n = a.nrows();
     if n == 0 {

@@ -1,4 +1,4 @@
-//! Many seeds of one case: how often the structure is right, how good the numbers and their intervals are.
+//! Comparison with the truth of synthetic cases: the truth as terms, the Cramer-Rao bound, one seed of a sweep.
 
 use crate::decisions::{NOISE_FLOOR, TRUTH_DAMPING, TRUTH_MISS, TRUTH_POINTS, TRUTH_SHARE};
 use crate::identify::{LearnOptions, identify};
@@ -172,14 +172,14 @@ pub fn bound(
     Ok((0..truth.terms.len()).map(|k| cov[(k, k)].sqrt()).collect())
 }
 
-/// What one seed gave.
+/// The result of one seed.
 #[derive(Clone, Debug)]
 pub struct SweepRun {
     /// Whether the terms are exactly the truth's.
     pub exact: bool,
     /// For each term of the truth its estimate, if it was found.
     pub found: Vec<Option<crate::Estimate>>,
-    /// The texts of terms that should not be there, `STATE:candidate`.
+    /// Terms that are not in the truth, as `STATE:candidate`.
     pub spurious: Vec<String>,
     /// What identification said, or why it failed.
     pub outcome: Result<Identified, LearnError>,

@@ -1,4 +1,10 @@
 //! Method trajectory: the event-located simulation fitted to the records.
+//!
+//! ```text
+//! layout --> problem --> cost (least squares) --> fit --> select --> method --> report --> Identified
+//!                        initial ------------------^                             error_bars, free_run, agreement, ...
+//!                                                 fit --> calibrate --> Calibration
+//! ```
 
 pub(crate) mod agreement;
 pub(crate) mod calibrate;

@@ -2,8 +2,8 @@
 mod common;
 
 use phisindy_learn::{
-    Course, Estimate, FoundTerm, Identified, LearnOptions, UnknownPart, Verdict, bound, identify, project,
-    unknown_parts,
+    Estimate, FoundTerm, Identified, LearnOptions, PartValues, UnknownPart, Verdict, bound, identify,
+    project, unknown_parts,
 };
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Case, Origin, Record, SensorParameter};
@@ -306,7 +306,7 @@ fn the_unknown_part_is_a_curve_over_velocity_with_its_band_and_the_truth() {
     let (case, records) = common::load("case1a", &mass);
     let found = run(&case, &records);
     let parts = unknown_parts(&case, &records, &found, true);
-    let [UnknownPart { velocity, force: true, course: Course::Curves(curves), .. }] = &parts[..] else {
+    let [UnknownPart { velocity, force: true, values: PartValues::Curves(curves), .. }] = &parts[..] else {
         panic!("{parts:?}");
     };
     let (None, curve) = &curves[0] else { panic!("one curve for all records") };
@@ -324,7 +324,7 @@ fn the_unknown_part_is_a_curve_over_velocity_with_its_band_and_the_truth() {
     let x = case.system.terms.iter().position(|t| t.candidate == "x").expect("a candidate");
     richer.terms.push(FoundTerm::new(x, Estimate::normal(0.1, 0.01)));
     let parts = unknown_parts(&case, &records, &richer, false);
-    let Course::Cloud(cloud) = &parts[0].course else { panic!("{parts:?}") };
+    let PartValues::Cloud(cloud) = &parts[0].values else { panic!("{parts:?}") };
     assert_eq!(cloud[0].1.len(), records[0].len());
 }
 

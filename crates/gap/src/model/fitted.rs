@@ -143,7 +143,7 @@ impl Fitted {
 
     /// Whether other starts are worth a try: what is left is more than noise, and not so much that the model is simply wrong.
     pub(crate) fn may_gain(&self) -> bool {
-        phisindy_learn::RESTARTED.contains(&self.score.fit.powi(2))
+        phisindy_learn::RESTART_RANGE.contains(&self.score.fit.powi(2))
     }
 
     /// The constants that moved, with the values that were found; of those with a value for each record that of the first one.

@@ -242,12 +242,12 @@ impl TrialModel {
     /// How well it predicts over every `stride`-th of many short segments after a few steps of a fit: chi^2 per sample; `None` if it cannot
     /// be simulated.
     pub(crate) fn segment_cost(&self, noise: &[Vec<f64>], stride: usize) -> Option<f64> {
-        phisindy_learn::glance(&self.system, &self.records, &self.smooth, noise, stride)
+        phisindy_learn::segment_cost(&self.system, &self.records, &self.smooth, noise, stride)
     }
 
     /// The same in single runs.
     pub(crate) fn free_run_cost(&self, noise: &[Vec<f64>]) -> Option<f64> {
-        phisindy_learn::approach(&self.system, &self.records, &self.smooth, noise)
+        phisindy_learn::single_run_cost(&self.system, &self.records, &self.smooth, noise)
     }
 
     /// Where laws can act.

@@ -1,5 +1,5 @@
-//! What each identified term does along the motion: how much of the unknown force it is, and the energy that it
-//! takes out.
+//! Contribution of each identified term along the motion: its part of the unknown force, and the energy that it
+//! dissipates.
 
 use super::identified::Identified;
 use super::term::Contribution;
@@ -65,7 +65,7 @@ fn add(system: &System, r: usize, record: &Record, found: &Identified, sums: &mu
         scratch.at(record.arguments_at(i, states.iter().copied(), &parameters));
         let modes = &run.modes[i * switches..(i + 1) * switches];
         let force = |k: usize| {
-            // A contact that sticks does no work, and its force is whatever the others need.
+            // A contact that sticks does no work; its force balances the others.
             let held = sticks[k].iter().any(|&s| modes[s] == 0);
             if held {
                 0.0

@@ -8,7 +8,7 @@ use super::warning::Warning;
 use phisindy_phys::System;
 use phisindy_phys::spec::Method;
 
-/// A point on the way to the structure: so many terms, so good.
+/// A point on the path of the selection: number of terms and criterion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathPoint {
     /// Number of terms.

@@ -15,8 +15,8 @@ pub struct RecordFit {
     pub role: Role,
     /// Number of samples.
     pub samples: usize,
-    /// How many of them its start state was fitted on, where a tenth of a Validate record did not tell it: the
-    /// motion hangs on its start.
+    /// How many of them its start state was fitted on, where a tenth of a Validate record did not
+    /// determine it: the motion depends strongly on its start.
     pub start_took: Option<usize>,
     /// For each measured state: its name and rms of the free-run residual over the standard deviation of the
     /// column.

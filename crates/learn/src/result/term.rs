@@ -2,7 +2,7 @@
 
 use super::estimate::Estimate;
 
-/// A term of the dictionary that survived.
+/// A term of the dictionary that was selected.
 #[derive(Clone, Debug)]
 pub struct FoundTerm {
     /// Index into [`phisindy_phys::System::terms`].
@@ -11,7 +11,7 @@ pub struct FoundTerm {
     pub coefficient: Estimate,
     /// Whether the coefficient ended at a bound of the spec.
     pub at_bound: bool,
-    /// What it does along the motion; `None` where a Fit record could not be run freely.
+    /// Its contribution along the motion; `None` where a Fit record could not be run freely.
     pub contribution: Option<Contribution>,
 }
 
@@ -22,7 +22,7 @@ impl FoundTerm {
     }
 }
 
-/// What a term does along the free runs of the Fit records. Forces where the spec states the inertia of the
+/// Contribution of a term along the free runs of the Fit records. Forces where the spec states the inertia of the
 /// state, else rates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contribution {

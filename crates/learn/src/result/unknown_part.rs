@@ -1,5 +1,5 @@
 //! The identified part of each rate as a resistance: against the velocity that it depends on where there is one
-//! such velocity, else evaluate the motion.
+//! such velocity, else along the motion.
 
 use super::identified::Identified;
 use crate::decisions::HALF_WIDTH_95;
@@ -9,7 +9,7 @@ use phisindy_sim::Trajectory;
 
 /// Points of a curve.
 const POINTS: usize = 401;
-/// Rows of a run that are looked at, about: more would not show in a picture.
+/// Rows of a run that are evaluated, about: more would not show in a picture.
 const ROWS: usize = 10_000;
 
 /// The identified part of the rate of a state, taken with a minus: friction is positive where the velocity is.
@@ -21,16 +21,16 @@ pub struct UnknownPart {
     pub velocity: String,
     /// Whether it was multiplied by the inertia of the state.
     pub force: bool,
-    /// What it is.
-    pub course: Course,
+    /// Its values.
+    pub values: PartValues,
 }
 
-/// How an unknown part goes.
+/// Values of an unknown part.
 #[derive(Clone, Debug)]
-pub enum Course {
+pub enum PartValues {
     /// A function of one velocity, over those visited: one for all records, or one for each with its name.
     Curves(Vec<(Option<String>, Curve)>),
-    /// It depends on more: velocity and value evaluate each record's run.
+    /// It depends on more: velocity and value along each record's run.
     Cloud(Vec<(String, Vec<(f64, f64)>)>),
 }
 
@@ -101,7 +101,7 @@ impl<'a> Part<'a> {
             .collect();
         let velocities: Vec<Vec<f64>> =
             runs.iter().map(|(_, rows)| self.evaluate(rows, self.velocity)).collect::<Option<_>>()?;
-        let course = if self.alone {
+        let values = if self.alone {
             // Records with the same numbers share a curve.
             let mut groups: Vec<(Vec<f64>, Vec<usize>)> = Vec::new();
             for (k, &(r, _)) in runs.iter().enumerate() {
@@ -118,7 +118,7 @@ impl<'a> Part<'a> {
                 let name = self.each.then(|| records[r].name.clone());
                 curves.push((name, self.curve(case, &records[r], found, r, grid)?));
             }
-            Course::Curves(curves)
+            PartValues::Curves(curves)
         } else {
             let cloud = runs.iter().zip(&velocities).map(|((r, rows), w)| {
                 let mut values = vec![0.0; w.len()];
@@ -129,10 +129,10 @@ impl<'a> Part<'a> {
                 }
                 Some((records[*r].name.clone(), w.iter().copied().zip(values).collect()))
             });
-            Course::Cloud(cloud.collect::<Option<_>>()?)
+            PartValues::Cloud(cloud.collect::<Option<_>>()?)
         };
         let velocity = self.graph.text(self.velocity, &self.system.names);
-        Some(UnknownPart { state: self.state, velocity, force: self.inertia.is_some(), course })
+        Some(UnknownPart { state: self.state, velocity, force: self.inertia.is_some(), values })
     }
 
     /// Numbers of the parameters in a record, then its constants.
@@ -148,7 +148,7 @@ impl<'a> Part<'a> {
         values
     }
 
-    /// The arguments of the system evaluate a run.
+    /// The arguments of the system at the samples of a run.
     fn arguments(&self, record: &Record, found: &Identified, r: usize, run: &Trajectory) -> Vec<Vec<f64>> {
         let numbers = self.numbers(record, found, r);
         let row = |(i, states): (usize, &[f64])| {
@@ -160,7 +160,7 @@ impl<'a> Part<'a> {
         run.states.chunks_exact(run.n).take(record.len()).enumerate().step_by(every).map(row).collect()
     }
 
-    /// A node evaluate a run.
+    /// The values of a node for such rows of arguments.
     fn evaluate(&self, rows: &[Vec<f64>], node: Id) -> Option<Vec<f64>> {
         let tape = Tape::compile(&self.graph, &self.system.arguments(), &[node]).ok()?;
         let mut scratch = Scratch::<1>::new(&tape);
@@ -248,8 +248,8 @@ fn grid<'v>(visited: impl Iterator<Item = &'v f64>) -> Option<Vec<f64>> {
     Some([low].into_iter().chain(inside).chain([high]).collect())
 }
 
-/// Variance of a number with these derivatives; what the data say nothing about and what it does not depend on
-/// do not meet.
+/// Variance of a number with these derivatives; what the data do not determine does not enter if it does
+/// not depend on it.
 fn variance(covariance: &[Vec<f64>], slopes: &[f64]) -> f64 {
     let used: Vec<usize> = (0..slopes.len()).filter(|&k| slopes[k] != 0.0).collect();
     let row = |&i: &usize| used.iter().map(|&j| slopes[i] * covariance[i][j] * slopes[j]).sum::<f64>();

@@ -85,7 +85,7 @@ impl Batch {
     }
 }
 
-/// The loss of some terms; `parameters` are the values of what is held.
+/// Lays out the loss of some terms; `parameters` are the values of fixed constants.
 pub(crate) fn lay_out(
     system: &System,
     records: &[&Record],
@@ -96,7 +96,7 @@ pub(crate) fn lay_out(
     let gauss_newton = options.optimiser == Optimiser::GaussNewton;
     let model = system.model(terms);
     let mut step = OneStep::new(system, &model, options.tolerance);
-    // What is held becomes a number; what moves stays, but for telling which steps cross a change of direction.
+    // Fixed constants become numbers. Free ones become numbers in the contacts alone, which tell crossing steps.
     let held: HashMap<_, _> =
         system.parameters.iter().zip(parameters).map(|(p, &v)| (p.node, step.graph.constant(v))).collect();
     step.contacts = step.graph.replace(&step.contacts, &held);

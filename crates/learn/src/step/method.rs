@@ -93,7 +93,7 @@ fn filled(case: &Case, records: &[Record]) -> Result<(Vec<Record>, Vec<Warning>)
     Ok((filled, notes))
 }
 
-/// What the spec lets move and the method holds.
+/// Warnings for what the spec lets move and the method keeps fixed.
 fn held(system: &System, records: &[Record], optimiser: Optimiser) -> Vec<Warning> {
     let mut warnings = Vec::new();
     if optimiser != Optimiser::GaussNewton && !system.parameters.is_empty() {
@@ -107,8 +107,8 @@ fn held(system: &System, records: &[Record], optimiser: Optimiser) -> Vec<Warnin
     warnings
 }
 
-/// The Fit records with everything that is derived derived otherwise; `None` where nothing is, or it cannot be
-/// done.
+/// The Fit records with their derived columns differentiated by another method; `None` where nothing is derived,
+/// or it cannot be done.
 fn derived_by(system: &System, records: &[Record], how: Differentiator) -> Option<Vec<Record>> {
     let derives = |r: &&&Record| !r.derivations.is_empty() || r.columns.iter().any(Option::is_none);
     let measured: Vec<&Record> = records.iter().filter(|r| r.role == Role::Fit).collect();
@@ -120,7 +120,7 @@ fn derived_by(system: &System, records: &[Record], how: Differentiator) -> Optio
     measured.iter().map(other).collect()
 }
 
-/// What method step found, in the order of its unknowns.
+/// The numbers of the result, in the order of the unknowns.
 fn numbers_of_steps(system: &System, fit: &StepFit, moved: bool) -> Vec<Number> {
     let terms = fit.terms.iter().map(|&t| Quantity::Coefficient(TermId::new(system, t)));
     let parameters =
@@ -139,7 +139,7 @@ fn step_options(case: &Case) -> StepOptions {
     let (learn, default) = (&case.learn, StepOptions::default());
     let mut epochs = learn.epochs.clone().unwrap_or(default.epochs);
     let mut rates = learn.rates.clone().unwrap_or(default.rates);
-    // The shorter list says how many stages there are.
+    // The shorter list determines the number of stages.
     let stages = epochs.len().min(rates.len());
     epochs.truncate(stages);
     rates.truncate(stages);

@@ -181,7 +181,7 @@ impl Single {
                         #[inline(always)]
                         || add(scratch, &mut sums),
                     );
-                    // What the repetitions added is taken back.
+                    // Remove what the repeated lanes added.
                     sums.iter_mut()
                         .zip(before)
                         .for_each(|(sum, before)| sum[live..].copy_from_slice(&before[live..]));

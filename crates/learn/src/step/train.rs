@@ -1,6 +1,6 @@
-//! Method `step`: Algorithm 2 of the paper. Stages of training, a cut after each; what was cut stays zero. Or
-//! the same loss solved by Gauss-Newton, which lands on the same minimum in a few iterations and can move
-//! constants.
+//! Method `step`: Algorithm 2 of the paper. Training in stages, with a cut after each; terms that were cut
+//! stay out. Or Gauss-Newton on the same loss, which reaches the same minimum in a few iterations and can also
+//! move constants.
 
 use crate::decisions::{OBSERVED_EPOCHS, STEP_GAIN, STEP_ITERATIONS};
 use crate::least_squares::{Limits, Normal, minimise};
@@ -14,7 +14,7 @@ use phisindy_phys::spec::Optimiser;
 use phisindy_phys::{Record, System};
 use std::ops::ControlFlow;
 
-/// What the step method found.
+/// The result of the step method.
 #[derive(Clone, Debug)]
 pub struct StepFit {
     /// Terms that survived (indices into [`System::terms`]).
@@ -24,7 +24,7 @@ pub struct StepFit {
     /// Values of [`System::parameters`].
     pub parameters: Vec<f64>,
     /// Covariance of coefficients, then parameters, from the curvature of the loss (it does not know the bias
-    /// of the loss); zero for what was held.
+    /// of the loss); zero for fixed constants.
     pub covariance: Vec<Vec<f64>>,
     /// Loss at the end.
     pub loss: f64,
@@ -43,7 +43,7 @@ impl StepFit {
     }
 }
 
-/// Fits the dictionary to records that have samples of every state. `observe` hears of the progress (a
+/// Fits the dictionary to records that have samples of every state. `observe` receives the progress (a
 /// fraction) and may stop it.
 ///
 /// ```
@@ -90,7 +90,7 @@ pub fn train(
         fit.coefficients = values;
         fit.stages.push((fit.terms.len(), loss));
         if !loss.is_finite() {
-            // Cutting would hide it: what is not a number is not at least the cut-off.
+            // Cutting would hide it: NaN compares as below the cut-off.
             return fit.without_end(loss);
         }
         let cut = fit.cut(options.cutoff);
@@ -181,7 +181,7 @@ fn descend(
     let (mut left, mut interrupted) = (options.epochs[stage], false);
     while left > 0 && !interrupted {
         let now = left.min(OBSERVED_EPOCHS);
-        // Inside of the pool its threads stay awake from epoch to epoch.
+        // Inside the pool its threads stay awake between epochs.
         rayon::scope(|_| {
             for _ in 0..now {
                 batch.loss(values, &mut gradient);

@@ -249,7 +249,7 @@ fn tolerance(problem: &Problem<'_>, noise: &Noise) -> f64 {
 
 /// The range of chi^2 per sample in which [`Effort::Thorough`] tries other starts. Below it there is nothing to
 /// gain, above it the model is wrong.
-pub const RESTARTED: std::ops::Range<f64> = MISFIT..WRONG_MODEL;
+pub const RESTART_RANGE: std::ops::Range<f64> = MISFIT..WRONG_MODEL;
 /// Above this cost a fit ends at smaller gains: the model is wrong, and more digits do not help.
 fn far(samples: usize) -> (f64, f64) {
     (WRONG_MODEL * samples as f64, FAR_GAIN)
@@ -307,7 +307,7 @@ fn nearby(
 ) -> Option<Vec<f64>> {
     let normal = problem.normal(x, weights).ok()?;
     let ratio = normal.cost / samples.max(1) as f64;
-    if !RESTARTED.contains(&ratio) {
+    if !RESTART_RANGE.contains(&ratio) {
         return None;
     }
     let cov = crate::linear::covariance(&normal.matrix);
@@ -338,7 +338,7 @@ pub enum Effort {
 /// chi^2 per sample of the Fit records over many short segments, after a few iterations of a fit. `None` if the
 /// model cannot be simulated. Ranks trials: those far behind need no full fit. Only every `stride`-th segment
 /// counts; 1 uses all of them.
-pub fn glance(
+pub fn segment_cost(
     system: &System,
     records: &[Record],
     smooth: &[Record],
@@ -352,19 +352,29 @@ pub fn glance(
         k += 1;
         (k - 1) % stride.max(1) == 0
     });
-    looked(problem, &noise, &starts, QUICK_SEGMENTS)
+    cost_after_few_iterations(problem, &noise, &starts, QUICK_SEGMENTS)
 }
 
-/// As [`glance`], but over single runs from the start of `smooth`: for a model that is nearly right and comes
+/// As [`segment_cost`], but over single runs from the start of `smooth`: for a model that is nearly right and comes
 /// to rest, which segments would not show.
-pub fn approach(system: &System, records: &[Record], smooth: &[Record], noise: &[Vec<f64>]) -> Option<f64> {
+pub fn single_run_cost(
+    system: &System,
+    records: &[Record],
+    smooth: &[Record],
+    noise: &[Vec<f64>],
+) -> Option<f64> {
     let Setup { fitted, noise, smooth: starts, .. } = Setup::new(records, smooth, noise);
     let problem = Problem::new(system, &[], &fitted, &vec![1; fitted.len()]).ok()?;
-    looked(problem, &noise, &starts, QUICK_SINGLE)
+    cost_after_few_iterations(problem, &noise, &starts, QUICK_SINGLE)
 }
 
 /// chi^2 per sample after a few iterations.
-fn looked(mut problem: Problem<'_>, noise: &Noise, starts: &[Record], minimum: [f64; 2]) -> Option<f64> {
+fn cost_after_few_iterations(
+    mut problem: Problem<'_>,
+    noise: &Noise,
+    starts: &[Record],
+    minimum: [f64; 2],
+) -> Option<f64> {
     problem.budget = Some(budget(&problem));
     problem.tolerance = tolerance(&problem, noise);
     let mut x = problem.guess(&[], None, starts);

@@ -2,7 +2,7 @@
 
 use super::table::unit as unit_words;
 use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Swatch, WIDTH, digits, legend};
-use phisindy_learn::{Course, Curve, Identified, UnknownPart, unknown_parts};
+use phisindy_learn::{Curve, Identified, PartValues, UnknownPart, unknown_parts};
 use phisindy_phys::unit::{Dimension, Unit};
 use phisindy_phys::{Case, Record};
 
@@ -46,13 +46,13 @@ fn part_charts(case: &Case, part: &UnknownPart) -> Vec<(Chart, String)> {
     let unit = unit_words(&unit);
     let what = if part.force { "resisting force" } else { "resistance" };
     let axes = Axes { unit, what, part, state: &state.name, velocity: velocity_unit(case, &part.velocity) };
-    match &part.course {
-        Course::Curves(curves) => {
+    match &part.values {
+        PartValues::Curves(curves) => {
             let of =
                 |(k, (name, curve)): (usize, &(Option<String>, Curve))| axes.curve(k, name.as_deref(), curve);
             curves.iter().enumerate().map(of).collect()
         }
-        Course::Cloud(cloud) => vec![axes.cloud(cloud)],
+        PartValues::Cloud(cloud) => vec![axes.cloud(cloud)],
     }
 }
 

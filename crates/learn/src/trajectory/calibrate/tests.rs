@@ -92,14 +92,14 @@ fn a_look_counts_what_it_looked_at() {
         // Of both records, one after the other.
         let seen: Vec<f64> = pieces.iter().chain(&pieces).copied().step_by(stride).collect();
         let due = seen.iter().sum::<f64>() / (SIGMA * SIGMA * 10.0 * seen.len() as f64);
-        let found = glance(&case.system, &records, &records, &noise, stride).unwrap();
+        let found = segment_cost(&case.system, &records, &records, &noise, stride).unwrap();
         assert_relative_eq!(found, due, max_relative = 1e-6);
     }
     assert_eq!(
-        glance(&case.system, &records, &records, &noise, 0),
-        glance(&case.system, &records, &records, &noise, 1)
+        segment_cost(&case.system, &records, &records, &noise, 0),
+        segment_cost(&case.system, &records, &records, &noise, 1)
     );
-    let found = approach(&case.system, &records, &records, &noise).unwrap();
+    let found = single_run_cost(&case.system, &records, &records, &noise).unwrap();
     assert_relative_eq!(found, spread(&line()) / (SIGMA * SIGMA * SAMPLES as f64), max_relative = 1e-6);
 }
 
@@ -116,8 +116,8 @@ fn what_no_single_run_can_follow_is_calibrated_in_pieces() {
             assert_eq!(found.as_ref().ok().map(|f| f.segments), pieces);
             assert!(found.is_ok_and(|f| f.chi2 > 0.0) || pieces.is_none());
         }
-        assert_eq!(glance(&case.system, &records, &records, &noise, 1).is_some(), pieces.is_some());
-        assert_eq!(approach(&case.system, &records, &records, &noise), None);
+        assert_eq!(segment_cost(&case.system, &records, &records, &noise, 1).is_some(), pieces.is_some());
+        assert_eq!(single_run_cost(&case.system, &records, &records, &noise), None);
     }
 }
 
