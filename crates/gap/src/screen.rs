@@ -1,6 +1,8 @@
 //! Every law at every place, screened: the linear response to the measured motion, one Gram matrix for all.
 
+mod free_columns;
 mod gram;
+mod grid;
 mod regression_data;
 mod regressors;
 mod response;
@@ -13,12 +15,13 @@ use crate::model::TrialModel;
 use crate::constraint;
 use crate::place::{Effect, Site, fits};
 use faer::Mat;
+use free_columns::{FreeColumns, Movable};
 use gram::{Projected, projected, solve};
 use phisindy_learn::Calibration;
 use phisindy_phys::LawEntry;
 use phisindy_phys::spec::Role;
 use rayon::prelude::*;
-use regression_data::{Base, Movable, RegressionData};
+use regression_data::{Base, RegressionData};
 use regressors::{Regressors, Scale};
 use trial::{Trial, force_trials, sensor_trials};
 
@@ -66,7 +69,7 @@ pub(crate) fn screen(
     let data: Vec<RegressionData> =
         of.iter().map(|&r| base.data(model, r, fitted, noise, stride)).collect::<Option<_>>()?;
     // The columns that are projected out, and the target.
-    let (fixed, movable) = base.fixed(system, model, &of, &data);
+    let FreeColumns { all: fixed, movable, .. } = FreeColumns::new(&base, model, &of, &data);
     let effects = effects(model, catalogue);
     let made: Vec<(Option<Regressors>, Vec<Trial>)> = effects
         .par_iter()
@@ -97,31 +100,15 @@ pub(crate) fn screen(
     let gram = gram * faer::Scale(stride as f64);
     let Projected { gram, kept, follow } = projected(&gram, fixed.len());
     let samples = (rows * stride) as f64;
-    let regressors = made.iter().map(|_| None).collect();
-    let mut screening = Screening { candidates: vec![], gram, follow, movable, regressors };
+    let mut screening = Screening { candidates: vec![], gram, follow, movable, regressors: vec![] };
     let mut best: Vec<Vec<Candidate>> = vec![vec![]; effects.len()];
-    let price = |size: usize| size as f64 * samples.ln();
     for (trial, at) in candidates {
         // Column indices after projection: the target is 0, fixed columns are gone.
         let at: Vec<usize> = at.into_iter().map(|k| k - fixed.len() + 1).collect();
-        if at.iter().any(|&k| !kept[k]) {
-            continue;
+        if at.iter().all(|&k| kept[k]) {
+            let regressors = made[trial.regressors].0.as_ref();
+            best[trial.regressors].extend(screening.candidate(trial, at, regressors));
         }
-        let Some((gain, coefficients)) = solve(&screening.gram, &at) else { continue };
-        let regressors = made[trial.regressors].0.as_ref();
-        let Some(effect) = seeded(&trial.effect, regressors, &coefficients, &trial.grid) else { continue };
-        let effect = Effect { beside: screening.beside(&at, &coefficients), ..effect };
-        let size = trial.effect.entry.law.parameters.len();
-        let candidate = Candidate {
-            effect,
-            gain,
-            size,
-            others: vec![],
-            columns: at,
-            grid: trial.grid.clone(),
-            regressors: trial.regressors,
-        };
-        best[trial.regressors].push(candidate);
     }
     screening.regressors = made.into_iter().map(|(r, _)| r).collect();
     screening.candidates = best
@@ -133,6 +120,7 @@ pub(crate) fn screen(
             Some(Candidate { others, ..first })
         })
         .collect();
+    let price = |size: usize| size as f64 * samples.ln();
     screening.candidates.sort_by(|a, b| (b.gain - price(b.size)).total_cmp(&(a.gain - price(a.size))));
     Some(screening)
 }
@@ -155,6 +143,21 @@ fn others(seeds: &[Candidate], regressors: Option<&Regressors>, data: &[Regressi
 }
 
 impl Screening {
+    /// A trial as a candidate, alone; `at` are its columns in the projected Gram matrix. `None` where its numbers are beyond the law's bounds.
+    fn candidate(&self, trial: &Trial, at: Vec<usize>, regressors: Option<&Regressors>) -> Option<Candidate> {
+        let (gain, coefficients) = solve(&self.gram, &at)?;
+        let effect = seeded(&trial.effect, regressors, &coefficients, &trial.grid)?;
+        Some(Candidate {
+            effect: Effect { beside: self.beside(&at, &coefficients), ..effect },
+            gain,
+            size: trial.effect.entry.law.parameters.len(),
+            others: vec![],
+            columns: at,
+            grid: trial.grid.clone(),
+            regressors: trial.regressors,
+        })
+    }
+
     /// The best pairs of candidates by the regression: indices, joint gain.
     pub(crate) fn pairs(&self, price: f64, count: usize) -> Vec<(Candidate, Candidate)> {
         let mut all: Vec<(f64, Candidate, Candidate)> = Vec::new();

@@ -11,16 +11,6 @@ use crate::whiteness::lines;
 use phisindy_expr::{Id, Tape};
 use phisindy_learn::Calibration;
 use phisindy_phys::System;
-use rayon::prelude::*;
-
-/// A movable constant of the model, whose column is projected out.
-pub(super) struct Movable {
-    pub(super) name: String,
-    /// Where the model has it (SI).
-    pub(super) now: f64,
-    /// Its row in [`Screening::follow`].
-    pub(super) row: usize,
-}
 
 /// One record, ready.
 pub(super) struct RegressionData {
@@ -28,9 +18,9 @@ pub(super) struct RegressionData {
     /// Responses of the linear system.
     pub(super) linear: Linear,
     /// Rate less A x, samples x n: what drives the linear system.
-    bracket: Vec<f64>,
+    pub(super) bracket: Vec<f64>,
     /// Measured columns: state, value, weight.
-    rows: Vec<(usize, Vec<f64>, f64)>,
+    pub(super) rows: Vec<(usize, Vec<f64>, f64)>,
     /// Rate of every state at every sample, contacts at rest taken into account.
     pub(super) rates: Vec<f64>,
     stride: usize,
@@ -54,9 +44,9 @@ pub(super) struct Still {
 
 /// The known rates, their Jacobian and their slopes by the parameters, on a tape.
 pub(super) struct Base {
-    tape: Tape,
-    n: usize,
-    parameters: usize,
+    pub(super) tape: Tape,
+    pub(super) n: usize,
+    pub(super) parameters: usize,
 }
 
 impl Base {
@@ -150,116 +140,6 @@ impl Base {
         let bare = model.without_effects();
         let drive = Drive::new(&bare.system, &bare.records[record]).map_or(vec![], |mut d| d.lines());
         Some(RegressionData { motion, linear, known, bracket, rows, rates, stride, still, left, drive })
-    }
-
-    /// Target and columns to project out, over all records: start states, parameters, sensors.
-    pub(super) fn fixed(
-        &self,
-        system: &System,
-        model: &TrialModel,
-        of: &[usize],
-        data: &[RegressionData],
-    ) -> (Vec<Vec<f64>>, Vec<Movable>) {
-        let n = self.n;
-        let mut movable = Vec::new();
-        let mut all: Vec<Vec<f64>> = Vec::new();
-        let total: usize = data.iter().map(RegressionData::height).sum();
-        let mut target = Vec::with_capacity(total);
-        for data in data {
-            let predicted = data.read(&data.known, true);
-            target.extend(data.measured().iter().zip(&predicted).map(|(y, p)| y - p));
-        }
-        all.push(target);
-        let mut before = 0;
-        for data in data {
-            let zero = vec![0.0; data.bracket.len()];
-            let mut push = |rows: Vec<f64>| {
-                let mut column = vec![0.0; total];
-                column[before..before + rows.len()].copy_from_slice(&rows);
-                all.push(column);
-            };
-            for k in 0..n {
-                let mut start = vec![0.0; n];
-                start[k] = 1.0;
-                push(data.read(&data.linear.response(&zero, &start), false));
-            }
-            before += data.height();
-        }
-        // Parameters: shared ones over all records, others (and sensors) record by record.
-        let responses: Vec<Vec<Vec<f64>>> = data
-            .par_iter()
-            .map(|data| {
-                let values = evaluated(&self.tape, &data.motion, &[], &[]);
-                (0..self.parameters)
-                    .map(|p| {
-                        let samples = data.motion.samples();
-                        let mut g = vec![0.0; samples * n];
-                        for row in 0..n {
-                            let column = &values[n + n * n + row * self.parameters + p];
-                            (0..samples).for_each(|i| g[i * n + row] = column[i]);
-                        }
-                        data.quiet(&mut g);
-                        data.read(&data.linear.response(&g, &vec![0.0; n]), false)
-                    })
-                    .collect()
-            })
-            .collect();
-        for (p, parameter) in system.parameters.iter().enumerate() {
-            let mut before = 0;
-            let mut joint = vec![0.0; total];
-            for (r, data) in data.iter().enumerate() {
-                let mut rows = responses[r][p].clone();
-                let sensors = &model.records[of[r]].sensors;
-                for which in 0..3 {
-                    let states: Vec<usize> = (0..n)
-                        .filter(|&k| {
-                            let s = &sensors[k];
-                            [&s.offset, &s.gain, &s.delay][which].shared == Some(p)
-                        })
-                        .collect();
-                    if !states.is_empty() {
-                        let own = data.sensor(&states, which);
-                        rows.iter_mut().zip(own).for_each(|(a, b)| *a += b);
-                    }
-                }
-                if parameter.each {
-                    let mut column = vec![0.0; total];
-                    column[before..before + rows.len()].copy_from_slice(&rows);
-                    all.push(column);
-                } else {
-                    joint[before..before + rows.len()].copy_from_slice(&rows);
-                }
-                before += data.height();
-            }
-            if !parameter.each {
-                // Column 0 is the target.
-                movable.push(Movable {
-                    name: parameter.name.clone(),
-                    now: parameter.start,
-                    row: all.len() - 1,
-                });
-                all.push(joint);
-            }
-        }
-        let mut before = 0;
-        for (r, data) in data.iter().enumerate() {
-            for k in 0..n {
-                let s = &model.records[of[r]].sensors[k];
-                for (which, p) in [&s.offset, &s.gain, &s.delay].into_iter().enumerate() {
-                    if p.within.is_some()
-                        && p.shared.is_none()
-                        && data.rows.iter().any(|(state, ..)| *state == k)
-                    {
-                        let rows = data.sensor(&[k], which);
-                        let mut column = vec![0.0; total];
-                        column[before..before + rows.len()].copy_from_slice(&rows);
-                        all.push(column);
-                    }
-                }
-            }
-            before += data.height();
-        }
-        (all, movable)
     }
 }
 

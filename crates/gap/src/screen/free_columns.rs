@@ -1,0 +1,134 @@
+//! What is free already and therefore projected out of every regression: start states, movable constants, sensor parameters.
+
+use super::regression_data::{Base, RegressionData};
+use crate::evaluate::evaluated;
+use crate::model::TrialModel;
+use phisindy_phys::SensorParameter;
+use rayon::prelude::*;
+
+/// A movable constant of the model, whose column is projected out.
+pub(super) struct Movable {
+    pub(super) name: String,
+    /// Where the model has it (SI).
+    pub(super) now: f64,
+    /// Its row in [`super::Screening::follow`].
+    pub(super) row: usize,
+}
+
+/// The target of the regression and the columns that are projected out, over the rows of all records.
+pub(super) struct FreeColumns {
+    /// The target, then the columns.
+    pub(super) all: Vec<Vec<f64>>,
+    pub(super) movable: Vec<Movable>,
+    total: usize,
+}
+
+impl FreeColumns {
+    /// For the Fit records `of` of a model, each with its regression data.
+    pub(super) fn new(base: &Base, model: &TrialModel, of: &[usize], data: &[RegressionData]) -> FreeColumns {
+        let total: usize = data.iter().map(RegressionData::height).sum();
+        let mut target = Vec::with_capacity(total);
+        for data in data {
+            let predicted = data.read(&data.known, true);
+            target.extend(data.measured().iter().zip(&predicted).map(|(y, p)| y - p));
+        }
+        let mut columns = FreeColumns { all: vec![target], movable: vec![], total };
+        columns.start_states(base.n, data);
+        columns.parameters(base, model, of, data);
+        columns.sensors(base.n, model, of, data);
+        columns
+    }
+
+    /// A column that is zero but for the rows of one record, which begin after so many others.
+    fn push(&mut self, before: usize, rows: &[f64]) {
+        let mut column = vec![0.0; self.total];
+        column[before..before + rows.len()].copy_from_slice(rows);
+        self.all.push(column);
+    }
+
+    /// Start states, record by record.
+    fn start_states(&mut self, n: usize, data: &[RegressionData]) {
+        let mut before = 0;
+        for data in data {
+            let zero = vec![0.0; data.bracket.len()];
+            for k in 0..n {
+                let mut start = vec![0.0; n];
+                start[k] = 1.0;
+                self.push(before, &data.read(&data.linear.response(&zero, &start), false));
+            }
+            before += data.height();
+        }
+    }
+
+    /// Movable constants: shared ones over all records, others record by record.
+    fn parameters(&mut self, base: &Base, model: &TrialModel, of: &[usize], data: &[RegressionData]) {
+        let responses: Vec<Vec<Vec<f64>>> = data.par_iter().map(|data| responses(base, data)).collect();
+        for (p, parameter) in model.system.parameters.iter().enumerate() {
+            let mut before = 0;
+            let mut joint = vec![0.0; self.total];
+            for (r, data) in data.iter().enumerate() {
+                let mut rows = responses[r][p].clone();
+                let sensors = &model.records[of[r]].sensors;
+                for which in 0..3 {
+                    let read = |k: &usize| slots(&sensors[*k])[which].shared == Some(p);
+                    let states: Vec<usize> = (0..base.n).filter(read).collect();
+                    if !states.is_empty() {
+                        let own = data.sensor(&states, which);
+                        rows.iter_mut().zip(own).for_each(|(a, b)| *a += b);
+                    }
+                }
+                if parameter.each {
+                    self.push(before, &rows);
+                } else {
+                    joint[before..before + rows.len()].copy_from_slice(&rows);
+                }
+                before += data.height();
+            }
+            if !parameter.each {
+                // Column 0 is the target.
+                let row = self.all.len() - 1;
+                self.movable.push(Movable { name: parameter.name.clone(), now: parameter.start, row });
+                self.all.push(joint);
+            }
+        }
+    }
+
+    /// Free parameters of sensors, record by record.
+    fn sensors(&mut self, n: usize, model: &TrialModel, of: &[usize], data: &[RegressionData]) {
+        let mut before = 0;
+        for (r, data) in data.iter().enumerate() {
+            for k in 0..n {
+                let measured = data.rows.iter().any(|(state, ..)| *state == k);
+                for (which, p) in slots(&model.records[of[r]].sensors[k]).into_iter().enumerate() {
+                    if p.within.is_some() && p.shared.is_none() && measured {
+                        self.push(before, &data.sensor(&[k], which));
+                    }
+                }
+            }
+            before += data.height();
+        }
+    }
+}
+
+/// The response of a record to each movable constant.
+fn responses(base: &Base, data: &RegressionData) -> Vec<Vec<f64>> {
+    let n = base.n;
+    let values = evaluated(&base.tape, &data.motion, &[], &[]);
+    let samples = data.motion.samples();
+    (0..base.parameters)
+        .map(|p| {
+            let mut g = vec![0.0; samples * n];
+            for row in 0..n {
+                let column = &values[n + n * n + row * base.parameters + p];
+                (0..samples).for_each(|i| g[i * n + row] = column[i]);
+            }
+            data.quiet(&mut g);
+            data.read(&data.linear.response(&g, &vec![0.0; n]), false)
+        })
+        .collect()
+}
+
+/// Offset, gain, delay.
+fn slots(sensor: &phisindy_phys::Sensor) -> [&SensorParameter; 3] {
+    [&sensor.offset, &sensor.gain, &sensor.delay]
+}

@@ -1,0 +1,133 @@
+//! The numbers that a law does not depend on linearly, tried on grids that suit the motion.
+
+use super::regression_data::RegressionData;
+use super::regressors::{Regressors, Scale};
+use crate::decisions::GRID_VALUES;
+use crate::evaluate::evaluated;
+use crate::place::{Effect, Site};
+use crate::whiteness::{lines, mean_step};
+use phisindy_expr::Tape;
+use phisindy_phys::System;
+
+/// The largest values of a motion are left out of its range: a quantile of the sizes.
+const TOP: f64 = 0.99;
+/// Parts of the highest speed that are tried.
+const SPEEDS: [f64; 9] = [0.01, 0.02, 0.04, 0.07, 0.12, 0.2, 0.3, 0.45, 0.7];
+/// Parts of the largest displacement that are tried for the deflection of a contact.
+const DEFLECTIONS: [f64; 9] = [0.001, 0.003, 0.01, 0.02, 0.04, 0.08, 0.15, 0.3, 0.6];
+/// Parts of the largest displacement that are tried for a gap.
+const GAPS: [f64; 13] = [0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95];
+/// Frequencies beside a line, in resolutions of the record.
+const BESIDE: [f64; 5] = [-0.5, -0.25, 0.0, 0.25, 0.5];
+
+/// The values of a motion that the numbers of a grid are compared with, each sorted.
+struct Ranges {
+    speeds: Vec<f64>,
+    displacements: Vec<f64>,
+    sizes: Vec<f64>,
+    /// Angular frequencies of what is missing.
+    frequencies: Vec<f64>,
+}
+
+/// The numbers of the grid that suit the motion. The last two outputs of `tape` are velocity and displacement of the place.
+pub(super) fn grids(
+    regressors: &Regressors,
+    effect: &Effect,
+    system: &System,
+    data: &[RegressionData],
+    tape: &Tape,
+    memory: bool,
+) -> Vec<Vec<f64>> {
+    if regressors.grid.is_empty() {
+        return vec![vec![]];
+    }
+    let outputs = tape.outputs();
+    let (mut speeds, mut places) = (Vec::new(), Vec::new());
+    let mut frequencies: Vec<f64> = Vec::new();
+    let oscillates = regressors.grid.iter().any(|(s, _)| *s == Scale::Frequency);
+    for data in data {
+        let zero = vec![0.0; data.motion.samples()];
+        let series: Vec<&[f64]> = if memory { vec![&zero] } else { vec![] };
+        let values = evaluated(tape, &data.motion, &vec![0.0; regressors.grid.len()], &series);
+        speeds.extend(values[outputs - 2].iter().map(|v| v.abs()));
+        places.extend(values[outputs - 1].iter().copied());
+        if let (true, Site::Force { state, .. }) = (oscillates, &effect.place.site) {
+            frequencies.extend(missing_tones(data, *state, system.states.len(), &values[0]));
+        }
+    }
+    let sizes = sorted(places.iter().map(|x| x.abs()).collect());
+    let ranges = Ranges { speeds: sorted(speeds), displacements: sorted(places), sizes, frequencies };
+    let mut all: Vec<Vec<f64>> = vec![vec![]];
+    for (scale, negative) in &regressors.grid {
+        let values = ranges.axis(*scale, *negative, memory);
+        all =
+            all.iter().flat_map(|g| values.iter().map(|v| g.iter().copied().chain([*v]).collect())).collect();
+        all.truncate(GRID_VALUES);
+    }
+    all
+}
+
+/// Frequencies at which a rate lacks something; `factor` is what the law multiplies its oscillation with.
+fn missing_tones(data: &RegressionData, state: usize, n: usize, factor: &[f64]) -> Vec<f64> {
+    let step = mean_step(&data.motion.time);
+    let missing: Vec<f64> = (0..data.motion.samples())
+        .map(|i| (data.slope(i, state, n) - data.rates[i * n + state]) * factor[i])
+        .collect();
+    let fine = data.resolution();
+    // In a motion of one period every periodic lack can be written as forces at its multiples: they would explain anything.
+    let own = 2.0 * std::f64::consts::PI / data.motion.period;
+    let force = factor.iter().all(|v| *v == factor[0]);
+    let ambiguous = |w: f64| {
+        // At a frequency of the drive a force stands for anything that is missing; what multiplies the motion does not.
+        force && data.drive.iter().any(|line| (w - line).abs() < fine)
+            || data.motion.periodic && (w / own - (w / own).round()).abs() * own < 2.0 * fine
+    };
+    // Strong as a force, or far above the noise of a second derivative.
+    let missing = smoothed(&missing, data.motion.period / step);
+    let strong = lines(&missing, step, 6, 0);
+    let clear = lines(&missing, step, 4, 4);
+    let all = strong.into_iter().chain(clear).chain(data.left.iter().copied());
+    let near = all.filter(|w| !ambiguous(*w)).flat_map(|line| BESIDE.map(|d| line + d * fine));
+    near.filter(|w| *w > 0.0).collect()
+}
+
+impl Ranges {
+    /// The values that are tried for a number of the grid; `negative`: it may be negative, `memory`: it belongs to a law with a state.
+    fn axis(&self, scale: Scale, negative: bool, memory: bool) -> Vec<f64> {
+        let of = |parts: &[f64], top: f64| parts.iter().map(|q| q * top).collect();
+        match scale {
+            Scale::Speed => of(&SPEEDS, quantile(&self.speeds, TOP)),
+            Scale::Displacement if memory => of(&DEFLECTIONS, quantile(&self.sizes, TOP)),
+            Scale::Displacement if negative => (1..20)
+                .map(|k| quantile(&self.displacements, f64::from(k) / 20.0))
+                .chain([0.98, TOP].map(|q| quantile(&self.displacements, q)))
+                .collect(),
+            Scale::Displacement => of(&GAPS, quantile(&self.sizes, TOP)),
+            Scale::Frequency => self.frequencies.clone(),
+            Scale::Any => (-3..=3).map(|k| 10f64.powi(k)).collect(),
+        }
+    }
+}
+
+fn quantile(values: &[f64], q: f64) -> f64 {
+    values.get(((values.len().max(1) - 1) as f64 * q) as usize).copied().unwrap_or(0.0)
+}
+
+fn sorted(mut values: Vec<f64>) -> Vec<f64> {
+    values.retain(|x| x.is_finite());
+    values.sort_unstable_by(f64::total_cmp);
+    values
+}
+
+/// A moving mean over a twentieth of a period: what is left of a second derivative above the motion is noise.
+fn smoothed(values: &[f64], period: f64) -> Vec<f64> {
+    let half = ((period / 40.0) as usize).clamp(1, values.len() / 4 + 1);
+    let mut sums = vec![0.0; values.len() + 1];
+    values.iter().enumerate().for_each(|(i, v)| sums[i + 1] = sums[i] + v);
+    (0..values.len())
+        .map(|i| {
+            let (a, b) = (i.saturating_sub(half), (i + half + 1).min(values.len()));
+            (sums[b] - sums[a]) / (b - a) as f64
+        })
+        .collect()
+}
