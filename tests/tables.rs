@@ -8,16 +8,18 @@ use common::{Scratch, blind, top};
 use std::fs;
 
 #[test]
-fn the_table_of_operations_is_the_codes() {
-    let said = blind(&["language"]);
-    assert_eq!(said.code, 0, "{}", said.err);
-    let reference = fs::read_to_string(top().join("docs/reference.md")).expect("the reference");
-    assert!(said.out.contains("`tanh(x)`") && said.out.contains("`a ^ b`"), "{}", said.out);
-    assert!(
-        reference.contains(&said.out),
-        "out of date: phisindy-blind language --write docs/reference.md\n{}",
-        said.out
-    );
+fn the_tables_of_the_documents_are_the_codes() {
+    for (table, document, rows) in [
+        ("language", "docs/reference.md", ["`tanh(x)`", "`a ^ b`"]),
+        ("decisions", "docs/method.md", ["`WORST_NRMSE`", "`EXPLAINED`"]),
+    ] {
+        let said = blind(&[table]);
+        assert_eq!(said.code, 0, "{}", said.err);
+        let text = fs::read_to_string(top().join(document)).expect("a document");
+        assert!(rows.iter().all(|row| said.out.contains(row)), "{}", said.out);
+        let hint = format!("out of date: phisindy-blind {table} --write {document}");
+        assert!(text.contains(&said.out), "{hint}\n{}", said.out);
+    }
 }
 
 #[test]

@@ -10,7 +10,8 @@ Examples:
   phisindy-blind wrong --sets 105 --seed 7                  known parts with one mistake: does `run` tell of it?
   phisindy-blind paper --write README.md                    every case of the paper with both methods
   phisindy-blind sweep --seeds 100 --write README.md        many seeds of every case
-  phisindy-blind language --write docs/reference.md         the operations of the language";
+  phisindy-blind language --write docs/reference.md         the operations of the language
+  phisindy-blind decisions --write docs/method.md           the numbers that decide something";
 
 /// Blind tests of the program `phisindy`, and the tables of its documents.
 #[derive(Debug, Parser)]
@@ -37,6 +38,8 @@ pub(crate) enum Command {
     Paper(CaseArgs),
     /// Many seeds of each case
     Sweep(SweepArgs),
+    /// The numbers that decide something, with their reasons
+    Decisions,
     /// The operations of the expression language
     Language,
 }

@@ -69,6 +69,7 @@ fn run(args: &Args) -> Result<bool> {
         Command::Wrong(args) => wrong::table(args, options)?,
         Command::Paper(args) => readme::paper(args, options)?.map(|table| Table::new("paper", table)),
         Command::Sweep(args) => readme::sweep(args, options)?.map(|table| Table::new("sweep", table)),
+        Command::Decisions => Some(Table::new("decisions", readme::decisions())),
         Command::Language => Some(Table::new("language", readme::language())),
     };
     made.map_or(Ok(false), |table| shown(&table, options).map(|()| true))

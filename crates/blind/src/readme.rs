@@ -1,5 +1,6 @@
 //! The tables of README.md and the docs, made from the specs and the code, so that nobody copies numbers by hand.
 
+mod decisions;
 mod language;
 mod paper;
 mod seeds;
@@ -9,6 +10,7 @@ use crate::program::Program;
 use anyhow::{Result, bail};
 use std::path::PathBuf;
 
+pub(crate) use decisions::table as decisions;
 pub(crate) use language::table as language;
 
 /// A case of the paper and what it prints for it.
