@@ -12,7 +12,32 @@ const SLACK: f64 = 1e-12;
 /// A contact further than this from rest, in units of the scale of speed, was torn off by a jump of an input.
 const TORN: f64 = 1e-9;
 
+/// How far beyond its surface, in units of the speed scale, friction is continued smoothly.
+const MARGIN: f64 = 1e-10;
+
 impl Field<'_> {
+    /// Modes at the start: the sign of `w`, or the contact rule where it is zero. `scale` is the smallest size of each state that matters.
+    pub(crate) fn begin(&mut self, t: f64, x: &[f64], scale: &[f64]) {
+        self.surfaces(t, x);
+        let mut on = Vec::new();
+        for c in 0..self.switches() {
+            let size: f64 = scale.iter().enumerate().map(|(j, s)| (self.normal(c, j) * s).abs()).sum();
+            self.scale[c] = if size > 0.0 { size } else { 1.0 };
+            self.margins[c] = MARGIN * self.scale[c];
+            self.speed[c] = self.scale[c].max(self.w(c).abs());
+            match self.w(c) {
+                0.0 => on.push(c),
+                w => self.modes[c] = w.signum(),
+            }
+        }
+        for c in 0..self.switches() {
+            self.choose_floor(c, t, x);
+        }
+        if !on.is_empty() {
+            self.resolve(&on, t, x);
+        }
+    }
+
     /// Decides the modes of the switches `on` their surfaces now and of every contact that sticks. Their modes so far say from where they came (0 if
     /// they start there).
     pub(crate) fn resolve(&mut self, on: &[usize], t: f64, x: &[f64]) {

@@ -1,8 +1,8 @@
 //! Events of a run: where in a step a mode ends, a step that ends exactly there, and the passage to the next mode.
 
 use crate::dopri::{C, STAGES};
-use crate::run::Run;
-use crate::trajectory::{Event, SimError};
+use crate::state::Run;
+use crate::trajectory::SimError;
 
 /// What a step holds.
 pub(crate) enum Search {
@@ -197,14 +197,6 @@ impl Run<'_> {
             }
         }
         self.record(&before);
-    }
-
-    /// Writes down which modes are no longer what they were.
-    pub(crate) fn record(&mut self, before: &[i8]) {
-        let after = self.field.signs();
-        for (switch, (&from, &to)) in before.iter().zip(&after).enumerate().filter(|(_, (a, b))| a != b) {
-            self.out.events.push(Event { time: self.t, switch, from, to });
-        }
     }
 }
 

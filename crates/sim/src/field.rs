@@ -1,14 +1,12 @@
 //! Evaluating the automaton at a point, in the present modes: rates, surfaces, and what a sticking contact needs to stay.
 
 use crate::automaton::Automaton;
+use crate::elimination::solve_in_place;
 use crate::trajectory::Drive;
 use phisindy_expr::Scratch;
 
 /// How far off the surface, in units of the speed scale, friction is looked at when its value at zero speed is singular.
 const OFF_SURFACE: f64 = 1e-6;
-
-/// How far beyond its surface, in units of the speed scale, friction is continued smoothly.
-const MARGIN: f64 = 1e-10;
 
 /// The automaton with its scratch memory, the drive, and the present modes.
 pub(crate) struct Field<'a> {
@@ -28,9 +26,9 @@ pub(crate) struct Field<'a> {
     /// What is added to `|w|`, so that friction is finite and largest at rest.
     floors: Vec<f64>,
     /// How far friction is continued smoothly beyond the surface.
-    margins: Vec<f64>,
+    pub(crate) margins: Vec<f64>,
     /// The smallest `|w|` that matters, from the scale of the states.
-    scale: Vec<f64>,
+    pub(crate) scale: Vec<f64>,
     /// Largest `|w|` seen, and at least its scale: what rounding errors are measured by.
     pub(crate) speed: Vec<f64>,
     /// Evaluations of the rates so far.
@@ -67,28 +65,6 @@ impl<'a> Field<'a> {
             evaluations: 0,
             held: Vec::with_capacity(c),
             system: Vec::with_capacity(c * (c + 1)),
-        }
-    }
-
-    /// Modes at the start: the sign of `w`, or the contact rule where it is zero. `scale` is the smallest size of each state that matters.
-    pub(crate) fn begin(&mut self, t: f64, x: &[f64], scale: &[f64]) {
-        self.surfaces(t, x);
-        let mut on = Vec::new();
-        for c in 0..self.switches() {
-            let size: f64 = scale.iter().enumerate().map(|(j, s)| (self.normal(c, j) * s).abs()).sum();
-            self.scale[c] = if size > 0.0 { size } else { 1.0 };
-            self.margins[c] = MARGIN * self.scale[c];
-            self.speed[c] = self.scale[c].max(self.w(c).abs());
-            match self.w(c) {
-                0.0 => on.push(c),
-                w => self.modes[c] = w.signum(),
-            }
-        }
-        for c in 0..self.switches() {
-            self.choose_floor(c, t, x);
-        }
-        if !on.is_empty() {
-            self.resolve(&on, t, x);
         }
     }
 
@@ -327,91 +303,5 @@ impl Derivatives<'_> {
     /// d w_c / d p_j
     pub(crate) fn w_p(&self, c: usize, j: usize) -> f64 {
         self.at(self.surface_base() + self.c * (self.n + self.p) + c * self.p + j)
-    }
-}
-
-/// Gauss-Jordan elimination with row pivoting on `m` rows of `m + k` numbers; the right-hand sides become the solutions. An unknown that the
-/// others already decide (two contacts that hold the same thing) becomes zero, and takes no row from those that come after it.
-pub(crate) fn solve_in_place(a: &mut [f64], m: usize, k: usize) {
-    let width = m + k;
-    let largest = (0..m * m).map(|i| a[i / m * width + i % m].abs()).fold(0.0, f64::max);
-    // Rows that are used up, each by the first unknown that it does not leave open.
-    let mut used = 0;
-    for col in 0..m {
-        let size = |row: usize| a[row * width + col].abs();
-        let pivot = (used..m).max_by(|&i, &j| size(i).total_cmp(&size(j)));
-        // What is no number goes on, and is found in the rates.
-        let Some(pivot) = pivot.filter(|&row| size(row).is_nan() || size(row) > 1e-13 * largest) else {
-            (used..m).for_each(|row| a[row * width + col] = 0.0);
-            continue;
-        };
-        if pivot != used {
-            (0..width).for_each(|j| a.swap(pivot * width + j, used * width + j));
-        }
-        let inverse = 1.0 / a[used * width + col];
-        (0..width).for_each(|j| a[used * width + j] *= inverse);
-        for row in (0..m).filter(|&r| r != used) {
-            let factor = a[row * width + col];
-            if factor != 0.0 {
-                (0..width).for_each(|j| a[row * width + j] -= factor * a[used * width + j]);
-                a[row * width + col] = 0.0;
-            }
-        }
-        used += 1;
-    }
-    // From the last one up, each row goes to the unknown that it is about, which never stands before it.
-    for col in (0..m).rev() {
-        let about = |row: usize| a[row * width..][..col].iter().all(|v| *v == 0.0);
-        if used > 0 && about(used - 1) {
-            used -= 1;
-            a.copy_within(used * width + m..(used + 1) * width, col * width + m);
-        } else {
-            a[col * width + m..(col + 1) * width].fill(0.0);
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use approx::assert_relative_eq;
-
-    /// What was solved, put back into the equations; the largest number of a column may stand in any row.
-    #[test]
-    fn the_solutions_solve_the_system() {
-        let a = [[0.0, 2.0, -1.0], [1e-3, 1.0, 4.0], [5.0, -3.0, 2.0]];
-        let b = [[3.0, -1.0], [0.5, 2.0], [7.0, 0.0]];
-        let mut system: Vec<f64> = (0..3).flat_map(|i| [&a[i][..], &b[i]].concat()).collect();
-        solve_in_place(&mut system, 3, 2);
-        for (row, due) in a.iter().zip(&b) {
-            for (k, due) in due.iter().enumerate() {
-                let found: f64 = (0..3).map(|j| row[j] * system[5 * j + 3 + k]).sum();
-                assert_relative_eq!(found, *due, epsilon = 1e-12);
-            }
-        }
-    }
-
-    /// The second and the third unknown are held by the same thing: the one takes all of it, the other none, and nothing from a fourth one.
-    #[test]
-    fn what_the_others_decide_is_zero() {
-        let rows = [
-            [1.0, 0.0, 0.0, 0.0, 2.0],
-            [0.0, 2.0, 2.0, 0.0, 6.0],
-            [0.0, 1.0, 1.0, 0.0, 3.0],
-            [0.0, 0.0, 0.0, 5.0, 20.0],
-        ];
-        for order in [[0, 1, 2, 3], [2, 0, 3, 1], [3, 2, 1, 0]] {
-            let mut system: Vec<f64> = order.iter().flat_map(|&i| rows[i]).collect();
-            solve_in_place(&mut system, 4, 1);
-            assert_eq!([system[4], system[9], system[14], system[19]], [2.0, 3.0, 0.0, 4.0], "{order:?}");
-        }
-        // One that nothing moves, before one that something does.
-        let mut system = [0.0, 0.0, 5.0, 0.0, 4.0, 8.0];
-        solve_in_place(&mut system, 2, 1);
-        assert_eq!((system[2], system[5]), (0.0, 2.0));
-        // What is no number is not hidden.
-        let mut system = [f64::NAN, 0.0, 5.0, 0.0, 4.0, 8.0];
-        solve_in_place(&mut system, 2, 1);
-        assert!(system[2].is_nan());
     }
 }

@@ -10,12 +10,15 @@
 mod automaton;
 mod contact;
 mod dopri;
+mod elimination;
 mod events;
 mod excitation;
 mod field;
 mod noise;
 mod run;
 mod sensitivity;
+mod state;
+mod step_control;
 mod switched;
 mod synthetic;
 mod trajectory;

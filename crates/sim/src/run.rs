@@ -1,25 +1,10 @@
 //! The simulation: adaptive steps from event to event, and the samples on the way.
 
 use crate::automaton::Automaton;
-use crate::dopri::{STAGES, Step};
+use crate::dopri::STAGES;
 use crate::events::Search;
-use crate::field::Field;
-use crate::sensitivity::Sensitivity;
+use crate::state::Run;
 use crate::trajectory::{Drive, Options, SimError, Trajectory};
-use phisindy_signal::Interpolation;
-
-/// A step spans no more samples than this, so that a burst of force on something at rest cannot be stepped over.
-const SAMPLES_A_STEP: f64 = 32.0;
-
-/// The same for knots of a spline input.
-const KNOTS_A_STEP: f64 = 8.0;
-
-/// How well a step must resolve the load of a sticking contact, in units of what it can hold: while nothing moves, nothing else limits the step.
-const LOAD_RESOLUTION: f64 = 1e-3;
-
-/// How well a step must resolve the speed of a contact whose friction has a shape near rest, relative to that speed and in units of the tolerance:
-/// there speeds far below the tolerance decide how it stops and lets go, and derivatives follow the state with this relative error.
-const SHAPE_RESOLUTION: f64 = 300.0;
 
 /// Runs the automaton from `start` at time `t0` and samples it at `times` (not decreasing; a time before `t0`, as a delayed sensor asks for, is
 /// extrapolated along the rates at `t0`).
@@ -63,118 +48,7 @@ pub fn simulate(
     Ok(run.out)
 }
 
-/// By how much a step may change the speed of a contact whose friction has a shape near rest, as a ratio, where that shape is felt: the derivatives of the run see the slope of the
-/// friction, which is singular at rest, and not the friction, which is not.
-const SPEED_RATIO: f64 = 4.0;
-
-/// A shape is felt where friction changes within a step by this part of the acceleration.
-const FELT: f64 = 1e-3;
-
-/// `w`, `dw/dt` and `d(dw/dt)/ds` of all switches at a point.
-#[derive(Default)]
-pub(crate) struct Surfaces {
-    pub(crate) w: Vec<f64>,
-    pub(crate) rate: Vec<f64>,
-    pub(crate) grip: Vec<f64>,
-}
-
-impl Surfaces {
-    /// Evaluates them, with contacts that stick held at rest.
-    pub(crate) fn look(&mut self, field: &mut Field<'_>, t: f64, x: &[f64]) {
-        field.held_surfaces(t, x);
-        self.w.clear();
-        self.w.extend((0..field.switches()).map(|c| field.w(c)));
-        self.rate.clear();
-        self.rate.extend((0..field.switches()).map(|c| field.w_rate(c)));
-        self.grip.clear();
-        self.grip.extend((0..field.switches()).map(|c| field.influence(c, c)));
-    }
-}
-
-pub(crate) struct Run<'a> {
-    pub(crate) field: Field<'a>,
-    times: &'a [f64],
-    options: &'a Options,
-    /// The smallest size of each state that matters.
-    scale: Vec<f64>,
-    pub(crate) t: f64,
-    pub(crate) x: Vec<f64>,
-    /// Rates at the present point, and after them the loads of the contacts that stick.
-    pub(crate) rates: Vec<f64>,
-    pub(crate) step: Step,
-    /// The surfaces at the present point, and at the end of the step that is tried.
-    pub(crate) here: Surfaces,
-    pub(crate) there: Surfaces,
-    /// Length of the next step to try.
-    h: f64,
-    /// The longest step.
-    longest: f64,
-    /// Contacts whose shape near rest was felt in the last step.
-    paced: Vec<bool>,
-    /// Length of the whole run.
-    pub(crate) span: f64,
-    /// Times at which an input jumps or turns a corner, in falling order: a step ends there.
-    breaks: Vec<f64>,
-    pub(crate) sensitivity: Option<Sensitivity>,
-    pub(crate) out: Trajectory,
-    /// The next sample to write.
-    next: usize,
-    /// Number of events since a time, to notice a flutter.
-    pub(crate) flutter: (usize, f64),
-    pub(crate) buffer: Vec<f64>,
-}
-
-impl<'a> Run<'a> {
-    fn new(
-        automaton: &'a Automaton,
-        drive: &'a Drive<'a>,
-        t0: f64,
-        start: &[f64],
-        times: &'a [f64],
-        options: &'a Options,
-    ) -> Self {
-        let (n, c) = (start.len(), automaton.switches.len());
-        let sensitivity = options.sensitivities.as_ref().map(|free| Sensitivity::new(n, free));
-        let m = sensitivity.as_ref().map_or(0, |s| s.m);
-        let scale = if options.scale.is_empty() { vec![1.0; n] } else { options.scale.clone() };
-        assert_eq!(scale.len(), n, "one scale for each state");
-        let mut out = Trajectory { n, m, ..Default::default() };
-        out.states.reserve(times.len() * n);
-        out.rates.reserve(times.len() * n);
-        out.sensitivities.reserve(times.len() * n * m);
-        let span = times.last().map_or(0.0, |end| end - t0).max(f64::MIN_POSITIVE);
-        let mut longest = SAMPLES_A_STEP * span / times.len().max(1) as f64;
-        for signal in drive.inputs.iter().filter(|s| s.kind() == Interpolation::Cubic) {
-            let time = signal.time();
-            let knots = (time.len() - 1) as f64;
-            if knots > 0.0 {
-                longest = longest.min(KNOTS_A_STEP * (time[time.len() - 1] - time[0]) / knots);
-            }
-        }
-        Run {
-            field: Field::new(automaton, drive, sensitivity.is_some()),
-            times,
-            options,
-            scale,
-            t: t0,
-            x: start.to_vec(),
-            rates: vec![0.0; n + c],
-            step: Step::new(n, c),
-            here: Surfaces::default(),
-            there: Surfaces::default(),
-            h: 0.0,
-            longest,
-            paced: vec![false; c],
-            span,
-            breaks: breaks(drive, t0, t0 + span),
-            sensitivity,
-            out,
-            next: 0,
-            flutter: (0, t0),
-            buffer: vec![0.0; n + c],
-        }
-    }
-
+impl Run<'_> {
     /// Modes at the start: the sign of `w`, or the contact rule where it is zero.
     fn begin(&mut self) {
         self.field.left_of = self.breaks.last().copied();
@@ -182,22 +56,6 @@ impl<'a> Run<'a> {
         self.field.rates(self.t, &self.x, &mut self.rates);
         self.here.look(&mut self.field, self.t, &self.x);
         self.h = self.first_step();
-    }
-
-    /// Hairer's guess of a step length (Solving ODEs I, II.4), from the size and the change of the rates.
-    fn first_step(&mut self) -> f64 {
-        let norm =
-            |v: &[f64], scale: &[f64]| v.iter().zip(scale).map(|(v, s)| (v / s).abs()).fold(0.0, f64::max);
-        let span = self.longest;
-        let d1 = norm(&self.rates, &self.scale);
-        let h0 = if d1 > 1e-10 { (1e-3 / d1).min(span) } else { 1e-3 * span };
-        let moved: Vec<f64> = self.x.iter().zip(&self.rates).map(|(x, f)| x + h0 * f).collect();
-        self.field.rates(self.t + h0, &moved, &mut self.buffer);
-        let change: Vec<f64> = self.buffer.iter().zip(&self.rates).map(|(a, b)| (a - b) / h0).collect();
-        let d2 = norm(&change, &self.scale);
-        let largest = d1.max(d2);
-        let h1 = if largest > 1e-15 { (0.1 * self.options.tolerance.powf(0.2) / largest).sqrt() } else { h0 };
-        h1.min(100.0 * h0).min(span)
     }
 
     fn sample_before_start(&mut self) {
@@ -273,56 +131,6 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// If the step just tried passes over the shape of some friction near rest: the length of a step that does not.
-    fn too_far(&mut self) -> Option<f64> {
-        let h = self.step.h;
-        let mut shorter: Option<f64> = None;
-        for c in (0..self.field.switches()).filter(|&c| self.field.automaton.switches[c].shaped) {
-            if self.field.stuck[c] {
-                continue;
-            }
-            let (mode, least) = (self.field.modes[c], self.field.least_speed(c));
-            let (start, end) = (mode * self.here.w[c], mode * self.there.w[c]);
-            let (from, to) = (start.max(least), end.max(least));
-            let change = (self.here.grip[c] - self.there.grip[c]).abs();
-            let felt = change > FELT * self.here.rate[c].abs().min(self.there.rate[c].abs());
-            self.paced[c] = felt;
-            let ratio = if to < from { from / to } else { to / from };
-            if !felt || ratio <= 1.2 * SPEED_RATIO {
-                continue;
-            }
-            let reach = if to < from { from / SPEED_RATIO - start } else { SPEED_RATIO * from - start };
-            let length = (h * reach / (end - start)).clamp(0.03 * h, 0.9 * h);
-            shorter = Some(shorter.map_or(length, |s| s.min(length)));
-        }
-        shorter
-    }
-
-    /// The longest step that keeps the speeds of contacts whose shape was felt in the last one within the ratio.
-    fn paced(&self) -> f64 {
-        (0..self.field.switches())
-            .filter(|&c| self.paced[c] && !self.field.stuck[c])
-            .map(|c| {
-                let (mode, least) = (self.field.modes[c], self.field.least_speed(c));
-                let (speed, rate) = (mode * self.here.w[c], mode * self.here.rate[c]);
-                let from = speed.max(least);
-                if rate < 0.0 {
-                    // Below the smallest speed that counts nothing changes: the surface may be reached.
-                    if speed <= SPEED_RATIO * least {
-                        f64::INFINITY
-                    } else {
-                        (from / SPEED_RATIO - speed) / rate
-                    }
-                } else if rate > 0.0 {
-                    (SPEED_RATIO * from - speed) / rate
-                } else {
-                    // It has just let go, exactly at its limit.
-                    f64::INFINITY
-                }
-            })
-            .fold(f64::INFINITY, f64::min)
-    }
-
     fn collapsed(&self) -> SimError {
         let n = self.x.len();
         let bad = |k: &[f64]| (0..n).find(|&i| !k[i].is_finite());
@@ -330,39 +138,6 @@ impl<'a> Run<'a> {
             Some(i) => SimError::NotFinite { time: self.t, state: self.field.automaton.states[i].clone() },
             None => SimError::TooManySteps { time: self.t },
         }
-    }
-
-    /// The largest scaled error of the step just tried: at most 1 is good.
-    fn error(&mut self) -> f64 {
-        let n = self.x.len();
-        self.step.errors(&mut self.buffer);
-        let (states, loads) = self.buffer.split_at(n);
-        let tolerance = self.options.tolerance;
-        let mut worst = 0.0_f64;
-        let mut weigh = |error: f64, size: f64| {
-            let scaled = error.abs() / size;
-            worst = if scaled.is_nan() { f64::INFINITY } else { worst.max(scaled) };
-        };
-        for (i, &e) in states.iter().enumerate() {
-            weigh(e, tolerance * self.scale[i].max(self.x[i].abs()).max(self.step.end()[i].abs()));
-        }
-        for (c, &load) in loads.iter().enumerate().take(self.field.switches()) {
-            if self.field.stuck[c] {
-                weigh(load, LOAD_RESOLUTION);
-            } else if self.field.automaton.switches[c].shaped {
-                let e: f64 = states.iter().enumerate().map(|(j, e)| self.field.normal(c, j) * e).sum();
-                let speed = self.here.w[c].abs().max(self.there.w[c].abs()).max(self.field.least_speed(c));
-                weigh(e, SHAPE_RESOLUTION * tolerance * speed);
-            }
-        }
-        worst
-    }
-
-    /// If the failed step ends across a slipping contact's surface: the time to reach it in a straight line.
-    fn overshoot(&self) -> Option<f64> {
-        let crossed = |&c: &usize| !self.field.stuck[c] && self.field.modes[c] * self.there.w[c] < 0.0;
-        let reach = |c: usize| -self.here.w[c] / self.here.rate[c];
-        (0..self.field.switches()).filter(crossed).map(reach).filter(|r| *r > 0.0).reduce(f64::min)
     }
 
     /// Takes the step: samples within it, sensitivities along it, and the new present point.
@@ -432,24 +207,4 @@ impl<'a> Run<'a> {
             s.restart();
         }
     }
-}
-
-/// Where an input jumps or turns a corner within the run, in falling order.
-fn breaks(drive: &Drive<'_>, from: f64, to: f64) -> Vec<f64> {
-    let mut all = Vec::new();
-    for signal in drive.inputs {
-        let feature: fn((f64, f64)) -> f64 = match signal.kind() {
-            Interpolation::Hold => |(value, _)| value,
-            Interpolation::Linear => |(_, slope)| slope,
-            Interpolation::Cubic => continue,
-        };
-        let mut hint = 0;
-        all.extend(signal.time().iter().filter(|&&t| {
-            let mut at = |t| feature(signal.value_and_slope(t, &mut hint));
-            t > from && t < to && at(t.next_down()) != at(t)
-        }));
-    }
-    all.sort_by(|a: &f64, b| b.total_cmp(a));
-    all.dedup();
-    all
 }

@@ -6,7 +6,8 @@
 //! Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, 2004, ch. 7). When a contact lets go the rates are continuous and nothing jumps.
 
 use crate::dopri::{A, C, Dense, STAGES, Step};
-use crate::field::{Field, solve_in_place};
+use crate::elimination::solve_in_place;
+use crate::field::Field;
 use phisindy_expr::wide;
 
 /// The derivatives of all states: columns are the start states, then the free parameters.

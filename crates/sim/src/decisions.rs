@@ -1,0 +1,132 @@
+//! Every number of this crate that decides something, in the order of the pipeline: what it decides, its unit
+//! and its basis.
+//!
+//! The coefficients of published formulas (Dormand-Prince, JONSWAP) decide nothing and stand beside their code.
+
+use phisindy_phys::{Basis, Decision, decisions};
+
+/// What separates a result from rounding errors.
+const ROUNDING: Basis = Basis::Judgement("far above rounding errors, far below anything a record shows");
+/// The rules of step control.
+const HAIRER: Basis = Basis::Convention("Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.4");
+/// The number of steps of a search.
+const SEARCH: Basis = Basis::Judgement("more than any search of the tests takes");
+
+/// Every decision of this crate as data: name, value, unit, meaning, basis.
+pub fn decisions() -> &'static [Decision] {
+    DECISIONS
+}
+
+decisions! {
+    // Friction near rest.
+
+    /// The distance from the surface at which friction is evaluated if it is singular at zero speed.
+    OFF_SURFACE: f64 = 1e-6, "speed scale", Basis::Judgement("far below the speeds of a motion, and friction is still finite there");
+    /// The distance beyond its surface over which friction is continued smoothly.
+    MARGIN: f64 = 1e-10, "speed scale", Basis::Judgement("above the error of a located event, far below `OFF_SURFACE`");
+    /// The smallest speed that the step control distinguishes from rest.
+    LEAST_SPEED: f64 = 1e-9, "speed scale", ROUNDING;
+
+    // Contact rule.
+
+    /// The stick test accepts a load that exceeds the friction limit by less than this part.
+    STICK_SLACK: f64 = 1e-12, "part of the friction limit", Basis::Judgement("rounding must not release a contact at the instant at which it comes to rest");
+    /// After a jump of an input, a contact further than this from rest no longer sticks.
+    DETACHED: f64 = 1e-9, "speed scale", ROUNDING;
+    /// A pivot below this part of the largest entry of the system for the sticking modes is zero: the other contacts decide this one.
+    LEAST_PIVOT: f64 = 1e-13, "part of the largest entry", Basis::Derived("rounding of a system of a few unknowns");
+
+    // Events.
+
+    /// Within this distance a switch has not left its surface.
+    ON_SURFACE: f64 = 1e-13, "largest speed so far", Basis::Derived("rounding of the state");
+    /// The load above the friction limit at which a sticking contact slips.
+    OVERLOAD: f64 = 1e-14, "part of the friction limit", Basis::Derived("just above rounding, so that the contact does not stick again at once");
+    /// A bracket of an event ends at this width.
+    ROOT_WIDTH: f64 = 1e-10, "part of the step", Basis::Derived("Newton's method locates the event exactly afterwards");
+    /// Evaluations of the Illinois method at most.
+    ROOT_ITERATIONS: usize = 80, "evaluations", SEARCH;
+    /// Evaluations of the golden section search for the peak of a load.
+    PEAK_ITERATIONS: usize = 24, "evaluations", Basis::Derived("1e-5 of the interval");
+    /// Steps of Newton's method on the length of a step that ends at an event.
+    LOCATION_ITERATIONS: usize = 4, "steps", SEARCH;
+    /// Such a step of Newton's method changes the length by at most this part.
+    LOCATION_CHANGE: f64 = 0.1, "part of the step", Basis::Judgement("a larger change leaves the event that was bracketed");
+    /// A switch that returns to its surface within a shorter step than this has an event at the end of the step.
+    SHORTEST_RETURN: f64 = 1e-9, "part of the run", ROUNDING;
+    /// More events than this ...
+    CHATTER_EVENTS: usize = 200, "events", Basis::Judgement("more than any mechanism shows");
+    /// ... within this part of the run are chattering, and an error.
+    CHATTER_SPAN: f64 = 1e-4, "part of the run", Basis::Judgement("far shorter than the motion");
+
+    // Step control.
+
+    /// A step spans at most this many samples.
+    SAMPLES_PER_STEP: f64 = 32.0, "samples", Basis::Judgement("a step must not skip a burst of force on a mass at rest");
+    /// A step spans at most this many knots of a spline input.
+    KNOTS_PER_STEP: f64 = 8.0, "knots", Basis::Judgement("a step must not skip a burst of force on a mass at rest");
+    /// The permitted error of the load of a sticking contact.
+    LOAD_RESOLUTION: f64 = 1e-3, "part of the friction limit", Basis::Judgement("while nothing moves, nothing else limits the step");
+    /// The permitted error of the speed of a contact whose friction has a shape near rest, relative to that speed.
+    SHAPE_RESOLUTION: f64 = 300.0, "tolerances", Basis::SetOn("sensitivities at the default tolerance (`crates/sim/tests/work.rs`)");
+    /// The ratio by which a step may change the speed of such a contact.
+    SPEED_RATIO: f64 = 4.0, "ratio", Basis::SetOn("sensitivities at the default tolerance (`crates/sim/tests/work.rs`)");
+    /// A step that exceeds this ratio by less than this factor is accepted.
+    SPEED_RATIO_SLACK: f64 = 1.2, "factor", Basis::Judgement("a repeated step costs more than a slightly long one");
+    /// The ratio applies where friction changes within a step by more than this part of the acceleration.
+    SHAPE_MATTERS: f64 = 1e-3, "part of the acceleration", Basis::SetOn("sensitivities at the default tolerance (`crates/sim/tests/work.rs`)");
+    /// A step that is repeated for this ratio has a length between these parts of the old one.
+    SHAPE_SHORTENING: [f64; 2] = [0.03, 0.9], "parts of the step", Basis::Judgement("neither many small steps nor the same one again");
+    /// The safety factor of a new step length.
+    STEP_SAFETY: f64 = 0.9, "factor", HAIRER;
+    /// The least and largest growth of a step length after an accepted step.
+    STEP_GROWTH: [f64; 2] = [0.2, 5.0], "factors", HAIRER;
+    /// The least and largest reduction after a rejected step.
+    STEP_REDUCTION: [f64; 2] = [0.1, 0.9], "factors", HAIRER;
+    /// A step whose end is nearer than this to the end of the run or to a breakpoint is extended up to it.
+    STEP_REMAINDER: f64 = 1e-3, "part of the step", Basis::Judgement("a step of this length costs as much as any other");
+    /// A shorter step cannot advance time.
+    SHORTEST_STEP: f64 = 1e-15, "part of the time", Basis::Derived("a few units in the last place");
+
+    // Defaults of the options.
+
+    /// Default of the local error of a step.
+    DEFAULT_TOLERANCE: f64 = 1e-8, "size of each state", Basis::Judgement("far below the noise of any sensor");
+    /// Default of the number of steps.
+    DEFAULT_MAX_STEPS: usize = 2_000_000, "steps", Basis::Judgement("some seconds of work");
+    /// Default of the size beyond which a state has diverged.
+    DEFAULT_DIVERGED: f64 = 1e9, "scales of the state", Basis::Judgement("no mechanism moves so far");
+
+    // Synthetic records.
+
+    /// Local error of the simulation of the truth.
+    TRUTH_TOLERANCE: f64 = 1e-10, "size of each state", Basis::Judgement("far below any noise");
+    /// Local error of the first run, which finds the size of each state.
+    COARSE_TOLERANCE: f64 = 1e-4, "size of each state", Basis::Judgement("a size needs a few digits only");
+    /// The smallest sizes that the first run regards as motion, tried in turn.
+    SMALLEST_SIZES: [f64; 4] = [1e-9, 1e-6, 1e-3, 1.0], "SI", Basis::Judgement("friction that is singular at rest is evaluated in units of them, and may be too steep for small ones");
+    /// A state of the first run beyond this many of these sizes has diverged.
+    COARSE_DIVERGED: f64 = 1e24, "smallest sizes", Basis::Judgement("the sizes are not known yet");
+    /// Points of the table of a generated excitation for each sample.
+    GRID_REFINEMENT: usize = 8, "points per sample", Basis::Judgement("cubic interpolation then is exact to the tolerance");
+    /// Sines times samples of a generated excitation at most.
+    MOST_SINE_SAMPLES: usize = 1_000_000_000, "sines times samples", Basis::Judgement("some seconds of work");
+    /// Sines of an excitation at most.
+    MOST_SINES: f64 = 1e5, "sines", Basis::Judgement("more are a mistake in the frequency step");
+    /// A window leaves at least this many samples.
+    FEWEST_SAMPLES: usize = 10, "samples", Basis::Judgement("fewer are no record");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_decision_has_a_value_a_unit_and_a_meaning() {
+        for (k, d) in decisions().iter().enumerate() {
+            assert!(!d.value.is_empty() && d.value.iter().all(|v| v.is_finite()), "{d:?}");
+            assert!(!d.unit.is_empty() && d.meaning.len() > 10, "{d:?}");
+            assert!(decisions()[..k].iter().all(|other| other.name != d.name), "{} stands twice", d.name);
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! The state of a run between two steps, and its start.
+
+use crate::automaton::Automaton;
+use crate::dopri::Step;
+use crate::field::Field;
+use crate::sensitivity::Sensitivity;
+use crate::trajectory::{Drive, Event, Options, Trajectory};
+use phisindy_signal::Interpolation;
+
+/// A step spans no more samples than this, so that a burst of force on something at rest cannot be stepped over.
+const SAMPLES_A_STEP: f64 = 32.0;
+
+/// The same for knots of a spline input.
+const KNOTS_A_STEP: f64 = 8.0;
+
+/// `w`, `dw/dt` and `d(dw/dt)/ds` of all switches at a point.
+#[derive(Default)]
+pub(crate) struct Surfaces {
+    pub(crate) w: Vec<f64>,
+    pub(crate) rate: Vec<f64>,
+    pub(crate) grip: Vec<f64>,
+}
+
+impl Surfaces {
+    /// Evaluates them, with contacts that stick held at rest.
+    pub(crate) fn look(&mut self, field: &mut Field<'_>, t: f64, x: &[f64]) {
+        field.held_surfaces(t, x);
+        self.w.clear();
+        self.w.extend((0..field.switches()).map(|c| field.w(c)));
+        self.rate.clear();
+        self.rate.extend((0..field.switches()).map(|c| field.w_rate(c)));
+        self.grip.clear();
+        self.grip.extend((0..field.switches()).map(|c| field.influence(c, c)));
+    }
+}
+
+pub(crate) struct Run<'a> {
+    pub(crate) field: Field<'a>,
+    pub(crate) times: &'a [f64],
+    pub(crate) options: &'a Options,
+    /// The smallest size of each state that matters.
+    pub(crate) scale: Vec<f64>,
+    pub(crate) t: f64,
+    pub(crate) x: Vec<f64>,
+    /// Rates at the present point, and after them the loads of the contacts that stick.
+    pub(crate) rates: Vec<f64>,
+    pub(crate) step: Step,
+    /// The surfaces at the present point, and at the end of the step that is tried.
+    pub(crate) here: Surfaces,
+    pub(crate) there: Surfaces,
+    /// Length of the next step to try.
+    pub(crate) h: f64,
+    /// The longest step.
+    pub(crate) longest: f64,
+    /// Contacts whose shape near rest was felt in the last step.
+    pub(crate) paced: Vec<bool>,
+    /// Length of the whole run.
+    pub(crate) span: f64,
+    /// Times at which an input jumps or turns a corner, in falling order: a step ends there.
+    pub(crate) breaks: Vec<f64>,
+    pub(crate) sensitivity: Option<Sensitivity>,
+    pub(crate) out: Trajectory,
+    /// The next sample to write.
+    pub(crate) next: usize,
+    /// Number of events since a time, to notice a flutter.
+    pub(crate) flutter: (usize, f64),
+    pub(crate) buffer: Vec<f64>,
+}
+
+impl<'a> Run<'a> {
+    pub(crate) fn new(
+        automaton: &'a Automaton,
+        drive: &'a Drive<'a>,
+        t0: f64,
+        start: &[f64],
+        times: &'a [f64],
+        options: &'a Options,
+    ) -> Self {
+        let (n, c) = (start.len(), automaton.switches.len());
+        let sensitivity = options.sensitivities.as_ref().map(|free| Sensitivity::new(n, free));
+        let m = sensitivity.as_ref().map_or(0, |s| s.m);
+        let scale = if options.scale.is_empty() { vec![1.0; n] } else { options.scale.clone() };
+        assert_eq!(scale.len(), n, "one scale for each state");
+        let mut out = Trajectory { n, m, ..Default::default() };
+        out.states.reserve(times.len() * n);
+        out.rates.reserve(times.len() * n);
+        out.sensitivities.reserve(times.len() * n * m);
+        let span = times.last().map_or(0.0, |end| end - t0).max(f64::MIN_POSITIVE);
+        let mut longest = SAMPLES_A_STEP * span / times.len().max(1) as f64;
+        for signal in drive.inputs.iter().filter(|s| s.kind() == Interpolation::Cubic) {
+            let time = signal.time();
+            let knots = (time.len() - 1) as f64;
+            if knots > 0.0 {
+                longest = longest.min(KNOTS_A_STEP * (time[time.len() - 1] - time[0]) / knots);
+            }
+        }
+        Run {
+            field: Field::new(automaton, drive, sensitivity.is_some()),
+            times,
+            options,
+            scale,
+            t: t0,
+            x: start.to_vec(),
+            rates: vec![0.0; n + c],
+            step: Step::new(n, c),
+            here: Surfaces::default(),
+            there: Surfaces::default(),
+            h: 0.0,
+            longest,
+            paced: vec![false; c],
+            span,
+            breaks: breaks(drive, t0, t0 + span),
+            sensitivity,
+            out,
+            next: 0,
+            flutter: (0, t0),
+            buffer: vec![0.0; n + c],
+        }
+    }
+
+    /// Writes down which modes are no longer what they were.
+    pub(crate) fn record(&mut self, before: &[i8]) {
+        let after = self.field.signs();
+        for (switch, (&from, &to)) in before.iter().zip(&after).enumerate().filter(|(_, (a, b))| a != b) {
+            self.out.events.push(Event { time: self.t, switch, from, to });
+        }
+    }
+}
+
+/// Where an input jumps or turns a corner within the run, in falling order.
+fn breaks(drive: &Drive<'_>, from: f64, to: f64) -> Vec<f64> {
+    let mut all = Vec::new();
+    for signal in drive.inputs {
+        let feature: fn((f64, f64)) -> f64 = match signal.kind() {
+            Interpolation::Hold => |(value, _)| value,
+            Interpolation::Linear => |(_, slope)| slope,
+            Interpolation::Cubic => continue,
+        };
+        let mut hint = 0;
+        all.extend(signal.time().iter().filter(|&&t| {
+            let mut at = |t| feature(signal.value_and_slope(t, &mut hint));
+            t > from && t < to && at(t.next_down()) != at(t)
+        }));
+    }
+    all.sort_by(|a: &f64, b| b.total_cmp(a));
+    all.dedup();
+    all
+}

@@ -1,0 +1,118 @@
+//! The length of a step: the first one, the longest one that is allowed, and the error of one just tried.
+
+use crate::state::Run;
+
+/// How well a step must resolve the load of a sticking contact, in units of what it can hold: while nothing moves, nothing else limits the step.
+const LOAD_RESOLUTION: f64 = 1e-3;
+
+/// How well a step must resolve the speed of a contact whose friction has a shape near rest, relative to that speed and in units of the tolerance:
+/// there speeds far below the tolerance decide how it stops and lets go, and derivatives follow the state with this relative error.
+const SHAPE_RESOLUTION: f64 = 300.0;
+
+/// By how much a step may change the speed of a contact whose friction has a shape near rest, as a ratio, where that shape is felt: the derivatives of the run see the slope of the
+/// friction, which is singular at rest, and not the friction, which is not.
+const SPEED_RATIO: f64 = 4.0;
+
+/// A shape is felt where friction changes within a step by this part of the acceleration.
+const FELT: f64 = 1e-3;
+
+impl Run<'_> {
+    /// Hairer's guess of a step length (Solving ODEs I, II.4), from the size and the change of the rates.
+    pub(crate) fn first_step(&mut self) -> f64 {
+        let norm =
+            |v: &[f64], scale: &[f64]| v.iter().zip(scale).map(|(v, s)| (v / s).abs()).fold(0.0, f64::max);
+        let span = self.longest;
+        let d1 = norm(&self.rates, &self.scale);
+        let h0 = if d1 > 1e-10 { (1e-3 / d1).min(span) } else { 1e-3 * span };
+        let moved: Vec<f64> = self.x.iter().zip(&self.rates).map(|(x, f)| x + h0 * f).collect();
+        self.field.rates(self.t + h0, &moved, &mut self.buffer);
+        let change: Vec<f64> = self.buffer.iter().zip(&self.rates).map(|(a, b)| (a - b) / h0).collect();
+        let d2 = norm(&change, &self.scale);
+        let largest = d1.max(d2);
+        let h1 = if largest > 1e-15 { (0.1 * self.options.tolerance.powf(0.2) / largest).sqrt() } else { h0 };
+        h1.min(100.0 * h0).min(span)
+    }
+
+    /// If the step just tried passes over the shape of some friction near rest: the length of a step that does not.
+    pub(crate) fn too_far(&mut self) -> Option<f64> {
+        let h = self.step.h;
+        let mut shorter: Option<f64> = None;
+        for c in (0..self.field.switches()).filter(|&c| self.field.automaton.switches[c].shaped) {
+            if self.field.stuck[c] {
+                continue;
+            }
+            let (mode, least) = (self.field.modes[c], self.field.least_speed(c));
+            let (start, end) = (mode * self.here.w[c], mode * self.there.w[c]);
+            let (from, to) = (start.max(least), end.max(least));
+            let change = (self.here.grip[c] - self.there.grip[c]).abs();
+            let felt = change > FELT * self.here.rate[c].abs().min(self.there.rate[c].abs());
+            self.paced[c] = felt;
+            let ratio = if to < from { from / to } else { to / from };
+            if !felt || ratio <= 1.2 * SPEED_RATIO {
+                continue;
+            }
+            let reach = if to < from { from / SPEED_RATIO - start } else { SPEED_RATIO * from - start };
+            let length = (h * reach / (end - start)).clamp(0.03 * h, 0.9 * h);
+            shorter = Some(shorter.map_or(length, |s| s.min(length)));
+        }
+        shorter
+    }
+
+    /// The longest step that keeps the speeds of contacts whose shape was felt in the last one within the ratio.
+    pub(crate) fn paced(&self) -> f64 {
+        (0..self.field.switches())
+            .filter(|&c| self.paced[c] && !self.field.stuck[c])
+            .map(|c| {
+                let (mode, least) = (self.field.modes[c], self.field.least_speed(c));
+                let (speed, rate) = (mode * self.here.w[c], mode * self.here.rate[c]);
+                let from = speed.max(least);
+                if rate < 0.0 {
+                    // Below the smallest speed that counts nothing changes: the surface may be reached.
+                    if speed <= SPEED_RATIO * least {
+                        f64::INFINITY
+                    } else {
+                        (from / SPEED_RATIO - speed) / rate
+                    }
+                } else if rate > 0.0 {
+                    (SPEED_RATIO * from - speed) / rate
+                } else {
+                    // It has just let go, exactly at its limit.
+                    f64::INFINITY
+                }
+            })
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// The largest scaled error of the step just tried: at most 1 is good.
+    pub(crate) fn error(&mut self) -> f64 {
+        let n = self.x.len();
+        self.step.errors(&mut self.buffer);
+        let (states, loads) = self.buffer.split_at(n);
+        let tolerance = self.options.tolerance;
+        let mut worst = 0.0_f64;
+        let mut weigh = |error: f64, size: f64| {
+            let scaled = error.abs() / size;
+            worst = if scaled.is_nan() { f64::INFINITY } else { worst.max(scaled) };
+        };
+        for (i, &e) in states.iter().enumerate() {
+            weigh(e, tolerance * self.scale[i].max(self.x[i].abs()).max(self.step.end()[i].abs()));
+        }
+        for (c, &load) in loads.iter().enumerate().take(self.field.switches()) {
+            if self.field.stuck[c] {
+                weigh(load, LOAD_RESOLUTION);
+            } else if self.field.automaton.switches[c].shaped {
+                let e: f64 = states.iter().enumerate().map(|(j, e)| self.field.normal(c, j) * e).sum();
+                let speed = self.here.w[c].abs().max(self.there.w[c].abs()).max(self.field.least_speed(c));
+                weigh(e, SHAPE_RESOLUTION * tolerance * speed);
+            }
+        }
+        worst
+    }
+
+    /// If the failed step ends across a slipping contact's surface: the time to reach it in a straight line.
+    pub(crate) fn overshoot(&self) -> Option<f64> {
+        let crossed = |&c: &usize| !self.field.stuck[c] && self.field.modes[c] * self.there.w[c] < 0.0;
+        let reach = |c: usize| -self.here.w[c] / self.here.rate[c];
+        (0..self.field.switches()).filter(crossed).map(reach).filter(|r| *r > 0.0).reduce(f64::min)
+    }
+}
