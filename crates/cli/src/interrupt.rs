@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-static ASKED: AtomicBool = AtomicBool::new(false);
+static REQUESTED: AtomicBool = AtomicBool::new(false);
 static MET: OnceLock<StopReason> = OnceLock::new();
 
 /// Exit code after Ctrl-C.
@@ -22,7 +22,7 @@ const GRACE: Duration = Duration::from_secs(10);
 /// at once.
 pub(crate) fn listen(limit: Limit) {
     let _ = ctrlc::set_handler(|| {
-        if ASKED.swap(true, Ordering::SeqCst) {
+        if REQUESTED.swap(true, Ordering::SeqCst) {
             std::process::exit(i32::from(INTERRUPTED));
         }
     });
@@ -46,7 +46,7 @@ fn watch(limit: Limit) {
         }
     };
     let _ = MET.set(met);
-    ASKED.store(true, Ordering::SeqCst);
+    REQUESTED.store(true, Ordering::SeqCst);
     let since = Instant::now();
     let beyond = || limit.memory.is_some_and(|most| held().is_some_and(|held| held > most + most / 4));
     while since.elapsed() < GRACE && !beyond() {
@@ -60,8 +60,8 @@ fn watch(limit: Limit) {
 const RAISE: &str = "allow more with --limit, as in --limit 2h,16GB, or make the case smaller";
 
 /// Whether the work should end.
-pub(crate) fn asked() -> bool {
-    ASKED.load(Ordering::SeqCst)
+pub(crate) fn requested() -> bool {
+    REQUESTED.load(Ordering::SeqCst)
 }
 
 /// The exit code of work that ended early.

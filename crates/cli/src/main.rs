@@ -1,8 +1,8 @@
-//! `phisindy`: the program around the libraries, and the only crate that reads and writes files.
+//! `phisindy`: the program around the libraries, and arguments, terminal, folders, progress, limits.
 //!
 //! ```text
-//! args --> commands --> load (spec, data files) --> phisindy_learn, phisindy_gap --> phisindy_report --> terminal, outdir
-//!                         +-- diagnostics --> draw --> terminal
+//! args --> commands --> phisindy::files (spec, data) --> identify, gap --> phisindy_report --> terminal, outdir
+//!                          +-- diagnostics --> draw --> terminal
 //! ```
 
 mod args;

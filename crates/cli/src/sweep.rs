@@ -140,7 +140,7 @@ pub(crate) fn sweep(plan: &Plan, journal: &mut Journal, title: &str) -> Result<O
         let (todo, next, sender) = (todo.clone(), next.clone(), sender.clone());
         pool.spawn(move || {
             while let Some(task) = todo.0.get(next.fetch_add(1, Ordering::Relaxed)) {
-                if interrupt::asked() || sender.send((task.cell, task.run(&todo.1, &todo.2))).is_err() {
+                if interrupt::requested() || sender.send((task.cell, task.run(&todo.1, &todo.2))).is_err() {
                     return;
                 }
             }
@@ -149,7 +149,7 @@ pub(crate) fn sweep(plan: &Plan, journal: &mut Journal, title: &str) -> Result<O
     }
     drop(sender);
     let mut done = 0;
-    while done < total && !interrupt::asked() {
+    while done < total && !interrupt::requested() {
         match receiver.recv_timeout(TICK) {
             Ok((cell, mut run)) => {
                 run.cell.clone_from(&plan.cells[cell].cell.label);
@@ -158,7 +158,7 @@ pub(crate) fn sweep(plan: &Plan, journal: &mut Journal, title: &str) -> Result<O
                 progress.at(done as f64 / total as f64);
             }
             Err(RecvTimeoutError::Timeout) => progress.at(done as f64 / total as f64),
-            Err(RecvTimeoutError::Disconnected) if interrupt::asked() => break,
+            Err(RecvTimeoutError::Disconnected) if interrupt::requested() => break,
             Err(RecvTimeoutError::Disconnected) => {
                 return Err(anyhow!(
                     "{} of {total} runs died; this is a mistake of the program",

@@ -23,14 +23,14 @@ pub struct Equation {
 /// also those of all states whose rate is more than another state.
 pub fn equations(case: &Case, terms: &[FoundTerm], parameters: &[FoundParameter]) -> Vec<Equation> {
     let system = &case.system;
-    let mut asked: Vec<bool> =
+    let mut shown: Vec<bool> =
         (0..system.states.len()).map(|k| system.terms.iter().any(|t| t.state == k)).collect();
     // A law may add a state.
-    if !asked.contains(&true) || !case.laws.is_empty() {
-        asked.iter_mut().zip(&system.states).for_each(|(asked, s)| *asked |= s.velocity.is_none());
+    if !shown.contains(&true) || !case.laws.is_empty() {
+        shown.iter_mut().zip(&system.states).for_each(|(shown, s)| *shown |= s.velocity.is_none());
     }
     let mut writer = Writer::new(case, parameters);
-    (0..system.states.len()).filter(|&k| asked[k]).map(|k| writer.equation(system, k, terms)).collect()
+    (0..system.states.len()).filter(|&k| shown[k]).map(|k| writer.equation(system, k, terms)).collect()
 }
 
 struct Writer {

@@ -34,7 +34,7 @@ pub(crate) fn gap(spec: &Path, options: &Options) -> Result<u8> {
         phisindy_gap::gap(&loaded.text, case, records, catalogue.laws(), &mut |fraction, activity| {
             progress.doing(&activity.to_string());
             progress.at(fraction);
-            if interrupt::asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         })
     };
     let found = match found {

@@ -27,7 +27,7 @@ pub(crate) fn run(specs: &[PathBuf], options: &Options) -> Result<u8> {
     folders.iter().flatten().try_for_each(|folder| folder.without("gap", COMPLETED))?;
     let mut worst = 0;
     for (k, (spec, folder)) in specs.iter().zip(&folders).enumerate() {
-        if interrupt::asked() {
+        if interrupt::requested() {
             interrupt::tell();
             return Ok(interrupt::code());
         }
@@ -113,6 +113,6 @@ fn identify_with_progress(loaded: &Loaded, options: &Options) -> Result<Identifi
     let learn = LearnOptions { method: options.method.map(Into::into) };
     identify(&loaded.case, &loaded.records, &learn, &mut |fraction| {
         progress.at(fraction);
-        if interrupt::asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })
 }

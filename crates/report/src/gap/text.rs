@@ -84,7 +84,7 @@ pub(crate) fn text(report: &GapReport<'_>) -> String {
         out.push(format!("{} ({role}): NRMSE of {} {:.4} -> {:.4}", c.record, c.column, c.before, c.after));
     }
     out.extend(how.stopped_words().map(|stopped| format!("{stopped} before the end; so far:")));
-    out.push(outcome(found));
+    out.push(format!("{}: {}", found.status.name(), outcome(found)));
     out.push(format!("{:.1} s", how.seconds));
     out.join("\n") + "\n"
 }
@@ -94,17 +94,13 @@ pub(crate) fn basis(found: &Gap) -> &'static str {
     if found.before.1.is_some() { "on data not used" } else { "on the fitted data" }
 }
 
-/// The outcome in words, its status first.
+/// The outcome in words, behind its status.
 pub(crate) fn outcome(found: &Gap) -> String {
     let shown = |(fit, validate): (f64, Option<f64>)| validate.unwrap_or(fit);
     let (before, last) = (shown(found.before), shown(found.after));
     match found.status {
         Status::NothingMissing => {
-            format!(
-                "nothing-missing: the model explains the data to their noise (gap {}{})",
-                short(last),
-                sensitivity(found)
-            )
+            format!("the model explains the data to their noise (gap {}{})", short(last), sensitivity(found))
         }
         Status::Explained => {
             let why = match sensitivity(found) {
@@ -112,13 +108,13 @@ pub(crate) fn outcome(found: &Gap) -> String {
                 _ if last > NOISE => ", which is about what the motion itself repeats to".into(),
                 _ => String::new(),
             };
-            format!("explained: the gap {} went from {} to {}{why}", basis(found), short(before), short(last))
+            format!("the gap {} went from {} to {}{why}", basis(found), short(before), short(last))
         }
         Status::Unexplained => {
             let place =
                 found.left.first().map_or(String::new(), |r| format!(", mostly in {}, {r}", r.column));
             format!(
-                "unexplained: {}: a gap of {} is left{place}",
+                "{}: a gap of {} is left{place}",
                 match found.alternative {
                     Some(_) => "no law here explains it, but something else would, as is said beside it",
                     None => "something is missing that no law here explains",

@@ -62,16 +62,13 @@ fn banner(found: &Gap, how: Ending) -> Banner {
         Status::Explained => (Tone::Good, "Explained"),
         Status::Unexplained => (Tone::Open, "Unexplained"),
     };
-    // The headline already states the status.
-    let words = outcome(found);
-    let words = words.split_once(": ").map_or(words.as_str(), |(_, rest)| rest);
     let stopped = how
         .stopped_words()
         .map_or(String::new(), |stopped| format!(" {} before the end.", capital(&stopped)));
     Banner {
         tone,
         headline: headline.to_owned(),
-        text: format!("{}. {} s.{stopped}", capital(words), digits(how.seconds, 2)),
+        text: format!("{}. {} s.{stopped}", capital(&outcome(found)), digits(how.seconds, 2)),
     }
 }
 
