@@ -4,11 +4,10 @@
 use crate::alternative_constant::numbers;
 use crate::decisions::{CLOCK_CAUSE, CLOCK_HELPS, CLOCK_OFF, SAME_RATIO};
 use crate::drive::Drive;
-use crate::model::{Fitted, TrialModel};
+use crate::model::{Fitted, TrialModel, shortened};
 use crate::result::{Activity, DriveFrequency};
 use crate::search::{Search, placed};
 use crate::whiteness::{lines, mean_step};
-use crate::workflow::shortened;
 use phisindy_learn::Effort;
 use phisindy_phys::spec::Role;
 use rayon::prelude::*;

@@ -1,11 +1,13 @@
 //! Models under test: the model of the spec with laws added to its graph, fitted to the records.
 
 mod fitted;
+mod records;
 mod score;
 mod spec_text;
 mod trial_model;
 
-pub(crate) use fitted::{Fitted, current, noise_of, values};
+pub(crate) use fitted::{Fitted, current, values};
+pub(crate) use records::{noise_of, shortened};
 #[cfg(test)]
 pub(crate) use score::tests;
 pub(crate) use score::{Measure, Score};

@@ -1,12 +1,11 @@
 //! Laws that a spec names in `unknown`: written into it as terms with numbers to be found, which start where the motion says.
 
 use crate::decisions::REQUESTED_STARTS;
-use crate::model::{Fitted, SpecTextError, TrialModel, current, noise_of, text_with, values};
+use crate::model::{Fitted, SpecTextError, TrialModel, current, noise_of, shortened, text_with, values};
 use crate::place::{Effect, Site, fits, places};
 use crate::result::ModelError;
 use crate::screen::{screen, sibling_starts};
 use crate::search::neutral;
-use crate::workflow::shortened;
 use phisindy_learn::Effort;
 use phisindy_phys::spec::{Role, Spec, Text};
 use phisindy_phys::{Case, Diagnostic, LawEntry, Record, SourceId, spec, splice};

@@ -3,10 +3,12 @@
 mod compare;
 mod proposals;
 mod refine;
+mod task;
 
 pub(crate) use compare::{label, placed, preferred, rank, size};
 pub(crate) use proposals::neutral;
 pub(crate) use refine::refitted;
+pub(crate) use task::Search;
 
 use crate::decisions::{
     FAMILY_ROUNDS, FAR_OFF, FITTED_IN_FULL, MORE_STARTS, MOST_EFFECTS, ON_THE_WAY, RACE, RIVALS, SHRINKS,
@@ -19,7 +21,6 @@ use crate::result::{Activity, ModelError, PlacedLaw, Rival, StopReason, Vetoed};
 use crate::screen::{Candidate, Screening, screen};
 use compare::{carries_no_further, on_the_way};
 use phisindy_learn::Effort;
-use phisindy_phys::LawEntry;
 use proposals::{is_composed, rubbing, singles};
 use rayon::prelude::*;
 
@@ -52,16 +53,6 @@ pub(crate) struct Searched {
     /// How many effects there were to choose from.
     pub(crate) candidates: usize,
     pub(crate) stop: StopReason,
-}
-
-/// What the search works with.
-pub(crate) struct Search<'a> {
-    pub(crate) catalogue: &'a [LawEntry],
-    pub(crate) noise: &'a [Vec<f64>],
-    /// Gap on Validate records below which nothing is added: what the rig repeats to.
-    pub(crate) floor: f64,
-    /// Is told of the progress, a fraction and what is being done; true to stop.
-    pub(crate) observe: &'a mut dyn FnMut(f64, Activity) -> bool,
 }
 
 /// What one round has to go by.

@@ -2,12 +2,12 @@
 
 use crate::alternative_constant::alternative_constant;
 use crate::data_mistakes::data_mistakes;
-use crate::decisions::{
-    FEWEST_SAMPLES, MOSTLY_NOISE, ONE_CONSTANT, REPEATS, SCATTERS, SEARCHED_SAMPLES, SUBSTANTIAL,
-};
+use crate::decisions::{FEWEST_SAMPLES, MOSTLY_NOISE, ONE_CONSTANT, REPEATS, SCATTERS, SUBSTANTIAL};
 use crate::drive::Drive;
 use crate::drive_frequency::drive_frequency;
-use crate::model::{Applied, Fitted, Measure, TrialModel, current, expression, noise_of, text_with};
+use crate::model::{
+    Applied, Fitted, Measure, TrialModel, current, expression, noise_of, shortened, text_with,
+};
 use crate::other_causes::{causes, input_noise};
 use crate::repeat::{prediction, repeatability};
 use crate::result::verdict::{bent, helpful, refused, status};
@@ -113,20 +113,6 @@ fn without_candidates(spec: Spec, case: Case, records: Vec<Record>) -> Option<Tr
     let open = case.is_open();
     let whole = TrialModel::base(spec.clone(), case, records);
     if open { whole.variant(Spec { unknown: vec![], ..spec }) } else { Some(whole) }
-}
-
-/// The beginnings of long records, for the search; `None` if none is long.
-pub(crate) fn shortened(records: &[Record]) -> Option<Vec<Record>> {
-    let fits = records.iter().filter(|r| r.role == Role::Fit).count().max(1);
-    let most = SEARCHED_SAMPLES / fits;
-    let long = records.iter().any(|r| r.len() > most + most / 2);
-    let cut = |r: &Record| {
-        let n = r.len().min(most);
-        let columns = r.columns.iter().map(|c| c.as_ref().map(|c| c[..n].to_vec())).collect();
-        // Cut off from the run that it continued.
-        Record { time: r.time[..n].into(), columns, continues: None, ..r.clone() }
-    };
-    long.then(|| records.iter().map(cut).collect())
 }
 
 /// Repeatability of every column, and the gap that it stands for on the Validate records (on all if there are none); 0 where the motion is not periodic.

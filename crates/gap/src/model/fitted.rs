@@ -2,25 +2,15 @@
 
 use super::score::Score;
 use super::trial_model::TrialModel;
-use crate::decisions::{CHOW, CLEAN_COLUMN, LITTLE_LEFT, NOT_WHITE, RESTS, STANDS_STILL};
+use crate::decisions::{CHOW, LITTLE_LEFT, NOT_WHITE, RESTS, STANDS_STILL};
 use crate::place::Effect;
 use crate::result::ModelError;
 use crate::whiteness::score;
 use phisindy_learn::{Calibration, Effort, FoundParameter, RecordFit, calibrate};
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Parameter, Record};
-use phisindy_signal::{noise_level, standard_deviation};
+use phisindy_signal::noise_level;
 use std::sync::Arc;
-
-/// The noise of every column by record and state: from the spectrum above the motion, so that no model is needed.
-pub(crate) fn noise_of(records: &[Record]) -> Vec<Vec<f64>> {
-    let of = |column: &Option<Vec<f64>>| {
-        column
-            .as_ref()
-            .map_or(1.0, |c| noise_level(c).max(CLEAN_COLUMN * standard_deviation(c)).max(f64::MIN_POSITIVE))
-    };
-    records.iter().map(|r| r.columns.iter().map(of).collect()).collect()
-}
 
 /// A calibrated model.
 #[derive(Clone, Debug)]

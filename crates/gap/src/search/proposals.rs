@@ -1,6 +1,6 @@
 //! What a round tries: the model with one or two effects more, from starts that a fit can use.
 
-use super::Search;
+use super::task::Search;
 use crate::decisions::{FITTED_IN_FULL, LEADERS, NEUTRAL, SEEDED_STRIDE};
 use crate::model::{Fitted, TrialModel, current, values};
 use crate::place::{Effect, Place, Site, fits, is_force};

@@ -1,7 +1,7 @@
 //! A model that was found, mended: effects at other places, siblings in each other's place, fewer and simpler effects.
 
-use super::Search;
 use super::proposals::{family, relative};
+use super::task::Search;
 use crate::decisions::{MOST_EFFECTS, NEAR_NOISE, RACE, SAME_GAP, SIMPLER};
 use crate::evidence::against;
 use crate::model::{Fitted, Measure, TrialModel, current};
