@@ -140,7 +140,7 @@ fn a_law_has_each_name_once() {
     };
     assert!(law("").is_ok());
     let said = law(r#", "d": (unit: "N", within: (0.0, 1.0))"#).unwrap_err();
-    assert!(said.contains("`d` stands here twice"), "{said}");
+    assert!(said.to_string().contains("`d` stands here twice"), "{said}");
 }
 
 #[test]
