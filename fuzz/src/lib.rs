@@ -113,7 +113,7 @@ pub fn law(input: &[u8]) {
                 }
             }
         }
-        Err(why) => assert!(!why.is_empty()),
+        Err(why) => assert!(!why.to_string().is_empty()),
     }
 }
 

@@ -1,13 +1,16 @@
-//! Mechanical systems: states, inputs, constants, known rates, unknown terms, contacts; records of what they did.
+//! Mechanical systems: states, inputs, constants, known rates, unknown terms, contacts; records of their motion.
+//!
+//! Each folder uses only those to its left.
 //!
 //! ```text
-//! text --spec::read--> Spec (as written) --check--> Case: System (every name resolved) + RecordPlans --> Record (sampled data)
-//!                                                      |
-//!                                                      +-- System::model --> Model (rates as functions of time, states, inputs, parameters)
+//!    text                  units                 system                           suspicion
+//! text --spec::read--> Spec --dimensions--> --check--> Case: System, RecordPlans
+//!                                                        |        |
+//!                                       Model <--model---+        +--from_table--> Record --> Suspicions
 //! ```
 //!
-//! All mistakes of a text come back together, as [`Diagnostic`]s; drawing them is the program's job. This crate reads no files and knows
-//! no integration.
+//! `law` reads the files of the catalogue. All mistakes of a text are reported together, as [`Diagnostic`]s, which
+//! the program draws. This crate reads no files and integrates nothing.
 
 mod decision;
 mod law;

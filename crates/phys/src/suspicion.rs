@@ -1,14 +1,18 @@
-//! What is odd about a record before any model is fitted: holes in time, cut peaks, columns that stand still or freeze, spikes, jumps, inputs with too few samples, a
-//! velocity that is not the rate of its displacement, and columns that are swapped.
+//! What is odd about a record before any model is fitted.
+//!
+//! Detected are missing samples, constant, quantised, repeated, clipped and frozen columns, spikes, jumps of
+//! level, undersampled inputs (this file and its detectors on one column), velocities that are not the rate of
+//! their displacement (`rates`), and columns or units that contradict the known part (`balance`). Each finding
+//! is a [`Suspicion`]; `words` turns it into a sentence.
 
 mod balance;
 mod clipped;
 mod frozen;
 mod jumps;
 mod rates;
+mod repeats;
 mod scatter;
 mod spikes;
-mod stairs;
 mod words;
 
 pub use clipped::clipped;
@@ -21,69 +25,77 @@ use frozen::frozen;
 use jumps::jumps;
 use phisindy_signal::{Interpolation, Signal, bounds, noise_level, quantum, standard_deviation};
 use rates::rates;
+use repeats::repeats;
 use spikes::spikes;
-use stairs::stairs;
 
-/// A step in time that is this many times the usual one is a hole.
-const HOLE: f64 = 5.0;
-/// Steps of a column beyond this part of its standard deviation hide how it moves; fewer levels are a switch.
-const ROUNDED: f64 = 0.2;
-const LEVELS: usize = 3;
-/// Between its samples an input is guessed; an error beyond this part of its standard deviation moves the result.
-const GUESSED: f64 = 0.01;
+/// A time step of this many median steps is a gap.
+const GAP_STEPS: f64 = 5.0;
+/// A gap in more than one of this many steps is no gap, but how this record is sampled.
+const RARE_GAPS: usize = 50;
+/// A quantisation step beyond this part of the standard deviation hides the motion.
+const COARSE_STEP: f64 = 0.2;
+/// A column of fewer levels is a switch, not a quantised motion.
+const MIN_LEVELS: usize = 3;
+/// An interpolation error beyond this part of the standard deviation of an input changes the result.
+const INTERPOLATION_ERROR: f64 = 0.01;
+/// Fewer samples of an input do not tell its interpolation error.
+const MIN_INPUT_SAMPLES: usize = 64;
 
-/// What is odd about a record; empty if nothing is. None of it stops anything.
+/// What is odd about a record. Nothing of it prevents a fit.
 pub fn suspicions(system: &System, record: &Record) -> Vec<Suspicion> {
     let mut found = Vec::new();
-    holes(record, &mut found);
+    missing_samples(record, &mut found);
     let before = found.len();
     for (state, column) in system.states.iter().zip(&record.columns) {
         if let Some(column) = column {
-            still(&state.name, column, &mut found);
-            cut(&state.name, column, &mut found);
+            constant(&state.name, column, &mut found);
+            clipped_range(&state.name, column, &mut found);
             let velocity = state.velocity.map(|v| record.columns[v].as_deref());
-            // Between the few levels of a rounded column, and from stair to stair, every step is a jump.
-            let few = rounded(&state.name, column, &mut found);
+            // Every step of a coarsely quantised or repeated column would be reported as a jump.
+            let few = quantised(&state.name, column, &mut found);
             if !repeated(&state.name, column, None, &mut found) && !few {
-                torn(&record.time, &state.name, column, velocity, &mut found);
+                faulty_samples(&record.time, &state.name, column, velocity, &mut found);
             }
         }
     }
     let whole = found.len() == before;
     for (k, (input, signal)) in system.inputs.iter().zip(&record.inputs).enumerate() {
-        // What an input was before it was smoothed for its derivative.
+        // The samples of an input before they were smoothed for its derivative.
         let raw = record.derivations.iter().find(|d| d.of == k).map(|d| d.column.as_slice());
         let values = raw.unwrap_or(signal.values());
-        cut(&input.name, values, &mut found);
-        let stands = repeated(&input.name, values, Some(signal.kind()), &mut found);
-        // What is guessed of a derivative between samples follows from what it is the derivative of.
-        let follows = record.derivations.iter().any(|d| d.input == k && stairs(&d.column).is_some());
-        if !stands && !follows {
-            coarse(&input.name, signal, &mut found);
+        clipped_range(&input.name, values, &mut found);
+        let holds = repeated(&input.name, values, Some(signal.kind()), &mut found);
+        // A derivative of a repeated input jumps from sample to sample; the input itself is reported.
+        let derived = record.derivations.iter().any(|d| d.input == k && repeats(&d.column).is_some());
+        if !holds && !derived {
+            undersampled(&input.name, signal, &mut found);
         }
     }
-    // What is wrong with a column is wrong with what the model makes of it.
+    // A faulty column violates the balance too.
     if !rates(system, record, &mut found) && whole {
         balance(system, record, &mut found);
     }
     found
 }
 
-fn holes(record: &Record, found: &mut Vec<Suspicion>) {
+/// Gaps in time.
+fn missing_samples(record: &Record, found: &mut Vec<Suspicion>) {
     let mut steps: Vec<f64> = record.time.windows(2).map(|w| w[1] - w[0]).collect();
     let after = |k: usize| (record.time[k], record.time[k + 1]);
     steps.sort_by(f64::total_cmp);
     let usual = steps.get(steps.len() / 2).copied().unwrap_or(0.0);
-    let all: Vec<usize> =
-        (0..record.len().saturating_sub(1)).filter(|&k| after(k).1 - after(k).0 > HOLE * usual).collect();
-    // Of samples at all sorts of times none is a hole.
-    if let (Some(&first), true) = (all.first(), all.len() * 50 <= record.len()) {
+    let all: Vec<usize> = (0..record.len().saturating_sub(1))
+        .filter(|&k| after(k).1 - after(k).0 > GAP_STEPS * usual)
+        .collect();
+    // Irregular sampling is no gap.
+    if let (Some(&first), true) = (all.first(), all.len() * RARE_GAPS <= record.len()) {
         let (from, to) = after(first);
         found.push(Suspicion::MissingSamples { from, to, steps: (to - from) / usual, count: all.len() });
     }
 }
 
-fn still(name: &str, column: &[f64], found: &mut Vec<Suspicion>) {
+/// A column without any change.
+fn constant(name: &str, column: &[f64], found: &mut Vec<Suspicion>) {
     let (min, max) = bounds(column);
     if min == max {
         let (column, samples) = (name.to_owned(), column.len());
@@ -91,24 +103,27 @@ fn still(name: &str, column: &[f64], found: &mut Vec<Suspicion>) {
     }
 }
 
-/// Whether a column is written with too few digits, or counted by too coarse a sensor.
-fn rounded(name: &str, column: &[f64], found: &mut Vec<Suspicion>) -> bool {
+/// Whether a column has too few digits or comes from too undersampled a sensor.
+fn quantised(name: &str, column: &[f64], found: &mut Vec<Suspicion>) -> bool {
     let size = standard_deviation(column);
-    let Some(step) = quantum(column, LEVELS).filter(|step| *step > ROUNDED * size) else { return false };
+    let Some(step) = quantum(column, MIN_LEVELS).filter(|step| *step > COARSE_STEP * size) else {
+        return false;
+    };
     let (min, max) = bounds(column);
     let levels = ((max - min) / step).round() + 1.0;
     found.push(Suspicion::Quantised { column: name.to_owned(), levels, step, size });
     true
 }
 
-/// Whether each value of a column stands until the next one comes: of an input so it may have been.
+/// Whether a column repeats each value for several samples. An input with zero-order hold may do so.
 fn repeated(name: &str, column: &[f64], input: Option<Interpolation>, found: &mut Vec<Suspicion>) -> bool {
-    let Some(length) = stairs(column).filter(|_| input != Some(Interpolation::Hold)) else { return false };
+    let Some(length) = repeats(column).filter(|_| input != Some(Interpolation::Hold)) else { return false };
     found.push(Suspicion::Repeated { column: name.to_owned(), length, input: input.is_some() });
     true
 }
 
-fn cut(name: &str, column: &[f64], found: &mut Vec<Suspicion>) {
+/// A column that is clipped at the end of its range.
+fn clipped_range(name: &str, column: &[f64], found: &mut Vec<Suspicion>) {
     let (min, max) = bounds(column);
     let samples = if min < max { clipped(column, min, max) } else { 0 };
     if samples > 0 {
@@ -116,17 +131,20 @@ fn cut(name: &str, column: &[f64], found: &mut Vec<Suspicion>) {
     }
 }
 
-/// Leaves out every second sample and looks how well the others tell it: what is guessed between all samples is wrong by a quarter of that (straight lines), or by a
-/// sixteenth (cubics), of which noise is no part.
-fn coarse(name: &str, signal: &Signal, found: &mut Vec<Suspicion>) {
+/// The interpolation error of an input.
+///
+/// Every second sample is predicted from the others. With all samples the error is a quarter of that for
+/// straight lines (error of order h^2) and a sixteenth for cubics (h^4). The part of the misfit that noise
+/// explains does not count.
+fn undersampled(name: &str, signal: &Signal, found: &mut Vec<Suspicion>) {
     let (time, values) = (signal.time(), signal.values());
-    let finer = match signal.kind() {
+    let order = match signal.kind() {
         Interpolation::Linear => 4.0,
         Interpolation::Cubic => 16.0,
-        // Held values are what the input is.
+        // With zero-order hold the samples are the input.
         Interpolation::Hold => return,
     };
-    if values.len() < 64 {
+    if values.len() < MIN_INPUT_SAMPLES {
         return;
     }
     let every_second = |v: &[f64]| v.iter().copied().step_by(2).collect::<Vec<f64>>();
@@ -134,20 +152,21 @@ fn coarse(name: &str, signal: &Signal, found: &mut Vec<Suspicion>) {
         return;
     };
     let mut hint = usize::MAX;
-    let missed: Vec<f64> = (1..values.len() - 1)
+    let misfit: Vec<f64> = (1..values.len() - 1)
         .step_by(2)
         .map(|k| values[k] - half.value_and_slope(time[k], &mut hint).0)
         .collect();
-    let power = missed.iter().map(|e| e * e).sum::<f64>() / missed.len() as f64;
-    let noise = noise_level(&missed).min(noise_level(values));
-    let error = (power - 1.5 * noise * noise).max(0.0).sqrt() / finer / standard_deviation(values);
-    if error > GUESSED {
+    let power = misfit.iter().map(|e| e * e).sum::<f64>() / misfit.len() as f64;
+    let noise = noise_level(&misfit).min(noise_level(values));
+    let error = (power - 1.5 * noise * noise).max(0.0).sqrt() / order / standard_deviation(values);
+    if error > INTERPOLATION_ERROR {
         found.push(Suspicion::Undersampled { input: name.to_owned(), error, interpolation: signal.kind() });
     }
 }
 
-/// Samples that are not what the sensor saw. `velocity` is that of a displacement, with its column if it has one.
-fn torn(
+/// Frozen samples, spikes and jumps of level. `velocity` is `Some` for a displacement, with the column of its
+/// velocity if that is measured.
+fn faulty_samples(
     time: &[f64],
     name: &str,
     column: &[f64],
@@ -165,7 +184,8 @@ fn torn(
             count: frozen.len(),
         });
     }
-    // A velocity may jump: when a body strikes a stop. A level that is taken from frozen samples is none.
+    // Only displacements are tested for jumps: a velocity jumps at an impact. Levels taken from frozen samples
+    // do not count.
     let apart = |k: usize| frozen.iter().all(|r| k + jumps::LEVEL < r.start || k > r.end + jumps::LEVEL);
     let jumps = velocity.map_or(vec![], |v| jumps(time, column, v));
     let jumps: Vec<usize> = jumps.into_iter().filter(|&k| apart(k)).collect();
@@ -188,9 +208,9 @@ mod tests {
     use super::*;
     use std::f64::consts::FRAC_PI_2;
 
-    /// A swing at 2 rad/s, sampled each 0.025 s.
+    /// A harmonic motion at 2 rad/s, sampled every 0.025 s.
     fn sine(n: usize, phase: f64) -> Vec<f64> {
-        // A little uneven, so that the noise level is not zero.
+        // A small irregular part, so that the noise level is not zero.
         (0..n).map(|i| (0.05 * i as f64 + phase).sin() + 1e-4 * (7.3 * (i * i % 97) as f64).sin()).collect()
     }
 
@@ -230,7 +250,9 @@ mod tests {
         assert!(told(x.clone(), thousand(&v)).contains("1/1000 of the rate"));
         assert!(told(v.clone(), x.clone()).contains("swapped"));
         assert!(told(x.clone(), minus(&v)).contains("opposite sign"));
-        assert!(told(x.iter().map(|v| v.clamp(-0.8, 0.8)).collect(), v.clone()).contains("cut off"));
+        assert!(
+            told(x.iter().map(|v| v.clamp(-0.8, 0.8)).collect(), v.clone()).contains("clipped_range off")
+        );
         assert!(told(vec![0.3; 2000], v.clone()).contains("connected"));
         let mut spiked = x.clone();
         spiked[700] = 3.0;
@@ -239,22 +261,22 @@ mod tests {
 
     #[test]
     fn a_rounded_column_is_told_and_nothing_else_of_it() {
-        let rounded =
+        let quantised =
             |c: &[f64], step: f64| c.iter().map(|v| (v / step).round() * step).collect::<Vec<f64>>();
         let (x, v) = (sine(2000, 0.0), velocity());
-        let said = told(rounded(&x, 0.4), v.clone());
+        let said = told(quantised(&x, 0.4), v.clone());
         assert!(
             said.contains("`x` has only 7 different values") && said.matches("`x`").count() == 1,
             "{said}"
         );
-        // Fine enough: the tops of a swing are a long run of the greatest value, and yet not cut off.
-        assert_eq!(told(rounded(&x, 0.02), v.clone()), "");
-        // Cut and rounded is still cut.
-        let cut: Vec<f64> = x.iter().map(|v| v.clamp(-0.8, 0.8)).collect();
-        assert!(told(rounded(&cut, 0.001), v).contains("cut off"));
+        // With fine quantisation the peaks are long runs of the largest value, which is no clipping.
+        assert_eq!(told(quantised(&x, 0.02), v.clone()), "");
+        // A column that is clipped and then quantised is reported as clipped.
+        let clipped_range: Vec<f64> = x.iter().map(|v| v.clamp(-0.8, 0.8)).collect();
+        assert!(told(quantised(&clipped_range, 0.001), v).contains("clipped_range off"));
     }
 
-    /// The error that is told beside the one that a sine has: (w h)^2/8 of the amplitude in the middle, 1/sqrt(30) of that more over a whole interval than in its middle.
+    /// Straight lines through a sine are wrong by (w h)^2/8 of the amplitude in the middle of an interval.
     #[test]
     fn an_input_with_few_samples_is_told() {
         let told = |per_period: usize, kind: Interpolation| {
@@ -262,7 +284,7 @@ mod tests {
             let time: Vec<f64> = (0..600).map(|i| step * i as f64).collect();
             let values = time.iter().map(|t| (std::f64::consts::TAU * t).sin()).collect();
             let mut found = vec![];
-            coarse("u", &Signal::new(time.into(), values, kind).unwrap(), &mut found);
+            undersampled("u", &Signal::new(time.into(), values, kind).unwrap(), &mut found);
             found.iter().map(Suspicion::to_string).collect::<Vec<_>>().join("; ")
         };
         assert_eq!(told(40, Interpolation::Linear), "");

@@ -1,9 +1,8 @@
-//! What a spec means: every name resolved, every mistake collected.
+//! The meaning of a spec: every name resolved, every mistake collected.
 //!
 //! ```text
-//! Spec --check--> Case: System (equations: known rates, unknown terms, parameters, contacts) + RecordPlans
-//!                          |                                                                     |
-//!                          +--System::model--> Model (rates alone)           table --from_table--+--> Record (samples in SI)
+//! Spec --check--> Case: System (known rates, unknown terms, parameters, contacts) --System::model--> Model (rates)
+//!                       RecordPlans --from_table, with a Table--> Records (samples in SI, with Notes)
 //! ```
 
 pub(crate) mod check;

@@ -1,4 +1,5 @@
-//! What a spec says: its text read field by field, edited without loss of comments, and mistakes that point into it.
+//! What a spec says: its text read field by field, edited without loss of comments, and mistakes that point
+//! into it.
 //!
 //! ```text
 //! text --raw--> nodes with spans --spec--> Spec (every field with its place)

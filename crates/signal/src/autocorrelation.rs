@@ -1,13 +1,14 @@
-//! The autocorrelation of a residual, and how many independent samples it is worth.
+//! The autocorrelation of a residual and its effective number of samples.
 
 use crate::fft::{Forward, Inverse};
 use crate::statistics::largest;
 
-/// How many independent samples a residual is worth: n / (1 + 2 * sum of its autocorrelations), within [1, n].
+/// The effective number of independent samples of a residual: n / (1 + 2 * sum of its autocorrelations), within
+/// [1, n].
 ///
-/// The sum runs over the initial positive sequence of pairs (C. J. Geyer, Practical Markov chain Monte Carlo, 1992).
-/// The mean is removed first. White residuals give about n; constant or empty ones give n unchanged, since there is
-/// nothing to correlate. Numbers that are not finite give NaN.
+/// The sum runs over the initial positive sequence of pairs (C. J. Geyer, Practical Markov chain Monte Carlo,
+/// 1992). The mean is removed first. White residuals give about n, constant ones n. Numbers that are not finite
+/// give NaN.
 ///
 /// ```
 /// let alternating_slowly: Vec<f64> = (0..1000).map(|i| (0.01 * f64::from(i)).sin()).collect();
@@ -35,8 +36,8 @@ pub fn effective_samples(residual: &[f64]) -> f64 {
     if inflation <= 1.0 { n as f64 } else { (n as f64 / inflation).max(1.0) }
 }
 
-/// Autocorrelations at lags 0 .. n-1 (mean removed, divided by n, so that the sequence is positive definite); empty if
-/// the values do not vary.
+/// Autocorrelations at lags 0 .. n-1 (mean removed, divided by n, so that the sequence is positive definite);
+/// empty if the values do not vary.
 ///
 /// ```
 /// let alternating = phisindy_signal::autocorrelation(&[1.0, -1.0, 1.0, -1.0]);
@@ -48,7 +49,7 @@ pub fn autocorrelation(values: &[f64]) -> Vec<f64> {
         return Vec::new();
     }
     let mean = values.iter().sum::<f64>() / n as f64;
-    // Zeros beyond n keep the circular correlation from wrapping round.
+    // Zero padding keeps the circular correlation from wrapping round.
     let padded = (2 * n).next_power_of_two();
     let mut buffer: Vec<f64> = values.iter().map(|v| v - mean).collect();
     buffer.resize(padded, 0.0);

@@ -1,13 +1,13 @@
-//! Decimation: the mean of each few rows in place of them, while they stream by.
+//! Decimation of streamed rows: groups of rows are replaced by their mean.
 
-/// A step that is so many times longer than the one before ends a block: across a gap there is nothing to average.
-const GAP: f64 = 5.0;
+/// A time step of this many times the one before is a gap, over which nothing is averaged.
+const GAP_RATIO: f64 = 5.0;
 
-/// Makes one row of each `size` rows: the mean of the times and of every column.
+/// Replaces `size` rows by one: the mean of their times and of every column.
 ///
-/// The mean is a low-pass: noise falls by the root of `size` instead of being folded down, as it is when rows are skipped, and
-/// a frequency `f` loses about `(pi f size step)^2 / 6` of its amplitude, in states and inputs alike. Rows before a gap in
-/// time that do not fill a block are left out, and so are those at the end.
+/// The mean is a low-pass filter. Noise falls by the square root of `size`, while skipping rows would alias it.
+/// A frequency `f` loses about `(pi f size step)^2 / 6` of its amplitude, in states and inputs alike.
+/// Incomplete blocks before a gap in time and at the end are dropped.
 ///
 /// ```
 /// let mut blocks = phisindy_signal::Blocks::new(2);
@@ -26,19 +26,19 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// Blocks of so many rows; zero counts as one.
+    /// Blocks of `size` rows; zero counts as one.
     pub fn new(size: usize) -> Blocks {
         let (sums, means) = (vec![], vec![]);
         Blocks { size: size.max(1), count: 0, time: 0.0, last: f64::NAN, step: f64::NAN, sums, means }
     }
 
-    /// Takes a row; the mean row if it fills a block.
+    /// Adds a row. Returns the time and the values of the mean row if the block is complete.
     pub fn push(&mut self, time: f64, row: &[f64]) -> Option<(f64, &[f64])> {
         let step = time - self.last;
-        if step > GAP * self.step {
+        if step > GAP_RATIO * self.step {
             self.count = 0;
         } else if step > 0.0 {
-            // After a gap the step before it still holds.
+            // The step before a gap remains the reference after it.
             self.step = step;
         }
         self.last = time;

@@ -1,4 +1,4 @@
-//! The time derivative of a noisy sampled column, with the noise level deciding how much is smoothed.
+//! The time derivative of a noisy sampled column. The noise level decides how much is smoothed.
 
 mod local;
 mod smoothing;
@@ -21,15 +21,15 @@ const LEAST_SAMPLES: usize = 5;
 /// How a column is differentiated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Differentiator {
-    /// Fourier series of the record mirrored oddly about the line through its ends, cut where the motion meets the
-    /// noise. Best for smooth motion on a uniform grid; other grids are resampled first. It takes the curvature at
-    /// both ends for zero, so a few samples there are worse.
+    /// Fourier series of the record, continued by odd reflection about the line through its ends, and truncated
+    /// where the motion falls below the noise. Best for smooth motion on a uniform grid; other grids are
+    /// resampled first. It assumes zero curvature at both ends, so a few samples there are less accurate.
     Spectral,
-    /// Local cubics by least squares (Savitzky and Golay 1964), whose window is chosen at every sample: wide where the
-    /// motion is smooth, narrow and one-sided at corners of the velocity (stops). Any grid.
+    /// Local cubics by least squares (Savitzky and Golay 1964). The window is chosen at every sample: wide
+    /// where the motion is smooth, narrow and one-sided at corners of the velocity (stops). Any grid.
     SavitzkyGolay,
-    /// Cubic smoothing spline (Reinsch 1967), smoothness by generalised cross-validation. Any grid. Straight at both
-    /// ends, as `Spectral`.
+    /// Cubic smoothing spline (Reinsch 1967) with generalised cross-validation. Any grid. Zero curvature at
+    /// both ends, as `Spectral`.
     Spline,
 }
 
@@ -38,7 +38,7 @@ impl Differentiator {
     pub const ALL: [Differentiator; 3] =
         [Differentiator::Spectral, Differentiator::SavitzkyGolay, Differentiator::Spline];
 
-    /// As a spec writes it.
+    /// Its name in specs.
     pub fn name(self) -> &'static str {
         match self {
             Differentiator::Spectral => "Spectral",
@@ -64,9 +64,9 @@ pub struct Differentiated {
     pub derivative: Vec<f64>,
     /// Estimated root mean square error of the derivative over the record, in the derivative's unit.
     ///
-    /// `Spectral` and `Spline` count the noise they let through, `SavitzkyGolay` also the bias it sees. Measured on
-    /// noisy motion the true error is 0.8 to 1.8 times this; it gathers at corners and at the ends of the record. On
-    /// data without noise it is only a lower bound.
+    /// `Spectral` and `Spline` count the noise that they pass, `SavitzkyGolay` also its estimated bias. In
+    /// tests on noisy motion the true error is 0.8 to 1.8 times this, mostly at corners and at the ends of the
+    /// record. Without noise it is only a lower bound.
     pub std_error: f64,
     /// What was done: method, window or cutoff, noise.
     pub smoothing: Smoothing,
@@ -101,7 +101,7 @@ pub fn differentiate(
     }
 }
 
-/// Differentiates without being told how: by the default [`Differentiator`].
+/// Differentiates with the default [`Differentiator`].
 ///
 /// # Errors
 /// As [`differentiate`].
@@ -117,8 +117,8 @@ pub fn automatic(time: &[f64], values: &[f64]) -> Result<Differentiated, SignalE
     differentiate(time, values, Differentiator::default())
 }
 
-/// Standard deviation of the noise: from the spectrum on a nearly uniform grid, else from what parabolas through four
-/// neighbours leave. Never less than the rounding of the numbers.
+/// Standard deviation of the noise: from the spectrum on a nearly uniform grid, else from third divided
+/// differences. Never less than the rounding error of the numbers.
 fn noise_of(time: &[f64], values: &[f64]) -> f64 {
     let rounding = largest(values) * f64::EPSILON;
     let noise =
@@ -126,7 +126,7 @@ fn noise_of(time: &[f64], values: &[f64]) -> f64 {
     noise.max(rounding)
 }
 
-/// Noise on an uneven grid: third divided differences scaled to unit variance, by their median.
+/// Noise on a non-uniform grid: the median of third divided differences, scaled to unit variance.
 fn uneven_noise(time: &[f64], values: &[f64]) -> f64 {
     let mut residuals: Vec<f64> = time
         .windows(4)

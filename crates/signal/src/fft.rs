@@ -48,7 +48,8 @@ pub(crate) fn hann(i: usize, n: usize) -> f64 {
     (std::f64::consts::PI * (i as f64 + 0.5) / n as f64).sin().powi(2)
 }
 
-/// Squared amplitudes at the frequencies k/n, k = 0 .. n/2, after the mean is removed and a Hann window applied.
+/// Squared amplitudes at the frequencies k/n, k = 0 .. n/2, after the mean is removed and a Hann window
+/// applied.
 pub(crate) fn periodogram(values: &[f64]) -> Vec<f64> {
     let n = values.len();
     let mean = values.iter().sum::<f64>() / n as f64;

@@ -1,4 +1,4 @@
-//! A sampled signal as a function of continuous time, with the exact slope of what it returns.
+//! A sampled signal as a function of continuous time, with its exact slope.
 
 use std::fmt;
 use std::sync::Arc;
@@ -6,21 +6,21 @@ use std::sync::Arc;
 #[cfg(test)]
 mod tests;
 
-/// A hint that points nowhere: search the whole grid.
+/// No hint: search the whole grid.
 const NO_HINT: usize = usize::MAX;
 
-/// How a [`Signal`] fills the time between its samples.
+/// How a [`Signal`] is interpolated between its samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
-    /// The last sample is held (a zero-order hold: what a digital controller puts out).
+    /// Zero-order hold: the last sample, as a digital controller puts it out.
     Hold,
-    /// A straight line from sample to sample.
+    /// Straight lines between samples.
     Linear,
     /// A cubic spline with continuous second derivative and not-a-knot ends.
     Cubic,
 }
 
-/// Why samples do not make a signal.
+/// Why samples are not a signal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SignalError {
     /// Fewer samples than needed.
@@ -85,8 +85,8 @@ pub(crate) fn check_samples(time: &[f64], values: &[f64], needed: usize) -> Resu
 
 /// Samples on a strictly increasing, possibly non-uniform time grid, read as a function of time.
 ///
-/// Outside the grid `Hold` stays constant; `Linear` and `Cubic` go on in a straight line. Several signals can share one
-/// grid. Values are in any unit, slopes in that unit per unit of time.
+/// Outside the grid `Hold` stays constant; `Linear` and `Cubic` continue in a straight line. Several signals
+/// can share one grid. Values are in any unit, slopes in that unit per unit of time.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -100,17 +100,17 @@ pub(crate) fn check_samples(time: &[f64], values: &[f64], needed: usize) -> Resu
 pub struct Signal {
     time: Arc<[f64]>,
     values: Vec<f64>,
-    /// Slopes at the samples for `Cubic`, empty otherwise: a spline is kept in its Hermite form.
+    /// Slopes at the samples for `Cubic` (the spline in Hermite form), empty otherwise.
     slopes: Vec<f64>,
     kind: Interpolation,
 }
 
 impl Signal {
-    /// Reads `values[i]` as the value at `time[i]`. One sample is a constant.
+    /// A signal with `values[i]` at `time[i]`. One sample is a constant.
     ///
-    /// For `Cubic` this solves one tridiagonal system. For smooth signals the slopes of the spline are right to
-    /// h^4/180 of the fifth derivative, six times better than five-point differences, so the error of the value is
-    /// that of cubic Hermite interpolation with exact slopes, 2.5e-5 of the amplitude at 20 samples a period.
+    /// For `Cubic` this solves one tridiagonal system. On smooth signals the error of the slopes is h^4/180 of
+    /// the fifth derivative, a sixth of that of five-point differences. The error of the value is then that of
+    /// cubic Hermite interpolation with exact slopes: 2.5e-5 of the amplitude at 20 samples per period.
     ///
     /// # Errors
     /// No sample, different lengths, a number that is not finite, or a time grid that does not increase.
@@ -123,7 +123,7 @@ impl Signal {
         Ok(Self { time, values, slopes, kind })
     }
 
-    /// The same signal, each value so much earlier.
+    /// The signal shifted to times earlier by `by`.
     pub fn earlier(&self, by: f64) -> Signal {
         Signal { time: self.time.iter().map(|t| t - by).collect(), ..self.clone() }
     }
@@ -138,7 +138,7 @@ impl Signal {
         &self.values
     }
 
-    /// How the signal is read between samples.
+    /// How the signal is interpolated.
     pub fn kind(&self) -> Interpolation {
         self.kind
     }
@@ -155,9 +155,10 @@ impl Signal {
         self.value_and_slope(t, &mut hint).1
     }
 
-    /// Value and slope at `t`, starting the search for the interval at `hint` and leaving the interval found there.
+    /// Value and slope at `t`. The search for the interval starts at `hint`, which is set to the interval
+    /// found.
     ///
-    /// Neighbouring times, forwards or backwards, cost no search; any number is a valid hint.
+    /// Neighbouring times, forwards or backwards, need no search. Any number is a valid hint.
     pub fn value_and_slope(&self, t: f64, hint: &mut usize) -> (f64, f64) {
         let last = self.time.len() - 1;
         let i = self.interval(t, *hint);
@@ -216,7 +217,8 @@ impl Signal {
     }
 }
 
-/// Slopes at the knots of the cubic spline whose third derivative is continuous at the second and last-but-one knot.
+/// Slopes at the knots of the cubic spline whose third derivative is continuous at the second and last-but-one
+/// knot.
 ///
 /// C. de Boor, A Practical Guide to Splines, chapter IV.
 fn spline_slopes(time: &[f64], values: &[f64]) -> Vec<f64> {

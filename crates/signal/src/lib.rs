@@ -1,12 +1,12 @@
 //! Numerics on sampled columns. They know slices of numbers and nothing of specs, systems or records.
 //!
 //! ```text
-//! rows of a file --Blocks, Trend--> column --noise_level--> noise --differentiate--> smoothed column and its derivative
-//!                                     |                                                |
-//!                                     +--strongest_line(s)--> spectral lines           +--Signal--> value and slope at any time
-//!
-//! residual --chance_of_white, whiteness_score--> is it more than noise?
-//!     +------effective_samples--> independent samples
+//! rows of a file --Blocks, Trend--> column --noise_level--> noise level
+//!                                     +--differentiate--> smoothed column and its derivative
+//!                                     +--strongest_line(s)--> spectral lines
+//!                                     +--Signal--> value and slope at any time
+//! residual --whiteness_p_value, whiteness_score--> is it more than white noise?
+//!     +--effective_samples--> effective number of independent samples
 //! ```
 
 mod autocorrelation;
@@ -35,4 +35,4 @@ pub use noise_level::noise_level;
 pub use noise_level::quantum::{quantum, rounding_error};
 pub use statistics::{bounds, median, standard_deviation};
 pub use trend::{Detrend, Trend};
-pub use whiteness::{chance_of_white, whiteness_score};
+pub use whiteness::{whiteness_p_value, whiteness_score};

@@ -2,10 +2,12 @@
 //!
 //! There are two finders, because they answer two questions:
 //!
-//! - [`strongest_line`] asks how a column mainly moves. It takes any time grid, removes the straight line, limits the number of samples,
-//!   interpolates between bins by the ratio of two amplitudes, and says which share of the variance the line holds.
-//! - [`strongest_lines`] asks which tones stand out of a residual or an input. It takes a uniform grid, removes the mean alone,
-//!   compares powers with a noise that may rise with the frequency, and interpolates by a parabola through logarithms.
+//! - [`strongest_line`] asks how a column mainly moves. It takes any time grid, removes the straight line,
+//!   limits the number of samples, interpolates between bins by the ratio of two amplitudes, and says which
+//!   share of the variance the line holds.
+//! - [`strongest_lines`] asks which tones stand out of a residual or an input. It takes a uniform grid,
+//!   removes the mean alone, compares powers with a noise that may rise with the frequency, and interpolates by
+//!   a parabola through logarithms.
 //!
 //! Their frequencies agree to a fraction of a bin, not to the last bit.
 
@@ -67,10 +69,11 @@ pub fn strongest_line(time: &[f64], values: &[f64]) -> Option<Line> {
     Some(Line { frequency: bin / (n as f64 * step), share: around / total })
 }
 
-/// At most `count` angular frequencies (radians per unit of `step`) of a uniformly sampled column, strongest first.
+/// At most `count` angular frequencies (radians per unit of `step`) of a uniformly sampled column, strongest
+/// first.
 ///
-/// The power of the noise is taken to rise with the frequency to the power `rise`: 0 for white noise, 4 for its second derivative. Lines
-/// are at least 2.5 bins apart. Fewer than 16 samples give none.
+/// The power of the noise is taken to rise with the frequency to the power `rise`: 0 for white noise, 4 for its
+/// second derivative. Lines are at least 2.5 bins apart. Fewer than 16 samples give none.
 pub fn strongest_lines(values: &[f64], step: f64, count: usize, rise: i32) -> Vec<f64> {
     let n = values.len();
     if n < 16 {
@@ -98,7 +101,8 @@ pub fn strongest_lines(values: &[f64], step: f64, count: usize, rise: i32) -> Ve
     chosen
 }
 
-/// The part of the variance of a column that one frequency holds, given in radians per sample; 0 for a column that does not vary.
+/// The part of the variance of a column that one frequency holds, given in radians per sample; 0 for a column
+/// that does not vary.
 pub fn tone_share(values: &[f64], radians: f64) -> f64 {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;

@@ -8,23 +8,23 @@ use crate::fft::Forward;
 use crate::statistics::median;
 use crate::trend::without_line;
 
-/// Below this many samples a spectrum has too few bins above the motion.
-const SHORT: usize = 192;
-/// Least share of the frequency axis, counted from the top, that must be flat to be called noise.
-const LEAST_FLAT: f64 = 0.2;
+/// With fewer samples the spectrum has too few bins above the motion.
+const MIN_SPECTRUM_SAMPLES: usize = 192;
+/// The upper part of the frequency axis that must be flat to count as noise.
+const MIN_FLAT_PART: f64 = 0.2;
 
 /// Standard deviation of the white noise added to a smooth, uniformly sampled signal, in the signal's unit.
 ///
-/// The spectrum (Hann window, straight line removed) is read from the highest frequency down for as long as it is flat;
-/// there the motion is below the noise. The level is a mean that leaves out spectral lines. For short records, and where the spectrum shows no flat part or only leakage (clean data), the smallest
-/// median of third and higher differences is used. The error is 1.5 % for 5000 samples; clean smooth data give less than 1e-6 of the
-/// signal. Quantisation counts as noise of step/sqrt(12), at rest
-/// too.
+/// The noise is the flat upper part of the spectrum (Hann window, straight line removed), where the motion is
+/// below it. Its level is a mean without spectral lines. For short records, and where the spectrum has no flat
+/// part or shows leakage alone (data without noise), the smallest median of third and higher differences is
+/// used. The error is 1.5 % for 5000 samples; smooth data without noise give less than 1e-6 of the signal.
+/// Quantisation counts as noise of step/sqrt(12), also at rest.
 ///
 /// Fewer than 6 samples give 0, numbers that are not finite give NaN.
 ///
 /// ```
-/// // A swing with a deterministic disturbance of +-0.01 that changes sign in a pattern without period.
+/// // A harmonic motion with a deterministic disturbance of +-0.01 whose sign has no period.
 /// let pattern = |i: u32| if i.wrapping_mul(2_654_435_769).count_ones() % 2 == 0 { 0.01 } else { -0.01 };
 /// let column: Vec<f64> = (0..2000).map(|i| (0.02 * f64::from(i)).sin() + pattern(i)).collect();
 /// let level = phisindy_signal::noise_level(&column);
@@ -40,39 +40,41 @@ pub fn noise_level(values: &[f64]) -> f64 {
     }
     let rounding = quantum::rounding_error(values);
     let differences = level_of_differences(values);
-    if n < SHORT {
+    if n < MIN_SPECTRUM_SAMPLES {
         return differences.max(rounding);
     }
-    // A median difference of zero means mostly resting, quantised data: it says nothing about the noise in motion.
+    // A median difference of zero means quantised data mostly at rest, which do not tell the noise in motion.
     let differences = if differences > 0.0 { differences } else { f64::INFINITY };
     let level = match flat_level(&periodograms(values)) {
-        // Far more in the spectrum than in the differences: leakage of clean motion, or a few steps in it.
+        // Otherwise the spectrum has far more than the differences: leakage of motion without noise, or a few
+        // steps in it.
         Floor::Flat(power) if differences > 0.1 * power.sqrt() => power.sqrt(),
         Floor::Flat(power) | Floor::Falling(power) => power.sqrt().min(differences),
     };
     level.max(rounding)
 }
 
-/// What the top of a spectrum looks like, with its power.
+/// The shape of the upper end of a spectrum, with its power.
 #[derive(Debug)]
 enum Floor {
     Flat(f64),
     Falling(f64),
 }
 
-/// The level of the flat top of `power`.
+/// The level of the flat upper end of `power`.
 fn flat_level(power: &[f64]) -> Floor {
     let blocks = (power.len() / 48).clamp(8, 64);
     let block = power.len() / blocks;
     let top = |count: usize| &power[power.len() - count * block..];
     let levels: Vec<f64> = power.rchunks(block).take(blocks).map(median_level).collect();
-    // A median over m exponential powers scatters by 1.44/sqrt(m); neighbouring bins are correlated: 1.4 times more.
+    // A median over m exponential powers scatters by 1.44/sqrt(m), and 1.4 times more because neighbouring bins
+    // are correlated.
     let scatter = |bins: usize| 2.0 / (bins as f64).sqrt();
-    // The first comparison is with a part that is too small to be called flat, but large enough to have a level.
-    let mut flat = ((LEAST_FLAT / 2.0) * blocks as f64).ceil() as usize;
+    // The first comparison is with half of the part that must be flat: enough for a level.
+    let mut flat = ((MIN_FLAT_PART / 2.0) * blocks as f64).ceil() as usize;
     while flat < blocks {
-        // 3: dozens of blocks are tested, and motion rises steeply enough to be seen all the same. It also goes on rising: a block that
-        // stands out alone does so by chance.
+        // 3 standard deviations, since dozens of blocks are tested. Motion rises steeply and keeps rising, so a
+        // single block that stands out does so by chance.
         let allowed = 3.0 * (scatter(block).powi(2) + scatter(flat * block).powi(2)).sqrt();
         let level = median_level(top(flat));
         let off = |k: usize| levels.get(k).is_none_or(|l| (l / level).ln().abs() > allowed);
@@ -81,10 +83,10 @@ fn flat_level(power: &[f64]) -> Floor {
         }
         flat += 1;
     }
-    // The last block taken may already hold some motion.
+    // The last block may already contain some motion.
     let used = if flat < blocks { (flat - 1).max(1) } else { flat };
     let level = clipped_mean(top(used));
-    if flat as f64 >= LEAST_FLAT * blocks as f64 { Floor::Flat(level) } else { Floor::Falling(level) }
+    if flat as f64 >= MIN_FLAT_PART * blocks as f64 { Floor::Flat(level) } else { Floor::Falling(level) }
 }
 
 /// Mean of exponentially distributed powers, from their median.
@@ -92,8 +94,8 @@ fn median_level(power: &[f64]) -> f64 {
     median(&mut power.to_vec()) / std::f64::consts::LN_2
 }
 
-/// Mean of exponentially distributed powers with lines among them: powers above four times the level are left out and
-/// made up for. Half the variance of the median.
+/// Mean of exponentially distributed powers with lines among them: powers above four times the level are left
+/// out, and the bias of that is corrected. Its variance is half of that of the median.
 fn clipped_mean(power: &[f64]) -> f64 {
     let start = median_level(power);
     let clip = 4.0 * start;
@@ -101,15 +103,16 @@ fn clipped_mean(power: &[f64]) -> f64 {
     if count == 0.0 || start == 0.0 {
         return start;
     }
-    // The mean of an exponential of mean m, cut at c, is m - c/(exp(c/m) - 1).
+    // The mean of an exponential of mean m, truncated at c, is m - c/(exp(c/m) - 1).
     (0..20).fold(start, |mean, _| sum / count + clip / (clip / mean).exp_m1())
 }
 
-/// Power at the frequencies k/n, k = 3 .. n/2 - 1, from the lowest up, scaled so that white noise has its variance at
-/// each; two independent numbers for each frequency.
+/// Power at the frequencies k/n, k = 3 .. n/2 - 1, from the lowest up, scaled so that white noise has its
+/// variance at each; two independent numbers for each frequency.
 ///
-/// The second taper, sin(pi t) sin(2 pi t), is orthogonal to the Hann window sin(pi t)^2, leaks no more, and sees the
-/// parts of the record that the first one fades out: with both the level scatters as little as with no window.
+/// The second taper, sin(pi t) sin(2 pi t), is orthogonal to the Hann window sin(pi t)^2, has as little
+/// leakage, and weights the parts of the record that the first one attenuates. With both the level scatters as
+/// little as without a window.
 fn periodograms(values: &[f64]) -> Vec<f64> {
     let n = values.len();
     let level = without_line(values);
@@ -133,7 +136,8 @@ fn periodograms(values: &[f64]) -> Vec<f64> {
     bins.flat_map(|k| [first[k].norm_sqr() / first_energy, second[k].norm_sqr() / second_energy]).collect()
 }
 
-/// Level from the median absolute difference of order 3, or of a higher order while that is clearly smaller.
+/// Level from the median absolute difference of order 3, or of a higher order as long as that is clearly
+/// smaller.
 fn level_of_differences(values: &[f64]) -> f64 {
     // Median of |normal|.
     const HALF_NORMAL: f64 = 0.674_489_750_196_081_7;

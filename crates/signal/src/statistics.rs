@@ -1,6 +1,6 @@
 //! Plain statistics of samples.
 
-/// Root of the mean squared deviation from the mean (divided by n); 0 for nothing.
+/// Standard deviation with divisor n; 0 for an empty column.
 ///
 /// ```
 /// assert_eq!(phisindy_signal::standard_deviation(&[1.0, 3.0]), 1.0);
@@ -14,7 +14,7 @@ pub fn standard_deviation(values: &[f64]) -> f64 {
     (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()
 }
 
-/// The least and the greatest value; `(inf, -inf)` for nothing. Numbers that are not a number are left out.
+/// The least and the greatest value; `(inf, -inf)` for an empty column. NaN is ignored.
 ///
 /// ```
 /// assert_eq!(phisindy_signal::bounds(&[2.0, -1.0, 0.5]), (-1.0, 2.0));
@@ -23,12 +23,12 @@ pub fn bounds(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)))
 }
 
-/// The largest absolute value; 0 for nothing.
+/// The largest absolute value; 0 for an empty column.
 pub(crate) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0_f64, |m, v| m.max(v.abs()))
 }
 
-/// Median by selection; 0 for nothing.
+/// The median; 0 for an empty column. Reorders the values.
 pub fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return 0.0;

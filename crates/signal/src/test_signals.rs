@@ -18,7 +18,8 @@ pub fn gaussian(count: usize, seed: u64) -> Vec<f64> {
         .collect()
 }
 
-/// A mass on a spring and damper with dry friction on the ground: `x'' = drive(t) - c x' - k x - friction sgn x'`.
+/// A mass on a spring and damper with dry friction on the ground: `x'' = drive(t) - c x' - k x - friction sgn
+/// x'`.
 pub struct Slider {
     pub c: f64,
     pub k: f64,
@@ -27,7 +28,8 @@ pub struct Slider {
 }
 
 impl Slider {
-    /// Displacement and velocity every `step`, by many small steps; a reversal within one is a stop to be examined.
+    /// Displacement and velocity every `step`, by many small steps. A reversal within a small step is tested
+    /// for sticking.
     pub fn run(&self, drive: impl Fn(f64) -> f64, step: f64, count: usize) -> (Vec<f64>, Vec<f64>) {
         let h = step / self.substeps as f64;
         let (mut x, mut v) = (0.0_f64, 0.0_f64);
@@ -53,7 +55,8 @@ impl Slider {
     }
 }
 
-/// The laboratory rig's twin (cases 8-10): base `amplitude cos(omega t)`, 2 kHz, 10 s: time, x and x'.
+/// A simulation of the laboratory rig (cases 8-10): base `amplitude cos(omega t)`, 2 kHz, 10 s. Returns time, x
+/// and x'.
 pub fn rig_twin(amplitude: f64, omega: f64) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     let (c, k) = (0.0658, 386.36);
     let slider = Slider { c, k, friction: 0.0856, substeps: 20 };
@@ -62,7 +65,7 @@ pub fn rig_twin(amplitude: f64, omega: f64) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     ((0..20_000).map(|i| f64::from(i) * 5e-4).collect(), x, v)
 }
 
-/// Case 1 of the paper in small: stick-slip under `cos t`-like forcing, 5000 samples at 0.01 s.
+/// A small version of case 1 of the paper: stick-slip under forcing similar to `cos t`, 5000 samples at 0.01 s.
 pub fn stick_slip() -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     let slider = Slider { c: 0.2, k: 1.0, friction: 0.5, substeps: 100 };
     let (x, v) = slider.run(|t| (0.6 * t).cos(), 0.01, 5000);

@@ -1,6 +1,6 @@
-//! The mean or the straight line of a column.
+//! Trends: the mean or the straight line of a column.
 
-/// What is taken off a column.
+/// The kind of trend that is removed from a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Detrend {
     /// The mean.
@@ -12,11 +12,11 @@ pub enum Detrend {
 /// `offset + slope * (time - at)`
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trend {
-    /// The middle of the times it was fitted to.
+    /// The mean of the times.
     pub at: f64,
-    /// Its value there.
+    /// The value at that time.
     pub offset: f64,
-    /// Per unit of time; zero for a mean.
+    /// Change per unit of time; zero for a mean.
     pub slope: f64,
 }
 
@@ -43,7 +43,7 @@ impl Trend {
         Trend { at, offset, slope }
     }
 
-    /// Takes it off a column.
+    /// Subtracts the trend from a column.
     pub fn remove(&self, time: &[f64], values: &mut [f64]) {
         for (t, x) in time.iter().zip(values) {
             *x -= self.offset + self.slope * (t - self.at);

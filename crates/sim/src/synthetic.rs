@@ -162,7 +162,7 @@ pub fn synthesize(
     let n = system.states.len();
     // A late sensor reads between the samples, and before the window: from the whole run.
     let read = |values: Vec<f64>, sensor: usize, kind: Interpolation| -> Result<Vec<f64>, SyntheticError> {
-        let values = plan.sensors[sensor].done(&time, values, kind);
+        let values = plan.sensors[sensor].reading(&time, values, kind);
         Ok(pick(&values.map_err(|e| SyntheticError::Other(e.to_string()))?))
     };
     let noisy = |mut values: Vec<f64>, name: &str| -> Vec<f64> {
@@ -186,7 +186,7 @@ pub fn synthesize(
     }
     for (k, values) in seen.iter_mut().enumerate() {
         *values = plan.sensors[n + k]
-            .undone(&seen_time, std::mem::take(values), plan.interpolation[k])
+            .corrected(&seen_time, std::mem::take(values), plan.interpolation[k])
             .map_err(|e| SyntheticError::Other(e.to_string()))?;
     }
     // A derivative of a measured input is derived from what was measured, as it would be for a rig, and the input is smoothed with it.

@@ -15,7 +15,7 @@ use crate::trajectory::problem::{Meaning, Noise, Problem};
 use crate::trajectory::tally::{Tally, inflation, tally, whitened};
 use phisindy_phys::spec::SegmentsSpec;
 use phisindy_phys::{Record, System};
-use phisindy_signal::{chance_of_white, noise_level};
+use phisindy_signal::{noise_level, whiteness_p_value};
 
 /// A fitted model.
 pub(crate) struct Fit<'a> {
@@ -377,7 +377,7 @@ impl Fit<'_> {
     /// corrected for the number of columns.
     pub(crate) fn chance_of_noise(&self) -> f64 {
         let Ok(residuals) = self.problem.residuals(&self.x) else { return 0.0 };
-        let columns: Vec<f64> = whitened(&self.noise, &residuals).map(|w| chance_of_white(&w)).collect();
+        let columns: Vec<f64> = whitened(&self.noise, &residuals).map(|w| whiteness_p_value(&w)).collect();
         columns.iter().fold(1.0, |least: f64, p| least.min(p * columns.len() as f64))
     }
 

@@ -1,8 +1,9 @@
-//! The measured accelerations beside what the known part makes of the measured motion, before any fit: a unit that is off by a power of 1000, or two exchanged columns,
-//! are far more than a missing effect.
+//! Measured accelerations compared with those that the known part gives for the measured motion, before any
+//! fit. A unit that is off by a power of 1000 or two exchanged columns exceed any missing effect by far.
 //!
-//! Nothing is differentiated twice: with a test function `f` that vanishes with its slope at both ends of a stretch, the integral of `f v'` is that of `-f' v`, and of
-//! `f'' x`. Both sides are such integrals over half a period each.
+//! Nothing is differentiated twice. With a test function `f` that vanishes with its slope at both ends of a
+//! stretch, integration by parts reverses the integral of `f v'` into that of `-f' v` and of `f'' x`. Both
+//! sides are such integrals over half a period each (weak form).
 
 use super::words::Suspicion;
 use crate::system::equations::System;
@@ -12,48 +13,52 @@ use phisindy_signal::{Differentiator, Signal, strongest_line};
 use std::f64::consts::{PI, TAU};
 use std::ops::{Range, RangeInclusive};
 
-/// What a part of the acceleration the known part must leave before something is wrong, may leave once that is put right, and how many times less that must be. A model that
-/// leaves little before must be right afterwards; of one that was out of all proportion friction may be missing besides.
-const MENDED: [(f64, f64, f64); 3] = [(0.25, 0.35, 5.0), (0.7, 0.35, 3.0), (10.0, 0.6, 30.0)];
-/// What a sign that is put right leaves of the acceleration in either half of a record, at most.
-const HALVES: f64 = 0.5;
-/// What a unit, or a sign, is wrong by.
-const FACTORS: [f64; 7] = [1e3, 1e-3, 1e6, 1e-6, 1e9, 1e-9, -1.0];
-/// More samples or parts say no more.
-const SAMPLES: usize = 50_000;
-const PARTS: usize = 100;
-/// Fewer samples make no stretch, fewer stretches no comparison.
-const STRETCH: usize = 12;
-const STRETCHES: usize = 8;
+/// When a correction is accepted, in three rows: the misfit before it is at least the first number, the misfit
+/// after it at most the second, and the ratio at least the third. Misfits are parts of the acceleration. A
+/// model with a huge misfit before may lack friction besides, so that more may remain.
+const CORRECTIONS: [(f64, f64, f64); 3] = [(0.25, 0.35, 5.0), (0.7, 0.35, 3.0), (10.0, 0.6, 30.0)];
+/// A corrected sign leaves at most this part of the acceleration in each half of a record.
+const HALF_MISFIT: f64 = 0.5;
+/// The factors of wrong units and signs.
+const WRONG_FACTORS: [f64; 7] = [1e3, 1e-3, 1e6, 1e-6, 1e9, 1e-9, -1.0];
+/// At most this many samples and parts of a sum are used.
+const MAX_SAMPLES: usize = 50_000;
+const MAX_PARTS: usize = 100;
+/// Least samples of a stretch, and least stretches of a comparison.
+const MIN_STRETCH: usize = 12;
+const MIN_STRETCHES: usize = 8;
 
-/// Tells of two columns of one unit that should be exchanged, of a column or a part of a rate that is off by a power of 1000.
+/// Finds two columns of one unit that should be exchanged, or a column or a part of a rate that is off by a
+/// power of 1000 or by its sign.
 pub(super) fn balance(system: &System, record: &Record, found: &mut Vec<Suspicion>) {
     let rates: Vec<Rate> = system.states.iter().filter_map(|s| Rate::of(system, s.velocity?)).collect();
     let now: Vec<Sums> = rates.iter().filter_map(|rate| Sums::new(system, record, rate)).collect();
     let left = worst(&now);
-    if !left.is_finite() || left < MENDED[0].0 {
+    if !left.is_finite() || left < CORRECTIONS[0].0 {
         return;
     }
     let columns = system.states.len() + system.inputs.len();
     let exchanges = (0..columns).flat_map(|i| (i + 1..columns).map(move |j| Change::Exchange(i, j)));
-    let scales = (0..columns).flat_map(|k| FACTORS.into_iter().map(move |f| Change::Scale(k, f)));
-    // An input of the other sign is a part of the other sign; a drive that may as well be left out is none that is out of all proportion.
+    let scales = (0..columns).flat_map(|k| WRONG_FACTORS.into_iter().map(move |f| Change::Scale(k, f)));
+    // The sign of an input is tested as the sign of a part. A drive scaled down to nothing is plausible only if
+    // the misfit is huge.
     let plausible = |c: &Change| match *c {
-        Change::Scale(k, f) if k < system.states.len() => f <= 1.0 || left > MENDED[2].0,
-        Change::Scale(_, f) => f >= 1.0 || (f > 0.0 && left > MENDED[2].0),
+        Change::Scale(k, f) if k < system.states.len() => f <= 1.0 || left > CORRECTIONS[2].0,
+        Change::Scale(_, f) => f >= 1.0 || (f > 0.0 && left > CORRECTIONS[2].0),
         Change::Exchange(..) => true,
     };
     let changes = exchanges.chain(scales.filter(plausible));
     let then = |change: Change| {
-        let other = change.made(system, record)?;
+        let other = change.applied(system, record)?;
         let sums: Vec<Sums> = rates.iter().filter_map(|rate| Sums::new(system, &other, rate)).collect();
-        let steady = !change.turns() || sums.iter().all(|s| s.holds_in_halves(&|_| 1.0));
+        let steady = !change.reverses() || sums.iter().all(|s| s.holds_in_halves(&|_| 1.0));
         (sums.len() == now.len() && steady).then(|| (worst(&sums), change))
     };
     let best = changes.filter_map(then).min_by(|a, b| a.0.total_cmp(&b.0));
-    let best = best.filter(|(after, _)| mended(left, *after));
+    let best = best.filter(|(after, _)| is_correction(left, *after));
     let off: Vec<(f64, Suspicion)> = now.iter().filter_map(|sums| sums.off(system)).collect();
-    // In a linear model a drive that is too large is a motion that is too small: a part says where to look.
+    // In a linear model a drive that is too large equals a motion that is too small: prefer the part, which is
+    // more specific.
     let parts = off.iter().map(|(after, _)| *after).fold(f64::NEG_INFINITY, f64::max);
     match best {
         Some((after, change))
@@ -65,7 +70,7 @@ pub(super) fn balance(system: &System, record: &Record, found: &mut Vec<Suspicio
     }
 }
 
-/// What may be wrong with the columns of a record, counted with states first.
+/// A possible mistake in the columns of a record; states count first, then inputs.
 #[derive(Clone, Copy)]
 enum Change {
     Exchange(usize, usize),
@@ -73,12 +78,12 @@ enum Change {
 }
 
 impl Change {
-    fn turns(&self) -> bool {
+    fn reverses(&self) -> bool {
         matches!(self, Change::Scale(_, f) if *f < 0.0)
     }
 
-    /// The record as it should be; none if the columns have two units, or are not measured.
-    fn made(self, system: &System, record: &Record) -> Option<Record> {
+    /// The corrected record; none if the columns differ in unit or are not measured.
+    fn applied(self, system: &System, record: &Record) -> Option<Record> {
         match self {
             Change::Exchange(i, j) => {
                 let same = system.measured(i).1 == system.measured(j).1;
@@ -101,12 +106,12 @@ impl Change {
     }
 }
 
-/// Whether what is left now falls to what an incomplete model may leave.
-fn mended(now: f64, after: f64) -> bool {
-    MENDED.iter().any(|(least, most, fall)| now > *least && after < *most && fall * after < now)
+/// Whether a correction lowers the misfit enough to be accepted, by [`CORRECTIONS`].
+fn is_correction(now: f64, after: f64) -> bool {
+    CORRECTIONS.iter().any(|(least, most, fall)| now > *least && after < *most && fall * after < now)
 }
 
-/// The largest misfit; nothing where there is nothing to compare.
+/// The largest misfit; minus infinity if there is nothing to compare.
 fn worst(all: &[Sums]) -> f64 {
     all.iter().map(|s| s.misfit(&|_| 1.0)).fold(f64::NEG_INFINITY, f64::max)
 }
@@ -119,17 +124,17 @@ struct Rate {
 }
 
 impl Rate {
-    /// None if something in it is still to be found, or if it has no parts.
+    /// None if it depends on a parameter that is to be found, or if it has no parts.
     fn of(system: &System, velocity: usize) -> Option<Rate> {
         let mut graph = system.graph.clone();
         let known = system.known[velocity];
         let open = system.parameters.iter().any(|p| !p.known && graph.uses(&[known], &[p.node]));
         let parts = parts(&mut graph, known);
-        (!open && !parts.is_empty() && parts.len() <= PARTS).then_some(Rate { velocity, graph, parts })
+        (!open && !parts.is_empty() && parts.len() <= MAX_PARTS).then_some(Rate { velocity, graph, parts })
     }
 }
 
-/// The parts of a sum, whatever it is multiplied with or divided by; `k*(x - u)` stays together.
+/// The parts of a sum, with common factors and divisors distributed over them; `k*(x - u)` stays one part.
 fn parts(graph: &mut Graph, root: Id) -> Vec<Id> {
     let one = graph.constant(1.0);
     let (mut stack, mut all) = (vec![(root, one)], Vec::new());
@@ -165,7 +170,8 @@ fn parts(graph: &mut Graph, root: Id) -> Vec<Id> {
     all
 }
 
-/// Integrals over stretches of the measured acceleration and of each part of the known one, their means taken off: what a sensor's zero and a weight make.
+/// Integrals over stretches of the measured acceleration and of each part of the known one. Their means are
+/// removed, since a zero offset of a sensor or a weight would dominate them.
 struct Sums<'r> {
     rate: &'r Rate,
     measured: Vec<f64>,
@@ -176,13 +182,13 @@ impl<'r> Sums<'r> {
     fn new(system: &System, record: &Record, rate: &'r Rate) -> Option<Sums<'r>> {
         let v = rate.velocity;
         let x = system.states.iter().position(|s| s.velocity == Some(v))?;
-        let n = record.len().min(SAMPLES);
+        let n = record.len().min(MAX_SAMPLES);
         let time = &record.time[..n];
         let (displacement, velocity) = (record.columns[x].as_ref(), record.columns[v].as_ref());
         let column = velocity.or(displacement)?;
         let step = (time[n - 1] - time[0]) / (n - 1) as f64;
         let half = strongest_line(time, &column[..n]).map_or(n / 40, |l| (0.5 / l.frequency / step) as usize);
-        let stretch = half.clamp(STRETCH, (n / STRETCHES).max(STRETCH));
+        let stretch = half.clamp(MIN_STRETCH, (n / MIN_STRETCHES).max(MIN_STRETCH));
         let states = motion(system, record, n, stretch);
         let needed = |k: &usize| rate.graph.uses(&rate.parts, &[system.states[*k].node]);
         if (0..states.len()).filter(needed).any(|k| states[k].is_none()) {
@@ -199,12 +205,12 @@ impl<'r> Sums<'r> {
         }
         let starts = (0..n.saturating_sub(stretch)).step_by((stretch / 2).max(1));
         let stretches = || starts.clone().map(|from| from..=from + stretch);
-        // Where the motion is measured from is no acceleration, however coarse the grid.
+        // The mean of a column gives no acceleration, however coarse the grid.
         let rate_of = |column: &[f64], kernel: &dyn Fn(f64, f64) -> f64| -> Vec<f64> {
             let centred = |at: RangeInclusive<usize>| {
-                integral(&time[at.clone()], &less_mean(column[at].to_vec()), kernel)
+                integral(&time[at.clone()], &without_mean(column[at].to_vec()), kernel)
             };
-            less_mean(stretches().map(centred).collect())
+            without_mean(stretches().map(centred).collect())
         };
         let measured = match velocity {
             Some(v) => rate_of(v, &|s, length| -PI / length * (TAU * s).sin()),
@@ -212,14 +218,14 @@ impl<'r> Sums<'r> {
         };
         let weight = |s: f64, _: f64| 0.5 * (1.0 - (TAU * s).cos());
         let over = |c: &Vec<f64>| {
-            less_mean(stretches().map(|at| integral(&time[at.clone()], &c[at], &weight)).collect())
+            without_mean(stretches().map(|at| integral(&time[at.clone()], &c[at], &weight)).collect())
         };
         let parts: Vec<Vec<f64>> = values.iter().map(over).collect();
         let finite = parts.iter().chain([&measured]).flatten().all(|v| v.is_finite());
-        (finite && measured.len() >= STRETCHES).then_some(Sums { rate, measured, parts })
+        (finite && measured.len() >= MIN_STRETCHES).then_some(Sums { rate, measured, parts })
     }
 
-    /// What is left of the measured acceleration, as a part of it, with each part times a factor.
+    /// The misfit of the acceleration, relative to the measured one, with each part multiplied by a factor.
     fn misfit(&self, factor: &dyn Fn(usize) -> f64) -> f64 {
         self.misfit_in(0..self.measured.len(), factor)
     }
@@ -235,32 +241,34 @@ impl<'r> Sums<'r> {
         if whole > 0.0 { (left / whole).sqrt() } else { f64::NAN }
     }
 
-    /// Whether it leaves little in either half of the record: a drive at another frequency has the other sign for a while.
+    /// Whether the misfit is small in both halves of the record. A drive at a slightly wrong frequency has the
+    /// wrong sign for a while.
     fn holds_in_halves(&self, factor: &dyn Fn(usize) -> f64) -> bool {
         let half = self.measured.len() / 2;
-        [0..half, half..self.measured.len()].into_iter().all(|of| self.misfit_in(of, factor) < HALVES)
+        [0..half, half..self.measured.len()].into_iter().all(|of| self.misfit_in(of, factor) < HALF_MISFIT)
     }
 
-    /// Whether one part, or all that drives, is off by a power of 1000: what is left once it is put right, and what was wrong.
+    /// A part, or all drives together, that is off by a power of 1000 or by its sign: the misfit after the
+    /// correction, and the finding.
     fn off(&self, system: &System) -> Option<(f64, Suspicion)> {
         let Rate { velocity, graph, parts } = self.rate;
         let now = self.misfit(&|_| 1.0);
         let states: Vec<Id> = system.states.iter().map(|s| s.node).collect();
         let drives: Vec<usize> = (0..parts.len()).filter(|&k| !graph.uses(&[parts[k]], &states)).collect();
         let alone = (0..parts.len()).map(|k| vec![k]);
-        // An inertia is in all of them.
+        // A wrong inertia scales all parts.
         let together = [drives, (0..parts.len()).collect()].into_iter().filter(|group| group.len() > 1);
         let groups = alone.chain(together);
-        // A part a thousand times too large is out of all proportion; one that may as well be left out is not.
-        let factors = FACTORS.into_iter().filter(|f| f.abs() >= 1.0 || now > MENDED[2].0);
+        // Scaling a part down to nothing is plausible only if the misfit is huge.
+        let factors = WRONG_FACTORS.into_iter().filter(|f| f.abs() >= 1.0 || now > CORRECTIONS[2].0);
         let trials = groups
             .flat_map(|group| factors.clone().map(move |f| (group.clone(), f)))
             .map(|(group, f)| (self.misfit(&|k| if group.contains(&k) { f } else { 1.0 }), group, f));
         let (after, group, f) = trials.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        if !mended(now, after) {
+        if !is_correction(now, after) {
             return None;
         }
-        // Without the number in front: nobody wrote that one.
+        // Without a numeric factor, which comes from folded constants.
         let bare = |part: Id| match graph.node(part) {
             Node::Binary(Binary::Mul, a, b) if graph.value(a).is_some() => b,
             Node::Binary(Binary::Mul, a, b) if graph.value(b).is_some() => a,
@@ -269,7 +277,7 @@ impl<'r> Sums<'r> {
         if f < 0.0 && !self.holds_in_halves(&|k| if group.contains(&k) { f } else { 1.0 }) {
             return None;
         }
-        // Seconds read as milliseconds, or the other way round, square in an acceleration.
+        // A time column in the wrong one of s and ms scales all accelerations by 1e6.
         let clock = parts.len() > 1 && group.len() == parts.len() && (f == 1e6 || f == 1e-6);
         let texts = group.iter().map(|&k| graph.text(bare(parts[k]), &system.names)).collect();
         let velocity = system.states[*velocity].name.clone();
@@ -277,20 +285,22 @@ impl<'r> Sums<'r> {
     }
 }
 
-/// The integral of a column over a stretch, times a kernel of the place in it (0 to 1) and its length.
+/// The integral over a stretch of a column times a kernel, which depends on the position in the stretch (0 to
+/// 1) and its length.
 fn integral(time: &[f64], column: &[f64], kernel: &dyn Fn(f64, f64) -> f64) -> f64 {
     let length = time[time.len() - 1] - time[0];
     let at = |i: usize| kernel((time[i] - time[0]) / length, length) * column[i];
     (1..time.len()).map(|i| 0.5 * (at(i) + at(i - 1)) * (time[i] - time[i - 1])).sum()
 }
 
-fn less_mean(mut values: Vec<f64>) -> Vec<f64> {
+fn without_mean(mut values: Vec<f64>) -> Vec<f64> {
     let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
     values.iter_mut().for_each(|v| *v -= mean);
     values
 }
 
-/// The first `n` samples of every state as far as columns say it: a velocity without one as the slope over a part of a stretch, a displacement as the integral.
+/// The first `n` samples of every state that columns determine: a velocity without a column is the slope over a
+/// tenth of a stretch, a displacement without one is the integral.
 fn motion(system: &System, record: &Record, n: usize, stretch: usize) -> Vec<Option<Vec<f64>>> {
     let time = &record.time;
     let reach = (stretch / 10).max(1);
@@ -305,7 +315,7 @@ fn motion(system: &System, record: &Record, n: usize, stretch: usize) -> Vec<Opt
     let sum = |v: &[f64]| -> Vec<f64> {
         let mut x = vec![0.0];
         (1..n).for_each(|i| x.push(x[i - 1] + 0.5 * (v[i] + v[i - 1]) * (time[i] - time[i - 1])));
-        less_mean(x)
+        without_mean(x)
     };
     let mut states: Vec<Option<Vec<f64>>> =
         record.columns.iter().map(|c| c.as_ref().map(|c| c[..n].to_vec())).collect();
@@ -319,7 +329,7 @@ fn motion(system: &System, record: &Record, n: usize, stretch: usize) -> Vec<Opt
     states
 }
 
-/// A measured column, states first; none if there is none, or if it is derived from another one.
+/// A measured column, states first; none if it has no samples or is derived from another one.
 fn measured(system: &System, record: &Record, k: usize) -> Option<Vec<f64>> {
     let Some(input) = k.checked_sub(system.states.len()) else { return record.columns[k].clone() };
     let source = record.derivations.iter().find(|d| d.of == input);
@@ -327,7 +337,7 @@ fn measured(system: &System, record: &Record, k: usize) -> Option<Vec<f64>> {
     (!record.derivations.iter().any(|d| d.input == input)).then(raw)
 }
 
-/// The record with other values in some of its columns, states first; what was derived from them is derived anew.
+/// The record with other values in some of its columns, states first. Derived inputs are derived again.
 fn replaced(system: &System, record: &Record, columns: Vec<(usize, Vec<f64>)>) -> Option<Record> {
     let mut out = record.clone();
     for (k, values) in columns {
@@ -351,7 +361,8 @@ mod tests {
     use super::*;
     use phisindy_signal::test_signals::gaussian;
 
-    /// What is told of a body on a spring to a base that moves, driven by a force besides: `x` measured, `v` not. Constants as given; columns in the order x, u, F.
+    /// The findings for a body on a spring to a moving base, driven by a force as well. `x` is measured, `v` is
+    /// not. Columns: x, u, F.
     fn told(m: f64, c: f64, k: f64, order: [usize; 3], scale: [f64; 3]) -> String {
         let text = format!(
             r#"(constants: {{"m": ({m}, "kg"), "c": ({c}, "N*s/m"), "k": (value: {k}, unit: "N/m", within: (-1e9, 1e9))}}, states: {{"x": "m", "v": "m/s"}},
@@ -363,7 +374,7 @@ mod tests {
         let (spec, _) = crate::text::spec::read(&text, id).unwrap();
         let (case, _) = crate::system::check::check(&spec, id).unwrap();
         let time: Vec<f64> = (0..2500).map(|i| 0.01 * f64::from(i)).collect();
-        // 2 kg on 600 N/m, friction of 0.5 N that the model lacks.
+        // 2 kg on 600 N/m, and friction of 0.5 N that the model lacks.
         let base = |t: f64| 4e-3 * (9.0 * t).sin() + 2e-3 * (23.0 * t + 1.0).sin();
         let slope = |t: f64| 36e-3 * (9.0 * t).cos() + 46e-3 * (23.0 * t + 1.0).cos();
         let force = |t: f64| 1.5 * (14.0 * t).cos();
@@ -399,7 +410,7 @@ mod tests {
         assert_eq!(told(2.5, 2.0, 500.0, ORDER, ONE), "");
         assert_eq!(told(2.0, 2.0, 1200.0, ORDER, ONE), "");
         assert_eq!(told(20.0, 2.0, 600.0, ORDER, ONE), "");
-        // What is too much by less than a thousand is better left out than in, and that is no unit.
+        // Too much by less than a thousand is no wrong unit, although leaving the part out would be better.
         assert_eq!(told(2.0, 30.0, 600.0, ORDER, ONE), "");
     }
 
@@ -432,7 +443,7 @@ mod tests {
         assert!(force.contains("in `F`") && force.contains("other sign"), "{force}");
         let spring = told(2.0, 2.0, -600.0, ORDER, ONE);
         assert!(spring.contains("other sign"), "{spring}");
-        // With a wall and a force that drive, no part alone can be turned in the place of the motion.
+        // With two drives no single part can take the place of the sign of the motion.
         let motion = told(2.0, 2.0, 600.0, ORDER, [-1.0, 1.0, 1.0]);
         assert!(motion.contains("the column `x` has the other sign"), "{motion}");
     }

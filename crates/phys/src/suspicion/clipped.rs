@@ -1,7 +1,11 @@
 //! Columns that are cut off at the end of a sensor's range.
 
-/// Samples in runs at exactly the least or greatest value into which the signal does not come to rest but is cut: the step before is
-/// large, beyond one step of a rounded column, and the run is longer than those in which the column repeats values anyway (a coarse sensor, a slow one).
+/// The number of clipped samples of a column whose least and greatest values are `min` and `max`; 0 if it is
+/// not clipped.
+///
+/// A run at exactly `min` or `max` is clipped if the column enters it with a large step, more than the
+/// quantisation at that end, and if it is longer than the runs elsewhere, in which a coarse or slow sensor
+/// repeats values.
 pub fn clipped(values: &[f64], min: f64, max: f64) -> usize {
     let steps = values.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>() / values.len().max(2) as f64;
     let usual = steps.sqrt();
@@ -20,14 +24,14 @@ pub fn clipped(values: &[f64], min: f64, max: f64) -> usize {
         k = end;
     }
     inner.sort_unstable();
-    // Of hundreds of runs a few are long by chance.
+    // A few of hundreds of runs are long by chance.
     let common = inner.get(inner.len() * 98 / 100).copied().unwrap_or(0);
     let cut = outer.iter().filter(|n| **n > 2 * common.max(1));
     let (total, runs) = cut.fold((0, 0), |(total, runs), n| (total + n, runs + 1));
     if runs >= 3 || total >= 20 { total } else { 0 }
 }
 
-/// The step of the rounding at one end of a column, 0 if its last three levels are not equally far apart.
+/// The quantisation step at one end of a column; 0 if its last three levels are not equally far apart.
 fn last_step(values: &[f64], order: impl Fn(f64) -> f64) -> f64 {
     let mut ends = [f64::INFINITY; 3];
     for v in values.iter().map(|v| order(*v)) {

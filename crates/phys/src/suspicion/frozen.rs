@@ -1,18 +1,19 @@
-//! Stretches in which a logger repeats its last value.
+//! Frozen stretches: a logger repeats its last value.
 
 use phisindy_signal::{bounds, noise_level, rounding_error, standard_deviation};
 use std::ops::Range;
 
-/// Fewer equal samples are no stretch.
+/// Fewer equal samples are not frozen.
 const SHORTEST: usize = 5;
-/// ... nor as many as come by chance in one of so many records.
+/// Runs that occur by chance in one of this many records are not frozen either.
 const CHANCE: f64 = 1e6;
-/// A sensor whose noise is below this part of its motion may show a body at rest as one number.
+/// A sensor whose noise is below this part of its motion may show a body at rest as one value.
 const OWN: f64 = 1e-3;
-/// A step that is so many times those before and after it leads back to where the motion is.
+/// A step of this many times those beside it returns to the motion.
 const CATCH_UP: f64 = 4.0;
 
-/// The stretches of equal values that no rest of the body explains: the sensor has noise everywhere else, or what follows is far away.
+/// Stretches of equal values that a body at rest does not explain: the column has noise everywhere else, or
+/// jumps at their ends.
 pub(super) fn frozen(column: &[f64]) -> Vec<Range<usize>> {
     let n = column.len();
     let (min, max) = bounds(column);
@@ -23,7 +24,7 @@ pub(super) fn frozen(column: &[f64]) -> Vec<Range<usize>> {
         runs.push(k..end);
         k = end;
     }
-    // How often a value is repeated: a coarse sensor does it all the time.
+    // The share of repeated values: large for a coarse sensor.
     let repeated = runs.iter().filter(|r| r.len() > 1).count();
     let often = (repeated + 1) as f64 / (runs.len() + 1) as f64;
     let by_chance = (CHANCE * n as f64).ln() / -often.ln();
@@ -32,7 +33,7 @@ pub(super) fn frozen(column: &[f64]) -> Vec<Range<usize>> {
     let frozen = |r: &Range<usize>| {
         let value = column[r.start];
         let long = r.len() >= SHORTEST && (r.len() - 1) as f64 > by_chance;
-        // What is cut off at the end of a range stands there, too. Noise that grows with the motion is none at zero.
+        // Clipped columns repeat their extremes. Noise that grows with the motion vanishes at zero.
         long && value != min && value != max && (noisy && value != 0.0 || catches_up(column, r))
     };
     runs.into_iter().filter(|r| r.len() < n && frozen(r)).collect()
@@ -46,7 +47,7 @@ fn catches_up(column: &[f64], stretch: &Range<usize>) -> bool {
     let step = |k: usize| (column[k] - column[k - 1]).abs();
     let beside = |range: Range<usize>| range.map(step).fold(0.0, f64::max);
     let usual = beside(stretch.start - 4..stretch.start).max(beside(stretch.end + 1..stretch.end + 5));
-    // Before a motion that begins all is at rest.
+    // A body at rest before its motion begins is not frozen.
     usual > 0.0
         && beside(stretch.start - 4..stretch.start) > 0.0
         && step(stretch.start).max(step(stretch.end)) > CATCH_UP * usual
@@ -57,7 +58,7 @@ mod tests {
     use super::*;
     use phisindy_signal::test_signals::{gaussian, stick_slip};
 
-    /// A swing with noise of this standard deviation.
+    /// A harmonic motion with noise of this standard deviation.
     fn swing(noise: f64) -> Vec<f64> {
         let swing = |i: usize| (0.03 * i as f64).sin();
         gaussian(3000, 5).iter().enumerate().map(|(i, e)| swing(i) + noise * e).collect()

@@ -1,28 +1,29 @@
-//! A displacement that is elsewhere from one sample to the next, and stays there: no body does that, a sensor that slips does.
+//! Jumps of level: a displacement that changes from one sample to the next and stays there. A slipping sensor
+//! does that, no body does.
 
 use super::scatter;
 use phisindy_signal::median;
 
-/// A step that is so many times the scatter of the samples ...
+/// Without a velocity a jump is a step of this many times the scatter of the samples ...
 const JUMP: f64 = 10.0;
-/// ... and so many times the steps round it.
+/// ... and this many times the deviation of the steps beside it.
 const ABRUPT: f64 = 4.0;
-/// Samples on either side of which the level is taken, where a measured velocity says what the motion does meanwhile.
+/// With a measured velocity the level is the median over this many samples on either side.
 pub(super) const LEVEL: usize = 20;
-/// Levels scatter: a shift is so many times that ...
+/// A jump is this many times the scatter of the levels ...
 const SHIFT: f64 = 8.0;
-/// ... and so many times what the fastest motion does in one step.
+/// ... and this many times the largest displacement in one step.
 const STEPS: f64 = 3.0;
 
-/// The samples before a jump of a displacement `x`; `v` is its measured velocity.
+/// The samples before the jumps of a displacement `x`; `v` is its measured velocity.
 pub(super) fn jumps(time: &[f64], x: &[f64], v: Option<&[f64]>) -> Vec<usize> {
     let n = x.len();
     let all = v.map_or_else(|| abrupt(time, x), |v| shifted(time, x, v));
-    // What happens all the time is a motion that was sampled too seldom.
+    // Frequent jumps are a motion that is sampled too coarsely.
     if all.len() * 200 <= n { all } else { vec![] }
 }
 
-/// Steps far larger than those before and after them.
+/// Steps far larger than those beside them.
 fn abrupt(time: &[f64], x: &[f64]) -> Vec<usize> {
     let least = scatter::of(x);
     let steps: Vec<f64> = x.windows(2).map(|w| w[1] - w[0]).collect();
@@ -38,7 +39,7 @@ fn abrupt(time: &[f64], x: &[f64]) -> Vec<usize> {
     (3..steps.len().saturating_sub(3)).filter(|&k| jump(k)).collect()
 }
 
-/// Where the level of `x` less the integral of `v` is another one from one sample on.
+/// Samples after which the level of `x` less the integral of `v` changes.
 fn shifted(time: &[f64], x: &[f64], v: &[f64]) -> Vec<usize> {
     let n = x.len();
     if n < 8 * LEVEL {
@@ -64,7 +65,7 @@ fn shifted(time: &[f64], x: &[f64], v: &[f64]) -> Vec<usize> {
     };
     let mut all: Vec<usize> = Vec::new();
     for &(k, size) in coarse.iter().filter(|(k, size)| told(*k, *size)) {
-        // Where the step itself is, near the largest shift.
+        // The largest single step near the largest shift.
         let near = (k.max(2 * LEVEL) - LEVEL..(k + LEVEL).min(n - LEVEL)).max_by(|a, b| {
             let own = |j: usize| (rest[j + 1] - rest[j]).abs();
             own(*a).total_cmp(&own(*b))
@@ -87,7 +88,7 @@ mod tests {
     use super::*;
     use phisindy_signal::test_signals::{gaussian, stick_slip};
 
-    /// Time, displacement and velocity of a swing with noise of this part of each.
+    /// Time, displacement and velocity of a harmonic motion with noise of this standard deviation.
     fn swing(noise: f64) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
         let time: Vec<f64> = (0..3000).map(|i| 0.01 * f64::from(i)).collect();
         let noisy = |seed: u64, f: fn(f64) -> f64| {
@@ -105,7 +106,7 @@ mod tests {
             assert_eq!(jumps(&time, &x, None), [1233], "{noise}");
             assert_eq!(jumps(&time, &x, Some(&v)), [1233], "{noise}");
         }
-        // Six times the noise: only beside a velocity.
+        // Six times the noise is detected only with a velocity.
         let (time, mut x, v) = swing(0.05);
         x[1234..].iter_mut().for_each(|x| *x += 0.3);
         assert_eq!(jumps(&time, &x, None), []);
@@ -123,14 +124,14 @@ mod tests {
         let cut = |c: &[f64]| [&c[..1000], &c[1100..]].concat();
         assert_eq!(jumps(&cut(&time), &cut(&x), None), []);
         assert_eq!(jumps(&cut(&time), &cut(&x), Some(&cut(&v))), []);
-        // Slips of four samples.
+        // Slip phases of four samples.
         let slips: Vec<f64> = (0..3000)
             .map(|i| (i / 100) as f64 + [0.0, 0.15, 0.5, 0.85].get(i % 100).copied().unwrap_or(1.0))
             .collect();
         assert_eq!(jumps(&time, &slips, None), []);
         let (time, x, v) = stick_slip();
         assert_eq!((jumps(&time, &x, None), jumps(&time, &x, Some(&v))), (vec![], vec![]));
-        // Bounces with a velocity that turns between two samples.
+        // Impacts at which the velocity reverses between two samples.
         let (time, ..) = swing(0.0);
         let bounce: Vec<f64> = time.iter().map(|t| (3.0 * t).sin().abs()).collect();
         let turns: Vec<f64> = time.iter().map(|t| 3.0 * (3.0 * t).cos() * (3.0 * t).sin().signum()).collect();

@@ -1,30 +1,33 @@
-//! A velocity is the rate of its displacement. Where it is not, a unit is wrong, a sensor is mounted the other way round, or columns are swapped.
+//! Measured velocities that are not the rate of their displacement: a unit is wrong, a sensor is mounted the
+//! other way round, or columns are swapped.
 
 use super::words::Suspicion;
 use crate::system::equations::System;
 use crate::system::record::Record;
 use phisindy_signal::{noise_level, standard_deviation};
 
-/// A scale between a displacement and its velocity beyond this is a mistake in a unit and not a sensor out of tune.
+/// A factor between rate and velocity beyond this is a wrong unit, not a sensor out of calibration.
 const SCALE: f64 = 3.0;
-/// Correlation above which two curves have one shape, and below which they have not.
+/// Correlation above which two curves have one shape, and below which they have different shapes.
 const ALIKE: f64 = 0.9;
 const UNLIKE: f64 = 0.5;
-/// Of two bodies that move nearly alike: as they are, the velocities differ from the rates by more than this, and so many times more than exchanged.
+/// Before an exchange the misfit between rate and velocity exceeds `APART` and `NEARER` times the misfit after
+/// it, for bodies that move nearly alike.
 const APART: f64 = 0.15;
 const NEARER: f64 = 4.0;
-/// Two exchanges that leave so nearly the same cannot be told apart.
+/// An exchange whose misfit is below `ALSO.0` times the least plus `ALSO.1` is named too.
 const ALSO: (f64, f64) = (1.2, 0.03);
-/// The rate differs from the velocity by less than this part of it if they are one, sensors and noise as they are, and by more than that if they are not.
+/// A misfit below `SAME` is a match, with real sensors and noise; above `OTHER` it is none.
 const SAME: f64 = 0.35;
 const OTHER: f64 = 0.5;
 
-/// Compares each measured velocity with the rate of its measured displacement. Returns whether it told of anything.
+/// Compares each measured velocity with the rate of its measured displacement. Returns whether anything was
+/// found.
 pub(super) fn rates(system: &System, record: &Record, found: &mut Vec<Suspicion>) -> bool {
     let before = found.len();
     let swapped = swapped(system, record);
-    if let Some(told) = &swapped.told {
-        found.push(told.clone());
+    if let Some(finding) = &swapped.finding {
+        found.push(finding.clone());
     }
     for (k, v) in pairs(system, record).filter(|pair| !swapped.pairs.contains(pair)) {
         let (Some(x), Some(y)) = (&record.columns[k], &record.columns[v]) else { continue };
@@ -41,7 +44,7 @@ pub(super) fn rates(system: &System, record: &Record, found: &mut Vec<Suspicion>
     found.len() > before
 }
 
-/// The displacements and velocities of which both are measured.
+/// Indices of the displacements and velocities that are both measured.
 fn pairs(system: &System, record: &Record) -> impl Iterator<Item = (usize, usize)> {
     let measured = |k: usize| record.columns[k].is_some();
     let of = move |(k, velocity): (usize, Option<usize>)| {
@@ -53,14 +56,14 @@ fn pairs(system: &System, record: &Record) -> impl Iterator<Item = (usize, usize
 /// Displacements and their velocities.
 type Pairs = Vec<(usize, usize)>;
 
-/// Columns that are exchanged, and the pairs that are wrong because of it.
+/// Exchanged columns, and the pairs that are wrong because of the exchange.
 #[derive(Default)]
 struct Swapped {
-    told: Option<Suspicion>,
+    finding: Option<Suspicion>,
     pairs: Pairs,
 }
 
-/// Looks for two columns that make each velocity the rate of its displacement once they are exchanged.
+/// Searches two columns whose exchange makes each velocity the rate of its displacement.
 fn swapped(system: &System, record: &Record) -> Swapped {
     let pairs: Pairs = pairs(system, record).collect();
     let states = system.states.iter().zip(&record.columns).map(|(s, c)| (&s.name, &s.unit, c.as_deref()));
@@ -69,16 +72,17 @@ fn swapped(system: &System, record: &Record) -> Swapped {
     let inputs = inputs.map(|(k, (u, signal))| (&u.name, &u.unit, (!derived(k)).then(|| signal.values())));
     let columns: Vec<(&String, &String, Option<&[f64]>)> = states.chain(inputs).collect();
     let rate_of = |k: usize, v: usize| rate(record, columns[k].2?, columns[v].2?);
-    // A pair alone, whose rate runs the other way.
+    // First the two columns of one pair.
     for &(k, v) in &pairs {
         let (Some(straight), Some(crossed)) = (rate_of(k, v), rate_of(v, k)) else { continue };
-        // In a swing the rate of a velocity is minus the displacement: which of the two stories has the right size?
+        // In a free oscillation the rate of the velocity is proportional to minus the displacement: the size of
+        // the slope decides.
         let off = |rate: &Rate| rate.slope.abs().ln().abs();
         let likelier = straight.correlation > -ALIKE || off(&crossed) < off(&straight);
         if straight.correlation < UNLIKE && crossed.correlation > ALIKE && likelier {
             let (displacement, velocity) = (columns[k].0.clone(), columns[v].0.clone());
-            let told = Suspicion::PairSwapped { displacement, velocity };
-            return Swapped { told: Some(told), pairs: vec![(k, v)] };
+            let finding = Suspicion::PairSwapped { displacement, velocity };
+            return Swapped { finding: Some(finding), pairs: vec![(k, v)] };
         }
     }
     let mut best: Vec<(f64, [usize; 2], Pairs)> = Vec::new();
@@ -95,7 +99,7 @@ fn swapped(system: &System, record: &Record) -> Swapped {
             };
             let touched: Pairs =
                 pairs.iter().copied().filter(|&(k, v)| [k, v].iter().any(|&c| exchanged(c) != c)).collect();
-            // A pair among itself was looked at, and says nothing of a pair with another one.
+            // Exchanges within one pair are treated above.
             let alone = touched.contains(&(i, j)) || touched.contains(&(j, i));
             if alone || touched.is_empty() || columns[i].2.is_none() || columns[j].2.is_none() {
                 continue;
@@ -119,36 +123,38 @@ fn swapped(system: &System, record: &Record) -> Swapped {
     }
     best.sort_by(|a, b| a.0.total_cmp(&b.0));
     let Some((least, .., touched)) = best.first() else { return Swapped::default() };
-    // Of two bodies both displacements or both velocities may be the ones.
+    // With two bodies an exchange of the displacements and one of the velocities explain the same.
     let candidates: Vec<(String, String)> = best
         .iter()
         .filter(|(misfit, .., other)| *misfit < ALSO.0 * least + ALSO.1 && other == touched)
         .map(|(_, [i, j], _)| (columns[*i].0.clone(), columns[*j].0.clone()))
         .collect();
-    Swapped { told: Some(Suspicion::SwappedByRates { candidates }), pairs: touched.clone() }
+    Swapped { finding: Some(Suspicion::SwappedByRates { candidates }), pairs: touched.clone() }
 }
 
-/// The rate of a displacement against a velocity.
+/// The rate of a displacement compared with a velocity.
 #[derive(Clone, Copy, Debug)]
 struct Rate {
     slope: f64,
     correlation: f64,
-    /// Size of the difference less the noise of the displacement, as a part of that of the larger of them.
+    /// Root mean square of their difference without the noise of the displacement, relative to the larger of
+    /// the two.
     misfit: f64,
 }
 
-/// Compares the rate of `x` with `y`, both as differences over a stretch long enough that noise does not count.
+/// Compares the rate of `x` with `y`, both integrated over a stretch that is long enough for noise not to
+/// matter.
 fn rate(record: &Record, x: &[f64], y: &[f64]) -> Option<Rate> {
     let (noise, size) = (noise_level(x), standard_deviation(x));
     if !(size > 0.0 && standard_deviation(y) > 0.0) || x.len() < 64 || noise > 0.2 * size {
         return None;
     }
-    // The mean of the velocity over a stretch is the difference of the displacement over it.
+    // The integral of the velocity over a stretch is the difference of the displacement over it.
     let mut sums = vec![0.0];
     for (w, t) in y.windows(2).zip(record.time.windows(2)) {
         sums.push(sums[sums.len() - 1] + 0.5 * (w[0] + w[1]) * (t[1] - t[0]));
     }
-    // As long as it takes to move well beyond the noise, and no longer.
+    // The shortest stretch over which the displacement moves well beyond its noise.
     let mut stretch = 1;
     while stretch < x.len() / 8 {
         let moved = (0..x.len() - stretch).map(|i| (x[i + stretch] - x[i]).powi(2)).sum::<f64>();
@@ -177,8 +183,9 @@ mod tests {
     use super::*;
     use phisindy_signal::test_signals::gaussian;
 
-    /// Two bodies and the base `u`, each with a motion of its own, in a file of which two columns may be exchanged: what is told.
-    fn told(exchange: Option<(usize, usize)>, modes: [[f64; 3]; 3]) -> String {
+    /// The findings for two bodies and the base `u`, each with its own motion, in a file of which two columns
+    /// may be exchanged.
+    fn finding(exchange: Option<(usize, usize)>, modes: [[f64; 3]; 3]) -> String {
         let text = r#"(states: {"x1": "m", "x2": "m", "v1": "m/s", "v2": "m/s"}, inputs: {"u": "m"},
             known: {"x1": "v1", "x2": "v2", "v1": "u-x1", "v2": "-x2"}, unknown: {},
             data: [Csv(path: "a.csv", name: "a", time: "t", columns: {"x1": "a", "x2": "b", "v1": "c", "v2": "d", "u": "e"})])"#;
@@ -219,7 +226,7 @@ mod tests {
 
     #[test]
     fn any_two_columns_that_are_swapped_are_told() {
-        assert_eq!(told(None, MOTIONS), "");
+        assert_eq!(finding(None, MOTIONS), "");
         for (exchange, names) in [
             ((0, 1), "`x1` and `x2` (or `v1` and `v2`)"),
             ((2, 3), "`x1` and `x2` (or `v1` and `v2`)"),
@@ -228,18 +235,18 @@ mod tests {
             ((1, 3), "`x2` is the rate of `v2`"),
             ((0, 2), "`x1` is the rate of `v1`"),
         ] {
-            let said = told(Some(exchange), MOTIONS);
+            let said = finding(Some(exchange), MOTIONS);
             assert!(said.contains(names) && said.ends_with("swapped"), "{exchange:?}: {said}");
         }
     }
 
-    /// Bodies that move as one cannot be told apart, so nothing is said; with another size they can.
+    /// Bodies that move alike cannot be distinguished; with different amplitudes they can.
     #[test]
     fn equal_motions_are_not_told() {
         let alike = |size: f64| [MOTIONS[0], MOTIONS[0].map(|a| size * a), MOTIONS[2]];
-        assert_eq!(told(Some((0, 1)), alike(1.1)), "");
-        assert!(told(Some((0, 1)), alike(2.5)).contains("`x1` and `x2`"));
-        // Nearly alike, but as they are ten times further from the rates than exchanged.
-        assert!(told(Some((0, 1)), alike(1.4)).contains("`x1` and `x2`"));
+        assert_eq!(finding(Some((0, 1)), alike(1.1)), "");
+        assert!(finding(Some((0, 1)), alike(2.5)).contains("`x1` and `x2`"));
+        // Nearly alike, but the misfit is ten times larger before the exchange.
+        assert!(finding(Some((0, 1)), alike(1.4)).contains("`x1` and `x2`"));
     }
 }

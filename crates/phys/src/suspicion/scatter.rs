@@ -1,11 +1,12 @@
-//! How far a sample lies from the mean of its neighbours, and how far samples do: by medians, which spikes do not move.
+//! The deviation of a sample from the mean of its neighbours, and its scatter by medians, which are robust to
+//! spikes.
 
 use phisindy_signal::{median, rounding_error};
 
 /// Median of |normal|, times the standard deviation of `e1 - (e0 + e2)/2`.
 const UNIT: f64 = 0.674_489_750_196_081_7 * 1.224_744_871_391_589;
 
-/// What one in ten of |normal| exceeds, times the same.
+/// The 90 % quantile of |normal|, times the same.
 const TENTH: f64 = 1.644_853_626_951_472_6 * 1.224_744_871_391_589;
 
 /// A sample less the mean of its two neighbours.
@@ -19,7 +20,8 @@ pub(super) fn of(column: &[f64]) -> f64 {
     median(&mut sizes) / UNIT + rounding_error(column)
 }
 
-/// The same over `round` samples before `k` and after it, or what the largest tenth of them says if that is more: noise that comes and goes with the motion.
+/// The same over `round` samples before and after `k`, by the median or by the 90 % quantile, whichever is
+/// larger: noise may vary with the motion.
 pub(super) fn near(column: &[f64], k: usize, round: usize) -> f64 {
     let from = k.saturating_sub(round).max(1);
     let to = (k + round + 1).min(column.len().saturating_sub(1));

@@ -1,19 +1,21 @@
-//! Single samples far from their neighbours, on which the motion does not bend.
+//! Spikes: single samples far from neighbours that lie on a smooth curve.
 
 use super::scatter;
 
-/// This many times the scatter of the samples round it is no chance: of a million normal ones none.
+/// A spike deviates by this many times the scatter of the samples beside it; no one of a million normal numbers
+/// does.
 const SPIKE: f64 = 7.0;
-/// Samples on either side that say how large that scatter is.
+/// The scatter is taken over this many samples on either side.
 const ROUND: usize = 40;
-/// More than one in this many is no spike but how this sensor scatters.
+/// More than one spike in this many samples is noise of the sensor.
 const RARE: usize = 50;
 
-/// The samples that are spikes; none if they are too many to be any.
+/// The samples that are spikes; none if they are frequent.
 pub(super) fn spikes(column: &[f64]) -> Vec<usize> {
     let n = column.len();
     let least = scatter::of(column);
-    // Over its neighbours: a step, a corner, or a pulse that several samples show, is motion.
+    // On one side of both neighbours, which are close to theirs: steps, corners and pulses of several samples
+    // are motion.
     let stands_alone = |k: usize, size: f64| {
         let at = |j: usize| column[j];
         let (left, right) = (at(k) - at(k - 1), at(k) - at(k + 1));
@@ -35,7 +37,7 @@ mod tests {
     use super::*;
     use phisindy_signal::test_signals::gaussian;
 
-    /// A swing with noise of this standard deviation.
+    /// A harmonic motion with noise of this standard deviation.
     fn swing(noise: f64) -> Vec<f64> {
         let swing = |i: usize| (0.03 * i as f64).sin();
         gaussian(3000, 5).iter().enumerate().map(|(i, e)| swing(i) + noise * e).collect()

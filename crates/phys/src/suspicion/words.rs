@@ -3,9 +3,11 @@
 use phisindy_signal::Interpolation;
 use std::fmt;
 
-/// Something odd about a record before any model is fitted. It stops nothing. `Display` says it in words, without the name of the record.
+/// Something odd about a record before any model is fitted. It stops nothing. `Display` says it in words,
+/// without the name of the record.
 ///
-/// Columns are named as the spec names the state or input that they measure. Times are in seconds, values in SI.
+/// Columns are named as the spec names the state or input that they measure. Times are in seconds, values in
+/// SI.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Suspicion {
     /// No samples for a while.

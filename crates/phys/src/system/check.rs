@@ -23,8 +23,8 @@ pub struct Case {
     pub records: Vec<RecordPlan>,
     /// As in the spec.
     pub learn: LearnSpec,
-    /// Laws of the catalogue that `unknown` names, each with the state whose rate it may be missing in. The catalogue is not known here: whoever has
-    /// it writes them into `known`.
+    /// Laws of the catalogue that `unknown` names, each with the state whose rate it may be missing in. The
+    /// catalogue is not known here: whoever has it writes them into `known`.
     pub laws: Vec<(usize, Text)>,
 }
 
@@ -61,7 +61,8 @@ pub fn check(spec: &Spec, source: SourceId) -> Result<(Case, Vec<Diagnostic>), V
     checked(spec, source, true)
 }
 
-/// As [`check`], but for what the expressions measure: for texts that a program has changed after they were checked.
+/// As [`check`], but for what the expressions measure: for texts that a program has changed after they were
+/// checked.
 ///
 /// # Errors
 /// All mistakes found.
@@ -69,7 +70,8 @@ pub fn check_names(spec: &Spec, source: SourceId) -> Result<(Case, Vec<Diagnosti
     checked(spec, source, false)
 }
 
-/// Whether a constant with a unit may be added: not where the units of the states and inputs alone do not fit, which is only a warning as long as no constant speaks of units.
+/// Whether a constant with a unit may be added: not where the units of the states and inputs alone do not fit,
+/// which is only a warning as long as no constant speaks of units.
 pub fn takes_units(spec: &Spec, source: SourceId) -> bool {
     speaks_of_units(spec) || dimensions(spec, source).is_ok()
 }

@@ -1,4 +1,5 @@
-//! A checked system: known rates, unknown terms, parameters, contacts. It exists only if every name in the spec resolved.
+//! A checked system: known rates, unknown terms, parameters, contacts. It exists only if every name in the spec
+//! resolved.
 
 use crate::system::model::Model;
 use crate::units::unit::{Dimension, Unit};
@@ -52,10 +53,11 @@ pub struct Term {
     pub within: (f64, f64),
     /// SI unit of the coefficient; `None` where the spec does not determine it.
     pub unit: Option<Dimension>,
-    /// SI unit of the coefficient times the inertia of the state, where that has one and neither factor nor candidate holds it: such a
-    /// coefficient is a rate, and the product is the force behind it.
+    /// SI unit of the coefficient times the inertia of the state, where that has one and neither factor nor
+    /// candidate holds it: such a coefficient is a rate, and the product is the force behind it.
     pub force: Option<Dimension>,
-    /// SI unit of the work of the term on its state: energy where the spec states the inertia, else energy per inertia.
+    /// SI unit of the work of the term on its state: energy where the spec states the inertia, else energy per
+    /// inertia.
     pub energy: Option<Dimension>,
 }
 
@@ -121,8 +123,8 @@ pub struct System {
 }
 
 impl System {
-    /// The model with some terms of the dictionary. Its parameters are, in this order: the coefficients of `terms`, [`System::parameters`],
-    /// [`System::record_constants`].
+    /// The model with some terms of the dictionary. Its parameters are, in this order: the coefficients of
+    /// `terms`, [`System::parameters`], [`System::record_constants`].
     ///
     /// # Panics
     /// If a term does not exist.
@@ -163,10 +165,11 @@ impl System {
 
     /// Whether the known rates hold the sign of a contact's velocity: friction that the model has already.
     pub fn rubs(&self, contact: &Contact) -> bool {
-        holds_sign(&mut self.graph.clone(), &self.known, contact.node)
+        contains_sign(&mut self.graph.clone(), &self.known, contact.node)
     }
 
-    /// What the system's expressions depend on, in one order for every tape: time, states, inputs, parameters, constants of the records.
+    /// What the system's expressions depend on, in one order for every tape: time, states, inputs, parameters,
+    /// constants of the records.
     pub fn arguments(&self) -> Vec<Id> {
         let states = self.states.iter().map(|s| s.node);
         let inputs = self.inputs.iter().map(|u| u.node);
@@ -261,8 +264,8 @@ impl System {
     }
 }
 
-/// Whether expressions hold the sign, or the step, of `w` or of `-w`.
-pub(crate) fn holds_sign(graph: &mut Graph, roots: &[Id], w: Id) -> bool {
+/// Whether expressions contain the sign or the step function of `w` or `-w`.
+pub(crate) fn contains_sign(graph: &mut Graph, roots: &[Id], w: Id) -> bool {
     let own = [w, graph.neg(w)];
     let sign =
         |id: &Id| matches!(graph.node(*id), Node::Unary(Unary::Sgn | Unary::Step, a) if own.contains(&a));

@@ -2,7 +2,8 @@
 
 use phisindy_expr::{Graph, Id, Names, Symbol};
 
-/// Rates of change of states, as expressions. What the simulator and the estimator work on; it knows nothing of files or units.
+/// Rates of change of states, as expressions. What the simulator and the estimator work on; it knows nothing of
+/// files or units.
 ///
 /// ```
 /// use phisindy_phys::Model;

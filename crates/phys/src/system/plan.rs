@@ -1,4 +1,5 @@
-//! What a record will be: its columns, constants, sensors; how synthetic data are made. Checked against the system.
+//! What a record will be: its columns, constants, sensors; how synthetic data are made. Checked against the
+//! system.
 
 use crate::system::constants::Value;
 use crate::system::model::Model;
@@ -42,7 +43,8 @@ pub enum Origin {
 /// How synthetic data are made.
 #[derive(Clone, Debug)]
 pub struct Synthetic {
-    /// The known rates plus the truth; parameters are the record constants. Inputs given by formulas are replaced by them.
+    /// The known rates plus the truth; parameters are the record constants. Inputs given by formulas are
+    /// replaced by them.
     pub truth: Model,
     /// The truth's extra rate of each state alone.
     pub extra: Vec<Id>,

@@ -21,7 +21,7 @@ pub struct Record {
     pub role: Role,
     /// Seconds, strictly increasing.
     pub time: Arc<[f64]>,
-    /// For each state its samples (SI), or `None` if it has no column.
+    /// Samples of each state (SI); `None` without a column.
     pub columns: Vec<Option<Vec<f64>>>,
     /// For each input, as a function of time (SI).
     pub inputs: Vec<Signal>,
@@ -60,11 +60,11 @@ pub struct Units {
 }
 
 impl Units {
-    /// As the record states them; a column that states none is in the unit of its state or input.
+    /// As the record states them. A column without a unit has that of its state or input.
     pub fn of(csv: &CsvSpec, system: &System) -> Units {
         let states = system.states.iter().map(|s| (&s.name, &s.unit));
         let own: Vec<_> = states.chain(system.inputs.iter().map(|u| (&u.name, &u.unit))).collect();
-        // What is no unit was refused when the spec was checked.
+        // The check refuses texts that are no unit.
         let unit = |text: &str| Unit::parse(text).unwrap_or(Unit::ONE);
         let column = |(name, column): &(Text, ColumnSpec)| match &column.unit {
             Some(stated) => unit(&stated.value),
@@ -77,16 +77,16 @@ impl Units {
     }
 }
 
-/// Numbers read from a file: the rows that were selected (`rows`, `window`, `decimate`), the columns that are needed.
+/// Numbers read from a file: the selected rows (`rows`, `window`, `decimate`) of the needed columns.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
     /// The time column (SI).
     pub time: Vec<f64>,
     /// The columns of `CsvSpec::columns`, in that order (SI).
     pub columns: Vec<Vec<f64>>,
-    /// Line number of each row in the file; of several rows in one, that of the last.
+    /// Line number of each row in the file; of a mean of rows, that of the last.
     pub lines: Vec<usize>,
-    /// First and last time of `rows` in the file, inside of the window or not, as they stand there.
+    /// First and last time of `rows` in the file, in its unit, whatever the window.
     pub extent: Option<(f64, f64)>,
 }
 
@@ -104,8 +104,8 @@ impl Record {
         self.time.is_empty()
     }
 
-    /// What a system's expressions depend on at a sample, in the order of [`crate::System::arguments`]; states and parameters are the
-    /// caller's.
+    /// The arguments of a system's expressions at a sample, in the order of [`crate::System::arguments`]. The
+    /// caller gives states and parameters.
     pub fn arguments_at<'a>(
         &'a self,
         sample: usize,
@@ -145,7 +145,7 @@ impl Record {
         let mut raw: Vec<Option<Vec<f64>>> = Vec::new();
         for (k, input) in system.inputs.iter().enumerate() {
             let sensor = &plan.sensors[system.states.len() + k];
-            let seen = |values| sensor.undone(&time, values, plan.interpolation[k]);
+            let seen = |values| sensor.corrected(&time, values, plan.interpolation[k]);
             raw.push(
                 column(&input.name).map(seen).transpose().map_err(|e| vec![no_signal(&input.name, &e)])?,
             );
@@ -185,7 +185,7 @@ impl Record {
         })
     }
 
-    /// The record with its derived inputs differentiated otherwise; `None` if that cannot be done to them.
+    /// The record with its derived inputs computed by another differentiator; `None` if that fails.
     pub fn rederived(&self, how: Differentiator) -> Option<Record> {
         let mut out = self.clone();
         for Derivation { input, of, column } in &self.derivations {
@@ -197,11 +197,11 @@ impl Record {
         Some(out)
     }
 
-    /// Adds, to each state without a column that is the velocity of a measured one, the derivative of that one (method `step` needs a sample
-    /// of every state). Returns what was done, or the names of the states that remain without samples.
+    /// Gives each velocity without a column the derivative of its measured displacement; method `step` needs
+    /// samples of every state. Returns what was done.
     ///
     /// # Errors
-    /// Names of states that cannot be derived.
+    /// The names of the states that remain without samples.
     pub fn fill_velocities(
         &mut self,
         system: &System,
@@ -235,7 +235,7 @@ fn differentiated(time: &[f64], values: &[f64], how: Differentiator) -> Result<D
         .map_err(|e: SignalError| Diagnostic::error(format!("cannot differentiate: {e}")))
 }
 
-/// Refuses what has too few rows to be a record.
+/// Refuses a table with too few rows.
 fn enough(csv: &CsvSpec, table: &Table, spec: SourceId) -> Result<(), Diagnostic> {
     if table.time.len() >= FEWEST {
         return Ok(());
@@ -260,7 +260,7 @@ fn same_run(a: &CsvSpec, b: &CsvSpec) -> bool {
         csv.rows.iter().map(|(name, value)| (name.value.clone(), value.value)).collect()
     };
     let run = |csv: &CsvSpec| csv.run.as_ref().map(|run| run.value);
-    // Nothing is known of where arrays come from.
+    // The origin of arrays in memory is not known.
     !a.in_memory && a.path.value == b.path.value && rows(a) == rows(b) && run(a) == run(b)
 }
 
@@ -313,7 +313,8 @@ pub fn overlaps(records: &[Record], plans: &[RecordPlan]) -> Vec<Overlap> {
     all
 }
 
-/// Marks Validate windows that continue a Fit window of the same file: their start state is where that run ends.
+/// Marks Validate windows that continue a Fit window of the same file. Their start state is the end of that
+/// run.
 pub fn link_continuations(records: &mut [Record], plans: &[RecordPlan]) {
     for k in 0..records.len() {
         let before = (0..k).rev().find(|&j| {

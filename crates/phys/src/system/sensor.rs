@@ -3,16 +3,17 @@
 use phisindy_signal::{Interpolation, Signal, SignalError};
 use std::sync::Arc;
 
-/// A sensor parameter: held, or found in the fit.
+/// A sensor parameter: fixed, or found in the fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SensorParameter {
     /// The value, or where the search starts (SI).
     pub start: f64,
-    /// Bounds of the search; `None` for a value that is held.
+    /// Bounds of the search; `None` for a fixed value.
     pub within: Option<(f64, f64)>,
-    /// Belief beforehand.
+    /// Standard deviation of the prior round `start`, if there is one.
     pub sigma: Option<f64>,
-    /// The parameter of the system that it is (index into [`crate::System::parameters`]): one value wherever it is named.
+    /// Index into [`crate::System::parameters`] if it is a parameter of the system, which has one value
+    /// wherever it is named.
     pub shared: Option<usize>,
 }
 
@@ -23,35 +24,35 @@ impl SensorParameter {
     }
 }
 
-/// What a column says: `gain * quantity(t - delay) + offset`.
+/// The reading of a sensor: `gain * quantity(t - delay) + offset`.
 ///
 /// ```
 /// use phisindy_phys::{Sensor, SensorParameter};
 /// use phisindy_signal::Interpolation;
 /// // A laser whose zero is off by 2 mm.
 /// let laser = Sensor { offset: SensorParameter::held(2e-3), ..Sensor::default() };
-/// let place = laser.undone(&[0.0, 0.1].into(), vec![2e-3, 5e-3], Interpolation::Linear).unwrap();
+/// let place = laser.corrected(&[0.0, 0.1].into(), vec![2e-3, 5e-3], Interpolation::Linear).unwrap();
 /// assert!((place[1] - 3e-3).abs() < 1e-15);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensor {
-    /// Zero error.
+    /// Zero offset.
     pub offset: SensorParameter,
-    /// Scale error.
+    /// Scale factor.
     pub gain: SensorParameter,
-    /// Lateness in seconds.
+    /// Delay in seconds.
     pub delay: SensorParameter,
-    /// For an input that is derived from another one: that input, whose sensor it is.
+    /// For an input derived from another one: the index of that input, which has the sensor.
     pub follows: Option<usize>,
 }
 
 impl Sensor {
-    /// What the column says at the sample times, from the quantity there, as far as the sensor is known: what is to be found of it is taken for
-    /// perfect. Beyond the ends a late column goes on as its interpolation does.
+    /// The reading at the sample times, from the quantity at these times. Parameters that are to be found are
+    /// taken as perfect. Beyond the ends a delayed column is extrapolated by its interpolation.
     ///
     /// # Errors
     /// The quantity is no signal.
-    pub fn done(
+    pub fn reading(
         &self,
         time: &Arc<[f64]>,
         values: Vec<f64>,
@@ -69,12 +70,12 @@ impl Sensor {
         Ok(if (offset, gain) == (0.0, 1.0) { late } else { late.iter().map(|x| gain * x + offset).collect() })
     }
 
-    /// The quantity at the sample times, from what the column says of it, each parameter at its start. Beyond the ends a late column goes on as
-    /// its interpolation does.
+    /// The quantity at the sample times, from the reading, each parameter at its start. Beyond the ends a
+    /// delayed column is extrapolated by its interpolation.
     ///
     /// # Errors
     /// The column is no signal.
-    pub fn undone(
+    pub fn corrected(
         &self,
         time: &Arc<[f64]>,
         column: Vec<f64>,

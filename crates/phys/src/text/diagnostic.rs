@@ -1,4 +1,5 @@
-//! What is wrong with an input, as data: a message, the places it is about, and what to do. Drawing is the program's job.
+//! What is wrong with an input, as data: a message, the places it is about, and what to do. Drawing is the
+//! program's job.
 
 use phisindy_expr::Span;
 use std::fmt;
@@ -142,7 +143,8 @@ impl Diagnostic {
         self.severity == Severity::Error
     }
 
-    /// The diagnostic in plain text with the place of the mistake: name, line and column, counted from 1 in characters.
+    /// The diagnostic in plain text with the place of the mistake: name, line and column, counted from 1 in
+    /// characters.
     ///
     /// ```
     /// use phisindy_phys::{Sources, spec};

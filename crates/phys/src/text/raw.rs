@@ -1,7 +1,7 @@
 //! The outline of a RON text: where each bracket, key and value stands. ron reads the values themselves.
 //!
-//! ron stops at the first mistake and does not say where a value stands; a spec needs all mistakes with their places, and a splice
-//! needs to change one value and leave everything else, comments too, as it is.
+//! ron stops at the first mistake and does not say where a value stands; a spec needs all mistakes with their
+//! places, and a splice needs to change one value and leave everything else, comments too, as it is.
 
 mod scan;
 
@@ -270,7 +270,8 @@ impl Outline<'_> {
     }
 }
 
-/// The content of a string literal, without quotes, and whether it was written raw; none if it is something else.
+/// The content of a string literal, without quotes, and whether it was written raw; none if it is something
+/// else.
 pub(crate) fn content(text: &str, literal: Span) -> Option<(Span, bool)> {
     let slice = &text[literal.range()];
     let raw = slice.strip_prefix('r').unwrap_or(slice);

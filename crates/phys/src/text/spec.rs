@@ -1,7 +1,8 @@
 //! A spec as it is written: every field with its place in the text, nothing checked for meaning yet.
 //!
-//! [`read`] reports all mistakes of form at once: brackets, unknown, repeated and missing fields, wrong types, numbers out of their
-//! range. Whether names exist, expressions parse and units fit is for the next stage to say, with the spans kept here.
+//! [`read`] reports all mistakes of form at once: brackets, unknown, repeated and missing fields, wrong types,
+//! numbers out of their range. Whether names exist, expressions parse and units fit is for the next stage to
+//! say, with the spans kept here.
 
 mod constant;
 mod input;
@@ -206,7 +207,8 @@ pub struct CsvSpec {
     pub constants: Vec<(Text, ConstantSpec)>,
     /// The mean of each n rows in place of them, n at least 1.
     pub decimate: Option<Spanned<u32>>,
-    /// What is taken off these columns before anything else sees them, as the first record of their file and rows has it.
+    /// What is taken off these columns before anything else sees them, as the first record of their file and
+    /// rows has it.
     pub detrend: Vec<(Text, Detrend)>,
     /// The whole record.
     pub span: Span,
@@ -365,8 +367,8 @@ pub enum Optimiser {
     GaussNewton,
 }
 
-/// What method step does with steps across which a contact's velocity changes sign: a Runge-Kutta step is wrong there by the jump of the
-/// friction.
+/// What method step does with steps across which a contact's velocity changes sign: a Runge-Kutta step is wrong
+/// there by the jump of the friction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Crossings {
     /// Uses them, as the paper does.

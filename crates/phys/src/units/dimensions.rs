@@ -1,8 +1,9 @@
 //! Whether what a spec adds, compares and equates measures the same, and which units its coefficients have.
 //!
-//! Units that are written are known; a constant or state without one has an unknown dimension, the same wherever it stands, and every
-//! expression says something about the unknowns ([`unknowns`]). Number literals take whatever unit fits, each for itself. Should the unknowns
-//! contradict each other, then the constants without a unit are taken as literals are: a spec is refused only for units that it states.
+//! Units that are written are known; a constant or state without one has an unknown dimension, the same
+//! wherever it stands, and every expression says something about the unknowns ([`unknowns`]). Number literals
+//! take whatever unit fits, each for itself. Should the unknowns contradict each other, then the constants
+//! without a unit are taken as literals are: a spec is refused only for units that it states.
 
 mod form;
 mod quantity;

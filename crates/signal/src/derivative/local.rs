@@ -1,26 +1,28 @@
 //! Local cubics with a window chosen at every sample.
 //!
-//! At each sample the derivative is estimated from windows of growing width. Narrow ones are noisy, wide ones biased.
-//! How far a wide one departs from all narrower ones, beyond what noise explains, bounds its bias; the window with the
-//! least bias and variance together is kept (A. Goldenshluger, O. Lepski 2011). This is done for windows round the
-//! sample and for windows leaning to either side, and the results are averaged by their merit, so that near a stop the
-//! windows that do not reach across it count. One cubic per window serves every sample the window is asked about.
+//! At each sample the derivative is estimated from windows of growing width. Narrow windows are noisy, wide
+//! ones biased. The departure of a wide window from all narrower ones, beyond what noise explains, bounds its
+//! bias. The window with the smallest sum of squared bias and variance is selected (A. Goldenshluger, O. Lepski
+//! 2011). This is done for windows centred on the sample and for windows shifted to either side. Their results
+//! are averaged with weights of inverse risk, so that near a stop the windows that do not reach across it
+//! dominate. One cubic per window serves every sample that uses the window.
 //!
-//! Tried and worse on stick-slip: keeping the widest window whose confidence interval meets those of all narrower ones
-//! (one false alarm leaves a far too narrow window), and the best lean alone (the average has less noise).
+//! Two alternatives were worse on stick-slip: the widest window whose confidence interval intersects those of
+//! all narrower ones (one false alarm selects a far too narrow window), and the best shift alone (the average
+//! has less noise).
 
 use std::ops::Range;
 
 use super::{Differentiated, Smoothing, noise_of};
 use crate::grid::uniform_step;
 
-/// Squared departure, in variances of the narrower window, that noise explains. Below 6 false alarms dominate.
+/// Squared departure that noise explains, in variances of the narrower window. Below 6 false alarms dominate.
 const EXPLAINED: f64 = 8.0;
-/// Where windows sit relative to their sample, in half widths.
-const LEANS: [f64; 7] = [0.0, -1.0 / 3.0, 1.0 / 3.0, -2.0 / 3.0, 2.0 / 3.0, -1.0, 1.0];
-/// Widest half window, in samples: beyond it the work grows and the error hardly falls.
-const WIDEST: usize = 512;
-/// Samples treated together: bounds the memory, while windows reaching over the edges cost a quarter more.
+/// Shifts of windows relative to their sample, in half widths.
+const SHIFTS: [f64; 7] = [0.0, -1.0 / 3.0, 1.0 / 3.0, -2.0 / 3.0, 2.0 / 3.0, -1.0, 1.0];
+/// Widest half window, in samples. Beyond it the work grows and the error hardly falls.
+const MAX_HALF_WIDTH: usize = 512;
+/// Samples treated together. This bounds the memory; windows across the edges cost a quarter more.
 const CHUNK: usize = 4096;
 
 type Matrix = [[f64; 4]; 4];
@@ -33,16 +35,16 @@ struct Cubic {
     scale: f64,
 }
 
-/// What one window says about one quantity at one sample, with the standard error for unit noise.
+/// The estimate of one quantity at one sample from one window, with its standard error for unit noise.
 #[derive(Clone, Copy)]
 struct Estimate {
     value: f64,
     error: f64,
 }
 
-/// The answer for one quantity at one sample, with its estimated squared error and the width level of the lean that
-/// counts most.
-struct Answer {
+/// The result for one quantity at one sample: its value, its estimated squared error, and the width of the
+/// shift with the largest weight.
+struct Selected {
     value: f64,
     risk: f64,
     level: usize,
@@ -52,29 +54,29 @@ const UNKNOWN: Estimate = Estimate { value: 0.0, error: f64::INFINITY };
 
 pub(super) fn differentiate(time: &[f64], values: &[f64]) -> Differentiated {
     let n = time.len();
-    // Not zero: merits are inverse variances.
+    // Not zero: weights are inverse variances.
     let noise = noise_of(time, values).max(1e-100);
     let step = uniform_step(time, 1e-6);
     let halves: Vec<usize> = half_widths(n).collect();
-    // The value wants narrower windows than the derivative: each is chosen for itself.
+    // The value needs narrower windows than the derivative: each has its own.
     let (mut smooth, mut slopes) = (Vec::with_capacity(n), Vec::with_capacity(n));
     for first in (0..n).step_by(CHUNK) {
         let samples = first..n.min(first + CHUNK);
-        let mut estimates = vec![[UNKNOWN; 2]; samples.len() * LEANS.len() * halves.len()];
+        let mut estimates = vec![[UNKNOWN; 2]; samples.len() * SHIFTS.len() * halves.len()];
         for (level, &half) in halves.iter().enumerate() {
             let centres = samples.start.saturating_sub(half).max(half)..(samples.end + half).min(n - half);
-            // Near the ends of the record all windows of a width are the first or the last one.
+            // Near the ends of the record all shifts use the first or the last window.
             let centres = centres.start.min(n - 1 - half)..centres.end.max(half + 1);
             let windows = Windows::new(time, values, half, step, centres);
             let levels = estimates.iter_mut().skip(level).step_by(halves.len());
-            let places = samples.clone().flat_map(|i| LEANS.iter().map(move |lean| (i, lean)));
-            for ((i, lean), estimate) in places.zip(levels) {
+            let places = samples.clone().flat_map(|i| SHIFTS.iter().map(move |shift| (i, shift)));
+            for ((i, shift), estimate) in places.zip(levels) {
                 let centre =
-                    (i as f64 + lean * half as f64).round().clamp(half as f64, (n - 1 - half) as f64);
+                    (i as f64 + shift * half as f64).round().clamp(half as f64, (n - 1 - half) as f64);
                 *estimate = windows.estimate(centre as usize, time[i]);
             }
         }
-        for sample in estimates.chunks_exact(LEANS.len() * halves.len()) {
+        for sample in estimates.chunks_exact(SHIFTS.len() * halves.len()) {
             smooth.push(combine(sample, 0, halves.len(), noise));
             slopes.push(combine(sample, 1, halves.len(), noise));
         }
@@ -91,14 +93,14 @@ pub(super) fn differentiate(time: &[f64], values: &[f64]) -> Differentiated {
     }
 }
 
-/// The average over the leans, each at its best width, weighted by inverse risk.
-fn combine(estimates: &[[Estimate; 2]], quantity: usize, levels: usize, noise: f64) -> Answer {
-    let mut best = [(UNKNOWN, f64::INFINITY, 0); LEANS.len()];
-    for (lean, best) in estimates.chunks_exact(levels).zip(&mut best) {
-        let lean = || lean.iter().map(|both| both[quantity]);
-        for (level, wide) in lean().enumerate().filter(|(_, wide)| wide.error.is_finite()) {
+/// The average over the shifts, each at its best width, weighted by inverse risk.
+fn combine(estimates: &[[Estimate; 2]], quantity: usize, levels: usize, noise: f64) -> Selected {
+    let mut best = [(UNKNOWN, f64::INFINITY, 0); SHIFTS.len()];
+    for (shift, best) in estimates.chunks_exact(levels).zip(&mut best) {
+        let shift = || shift.iter().map(|both| both[quantity]);
+        for (level, wide) in shift().enumerate().filter(|(_, wide)| wide.error.is_finite()) {
             let variance = |e: Estimate| (noise * e.error).powi(2);
-            let bias = lean().take(level).filter(|e| e.error.is_finite()).fold(0.0_f64, |bias, narrow| {
+            let bias = shift().take(level).filter(|e| e.error.is_finite()).fold(0.0_f64, |bias, narrow| {
                 bias.max((wide.value - narrow.value).powi(2) - EXPLAINED * variance(narrow))
             });
             let risk = bias + variance(wide);
@@ -107,30 +109,32 @@ fn combine(estimates: &[[Estimate; 2]], quantity: usize, levels: usize, noise: f
             }
         }
     }
-    let least = best.iter().copied().fold(best[0], |least, lean| if lean.1 < least.1 { lean } else { least });
-    let mut answer = Answer { value: 0.0, risk: least.1, level: least.2 };
+    let least =
+        best.iter().copied().fold(best[0], |least, shift| if shift.1 < least.1 { shift } else { least });
+    let mut selected = Selected { value: 0.0, risk: least.1, level: least.2 };
     let (mut weights, mut roots, mut inverse_roots) = (0.0, 0.0, 0.0);
-    for (estimate, risk, _) in best.iter().filter(|lean| lean.1.is_finite()) {
+    for (estimate, risk, _) in best.iter().filter(|shift| shift.1.is_finite()) {
         let weight = least.1 / risk;
         weights += weight;
-        answer.value += weight * estimate.value;
+        selected.value += weight * estimate.value;
         roots += risk.sqrt();
         inverse_roots += 1.0 / risk.sqrt();
     }
-    answer.value /= weights;
-    // Between the least risk, which was picked for being small, and the mean one: found to be about right.
-    answer.risk = roots / inverse_roots;
-    answer
+    selected.value /= weights;
+    // The squared geometric mean of the arithmetic and the harmonic mean of the standard errors. The least risk would
+    // be too small, since it was selected for being small; tests confirm this choice.
+    selected.risk = roots / inverse_roots;
+    selected
 }
 
 /// 2, 3, 4, 6, 8, 11, ... samples to either side: a factor of about the square root of 2.
 fn half_widths(n: usize) -> impl Iterator<Item = usize> {
-    let widest = ((n - 1) / 2).min(WIDEST);
+    let widest = ((n - 1) / 2).min(MAX_HALF_WIDTH);
     let ladder = std::iter::successors(Some(2.0_f64), |h| Some(h * std::f64::consts::SQRT_2));
     ladder.map(|h| h.round() as usize).take_while(move |&h| h <= widest)
 }
 
-/// Windows of one width round consecutive samples.
+/// Windows of one width about consecutive samples.
 struct Windows {
     first_centre: usize,
     cubics: Vec<Cubic>,
@@ -155,7 +159,7 @@ impl Windows {
         Self { first_centre, cubics: centres.map(window).collect(), inverses: vec![inverse] }
     }
 
-    /// Value and slope at time `t` from the window round sample `centre`; unknown if it could not be solved.
+    /// Value and slope at time `t` from the window about sample `centre`; unknown if its system is singular.
     fn estimate(&self, centre: usize, t: f64) -> [Estimate; 2] {
         let index = centre - self.first_centre;
         let cubic = &self.cubics[index];
@@ -163,7 +167,7 @@ impl Windows {
         let u = (t - cubic.centre) / cubic.scale;
         let read = |weights: [f64; 4], unit: f64| {
             let variance = dot(&inverse.map(|row| dot(&row, &weights)), &weights);
-            // Times that nearly coincide make the matrix singular: its variance is then not a positive number.
+            // Times that nearly coincide make the matrix singular; the variance is then no positive number.
             if !(variance.is_finite() && variance > 0.0) {
                 return UNKNOWN;
             }
@@ -191,7 +195,7 @@ fn uneven_window(time: &[f64], values: &[f64], c: usize, half: usize) -> (Cubic,
     (Cubic::new(&inverse, moments, values[c], centre, scale), inverse)
 }
 
-/// Sums of value times power, of the values relative to `offset`, so that a large one costs no digits.
+/// Sums of values times powers. The values are relative to `offset`, so that a large mean costs no digits.
 fn moments(powers: &[[f64; 4]], values: &[f64], offset: f64) -> [f64; 4] {
     let mut moments = [0.0; 4];
     for (p, v) in powers.iter().zip(values) {

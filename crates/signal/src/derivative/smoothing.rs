@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-/// How [`differentiate`](super::differentiate) smoothed a column. `noise` is the standard deviation of the noise that it assumed, in the
-/// column's unit.
+/// How [`differentiate`](super::differentiate) smoothed a column. `noise` is the standard deviation of the
+/// noise that it assumed, in the column's unit.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Smoothing {
     /// Local cubics in windows of so many samples.

@@ -1,4 +1,4 @@
-//! Derivative of the Fourier series of a mirrored record, cut where the motion meets the noise.
+//! Derivative of the Fourier series of a reflected record, truncated where the motion falls below the noise.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -15,7 +15,8 @@ pub(super) fn differentiate(time: &[f64], values: &[f64]) -> Result<Differentiat
     if let Some(step) = uniform_step(time, 1e-6) {
         return Ok(uniform(step, values, noise, false));
     }
-    // Through the spline: on smooth motion it is far more exact than straight lines and passes noise on unchanged.
+    // Resampling by a spline is far more accurate on smooth motion than by straight lines, and does not change
+    // the noise.
     let n = time.len();
     let (first, span) = (time[0], time[n - 1] - time[0]);
     let grid: Arc<[f64]> = (0..n).map(|i| first + span * i as f64 / (n - 1) as f64).collect();
@@ -35,17 +36,17 @@ pub(super) fn differentiate(time: &[f64], values: &[f64]) -> Result<Differentiat
 
 fn uniform(step: f64, values: &[f64], noise: f64, resampled: bool) -> Differentiated {
     let n = values.len();
-    // Oddly mirrored about the line through both ends the record is periodic with a continuous slope.
+    // The odd reflection about the line through both ends makes the record periodic with a continuous slope.
     let period = 2 * (n - 1);
     let (first, rise) = (values[0], (values[n - 1] - values[0]) / (n - 1) as f64);
     let line = |i: usize| first + rise * i as f64;
-    let mut mirrored = vec![0.0; period];
+    let mut reflected = vec![0.0; period];
     for i in 1..n - 1 {
         let v = values[i] - line(i);
-        mirrored[i] = v;
-        mirrored[period - i] = -v;
+        reflected[i] = v;
+        reflected[period - i] = -v;
     }
-    let mut spectrum = Forward::new(period).of(&mut mirrored);
+    let mut spectrum = Forward::new(period).of(&mut reflected);
     let cut = cut_off(&spectrum, noise, period);
     let omega = |k: usize| 2.0 * PI * k as f64 / (period as f64 * step);
     let scale = 1.0 / period as f64;
@@ -53,7 +54,8 @@ fn uniform(step: f64, values: &[f64], noise: f64, resampled: bool) -> Differenti
     let (mut passed, last) = (0.0, spectrum.len() - 1);
     for (k, (z, dz)) in spectrum.iter_mut().zip(&mut derivative_spectrum).enumerate() {
         let gain = roll_off(k, cut) * scale;
-        // An odd record has an imaginary spectrum: zero at both ends, where a real transform wants real numbers.
+        // The spectrum of an odd record is imaginary, and zero at both ends, where the inverse transform
+        // requires real numbers.
         let amplitude = if k == 0 || k == last { 0.0 } else { z.im * gain };
         *z = Complex::new(0.0, amplitude);
         *dz = Complex::new(-omega(k) * amplitude, 0.0);
@@ -70,9 +72,10 @@ fn uniform(step: f64, values: &[f64], noise: f64, resampled: bool) -> Differenti
     }
 }
 
-/// The last line worth keeping: it makes the estimated mean squared error of the derivative least (Mallows' Cp).
+/// The index of the last line that is kept: it minimises the estimated mean squared error of the derivative
+/// (Mallows' Cp).
 ///
-/// Keeping line k costs k^2 noise, dropping it costs k^2 (power - noise), on average.
+/// On average, keeping line k costs k^2 noise, and dropping it costs k^2 (power - noise).
 fn cut_off(spectrum: &[Complex<f64>], noise: f64, period: usize) -> usize {
     let floor = noise * noise * period as f64;
     let (mut sum, mut least, mut best) = (0.0, 0.0, 1);
@@ -85,7 +88,7 @@ fn cut_off(spectrum: &[Complex<f64>], noise: f64, period: usize) -> usize {
     best
 }
 
-/// 1 up to the cut, then half a cosine down to 0 at a quarter above it: a sharp edge would ring.
+/// 1 up to the cutoff, then half a cosine down to 0 at 1.25 times the cutoff. A sharp edge would ring.
 fn roll_off(k: usize, cut: usize) -> f64 {
     let above = (k as f64 / cut as f64 - 1.0) / 0.25;
     if above <= 0.0 {

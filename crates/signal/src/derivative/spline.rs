@@ -1,16 +1,17 @@
-//! The cubic smoothing spline, its smoothness by generalised cross-validation.
+//! The cubic smoothing spline; generalised cross-validation chooses its smoothness.
 //!
-//! C. H. Reinsch 1967 (banded solve); M. F. Hutchinson and F. R. de Hoog 1985 (trace of the influence matrix in O(n)).
+//! C. H. Reinsch 1967 (banded solve); M. F. Hutchinson and F. R. de Hoog 1985 (trace of the influence matrix in
+//! O(n)).
 
 use std::f64::consts::PI;
 
 use super::{Differentiated, Smoothing, noise_of};
 use crate::grid::mean_step;
 
-/// Smoothing length of a spline that passes through all samples for every practical purpose, in samples.
-const SHORTEST: f64 = 0.02;
-/// Longest smoothing length in samples: beyond it the normal matrix runs out of digits.
-const LONGEST: f64 = 2000.0;
+/// Smoothing length, in samples, of a spline that practically interpolates.
+const MIN_LENGTH: f64 = 0.02;
+/// Longest smoothing length, in samples. Beyond it the normal matrix is ill-conditioned.
+const MAX_LENGTH: f64 = 2000.0;
 
 /// Symmetric matrix of three upper bands.
 type Bands = Vec<[f64; 3]>;
@@ -24,11 +25,11 @@ struct Smoother<'a> {
     qq: Bands,
 }
 
-/// One spline: second derivatives at the inner knots, what it leaves, and its score.
+/// One spline: second derivatives at the inner knots, residual and score.
 struct Fit {
     gamma: Vec<f64>,
     residual: Vec<f64>,
-    /// Degrees of freedom left to the noise.
+    /// Residual degrees of freedom.
     free: f64,
     score: f64,
 }
@@ -37,11 +38,11 @@ pub(super) fn differentiate(time: &[f64], values: &[f64]) -> Differentiated {
     let n = time.len();
     let mean_step = mean_step(time);
     let smoother = Smoother::new(time, values, mean_step);
-    let longest = LONGEST.min(n as f64 / 4.0);
-    let length = least(SHORTEST.ln(), longest.ln(), |l| smoother.fit(alpha(l.exp())).score).exp();
+    let longest = MAX_LENGTH.min(n as f64 / 4.0);
+    let length = least(MIN_LENGTH.ln(), longest.ln(), |l| smoother.fit(alpha(l.exp())).score).exp();
     let fit = smoother.fit(alpha(length));
     let left = fit.residual.iter().map(|r| r * r).sum::<f64>();
-    // Where hardly anything is smoothed the residual says nothing about the noise.
+    // The residual of a spline that hardly smooths does not determine the noise.
     let noise = if fit.free > 0.02 * n as f64 { (left / fit.free).sqrt() } else { noise_of(time, values) };
     let smooth: Vec<f64> = values.iter().zip(&fit.residual).map(|(v, r)| v - r).collect();
     let curvature = |i: usize| if i == 0 || i == n - 1 { 0.0 } else { fit.gamma[i - 1] };
@@ -62,12 +63,14 @@ pub(super) fn differentiate(time: &[f64], values: &[f64]) -> Differentiated {
     }
 }
 
-/// The smoothing parameter whose equivalent kernel has this length: fourth power, as the penalty is on curvature.
+/// The smoothing parameter whose equivalent kernel has this length: its fourth power, since the penalty is on
+/// curvature.
 fn alpha(length: f64) -> f64 {
     length.powi(4)
 }
 
-/// Least of a function by a coarse scan and golden sections. The score can have several valleys, hence the scan.
+/// The minimum of a function by a coarse scan and golden section search. The score can have several minima,
+/// hence the scan.
 fn least(low: f64, high: f64, f: impl Fn(f64) -> f64) -> f64 {
     const SCAN: usize = 16;
     let at = |i: usize| low + (high - low) * i as f64 / SCAN as f64;
@@ -95,7 +98,7 @@ impl<'a> Smoother<'a> {
     fn new(time: &[f64], values: &'a [f64], mean_step: f64) -> Self {
         let steps: Vec<f64> = time.windows(2).map(|t| (t[1] - t[0]) / mean_step).collect();
         let inner = time.len() - 2;
-        // Column j of Q: the second divided difference round sample j + 1.
+        // Column j of Q: the second divided difference about sample j + 1.
         let q = |j: usize| [1.0 / steps[j], -1.0 / steps[j] - 1.0 / steps[j + 1], 1.0 / steps[j + 1]];
         let product = |j: usize, shift: usize| {
             if j + shift >= inner {
@@ -204,7 +207,7 @@ fn gain(alpha: f64) -> f64 {
         let smooth = 1.0 / (1.0 + alpha * (2.0 - 2.0 * w.cos()).powi(2) / even);
         (w.sin() / even * smooth).powi(2)
     };
-    // Squared spacing: the pass band of a long spline is narrow and sits at zero. Midpoint rule.
+    // Midpoint rule with quadratic spacing: the pass band of a long spline is narrow and lies at zero.
     let sum: f64 = (0..POINTS)
         .map(|i| {
             let s = (i as f64 + 0.5) / POINTS as f64;

@@ -21,8 +21,9 @@ fn uneven_grid(n: u32, step: f64) -> Vec<f64> {
     (0..n).map(|i| step * (f64::from(i) + 0.3 * (1.5 * f64::from(i)).sin())).collect()
 }
 
-/// The rig's twin with the noise of its lasers. Measured: 3.4e-5, 1.9e-5, 1.4e-5 m/s for local cubics, 4.8e-5, 2.3e-5,
-/// 2.0e-5 for the spline, 4.3e-5, 2.1e-5, 1.6e-5 for the Fourier series; the speed's rms is 16, 2.3 and 1.0 mm/s.
+/// The rig's twin with the noise of its lasers. Measured: 3.4e-5, 1.9e-5, 1.4e-5 m/s for local cubics, 4.8e-5,
+/// 2.3e-5, 2.0e-5 for the spline, 4.3e-5, 2.1e-5, 1.6e-5 for the Fourier series; the speed's rms is 16, 2.3 and
+/// 1.0 mm/s.
 #[test]
 fn the_rig_twin_is_differentiated_to_a_hundredth_of_a_millimetre_per_second() {
     for (amplitude, omega, stops, limits) in [
@@ -52,7 +53,8 @@ fn clean_data_are_not_smoothed() {
     let time = uniform_grid(2000, 0.01);
     let (x, v) = (column(&time, |t| (3.0 * t).sin()), column(&time, |t| 3.0 * (3.0 * t).cos()));
     let local = automatic(&time, &x).unwrap();
-    // Cubics on five samples: h^4/30 of the fifth derivative in their middle, a few times more for those that lean.
+    // Cubics on five samples: h^4/30 of the fifth derivative in their middle, a few times more for those that
+    // lean.
     let inside = 20..1980;
     let worst = inside.clone().fold(0.0_f64, |m, i| m.max((local.derivative[i] - v[i]).abs()));
     assert!(worst < 0.15 * 0.01_f64.powi(4) * 3f64.powi(5), "{worst:e}, {}", local.smoothing);
@@ -88,8 +90,8 @@ fn an_uneven_grid_costs_little_accuracy() {
     }
 }
 
-/// A rough encoder: 6e-4 rad at 150 Hz, at rest for 2 s, then moving with corners. The plain difference quotient is off
-/// by 0.04 rad/s.
+/// A rough encoder: 6e-4 rad at 150 Hz, at rest for 2 s, then moving with corners. The plain difference
+/// quotient is off by 0.04 rad/s.
 #[test]
 fn a_quantised_encoder() {
     let time = uniform_grid(1500, 1.0 / 150.0);

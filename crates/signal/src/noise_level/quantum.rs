@@ -3,30 +3,33 @@
 use crate::statistics::largest;
 use std::collections::BTreeSet;
 
-/// Fewer levels than this are a switching signal, not a quantised motion.
-const LEAST_LEVELS: usize = 12;
-/// Share of the samples that must repeat the one before: a faster motion shows its quantisation as plain noise.
-const LEAST_REPEATS: f64 = 0.02;
+/// Fewer levels are a switching signal, not a quantised motion.
+const MIN_LEVELS: usize = 12;
+/// The part of the samples that must repeat the one before. In faster motion quantisation appears as plain
+/// noise.
+const MIN_REPEATS: f64 = 0.02;
 
-/// Standard deviation of the rounding of a quantised column, step/sqrt(12); 0 if none is found.
+/// Standard deviation of the rounding error of a quantised column, step/sqrt(12); 0 for a column that is not
+/// quantised.
 ///
-/// A column at rest shows no noise, but it still does not know its value better than its step.
+/// A column at rest shows no noise, but its value is not known better than its step.
 pub fn rounding_error(values: &[f64]) -> f64 {
-    quantum(values, LEAST_LEVELS).unwrap_or(0.0) / f64::sqrt(12.0)
+    quantum(values, MIN_LEVELS).unwrap_or(0.0) / f64::sqrt(12.0)
 }
 
-/// The smallest change from sample to sample, if samples often repeat, all changes are multiples of it, and there are this many levels.
+/// The quantisation step of a column; none if samples hardly ever repeat, if changes are no multiples of one
+/// step, or if it has fewer than `least_levels` levels.
 pub fn quantum(values: &[f64], least_levels: usize) -> Option<f64> {
     let scale = largest(values);
     let changes = || values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    // Equal up to rounding is equal.
+    // Changes of this size are rounding errors.
     let same = 1e-12 * scale;
     let repeats = changes().filter(|c| *c <= same).count();
     let smallest = changes().filter(|c| *c > same).fold(f64::INFINITY, f64::min);
-    if !smallest.is_finite() || (repeats as f64) < LEAST_REPEATS * values.len() as f64 {
+    if !smallest.is_finite() || (repeats as f64) < MIN_REPEATS * values.len() as f64 {
         return None;
     }
-    // The mean over single steps is more exact than the smallest, where a text file has rounded them.
+    // In rounded text files the mean over single steps is more accurate than the smallest.
     let (sum, count) = changes()
         .filter(|c| *c > same && *c < 1.5 * smallest)
         .fold((0.0, 0.0), |(sum, count), c| (sum + c, count + 1.0));

@@ -80,7 +80,7 @@ impl Checker {
         self.names.intern(text)
     }
 
-    /// Says that a name is not known, with the nearest of `allowed`.
+    /// Reports an unknown name, with the nearest of `allowed`.
     pub(super) fn unknown_name(&mut self, name: &str, span: Span, what: &str, allowed: &[&str]) {
         let near = nearest(name, allowed.iter().copied());
         let declared = near.and_then(|n| self.declared.iter().find(|(d, _)| d == n)).map(|(_, s)| *s);
@@ -96,7 +96,8 @@ impl Checker {
         });
     }
 
-    /// Parses and lowers an expression in which the `allowed` names (and constants) may stand; fixed constants become numbers.
+    /// Parses and lowers an expression in which the `allowed` names (and constants) may stand; fixed constants
+    /// become numbers.
     pub(super) fn expression(&mut self, text: &Text, allowed: &[&str]) -> Option<Id> {
         let ast = match parse(&text.value) {
             Ok(ast) => ast,
@@ -130,7 +131,7 @@ impl Checker {
         }
     }
 
-    /// A unit's factor to SI; 1 after a diagnostic.
+    /// The unit that a text names; the unit 1 after a diagnostic.
     pub(super) fn unit(&mut self, unit: &Text) -> Unit {
         match Unit::parse(&unit.value) {
             Ok(unit) => unit,
@@ -143,9 +144,10 @@ impl Checker {
         }
     }
 
-    /// A number in SI, which may be too large for a double; 1 after a diagnostic.
+    /// A number in SI; 1 after a diagnostic if it is too large for a double.
     pub(super) fn si(&mut self, number: &Number, factor: f64) -> f64 {
-        // As numbers in files are converted: by the decimal point where that will do, so that 3 mm are 0.003 m to the last bit.
+        // As numbers in files are converted: by shifting the decimal point where possible, so that 3 mm are
+        // exactly 0.003 m.
         let si = Scale::of(factor).converted(number.value);
         if si.is_finite() {
             return si;

@@ -1,4 +1,5 @@
-//! The constants of a spec: numbers, expressions of other constants, movable and unknown ones, and those that come with each record.
+//! The constants of a spec: numbers, expressions of other constants, movable and unknown ones, and those that
+//! come with each record.
 
 use super::checker::Checker;
 use crate::system::constants::Value;
@@ -101,7 +102,7 @@ impl Checker {
         }
     }
 
-    /// Constants given by expressions, in whatever order they stand: each is resolved once all that it names are.
+    /// Resolves constants given by expressions, in any order: each one after all that it names.
     fn resolve(&mut self, mut pending: Vec<(&Text, &Text)>) {
         let names_in = |text: &Text| -> Vec<String> {
             parse(&text.value).map(|ast| ast.names().map(|(n, _)| n.to_owned()).collect()).unwrap_or_default()
@@ -130,7 +131,7 @@ impl Checker {
                 }
             }
         }
-        // What is left waits for itself: follow it round once to name the circle.
+        // The remaining constants depend on themselves: follow one cycle to name it.
         if let Some(&(first, text)) = pending.first() {
             let mut circle = vec![first.value.clone()];
             let mut at = text;

@@ -1,7 +1,7 @@
 //! Rates, terms and contacts: the fields of a spec that become a [`System`].
 
 use super::checker::Checker;
-use crate::system::equations::{Contact, Input, State, System, Term, holds_sign};
+use crate::system::equations::{Contact, Input, State, System, Term, contains_sign};
 use crate::text::spec::{Spec, Text, UnknownSpec};
 use phisindy_expr::{Id, Span};
 use std::collections::HashMap;
@@ -81,7 +81,7 @@ impl Checker {
         }
     }
 
-    /// Calls `each` for the entries of a map from states to something.
+    /// Calls `each` for every entry of a map whose keys are states.
     fn per_state<T>(
         &mut self,
         field: &str,
@@ -162,7 +162,7 @@ impl Checker {
         }
     }
 
-    /// Contacts are velocities: linear in states, inputs and constants, with a state that is nobody's displacement.
+    /// The contacts: velocities that are linear in states, inputs and constants, and contain no displacement.
     fn contacts(
         &mut self,
         spec: &Spec,
@@ -204,8 +204,8 @@ impl Checker {
             }
             let mut roots: Vec<Id> = known.to_vec();
             roots.extend(terms.iter().map(|t| t.value));
-            // A law may bring the friction; its force is not known here.
-            if self.laws.is_empty() && !holds_sign(&mut self.graph, &roots, node) {
+            // Laws may contribute friction; their forces are not known here.
+            if self.laws.is_empty() && !contains_sign(&mut self.graph, &roots, node) {
                 let message = format!(
                     "no rate holds `sgn({0})`: contact `{0}` has no friction and never sticks, unless `gap` finds some there",
                     text.value

@@ -1,4 +1,5 @@
-//! RON text cut into tokens. The brackets are matched and their depth is limited here, before anything recursive looks at the text.
+//! RON text cut into tokens. The brackets are matched and their depth is limited here, before anything
+//! recursive looks at the text.
 
 use super::Mistake;
 use phisindy_expr::Span;

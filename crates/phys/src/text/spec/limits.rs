@@ -1,4 +1,5 @@
-//! How large a spec may be: far more than a rig needs, far less than a machine holds. What exceeds it is refused before anything grows with it.
+//! How large a spec may be: far more than a rig needs, far less than a machine holds. What exceeds it is
+//! refused before anything grows with it.
 
 use super::reader::Reader;
 use super::{DataSpec, Spec};

@@ -23,7 +23,8 @@ pub fn read(text: &str, source: SourceId) -> Result<(Spec, Vec<Diagnostic>), Vec
     read_with(text, source, Data::Required)
 }
 
-/// As [`read`], but for a program that holds the records in memory: the text need not have `data`, and [`Spec::data`] may be empty.
+/// As [`read`], but for a program that holds the records in memory: the text need not have `data`, and
+/// [`Spec::data`] may be empty.
 ///
 /// # Errors
 /// As [`read`].

@@ -78,7 +78,8 @@ impl Reader<'_> {
         })
     }
 
-    /// `Arrays(columns: ["x", "u"], ...)`: columns that a program gives by these names, in the units of the states and inputs.
+    /// `Arrays(columns: ["x", "u"], ...)`: columns that a program gives by these names, in the units of the
+    /// states and inputs.
     pub(super) fn arrays(&mut self, node: &Node) -> Option<CsvSpec> {
         const FIELDS: &[&str] =
             &["name", "columns", "derive", "sensors", "start", "role", "interpolate", "constants"];

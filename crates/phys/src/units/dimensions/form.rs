@@ -3,7 +3,8 @@
 use crate::units::unit::Dimension;
 use std::fmt;
 
-/// Powers nearer than this are the same: they come from exponents such as 1/3, written as decimals or quotients.
+/// Powers nearer than this are the same: they come from exponents such as 1/3, written as decimals or
+/// quotients.
 pub(super) const SAME: f64 = 1e-6;
 
 /// A product of powers of the base units and of unknown dimensions.
@@ -67,7 +68,8 @@ impl Form {
         Form::none().times(self, power)
     }
 
-    /// Whether it is a plain number for certain; powers that overflowed count as one, because nothing can be said of them.
+    /// Whether it is a plain number for certain; powers that overflowed count as one, because nothing can be
+    /// said of them.
     pub(super) fn is_none(&self) -> bool {
         self.unknown.is_empty() && !self.base.iter().any(|p| p.abs() > SAME)
     }

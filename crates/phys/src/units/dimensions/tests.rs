@@ -315,7 +315,8 @@ impl Made {
     }
 }
 
-/// Whether an expression of names with these powers can measure `due`; names without powers have an unknown unit.
+/// Whether an expression of names with these powers can measure `due`; names without powers have an unknown
+/// unit.
 fn consistent(text: &str, leaves: &[Option<Powers>], due: Powers) -> bool {
     let form = |p: &Powers| Form {
         base: [f64::from(p[0]), f64::from(p[1]), f64::from(p[2]), 0.0, 0.0],
@@ -339,7 +340,8 @@ fn consistent(text: &str, leaves: &[Option<Powers>], due: Powers) -> bool {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
-    /// What is made to fit fits, with one unit changed it does not, and a number beside that unit makes up for it.
+    /// What is made to fit fits, with one unit changed it does not, and a number beside that unit makes up for
+    /// it.
     #[test]
     fn expressions_made_to_fit(
         (powers, made) in proptest::array::uniform3(-2_i8..=2).prop_flat_map(|p| (Just(p), made(p, 4))),

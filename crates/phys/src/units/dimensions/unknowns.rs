@@ -1,4 +1,5 @@
-//! Unknown dimensions, and what is known about them so far: linear equations between powers, solved one by one as they come.
+//! Unknown dimensions, and what is known about them so far: linear equations between powers, solved one by one
+//! as they come.
 
 use super::form::{Form, SAME};
 
@@ -18,7 +19,8 @@ impl Unknowns {
     /// The form with everything that is known put in.
     pub(super) fn resolved(&self, form: &Form) -> Form {
         let mut form = form.clone();
-        // An unknown is given by such as were free when it was solved for, so this ends: later equations only solve for those.
+        // An unknown is given by such as were free when it was solved for, so this ends: later equations only
+        // solve for those.
         while let Some(&(k, power)) = form.unknown.iter().find(|(k, _)| self.solved[*k].is_some()) {
             let Some(value) = &self.solved[k] else { break };
             form.unknown.retain(|&(j, _)| j != k);
@@ -69,7 +71,8 @@ mod tests {
     }
 
     proptest! {
-        /// Equations made from a solution never contradict each other, and as many independent ones as unknowns give it back.
+        /// Equations made from a solution never contradict each other, and as many independent ones as unknowns
+        /// give it back.
         #[test]
         fn a_solution_is_found_again(
             truth in proptest::collection::vec(proptest::array::uniform5(-3_i8..=3), 4),

@@ -58,7 +58,8 @@ const PREFIXES: &[(&str, f64)] = &[
     ("G", 1e9),
 ];
 
-/// The unit of this name, perhaps with a prefix. A name that stands in the table is never taken apart: `min` is no milli-inch.
+/// The unit of this name, perhaps with a prefix. A name that stands in the table is never taken apart: `min` is
+/// no milli-inch.
 pub(super) fn find(name: &str) -> Option<Unit> {
     let unit = |&(_, factor, [kg, m, s, a, k], _): &Row, prefix: f64| Unit {
         factor: factor * prefix,

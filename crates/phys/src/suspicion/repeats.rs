@@ -1,31 +1,31 @@
-//! Columns in which something repeats each value until the next one comes.
+//! Columns that repeat each value for several samples: the logger is faster than the sensor.
 
-/// Fewer stairs tell nothing.
-const STAIRS: usize = 30;
-/// So many of a hundred stairs have the usual length, or one sample more.
-const ALIKE: usize = 90;
-/// Of a staircase of rounding most steps have one height.
-const ONE_HEIGHT: usize = 50;
+/// Fewer runs of equal values tell nothing.
+const MIN_RUNS: usize = 30;
+/// Percentage of the runs that have the usual length, or one sample more.
+const USUAL_PERCENT: usize = 90;
+/// Below this percentage of steps with one height a column is not merely quantised.
+const QUANTISED_PERCENT: usize = 50;
 
-/// How many samples each value of a column stands, if it is more than one: the logger was faster than the sensor, or repeated what it had.
-pub(super) fn stairs(column: &[f64]) -> Option<usize> {
+/// The number of samples for which a column holds each value, if it is more than one.
+pub(super) fn repeats(column: &[f64]) -> Option<usize> {
     let mut edges: Vec<usize> = (1..column.len()).filter(|&k| column[k] != column[k - 1]).collect();
-    // What stands at both ends may be cut off there.
-    if edges.len() < STAIRS + 1 {
+    // The first and the last run may be incomplete.
+    if edges.len() < MIN_RUNS + 1 {
         return None;
     }
     let mut lengths: Vec<usize> = edges.windows(2).map(|w| w[1] - w[0]).collect();
     lengths.sort_unstable();
     let shortest = lengths[lengths.len() / 20];
     let usual = lengths.iter().filter(|n| (shortest..=shortest + 1).contains(*n)).count();
-    if shortest < 2 || 100 * usual < ALIKE * lengths.len() {
+    if shortest < 2 || 100 * usual < USUAL_PERCENT * lengths.len() {
         return None;
     }
     let height = |&k: &usize| (column[k] - column[k - 1]).abs();
     edges.sort_unstable_by(|a, b| height(a).total_cmp(&height(b)));
     let middle = height(&edges[edges.len() / 2]);
     let alike = edges.iter().filter(|k| (height(k) - middle).abs() < 1e-3 * middle).count();
-    (100 * alike < ONE_HEIGHT * edges.len()).then_some(lengths[lengths.len() / 2])
+    (100 * alike < QUANTISED_PERCENT * edges.len()).then_some(lengths[lengths.len() / 2])
 }
 
 #[cfg(test)]
@@ -55,11 +55,11 @@ mod tests {
     fn each_value_held_is_told() {
         for noise in [0.0, 0.02] {
             let x = swing(noise);
-            assert_eq!(stairs(&held(&x, |_| 4)), Some(4));
-            assert_eq!(stairs(&held(&x, |_| 2)), Some(2));
+            assert_eq!(repeats(&held(&x, |_| 4)), Some(4));
+            assert_eq!(repeats(&held(&x, |_| 2)), Some(2));
             // Read each 50 ms, written each 20 ms.
-            assert_eq!(stairs(&held(&x, |k| 2 + k % 2)), Some(2));
-            assert_eq!(stairs(&held(&rounded(&x, 1e-3), |_| 4)), Some(4));
+            assert_eq!(repeats(&held(&x, |k| 2 + k % 2)), Some(2));
+            assert_eq!(repeats(&held(&rounded(&x, 1e-3), |_| 4)), Some(4));
         }
     }
 
@@ -80,7 +80,7 @@ mod tests {
             switched,
         ];
         for (k, column) in columns.iter().enumerate() {
-            assert_eq!(stairs(column), None, "{k}");
+            assert_eq!(repeats(column), None, "{k}");
         }
     }
 }
