@@ -1,5 +1,9 @@
 //! Synthetic records: the truth simulated with located events, sampled, and seen by noisy sensors.
 
+use crate::decisions::{
+    COARSE_DIVERGED, COARSE_TOLERANCE, FEWEST_SAMPLES, GRID_REFINEMENT, MOST_SINE_SAMPLES, SMALLEST_SIZES,
+    TRUTH_TOLERANCE,
+};
 use crate::excitation::{ExcitationError, Multisine};
 use crate::noise::{Noise, Streams, add_noise};
 use crate::{Automaton, Drive, Options, SimError, Trajectory, simulate};
@@ -9,18 +13,6 @@ use phisindy_phys::{Derivation, Note, Record, RecordPlan, Synthetic, SyntheticIn
 use phisindy_signal::{Interpolation, Signal, differentiate};
 use std::fmt;
 use std::sync::Arc;
-
-/// Local error of the truth's simulation.
-const TOLERANCE: f64 = 1e-10;
-/// Local error of a first run that finds the size of each state.
-const COARSE: f64 = 1e-4;
-/// The smallest sizes that this run takes for motion, tried in turn: friction that is singular at rest is looked at in units of them, and too steep so
-/// near to it for any step. What lies below the product of both numbers is rounding, as of a mass that sticks throughout, and no size.
-const SMALLEST: [f64; 4] = [1e-9, 1e-6, 1e-3, 1.0];
-/// Generated excitations are tabulated this much finer than the samples, for cubic interpolation.
-const FINER: usize = 8;
-/// Most sines times samples of a generated excitation: some seconds of work.
-const MOST_SINES: usize = 1_000_000_000;
 
 /// Why a synthetic record could not be made.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,7 +70,8 @@ pub fn synthesize(
     let time: Arc<[f64]> = (0..samples).map(|k| k as f64 * truth.step).collect();
 
     // Inputs: generated ones on a fine grid first, then what derives from them; formulas live in the rates already.
-    let fine: Arc<[f64]> = (0..=samples * FINER).map(|k| k as f64 * truth.step / FINER as f64).collect();
+    let fine: Arc<[f64]> =
+        (0..=samples * GRID_REFINEMENT).map(|k| k as f64 * truth.step / GRID_REFINEMENT as f64).collect();
     let generated: Vec<Option<Multisine>> = truth
         .inputs
         .iter()
@@ -87,7 +80,7 @@ pub fn synthesize(
         .collect::<Result<_, _>>()
         .map_err(SyntheticError::Excitation)?;
     if let Some(most) = generated.iter().flatten().map(|m| m.omegas().len()).max()
-        && most.saturating_mul(samples) > MOST_SINES
+        && most.saturating_mul(samples) > MOST_SINE_SAMPLES
     {
         return Err(SyntheticError::Other(format!(
             "{most} sines at each of {samples} samples are too much: take fewer sines (a larger step of `omega`, a smaller `count`) or fewer samples"
@@ -127,7 +120,7 @@ pub fn synthesize(
     for (k, input) in truth.inputs.iter().enumerate() {
         let (signal, values) = match (input, exact(k, &fine)) {
             (_, Some(values)) => {
-                let coarse = values.iter().step_by(FINER).take(samples).copied().collect();
+                let coarse = values.iter().step_by(GRID_REFINEMENT).take(samples).copied().collect();
                 (signal(&fine, values, Interpolation::Cubic)?, coarse)
             }
             (SyntheticInput::Generated(spec), None) => {
@@ -154,8 +147,8 @@ pub fn synthesize(
     // The window, then what the sensors make of it.
     let inside = |t: f64| truth.window.is_none_or(|(a, b)| (a..=b).contains(&t));
     let rows: Vec<usize> = (0..samples).filter(|&k| inside(time[k])).collect();
-    if rows.len() < 10 {
-        return Err(SyntheticError::Other("the window leaves fewer than 10 samples".into()));
+    if rows.len() < FEWEST_SAMPLES {
+        return Err(SyntheticError::Other(format!("the window leaves fewer than {FEWEST_SAMPLES} samples")));
     }
     let pick = |values: &[f64]| -> Vec<f64> { rows.iter().map(|&k| values[k]).collect() };
     let seen_time: Arc<[f64]> = rows.iter().map(|&k| time[k]).collect();
@@ -234,23 +227,28 @@ fn simulate_truth(
     let drive = Drive { inputs, parameters };
     let n = truth.start.len();
     let first = |smallest: f64| {
-        let options =
-            Options { tolerance: COARSE, scale: vec![smallest; n], diverged: 1e24, ..Default::default() };
+        let options = Options {
+            tolerance: COARSE_TOLERANCE,
+            scale: vec![smallest; n],
+            diverged: COARSE_DIVERGED,
+            ..Default::default()
+        };
         Ok((simulate(&automaton, &drive, 0.0, &truth.start, time, &options)?, smallest))
     };
     let steep = |r: &Result<_, SimError>| {
         matches!(r, Err(SimError::TooManySteps { .. } | SimError::TooManyEvents { .. }))
     };
-    let mut tried = first(SMALLEST[0]);
-    for &smallest in &SMALLEST[1..] {
+    let mut tried = first(SMALLEST_SIZES[0]);
+    for &smallest in &SMALLEST_SIZES[1..] {
         if steep(&tried) {
             tried = first(smallest);
         }
     }
     let (run, smallest) = tried?;
     let largest = |k: usize| run.states.iter().skip(k).step_by(n).fold(0.0_f64, |m, x| m.max(x.abs()));
-    let scale = (0..n).map(|k| if largest(k) > COARSE * smallest { largest(k) } else { 1.0 }).collect();
-    let fine = Options { tolerance: TOLERANCE, scale, ..Default::default() };
+    let scale =
+        (0..n).map(|k| if largest(k) > COARSE_TOLERANCE * smallest { largest(k) } else { 1.0 }).collect();
+    let fine = Options { tolerance: TRUTH_TOLERANCE, scale, ..Default::default() };
     simulate(&automaton, &drive, 0.0, &truth.start, time, &fine)
 }
 
