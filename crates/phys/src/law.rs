@@ -208,7 +208,7 @@ impl Law {
         let (Some(force), Some(v)) = (of.force.filter(|_| self.force.is_some()), of.velocity) else {
             return false;
         };
-        crate::system::equations::holds_sign(&mut of.graph.clone(), &[force], v)
+        crate::system::equations::contains_sign(&mut of.graph.clone(), &[force], v)
     }
 
     /// Whether it has a clearance: its force has a corner or a jump at a displacement other than zero.

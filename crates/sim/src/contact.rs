@@ -4,16 +4,8 @@
 //! in the direction of the one that fails, and where both fail (friction would be negative) it goes on as it came. The rates are linear in the
 //! mode on the surface, so "sticks" is the same as: the fraction of friction that holds it lies within [-1, 1].
 
+use crate::decisions::{DETACHED, MARGIN, STICK_SLACK};
 use crate::field::Field;
-
-/// Slack of the stick test, in units of friction: rounding must not shake a contact loose at the very instant it comes to rest.
-const SLACK: f64 = 1e-12;
-
-/// A contact further than this from rest, in units of the scale of speed, was torn off by a jump of an input.
-const TORN: f64 = 1e-9;
-
-/// How far beyond its surface, in units of the speed scale, friction is continued smoothly.
-const MARGIN: f64 = 1e-10;
 
 impl Field<'_> {
     /// Modes at the start: the sign of `w`, or the contact rule where it is zero. `scale` is the smallest size of each state that matters.
@@ -76,13 +68,14 @@ impl Field<'_> {
                 |f: &Self, c: usize| if f.modes[c].is_nan() { f64::INFINITY } else { f.modes[c].abs() };
             let sticking = grips.iter().copied().filter(|&c| self.stuck[c]);
             let worst = sticking.max_by(|&a, &b| load(self, a).total_cmp(&load(self, b)));
-            if let Some(c) = worst.filter(|&c| load(self, c) > 1.0 + SLACK) {
+            if let Some(c) = worst.filter(|&c| load(self, c) > 1.0 + STICK_SLACK) {
                 self.stuck[c] = false;
                 self.modes[c] = if self.modes[c] < 0.0 { -1.0 } else { 1.0 };
                 continue;
             }
             self.surfaces(t, x);
-            let relieved = |c: usize| self.modes[c] * self.w_rate(c) < -SLACK * self.influence(c, c).abs();
+            let relieved =
+                |c: usize| self.modes[c] * self.w_rate(c) < -STICK_SLACK * self.influence(c, c).abs();
             match grips.iter().copied().find(|&c| !self.stuck[c] && relieved(c)) {
                 Some(c) => self.stuck[c] = true,
                 None => break,
@@ -102,7 +95,7 @@ impl Field<'_> {
     pub(crate) fn reconsider(&mut self, t: f64, x: &[f64]) {
         self.surfaces(t, x);
         for c in 0..self.switches() {
-            let (w, far) = (self.w(c), TORN * self.speed[c]);
+            let (w, far) = (self.w(c), DETACHED * self.speed[c]);
             if self.stuck[c] && w.abs() > far || !self.stuck[c] && w * self.modes[c] < -far {
                 self.stuck[c] = false;
                 self.modes[c] = w.signum();

@@ -8,7 +8,8 @@ use phisindy_phys::{Basis, Decision, decisions};
 /// What separates a result from rounding errors.
 const ROUNDING: Basis = Basis::Judgement("far above rounding errors, far below anything a record shows");
 /// The rules of step control.
-const HAIRER: Basis = Basis::Convention("Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.4");
+const HAIRER: Basis =
+    Basis::Convention("Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.4");
 /// The number of steps of a search.
 const SEARCH: Basis = Basis::Judgement("more than any search of the tests takes");
 

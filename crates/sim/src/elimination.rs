@@ -1,5 +1,7 @@
 //! Linear systems of a few unknowns.
 
+use crate::decisions::LEAST_PIVOT;
+
 /// Gauss-Jordan elimination with row pivoting on `m` rows of `m + k` numbers; the right-hand sides become the solutions. An unknown that the
 /// others already decide (two contacts that hold the same thing) becomes zero, and takes no row from those that come after it.
 pub(crate) fn solve_in_place(a: &mut [f64], m: usize, k: usize) {
@@ -11,7 +13,7 @@ pub(crate) fn solve_in_place(a: &mut [f64], m: usize, k: usize) {
         let size = |row: usize| a[row * width + col].abs();
         let pivot = (used..m).max_by(|&i, &j| size(i).total_cmp(&size(j)));
         // What is no number goes on, and is found in the rates.
-        let Some(pivot) = pivot.filter(|&row| size(row).is_nan() || size(row) > 1e-13 * largest) else {
+        let Some(pivot) = pivot.filter(|&row| size(row).is_nan() || size(row) > LEAST_PIVOT * largest) else {
             (used..m).for_each(|row| a[row * width + col] = 0.0);
             continue;
         };

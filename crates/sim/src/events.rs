@@ -1,5 +1,9 @@
 //! Events of a run: where in a step a mode ends, a step that ends exactly there, and the passage to the next mode.
 
+use crate::decisions::{
+    CHATTER_EVENTS, CHATTER_SPAN, LOCATION_CHANGE, LOCATION_ITERATIONS, ON_SURFACE, OVERLOAD,
+    PEAK_ITERATIONS, ROOT_ITERATIONS, ROOT_WIDTH, SHORTEST_RETURN,
+};
 use crate::dopri::{C, STAGES};
 use crate::state::Run;
 use crate::trajectory::SimError;
@@ -13,15 +17,6 @@ pub(crate) enum Search {
     /// Something that only a shorter step can tell.
     Shorter,
 }
-
-/// Within this fraction of the scale of speed, a switch has not yet left its surface.
-const ON_SURFACE: f64 = 1e-13;
-
-/// Overload at which a sticking contact lets go, in units of what it can hold: just above rounding, so that it does not fall back at once.
-const OVERLOAD: f64 = 1e-14;
-
-/// So many events within so small a fraction of the run are a flutter.
-const FLUTTER: (usize, f64) = (200, 1e-4);
 
 impl Run<'_> {
     /// The guard of a switch at a point: positive while its mode may last. Leaves the surfaces evaluated there.
@@ -116,7 +111,7 @@ impl Run<'_> {
             return match away {
                 Some(good) => Search::At(c, illinois(good, 1.0, |theta| self.guard_inside(c, theta))),
                 // It returns at once.
-                None if self.step.h > 1e-9 * self.span => Search::Shorter,
+                None if self.step.h > SHORTEST_RETURN * self.span => Search::Shorter,
                 None => Search::At(c, 1.0),
             };
         }
@@ -130,14 +125,18 @@ impl Run<'_> {
         let delta = 1e-4_f64.min(0.5 * theta);
         let mut slope = (self.guard_inside(c, theta) - self.guard_inside(c, theta - delta)) / (delta * h);
         let mut length = theta * h;
-        for _ in 0..4 {
+        for _ in 0..LOCATION_ITERATIONS {
             self.step.advance(length, |t, x, out| self.field.rates(t, x, out));
             let g = self.guard_at_end(c);
             if !stuck {
                 slope = self.field.modes[c] * self.field.w_rate(c);
             }
             let change = -g / slope;
-            if g.abs() <= size || !change.is_finite() || change.abs() > 0.1 * h || length + change <= 0.0 {
+            if g.abs() <= size
+                || !change.is_finite()
+                || change.abs() > LOCATION_CHANGE * h
+                || length + change <= 0.0
+            {
                 break;
             }
             length = (length + change).min(h);
@@ -147,14 +146,14 @@ impl Run<'_> {
 
     /// Passes the event at the present point: new modes, jump of the sensitivities, and whatever else is due at the same instant.
     pub(crate) fn pass(&mut self, first: usize) -> Result<(), SimError> {
-        if self.t - self.flutter.1 > FLUTTER.1 * self.span {
+        if self.t - self.flutter.1 > CHATTER_SPAN * self.span {
             self.flutter = (0, self.t);
         }
         let mut due = Some(first);
         let mut done = Vec::new();
         while let Some(c) = due {
             self.flutter.0 += 1;
-            if self.flutter.0 > FLUTTER.0 {
+            if self.flutter.0 > CHATTER_EVENTS {
                 let switch = self.field.automaton.switches[c].text.clone();
                 return Err(SimError::TooManyEvents { time: self.t, switch });
             }
@@ -204,13 +203,13 @@ impl Run<'_> {
 fn illinois(mut good: f64, mut bad: f64, mut g: impl FnMut(f64) -> f64) -> f64 {
     let (mut high, mut low) = (g(good), g(bad));
     let mut side = 0;
-    for _ in 0..80 {
+    for _ in 0..ROOT_ITERATIONS {
         let mut middle = (good * low - bad * high) / (low - high);
         if !(middle > good.min(bad) && middle < good.max(bad)) {
             middle = 0.5 * (good + bad);
         }
         let value = g(middle);
-        if value == 0.0 || (bad - good).abs() <= 1e-10 {
+        if value == 0.0 || (bad - good).abs() <= ROOT_WIDTH {
             return middle;
         }
         if value > 0.0 {
@@ -235,7 +234,7 @@ fn golden(mut a: f64, mut b: f64, mut g: impl FnMut(f64) -> f64) -> f64 {
     let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
     let (mut left, mut right) = (b - ratio * (b - a), a + ratio * (b - a));
     let (mut low, mut high) = (g(left), g(right));
-    for _ in 0..24 {
+    for _ in 0..PEAK_ITERATIONS {
         if low < high {
             (b, right, high) = (right, left, low);
             left = b - ratio * (b - a);

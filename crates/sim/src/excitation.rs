@@ -5,13 +5,11 @@ use std::fmt;
 
 use rand::RngExt;
 
+use crate::decisions::MOST_SINES;
 use crate::noise::Streams;
 
 #[cfg(test)]
 mod tests;
-
-/// More sines than this are taken for a mistake in the step.
-const MOST_SINES: f64 = 1e5;
 
 /// Why an excitation cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,12 +1,10 @@
 //! Evaluating the automaton at a point, in the present modes: rates, surfaces, and what a sticking contact needs to stay.
 
 use crate::automaton::Automaton;
+use crate::decisions::{LEAST_SPEED, OFF_SURFACE};
 use crate::elimination::solve_in_place;
 use crate::trajectory::Drive;
 use phisindy_expr::Scratch;
-
-/// How far off the surface, in units of the speed scale, friction is looked at when its value at zero speed is singular.
-const OFF_SURFACE: f64 = 1e-6;
 
 /// The automaton with its scratch memory, the drive, and the present modes.
 pub(crate) struct Field<'a> {
@@ -200,7 +198,7 @@ impl<'a> Field<'a> {
 
     /// The smallest speed that the shape of friction can tell from rest.
     pub(crate) fn least_speed(&self, c: usize) -> f64 {
-        self.floors[c].max(1e-9 * self.scale[c])
+        self.floors[c].max(LEAST_SPEED * self.scale[c])
     }
 
     /// Notes the speeds at a point.

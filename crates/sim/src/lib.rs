@@ -9,6 +9,7 @@
 
 mod automaton;
 mod contact;
+mod decisions;
 mod dopri;
 mod elimination;
 mod events;
@@ -24,6 +25,7 @@ mod synthetic;
 mod trajectory;
 
 pub use automaton::Automaton;
+pub use decisions::decisions;
 pub use excitation::{ExcitationError, Multisine};
 pub use noise::{Noise, Streams, add_noise};
 pub use run::simulate;

@@ -1,6 +1,7 @@
 //! The simulation: adaptive steps from event to event, and the samples on the way.
 
 use crate::automaton::Automaton;
+use crate::decisions::{SHORTEST_STEP, STEP_GROWTH, STEP_REDUCTION, STEP_REMAINDER, STEP_SAFETY};
 use crate::dopri::STAGES;
 use crate::events::Search;
 use crate::state::Run;
@@ -77,7 +78,7 @@ impl Run<'_> {
     fn step(&mut self) -> Result<(), SimError> {
         let end = self.times[self.times.len() - 1];
         let target = self.breaks.last().map_or(end, |b| b.min(end));
-        let tiny = 1e-15 * self.t.abs().max(end.abs()).max(self.span);
+        let tiny = SHORTEST_STEP * self.t.abs().max(end.abs()).max(self.span);
         self.step.start(self.t, &self.x, &self.rates);
         loop {
             if self.out.steps + self.out.rejected > self.options.max_steps {
@@ -85,7 +86,7 @@ impl Run<'_> {
             }
             let mut h = self.h.min(self.longest);
             h = h.min(self.paced());
-            if target - self.t - h < 1e-3 * h {
+            if target - self.t - h < STEP_REMAINDER * h {
                 h = target - self.t;
             }
             self.step.advance(h, |t, x, out| self.field.rates(t, x, out));
@@ -96,7 +97,11 @@ impl Run<'_> {
             } else if error <= 1.0 {
                 match self.first_event() {
                     Search::None => {
-                        let growth = if error > 0.0 { (0.9 * error.powf(-0.2)).clamp(0.2, 5.0) } else { 5.0 };
+                        let growth = if error > 0.0 {
+                            (STEP_SAFETY * error.powf(-0.2)).clamp(STEP_GROWTH[0], STEP_GROWTH[1])
+                        } else {
+                            STEP_GROWTH[1]
+                        };
                         // A step cut short by a corner says nothing against the longer one that was planned.
                         self.h = (h * growth).max(if h < self.h { self.h } else { 0.0 });
                         self.accept();
@@ -117,7 +122,11 @@ impl Run<'_> {
                     Search::Shorter => self.h = 0.5 * h,
                 }
             } else {
-                let shrink = if error.is_finite() { (0.9 * error.powf(-0.2)).clamp(0.1, 0.9) } else { 0.1 };
+                let shrink = if error.is_finite() {
+                    (STEP_SAFETY * error.powf(-0.2)).clamp(STEP_REDUCTION[0], STEP_REDUCTION[1])
+                } else {
+                    STEP_REDUCTION[0]
+                };
                 self.h = h * shrink;
                 if let Some(reach) = self.overshoot() {
                     // Friction with a steep shape near zero speed spoils a step across zero: come close first.

@@ -1,17 +1,12 @@
 //! The state of a run between two steps, and its start.
 
 use crate::automaton::Automaton;
+use crate::decisions::{KNOTS_PER_STEP, SAMPLES_PER_STEP};
 use crate::dopri::Step;
 use crate::field::Field;
 use crate::sensitivity::Sensitivity;
 use crate::trajectory::{Drive, Event, Options, Trajectory};
 use phisindy_signal::Interpolation;
-
-/// A step spans no more samples than this, so that a burst of force on something at rest cannot be stepped over.
-const SAMPLES_A_STEP: f64 = 32.0;
-
-/// The same for knots of a spline input.
-const KNOTS_A_STEP: f64 = 8.0;
 
 /// `w`, `dw/dt` and `d(dw/dt)/ds` of all switches at a point.
 #[derive(Default)]
@@ -86,12 +81,12 @@ impl<'a> Run<'a> {
         out.rates.reserve(times.len() * n);
         out.sensitivities.reserve(times.len() * n * m);
         let span = times.last().map_or(0.0, |end| end - t0).max(f64::MIN_POSITIVE);
-        let mut longest = SAMPLES_A_STEP * span / times.len().max(1) as f64;
+        let mut longest = SAMPLES_PER_STEP * span / times.len().max(1) as f64;
         for signal in drive.inputs.iter().filter(|s| s.kind() == Interpolation::Cubic) {
             let time = signal.time();
             let knots = (time.len() - 1) as f64;
             if knots > 0.0 {
-                longest = longest.min(KNOTS_A_STEP * (time[time.len() - 1] - time[0]) / knots);
+                longest = longest.min(KNOTS_PER_STEP * (time[time.len() - 1] - time[0]) / knots);
             }
         }
         Run {

@@ -1,20 +1,9 @@
 //! The length of a step: the first one, the longest one that is allowed, and the error of one just tried.
 
+use crate::decisions::{
+    LOAD_RESOLUTION, SHAPE_MATTERS, SHAPE_RESOLUTION, SHAPE_SHORTENING, SPEED_RATIO, SPEED_RATIO_SLACK,
+};
 use crate::state::Run;
-
-/// How well a step must resolve the load of a sticking contact, in units of what it can hold: while nothing moves, nothing else limits the step.
-const LOAD_RESOLUTION: f64 = 1e-3;
-
-/// How well a step must resolve the speed of a contact whose friction has a shape near rest, relative to that speed and in units of the tolerance:
-/// there speeds far below the tolerance decide how it stops and lets go, and derivatives follow the state with this relative error.
-const SHAPE_RESOLUTION: f64 = 300.0;
-
-/// By how much a step may change the speed of a contact whose friction has a shape near rest, as a ratio, where that shape is felt: the derivatives of the run see the slope of the
-/// friction, which is singular at rest, and not the friction, which is not.
-const SPEED_RATIO: f64 = 4.0;
-
-/// A shape is felt where friction changes within a step by this part of the acceleration.
-const FELT: f64 = 1e-3;
 
 impl Run<'_> {
     /// Hairer's guess of a step length (Solving ODEs I, II.4), from the size and the change of the rates.
@@ -45,14 +34,14 @@ impl Run<'_> {
             let (start, end) = (mode * self.here.w[c], mode * self.there.w[c]);
             let (from, to) = (start.max(least), end.max(least));
             let change = (self.here.grip[c] - self.there.grip[c]).abs();
-            let felt = change > FELT * self.here.rate[c].abs().min(self.there.rate[c].abs());
+            let felt = change > SHAPE_MATTERS * self.here.rate[c].abs().min(self.there.rate[c].abs());
             self.paced[c] = felt;
             let ratio = if to < from { from / to } else { to / from };
-            if !felt || ratio <= 1.2 * SPEED_RATIO {
+            if !felt || ratio <= SPEED_RATIO_SLACK * SPEED_RATIO {
                 continue;
             }
             let reach = if to < from { from / SPEED_RATIO - start } else { SPEED_RATIO * from - start };
-            let length = (h * reach / (end - start)).clamp(0.03 * h, 0.9 * h);
+            let length = (h * reach / (end - start)).clamp(SHAPE_SHORTENING[0] * h, SHAPE_SHORTENING[1] * h);
             shorter = Some(shorter.map_or(length, |s| s.min(length)));
         }
         shorter

@@ -1,5 +1,9 @@
 //! Synthetic records: the truth simulated with located events, sampled, and seen by noisy sensors.
 
+use crate::decisions::{
+    COARSE_DIVERGED, COARSE_TOLERANCE, FEWEST_SAMPLES, GRID_REFINEMENT, MOST_SINE_SAMPLES, SMALLEST_SIZES,
+    TRUTH_TOLERANCE,
+};
 use crate::excitation::{ExcitationError, Multisine};
 use crate::noise::{Noise, Streams, add_noise};
 use crate::{Automaton, Drive, Options, SimError, Trajectory, simulate};
@@ -9,18 +13,6 @@ use phisindy_phys::{Derivation, Note, Record, RecordPlan, Synthetic, SyntheticIn
 use phisindy_signal::{Interpolation, Signal, differentiate};
 use std::fmt;
 use std::sync::Arc;
-
-/// Local error of the truth's simulation.
-const TOLERANCE: f64 = 1e-10;
-/// Local error of a first run that finds the size of each state.
-const COARSE: f64 = 1e-4;
-/// The smallest sizes that this run takes for motion, tried in turn: friction that is singular at rest is looked at in units of them, and too steep so
-/// near to it for any step. What lies below the product of both numbers is rounding, as of a mass that sticks throughout, and no size.
-const SMALLEST: [f64; 4] = [1e-9, 1e-6, 1e-3, 1.0];
-/// Generated excitations are tabulated this much finer than the samples, for cubic interpolation.
-const FINER: usize = 8;
-/// Most sines times samples of a generated excitation: some seconds of work.
-const MOST_SINES: usize = 1_000_000_000;
 
 /// Why a synthetic record could not be made.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,140 +68,26 @@ pub fn synthesize(
     let streams = Streams(seed.unwrap_or(truth.seed));
     let samples = (truth.duration / truth.step).round().max(2.0) as usize;
     let time: Arc<[f64]> = (0..samples).map(|k| k as f64 * truth.step).collect();
+    let excitations = Excitations::new(truth, system, streams, samples)?;
+    let constants = record_constants(plan, truth, &excitations)?;
+    let (inputs, exact_inputs) = exact_inputs(truth, &excitations, &constants, &time, file)?;
+    let run = simulate_truth(truth, &inputs, &constants, &time).map_err(SyntheticError::Simulation)?;
 
-    // Inputs: generated ones on a fine grid first, then what derives from them; formulas live in the rates already.
-    let fine: Arc<[f64]> = (0..=samples * FINER).map(|k| k as f64 * truth.step / FINER as f64).collect();
-    let generated: Vec<Option<Multisine>> = truth
-        .inputs
-        .iter()
-        .zip(&system.inputs)
-        .map(|(input, name)| multisine(input, streams.seed(&format!("phases of {}", name.name))))
-        .collect::<Result<_, _>>()
-        .map_err(SyntheticError::Excitation)?;
-    if let Some(most) = generated.iter().flatten().map(|m| m.omegas().len()).max()
-        && most.saturating_mul(samples) > MOST_SINES
-    {
-        return Err(SyntheticError::Other(format!(
-            "{most} sines at each of {samples} samples are too much: take fewer sines (a larger step of `omega`, a smaller `count`) or fewer samples"
-        )));
-    }
-    let exact = |k: usize, grid: &[f64]| -> Option<Vec<f64>> {
-        let step = grid[1] - grid[0];
-        match &truth.inputs[k] {
-            SyntheticInput::Generated(_) => {
-                generated[k].as_ref().map(|m| m.values_on_grid(grid[0], step, grid.len()))
-            }
-            SyntheticInput::Derivative(of) => {
-                generated[*of].as_ref().map(|m| grid.iter().map(|&t| m.slope(t)).collect())
-            }
-            SyntheticInput::Formula(_) => None,
-        }
-    };
-    let mut constants: Vec<f64> = Vec::new();
-    for value in &plan.constants {
-        constants.push(match value {
-            Value::Number(x) => *x,
-            Value::MaxAbs(u) => match (&truth.inputs[*u], exact(*u, &fine)) {
-                (_, Some(values)) => values.iter().fold(0.0, |m, v| v.abs().max(m)),
-                (SyntheticInput::Formula(f), None) => {
-                    evaluate(truth, *f, &constants, &fine)?.iter().fold(0.0, |m, v| v.abs().max(m))
-                }
-                _ => {
-                    return Err(SyntheticError::Other(
-                        "MaxAbs needs an input with an excitation of its own".into(),
-                    ));
-                }
-            },
-        });
-    }
-    let mut drive_inputs = Vec::new();
-    let mut recorded: Vec<Vec<f64>> = Vec::new();
-    for (k, input) in truth.inputs.iter().enumerate() {
-        let (signal, values) = match (input, exact(k, &fine)) {
-            (_, Some(values)) => {
-                let coarse = values.iter().step_by(FINER).take(samples).copied().collect();
-                (signal(&fine, values, Interpolation::Cubic)?, coarse)
-            }
-            (SyntheticInput::Generated(spec), None) => {
-                let signal = file(spec).map_err(SyntheticError::Other)?;
-                let values = time.iter().map(|&t| signal.value(t)).collect();
-                (signal, values)
-            }
-            (SyntheticInput::Formula(f), None) => {
-                let values = evaluate(truth, *f, &constants, &time)?;
-                (signal(&time, values.clone(), Interpolation::Cubic)?, values)
-            }
-            (SyntheticInput::Derivative(of), None) => {
-                let source: &Signal = &drive_inputs[*of];
-                let values: Vec<f64> = time.iter().map(|&t| source.slope(t)).collect();
-                (signal(&time, values.clone(), Interpolation::Cubic)?, values)
-            }
-        };
-        drive_inputs.push(signal);
-        recorded.push(values);
-    }
-
-    let run = simulate_truth(truth, &drive_inputs, &constants, &time).map_err(SyntheticError::Simulation)?;
-
-    // The window, then what the sensors make of it.
-    let inside = |t: f64| truth.window.is_none_or(|(a, b)| (a..=b).contains(&t));
-    let rows: Vec<usize> = (0..samples).filter(|&k| inside(time[k])).collect();
-    if rows.len() < 10 {
-        return Err(SyntheticError::Other("the window leaves fewer than 10 samples".into()));
-    }
-    let pick = |values: &[f64]| -> Vec<f64> { rows.iter().map(|&k| values[k]).collect() };
-    let seen_time: Arc<[f64]> = rows.iter().map(|&k| time[k]).collect();
+    let rows = window_rows(truth, &time)?;
     let n = system.states.len();
-    // A late sensor reads between the samples, and before the window: from the whole run.
-    let read = |values: Vec<f64>, sensor: usize, kind: Interpolation| -> Result<Vec<f64>, SyntheticError> {
-        let values = plan.sensors[sensor].reading(&time, values, kind);
-        Ok(pick(&values.map_err(|e| SyntheticError::Other(e.to_string()))?))
-    };
-    let noisy = |mut values: Vec<f64>, name: &str| -> Vec<f64> {
-        add_noise(
-            &mut values,
-            noise_of(&truth.noise, name),
-            &mut streams.stream(&format!("noise of {name}")),
-        );
-        values
-    };
-    let column = |k: usize| -> Result<Option<Vec<f64>>, SyntheticError> {
-        let read = || read(run.column(k), k, Interpolation::Cubic);
-        let measured = truth.measured_states[k].then(read).transpose()?;
-        Ok(measured.map(|values| noisy(values, &system.states[k].name)))
-    };
-    let columns = (0..n).map(column).collect::<Result<_, _>>()?;
-    let mut seen: Vec<Vec<f64>> = Vec::new();
-    for (k, values) in recorded.into_iter().enumerate() {
-        let values = read(values, n + k, plan.interpolation[k])?;
-        seen.push(if truth.measured_inputs[k] { noisy(values, &system.inputs[k].name) } else { values });
-    }
-    for (k, values) in seen.iter_mut().enumerate() {
-        *values = plan.sensors[n + k]
-            .corrected(&seen_time, std::mem::take(values), plan.interpolation[k])
-            .map_err(|e| SyntheticError::Other(e.to_string()))?;
-    }
-    // A derivative of a measured input is derived from what was measured, as it would be for a rig, and the input is smoothed with it.
-    let (mut notes, mut derivations) = (Vec::new(), Vec::new());
-    for (k, of) in plan.derived.iter().enumerate().filter_map(|(k, of)| of.map(|of| (k, of))) {
-        if truth.measured_inputs[of] && !truth.measured_inputs[k] {
-            let d = differentiate(&seen_time, &seen[of], plan.differentiators[k])
-                .map_err(|e| SyntheticError::Other(e.to_string()))?;
-            let (input, of_name) = (system.inputs[k].name.clone(), system.inputs[of].name.clone());
-            notes.push(Note::DerivedInput { input, of: of_name, smoothing: d.smoothing });
-            let column = std::mem::replace(&mut seen[of], d.values);
-            derivations.push(Derivation { input: k, of, column });
-            seen[k] = d.derivative;
-        }
-    }
+    let sensors = Sensors { plan, truth, system, streams, time: &time, rows: &rows };
+    let columns = (0..n).map(|k| sensors.state(k, &run)).collect::<Result<_, _>>()?;
+    let recorded_time: Arc<[f64]> = rows.iter().map(|&k| time[k]).collect();
+    let mut recorded = sensors.inputs(exact_inputs, &recorded_time)?;
+    let (notes, derivations) = derive_inputs(plan, truth, system, &recorded_time, &mut recorded)?;
     let mut inputs = Vec::new();
-    for (k, values) in seen.into_iter().enumerate() {
-        inputs.push(signal(&seen_time, values, plan.interpolation[k])?);
+    for (k, values) in recorded.into_iter().enumerate() {
+        inputs.push(signal(&recorded_time, values, plan.interpolation[k])?);
     }
     let record = Record {
         name: plan.name.clone(),
         role: plan.role,
-        time: seen_time,
+        time: recorded_time,
         columns,
         inputs,
         constants,
@@ -220,6 +98,207 @@ pub fn synthesize(
         notes,
     };
     Ok((record, run))
+}
+
+/// The generated inputs of a record and the fine grid on which they are tabulated.
+struct Excitations<'a> {
+    truth: &'a Synthetic,
+    /// For each input its sum of sines; `None` for an input that is not generated.
+    generated: Vec<Option<Multisine>>,
+    /// [`GRID_REFINEMENT`] points for each sample.
+    grid: Arc<[f64]>,
+}
+
+impl<'a> Excitations<'a> {
+    /// Draws the phases of all generated inputs.
+    fn new(
+        truth: &'a Synthetic,
+        system: &System,
+        streams: Streams,
+        samples: usize,
+    ) -> Result<Self, SyntheticError> {
+        let grid = (0..=samples * GRID_REFINEMENT).map(|k| k as f64 * truth.step / GRID_REFINEMENT as f64);
+        let grid: Arc<[f64]> = grid.collect();
+        let generated: Vec<Option<Multisine>> = truth
+            .inputs
+            .iter()
+            .zip(&system.inputs)
+            .map(|(input, name)| multisine(input, streams.seed(&format!("phases of {}", name.name))))
+            .collect::<Result<_, _>>()
+            .map_err(SyntheticError::Excitation)?;
+        if let Some(most) = generated.iter().flatten().map(|m| m.omegas().len()).max()
+            && most.saturating_mul(samples) > MOST_SINE_SAMPLES
+        {
+            return Err(SyntheticError::Other(format!(
+                "{most} sines at each of {samples} samples are too much: take fewer sines (a larger step of `omega`, a smaller `count`) or fewer samples"
+            )));
+        }
+        Ok(Excitations { truth, generated, grid })
+    }
+
+    /// The exact values of input `k` on the grid, if it is generated or the derivative of a generated input.
+    fn exact(&self, k: usize) -> Option<Vec<f64>> {
+        let grid = &self.grid;
+        match &self.truth.inputs[k] {
+            SyntheticInput::Generated(_) => {
+                self.generated[k].as_ref().map(|m| m.values_on_grid(grid[0], grid[1] - grid[0], grid.len()))
+            }
+            SyntheticInput::Derivative(of) => {
+                self.generated[*of].as_ref().map(|m| grid.iter().map(|&t| m.slope(t)).collect())
+            }
+            SyntheticInput::Formula(_) => None,
+        }
+    }
+}
+
+/// The values of the constants of a record, in the order of the plan; a formula may use those before it.
+fn record_constants(
+    plan: &RecordPlan,
+    truth: &Synthetic,
+    excitations: &Excitations<'_>,
+) -> Result<Vec<f64>, SyntheticError> {
+    let max_abs = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| v.abs().max(m));
+    let mut constants: Vec<f64> = Vec::new();
+    for value in &plan.constants {
+        constants.push(match value {
+            Value::Number(x) => *x,
+            Value::MaxAbs(u) => match (&truth.inputs[*u], excitations.exact(*u)) {
+                (_, Some(values)) => max_abs(&values),
+                (SyntheticInput::Formula(f), None) => {
+                    max_abs(&evaluate(truth, *f, &constants, &excitations.grid)?)
+                }
+                _ => {
+                    return Err(SyntheticError::Other(
+                        "MaxAbs needs an input with an excitation of its own".into(),
+                    ));
+                }
+            },
+        });
+    }
+    Ok(constants)
+}
+
+/// The inputs that drive the truth, and their exact values at the samples.
+fn exact_inputs(
+    truth: &Synthetic,
+    excitations: &Excitations<'_>,
+    constants: &[f64],
+    time: &Arc<[f64]>,
+    file: &dyn Fn(&InputSpec) -> Result<Signal, String>,
+) -> Result<(Vec<Signal>, Vec<Vec<f64>>), SyntheticError> {
+    let mut signals: Vec<Signal> = Vec::new();
+    let mut samples: Vec<Vec<f64>> = Vec::new();
+    for (k, input) in truth.inputs.iter().enumerate() {
+        let (signal, values) = match (input, excitations.exact(k)) {
+            (_, Some(values)) => {
+                let coarse = values.iter().step_by(GRID_REFINEMENT).take(time.len()).copied().collect();
+                (signal(&excitations.grid, values, Interpolation::Cubic)?, coarse)
+            }
+            (SyntheticInput::Generated(spec), None) => {
+                let signal = file(spec).map_err(SyntheticError::Other)?;
+                let values = time.iter().map(|&t| signal.value(t)).collect();
+                (signal, values)
+            }
+            (SyntheticInput::Formula(f), None) => {
+                let values = evaluate(truth, *f, constants, time)?;
+                (signal(time, values.clone(), Interpolation::Cubic)?, values)
+            }
+            (SyntheticInput::Derivative(of), None) => {
+                let source = &signals[*of];
+                let values: Vec<f64> = time.iter().map(|&t| source.slope(t)).collect();
+                (signal(time, values.clone(), Interpolation::Cubic)?, values)
+            }
+        };
+        signals.push(signal);
+        samples.push(values);
+    }
+    Ok((signals, samples))
+}
+
+/// The samples within the window of the record.
+fn window_rows(truth: &Synthetic, time: &[f64]) -> Result<Vec<usize>, SyntheticError> {
+    let inside = |t: f64| truth.window.is_none_or(|(a, b)| (a..=b).contains(&t));
+    let rows: Vec<usize> = (0..time.len()).filter(|&k| inside(time[k])).collect();
+    if rows.len() < FEWEST_SAMPLES {
+        return Err(SyntheticError::Other(format!("the window leaves fewer than {FEWEST_SAMPLES} samples")));
+    }
+    Ok(rows)
+}
+
+/// The sensors of a record: states first, then inputs.
+struct Sensors<'a> {
+    plan: &'a RecordPlan,
+    truth: &'a Synthetic,
+    system: &'a System,
+    streams: Streams,
+    /// The samples of the whole run.
+    time: &'a Arc<[f64]>,
+    /// Those within the window.
+    rows: &'a [usize],
+}
+
+impl Sensors<'_> {
+    /// A column as its sensor reads it, within the window. A delayed sensor reads between the samples and
+    /// before the window, so it is applied to the whole run.
+    fn read(&self, values: Vec<f64>, sensor: usize, kind: Interpolation) -> Result<Vec<f64>, SyntheticError> {
+        let values = self.plan.sensors[sensor].reading(self.time, values, kind);
+        let values = values.map_err(|e| SyntheticError::Other(e.to_string()))?;
+        Ok(self.rows.iter().map(|&k| values[k]).collect())
+    }
+
+    fn noisy(&self, mut values: Vec<f64>, name: &str) -> Vec<f64> {
+        let mut stream = self.streams.stream(&format!("noise of {name}"));
+        add_noise(&mut values, noise_of(&self.truth.noise, name), &mut stream);
+        values
+    }
+
+    /// The column of a state; `None` if it is not measured.
+    fn state(&self, k: usize, run: &Trajectory) -> Result<Option<Vec<f64>>, SyntheticError> {
+        let read = || self.read(run.column(k), k, Interpolation::Cubic);
+        let measured = self.truth.measured_states[k].then(read).transpose()?;
+        Ok(measured.map(|values| self.noisy(values, &self.system.states[k].name)))
+    }
+
+    /// The columns of all inputs, with the known properties of their sensors removed again.
+    fn inputs(&self, exact: Vec<Vec<f64>>, time: &Arc<[f64]>) -> Result<Vec<Vec<f64>>, SyntheticError> {
+        let (n, interpolation) = (self.system.states.len(), &self.plan.interpolation);
+        let mut columns: Vec<Vec<f64>> = Vec::new();
+        for (k, values) in exact.into_iter().enumerate() {
+            let values = self.read(values, n + k, interpolation[k])?;
+            let name = &self.system.inputs[k].name;
+            columns.push(if self.truth.measured_inputs[k] { self.noisy(values, name) } else { values });
+        }
+        for (k, values) in columns.iter_mut().enumerate() {
+            *values = self.plan.sensors[n + k]
+                .corrected(time, std::mem::take(values), interpolation[k])
+                .map_err(|e| SyntheticError::Other(e.to_string()))?;
+        }
+        Ok(columns)
+    }
+}
+
+/// Replaces the derivatives of measured inputs by those of their noisy columns, and these by their smoothed
+/// values, as for measured data.
+fn derive_inputs(
+    plan: &RecordPlan,
+    truth: &Synthetic,
+    system: &System,
+    time: &Arc<[f64]>,
+    columns: &mut [Vec<f64>],
+) -> Result<(Vec<Note>, Vec<Derivation>), SyntheticError> {
+    let (mut notes, mut derivations) = (Vec::new(), Vec::new());
+    for (k, of) in plan.derived.iter().enumerate().filter_map(|(k, of)| of.map(|of| (k, of))) {
+        if truth.measured_inputs[of] && !truth.measured_inputs[k] {
+            let d = differentiate(time, &columns[of], plan.differentiators[k])
+                .map_err(|e| SyntheticError::Other(e.to_string()))?;
+            let (input, of_name) = (system.inputs[k].name.clone(), system.inputs[of].name.clone());
+            notes.push(Note::DerivedInput { input, of: of_name, smoothing: d.smoothing });
+            let column = std::mem::replace(&mut columns[of], d.values);
+            derivations.push(Derivation { input: k, of, column });
+            columns[k] = d.derivative;
+        }
+    }
+    Ok((notes, derivations))
 }
 
 /// The truth at the sample times. A first, coarse run finds the size of each state, on which the accuracy of the second one rests.
@@ -234,23 +313,28 @@ fn simulate_truth(
     let drive = Drive { inputs, parameters };
     let n = truth.start.len();
     let first = |smallest: f64| {
-        let options =
-            Options { tolerance: COARSE, scale: vec![smallest; n], diverged: 1e24, ..Default::default() };
+        let options = Options {
+            tolerance: COARSE_TOLERANCE,
+            scale: vec![smallest; n],
+            diverged: COARSE_DIVERGED,
+            ..Default::default()
+        };
         Ok((simulate(&automaton, &drive, 0.0, &truth.start, time, &options)?, smallest))
     };
     let steep = |r: &Result<_, SimError>| {
         matches!(r, Err(SimError::TooManySteps { .. } | SimError::TooManyEvents { .. }))
     };
-    let mut tried = first(SMALLEST[0]);
-    for &smallest in &SMALLEST[1..] {
+    let mut tried = first(SMALLEST_SIZES[0]);
+    for &smallest in &SMALLEST_SIZES[1..] {
         if steep(&tried) {
             tried = first(smallest);
         }
     }
     let (run, smallest) = tried?;
     let largest = |k: usize| run.states.iter().skip(k).step_by(n).fold(0.0_f64, |m, x| m.max(x.abs()));
-    let scale = (0..n).map(|k| if largest(k) > COARSE * smallest { largest(k) } else { 1.0 }).collect();
-    let fine = Options { tolerance: TOLERANCE, scale, ..Default::default() };
+    let scale =
+        (0..n).map(|k| if largest(k) > COARSE_TOLERANCE * smallest { largest(k) } else { 1.0 }).collect();
+    let fine = Options { tolerance: TRUTH_TOLERANCE, scale, ..Default::default() };
     simulate(&automaton, &drive, 0.0, &truth.start, time, &fine)
 }
 

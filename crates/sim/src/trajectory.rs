@@ -1,5 +1,6 @@
 //! What goes into a run and what comes out: drive, options, events, samples, errors.
 
+use crate::decisions::{DEFAULT_DIVERGED, DEFAULT_MAX_STEPS, DEFAULT_TOLERANCE};
 use phisindy_signal::Signal;
 use std::fmt;
 
@@ -29,7 +30,13 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Options { tolerance: 1e-8, scale: vec![], sensitivities: None, max_steps: 2_000_000, diverged: 1e9 }
+        Options {
+            tolerance: DEFAULT_TOLERANCE,
+            scale: vec![],
+            sensitivities: None,
+            max_steps: DEFAULT_MAX_STEPS,
+            diverged: DEFAULT_DIVERGED,
+        }
     }
 }
 

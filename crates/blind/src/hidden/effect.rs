@@ -91,6 +91,9 @@ pub(super) struct Scales {
     pub(super) force: f64,
 }
 
+/// Parameters of a law and the text of its force.
+type Force = (Vec<(&'static str, f64)>, &'static str);
+
 /// Draws the effect of a law at a place; `None` if the law does not fit there.
 pub(super) fn draw(
     law: &str,
@@ -100,9 +103,28 @@ pub(super) fn draw(
     dice: &mut Dice,
     holds: bool,
 ) -> Option<Effect> {
-    let w0 = rig.natural;
-    let level = |dice: &mut Dice| if holds { dice.log(0.15, 0.8) } else { dice.log(0.02, 0.5) } * s.force;
-    let (parameters, force): (Vec<(&'static str, f64)>, &str) = match law {
+    let (parameters, force) = match law {
+        "viscous" | "stiffness" => draw_linear(law, s, rig, dice),
+        "cubic-stiffness" | "quadratic-stiffness" | "dead-zone" | "one-sided-stop" => {
+            draw_spring(law, place, s, rig, dice)
+        }
+        "offset" | "harmonic-force" | "parametric-stiffness" | "van-der-pol" => {
+            draw_excitation(law, s, rig, dice)
+        }
+        _ => draw_friction(law, s, dice, holds),
+    }?;
+    let parameters: Vec<_> = parameters.into_iter().map(|(n, x)| (n, crate::dice::rounded(x))).collect();
+    let internal = (law == "presliding").then(|| ("z".to_owned(), "Y - kt*abs(Y)*z/Fc".to_owned()));
+    let second_phase = parameters.iter().find(|(n, _)| *n == "phase").map(|(_, phase)| {
+        if dice.chance(0.5) { crate::dice::rounded(dice.between(-3.0, 3.0)) } else { *phase }
+    });
+    let action = Action::Force { place: place.clone(), force: force.to_owned(), internal };
+    Some(Effect { law: law.to_owned(), at: place.at.clone(), parameters, second_phase, action })
+}
+
+/// A change of a damper or a spring.
+fn draw_linear(law: &str, s: Scales, rig: &super::rig::Rig, dice: &mut Dice) -> Option<Force> {
+    Some(match law {
         "viscous" => {
             let dc = dice.log(0.01, 1.0) * s.force / s.v;
             let negative = dice.chance(0.2);
@@ -115,6 +137,14 @@ pub(super) fn draw(
             let least = 0.4 * rig.spring.iter().copied().fold(f64::INFINITY, f64::min);
             (vec![("dk", if dice.chance(0.4) { -dk.min(least) } else { dk })], "dk*X")
         }
+        _ => return None,
+    })
+}
+
+/// A friction or a drag.
+fn draw_friction(law: &str, s: Scales, dice: &mut Dice, holds: bool) -> Option<Force> {
+    let level = |dice: &mut Dice| if holds { dice.log(0.15, 0.8) } else { dice.log(0.02, 0.5) } * s.force;
+    Some(match law {
         "quadratic-drag" => (vec![("d", dice.log(0.02, 1.5) * s.force / (s.v * s.v))], "d*Y*abs(Y)"),
         "coulomb" => (vec![("Fc", level(dice))], "Fc*sgn(Y)"),
         "asymmetric-coulomb" => {
@@ -147,6 +177,13 @@ pub(super) fn draw(
             let fc = dice.log(0.04, 0.6) * s.force;
             (vec![("Fc", fc), ("kt", fc / (dice.log(0.03, 0.4) * s.x))], "kt*z")
         }
+        _ => return None,
+    })
+}
+
+/// A nonlinear spring or a stop.
+fn draw_spring(law: &str, place: &Place, s: Scales, rig: &super::rig::Rig, dice: &mut Dice) -> Option<Force> {
+    Some(match law {
         "cubic-stiffness" => {
             let k3 = dice.log(0.01, 2.0) * s.force / s.x.powi(3);
             (vec![("k3", if dice.chance(0.25) { -0.15 * k3 } else { k3 })], "k3*X^3")
@@ -163,6 +200,14 @@ pub(super) fn draw(
             let force = if dice.chance(0.5) { "ks*pos(X-gap)" } else { "(-ks*pos(-X-gap))" };
             (vec![("ks", stiff), ("gap", at)], force)
         }
+        _ => return None,
+    })
+}
+
+/// A force that excites the motion.
+fn draw_excitation(law: &str, s: Scales, rig: &super::rig::Rig, dice: &mut Dice) -> Option<Force> {
+    let w0 = rig.natural;
+    Some(match law {
         "offset" => (vec![("f0", dice.sign() * dice.log(0.02, 0.8) * s.force)], "(-f0)"),
         "harmonic-force" => {
             let w = w0 * dice.log(0.3, 2.5);
@@ -181,14 +226,7 @@ pub(super) fn draw(
             (vec![("mu", mu), ("a", dice.log(0.5, 10.0) / (s.x * s.x))], "(-mu*(1-a*X^2)*Y)")
         }
         _ => return None,
-    };
-    let parameters: Vec<_> = parameters.into_iter().map(|(n, x)| (n, crate::dice::rounded(x))).collect();
-    let internal = (law == "presliding").then(|| ("z".to_owned(), "Y - kt*abs(Y)*z/Fc".to_owned()));
-    let second_phase = parameters.iter().find(|(n, _)| *n == "phase").map(|(_, phase)| {
-        if dice.chance(0.5) { crate::dice::rounded(dice.between(-3.0, 3.0)) } else { *phase }
-    });
-    let action = Action::Force { place: place.clone(), force: force.to_owned(), internal };
-    Some(Effect { law: law.to_owned(), at: place.at.clone(), parameters, second_phase, action })
+    })
 }
 
 /// Draws a property of one column or of all. `columns` are their names and sizes; `None` for any other law.

@@ -64,6 +64,7 @@ pub(super) fn made(wish: &Wish, dice: &mut Dice) -> Result<Made, String> {
     Err(format!("{TRIES} draws of {wish:?} were not fair: {reasons:?}"))
 }
 
+/// One draw: a rig, its effects, their motion, the noise, and the checks of all of them.
 fn attempt(wish: &Wish, dice: &mut Dice) -> Result<Made, &'static str> {
     let friction = match &wish.kind {
         Kind::Laws(laws) => laws.iter().any(|l| HOLDING.contains(l)),
@@ -72,15 +73,7 @@ fn attempt(wish: &Wish, dice: &mut Dice) -> Result<Made, &'static str> {
     };
     let mut rig = Rig::draw(dice, wish.two_masses, friction && wish.holds);
     if wish.kind == Kind::Nothing && dice.chance(0.25) {
-        let force = rig.size * rig.spring[0];
-        let (extra, name, value, unit) = if dice.chance(0.5) {
-            (Extra::Coulomb, "Fk", dice.log(0.05, 0.4) * force, "N")
-        } else {
-            (Extra::Cubic, "kn", dice.log(0.05, 1.0) * force / rig.size.powi(3), "N/m^3")
-        };
-        let unit = if rig.inertia { unit } else { "" };
-        rig.extra = Some(extra);
-        rig.constants.push(Constant { name: name.to_owned(), value: rounded(value), unit, movable: None });
+        add_nonlinear_term(&mut rig, dice);
     }
     movables(&mut rig, wish, dice);
     let (courses, split) = courses(&rig, dice);
@@ -94,44 +87,96 @@ fn attempt(wish: &Wish, dice: &mut Dice) -> Result<Made, &'static str> {
         effects.iter_mut().for_each(|e| e.second_phase = None);
     }
     let before = earlier(&effects);
-    let truth = run(&effects, before)?;
+    let motions = run(&effects, before)?;
     if before > 0.0 {
         base = run(&[], before)?;
     }
+    let stuck_share = check_sticking(wish, friction, &motions)?;
+    let with_velocity = dice.chance(0.75);
+    let states = if with_velocity { 2 * rig.count() } else { rig.count() };
+    let measured: Vec<(usize, String)> =
+        rig.x.iter().chain(&rig.v).cloned().enumerate().take(states).collect();
+    let Noisy { records, sigma, gaps } =
+        add_sensor_noise(wish, &measured, &courses, &motions, &base, split, Streams(dice.seed()))?;
+    let drawn = Drawn { rig, effects, courses, motions, base, measured, split };
+    let judgement = drawn.judgement(wish, gaps, &sigma)?;
+    if !steady(&drawn.rig, &drawn.effects, &drawn.courses, &drawn.motions, before, wish.noise) {
+        return Err("the motion is too sensitive to its start");
+    }
+    let truth = drawn.truth(wish, &records, gaps, stuck_share, judgement, &sigma);
+    let Drawn { rig, measured, .. } = drawn;
+    let own_amplitude = records.len() == 2
+        && matches!(rig.drive, Drive::Explicit(_))
+        && records[0].lines.len() == 1
+        && records[0].lines != records[1].lines;
+    Ok(Made { rig, measured, records, split, own_amplitude, truth })
+}
 
-    let stuck = truth[0].stuck.iter().filter(|s| **s).count() as f64 / truth[0].stuck.len() as f64;
+/// Adds a known Coulomb friction or a known cubic spring to a rig in which nothing is hidden.
+fn add_nonlinear_term(rig: &mut Rig, dice: &mut Dice) {
+    let force = rig.size * rig.spring[0];
+    let (extra, name, value, unit) = if dice.chance(0.5) {
+        (Extra::Coulomb, "Fk", dice.log(0.05, 0.4) * force, "N")
+    } else {
+        (Extra::Cubic, "kn", dice.log(0.05, 1.0) * force / rig.size.powi(3), "N/m^3")
+    };
+    let unit = if rig.inertia { unit } else { "" };
+    rig.extra = Some(extra);
+    rig.constants.push(Constant { name: name.to_owned(), value: rounded(value), unit, movable: None });
+}
+
+/// The part of the samples of the first record in which a contact sticks.
+///
+/// # Errors
+/// The motion sticks although it should not, or the reverse, or it sticks most of the time.
+fn check_sticking(wish: &Wish, friction: bool, motions: &[Motion]) -> Result<f64, &'static str> {
+    let stuck = motions[0].stuck.iter().filter(|s| **s).count() as f64 / motions[0].stuck.len() as f64;
     if friction
-        && (wish.holds != (stuck > 0.02) || (!wish.holds && truth.iter().any(|m| m.stuck.contains(&true))))
+        && (wish.holds != (stuck > 0.02) || (!wish.holds && motions.iter().any(|m| m.stuck.contains(&true))))
     {
         return Err("sticking is not as wished");
     }
     if stuck > 0.6 {
         return Err("it hardly moves");
     }
-    let with_velocity = dice.chance(0.75);
-    let seen_states = if with_velocity { 2 * rig.count() } else { rig.count() };
-    let measured: Vec<(usize, String)> =
-        rig.x.iter().chain(&rig.v).cloned().enumerate().take(seen_states).collect();
+    Ok(stuck)
+}
 
-    // Noise, and the gap that it leaves to be seen.
-    let streams = Streams(dice.seed());
+/// Records with noise.
+struct Noisy {
+    records: Vec<Shown>,
+    /// Standard deviation of the noise of each measured column of the first record.
+    sigma: Vec<f64>,
+    gaps: Gaps,
+}
+
+/// Adds noise to the readings of all records, and measures the gap between them and the known part.
+///
+/// # Errors
+/// A column does not move.
+fn add_sensor_noise(
+    wish: &Wish,
+    measured: &[(usize, String)],
+    courses: &[Course],
+    motions: &[Motion],
+    base: &[Motion],
+    split: usize,
+    streams: Streams,
+) -> Result<Noisy, &'static str> {
     let mut sigma = Vec::new();
     let mut records = Vec::new();
     let (mut fit, mut validate) = ((0.0, 0usize), (0.0, 0usize));
-    for (r, (course, motion)) in courses.iter().zip(&truth).enumerate() {
+    for (r, (course, motion)) in courses.iter().zip(motions).enumerate() {
         let mut columns = Vec::new();
-        for (k, (state, name)) in measured.iter().enumerate() {
+        for (state, name) in measured {
             let exact = &motion.readings[*state];
             let deviation = wish.noise * standard_deviation(exact);
             if deviation <= 0.0 || !deviation.is_finite() {
                 return Err("nothing moves");
             }
             let mut noisy = exact.clone();
-            add_noise(
-                &mut noisy,
-                Noise::Sensor(deviation),
-                &mut streams.stream(&format!("noise of {name} in {r}")),
-            );
+            let mut stream = streams.stream(&format!("noise of {name} in {r}"));
+            add_noise(&mut noisy, Noise::Sensor(deviation), &mut stream);
             if r == 0 {
                 sigma.push(deviation);
             }
@@ -140,33 +185,54 @@ fn attempt(wish: &Wish, dice: &mut Dice) -> Result<Made, &'static str> {
                 let sum = if r == 0 && i < split { &mut fit } else { &mut validate };
                 *sum = (sum.0 + e * e, sum.1 + 1);
             }
-            debug_assert_eq!(columns.len(), k);
             columns.push(noisy);
         }
         let drive = course.times.iter().map(|&t| Rig::drive_at(&course.lines, t)).collect();
         records.push(Shown { times: course.times.clone(), columns, drive, lines: course.lines.clone() });
     }
     let gap = |(sum, count): (f64, usize)| (sum / count as f64).sqrt();
-    let gaps = Gaps { fit: gap(fit), validate: gap(validate) };
-    let mut judgement = Judgement::default();
-    if wish.kind != Kind::Nothing {
+    Ok(Noisy { records, sigma, gaps: Gaps { fit: gap(fit), validate: gap(validate) } })
+}
+
+/// A rig with its effects and exact motions.
+struct Drawn {
+    rig: Rig,
+    effects: Vec<Effect>,
+    courses: Vec<Course>,
+    /// The motion of each record with the effects, and that of the known part alone.
+    motions: Vec<Motion>,
+    base: Vec<Motion>,
+    measured: Vec<(usize, String)>,
+    split: usize,
+}
+
+impl Drawn {
+    /// Compares the effects with the rest of the catalogue; the default where nothing is hidden.
+    ///
+    /// # Errors
+    /// The set is not fair: why.
+    fn judgement(&self, wish: &Wish, gaps: Gaps, sigma: &[f64]) -> Result<Judgement, &'static str> {
+        if wish.kind == Kind::Nothing {
+            return Ok(Judgement::default());
+        }
         if !(GAPS.0..=GAPS.1).contains(&gaps.validate) || !(GAPS.0..=1.5 * GAPS.1).contains(&gaps.fit) {
             return Err("the gap is too small or too large");
         }
-        let (course, motion) = (cut_course(&courses[0], split), cut_motion(&truth[0], split));
-        let base = cut_motion(&base[0], split);
+        let course = cut_course(&self.courses[0], self.split);
+        let motion = cut_motion(&self.motions[0], self.split);
+        let base = cut_motion(&self.base[0], self.split);
         let columns: Vec<(usize, String, f64)> =
-            measured.iter().zip(&sigma).map(|((k, n), s)| (*k, n.clone(), *s)).collect();
+            self.measured.iter().zip(sigma).map(|((k, n), s)| (*k, n.clone(), *s)).collect();
         let seen = Seen {
-            rig: &rig,
-            effects: &effects,
+            rig: &self.rig,
+            effects: &self.effects,
             course: &course,
             motion: &motion,
             base: &base,
             columns: &columns,
         };
         visible(&seen)?;
-        judgement = judge(&seen);
+        let judgement = judge(&seen);
         let outside = matches!(wish.kind, Kind::Outside(_));
         if judgement.visible < VISIBLE {
             return Err("start states and constants absorb it");
@@ -177,52 +243,55 @@ fn attempt(wish: &Wish, dice: &mut Dice) -> Result<Made, &'static str> {
         if !outside && judgement.margin < MARGIN {
             return Err("a rival is too near");
         }
+        Ok(judgement)
     }
-    if !steady(&rig, &effects, &courses, &truth, before, wish.noise) {
-        return Err("the motion is too sensitive to its start");
-    }
-    let samples = if records.len() == 1 {
-        [split, records[0].times.len() - split]
-    } else {
-        [split, records[1].times.len()]
-    };
-    let truth = Truth {
-        kind: match &wish.kind {
+
+    /// What `truth.json` says of the set.
+    fn truth(
+        &self,
+        wish: &Wish,
+        records: &[Shown],
+        gaps: Gaps,
+        stuck_share: f64,
+        judgement: Judgement,
+        sigma: &[f64],
+    ) -> Truth {
+        let (rig, measured, split) = (&self.rig, &self.measured, self.split);
+        let hides = wish.kind != Kind::Nothing;
+        let samples = if records.len() == 1 {
+            [split, records[0].times.len() - split]
+        } else {
+            [split, records[1].times.len()]
+        };
+        let kind = match &wish.kind {
             Kind::Nothing => "nothing",
             Kind::Laws(laws) if laws.len() == 1 => "one",
             Kind::Laws(_) => "two",
             Kind::Outside(_) => "outside",
+        };
+        let movable = rig.constants.iter().filter(|c| c.movable.is_some());
+        Truth {
+            kind: kind.to_owned(),
+            alternatives: alternatives(&self.effects, &judgement, rig, measured),
+            effects: self.effects.iter().map(hidden).collect(),
+            noise: wish.noise,
+            sticks: stuck_share > 0.0,
+            stuck_share,
+            masses: rig.count(),
+            gap_before: gaps,
+            margin: (hides && judgement.margin.is_finite()).then_some(judgement.margin),
+            nearest: judgement.nearest,
+            gap_fitted: hides.then(|| {
+                let data = (split * measured.len()) as f64;
+                (1.0 + judgement.visible / data).sqrt()
+            }),
+            remainder: matches!(wish.kind, Kind::Outside(_)).then_some(judgement.remainder),
+            sigma: measured.iter().map(|(_, n)| n.clone()).zip(sigma.iter().copied()).collect(),
+            movable: movable.map(|c| (c.name.clone(), c.value)).collect(),
+            rig: described(rig, records.len()),
+            samples,
         }
-        .to_owned(),
-        alternatives: alternatives(&effects, &judgement, &rig, &measured),
-        effects: effects.iter().map(hidden).collect(),
-        noise: wish.noise,
-        sticks: stuck > 0.0,
-        stuck_share: stuck,
-        masses: rig.count(),
-        gap_before: gaps,
-        margin: (wish.kind != Kind::Nothing && judgement.margin.is_finite()).then_some(judgement.margin),
-        nearest: judgement.nearest,
-        gap_fitted: (wish.kind != Kind::Nothing).then(|| {
-            let data = (split * measured.len()) as f64;
-            (1.0 + judgement.visible / data).sqrt()
-        }),
-        remainder: matches!(wish.kind, Kind::Outside(_)).then_some(judgement.remainder),
-        sigma: measured.iter().map(|(_, n)| n.clone()).zip(sigma.iter().copied()).collect(),
-        movable: rig
-            .constants
-            .iter()
-            .filter(|c| c.movable.is_some())
-            .map(|c| (c.name.clone(), c.value))
-            .collect(),
-        rig: described(&rig, records.len()),
-        samples,
-    };
-    let own_amplitude = records.len() == 2
-        && matches!(rig.drive, Drive::Explicit(_))
-        && records[0].lines.len() == 1
-        && records[0].lines != records[1].lines;
-    Ok(Made { rig, measured, records, split, own_amplitude, truth })
+    }
 }
 
 /// In some sets a stiffness or a damping is only known within bounds - never that which the hidden law is about.

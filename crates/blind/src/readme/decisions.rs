@@ -5,7 +5,11 @@ use phisindy_phys::Decision;
 
 /// A row for each decision: its name, value and unit, what it decides, and why it is what it is.
 pub(crate) fn table() -> String {
-    let crates = [("learn", phisindy_learn::decisions()), ("gap", phisindy_gap::decisions())];
+    let crates = [
+        ("sim", phisindy_sim::decisions()),
+        ("learn", phisindy_learn::decisions()),
+        ("gap", phisindy_gap::decisions()),
+    ];
     let rows = crates.into_iter().flat_map(|(name, all)| all.iter().map(move |d| row(name, d)));
     markdown(&["crate", "name", "value", "unit", "decides", "basis"], &rows.collect::<Vec<_>>())
 }

@@ -68,53 +68,15 @@ impl Rig {
             (dice.log(0.5, 2.0), dice.log(0.7, 3.0), dice.log(0.3, 2.0))
         };
         let stiff = rounded(mass * natural * natural);
-        let damping = dice.log(0.01, 0.07);
-        let mut constants = Vec::new();
-        let mut forces: Vec<Vec<Summand>> = vec![vec![]; count];
-        let minus = |text: &str| Summand { negative: true, text: text.to_owned() };
-        let plus = |text: &str| Summand { negative: false, text: text.to_owned() };
-        for i in 0..count {
-            let other = |dice: &mut Dice| if i == 0 { 1.0 } else { dice.between(0.6, 1.5) };
-            let spring = rounded(stiff * other(dice));
-            constants.push((format!("m{}", i + 1), rounded(mass * other(dice))));
-            constants.push((format!("k{}", i + 1), spring));
-            constants.push((format!("c{}", i + 1), rounded(2.0 * damping * (spring * mass).sqrt())));
-        }
-        forces[0].extend([minus("k1*x1"), minus("c1*v1")]);
-        if count == 2 {
-            forces[0].extend([minus("k2*(x1-x2)"), minus("c2*(v1-v2)")]);
-            forces[1].extend([plus("k2*(x1-x2)"), plus("c2*(v1-v2)")]);
-        }
-        if cubic {
-            let share = dice.between(CUBIC.0, CUBIC.1);
-            constants.push(("q".to_owned(), rounded(share * stiff / (size * size))));
-            forces[0].push(minus("q*x1^3"));
-        }
+        let mut physics = chain(count, mass, stiff, size, cubic, dice);
         let lines = match dice.whole(0, 9) {
             0..=3 => 1,
             4..=7 => dice.whole(2, 5),
             _ => 0,
         };
-        let mut drive = 0.0;
-        let mut sum = Vec::new();
-        for k in 1..=lines {
-            let ratio = dice.between(0.3, if lines > 1 { 1.8 } else { 1.3 });
-            // Away from the resonance a larger force makes the same motion.
-            let wanted = size * dice.between(0.6, 1.4) / (lines as f64).sqrt();
-            let amplitude = rounded(wanted * stiff * (1.0 - ratio * ratio).abs().max(0.15));
-            drive += amplitude * amplitude;
-            constants.push((format!("A{k}"), amplitude));
-            constants.push((format!("W{k}"), rounded(natural * ratio)));
-            constants.push((format!("p{k}"), rounded(dice.between(-3.0, 3.0))));
-            sum.push(format!("A{k}*cos(W{k}*t+p{k})"));
-        }
-        let on = dice.whole(0, count - 1);
-        if lines > 0 {
-            forces[on].push(plus(&format!("G*({})", sum.join(" + "))));
-        }
+        let drive = add_drive(&mut physics, lines, natural, size, stiff, dice);
         // A released mass must swing a few times before friction holds it.
-        let force = if lines > 0 { drive.sqrt() } else { 0.4 * size * stiff };
-        let physics = Physics { constants, forces };
+        let force = if lines > 0 { drive } else { 0.4 * size * stiff };
         let friction = frictions(count, force, size * natural, dice);
         let periods = dice.between(8.0, 25.0);
         let samples = dice.whole(900, 2400);
@@ -166,6 +128,68 @@ impl Rig {
         }
         text
     }
+}
+
+fn minus(text: &str) -> Summand {
+    Summand { negative: true, text: text.to_owned() }
+}
+
+fn plus(text: &str) -> Summand {
+    Summand { negative: false, text: text.to_owned() }
+}
+
+/// Masses in a chain on springs and dampers, without a drive; `cubic` adds a cubic spring on the first mass.
+fn chain(count: usize, mass: f64, stiff: f64, size: f64, cubic: bool, dice: &mut Dice) -> Physics {
+    let damping = dice.log(0.01, 0.07);
+    let mut constants = Vec::new();
+    let mut forces: Vec<Vec<Summand>> = vec![vec![]; count];
+    for i in 0..count {
+        let other = |dice: &mut Dice| if i == 0 { 1.0 } else { dice.between(0.6, 1.5) };
+        let spring = rounded(stiff * other(dice));
+        constants.push((format!("m{}", i + 1), rounded(mass * other(dice))));
+        constants.push((format!("k{}", i + 1), spring));
+        constants.push((format!("c{}", i + 1), rounded(2.0 * damping * (spring * mass).sqrt())));
+    }
+    forces[0].extend([minus("k1*x1"), minus("c1*v1")]);
+    if count == 2 {
+        forces[0].extend([minus("k2*(x1-x2)"), minus("c2*(v1-v2)")]);
+        forces[1].extend([plus("k2*(x1-x2)"), plus("c2*(v1-v2)")]);
+    }
+    if cubic {
+        let share = dice.between(CUBIC.0, CUBIC.1);
+        constants.push(("q".to_owned(), rounded(share * stiff / (size * size))));
+        forces[0].push(minus("q*x1^3"));
+    }
+    Physics { constants, forces }
+}
+
+/// Adds a force of `lines` cosines on one mass, scaled by `G`. Returns the root of the sum of squared amplitudes.
+fn add_drive(
+    physics: &mut Physics,
+    lines: usize,
+    natural: f64,
+    size: f64,
+    stiff: f64,
+    dice: &mut Dice,
+) -> f64 {
+    let mut drive = 0.0;
+    let mut sum = Vec::new();
+    for k in 1..=lines {
+        let ratio = dice.between(0.3, if lines > 1 { 1.8 } else { 1.3 });
+        // Away from the resonance a larger force makes the same motion.
+        let wanted = size * dice.between(0.6, 1.4) / (lines as f64).sqrt();
+        let amplitude = rounded(wanted * stiff * (1.0 - ratio * ratio).abs().max(0.15));
+        drive += amplitude * amplitude;
+        physics.constants.push((format!("A{k}"), amplitude));
+        physics.constants.push((format!("W{k}"), rounded(natural * ratio)));
+        physics.constants.push((format!("p{k}"), rounded(dice.between(-3.0, 3.0))));
+        sum.push(format!("A{k}*cos(W{k}*t+p{k})"));
+    }
+    let on = dice.whole(0, physics.forces.len() - 1);
+    if lines > 0 {
+        physics.forces[on].push(plus(&format!("G*({})", sum.join(" + "))));
+    }
+    drive.sqrt()
 }
 
 /// Coulomb, with viscous friction, or falling with speed; the dictionary sometimes holds what is not true.
