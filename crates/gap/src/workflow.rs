@@ -6,7 +6,7 @@ use crate::decisions::{FEWEST_SAMPLES, MOSTLY_NOISE, ONE_CONSTANT, REPEATS, SCAT
 use crate::drive::Drive;
 use crate::drive_frequency::drive_frequency;
 use crate::model::{
-    Applied, Fitted, Measure, TrialModel, current, expression, noise_of, shortened, text_with,
+    Applied, Fitted, Measure, SpecTextError, TrialModel, current, expression, noise_of, shortened, text_with,
 };
 use crate::other_causes::{causes, input_noise};
 use crate::repeat::{prediction, repeatability};
@@ -18,7 +18,7 @@ use crate::result::{
 use crate::search::{Round, Search, Searched, placed, refitted};
 use phisindy_learn::{Effort, at_bounds, dead_column, sensitive_starts};
 use phisindy_phys::spec::{self, Role, Spec};
-use phisindy_phys::{Case, LawEntry, Record, SourceId, System};
+use phisindy_phys::{Case, LawEntry, Record, SourceId, System, splice};
 use phisindy_signal::standard_deviation;
 use std::ops::ControlFlow;
 
@@ -61,6 +61,7 @@ pub fn gap(
     if case.is_open() {
         warnings.push(Warning::UnknownLeftOut { candidates: !case.system.terms.is_empty() });
     }
+    let text = if case.is_open() { without_unknown(text)? } else { text.to_owned() };
     let (repeat, floor) = floor(&case, &records, &noise);
     let whole = without_candidates(spec, case, records).ok_or_else(unreadable)?;
     let mut observe = |part: f64, what: Activity| observe(part, what).is_break();
@@ -77,7 +78,7 @@ pub fn gap(
         }
         None => search.run(whole).map_err(GapError::Numerics)?,
     };
-    Ending::new(searched, &mut search, warnings)?.finished(text, repeat)
+    Ending::new(searched, &mut search, warnings)?.finished(&text, repeat)
 }
 
 /// Whether there is something to learn from the records.
@@ -106,6 +107,12 @@ fn mostly_noise(system: &System, records: &[Record], noise: &[Vec<f64>]) -> Resu
         }
     }
     Ok(())
+}
+
+/// The text of a spec without its candidates and laws.
+fn without_unknown(text: &str) -> Result<String, GapError> {
+    let wrong = |why: splice::SetError| SpecTextError { path: "unknown".into(), why: why.to_string() };
+    splice::set(text, "unknown", "{}").map_err(|why| GapError::Numerics(wrong(why).into()))
 }
 
 /// The model that is believed complete: candidates and laws of `unknown` are no part of it.

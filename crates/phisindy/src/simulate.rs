@@ -59,6 +59,10 @@ impl Loaded {
     /// As [`simulate`].
     pub fn simulate(&self) -> Result<Vec<Motion>, Error> {
         let system = &self.case.system;
+        // Along a measured record only a model without unknown part can be run.
+        if self.simulated().count() != self.records.len() {
+            return Err(Error::Open);
+        }
         let one = |((record, truth), plan): ((&phys::Record, &Option<Trajectory>), &phys::RecordPlan)| {
             let columns = match (truth, &plan.origin) {
                 (Some(truth), Origin::Synthetic(made)) => {
