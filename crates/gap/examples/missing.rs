@@ -1,4 +1,4 @@
-//! A model that is believed complete, and what its data say: which law is missing, and how far it closes the gap.
+//! Finds the laws that an incomplete model lacks, and how much of the gap each of them closes.
 //!
 //! ```text
 //! cargo run --release -p phisindy-gap --example missing
@@ -10,7 +10,8 @@ use phisindy_phys::{LawEntry, LawError, Origin, Record, Sources, check, spec};
 use phisindy_sim::synthesize;
 use std::ops::ControlFlow;
 
-/// A mass on a spring; the truth, which made the data, has friction and a spring that hardens. Nothing is asked: `unknown` is empty.
+/// A mass on a linear spring. The data come from a model that also has friction and a hardening spring.
+/// The spec requests no law: `unknown` is empty.
 const SPEC: &str = r#"(
     constants: { "m": (1.0, "kg"), "d": (0.1, "N*s/m"), "k": (1.0, "N/m"), "F0": (1.0, "N"), "W": (0.7, "rad/s") },
     states: { "x": "m", "v": "m/s" },
@@ -47,7 +48,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let catalogue = entries.collect::<Result<Vec<_>, LawError>>()?;
 
     let found: Gap = gap(SPEC, case, records, &catalogue, &mut |_, _| ControlFlow::Continue(()))?;
-    // A gap is the rms of the residual over the noise: 1 is perfect. What counts is the record that was not fitted.
+    // A gap is the rms of the residual over the noise; 1 is perfect. The Validate record counts, which was not
+    // fitted.
     println!("gap on data not used, as the model is: {:.1}", found.before.1.unwrap_or(f64::NAN));
     for step in &found.steps {
         let after = step.validate.map_or(f64::NAN, |(_, after)| after);

@@ -1,5 +1,6 @@
-//! Is it a missing effect, or a constant of the known part that is not what the spec says? A mass that is wrong by a few per cent bends a
-//! motion in a way that two or three laws imitate; what was found is told together with the constant that would do instead.
+//! Tests whether a wrong constant of the known part explains the data instead of missing effects. A mass that
+//! is wrong by a few per cent changes a motion in a way that two or three laws can imitate. The result names
+//! the constant that would explain the data as well.
 
 use crate::decisions::{
     CONSTANT_OFF, CONSTANTS_FITTED, CONSTANTS_SCREENED, FITTED_IN_FULL, RACE, SIMPLER, WORTH,
@@ -23,16 +24,17 @@ struct Constant {
     value: f64,
 }
 
-/// A constant that would do instead of what was found.
+/// A constant that explains the data in place of effects.
 pub(crate) struct Instead {
     pub(crate) constant: AlternativeConstant,
-    /// Whether the data speak for it: it needs fewer numbers, and its criterion is lower.
+    /// Whether the data prefer it: the model needs fewer parameters and its criterion is lower.
     pub(crate) much_better: bool,
 }
 
-/// The best model in which one constant that the spec holds is free, and at least one effect less is needed, if it explains the data as well
-/// as `last` does, or explains them where `last` does not. One number for one number says nothing new: a spring that is missing and a
-/// stiffness that is too small are one force.
+/// The best model in which one fixed constant of the spec is free and at least one effect fewer is needed. It
+/// must explain the data as well as `last` does, or explain them where `last` does not. A free constant in
+/// place of a single parameter is no finding: a missing spring and a stiffness that is too small are the same
+/// force.
 pub(crate) fn alternative_constant(
     last: &Fitted,
     catalogue: &[LawEntry],
@@ -44,37 +46,37 @@ pub(crate) fn alternative_constant(
     let fewer = subsets(&effects, last.score.is_white());
     let constants: Vec<(Constant, TrialModel)> = constants(&base.given.spec)
         .into_iter()
-        .filter_map(|c| freed(&base, &c).map(|free| (c, free)))
+        .filter_map(|c| with_free_constant(&base, &c).map(|free| (c, free)))
         .collect();
     let price = (last.cal.samples as f64).ln();
-    let mut fitted = promising(last, &constants, &fewer, price, noise);
+    let mut fitted = lowest_cost(last, &constants, &fewer, price, noise);
     let chosen = |fitted: &[(&Constant, Fitted)], strict: bool| -> Option<(f64, usize)> {
         let by = Measure::of(fitted.iter().map(|(_, f)| &f.score).chain([&last.score]), candidates);
         let limit = |f: &Fitted| if last.score.explains() && simpler(f, last) { SIMPLER } else { -WORTH };
-        // A free constant is a number like any other.
+        // A free constant costs as much as any other parameter.
         let worse = fitted.iter().map(|(_, f)| by.criterion(&f.score) + price - by.criterion(&last.score));
         worse
             .enumerate()
             .map(|(k, worse)| (worse, k))
             .filter(|(worse, k)| fitted[*k].1.score.explains() && *worse < limit(&fitted[*k].1))
-            .filter(|(_, k)| !strict || stands(&fitted[*k].1))
+            .filter(|(_, k)| !strict || passes_evidence(&fitted[*k].1))
             .min_by(|a, b| a.0.total_cmp(&b.0))
     };
-    // Beside a constant that is wrong the search may have gone astray from the start.
+    // A wrong constant may have misled the search from the first round, so the catalogue is screened again.
     let blamed = chosen(&fitted, false).map(|(_, k)| fitted[k].0);
     if blamed.is_some() || !last.score.explains() {
-        let tried = |c: &Constant| blamed.is_none_or(|blamed| blamed.name == c.name);
-        fitted.extend(anew(constants.iter().filter(|(c, _)| tried(c)), catalogue, noise));
+        let eligible = |c: &Constant| blamed.is_none_or(|blamed| blamed.name == c.name);
+        fitted.extend(screened_with(constants.iter().filter(|(c, _)| eligible(c)), catalogue, noise));
     }
     let (worse, k) = chosen(&fitted, true)?;
     let (constant, best) = fitted.swap_remove(k);
-    let (_, value) = best.found(|p| p.name == constant.name).pop()?;
+    let (_, value) = best.estimates(|p| p.name == constant.name).pop()?;
     let factor = Unit::parse(&constant.unit).map_or(1.0, |u| u.factor);
     let (kept, own) = (placed(&best.model), placed(&last.model));
     let without = |a: &[PlacedLaw], b: &[PlacedLaw]| -> Vec<PlacedLaw> {
         a.iter().filter(|law| !b.contains(law)).cloned().collect()
     };
-    // One number for another is the same thing under another name.
+    // Trading one parameter for another only renames the same force.
     let much_better = simpler(&best, last) && worse < -WORTH;
     let constant = AlternativeConstant {
         constant: NamedValue {
@@ -91,18 +93,19 @@ pub(crate) fn alternative_constant(
     Some(Instead { constant, much_better })
 }
 
-/// Whether a model with a free constant needs fewer numbers than another one.
+/// Whether the model with a free constant needs fewer parameters than `last`.
 fn simpler(free: &Fitted, last: &Fitted) -> bool {
     size(&free.model) + 1 < size(&last.model)
 }
 
-/// Whether evidence speaks against none of its effects.
-fn stands(fitted: &Fitted) -> bool {
+/// Whether no evidence rules out any of its effects.
+fn passes_evidence(fitted: &Fitted) -> bool {
     fitted.model.effects.iter().all(|a| against(fitted, &a.effect).is_none())
 }
 
-/// Each constant free beside each choice of effects: those that promise most by their cost over segments, fitted in full.
-fn promising<'c>(
+/// Fits each free constant together with each choice of effects. Only the trials with the lowest segment cost
+/// are fitted in full.
+fn lowest_cost<'c>(
     last: &Fitted,
     constants: &'c [(Constant, TrialModel)],
     choices: &[Vec<Effect>],
@@ -131,20 +134,21 @@ fn promising<'c>(
         .collect()
 }
 
-/// The numbers of the effects of a model.
+/// The fitted parameters of the effects of a model.
 pub(crate) fn numbers(best: &Fitted) -> Vec<NamedValue> {
     let parameters = &best.model.system.parameters;
     let of = |name: &String| {
         let unit = parameters.iter().find(|p| p.name == *name).map_or("", |p| p.unit.as_str());
-        let (_, value) = best.found(|p| p.name == *name).pop()?;
+        let (_, value) = best.estimates(|p| p.name == *name).pop()?;
         let factor = Unit::parse(unit).map_or(1.0, |u| u.factor);
         Some(NamedValue { name: name.clone(), value: value / factor, unit: unit.to_owned() })
     };
     best.model.effects.iter().flat_map(|a| &a.names).filter_map(of).collect()
 }
 
-/// Models with one constant free and one effect: for the constants that alone leave least, the laws that promise most beside them.
-fn anew<'c>(
+/// Fits models with one free constant and one effect. Takes the constants that leave the smallest gap alone,
+/// and the leading laws of a screening for each.
+fn screened_with<'c>(
     constants: impl Iterator<Item = &'c (Constant, TrialModel)>,
     catalogue: &[LawEntry],
     noise: &[Vec<f64>],
@@ -158,8 +162,8 @@ fn anew<'c>(
     alone.truncate(CONSTANTS_SCREENED);
     let beside = |(constant, free): &(&'c Constant, Fitted)| -> Option<Vec<(&'c Constant, TrialModel)>> {
         let model = free.settled();
-        let found = screen(&model, &free.cal, catalogue, noise)?;
-        let best = found.candidates.iter().take(FITTED_IN_FULL);
+        let screening = screen(&model, &free.cal, catalogue, noise)?;
+        let best = screening.candidates.iter().take(FITTED_IN_FULL);
         Some(best.filter_map(|c| Some((*constant, model.with(&c.effect).ok()?))).collect())
     };
     let models: Vec<(&Constant, TrialModel)> = alone.iter().filter_map(beside).flatten().collect();
@@ -169,7 +173,7 @@ fn anew<'c>(
         .collect()
 }
 
-/// The constants that a spec holds, but for those that are zero.
+/// The fixed constants of a spec, except those that are zero.
 fn constants(spec: &Spec) -> Vec<Constant> {
     let of = |(name, constant): &(Text, ConstantSpec)| match constant {
         ConstantSpec::Number { value, unit } if value.value != 0.0 => Some(Constant {
@@ -183,7 +187,7 @@ fn constants(spec: &Spec) -> Vec<Constant> {
 }
 
 /// The model with one of its constants free.
-fn freed(base: &TrialModel, constant: &Constant) -> Option<TrialModel> {
+fn with_free_constant(base: &TrialModel, constant: &Constant) -> Option<TrialModel> {
     let mut spec = base.given.spec.clone();
     let (_, own) = spec.constants.iter_mut().find(|(name, _)| name.value == constant.name)?;
     let ConstantSpec::Number { value, unit } = own.clone() else { return None };
@@ -196,7 +200,7 @@ fn freed(base: &TrialModel, constant: &Constant) -> Option<TrialModel> {
     base.variant(spec)
 }
 
-/// Where some effects explain the data all choices of fewer of them; else the first of them, however many.
+/// All proper subsets of the effects where these explain the data; otherwise the first 0, 1, ... n of them.
 fn subsets(effects: &[Effect], explain: bool) -> Vec<Vec<Effect>> {
     let n = effects.len();
     let of = |bits: usize| (0..n).filter(|k| bits >> k & 1 == 1).map(|k| effects[k].clone()).collect();

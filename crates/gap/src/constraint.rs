@@ -1,15 +1,17 @@
-//! The condition that the parameters of a law fulfil, from its file: friction that falls with the speed starts above where it ends.
+//! The condition that the parameters of a law must meet, from the law's file. Example: the static level of
+//! Stribeck friction is not below its kinetic level.
 
 use crate::decisions::INSIDE;
 use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::Law;
 
-/// The condition at these parameters; nothing if the law has none.
+/// The value of the condition at these parameters, met where it is not negative; `None` if the law has none.
 pub(crate) fn fulfilled(law: &Law, parameters: &[f64]) -> Option<f64> {
     Some(value_and_gradient(law, parameters)?.0)
 }
 
-/// The nearest parameters that fulfil the condition by a part of the level, which is the first of them; the same if they do, or if there is none.
+/// Moves parameters along the gradient until the condition exceeds `INSIDE` times the level, which is the
+/// first parameter. Returns them unchanged if they meet it already or the law has no condition.
 pub(crate) fn inside(law: &Law, parameters: &[f64]) -> Vec<f64> {
     let level = parameters.first().map_or(0.0, |p| p.abs());
     let moved = || {
@@ -48,7 +50,7 @@ mod tests {
     fn a_start_is_moved_inside_and_no_further() {
         let stribeck = law(include_str!("../../../specs/laws/stribeck.ron"));
         assert_eq!(fulfilled(&stribeck, &[2.0, 1.0, 0.1]), Some(-1.0));
-        // From the border and from beyond it; the speed has no part in it.
+        // From the border and from outside it; the third parameter, a speed, does not enter the condition.
         for start in [[2.0, 2.0, 0.1], [2.0, 1.0, 0.1]] {
             let moved = inside(&stribeck, &start);
             assert!((moved[1] - moved[0] - 0.5).abs() < 1e-12 && moved[2] == 0.1, "{moved:?}");

@@ -1,14 +1,14 @@
-//! Mistakes in a file that no missing effect explains: columns of two bodies exchanged, a unit that is off by a factor.
+//! Mistakes in a data file that no missing effect explains: columns of two bodies exchanged, a wrong unit.
 
 use crate::decisions::{MOVES, ONE_SHAPE, OTHER_SHAPE, OUT_OF_PROPORTION, WRONG_UNIT};
 use crate::model::Fitted;
 use crate::result::{DataMistake, Named};
 use phisindy_signal::{noise_level, standard_deviation};
 
-/// What the records of a fitted model look like, as far as something is wrong with them.
+/// Mistakes that the records show when compared with a fitted model.
 pub(crate) fn data_mistakes(base: &Fitted) -> Vec<DataMistake> {
     let states = &base.model.system.states;
-    let mut found = Vec::new();
+    let mut mistakes = Vec::new();
     for (record, fit) in base.model.records.iter().zip(&base.cal.records) {
         let simulated = |k: usize| -> Option<Vec<f64>> {
             let column = record.columns[k].as_ref()?;
@@ -22,24 +22,24 @@ pub(crate) fn data_mistakes(base: &Fitted) -> Vec<DataMistake> {
             let (slope, alike) = agreement(own, measured);
             let of = || Named { record: record.name.clone(), column: states[*a].name.clone() };
             if alike > ONE_SHAPE && !(1.0 / WRONG_UNIT..WRONG_UNIT).contains(&slope) {
-                found.push(DataMistake::Scale { of: of(), factor: slope });
+                mistakes.push(DataMistake::Scale { of: of(), factor: slope });
             }
             let larger = standard_deviation(own) / standard_deviation(measured);
             let far = !(1.0 / OUT_OF_PROPORTION..OUT_OF_PROPORTION).contains(&larger);
             if alike <= ONE_SHAPE && far && standard_deviation(measured) > MOVES * noise_level(measured) {
-                found.push(DataMistake::Proportion { of: of(), factor: larger });
+                mistakes.push(DataMistake::Proportion { of: of(), factor: larger });
             }
             for (b, other, theirs) in all[i + 1..].iter().filter(|(b, ..)| states[*b].unit == states[*a].unit)
             {
                 let now = alike.min(agreement(theirs, other).1);
                 let swapped = agreement(own, other).1.min(agreement(theirs, measured).1);
                 if swapped > ONE_SHAPE && now < OTHER_SHAPE {
-                    found.push(DataMistake::Swapped { of: of(), other: states[*b].name.clone() });
+                    mistakes.push(DataMistake::Swapped { of: of(), other: states[*b].name.clone() });
                 }
             }
         }
     }
-    found
+    mistakes
 }
 
 /// Slope of `y` against `x`, and their correlation, both about their means.

@@ -1,11 +1,11 @@
-//! What drives a record: the part of the known rates that is there while everything stands still.
+//! The drive of a record: the known rates as functions of time while all states are zero.
 
 use crate::decisions::{DRIVE_LINE, DRIVE_LINES, DRIVE_REPEATS, DRIVE_TIMES, SAME_LINE};
 use crate::whiteness::{lines, mean_step, share};
 use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::{Record, System};
 
-/// The known rates at rest as functions of time.
+/// The known rates with all states at zero, as functions of time.
 pub(crate) struct Drive<'a> {
     system: &'a System,
     record: &'a Record,
@@ -13,7 +13,7 @@ pub(crate) struct Drive<'a> {
 }
 
 impl<'a> Drive<'a> {
-    /// `None` where the known rates need something that is no argument of theirs.
+    /// `None` where the known rates depend on something that is not among their arguments.
     pub(crate) fn new(system: &'a System, record: &'a Record) -> Option<Drive<'a>> {
         let tape = Tape::compile(&system.graph, &system.arguments(), &system.known).ok()?;
         Some(Drive { system, record, scratch: Scratch::new(&tape) })
@@ -29,7 +29,8 @@ impl<'a> Drive<'a> {
         (0..self.system.known.len()).map(|k| self.scratch.output(k)[0]).collect()
     }
 
-    /// Whether there is a drive, and it repeats with a period: a motion that nothing drives dies out, and one under two tones scatters from cycle to cycle for a reason.
+    /// Whether there is a drive and it repeats with this period (s). Without a drive a motion decays. Under
+    /// two incommensurate tones the cycles of a motion differ although nothing is random.
     pub(crate) fn repeats(&mut self, period: f64) -> bool {
         let (first, last) = (self.record.time[0], self.record.time[self.record.len() - 1]);
         let time = |i: usize| first + (last - first - period) * i as f64 / DRIVE_TIMES as f64;
@@ -45,18 +46,18 @@ impl<'a> Drive<'a> {
                 }
             }
         }
-        // What does not move but for rounding drives nothing.
+        // A rate that is constant up to rounding is no drive.
         let level = now.iter().flatten().filter(|r| r.is_finite()).map(|r| r * r).sum::<f64>();
         swing > 1e-20 * level && apart <= DRIVE_REPEATS * DRIVE_REPEATS * swing
     }
 
-    /// The line of the drive (rad/s) that stands at `frequency`, if there is one.
+    /// The spectral line of the drive (rad/s) at `frequency`, if there is one.
     pub(crate) fn line_at(&mut self, frequency: f64) -> Option<f64> {
         let span = self.record.time[self.record.len() - 1] - self.record.time[0];
         self.lines().into_iter().find(|line| (frequency - line).abs() * span < SAME_LINE)
     }
 
-    /// The lines of the drive (rad/s), rate by rate.
+    /// The spectral lines of the drive (rad/s), rate by rate.
     pub(crate) fn lines(&mut self) -> Vec<f64> {
         let (n, first) = (self.record.len(), self.record.time[0]);
         let step = mean_step(&self.record.time);
@@ -64,8 +65,8 @@ impl<'a> Drive<'a> {
         let of = |k: usize| {
             let rate: Vec<f64> = rates.iter().map(|r| r[k]).collect();
             let moves = rate.iter().all(|r| r.is_finite()) && rate.iter().any(|r| *r != rate[0]);
-            let found = if moves { lines(&rate, step, DRIVE_LINES, 0) } else { vec![] };
-            found.into_iter().filter(|line| share(&rate, line * step) > DRIVE_LINE).collect::<Vec<_>>()
+            let candidates = if moves { lines(&rate, step, DRIVE_LINES, 0) } else { vec![] };
+            candidates.into_iter().filter(|line| share(&rate, line * step) > DRIVE_LINE).collect::<Vec<_>>()
         };
         (0..self.system.known.len()).flat_map(of).collect()
     }
@@ -116,7 +117,7 @@ mod tests {
             let found = drive.line_at(frequency).unwrap_or(f64::NAN);
             assert!((found - line).abs() < 0.005, "{frequency}: {found}");
         }
-        // The frequency of the free motion is not that of the drive, nor are a multiple and what comes near a line.
+        // No match: the frequency of the free motion, a multiple of a line, a frequency close to a line.
         for frequency in [2.0, 0.72, 0.9, 1.27, 1.4, 3.0] {
             assert_eq!(drive.line_at(frequency), None, "{frequency}");
         }

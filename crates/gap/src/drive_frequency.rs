@@ -1,5 +1,5 @@
-//! Is the drive at the frequency that the spec says? A rig that is driven a little faster or slower than its model lacks no force, and no law
-//! describes what that leaves.
+//! Tests whether the drive has another frequency than the spec says. A rig that is driven slightly faster or
+//! slower than its model lacks no force, and no law describes the residual.
 
 use crate::alternative_constant::numbers;
 use crate::decisions::{CLOCK_CAUSE, CLOCK_HELPS, CLOCK_OFF, SAME_RATIO};
@@ -13,14 +13,14 @@ use phisindy_phys::spec::Role;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// How far the workflow is by now.
+/// Progress of the workflow at this stage.
 const LATE: f64 = 0.97;
 
-/// The drive of a model at another frequency, if that explains the records or most of the gap, alone or with the effects that are missing
-/// beside it.
+/// The drive at another frequency, if that explains the records or removes most of the gap, alone or with the
+/// effects that are missing beside it.
 pub(crate) fn drive_frequency(base: &Fitted, search: &mut Search<'_>) -> Option<DriveFrequency> {
     let fits = starts(&base.model).into_par_iter().filter_map(|start| {
-        let (model, name) = freed(&base.model, start)?;
+        let (model, name) = with_free_clock(&base.model, start)?;
         Some((Fitted::new(model, search.noise, Effort::Plain).ok()?, name))
     });
     let all: Vec<(Fitted, String)> = fits.collect();
@@ -39,7 +39,7 @@ pub(crate) fn drive_frequency(base: &Fitted, search: &mut Search<'_>) -> Option<
     if !explains && !cause {
         return None;
     }
-    let (_, ratio) = best.found(|p| p.name == name).pop()?;
+    let (_, ratio) = best.estimates(|p| p.name == name).pop()?;
     Some(DriveFrequency {
         ratio,
         beside: placed(&best.model),
@@ -49,7 +49,8 @@ pub(crate) fn drive_frequency(base: &Fitted, search: &mut Search<'_>) -> Option<
     })
 }
 
-/// Where to begin: with what the spec says, and with the strongest line of each column beside the line of the drive that is next to it.
+/// Start values of the frequency ratio: 1, and the ratio of each column's strongest line to every nearby line
+/// of the drive.
 fn starts(model: &TrialModel) -> Vec<f64> {
     let mut all = vec![1.0];
     for record in model.records.iter().filter(|r| r.role == Role::Fit) {
@@ -66,15 +67,15 @@ fn starts(model: &TrialModel) -> Vec<f64> {
     all
 }
 
-/// The model whose known rates run in a time of their own, and the number that says how fast it goes; `None` where they do not depend on
-/// time.
-fn freed(base: &TrialModel, start: f64) -> Option<(TrialModel, String)> {
+/// The model with a free clock rate in its known rates, and the name of that parameter. `None` where the
+/// known rates do not depend on time.
+fn with_free_clock(base: &TrialModel, start: f64) -> Option<(TrialModel, String)> {
     let mut model = base.without_effects();
     let system = &mut model.system;
     if !system.graph.uses(&system.known, &[system.time]) {
         return None;
     }
-    // A space keeps the name out of reach of any spec.
+    // The space in the name avoids collisions with names of a spec.
     let name = "speed of the clock".to_owned();
     let k = system.add_parameter(&name, "1", start, (1.0 - CLOCK_OFF, 1.0 + CLOCK_OFF), false);
     let own_time = system.graph.mul(system.parameters[k].node, system.time);

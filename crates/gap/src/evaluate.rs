@@ -5,7 +5,8 @@ use crate::place::{Place, Site};
 use phisindy_expr::{Id, Scratch, Tape};
 use phisindy_phys::System;
 
-/// All outputs of a tape along a motion; `grid` are further inputs, and `series` further inputs that vary.
+/// All outputs of a tape along a motion. `grid` holds further constant inputs, `series` further inputs by
+/// sample.
 pub(crate) fn evaluated(tape: &Tape, motion: &Motion, grid: &[f64], series: &[&[f64]]) -> Vec<Vec<f64>> {
     const LANES: usize = 64;
     let samples = motion.samples();

@@ -1,4 +1,5 @@
-//! Evidence that a fit alone does not use: an elastic contact must give way, in the stops, in proportion to the force on it.
+//! Evidence outside the fit that rules out laws which fit well: energy balance, bounds, conditions of the
+//! law's file, the drive, compliance during stops.
 
 use crate::constraint::fulfilled;
 use crate::decisions::{EXPLAINED, GIVES_BACK, GIVES_WAY, NO_END, SHORT_STOP, SLIPS};
@@ -13,16 +14,24 @@ use phisindy_phys::spec::Role;
 use phisindy_phys::{LawParameter, Record};
 use std::f64::consts::TAU;
 
-/// Why an effect cannot be, although it fits; `None` if nothing speaks against it.
+/// The reason why an effect is ruled out although it fits; `None` if there is none.
 pub(crate) fn against(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
-    [feeds, lacks, endless, clings, pushes, echoes, stands_firm]
-        .into_iter()
-        .find_map(|speaks| speaks(fitted, effect))
+    [
+        negative_damping,
+        violates_requirement,
+        parameter_at_bound,
+        never_slips,
+        returns_energy,
+        unidentifiable_tone,
+        contact_is_rigid,
+    ]
+    .into_iter()
+    .find_map(|check| check(fitted, effect))
 }
 
-/// An elastic contact must give way, in the stops, in proportion to the force on it.
-fn stands_firm(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
-    // Of a model that leaves nothing but noise the stops, too, are as measured.
+/// The elastic deflection of a contact during stops must be in proportion to the force on it.
+fn contact_is_rigid(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
+    // Where the residual is white, the simulated stops agree with the data already.
     if fitted.score.is_white() && fitted.score.fit < EXPLAINED {
         return None;
     }
@@ -35,7 +44,7 @@ fn stands_firm(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     let x = (0..system.states.len()).find(|&x| system.states[x].velocity == Some(v))?;
     let n = system.states.len();
     let (mut sxx, mut sxy, mut stops) = (0.0, 0.0, 0);
-    let mut asked = 0.0;
+    let mut variation = 0.0;
     for (r, record) in model.records.iter().enumerate().filter(|(_, d)| d.role == Role::Fit) {
         let run = fitted.cal.records[r].run.as_ref()?;
         record.columns[x].as_ref()?;
@@ -48,7 +57,8 @@ fn stands_firm(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
         while i < rests.len() {
             let end = (i..rests.len()).find(|&j| !rests[j]).unwrap_or(rests.len());
             if rests[i] && end - i >= least {
-                // Within a stop: the way measured against the way that the law makes, both about their means.
+                // Regresses the measured displacement within a stop on the simulated one, both about their
+                // means.
                 let (a, b) = (i + (end - i) / 8, end - (end - i) / 8);
                 let mean = |f: &dyn Fn(usize) -> f64| (a..b).map(f).sum::<f64>() / (b - a) as f64;
                 let (law, real) = (|j: usize| run.states[j * n + x], |j: usize| motion.states[j * n + x]);
@@ -57,13 +67,13 @@ fn stands_firm(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
                     sxx += (law(j) - ml).powi(2);
                     sxy += (law(j) - ml) * (real(j) - mr);
                 }
-                asked += (a..b).map(|j| (law(j) - ml).powi(2)).sum::<f64>();
+                variation += (a..b).map(|j| (law(j) - ml).powi(2)).sum::<f64>();
                 stops += 1;
             }
             i = end.max(i + 1);
         }
     }
-    if stops < 4 || asked <= 0.0 {
+    if stops < 4 || variation <= 0.0 {
         return None;
     }
     let slope = sxy / sxx;
@@ -76,37 +86,37 @@ fn numbers(fitted: &Fitted, effect: &Effect) -> Option<Vec<f64>> {
     Some(values(fitted, &own.names, &effect.start))
 }
 
-/// The condition of the law's file that its parameters do not fulfil.
-fn lacks(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
+/// Rules out parameters that violate the condition of the law's file.
+fn violates_requirement(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     let law = &effect.entry.law;
     let need = law.needs.as_ref()?;
     (fulfilled(law, &numbers(fitted, effect)?)? < 0.0).then(|| Veto::Requirement(need.because.clone()))
 }
 
-/// A parameter that runs to the end of what its law allows stands for a simpler law.
-fn endless(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
+/// A parameter close to the bound of its law stands for a simpler law.
+fn parameter_at_bound(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     let law = &effect.entry.law;
-    // A phase may be any.
+    // A phase may take any value.
     let ends = |((_, p), v): &(&(String, LawParameter), f64)| !p.each && *v > NO_END * p.within.1;
-    let found = law.parameters.iter().zip(numbers(fitted, effect)?).find(ends)?;
-    let ((name, p), _) = found;
+    let ((name, p), _) = law.parameters.iter().zip(numbers(fitted, effect)?).find(ends)?;
     Some(Veto::ParameterAtEnd { name: name.clone(), bound: p.within.1, unit: p.unit.clone() })
 }
 
-/// A contact that gives way and never slips is a spring from where the record begins.
-fn clings(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
+/// An elastic contact that never slips acts as a spring about the position where the record begins.
+fn never_slips(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     let law = &effect.entry.law;
     if law.family != "friction" || !law.has_memory() {
         return None;
     }
     let level = *numbers(fitted, effect)?.first()?;
-    // How far it gave way only its own run knows.
+    // The deflection is an internal state, which only a successful run provides.
     fitted.cal.records.iter().map(|r| r.run.as_ref()).collect::<Option<Vec<_>>>()?;
     let most = force_and_speed(fitted, effect)?.into_iter().fold(0.0_f64, |m, (force, _)| m.max(force.abs()));
     (most < SLIPS * level).then_some(Veto::NeverSlips)
 }
 
-/// Force that an effect subtracts from its body, and the velocity of its place, along the motion of all Fit records, where they are finite.
+/// The force that an effect subtracts and the velocity of its place, along the motion of all Fit records, at
+/// samples where both are finite.
 fn force_and_speed(fitted: &Fitted, effect: &Effect) -> Option<Vec<(f64, f64)>> {
     let Site::Force { velocity, .. } = &effect.place.site else { return None };
     let (model, system) = (&fitted.model, &fitted.model.system);
@@ -122,9 +132,9 @@ fn force_and_speed(fitted: &Fitted, effect: &Effect) -> Option<Vec<(f64, f64)>> 
     Some(all)
 }
 
-/// Friction takes energy. One that gives back part of it along the measured motion is a curve through something else.
-fn pushes(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
-    // A contact that gives way stores energy, and may give it back.
+/// Friction dissipates. A friction law that returns energy along the measured motion imitates something else.
+fn returns_energy(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
+    // An elastic contact stores energy and may return it.
     if effect.entry.law.family != "friction" || effect.entry.law.has_memory() {
         return None;
     }
@@ -136,14 +146,15 @@ fn pushes(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     (given > GIVES_BACK * taken).then_some(Veto::Pushes)
 }
 
-/// A force at a frequency of the drive makes good, there, whatever else the model lacks.
-fn echoes(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
+/// A periodic force is not identifiable at a frequency of the drive, where it compensates for anything that
+/// is missing, nor where its period exceeds twice the record.
+fn unidentifiable_tone(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     let law = &effect.entry.law;
     let screen = law.screen.as_ref()?;
     let oscillates = |name: &String| screen.grid.iter().any(|(grid, unit)| grid == name && unit == "rad/s");
     let at = law.parameters.iter().position(|(name, _)| oscillates(name))?;
     let frequency = *numbers(fitted, effect)?.get(at)?;
-    // The drive of the model as it was: in this one the force is part of it.
+    // The drive of the base model: in the fitted one this force is part of the drive.
     let base = fitted.model.without_effects();
     let span = |r: &Record| r.time[r.len() - 1] - r.time[0];
     let fits = || base.records.iter().filter(|r| r.role == Role::Fit);
@@ -155,8 +166,8 @@ fn echoes(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     Some(Veto::DriveFrequency(line))
 }
 
-/// A dashpot may be weaker than the model thought, but what is left of it may not feed the motion.
-fn feeds(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
+/// A dashpot may reduce the known damping but must not make the total damping negative.
+fn negative_damping(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     if !effect.entry.law.is_dashpot() {
         return None;
     }
@@ -179,7 +190,7 @@ mod tests {
     use phisindy_phys::{LawEntry, Origin, SourceId, check, spec};
     use phisindy_sim::synthesize;
 
-    /// A law at the velocity of an oscillator that lacks `truth`, fitted to its motion from these numbers (SI) on.
+    /// A law at the velocity of an oscillator whose model lacks `truth`, fitted from these start values (SI).
     fn fitted(truth: &str, id: &str, law: &str, start: &[f64]) -> (Fitted, Effect) {
         let text = format!(
             r#"(states: {{ "x": "m", "v": "m/s" }}, constants: {{ "k": (1.0, "N/m"), "m": (1.0, "kg"), "c": (0.1, "N*s/m"), "F0": (1.0, "N"), "W": (0.7, "rad/s") }},
@@ -212,17 +223,18 @@ mod tests {
     const DEAD_ZONE: &str = include_str!("../../../specs/laws/dead-zone.ron");
     const TONE: &str = include_str!("../../../specs/laws/harmonic-force.ron");
 
-    /// A contact that holds whatever comes is a spring; one that slips is none.
+    /// An elastic contact that never slips is ruled out; one that slips is not.
     #[test]
     fn an_elastic_contact_that_never_slips_is_a_spring() {
         let (spring, contact) = fitted("-0.5*x", "presliding", PRESLIDING, &[100.0, 0.5]);
-        assert_eq!(clings(&spring, &contact), Some(Veto::NeverSlips));
+        assert_eq!(never_slips(&spring, &contact), Some(Veto::NeverSlips));
         assert_eq!(said("-0.3*sgn(v)", "presliding", PRESLIDING, &[0.3, 5.0]), None);
     }
 
-    /// A gap beyond all that the body does is none: what is left is a constant force, or a spring that is gone.
+    /// A clearance beyond the range of the motion is not identifiable: the law acts as a constant force or a
+    /// removed spring.
     #[test]
-    fn a_parameter_without_an_end_is_none() {
+    fn a_parameter_at_its_bound_is_ruled_out() {
         let law = DEAD_ZONE.replace("within: (0.0, 10.0)", "within: (0.0, 0.5)");
         assert_ne!(law, DEAD_ZONE);
         let truth = "-0.8*(max(x-0.3, 0) + min(x+0.3, 0) - x)";
@@ -231,9 +243,9 @@ mod tests {
         assert_eq!(said(truth, "dead-zone", DEAD_ZONE, &[0.8, 0.3]), None);
     }
 
-    /// Half a period in a record is a slope; one and a half are a tone.
+    /// Less than half a period in a record is a trend; one and a half periods are a tone.
     #[test]
-    fn a_tone_slower_than_the_record_is_none() {
+    fn a_tone_slower_than_the_record_is_ruled_out() {
         let why = said("0.2*cos(0.05*t+1)", "harmonic-force", TONE, &[0.2, 0.05, 1.0]);
         assert!(matches!(why, Some(Veto::SlowTone(_))), "{why:?}");
         assert_eq!(said("0.2*cos(0.25*t+1)", "harmonic-force", TONE, &[0.2, 0.25, 1.0]), None);

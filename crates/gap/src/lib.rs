@@ -3,13 +3,14 @@
 //! ```text
 //! spec + records --calibrate--> residual --whiteness--> nothing missing
 //!                      ^            |
-//!                      |            +--screen--> every law at every place, by the linear response to the measured motion
+//!                      |            +--screen--> every law at every place, by linear responses
 //!                      |                              |
 //!                      +--- best, if Validate says so --- full fits of the best few, evidence, simplification
 //! ```
 //!
-//! The crate reads no files: it takes the text of a spec with its records, adds effects to the graph of its system, and gives back data and a
-//! text with the effects written into it. Its sentences are in `result/words.rs`.
+//! The crate reads no files. It takes the text of a spec and its records, adds effects to the graph of the
+//! system, and returns the findings as data, with the text of the completed spec. Its sentences are in
+//! `result/words.rs`.
 
 mod alternative_constant;
 mod constraint;

@@ -1,4 +1,5 @@
-//! The measured motion of a record, smoothed: what the laws are evaluated on. Used to look, never to estimate.
+//! The smoothed measured motion of a record, on which laws are evaluated. It serves to rank laws, never to
+//! estimate parameters.
 
 use crate::decisions::{REST_NOISE, REST_PART};
 use crate::repeat::repeatability;
@@ -9,25 +10,25 @@ use phisindy_signal::noise_level;
 
 /// The motion of one record.
 pub(crate) struct Motion {
-    /// Seconds.
+    /// Times (s).
     pub(crate) time: Vec<f64>,
-    /// Smoothed states, samples x n, sensors' offsets and gains taken out.
+    /// Smoothed states, samples x n, with the sensors' offsets and gains removed.
     pub(crate) states: Vec<f64>,
     /// Inputs at the samples, samples x inputs, and their slopes.
     pub(crate) inputs: Vec<f64>,
     pub(crate) slopes: Vec<f64>,
     /// The system's parameters, then the record's constants.
     pub(crate) numbers: Vec<f64>,
-    /// For each state gain and offset of its sensor.
+    /// Gain and offset of each state's sensor.
     pub(crate) sensors: Vec<(f64, f64)>,
-    /// Seconds of one period of the motion.
+    /// Period of the motion (s).
     pub(crate) period: f64,
     /// Whether it repeats from period to period.
     pub(crate) periodic: bool,
 }
 
 impl Motion {
-    /// The motion of a record, in a system whose parameters were fitted.
+    /// The motion of a record in a fitted system.
     pub(crate) fn new(
         system: &System,
         record: &Record,
@@ -71,7 +72,7 @@ impl Motion {
             let (gain, offset) = sensors[k];
             for i in 0..samples {
                 states[i * n + k] = match (&smooth.columns[k], run) {
-                    // A state that nothing measures is what the model says.
+                    // An unmeasured state comes from the simulation.
                     (Some(_), Some(run)) if unmeasured(system, record, k) => run.states[i * n + k],
                     (Some(c), _) if unmeasured(system, record, k) => c[i],
                     (Some(c), _) if record.columns[k].is_some() => (c[i] - offset) / gain,
@@ -109,7 +110,8 @@ fn unmeasured(system: &System, record: &Record, k: usize) -> bool {
     record.columns[k].is_none() && !(0..system.states.len()).any(|x| source(&x))
 }
 
-/// Where a velocity rests: below `threshold` for at least `least` samples running.
+/// Marks rest: samples at which the velocity stays below `threshold` for at least `least` consecutive
+/// samples.
 pub(crate) fn resting(velocity: &[f64], threshold: f64, least: usize) -> Vec<bool> {
     let mut out = vec![false; velocity.len()];
     let mut start = 0;
@@ -124,9 +126,10 @@ pub(crate) fn resting(velocity: &[f64], threshold: f64, least: usize) -> Vec<boo
     out
 }
 
-/// How slow counts as resting: three standard errors of the smoothed velocity, and a hundredth of its usual size.
+/// The speed below which a velocity counts as zero: `REST_NOISE` standard errors of the smoothed velocity,
+/// and at least `REST_PART` of its rms value.
 pub(crate) fn rest_threshold(velocity: &[f64]) -> f64 {
     let rms = (velocity.iter().map(|v| v * v).sum::<f64>() / velocity.len().max(1) as f64).sqrt();
-    // What a smooth curve has left of noise shows in its own roughness.
+    // The roughness of the smoothed velocity gives the noise that is left in it.
     (REST_NOISE * noise_level(velocity)).max(REST_PART * rms)
 }

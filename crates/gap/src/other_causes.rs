@@ -1,4 +1,4 @@
-//! What may be behind a gap that no law of a force explains: a tone, a drift, noise of the measured inputs.
+//! Causes of a gap that no force law explains: a tone, a drift, noise of the measured inputs.
 
 use crate::decisions::{EXPLAINED, INPUT_NOISE_DRAWS, INPUT_NOISE_PART, MOST_OF_RESIDUAL, ROUGH_INPUT};
 use crate::drive::Drive;
@@ -14,7 +14,8 @@ use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// What else than a force may be behind what is left. `base` is the model as it was: an effect may bend a drift.
+/// Causes of the residual other than a force. Drift is looked for in the residual of `base` first, because an
+/// effect may distort it.
 pub(crate) fn causes(base: &Fitted, last: &Fitted) -> Vec<Cause> {
     let mut told = Vec::new();
     let system = &last.model.system;
@@ -36,7 +37,8 @@ pub(crate) fn causes(base: &Fitted, last: &Fitted) -> Vec<Cause> {
     told
 }
 
-/// The noise of the measured inputs, where much of what is left may come from it: the same inputs with as much noise once more lead the model as far from where it went.
+/// Noise of the measured inputs, where it may cause much of the gap. Adding the same amount of noise once
+/// more must change the simulation by a comparable amount.
 pub(crate) fn input_noise(last: &Fitted, noise: &[Vec<f64>]) -> Option<InputNoise> {
     if last.score.fit <= EXPLAINED {
         return None;
@@ -49,13 +51,13 @@ pub(crate) fn input_noise(last: &Fitted, noise: &[Vec<f64>]) -> Option<InputNois
         return None;
     }
     let apart: Vec<f64> = draws.into_par_iter().filter_map(|model| difference(last, model, noise)).collect();
-    // The square of the gap that it alone leaves, but for the noise of what it is compared with.
+    // Mean square of the gap that input noise alone leaves, without the measurement noise.
     let made = apart.iter().sum::<f64>() / apart.len() as f64;
     let much = made > INPUT_NOISE_PART * (last.score.fit.powi(2) - 1.0);
     much.then(|| InputNoise { inputs, alone: (1.0 + made).sqrt(), left: last.score.fit })
 }
 
-/// A residual that is a straight line in time above all.
+/// A residual that is mostly a straight line in time.
 fn drift(time: &[f64], residual: &[f64], column: &[f64], of: &Named) -> Option<Cause> {
     let n = residual.len() as f64;
     let mean = |v: &[f64]| v.iter().sum::<f64>() / n;
@@ -75,12 +77,13 @@ fn drift(time: &[f64], residual: &[f64], column: &[f64], of: &Named) -> Option<C
     })
 }
 
-/// A residual that is one tone above all, for no law of a force has to be behind it.
+/// A residual that is mostly one tone; its cause need not be a force.
 fn tone(record: &Record, residual: &[f64], drive: Option<&mut Drive<'_>>, of: &Named) -> Option<Cause> {
     let step = mean_step(&record.time);
     let line = *lines(residual, step, 1, 0).first()?;
     let part = share(residual, line * step);
-    // What is slower than the record is no tone, and what answers the drive is what the model lacks.
+    // A period longer than the record is no tone. A response at a frequency of the drive is a lack of the
+    // model.
     let span = step * residual.len() as f64;
     if part <= MOST_OF_RESIDUAL || line * span < TAU {
         return None;
@@ -89,7 +92,8 @@ fn tone(record: &Record, residual: &[f64], drive: Option<&mut Drive<'_>>, of: &N
     (!driven).then(|| Cause::Tone { of: of.clone(), share: part, frequency: line })
 }
 
-/// A model with as much noise once more on the measured inputs of its Fit records, and those inputs.
+/// A model with the noise of the measured inputs of its Fit records doubled in power, and the indices of
+/// those inputs.
 fn disturbed(model: &TrialModel, draw: usize) -> Option<(TrialModel, Vec<usize>)> {
     let (mut out, mut all) = (model.clone(), Vec::new());
     let records = Arc::make_mut(&mut out.records).iter_mut().zip(&model.given.plans);
@@ -103,7 +107,8 @@ fn disturbed(model: &TrialModel, draw: usize) -> Option<(TrialModel, Vec<usize>)
     Some((out, all))
 }
 
-/// A record whose measured inputs have as much noise once more, with those of which that is so; what is derived from them follows.
+/// A record with as much noise once more on its measured inputs, and their indices. Inputs derived from them
+/// are derived again.
 fn noisier(record: &Record, how: &[Differentiator], draw: usize) -> Option<(Record, Vec<usize>)> {
     let (mut out, mut of) = (record.clone(), Vec::new());
     let mut disturb = |k: usize, values: &mut Vec<f64>| {
@@ -131,7 +136,7 @@ fn noisier(record: &Record, how: &[Differentiator], draw: usize) -> Option<(Reco
     Some((out, of))
 }
 
-/// The mean square, in units of the noise, by which another model's residuals differ on Fit records.
+/// Mean square difference of the residuals of two models on Fit records, in units of the noise.
 fn difference(last: &Fitted, other: TrialModel, noise: &[Vec<f64>]) -> Option<f64> {
     let other = Fitted::new(other, noise, Effort::Thorough).ok()?;
     let (mut sum, mut count) = (0.0, 0usize);

@@ -1,4 +1,5 @@
-//! Where a law can act: at a velocity, between two bodies, between a body and an input, on a column, on all columns.
+//! The places where a law can act: on a body, between two bodies, between a body and an input, on a column,
+//! on all columns.
 
 mod effect;
 
@@ -11,16 +12,17 @@ use phisindy_phys::{Contact, RecordPlan, System};
 /// A place where a law can act.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// As the user reads it: `v`, `v1-v2`, `v-du`, a contact of the spec such as `v-V`, the column `x`, or `motion`.
+    /// Name in results: `v`, `v1-v2`, `v-du`, a contact of the spec such as `v-V`, the column `x`, or
+    /// `motion`.
     pub at: String,
-    /// What it is.
+    /// Kind of place, with its expressions.
     pub site: Site,
 }
 
 /// A displacement or velocity of a place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantity {
-    /// As an expression of the spec, in brackets where it is no name.
+    /// Expression in the language of the spec, in brackets unless it is a name.
     pub text: String,
     /// Its node in the graph of the system.
     pub node: Id,
@@ -29,15 +31,15 @@ pub struct Quantity {
 /// What a place is.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Site {
-    /// A force: the expressions of displacement (if there is one) and velocity, and the states whose rates it enters with its sign.
+    /// A force: displacement (if there is one), velocity, and the states whose rates the force enters.
     Force {
-        /// What laws call x.
+        /// The `x` of a law.
         displacement: Option<Quantity>,
-        /// What laws call v.
+        /// The `v` of a law.
         velocity: Quantity,
-        /// States whose rates the force enters, -1 where it is subtracted.
+        /// States whose rates the force enters, with sign: -1 where the force is subtracted.
         acts: Vec<(usize, f64)>,
-        /// The state whose units count.
+        /// The velocity state whose units the force takes.
         state: usize,
     },
     /// Sensors of these states.
@@ -45,7 +47,7 @@ pub enum Site {
 }
 
 impl Place {
-    /// Whether it is the same place, perhaps of another system, whose nodes are others.
+    /// Whether both are the same place, perhaps of two systems with different nodes.
     pub fn is(&self, other: &Place) -> bool {
         self.at == other.at && std::mem::discriminant(&self.site) == std::mem::discriminant(&other.site)
     }
@@ -61,13 +63,14 @@ impl Place {
     }
 }
 
-/// All places of a system, bodies first, then what lies between them, then sensors. The relative displacements and velocities become nodes of
-/// the system's graph.
+/// All places of a system: bodies, then pairs of bodies, bodies against inputs, contacts, then sensors. Adds
+/// the relative displacements and velocities to the graph of the system.
 ///
 /// ```
 /// use phisindy_gap::places;
 /// use phisindy_phys::{SourceId, check, spec};
-/// let text = r#"(states: { "x1": "m", "x2": "m", "v1": "m/s", "v2": "m/s" }, constants: { "k": (1.0, "1/s^2") },
+/// let text = r#"(states: { "x1": "m", "x2": "m", "v1": "m/s", "v2": "m/s" },
+///     constants: { "k": (1.0, "1/s^2") },
 ///     known: { "x1": "v1", "x2": "v2", "v1": "-2*k*x1 + k*x2", "v2": "k*(x1 - x2)" }, unknown: {},
 ///     data: [ Csv(path: "run.csv", time: "t", columns: { "x1": "x1" }) ])"#;
 /// let (spec, _) = spec::read(text, SourceId(0)).unwrap();
@@ -131,7 +134,8 @@ pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
         }
     }
     for (v, at, node) in belts(system, &bodies) {
-        // A contact of the spec is a place for friction. A body on a belt has no displacement against it that a spring could follow.
+        // A contact of the spec is a place for friction. A body on a belt has no displacement relative to it
+        // that a spring could use.
         if !all.iter().any(|p: &Place| p.at == at) {
             let velocity = Quantity { text: format!("({at})"), node };
             let site = Site::Force { displacement: None, velocity, acts: vec![(v, -1.0)], state: v };
@@ -152,7 +156,8 @@ fn difference(system: &mut System, a: &Quantity, b: &Quantity) -> Quantity {
     Quantity { text: format!("({}-{})", a.text, b.text), node: system.graph.sub(a.node, b.node) }
 }
 
-/// Contacts of one body with something whose motion is given, `v - V` or `v - belt`: the body and the relative velocity.
+/// Contacts of one body with a prescribed motion, `v - V` or `v - belt`: the body, its name and the relative
+/// velocity.
 fn belts(system: &System, bodies: &[usize]) -> Vec<(usize, String, Id)> {
     let nodes: Vec<Id> = system.states.iter().map(|s| s.node).collect();
     let mut graph = system.graph.clone();

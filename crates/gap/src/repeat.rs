@@ -1,4 +1,5 @@
-//! How well the motion itself repeats: no model of a rig can be asked to be better than the rig.
+//! Repeatability of a motion from cycle to cycle: the accuracy that no deterministic model of a rig can
+//! exceed.
 
 use crate::decisions::{PERIODIC, STEADY, TREND};
 use crate::whiteness::{lines, mean_step};
@@ -8,15 +9,17 @@ use phisindy_signal::standard_deviation;
 /// The repeatability of one column of a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Repeat {
-    /// Seconds of a period.
+    /// Period (s).
     pub period: f64,
-    /// rms of the difference between a cycle and the mean of the others, over the standard deviation of the column.
+    /// rms of the difference between a cycle and the mean of the others, over the standard deviation of the
+    /// column.
     pub nrmse: f64,
     /// The same in the unit of the column.
     pub rms: f64,
 }
 
-/// Cycle-to-cycle scatter of a column. `None` where the motion is not periodic, has fewer than four cycles, or where cycles differ by a trend (a transient is not scatter).
+/// Cycle-to-cycle scatter of a column. `None` where the motion is not periodic or has fewer than four cycles,
+/// or where the cycles follow a trend (a transient is not scatter).
 pub fn repeatability(record: &Record, column: &[f64]) -> Option<Repeat> {
     let n = column.len();
     let step = mean_step(&record.time);
@@ -26,7 +29,7 @@ pub fn repeatability(record: &Record, column: &[f64]) -> Option<Repeat> {
         return None;
     }
     let deviation = standard_deviation(column);
-    // The fundamental may lie below the strongest line; the period that predicts best decides.
+    // The fundamental may lie below the strongest line, so the period that predicts best is chosen.
     let guess = 2.0 * std::f64::consts::PI / first / step;
     let mut best: Option<(f64, f64)> = None;
     for multiple in [1.0, 2.0, 3.0] {
@@ -40,7 +43,7 @@ pub fn repeatability(record: &Record, column: &[f64]) -> Option<Repeat> {
         }
     }
     let (_, period) = best?;
-    // A transient dies out; scatter stays.
+    // A transient decays; scatter is the same in both halves.
     let middle = n / 2;
     let (early, late) = (scatter(&column[..middle], period), scatter(&column[middle..], period));
     if let (Some((a, _)), Some((b, _))) = (early, late)
@@ -59,7 +62,8 @@ pub fn repeatability(record: &Record, column: &[f64]) -> Option<Repeat> {
     })
 }
 
-/// How well the mean cycle of a column predicts the column that continues it: the best that a model without knowledge of the rig can do.
+/// Error of the mean cycle of a column as a prediction of the column that continues it: the best accuracy
+/// without a model of the rig.
 pub(crate) fn prediction(
     before: &Record,
     column: &[f64],
@@ -90,7 +94,7 @@ pub(crate) fn prediction(
             }
             (sum / count.max(1) as f64).sqrt()
         };
-        // The period is chosen on what is known beforehand.
+        // The period is chosen on the first record only.
         let known = missed(&before.time, column);
         if best.is_none_or(|(least, _)| known < least) {
             best = Some((known, missed(&after.time, continued)));
@@ -100,7 +104,7 @@ pub(crate) fn prediction(
     Some(Repeat { period: own.period, nrmse: rms / deviation, rms })
 }
 
-/// rms by which a cycle differs from the one before, over root 2; and the correlation of successive differences.
+/// rms difference of successive cycles over root 2, and the correlation of successive differences.
 fn scatter(column: &[f64], period: f64) -> Option<(f64, f64)> {
     let n = column.len();
     if (n as f64) < 2.2 * period || period < 8.0 {
@@ -150,7 +154,7 @@ mod tests {
         }
     }
 
-    /// A sine with a uniform jitter of a tenth.
+    /// A sine with uniform jitter of width 0.1.
     fn jittering(n: usize) -> Vec<f64> {
         let mut state = 7u64;
         let mut jitter = || {
@@ -171,7 +175,8 @@ mod tests {
         assert_eq!(repeatability(&record(n), &decaying), None);
     }
 
-    /// Thirty cycles and what comes after them: the mean cycle misses the scatter of both, and a motion that became twice as large by half of it.
+    /// The mean of thirty cycles misses the next ones by the scatter of both, and misses a motion of twice
+    /// the amplitude by half of that motion.
     #[test]
     fn the_mean_cycle_predicts_what_goes_on() {
         let n = 4000;
@@ -180,14 +185,14 @@ mod tests {
         after.time = (n..2 * n).map(|i| 0.01 * i as f64).collect();
         let found = prediction(&before, &all[..n], &after, &all[n..]).expect("periodic");
         assert!((found.period - 0.01 * std::f64::consts::TAU / 0.0503).abs() < 5e-3, "{found:?}");
-        // Beside the jitter a cell of the mean cycle is a sample wide.
+        // Besides the jitter, a cell of the mean cycle is one sample wide.
         let cell = 0.0503 / 24f64.sqrt();
         let due = (0.01 / 12.0 * (1.0 + 1.0 / 32.0) + cell * cell).sqrt();
         assert!((found.rms - due).abs() < 0.1 * due, "{found:?} {due}");
         let large: Vec<f64> = all[n..].iter().map(|x| 2.0 * x).collect();
         let found = prediction(&before, &all[..n], &after, &large).expect("periodic");
         assert!((found.nrmse - 0.5).abs() < 0.03, "{found:?}");
-        // Nothing repeats here, so nothing is predicted.
+        // No cycle repeats, so there is no prediction.
         let drift: Vec<f64> = (0..n).map(|i| (1e-3 * i as f64).powi(2)).collect();
         assert_eq!(prediction(&before, &drift, &after, &all[n..]), None);
     }

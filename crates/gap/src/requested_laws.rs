@@ -1,4 +1,5 @@
-//! Laws that a spec names in `unknown`: written into it as terms with numbers to be found, which start where the motion says.
+//! Laws that a spec names in `unknown`: written into the spec as terms whose parameters start from fits to
+//! the motion.
 
 use crate::decisions::REQUESTED_STARTS;
 use crate::model::{Fitted, SpecTextError, TrialModel, current, noise_of, shortened, text_with, values};
@@ -11,10 +12,10 @@ use phisindy_phys::spec::{Role, Spec, Text};
 use phisindy_phys::{Case, Diagnostic, LawEntry, Record, SourceId, spec, splice};
 use rayon::prelude::*;
 
-/// The laws that a case asks for, each at the velocity of its equation.
+/// The laws that a case requests, each at the velocity of its equation.
 ///
 /// # Errors
-/// Diagnostics with their place in the spec: a law that the catalogue does not have, or that cannot act there.
+/// Diagnostics with their location in the spec: a law is not in the catalogue, or cannot act there.
 pub fn requested_laws(
     case: &Case,
     catalogue: &[LawEntry],
@@ -30,7 +31,7 @@ pub fn requested_laws(
     if mistakes.is_empty() { Ok(effects) } else { Err(mistakes) }
 }
 
-/// A law at a state's velocity; else what is wrong, and what to do.
+/// A law at a state's velocity; otherwise the error and its help text.
 fn effect(
     case: &Case,
     state: usize,
@@ -65,26 +66,28 @@ fn effect(
             format!("a displacement is a state whose known rate is \"{own}\" and nothing else"),
         ));
     }
-    let start = entry.law.parameters.iter().map(|(_, p)| somewhere(p.within)).collect();
+    let start = entry.law.parameters.iter().map(|(_, p)| default_start(p.within)).collect();
     Ok(Effect { entry: entry.clone(), place, mirror: false, load: None, start, beside: vec![] })
 }
 
-/// Where a number starts of which nothing is known: at one, the size of things in SI; what may have either sign, at nothing.
-fn somewhere((low, high): (f64, f64)) -> f64 {
+/// Start of a parameter without any estimate: 0 where it may have either sign, otherwise 1 (SI), clamped to
+/// the bounds.
+fn default_start((low, high): (f64, f64)) -> f64 {
     if low < 0.0 { 0.0_f64.min(high) } else { 1.0_f64.clamp(low, high) }
 }
 
-/// A spec in which laws that it names are written out.
+/// A spec with its requested laws written out.
 #[derive(Clone, Debug)]
 pub struct WrittenOut {
     /// Its text.
     pub text: String,
-    /// Its records, with a column for each state that a law brings.
+    /// Its records, with a column for each internal state of a law.
     pub records: Vec<Record>,
 }
 
-/// A spec with these laws written into its known rates in place of their names, and its records. Each law's numbers start where the best fit
-/// of the model with it ends, of several; without a record to fit, or where no fit comes to an end, anywhere within their bounds.
+/// Writes these laws into the known rates of a spec in place of their names, and returns the text and its
+/// records. The parameters of each law start at the best of several fits. Without a Fit record, or where no
+/// fit converges, they start within their bounds.
 ///
 /// # Errors
 /// The spec cannot hold a law.
@@ -98,14 +101,15 @@ pub fn written_out(
     let (spec, _) = spec::read(text, SourceId(0)).map_err(|_| ModelError::Spec)?;
     let whole = TrialModel::base(spec.clone(), case, records);
     let plain = whole.variant(without_laws(spec.clone())).ok_or(ModelError::Spec)?;
-    let effects = started(&whole, spec.clone(), effects, catalogue).unwrap_or_else(|| effects.to_vec());
+    let effects =
+        with_fitted_starts(&whole, spec.clone(), effects, catalogue).unwrap_or_else(|| effects.to_vec());
     let full = plain.with_all(&effects)?;
     let text = text_with(&text_without_laws(text, &spec)?, &full)?;
     Ok(WrittenOut { text, records: full.records.to_vec() })
 }
 
-/// The effects with starts that were fitted; `None` where nothing can be.
-fn started(
+/// The effects with fitted start values; `None` where no fit is possible.
+fn with_fitted_starts(
     whole: &TrialModel,
     spec: Spec,
     effects: &[Effect],
@@ -127,51 +131,52 @@ fn started(
     Some(current(&now))
 }
 
-/// The best fit of a model with one more effect, from the starts that the motion proposes.
+/// The best fit of a model with one more effect, from the starts that the screening proposes.
 fn best(now: &Fitted, wanted: &Effect, entries: &[LawEntry], noise: &[Vec<f64>]) -> Option<Fitted> {
     let model = now.settled();
     let here = |e: &Effect| e.place.is(&wanted.place) && !e.mirror && e.load.is_none();
     let proposed: Vec<Effect> = match screen(&model, &now.cal, entries, noise) {
-        Some(found) => {
-            let all = found.candidates.into_iter().flat_map(|c| [c.effect].into_iter().chain(c.others));
+        Some(screening) => {
+            let all = screening.candidates.into_iter().flat_map(|c| [c.effect].into_iter().chain(c.others));
             all.filter(here).collect()
         }
         None => vec![],
     };
     let (own, simpler): (Vec<Effect>, Vec<Effect>) =
         proposed.into_iter().partition(|e| e.entry.id == wanted.entry.id);
-    // One slow curve is hard to reach from a regression, easy from its simpler relative.
+    // Parameters of a narrow curve are hard to find by a regression, and easy from a fitted simpler law.
     let relatives = simpler.iter().filter_map(|e| {
         let fitted = Fitted::new(model.with(e).ok()?, noise, Effort::Plain).ok()?;
         let last = fitted.model.effects.last()?;
-        let found = Effect {
+        let sibling = Effect {
             start: values(&fitted, &last.names, &last.effect.start),
-            beside: fitted.found(|p| !p.each && !last.names.contains(&p.name)),
+            beside: fitted.estimates(|p| !p.each && !last.names.contains(&p.name)),
             ..last.effect.clone()
         };
-        sibling_starts(&fitted.model, &fitted.cal, &found, &wanted.entry)
+        sibling_starts(&fitted.model, &fitted.cal, &sibling, &wanted.entry)
     });
     let mut starts: Vec<Effect> = relatives.flatten().collect();
-    // A linear response knows nothing of stops: friction that is too strong at first never lets go.
+    // The linear response does not describe stops, and friction that starts too strong never lets the body
+    // move.
     starts.extend(own.iter().map(neutral));
     starts.extend(own);
     starts.push(wanted.clone());
-    let mut looked: Vec<(f64, TrialModel)> = starts
+    let mut costed: Vec<(f64, TrialModel)> = starts
         .into_par_iter()
         .filter_map(|e| {
             let d = model.with(&e).ok()?;
-            let look = d.segment_cost(noise, 1)?;
-            Some((look, d))
+            let cost = d.segment_cost(noise, 1)?;
+            Some((cost, d))
         })
         .collect();
-    looked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    looked.truncate(REQUESTED_STARTS);
+    costed.sort_by(|a, b| a.0.total_cmp(&b.0));
+    costed.truncate(REQUESTED_STARTS);
     let fitted: Vec<Fitted> =
-        looked.into_par_iter().filter_map(|(_, d)| Fitted::new(d, noise, Effort::Plain).ok()).collect();
+        costed.into_par_iter().filter_map(|(_, d)| Fitted::new(d, noise, Effort::Plain).ok()).collect();
     fitted.into_iter().min_by(|a, b| a.cal.chi2.total_cmp(&b.cal.chi2))
 }
 
-/// The spec without the names of laws, and without entries of `unknown` that hold nothing else.
+/// The spec without names of laws, and without entries of `unknown` that hold nothing else.
 fn without_laws(mut spec: Spec) -> Spec {
     spec.unknown.retain(|(_, u)| !u.candidates.is_empty());
     spec.unknown.iter_mut().for_each(|(_, u)| u.laws.clear());
@@ -225,7 +230,7 @@ mod tests {
         );
     }
 
-    /// What is said of laws that are asked for where they cannot act, and the help.
+    /// Messages and help for laws that are requested where they cannot act.
     #[test]
     fn a_law_that_cannot_act_there_is_told() {
         let laws = [

@@ -1,4 +1,4 @@
-//! What the workflow finds, as data. Its words are in `words.rs`.
+//! Results of the workflow as data. Their sentences are in `words.rs`.
 
 mod error;
 mod finding;
@@ -35,7 +35,7 @@ pub enum Status {
 }
 
 impl Status {
-    /// As the JSON has it.
+    /// Name in JSON.
     pub fn name(self) -> &'static str {
         match self {
             Status::NothingMissing => "nothing-missing",
@@ -48,9 +48,9 @@ impl Status {
 /// A parameter of an effect.
 #[derive(Clone, Debug)]
 pub struct StepParameter {
-    /// As the law calls it.
+    /// Name in the law.
     pub name: String,
-    /// As the completed spec calls it.
+    /// Name of its constant in the completed spec.
     pub constant: String,
     /// Value in its unit.
     pub value: f64,
@@ -75,44 +75,44 @@ impl PlacedLaw {
     }
 }
 
-/// A description that was fitted and not chosen.
+/// A model that was fitted but not chosen.
 #[derive(Clone, Debug)]
 pub struct Rival {
-    /// What it has in the place of the step, and after it.
+    /// Its effects in place of the step and of later steps.
     pub laws: Vec<PlacedLaw>,
-    /// By how much its criterion is worse.
+    /// How much higher its criterion is.
     pub delta_bic: f64,
 }
 
 /// An effect that was added.
 #[derive(Clone, Debug)]
 pub struct Step {
-    /// Which and where.
+    /// Law, place and parameters.
     pub effect: Effect,
     /// What was added, in the language of the spec.
     pub expression: String,
-    /// The force that it subtracts, as a node of the final system; `None` for what acts on sensors.
+    /// The subtracted force, a node of the final system; `None` for an effect on sensors.
     pub force: Option<phisindy_expr::Id>,
-    /// Its numbers in the final model.
+    /// Its parameters in the final model.
     pub parameters: Vec<StepParameter>,
     /// Gap on the Fit records before and after.
     pub fit: (f64, f64),
     /// The same on the Validate records.
     pub validate: Option<(f64, f64)>,
-    /// By how much the criterion fell.
+    /// Decrease of the criterion.
     pub delta_bic: f64,
-    /// What else would nearly do.
+    /// Models that are nearly as good.
     pub rivals: Vec<Rival>,
-    /// What evidence speaks against.
+    /// Laws that evidence rules out.
     pub vetoed: Vec<Vetoed>,
 }
 
-/// A model and what it makes of the records.
+/// A model and its simulation of the records.
 #[derive(Clone, Debug)]
 pub struct Simulated {
     /// The model; its states are in the order of its runs.
     pub system: System,
-    /// In the order of the spec.
+    /// Fits of the records, in the order of the spec.
     pub records: Vec<RecordFit>,
 }
 
@@ -127,13 +127,13 @@ impl Simulated {
 pub struct ColumnGap {
     /// Name of the record.
     pub record: String,
-    /// Fitted or only predicted.
+    /// Role of the record.
     pub role: Role,
     /// Name of the column.
     pub column: String,
-    /// In the model as it was.
+    /// NRMSE of the initial model.
     pub before: f64,
-    /// In the final model.
+    /// NRMSE of the final model.
     pub after: f64,
 }
 
@@ -148,7 +148,7 @@ pub struct ColumnRepeat {
     pub repeat: Repeat,
 }
 
-/// What the workflow found.
+/// Result of the workflow.
 #[derive(Clone, Debug)]
 pub struct Gap {
     /// How it ended.
@@ -157,22 +157,22 @@ pub struct Gap {
     pub stop: StopReason,
     /// Estimated standard deviation of each measured column's noise (SI), over all records.
     pub noise: Vec<(String, f64)>,
-    /// Where the model as it was misses.
+    /// Where the initial model misses.
     pub located: Vec<Region>,
     /// Where the final model misses.
     pub left: Vec<Region>,
     /// The effects that were added, in order.
     pub steps: Vec<Step>,
-    /// What helped a little before the search gave up.
+    /// Effects that helped a little before the search gave up.
     pub partial: Vec<Step>,
-    /// The gap of the model as it was, on Fit and Validate records.
+    /// The gap of the initial model, on Fit and Validate records.
     pub before: (f64, Option<f64>),
     /// The gap of the final model.
     pub after: (f64, Option<f64>),
-    /// What is left of that on Validate records if the numbers of the model may move within their errors; the same where that was not
-    /// computed.
+    /// The gap of the final model on Validate records after allowing for the errors of its parameters; the
+    /// plain gap where that was not computed.
     pub predictive: Option<f64>,
-    /// Something else that would explain the data in place of what was found.
+    /// Another explanation of the data in place of the steps.
     pub alternative: Option<Alternative>,
     /// NRMSE of each record and column.
     pub nrmse: Vec<ColumnGap>,
@@ -180,15 +180,15 @@ pub struct Gap {
     pub repeat: Vec<ColumnRepeat>,
     /// The residual's whiteness score before and after.
     pub whiteness: (f64, f64),
-    /// All numbers of the final model.
+    /// All parameters of the final model.
     pub parameters: Vec<FoundParameter>,
     /// The spec with the effects in it.
     pub completed: String,
-    /// The model as it was, running freely along the records.
+    /// Free runs of the initial model along the records.
     pub initial: Simulated,
-    /// The final model, running freely along the records.
+    /// Free runs of the final model along the records.
     pub simulated: Simulated,
-    /// What a careful reader should know.
+    /// Warnings about the data, the fit and the effects.
     pub warnings: Vec<Warning>,
 }
 

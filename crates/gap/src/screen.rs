@@ -1,4 +1,5 @@
-//! Every law at every place, screened: the linear response to the measured motion, one Gram matrix for all.
+//! The screening: every law at every place as a linear regression on responses to the measured motion, from
+//! one Gram matrix.
 
 mod free_columns;
 mod gram;
@@ -27,34 +28,34 @@ use trial::{Trial, force_trials, sensor_trials};
 
 pub(crate) use sibling_starts::sibling_starts;
 
-/// A law at a place with its best numbers of the grid.
+/// A law at a place with its best grid values.
 #[derive(Clone, Debug)]
 pub(crate) struct Candidate {
-    /// With parameters from the regression.
+    /// The effect, with parameters from the regression.
     pub(crate) effect: Effect,
-    /// By how much it lowers chi^2 in the regression, alone.
+    /// Reduction of chi^2 in the regression with this effect alone.
     pub(crate) gain: f64,
-    /// Parameters that it adds.
+    /// Number of parameters that it adds.
     pub(crate) size: usize,
-    /// The same from other numbers of the grid, next best.
+    /// The same effect from other grid values, next best first.
     pub(crate) others: Vec<Effect>,
     columns: Vec<usize>,
     grid: Vec<f64>,
     regressors: usize,
 }
 
-/// What a screening found.
+/// Result of a screening.
 pub(crate) struct Screening {
-    /// Best first, by gain less the price of the parameters.
+    /// Sorted by gain minus the price of the parameters, best first.
     pub(crate) candidates: Vec<Candidate>,
     gram: Mat<f64>,
-    /// How much of each column that was projected out is in each of the others.
+    /// Regression coefficients of all other columns on the columns that were projected out.
     follow: Mat<f64>,
     movable: Vec<Movable>,
     regressors: Vec<Option<Regressors>>,
 }
 
-/// Screens the catalogue in a fitted model.
+/// Screens the catalogue beside a fitted model. `None` if the known rates cannot be evaluated along the data.
 pub(crate) fn screen(
     model: &TrialModel,
     fitted: &Calibration,
@@ -103,7 +104,7 @@ pub(crate) fn screen(
     let mut screening = Screening { candidates: vec![], gram, follow, movable, regressors: vec![] };
     let mut best: Vec<Vec<Candidate>> = vec![vec![]; effects.len()];
     for (trial, at) in candidates {
-        // Column indices after projection: the target is 0, fixed columns are gone.
+        // Column indices after projection: column 0 is the target, projected columns are gone.
         let at: Vec<usize> = at.into_iter().map(|k| k - fixed.len() + 1).collect();
         if at.iter().all(|&k| kept[k]) {
             let regressors = made[trial.regressors].0.as_ref();
@@ -125,8 +126,8 @@ pub(crate) fn screen(
     Some(screening)
 }
 
-/// Other starts than the best of a law's `seeds`, which come best first: of a law that oscillates one for each line, for a body that sticks by turns answers at more lines than the
-/// one that it is pushed at.
+/// Further starts of a law from its `seeds`, which are sorted best first. A law that oscillates keeps one
+/// start per spectral line: a body that sticks and slips responds at more lines than its drive has.
 fn others(seeds: &[Candidate], regressors: Option<&Regressors>, data: &[RegressionData]) -> Vec<Effect> {
     let tone = regressors.and_then(|r| r.grid.iter().position(|(scale, _)| *scale == Scale::Frequency));
     let Some(tone) = tone else {
@@ -143,7 +144,8 @@ fn others(seeds: &[Candidate], regressors: Option<&Regressors>, data: &[Regressi
 }
 
 impl Screening {
-    /// A trial as a candidate, alone; `at` are its columns in the projected Gram matrix. `None` where its numbers are beyond the law's bounds.
+    /// A trial as a candidate on its own. `at` are its columns in the projected Gram matrix. `None` where a
+    /// parameter is outside the law's bounds.
     fn candidate(&self, trial: &Trial, at: Vec<usize>, regressors: Option<&Regressors>) -> Option<Candidate> {
         let (gain, coefficients) = solve(&self.gram, &at)?;
         let effect = seeded(&trial.effect, regressors, &coefficients, &trial.grid)?;
@@ -158,7 +160,7 @@ impl Screening {
         })
     }
 
-    /// The best pairs of candidates by the regression: indices, joint gain.
+    /// The best pairs of candidates by joint gain in the regression, minus `price` per parameter.
     pub(crate) fn pairs(&self, price: f64, count: usize) -> Vec<(Candidate, Candidate)> {
         let mut all: Vec<(f64, Candidate, Candidate)> = Vec::new();
         for (i, a) in self.candidates.iter().enumerate() {
@@ -181,7 +183,8 @@ impl Screening {
             }
         }
         all.sort_by(|x, y| y.0.total_cmp(&x.0));
-        // Smoothing errors favour rich laws: each leading pair also with the simpler relatives of its parts.
+        // Smoothing errors favour rich laws, so each leading pair comes with the simpler relatives of its
+        // parts.
         let simpler = |rich: &Candidate, plain: &Candidate| {
             rich.effect.place.at == plain.effect.place.at
                 && rich.effect.load == plain.effect.load
@@ -197,7 +200,8 @@ impl Screening {
                 (related(a, c) && related(b, d)) || (related(a, d) && related(b, c))
             }));
         }
-        // And the plain law of each family with everything: Coulomb and something else is what rich friction laws imitate.
+        // Pairs with the plain law of each strong family: rich friction laws often imitate Coulomb friction
+        // plus another effect.
         let plain = |c: &Candidate| {
             self.candidates.iter().any(|r| simpler(r, c) && r.gain > PLAIN_GAIN * self.candidates[0].gain)
         };
@@ -207,7 +211,8 @@ impl Screening {
         chosen.into_iter().map(|k| (all[k].1.clone(), all[k].2.clone())).collect()
     }
 
-    /// Where the movable constants go when columns `at` enter with these coefficients: the regression moves them along.
+    /// Values of the movable constants when columns `at` enter with these coefficients, from the joint
+    /// regression.
     fn beside(&self, at: &[usize], coefficients: &[f64]) -> Vec<(String, f64)> {
         let of = |m: &Movable| {
             let taken: f64 = at.iter().zip(coefficients).map(|(&k, c)| c * self.follow[(m.row, k)]).sum();
@@ -222,7 +227,8 @@ impl Screening {
     }
 }
 
-/// Whether two effects describe one thing. A law and its mirror image do not: a body may have a stop on either side.
+/// Whether two effects describe the same thing: one place, one family. A law and its mirror image do not,
+/// because a body may have a stop on either side.
 pub(crate) fn excludes(a: &Effect, b: &Effect) -> bool {
     let family = |e: &Effect| {
         let family = &e.entry.law.family;
@@ -231,7 +237,7 @@ pub(crate) fn excludes(a: &Effect, b: &Effect) -> bool {
     a.place.at == b.place.at && a.mirror == b.mirror && family(a) == family(b)
 }
 
-/// Laws at places, with their mirror images and loads, that the model does not hold yet.
+/// Laws at places, with mirror images and loads, that the model does not contain yet.
 fn effects(model: &TrialModel, catalogue: &[LawEntry]) -> Vec<Effect> {
     let loads = model.loads();
     let mut all = Vec::new();
@@ -260,7 +266,7 @@ fn effects(model: &TrialModel, catalogue: &[LawEntry]) -> Vec<Effect> {
     all
 }
 
-/// The effect with parameters from coefficients and grid, if they lie within the law's bounds.
+/// The effect with parameters from coefficients and grid values; `None` outside the law's bounds.
 fn seeded(
     effect: &Effect,
     regressors: Option<&Regressors>,

@@ -1,4 +1,5 @@
-//! Find, name, add, refit, until nothing but noise is left or nothing in the catalogue helps.
+//! The search: screen the catalogue, add the best effect, fit again, until the residual is white or no law of
+//! the catalogue helps.
 
 mod compare;
 mod proposals;
@@ -19,27 +20,27 @@ use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::Effect;
 use crate::result::{Activity, ModelError, PlacedLaw, Rival, StopReason, Vetoed};
 use crate::screen::{Candidate, Screening, screen};
-use compare::{carries_no_further, on_the_way};
+use compare::{makes_progress, predicts_no_better};
 use phisindy_learn::Effort;
-use proposals::{is_composed, rubbing, singles};
+use proposals::{friction_pairs, is_composed, singles};
 use rayon::prelude::*;
 
-/// Where there are few, and a first look at short segments may be wrong about what holds at rest, all are fitted.
+/// Race limit that fits all models. Used for few models, whose segment costs may be wrong about sticking.
 const ALL: f64 = f64::INFINITY;
 
 /// A round of the search.
 #[derive(Clone, Debug)]
 pub(crate) struct Round {
-    /// How many effects the model had before.
+    /// Number of effects of the model before the round.
     pub(crate) before: usize,
     pub(crate) rivals: Vec<Rival>,
-    /// Laws that evidence outside the fit speaks against.
+    /// Laws that evidence outside the fit rules out.
     pub(crate) vetoed: Vec<Vetoed>,
 }
 
-/// What a second look at effects that leave noise alone finds.
-enum Overlooked {
-    /// A model with one effect more, or with others.
+/// Result of a second screening of a model whose residual looks white.
+enum SecondPass {
+    /// A better model with one effect more, or with other effects.
     More(Box<Fitted>, Round),
     /// Models with one effect more that are nearly worth their price.
     Near(Vec<Rival>),
@@ -50,19 +51,19 @@ pub(crate) struct Searched {
     pub(crate) base: Fitted,
     pub(crate) last: Fitted,
     pub(crate) rounds: Vec<Round>,
-    /// How many effects there were to choose from.
+    /// Largest number of effects that were available in a round.
     pub(crate) candidates: usize,
     pub(crate) stop: StopReason,
 }
 
-/// What one round has to go by.
+/// State at the start of a round.
 struct Start<'a> {
-    /// The model as it was fitted.
+    /// The fitted model.
     now: &'a Fitted,
-    /// The same, starting where the fit ended.
+    /// The same model with its estimates as start values.
     model: TrialModel,
-    found: Screening,
-    /// How many effects there were to choose from, in any round so far.
+    screening: Screening,
+    /// Largest number of effects that were available in any round so far.
     candidates: usize,
 }
 
@@ -90,14 +91,15 @@ impl Search<'_> {
                 break StopReason::Interrupted;
             }
             let model = now.settled();
-            let Some(found) = screen(&model, &now.cal, self.catalogue, self.noise) else {
+            let Some(screening) = screen(&model, &now.cal, self.catalogue, self.noise) else {
                 break StopReason::NothingHelps;
             };
-            candidates = candidates.max(found.candidates.len());
+            candidates = candidates.max(screening.candidates.len());
             (self.observe)(part + 0.03, Activity::FittingLaws);
-            let start = Start { now: &now, model, found, candidates };
+            let start = Start { now: &now, model, screening, candidates };
             let Some((next, round)) = self.round(&start) else { break StopReason::NothingHelps };
-            // Below what the rig repeats to only an effect that leaves nothing but noise shows that it was none of the rig's scatter.
+            // Below the repeatability of the rig an effect counts only if its residual is white; otherwise it
+            // may describe the rig's scatter.
             if self.repeats(&now) && !next.score.is_white() {
                 break StopReason::Repeatability;
             }
@@ -106,13 +108,13 @@ impl Search<'_> {
             now = next;
         };
         if stop != StopReason::Interrupted {
-            match self.overlooked(&now, candidates) {
-                Overlooked::More(more, round) => {
+            match self.second_pass(&now, candidates) {
+                SecondPass::More(more, round) => {
                     rounds.push(round);
                     now = *more;
                     stop = self.ends(&now, rounds.len(), weak).unwrap_or(stop);
                 }
-                Overlooked::Near(rivals) => {
+                SecondPass::Near(rivals) => {
                     if let Some(last) = rounds.last_mut() {
                         last.rivals.extend(rivals);
                     }
@@ -122,15 +124,17 @@ impl Search<'_> {
         Ok(Searched { base, last: now, rounds, candidates, stop })
     }
 
-    /// Whether a model follows Validate records to what the rig repeats to.
+    /// Whether a model predicts Validate records as well as the rig repeats.
     fn repeats(&self, now: &Fitted) -> bool {
         now.score.predictive.is_some_and(|gap| gap <= self.floor)
     }
 
-    /// Why the search ends here, after so many rounds of which so many were weak; `None` if it goes on.
+    /// The reason why the search ends after this number of rounds, `weak` of which were weak; `None` if it
+    /// goes on.
     fn ends(&self, now: &Fitted, rounds: usize, weak: usize) -> Option<StopReason> {
         let effects = now.model.effects.len();
-        // The last effect is tried where not much is missing: so many explain nothing, but one more may make others needless.
+        // The last effect is allowed only where the gap is small. A model with that many effects explains
+        // nothing, but the last one may make others needless.
         let too_far = effects + 1 == MOST_EFFECTS && now.score.fit > FAR_OFF * self.floor.max(1.0);
         if now.score.is_white() {
             Some(StopReason::White)
@@ -145,18 +149,18 @@ impl Search<'_> {
         }
     }
 
-    /// One round: the best single law, or the best pair, or nothing.
+    /// One round: adds the best single law or the best pair; `None` if nothing is worth its price.
     fn round(&mut self, start: &Start<'_>) -> Option<(Fitted, Round)> {
         let Start { now, candidates, .. } = *start;
         let before = start.before();
         let mut vetoed: Vec<Vetoed> = Vec::new();
         let singles = self.best_singles(start, &mut vetoed);
         let best = self.worthy(now, &singles, candidates);
-        // A law of many parameters may stand for two simple ones.
+        // A law of many parameters may stand for two simple laws, so pairs are fitted too.
         let plain = |f: &Fitted| f.model.effects[before..].iter().all(|a| !is_composed(&a.effect));
         if let Some(best) = best.as_ref().filter(|b| b.score.is_white() && plain(b)) {
             let best = self.simplified(best.clone(), candidates);
-            let best = self.exchanged(self.moved(best, candidates), candidates);
+            let best = self.exchanged(self.relocated(best, candidates), candidates);
             return Some((best.clone(), round(before, &best, &singles, vetoed, candidates)));
         }
         (self.observe)(0.1 + 0.8 * (before as f64 + 0.5) / MOST_EFFECTS as f64, Activity::FittingPairs);
@@ -166,7 +170,7 @@ impl Search<'_> {
         let chosen = one_or_two(best, pair, before, candidates)?;
         let chosen = self.simplified(chosen, candidates);
         let chosen =
-            if settled == Some(placed(&chosen.model)) { chosen } else { self.moved(chosen, candidates) };
+            if settled == Some(placed(&chosen.model)) { chosen } else { self.relocated(chosen, candidates) };
         let chosen = self.exchanged(chosen, candidates);
         let by = Measure::of([&chosen.score, &now.score], candidates);
         let gain = by.criterion(&now.score) - by.criterion(&chosen.score);
@@ -176,20 +180,22 @@ impl Search<'_> {
         Some((chosen.clone(), round(before, &chosen, &all, vetoed, candidates)))
     }
 
-    /// Models with one effect more, the best first: the leading laws of the screening, then those that follow from the leader.
+    /// Models with one effect more, best first: the leading laws of the screening, then relatives of the
+    /// leader.
     fn best_singles(&self, start: &Start<'_>, vetoed: &mut Vec<Vetoed>) -> Vec<Fitted> {
-        let Start { now, model, found, candidates } = start;
-        let mut models = self.begun(model, now, found);
+        let Start { now, model, screening, candidates } = start;
+        let mut models = self.extended(model, now, screening);
         models.extend(self.richer(model, now));
-        let mut singles = self.tried(models, RACE, *candidates, vetoed);
+        let mut singles = self.fit_race(models, RACE, *candidates, vetoed);
         if singles.first().is_some_and(|leader| !leader.score.is_white()) {
-            singles.extend(self.tried(self.elsewhere(model, &singles), ALL, *candidates, vetoed));
+            singles.extend(self.fit_race(self.at_other_places(model, &singles), ALL, *candidates, vetoed));
             rank(&mut singles, *candidates);
         }
-        // From each new leader its whole family once more: one slow curve is hard to reach from a regression, easy from its neighbour.
+        // The whole family of each new leader is fitted. Parameters of a narrow curve are hard to find by a
+        // regression, and easy from a fitted sibling.
         for _ in 0..FAMILY_ROUNDS {
             let Some(leader) = singles.first().map(|f| placed(&f.model)) else { break };
-            singles.extend(self.tried(self.siblings(model, &singles), ALL, *candidates, vetoed));
+            singles.extend(self.fit_race(self.siblings(model, &singles), ALL, *candidates, vetoed));
             rank(&mut singles, *candidates);
             if placed(&singles[0].model) == leader {
                 break;
@@ -198,7 +204,8 @@ impl Search<'_> {
         singles
     }
 
-    /// Models with two effects more, the best first, and the one that is worth its price; `single` is the best with one.
+    /// Models with two effects more, best first, and the one that is worth its price. `single` is the best
+    /// model with one.
     fn best_pairs(
         &self,
         start: &Start<'_>,
@@ -206,65 +213,69 @@ impl Search<'_> {
         single: Option<&Fitted>,
         vetoed: &mut Vec<Vetoed>,
     ) -> (Vec<Fitted>, Option<Fitted>) {
-        let Start { now, model, found, candidates } = start;
+        let Start { now, model, screening, candidates } = start;
         let price = (now.cal.samples as f64).ln();
-        // Two at once where greed could go wrong from the start; later rounds have their friction already.
+        // Pairs matter in the first round, where a greedy choice may be wrong. Later rounds have their
+        // friction already.
         let wanted = if start.before() == 0 { FITTED_IN_FULL } else { 0 };
         let mut pairs: Vec<Vec<Effect>> =
-            found.pairs(price, wanted).into_iter().map(|(a, b)| vec![a.effect, b.effect]).collect();
-        pairs.extend(singles.first().map_or(vec![], |leader| self.parted(model, leader, found)));
+            screening.pairs(price, wanted).into_iter().map(|(a, b)| vec![a.effect, b.effect]).collect();
+        pairs.extend(singles.first().map_or(vec![], |leader| self.decompositions(model, leader, screening)));
         if wanted > 0 {
-            pairs.extend(rubbing(found));
+            pairs.extend(friction_pairs(screening));
         }
-        // Where one law explains everything, two can only be simpler.
+        // Where one law explains the data, only pairs with no more parameters are of interest.
         if let Some(enough) = single.filter(|b| b.score.is_white()).map(|b| b.score.parameters) {
             let parameters =
                 |pair: &[Effect]| pair.iter().map(|e| e.entry.law.parameters.len()).sum::<usize>();
             pairs.retain(|pair| size(model) + parameters(pair) <= enough);
         }
         let models = pairs.iter().filter_map(|list| model.with_all(list).ok()).collect();
-        let mut pairs = self.tried(models, RACE, *candidates, vetoed);
+        let mut pairs = self.fit_race(models, RACE, *candidates, vetoed);
         if let Some(pair) = self.worthy(now, &pairs, *candidates).filter(|pair| pair.score.is_white()) {
-            pairs = self.followed(pairs, singles, &pair, *candidates, vetoed);
+            pairs = self.with_competitors(pairs, singles, &pair, *candidates, vetoed);
         }
         let pair = self.worthy(now, &pairs, *candidates);
-        // Two that nearly do may stand in wrong places.
-        let pair = pair.map(|pair| if pair.score.is_white() { pair } else { self.moved(pair, *candidates) });
+        // A pair that leaves little may have its effects at wrong places.
+        let pair =
+            pair.map(|pair| if pair.score.is_white() { pair } else { self.relocated(pair, *candidates) });
         (pairs, pair)
     }
 
-    /// The preferred one of some models, if it is worth its price.
+    /// The preferred one of these models, if it is worth its price.
     fn worthy(&self, now: &Fitted, all: &[Fitted], candidates: usize) -> Option<Fitted> {
         preferred(all, candidates).filter(|best| worth(now, best, candidates)).cloned()
     }
 
-    /// What is still worth its price beside effects that leave what looks like noise: a faint second effect hardly changes the whiteness of
-    /// what is left. Where the motion is smooth a linear response tells what to try; of stops it knows nothing.
-    fn overlooked(&self, now: &Fitted, candidates: usize) -> Overlooked {
+    /// Looks for one more effect beside a model whose residual is white: a weak second effect hardly changes
+    /// the whiteness. Applies to smooth motions only, because the linear response does not describe stops.
+    fn second_pass(&self, now: &Fitted, candidates: usize) -> SecondPass {
         let before = now.model.effects.len();
-        let nothing = Overlooked::Near(vec![]);
+        let nothing = SecondPass::Near(vec![]);
         if before + 1 >= MOST_EFFECTS || !now.score.is_white() || now.rests() {
             return nothing;
         }
         let model = now.settled();
-        let Some(mut found) = screen(&model, &now.cal, self.catalogue, self.noise) else { return nothing };
-        let candidates = candidates.max(found.candidates.len());
+        let Some(mut screening) = screen(&model, &now.cal, self.catalogue, self.noise) else {
+            return nothing;
+        };
+        let candidates = candidates.max(screening.candidates.len());
         let price = (now.cal.samples as f64).ln();
-        found.candidates.retain(|c| c.gain > price * c.size as f64);
+        screening.candidates.retain(|c| c.gain > price * c.size as f64);
         let mut vetoed = Vec::new();
-        let all = self.tried(self.begun(&model, now, &found), RACE, candidates, &mut vetoed);
-        // To a model that may lack nothing at all it must be more than worth it.
-        let doubted = if before == 0 { WORTH } else { 0.0 };
+        let all = self.fit_race(self.extended(&model, now, &screening), RACE, candidates, &mut vetoed);
+        // A base model may be complete, so a first effect must gain twice the usual amount.
+        let extra = if before == 0 { WORTH } else { 0.0 };
         let more = |f: &&Fitted| {
             let by = Measure::of([&now.score, &f.score], candidates);
             let gain = by.criterion(&now.score) - by.criterion(&f.score);
-            f.score.is_white() && worth(now, f, candidates) && gain > WORTH + doubted
+            f.score.is_white() && worth(now, f, candidates) && gain > WORTH + extra
         };
         let Some(best) = preferred(&all, candidates).filter(more).cloned() else {
             let near = round(0, now, &all, vetoed, candidates).rivals.into_iter();
-            return Overlooked::Near(near.filter(|r| r.delta_bic < WORTH).collect());
+            return SecondPass::Near(near.filter(|r| r.delta_bic < WORTH).collect());
         };
-        // What was found first may have stood for part of it.
+        // The effects found first may have compensated for part of the new one.
         let effects = current(&best);
         let without = |k: usize| {
             let rest: Vec<Effect> =
@@ -273,20 +284,21 @@ impl Search<'_> {
         };
         let mut rest: Vec<Fitted> = (0..before).filter_map(without).collect();
         rank(&mut rest, candidates);
-        let mut all = self.followed(all, &rest, &best, candidates, &mut vetoed);
+        let mut all = self.with_competitors(all, &rest, &best, candidates, &mut vetoed);
         let best = preferred(&all, candidates).cloned().unwrap_or(best);
         let best = self.exchanged(self.simplified(best, candidates), candidates);
         let first = placed(&now.model);
-        let stands = |f: &Fitted| placed(&f.model).starts_with(&first);
-        let from = if stands(&best) { before } else { 0 };
-        all.retain(|f| from == 0 || stands(f));
+        let extends = |f: &Fitted| placed(&f.model).starts_with(&first);
+        let from = if extends(&best) { before } else { 0 };
+        all.retain(|f| from == 0 || extends(f));
         let round = round(from, &best, &all, vetoed, candidates);
-        Overlooked::More(Box::new(best), round)
+        SecondPass::More(Box::new(best), round)
     }
 
-    /// Two that explain everything, found at once, beside those that follow from the better of them alone and lead the screening there: far
-    /// from the data a linear response confuses what is alike.
-    fn followed(
+    /// Adds competitors to `pairs`, where `pair` explains the data. Takes the best of `singles` that is a part
+    /// of `pair`, screens beside it, and fits every law that ranks above the other part. The first screening
+    /// may have confused similar laws, because the linear response is inexact far from the data.
+    fn with_competitors(
         &self,
         mut pairs: Vec<Fitted>,
         singles: &[Fitted],
@@ -300,28 +312,31 @@ impl Search<'_> {
             return pairs;
         };
         let model = single.settled();
-        let Some(mut found) = screen(&model, &single.cal, self.catalogue, self.noise) else { return pairs };
+        let Some(mut screening) = screen(&model, &single.cal, self.catalogue, self.noise) else {
+            return pairs;
+        };
         let own = |c: &Candidate| pair.model.effects.iter().any(|a| a.effect.same(&c.effect));
-        let better = found.candidates.iter().position(own).unwrap_or(found.candidates.len());
-        found.candidates.truncate(better);
-        pairs.extend(self.tried(self.begun(&model, single, &found), RACE, candidates, vetoed));
+        let better = screening.candidates.iter().position(own).unwrap_or(screening.candidates.len());
+        screening.candidates.truncate(better);
+        pairs.extend(self.fit_race(self.extended(&model, single, &screening), RACE, candidates, vetoed));
         rank(&mut pairs, candidates);
         pairs
     }
 
-    /// The best laws of a screening beside a model, each from the best of its starts.
-    fn begun(&self, model: &TrialModel, now: &Fitted, found: &Screening) -> Vec<TrialModel> {
-        let lists = if now.rests() || now.strikes() {
-            self.approached(model, found)
+    /// The model with each of the leading laws of a screening, from the best of their starts.
+    fn extended(&self, model: &TrialModel, now: &Fitted, screening: &Screening) -> Vec<TrialModel> {
+        let lists = if now.rests() || now.has_clearance() {
+            self.ranked_by_free_run(model, screening)
         } else {
-            self.seeded(model, singles(found))
+            self.best_starts(model, singles(screening))
         };
         lists.iter().filter_map(|list| model.with_all(list).ok()).collect()
     }
 
-    /// Fits those of some models that stay in a race, best first, without those that evidence speaks against. If such a one led, the race
-    /// goes on among the others: it has outrun what might be true.
-    fn tried(
+    /// Fits the models whose segment cost is within `race` of the best, sorted by the criterion, without
+    /// those that evidence rules out. If the leader is ruled out, the race is repeated among the others,
+    /// which it may have eliminated wrongly.
+    fn fit_race(
         &self,
         models: Vec<TrialModel>,
         race: f64,
@@ -330,7 +345,7 @@ impl Search<'_> {
     ) -> Vec<Fitted> {
         let costed = |m: TrialModel| (m.segment_cost(self.noise, 1).unwrap_or(f64::INFINITY), m);
         let mut waiting: Vec<(f64, TrialModel)> = models.into_par_iter().map(costed).collect();
-        // What was fitted, and its cost over segments.
+        // Fitted models with their segment costs.
         let mut done: Vec<(f64, Fitted)> = Vec::new();
         loop {
             let costs = waiting.iter().map(|(cost, _)| cost).chain(done.iter().map(|(cost, _)| cost));
@@ -352,7 +367,7 @@ impl Search<'_> {
         }
     }
 
-    /// Fits models, each with its cost over segments; failures drop out.
+    /// Fits models, each given with its segment cost; failed fits are dropped.
     fn fitted(&self, models: Vec<(f64, TrialModel)>, candidates: usize) -> Vec<(f64, Fitted)> {
         let fit =
             |(cost, m): (f64, TrialModel)| Some((cost, Fitted::new(m, self.noise, Effort::Plain).ok()?));
@@ -360,7 +375,7 @@ impl Search<'_> {
         all.retain(|(_, f)| f.score.fit.is_finite());
         let by = Measure::of(all.iter().map(|(_, f)| &f.score), candidates);
         all.sort_by(|(_, a), (_, b)| by.criterion(&a.score).total_cmp(&by.criterion(&b.score)));
-        // Those that are near but not there are worth more starts: a run through stops has side minima.
+        // Models near the best are fitted again from more starts: runs through stops have local minima.
         let least = all.iter().map(|(_, f)| f.score.fit).fold(f64::INFINITY, f64::min);
         let near =
             |f: &Fitted| (f.score.fit < WORTH_STARTS * least || f.score.fit < WORTH_STARTS) && f.may_gain();
@@ -375,15 +390,16 @@ impl Search<'_> {
         all
     }
 
-    /// Whether a simpler model does as well. Where neither leaves noise alone, a richer law must carry over to Validate records.
+    /// Whether a simpler model is as good. Where neither residual is white, the richer law must predict
+    /// Validate records better.
     pub(crate) fn as_good(&self, simple: &Fitted, rich: &Fitted, candidates: usize) -> bool {
         let by = Measure::of([&simple.score, &rich.score], candidates);
         by.criterion(&simple.score) - by.criterion(&rich.score) < SIMPLER
-            || carries_no_further(&simple.score, &rich.score)
+            || predicts_no_better(&simple.score, &rich.score)
     }
 }
 
-/// Whether a model is worth its price against another one.
+/// Whether `next` is worth its price against `now`.
 fn worth(now: &Fitted, next: &Fitted, candidates: usize) -> bool {
     let by = Measure::of([&now.score, &next.score], candidates);
     let gain = by.criterion(&now.score) - by.criterion(&next.score);
@@ -391,12 +407,13 @@ fn worth(now: &Fitted, next: &Fitted, candidates: usize) -> bool {
         (Some(before), Some(after)) => after < SHRINKS * before || (next.score.is_white() && after < before),
         _ => true,
     };
-    // A motion that hangs on every number is missed on Validate records as long as anything is missing, and they say nothing of who is near.
-    on_the_way(&now.score, &next.score) || (gain > WORTH && carries)
+    // A motion that is sensitive to every parameter is missed on Validate records while any effect is
+    // missing, so these do not count as long as the gap on Fit records is large and falls fast.
+    makes_progress(&now.score, &next.score) || (gain > WORTH && carries)
 }
 
-/// The better one of the best single and the best pair. A pair that does not explain everything is taken only where it says much more than
-/// one of its parts: greed goes on otherwise.
+/// The better one of the best single law and the best pair. A pair that does not explain the data needs a
+/// clear gain over its single part; otherwise the greedy search goes on.
 fn one_or_two(
     single: Option<Fitted>,
     pair: Option<Fitted>,
@@ -411,21 +428,21 @@ fn one_or_two(
     let better = by.criterion(&pair.score) + WORTH < by.criterion(&single.score);
     let (own, both) = (label(&single.model, before), label(&pair.model, before));
     let lower = pair.score.predictive.zip(single.score.predictive).is_none_or(|(p, s)| p < ON_THE_WAY * s);
-    let much = lower || on_the_way(&single.score, &pair.score) || !own.iter().all(|e| both.contains(e));
+    let much = lower || makes_progress(&single.score, &pair.score) || !own.iter().all(|e| both.contains(e));
     Some(if better && (pair.score.is_white() || much) { pair } else { single })
 }
 
-/// Whether evidence speaks against a model: the law and the reason are noted.
+/// Whether evidence rules out a model; notes the law and the reason.
 fn ruled_out(model: &Fitted, vetoed: &mut Vec<Vetoed>) -> bool {
-    let found = model.model.effects.iter().find_map(|a| Some((&a.effect, against(model, &a.effect)?)));
-    let Some((effect, why)) = found else { return false };
+    let veto = model.model.effects.iter().find_map(|a| Some((&a.effect, against(model, &a.effect)?)));
+    let Some((effect, why)) = veto else { return false };
     if !vetoed.iter().any(|v| v.law.law == effect.entry.id) {
         vetoed.push(Vetoed { law: PlacedLaw::of(effect), why });
     }
     true
 }
 
-/// What a round tells: the nearest rivals of the chosen model, and what evidence speaks against.
+/// The report of a round: the nearest rivals of the chosen model and the vetoed laws.
 fn round(before: usize, chosen: &Fitted, all: &[Fitted], vetoed: Vec<Vetoed>, candidates: usize) -> Round {
     let own = label(&chosen.model, 0);
     let by = Measure::of(all.iter().chain([chosen]).map(|f| &f.score), candidates);
@@ -442,14 +459,14 @@ fn round(before: usize, chosen: &Fitted, all: &[Fitted], vetoed: Vec<Vetoed>, ca
             delta_bic: by.criterion(&f.score) - by.criterion(&chosen.score),
         })
         .collect();
-    // From a worse start a law may fit with numbers that nothing speaks against: it stays ruled out.
+    // From a worse start a vetoed law may fit with parameters that pass the evidence; it stays ruled out.
     let out = |r: &Rival| matches!(&r.laws[..], [one] if vetoed.iter().any(|v| v.law.law == one.law));
     rivals.retain(|r| r.delta_bic.is_finite() && !out(r));
     rivals.sort_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic));
     rivals.dedup_by(|a, b| a.laws == b.laws);
     rivals.truncate(RIVALS);
-    // A law that stands in one place may be ruled out in another.
-    let stands = |law: &str| own.iter().any(|chosen| chosen.law == law);
-    let vetoed = vetoed.into_iter().filter(|v| !stands(&v.law.law)).collect();
+    // A law of the chosen model may be ruled out at another place; that is not reported.
+    let chosen_law = |law: &str| own.iter().any(|chosen| chosen.law == law);
+    let vetoed = vetoed.into_iter().filter(|v| !chosen_law(&v.law.law)).collect();
     Round { before, rivals, vetoed }
 }

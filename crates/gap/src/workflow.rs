@@ -1,4 +1,4 @@
-//! The whole workflow: noise, where, what, add, how it ends.
+//! The whole workflow: noise estimate, search, other explanations, verdict.
 
 use crate::alternative_constant::alternative_constant;
 use crate::data_mistakes::data_mistakes;
@@ -22,24 +22,29 @@ use phisindy_phys::{Case, LawEntry, Record, SourceId, System, splice};
 use phisindy_signal::standard_deviation;
 use std::ops::ControlFlow;
 
-/// Runs the gap workflow on a checked spec and its records. `observe` is told a fraction and what is being done, and may stop the search.
+/// Runs the gap workflow on a checked spec and its records. `observe` receives the progress as a fraction and
+/// an activity, and may stop the search.
 ///
 /// # Errors
-/// Records from which nothing can be learned; a model that cannot be simulated from any start.
+/// The records are unsuitable, or the model cannot be simulated from any start.
 ///
 /// ```
 /// use phisindy_gap::{Status, gap};
 /// use phisindy_phys::{LawEntry, Origin, SourceId, check, spec};
 /// use phisindy_sim::synthesize;
 /// use std::ops::ControlFlow;
-/// // A pendulum that is believed to swing without friction.
-/// let text = r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (1.0, "1/s^2") }, known: { "x": "v", "v": "-k*x" }, unknown: {},
-///     data: [ Synthetic(truth: { "v": "-0.05*sgn(v)" }, start: { "x": 2.0, "v": 0.0 }, duration: 40.0, step: 0.05, noise: Additive(0.02), seed: 1) ])"#;
+/// // An oscillator whose model has no friction.
+/// let text = r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (1.0, "1/s^2") },
+///     known: { "x": "v", "v": "-k*x" }, unknown: {},
+///     data: [ Synthetic(truth: { "v": "-0.05*sgn(v)" }, start: { "x": 2.0, "v": 0.0 },
+///         duration: 40.0, step: 0.05, noise: Additive(0.02), seed: 1) ])"#;
 /// let (spec, _) = spec::read(text, SourceId(0)).unwrap();
 /// let (case, _) = check(&spec, SourceId(0)).unwrap();
 /// let Origin::Synthetic(truth) = &case.records[0].origin else { panic!("a measured record") };
-/// let (record, _) = synthesize(&case.records[0], truth, &case.system, None, &|_| Err("no files here".into())).unwrap();
-/// let law = r#"(name: "Coulomb friction", roles: { "v": "m/s" }, parameters: { "Fc": (unit: "N", within: (0.0, 10.0)) }, force: "Fc*sgn(v)", family: "friction")"#;
+/// let (record, _) =
+///     synthesize(&case.records[0], truth, &case.system, None, &|_| Err("no files here".into())).unwrap();
+/// let law = r#"(name: "Coulomb friction", roles: { "v": "m/s" }, force: "Fc*sgn(v)", family: "friction",
+///     parameters: { "Fc": (unit: "N", within: (0.0, 10.0)) })"#;
 /// let catalogue = [LawEntry::read("coulomb", law).unwrap()];
 /// let found = gap(text, case, vec![record], &catalogue, &mut |_, _| ControlFlow::Continue(())).unwrap();
 /// assert_eq!((found.status, found.steps[0].effect.place.at.as_str()), (Status::Explained, "v"));
@@ -66,22 +71,22 @@ pub fn gap(
     let whole = without_candidates(spec, case, records).ok_or_else(unreadable)?;
     let mut observe = |part: f64, what: Activity| observe(part, what).is_break();
     let mut search = Search { catalogue, noise: &noise, floor, observe: &mut observe };
-    // A search needs no more samples than this; the numbers come from all of them.
+    // The search uses shortened records; the final parameters come from all samples.
     let searched = match shortened(&whole.records) {
         Some(short) => {
-            let mut found = search.run(whole.for_records(short)).map_err(GapError::Numerics)?;
-            found.base = Fitted::new(whole.clone(), &noise, Effort::Plain).map_err(GapError::Numerics)?;
-            let full = whole.with_all(&current(&found.last)).ok();
+            let mut searched = search.run(whole.for_records(short)).map_err(GapError::Numerics)?;
+            searched.base = Fitted::new(whole.clone(), &noise, Effort::Plain).map_err(GapError::Numerics)?;
+            let full = whole.with_all(&current(&searched.last)).ok();
             let full = full.and_then(|model| Fitted::new(model, &noise, Effort::Plain).ok());
-            found.last = full.unwrap_or_else(|| found.base.clone());
-            found
+            searched.last = full.unwrap_or_else(|| searched.base.clone());
+            searched
         }
         None => search.run(whole).map_err(GapError::Numerics)?,
     };
     Ending::new(searched, &mut search, warnings)?.finished(&text, repeat)
 }
 
-/// Whether there is something to learn from the records.
+/// Checks that the records can be searched.
 fn suitable(system: &System, records: &[Record]) -> Result<(), GapError> {
     if !records.iter().any(|r| r.role == Role::Fit) {
         return Err(GapError::Data(DataError::NoFit));
@@ -96,7 +101,7 @@ fn suitable(system: &System, records: &[Record]) -> Result<(), GapError> {
     }
 }
 
-/// Where every column of a record that is to be fitted is noise above all, any model would leave noise.
+/// Rejects a Fit record whose columns are all mostly noise: any model would leave noise.
 fn mostly_noise(system: &System, records: &[Record], noise: &[Vec<f64>]) -> Result<(), GapError> {
     for (record, noise) in records.iter().zip(noise).filter(|(r, _)| r.role == Role::Fit) {
         let share = |k: usize| record.columns[k].as_ref().map(|c| noise[k] / standard_deviation(c));
@@ -115,14 +120,15 @@ fn without_unknown(text: &str) -> Result<String, GapError> {
     splice::set(text, "unknown", "{}").map_err(|why| GapError::Numerics(wrong(why).into()))
 }
 
-/// The model that is believed complete: candidates and laws of `unknown` are no part of it.
+/// The model without the candidates and laws of `unknown`.
 fn without_candidates(spec: Spec, case: Case, records: Vec<Record>) -> Option<TrialModel> {
     let open = case.is_open();
     let whole = TrialModel::base(spec.clone(), case, records);
     if open { whole.variant(Spec { unknown: vec![], ..spec }) } else { Some(whole) }
 }
 
-/// Repeatability of every column, and the gap that it stands for on the Validate records (on all if there are none); 0 where the motion is not periodic.
+/// Repeatability of every column, and the gap that corresponds to it on the Validate records (on all records
+/// if there are none). The gap is 0 where the motion is not periodic.
 fn floor(case: &Case, records: &[Record], noise: &[Vec<f64>]) -> (Vec<ColumnRepeat>, f64) {
     let validates = records.iter().any(|r| r.role == Role::Validate);
     let mut all = Vec::new();
@@ -132,7 +138,7 @@ fn floor(case: &Case, records: &[Record], noise: &[Vec<f64>]) -> (Vec<ColumnRepe
         for (k, column) in record.columns.iter().enumerate() {
             let Some(column) = column else { continue };
             let counts = !validates || record.role == Role::Validate;
-            // The larger of the scatter within a record and of the step from one half to the next.
+            // The larger of the scatter within a record and the change from one half to the next.
             let own = repeatability(record, column).filter(|r| {
                 Drive::new(&case.system, record).is_some_and(|mut drive| drive.repeats(r.period))
             });
@@ -161,16 +167,16 @@ fn floor(case: &Case, records: &[Record], noise: &[Vec<f64>]) -> (Vec<ColumnRepe
         }
     }
     let gap = if periodic && count > 0 { (sum / count as f64).sqrt() } else { 0.0 };
-    // Near the noise it is the noise that does not repeat, not the rig.
+    // Near the noise level the scatter is measurement noise, not the rig.
     (all, if gap > SCATTERS { gap } else { 0.0 })
 }
 
-/// A search that ended, and what follows from it.
+/// The state after the search: the verdict, other explanations and the result follow from it.
 struct Ending<'s, 'a> {
     search: &'s mut Search<'a>,
     base: Fitted,
     last: Fitted,
-    /// The model as it was, with the first effect, with the first two, and so on.
+    /// The models with no effect, the first effect, the first two, and so on.
     path: Vec<Fitted>,
     rounds: Vec<Round>,
     candidates: usize,
@@ -180,21 +186,22 @@ struct Ending<'s, 'a> {
 }
 
 impl<'s, 'a> Ending<'s, 'a> {
-    /// Judged by the noise that the best model leaves, without effects that do not belong to it, with error bars.
+    /// Rescales all gaps to the noise that the best model leaves, drops needless effects and computes error
+    /// bars.
     fn new(
         searched: Searched,
         search: &'s mut Search<'a>,
         mut warnings: Vec<Warning>,
     ) -> Result<Self, GapError> {
         let Searched { base, last, rounds, candidates, stop } = searched;
-        // What a model that leaves nothing but noise leaves is the noise: a better estimate than the one from the columns.
+        // A white residual is the noise itself: a better estimate than the one from the columns.
         let noise = if last.score.is_white() { last.noise(search.noise) } else { search.noise.to_vec() };
         let (base, last) = (base.measured_by(&noise), last.measured_by(&noise));
         warnings.extend(data_mistakes(&base).into_iter().map(Warning::Data));
         (search.observe)(0.92, Activity::ErrorBars);
         let mut path = path(&base, &last, &noise);
         let mut last = last;
-        // An effect that the model does as well without does not belong to it.
+        // Drops the last effect while the model is as good without it.
         while let [.., before] = &path[..]
             && path.len() > 1
             && needless(before, &last, candidates)
@@ -220,7 +227,8 @@ impl<'s, 'a> Ending<'s, 'a> {
         self.warnings.extend(at_bounds(&self.last.cal.parameters).into_iter().map(Warning::Fit));
         self.warnings.extend(sensitive_starts(&self.last.cal.records).into_iter().map(Warning::Fit));
         let steps: Vec<Step> = (0..self.last.model.effects.len()).map(|k| self.step(k)).collect();
-        let (steps, partial) = if status == Status::Unexplained { parted(steps) } else { (steps, vec![]) };
+        let (steps, partial) =
+            if status == Status::Unexplained { split_substantial(steps) } else { (steps, vec![]) };
         for vetoed in self.rounds.iter().flat_map(|r| &r.vetoed) {
             let warning = Warning::Vetoed(vetoed.clone());
             let said = |w: &Warning| w.to_string() == warning.to_string();
@@ -253,8 +261,8 @@ impl<'s, 'a> Ending<'s, 'a> {
         })
     }
 
-    /// What else would explain the data: constants that the spec holds, a drive at another frequency, noise of inputs. Effects that do not
-    /// help are dropped where nothing explains.
+    /// Tests other explanations: fixed constants of the spec, a drive at another frequency, noise of inputs.
+    /// Drops the effects that do not help if the data remain unexplained.
     fn other_explanations(
         &mut self,
         mut status: Status,
@@ -263,7 +271,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         let whole = self.last.clone();
         let interrupted = self.stop == StopReason::Interrupted;
         let mut alternative = None;
-        // Where much is missing no constant is to blame alone.
+        // A large gap is not the work of one constant.
         if status != Status::NothingMissing && !repeats && !interrupted && whole.score.fit < ONE_CONSTANT {
             (self.search.observe)(0.95, Activity::Constants);
             let catalogue = self.search.catalogue;
@@ -284,7 +292,7 @@ impl<'s, 'a> Ending<'s, 'a> {
             None
         };
         let helps = match drive {
-            // Beside a drive at the wrong frequency no effect means anything.
+            // With a drive at the wrong frequency the effects mean nothing.
             Some(drive) if drive.explains => {
                 alternative = Some(Alternative::Drive(drive));
                 0
@@ -311,14 +319,14 @@ impl<'s, 'a> Ending<'s, 'a> {
         Ok((status, alternative))
     }
 
-    /// What the `k`-th effect is, and what it does.
+    /// The report of the `k`-th effect.
     fn step(&self, k: usize) -> Step {
         let applied = &self.last.model.effects[k];
         let round = self.rounds.iter().rev().find(|r| r.before <= k);
         let (a, b) = (&self.path[k].score, &self.path[k + 1].score);
         let by = Measure::of([a, b], self.candidates);
         let own = placed(&self.last.model);
-        // What is in the model by now is no rival of it.
+        // A law that the final model contains is no rival.
         let other = |r: &&Rival| !r.laws.iter().all(|law| own.contains(law));
         Step {
             effect: applied.effect.clone(),
@@ -334,16 +342,17 @@ impl<'s, 'a> Ending<'s, 'a> {
     }
 }
 
-/// Whether a model does as well without its last effect.
+/// Whether a model is as good without its last effect.
 fn needless(before: &Fitted, last: &Fitted, candidates: usize) -> bool {
     let by = Measure::of([&before.score, &last.score], candidates);
     by.criterion(&before.score) <= by.criterion(&last.score)
         && (before.score.is_white() || !last.score.is_white())
 }
 
-/// The steps that brought the gap far down, which are a finding of their own, whatever else is missing; and the others. Of two stops the
-/// first helps little until the second is there.
-fn parted(mut steps: Vec<Step>) -> (Vec<Step>, Vec<Step>) {
+/// Splits the steps into those that reduced the gap substantially, which are a finding whatever else is
+/// missing, and the others. Products of factors are compared, because the first of two stops helps little
+/// without the second.
+fn split_substantial(mut steps: Vec<Step>) -> (Vec<Step>, Vec<Step>) {
     let gap = |s: &Step| s.validate.unwrap_or(s.fit);
     let first = steps.first().map_or(1.0, |s| gap(s).0);
     let far_down = |&k: &usize| {
@@ -355,7 +364,7 @@ fn parted(mut steps: Vec<Step>) -> (Vec<Step>, Vec<Step>) {
     (steps, partial)
 }
 
-/// The standard deviation of the noise of each column that was measured, over all records.
+/// Noise (standard deviation) of each measured column, over all records.
 fn column_noise(base: &Fitted, noise: &[Vec<f64>]) -> Vec<(String, f64)> {
     let of = |k: usize| {
         let measured = base.model.records.iter().zip(noise).filter(|(r, _)| r.columns[k].is_some());
@@ -370,7 +379,7 @@ fn located(fitted: &Fitted, noise: &[Vec<f64>]) -> Vec<Region> {
     regions(&fitted.model.system, &fitted.model.records, &fitted.cal, noise)
 }
 
-/// NRMSE of every record and column in two models.
+/// NRMSE of every record and column in the initial and the final model.
 fn nrmse(base: &Fitted, last: &Fitted) -> Vec<ColumnGap> {
     let mut all = Vec::new();
     for (a, b) in last.cal.records.iter().zip(&base.cal.records) {
@@ -382,7 +391,7 @@ fn nrmse(base: &Fitted, last: &Fitted) -> Vec<ColumnGap> {
     all
 }
 
-/// A fit once more, with the errors of its numbers.
+/// Repeats a fit with the errors of its parameters.
 fn with_errors(last: Fitted, noise: &[Vec<f64>]) -> Result<Fitted, GapError> {
     Ok(match Fitted::new(last.settled(), noise, Effort::Errors) {
         Ok(fitted) if fitted.score.fit.is_finite() => fitted,
@@ -390,7 +399,7 @@ fn with_errors(last: Fitted, noise: &[Vec<f64>]) -> Result<Fitted, GapError> {
     })
 }
 
-/// The model as it was, with the first effect, with the first two, and so on, but for the last.
+/// The models with no effect, the first effect, the first two, and so on, without the last model.
 fn path(base: &Fitted, last: &Fitted, noise: &[Vec<f64>]) -> Vec<Fitted> {
     let mut path = vec![base.clone()];
     let (plain, effects) = (last.model.without_effects(), current(last));
@@ -402,7 +411,7 @@ fn path(base: &Fitted, last: &Fitted, noise: &[Vec<f64>]) -> Vec<Fitted> {
     path
 }
 
-/// The numbers of an effect in the final model.
+/// The parameters of an effect in the final model.
 fn parameters(last: &Fitted, applied: &Applied) -> Vec<StepParameter> {
     let own = applied.names.iter().zip(&applied.parameters).zip(applied.effect.labels());
     let of = |((constant, k), name): ((&String, &usize), String)| {

@@ -1,4 +1,4 @@
-//! A model with its numbers: calibrated, scored, compared with noise.
+//! A fitted model: calibration, score and residual noise.
 
 use super::score::Score;
 use super::trial_model::TrialModel;
@@ -18,7 +18,8 @@ pub(crate) struct Fitted {
     pub(crate) model: TrialModel,
     pub(crate) cal: Calibration,
     pub(crate) score: Score,
-    /// Fit and Validate records fitted together, where that moves the numbers no further than their errors allow.
+    /// Joint fit of Fit and Validate records, where it moves the parameters no further than their errors
+    /// allow.
     joint: Option<Calibration>,
 }
 
@@ -52,17 +53,18 @@ impl Fitted {
         })
     }
 
-    /// Sensors that would have to show what has not happened yet.
+    /// Number of sensors with a negative delay.
     fn early_sensors(&self) -> usize {
         let delays =
             self.model.effects.iter().filter(|a| a.effect.entry.law.sensor.as_deref() == Some("delay"));
         delays.filter(|a| values(self, &a.names, &a.effect.start).iter().any(|v| *v < 0.0)).count()
     }
 
-    /// Fit and Validate records fitted together, and the whiteness score of what that leaves, where it decides: on Fit records nothing but
-    /// noise is left, and what is left on Validate records may come from the errors of starts and parameters. It does if the same model
-    /// leaves nothing but noise on both, and Fit records are fitted no worse than chance has it (the predictive test of Chow 1960, doi
-    /// 10.2307/1910133). The fit itself stays as it is.
+    /// Joint fit of Fit and Validate records with its whiteness score; `None` where it does not apply. It
+    /// applies where Fit records leave only noise, and the misfit on Validate records may come from errors of
+    /// start states and parameters. The misfit does come from them if the joint fit leaves only noise on all
+    /// records, and chi^2 of the Fit records rises no more than chance allows (the predictive test of Chow
+    /// 1960, doi 10.2307/1910133). The calibration itself stays unchanged.
     fn together(&self, noise: &[Vec<f64>]) -> Option<(Calibration, f64)> {
         if self.score.validate.is_none() || self.score.fit > LITTLE_LEFT || self.score.is_white() {
             return None;
@@ -78,15 +80,15 @@ impl Fitted {
         let cal = calibrate(&model.system, &records, &smooth, noise, Effort::Plain).ok()?;
         let fits = of(&self.cal, Role::Fit);
         let rise = power(&cal, noise, &fits).0 - power(&self.cal, noise, &fits).0;
-        // The rise of chi^2 that as many numbers make by chance, five standard deviations high.
+        // The rise of chi^2 that this many parameters cause by chance: mean plus five standard deviations.
         let freedom = (self.cal.moved + fits.len() * model.system.states.len()) as f64;
         let chance = freedom + CHOW * (2.0 * freedom).sqrt();
         let whiteness = whiteness(&cal, &records, |_| true);
         (rise < chance && whiteness < NOT_WHITE).then_some((cal, whiteness))
     }
 
-    /// The noise as its residuals have it, by record and state: what a model that leaves nothing but noise shows better than the columns do, in which the motion
-    /// covers most of the spectrum.
+    /// Noise of every column from the residuals, by record and state. For a model with white residuals this
+    /// is better than the estimate from the columns, where the motion covers most of the spectrum.
     pub(crate) fn noise(&self, noise: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let of = |residual: &Vec<f64>, noise: f64| {
             if residual.is_empty() { noise } else { noise_level(residual).max(f64::MIN_POSITIVE) }
@@ -98,7 +100,7 @@ impl Fitted {
         (0..noise.len()).map(record).collect()
     }
 
-    /// Its gaps in units of this noise.
+    /// Recomputes the gaps in units of this noise.
     pub(crate) fn measured_by(mut self, noise: &[Vec<f64>]) -> Fitted {
         (self.score.fit, self.score.validate) = gaps(&self.cal, noise);
         self.score.predictive = self.score.validate;
@@ -111,7 +113,7 @@ impl Fitted {
         self
     }
 
-    /// Whether its runs come to rest for more than a moment.
+    /// Whether a run rests for more than one sample in `RESTS`.
     pub(crate) fn rests(&self) -> bool {
         self.cal.records.iter().filter_map(|r| r.run.as_ref()).any(|run| {
             let still = run.modes.iter().filter(|m| **m == 0).count();
@@ -119,25 +121,27 @@ impl Fitted {
         })
     }
 
-    /// Whether it follows the motion in any column of the records that count: those of the role Validate, if there are any.
+    /// Whether any column of the Validate records (of the Fit records if there are none) follows the motion.
     pub(crate) fn follows(&self) -> bool {
         let role = if self.score.validate.is_some() { Role::Validate } else { Role::Fit };
         let counts = self.cal.records.iter().filter(|r| r.role == role);
         counts.flat_map(|r| &r.nrmse).any(|(_, left)| *left < STANDS_STILL)
     }
 
-    /// Whether there is a clearance in it: a body that strikes a stop answers in a way that no linear response knows.
-    pub(crate) fn strikes(&self) -> bool {
+    /// Whether an effect has a clearance. The linear response does not describe impacts on a stop.
+    pub(crate) fn has_clearance(&self) -> bool {
         self.model.effects.iter().any(|a| a.effect.entry.law.has_clearance())
     }
 
-    /// Whether other starts are worth a try: what is left is more than noise, and not so much that the model is simply wrong.
+    /// Whether other starts are worth a fit: the residual is above the noise, and not so large that the model
+    /// is simply wrong.
     pub(crate) fn may_gain(&self) -> bool {
         phisindy_learn::RESTART_RANGE.contains(&self.score.fit.powi(2))
     }
 
-    /// The constants that moved, with the values that were found; of those with a value for each record that of the first one.
-    pub(crate) fn found(&self, which: impl Fn(&Parameter) -> bool) -> Vec<(String, f64)> {
+    /// Estimates of the movable constants, by name (SI). A constant with one value per record has that of the
+    /// first record.
+    pub(crate) fn estimates(&self, which: impl Fn(&Parameter) -> bool) -> Vec<(String, f64)> {
         let parameters = &self.model.system.parameters;
         let of = |p: &FoundParameter| {
             let parameter = &parameters[p.id.constant().filter(|_| p.id.holds_in(0))?];
@@ -148,12 +152,12 @@ impl Fitted {
 
     /// The model with every movable number starting where this fit ended.
     pub(crate) fn settled(&self) -> TrialModel {
-        let mut model = self.model.starting_at(&self.found(|_| true));
+        let mut model = self.model.starting_at(&self.estimates(|_| true));
         self.starts(&mut model);
         model
     }
 
-    /// Lets a model of the same records start where this fit started its runs.
+    /// Sets the start states of a model of the same records to those of this fit.
     pub(crate) fn starts(&self, model: &mut TrialModel) {
         for (smooth, record) in Arc::make_mut(&mut model.smooth).iter_mut().zip(&self.cal.records) {
             for (column, start) in smooth.columns.iter_mut().zip(&record.start) {
@@ -181,12 +185,12 @@ fn whiteness(cal: &Calibration, records: &[Record], of: impl Fn(&RecordFit) -> b
     worst
 }
 
-/// The records of one role.
+/// Indices of the records of one role.
 fn of(cal: &Calibration, role: Role) -> Vec<usize> {
     (0..cal.records.len()).filter(|&r| cal.records[r].role == role).collect()
 }
 
-/// Sum of (residual / noise)^2 over some of the records, and how many samples that are; infinite where a run fails.
+/// Sum of (residual / noise)^2 over some records, and the number of samples; infinite where a run fails.
 fn power(cal: &Calibration, noise: &[Vec<f64>], of: &[usize]) -> (f64, usize) {
     let (mut sum, mut count) = (0.0, 0);
     for &r in of {
@@ -201,7 +205,7 @@ fn power(cal: &Calibration, noise: &[Vec<f64>], of: &[usize]) -> (f64, usize) {
     (sum, count)
 }
 
-/// rms of residual / noise over the Fit records, and over the Validate records; infinite where a run fails.
+/// rms of residual / noise over the Fit records and over the Validate records; infinite where a run fails.
 fn gaps(cal: &Calibration, noise: &[Vec<f64>]) -> (f64, Option<f64>) {
     let gap = |role: Role| -> Option<f64> {
         let (sum, count) = power(cal, noise, &of(cal, role));
@@ -210,10 +214,10 @@ fn gaps(cal: &Calibration, noise: &[Vec<f64>]) -> (f64, Option<f64>) {
     (gap(Role::Fit).unwrap_or(f64::INFINITY), gap(Role::Validate))
 }
 
-/// The effects of a fitted model, from where its fit ended.
+/// The effects of a fitted model with the estimates as start values.
 pub(crate) fn current(now: &Fitted) -> Vec<Effect> {
     let own = |name: &str| now.model.effects.iter().any(|a| a.names.iter().any(|n| n == name));
-    let beside = now.found(|p| !p.each && !own(&p.name));
+    let beside = now.estimates(|p| !p.each && !own(&p.name));
     let of = |a: &super::Applied| Effect {
         start: values(now, &a.names, &a.effect.start),
         beside: beside.clone(),
@@ -222,17 +226,17 @@ pub(crate) fn current(now: &Fitted) -> Vec<Effect> {
     now.model.effects.iter().map(of).collect()
 }
 
-/// The values that a fit found for an effect's parameters.
+/// The estimates of an effect's parameters; `otherwise` where there is none.
 pub(crate) fn values(fitted: &Fitted, names: &[String], otherwise: &[f64]) -> Vec<f64> {
     names
         .iter()
         .zip(otherwise)
         .map(|(name, other)| {
-            let found =
+            let estimate =
                 fitted.cal.parameters.iter().find(|p| {
                     p.id.constant().is_some_and(|k| fitted.model.system.parameters[k].name == *name)
                 });
-            found.map_or(*other, |p| p.estimate.value)
+            estimate.map_or(*other, |p| p.estimate.value)
         })
         .collect()
 }

@@ -1,11 +1,11 @@
-//! What a search takes from records: their noise, and the beginnings of long ones.
+//! Preparation of records for a search: their noise, and shorter versions of long ones.
 
 use crate::decisions::{CLEAN_COLUMN, SEARCHED_SAMPLES};
 use phisindy_phys::Record;
 use phisindy_phys::spec::Role;
 use phisindy_signal::{noise_level, standard_deviation};
 
-/// The noise of every column by record and state: from the spectrum above the motion, so that no model is needed.
+/// Noise of every column by record and state, from the spectrum above the motion: it needs no model.
 pub(crate) fn noise_of(records: &[Record]) -> Vec<Vec<f64>> {
     let of = |column: &Option<Vec<f64>>| {
         column
@@ -15,7 +15,7 @@ pub(crate) fn noise_of(records: &[Record]) -> Vec<Vec<f64>> {
     records.iter().map(|r| r.columns.iter().map(of).collect()).collect()
 }
 
-/// The beginnings of long records, for the search; `None` if none is long.
+/// Records cut to the length that the search uses; `None` if none is long.
 pub(crate) fn shortened(records: &[Record]) -> Option<Vec<Record>> {
     let fits = records.iter().filter(|r| r.role == Role::Fit).count().max(1);
     let most = SEARCHED_SAMPLES / fits;
@@ -23,7 +23,7 @@ pub(crate) fn shortened(records: &[Record]) -> Option<Vec<Record>> {
     let cut = |r: &Record| {
         let n = r.len().min(most);
         let columns = r.columns.iter().map(|c| c.as_ref().map(|c| c[..n].to_vec())).collect();
-        // Cut off from the run that it continued.
+        // A cut record does not continue another one.
         Record { time: r.time[..n].into(), columns, continues: None, ..r.clone() }
     };
     long.then(|| records.iter().map(cut).collect())

@@ -1,4 +1,4 @@
-//! How good a fitted model is, as numbers: everything that decisions of the search and its end are made on.
+//! The score of a fitted model: all numbers that the search and its end decide on.
 
 use crate::decisions::{EARLY_PRICE, EXPLAINED, FAR_OFF, INDEPENDENT, NOT_WHITE, SENSOR_PRICE};
 
@@ -7,65 +7,71 @@ use crate::decisions::{EARLY_PRICE, EXPLAINED, FAR_OFF, INDEPENDENT, NOT_WHITE, 
 pub(crate) struct Score {
     /// The gap: rms of residual / noise over all columns and samples of the Fit records.
     pub(crate) fit: f64,
-    /// The same of the Validate records, if there are any.
+    /// The same for the Validate records, if there are any.
     pub(crate) validate: Option<f64>,
-    /// The gap on Validate records that remains when the errors of the fitted numbers are allowed for, where that was computed; else
-    /// the same as `validate`.
+    /// The gap on Validate records after allowing for the errors of the fitted parameters, where that was
+    /// computed; otherwise equal to `validate`.
     pub(crate) predictive: Option<f64>,
     /// The largest whiteness score of any column; see [`crate::whiteness`].
     pub(crate) whiteness: f64,
     /// Samples of the Fit records.
     pub(crate) samples: usize,
-    /// How many of them are independent.
+    /// Effective number of independent samples.
     pub(crate) effective: f64,
     /// Number of effects.
     pub(crate) effects: usize,
     /// Parameters of all effects.
     pub(crate) parameters: usize,
-    /// How many of the effects are properties of sensors, ...
+    /// Number of effects that are properties of sensors.
     pub(crate) sensors: usize,
-    /// ... and how many of these are delays below zero.
+    /// Number of these that are negative delays.
     pub(crate) early: usize,
 }
 
 impl Score {
-    /// The gap that counts: on Validate records, the errors of the numbers allowed for, if there are any.
+    /// The gap used for decisions: on Validate records, with the errors of the parameters allowed for, if
+    /// there are any; else on Fit records.
     pub(crate) fn gap(&self) -> f64 {
         self.predictive.unwrap_or(self.fit)
     }
 
-    /// Whether nothing but noise is left.
+    /// Whether the residual is white.
     pub(crate) fn is_white(&self) -> bool {
         self.whiteness < NOT_WHITE
     }
 
-    /// Whether it leaves nothing but noise, on records that were not fitted too.
+    /// Whether the residual is white and the gap is at the noise level, on Validate records too.
     pub(crate) fn explains(&self) -> bool {
         self.is_white() && self.gap() < EXPLAINED
     }
 
-    /// The criterion: twice the negative logarithm of the likelihood plus the price of what was added; smaller is better. `candidates` is
-    /// how many effects there were to choose from, `independent` the part of the samples that counts.
+    /// The criterion, smaller is better: twice the negative log-likelihood plus a price for what was added.
+    /// `candidates` is the number of effects that were available, `independent` the fraction of samples that
+    /// counts.
     ///
-    /// Far from the noise a rich law bends to the Fit records whatever is missing: there the gap on the Validate records counts.
+    /// Far from the noise a rich law adapts to the Fit records whatever is missing, so the gap on the
+    /// Validate records replaces the one on Fit records.
     ///
-    /// Down to the noise the likelihood is that of known noise. Above it the misfit itself is the scatter: what is left of a real rig is
-    /// many times its sensor noise, and a law that takes away a hundredth of that has explained nothing.
+    /// Down to the noise level the likelihood assumes known noise. Above it the misfit itself sets the
+    /// scatter: the residual of a real rig is many times its sensor noise, and a law that removes one per
+    /// cent of it explains nothing.
     pub(crate) fn criterion(&self, candidates: usize, independent: f64) -> f64 {
         let n = self.samples as f64;
-        // Of the free run: segments with starts of their own would flatter a model that cannot be run.
+        // The misfit of the free run: segments with their own start states would flatter a model that cannot
+        // be simulated.
         let ratio = match self.validate {
             Some(validate) if self.fit > FAR_OFF => validate.max(FAR_OFF).powi(2),
             _ => self.fit.powi(2),
         };
         let cost = if ratio > 1.0 { n * (1.0 + ratio.ln()) } else { n * ratio };
         let price = self.parameters as f64 * (n * independent).max(2.0).ln();
-        // A sensor may be late; one that is early is a worse story: of a motion without a clock of its own both are the same.
+        // A late sensor is plausible, an early one is not. In an autonomous motion the two are
+        // indistinguishable.
         let odd = SENSOR_PRICE * self.sensors as f64 + EARLY_PRICE * self.early as f64;
         cost * independent + price + 2.0 * ln_choose(candidates, self.effects) + odd
     }
 
-    /// The part of the samples that counts as independent.
+    /// The fraction of samples that counts as independent.
     pub(crate) fn independent(&self) -> f64 {
         let part = self.effective / self.samples.max(1) as f64;
         if part > INDEPENDENT || self.is_white() { 1.0 } else { part }
@@ -77,7 +83,8 @@ fn ln_choose(n: usize, k: usize) -> f64 {
     (0..k.min(n)).map(|i| ((n - i) as f64 / (i + 1) as f64).ln()).sum()
 }
 
-/// What models are compared by: how many effects there were to choose from, and which part of the samples counts as independent.
+/// The terms of the criterion that all compared models share: the number of available effects and the
+/// fraction of independent samples.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Measure {
     candidates: usize,
@@ -85,7 +92,7 @@ pub(crate) struct Measure {
 }
 
 impl Measure {
-    /// The measure for some models: the residual of the best of them says how many samples count.
+    /// The measure for these models; the residual of the best one sets the fraction of independent samples.
     pub(crate) fn of<'s>(all: impl IntoIterator<Item = &'s Score>, candidates: usize) -> Measure {
         let best = all.into_iter().min_by(|a, b| a.fit.total_cmp(&b.fit));
         Measure { candidates, independent: best.map_or(1.0, Score::independent) }
@@ -101,7 +108,7 @@ impl Measure {
 pub(crate) mod tests {
     use super::*;
 
-    /// A model that leaves these gaps with so many effects of one parameter each; white where that is little.
+    /// A score with these gaps and one parameter for each effect; white where the gap is small.
     pub(crate) fn score(fit: f64, validate: Option<f64>, effects: usize) -> Score {
         Score {
             fit,

@@ -1,4 +1,5 @@
-//! The text of a completed spec: effects, and numbers that moved, are spliced into the user's text once, so that its comments stay.
+//! The text of a completed spec. Effects and changed values are spliced into the user's text, so that its
+//! comments remain.
 
 use super::trial_model::{Applied, TrialModel};
 use crate::place::{Quantity, Site};
@@ -24,7 +25,7 @@ impl fmt::Display for SpecTextError {
 
 impl std::error::Error for SpecTextError {}
 
-/// A text that changes.
+/// The text under construction.
 struct Text(String);
 
 impl Text {
@@ -35,7 +36,7 @@ impl Text {
     }
 }
 
-/// The spec's text with the effects of a model in it, every number where the model starts it.
+/// The spec's text with the effects of a model. Every number has its start value in the model.
 ///
 /// # Errors
 /// The text cannot hold an effect.
@@ -51,7 +52,7 @@ pub(crate) fn text_with(text: &str, model: &TrialModel) -> Result<String, SpecTe
         }
     }
     let spec = &model.given.spec;
-    // Each rate as it grows.
+    // The rates, extended effect by effect.
     let mut rates: Vec<(String, String)> =
         spec.known.iter().map(|(name, rate)| (name.value.clone(), rate.value.clone())).collect();
     let mut contacts: Vec<String> = spec.contacts.iter().map(|c| c.value.clone()).collect();
@@ -116,7 +117,7 @@ fn internal(text: &mut Text, model: &TrialModel, applied: &Applied) -> Result<()
     Ok(())
 }
 
-/// The contact of a friction, if the spec does not list it.
+/// Adds the contact of a friction law, if the spec does not list it.
 fn contact(
     text: &mut Text,
     model: &TrialModel,
@@ -135,7 +136,7 @@ fn contact(
     text.set("contacts", &format!("[{}]", list.join(", ")))
 }
 
-/// What the names of a law are in the text.
+/// What replaces each name of the law in the text.
 fn replacements(applied: &Applied) -> Vec<(String, String)> {
     let law = &applied.effect.entry.law;
     let mut with: Vec<(String, String)> = Vec::new();
@@ -152,7 +153,7 @@ fn replacements(applied: &Applied) -> Vec<(String, String)> {
     with
 }
 
-/// The force that is subtracted, its load included.
+/// The subtracted force as text, its load included.
 fn force_text(applied: &Applied) -> Option<String> {
     let effect = &applied.effect;
     let force = rename(&effect.entry.law.subtracted(effect.mirror)?, &replacements(applied)).ok()?;

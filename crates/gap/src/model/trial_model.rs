@@ -8,18 +8,18 @@ use phisindy_phys::{
 };
 use std::sync::Arc;
 
-/// An effect in a model.
+/// An effect that was added to a model.
 #[derive(Clone, Debug)]
 pub struct Applied {
-    /// The law, its place, and where its search starts.
+    /// Law, place and start values.
     pub effect: Effect,
-    /// The constant of each parameter of the law.
+    /// Name of the constant for each parameter of the law.
     pub names: Vec<String>,
-    /// The same as indices into [`System::parameters`].
+    /// Their indices into [`System::parameters`].
     pub parameters: Vec<usize>,
-    /// States that belong to the law.
+    /// Names of the internal states of the law.
     pub internal: Vec<String>,
-    /// The force that it subtracts, a node of the system's graph; `None` for what acts on sensors.
+    /// The subtracted force, a node of the system's graph; `None` for an effect on sensors.
     pub force: Option<phisindy_expr::Id>,
 }
 
@@ -28,11 +28,11 @@ pub struct Applied {
 pub(crate) struct Given {
     /// The spec as it was read.
     pub(crate) spec: Spec,
-    /// How its records were made.
+    /// The plan of each record.
     pub(crate) plans: Vec<RecordPlan>,
     /// Where laws can act.
     pub(crate) places: Vec<Place>,
-    /// Constants of the records that are forces.
+    /// Names of the record constants that are forces.
     forces: Vec<String>,
     /// Whether a constant that is added may have a unit.
     takes_units: bool,
@@ -45,7 +45,7 @@ pub struct TrialModel {
     pub system: System,
     /// The records, for this system.
     pub records: Arc<Vec<Record>>,
-    /// Their smoothed states, to start from.
+    /// Smoothed states of the records, the start of every fit.
     pub smooth: Arc<Vec<Record>>,
     /// The effects that were added, in their order.
     pub effects: Vec<Applied>,
@@ -77,9 +77,9 @@ impl TrialModel {
         }
     }
 
-    /// The model of a changed spec (its states are the same) for the same records; no effects are in it.
+    /// The model of a changed spec with the same states and records, without effects.
     ///
-    /// `None` if the changed spec is none.
+    /// `None` if the changed spec is invalid.
     pub(crate) fn variant(&self, spec: Spec) -> Option<TrialModel> {
         let base = self.without_effects();
         let (case, _) = check_names(&spec, SourceId(0)).ok()?;
@@ -92,7 +92,7 @@ impl TrialModel {
         Some(TrialModel::of(spec, case, records, smooth))
     }
 
-    /// The same model for other records (fewer samples of them).
+    /// The same model on other records, e.g. shortened ones.
     pub(crate) fn for_records(&self, records: Vec<Record>) -> TrialModel {
         let smooth = records.iter().map(|r| phisindy_learn::smoothed(&self.system, r)).collect();
         TrialModel { records: Arc::new(records), smooth: Arc::new(smooth), ..self.clone() }
@@ -103,7 +103,7 @@ impl TrialModel {
     /// # Errors
     /// The law uses a name that the model does not have.
     pub fn with(&self, effect: &Effect) -> Result<TrialModel, EffectError> {
-        // The effect may come from a variant of this model: its nodes are others.
+        // The effect may come from a variant of this model, whose nodes differ.
         let here = self.places().iter().find(|p| p.is(&effect.place)).unwrap_or(&effect.place);
         let effect = &Effect { place: here.clone(), ..effect.clone() };
         let mut out = self.starting_at(&effect.beside);
@@ -123,12 +123,12 @@ impl TrialModel {
         let mut applied =
             Applied { effect: effect.clone(), names, parameters, internal: vec![], force: None };
         match &effect.place.site {
-            Site::Sensor(states) => out.read_by(&applied, states)?,
+            Site::Sensor(states) => out.set_sensor_parameter(&applied, states)?,
             Site::Force { acts, velocity, .. } => {
                 for (name, inner) in &law.internal {
                     let name = free(name, at, &mut taken);
                     let unit = effect.unit(&inner.unit, &out.system);
-                    out.remember(&name, &unit);
+                    out.add_internal_state(&name, &unit);
                     applied.internal.push(name);
                 }
                 let system = &mut out.system;
@@ -163,8 +163,8 @@ impl TrialModel {
         Ok(out)
     }
 
-    /// A state that belongs to a law, from rest.
-    fn remember(&mut self, name: &str, unit: &str) {
+    /// Adds an internal state of a law, which starts at zero in every record.
+    fn add_internal_state(&mut self, name: &str, unit: &str) {
         let n = self.system.add_state(name, unit);
         for record in Arc::make_mut(&mut self.records) {
             record.columns.push(None);
@@ -178,8 +178,8 @@ impl TrialModel {
         }
     }
 
-    /// The effect's parameter in the sensors of these states.
-    fn read_by(&mut self, applied: &Applied, states: &[usize]) -> Result<(), EffectError> {
+    /// Makes the effect's parameter the offset, gain or delay of the sensors of these states.
+    fn set_sensor_parameter(&mut self, applied: &Applied, states: &[usize]) -> Result<(), EffectError> {
         let entry = &applied.effect.entry;
         let which = entry.law.sensor.as_deref().ok_or_else(|| EffectError::NoSensor(entry.id.clone()))?;
         let k = applied.parameters[0];
@@ -214,7 +214,7 @@ impl TrialModel {
         self.base.as_ref().map_or_else(|| self.clone(), |base| (**base).clone())
     }
 
-    /// This model with movable constants that start at these values (SI), or at the bound that is next to them.
+    /// This model with movable constants that start at these values (SI), clamped to their bounds.
     pub(crate) fn starting_at(&self, values: &[(String, f64)]) -> TrialModel {
         let mut out = self.clone();
         for (name, value) in values {
@@ -239,13 +239,13 @@ impl TrialModel {
         out
     }
 
-    /// How well it predicts over every `stride`-th of many short segments after a few steps of a fit: chi^2 per sample; `None` if it cannot
-    /// be simulated.
+    /// Cost over every `stride`-th of many short segments after a few steps of a fit: chi^2 per sample.
+    /// `None` if the model cannot be simulated.
     pub(crate) fn segment_cost(&self, noise: &[Vec<f64>], stride: usize) -> Option<f64> {
         phisindy_learn::segment_cost(&self.system, &self.records, &self.smooth, noise, stride)
     }
 
-    /// The same in single runs.
+    /// The same cost over one free run per record.
     pub(crate) fn free_run_cost(&self, noise: &[Vec<f64>]) -> Option<f64> {
         phisindy_learn::single_run_cost(&self.system, &self.records, &self.smooth, noise)
     }
@@ -255,7 +255,8 @@ impl TrialModel {
         &self.given.places
     }
 
-    /// Constants of the records that are forces of different size and act nowhere yet: what friction may be in proportion to.
+    /// Record constants that can load friction: positive forces that differ between records and are not used
+    /// by the known rates.
     pub(crate) fn loads(&self) -> Vec<String> {
         let system = &self.system;
         (0..system.record_constants.len())
@@ -271,7 +272,7 @@ impl TrialModel {
             .collect()
     }
 
-    /// Names that are in use.
+    /// Names already in use.
     fn taken(&self) -> Vec<String> {
         let spec = &self.given.spec;
         let of_records = spec.data.iter().flat_map(record_constants).map(|(name, _)| name.value.clone());
@@ -305,7 +306,7 @@ fn is_force_of_records(spec: &Spec, name: &str) -> bool {
     })
 }
 
-/// A name that is not taken: as wished, with the place behind it, or with a number.
+/// A free name: the wish, else with the place appended, else with a number.
 fn free(wish: &str, at: &str, taken: &mut Vec<String>) -> String {
     let plain: String = at.chars().filter(|c| c.is_alphanumeric()).collect();
     let usable = |name: &str, taken: &[String]| {
@@ -328,7 +329,8 @@ mod tests {
     use crate::model::text_with;
     use phisindy_phys::{LawEntry, check, spec};
 
-    /// Where only states and inputs have units, and these do not fit without a mass, a constant with a unit would turn a warning into a mistake.
+    /// Where only states and inputs have units, and the equation needs a mass to be consistent, a unit on the
+    /// new constant would turn a warning into an error.
     #[test]
     fn a_spec_without_units_gets_none() {
         let written = |k: &str| {
@@ -350,7 +352,8 @@ mod tests {
         assert!(written("(7.5, \"N/m\")").contains("m/s^2"));
     }
 
-    /// What is added to the graph is what the text of the completed spec says: every built-in law at every place, rates compared at random states.
+    /// The graph and the text of the completed spec describe the same model: every built-in law at every
+    /// place, rates compared at random states.
     #[test]
     fn the_graph_and_the_completed_text_are_one_model() {
         let text = r#"(states: { "x1": "mm", "x2": "mm", "v1": "m/s", "v2": "m/s" }, inputs: { "u": "mm", "du": "m/s" },
@@ -390,7 +393,7 @@ mod tests {
         assert!(compared > 60, "{compared}");
     }
 
-    /// Rates of two systems at some states, names, starts and bounds.
+    /// Compares rates at some states, names, starts and bounds of two systems.
     fn same(a: &System, b: &System, text: &str) {
         use phisindy_expr::{Scratch, Tape};
         let names = |s: &System| -> Vec<String> {

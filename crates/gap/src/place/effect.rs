@@ -10,17 +10,18 @@ use std::fmt;
 /// A law at a place.
 #[derive(Clone, Debug)]
 pub struct Effect {
-    /// Which law.
+    /// The law.
     pub entry: LawEntry,
-    /// Where.
+    /// The place.
     pub place: Place,
     /// Whether it is the law's mirror image.
     pub mirror: bool,
-    /// A constant of the records, a force, that its levels scale with.
+    /// A constant of the records, a force, that scales the force levels of the law.
     pub load: Option<String>,
-    /// For each parameter of the law where its search starts (SI).
+    /// Start value of each parameter of the law (SI).
     pub start: Vec<f64>,
-    /// Where movable constants of the model start beside it (SI), by name: a damper that stood in for friction gives way to it.
+    /// Start values (SI) of the model's movable constants, by name. Example: a damper that compensated for
+    /// missing friction gets weaker.
     pub beside: Vec<(String, f64)>,
 }
 
@@ -54,7 +55,7 @@ impl fmt::Display for EffectError {
 
 impl std::error::Error for EffectError {}
 
-/// Nodes of a model that the symbols of a law stand for, the law's own aside.
+/// The nodes of a model that replace the symbols of a law, except the law's own parameters and states.
 pub(crate) fn bindings(effect: &Effect, system: &mut System) -> Result<HashMap<Id, Id>, EffectError> {
     let law = &effect.entry.law;
     let of = law.nodes();
@@ -81,7 +82,7 @@ impl Effect {
             && self.load == other.load
     }
 
-    /// What each parameter is called in results.
+    /// Name of each parameter in results.
     pub fn labels(&self) -> Vec<String> {
         let law = &self.entry.law;
         let forces = law.parameters.iter().filter(|(_, p)| self.scales(&p.unit)).count();
@@ -91,7 +92,7 @@ impl Effect {
                 if !self.scales(&p.unit) {
                     return name.clone();
                 }
-                // mu for the level, mus, mu0, ... for more of them.
+                // `mu` for a single force level; `mus`, `mu0`, ... if there are several.
                 match name.strip_prefix('F') {
                     Some(_) if forces == 1 => "mu".into(),
                     Some(rest) => format!("mu{rest}"),
@@ -101,13 +102,13 @@ impl Effect {
             .collect()
     }
 
-    /// Whether a parameter of this unit is one that a load scales.
+    /// Whether the load scales a parameter of this unit.
     fn scales(&self, unit: &str) -> bool {
         self.load.is_some() && is_force(unit)
     }
 
-    /// The force that the effect subtracts, its load included, and the rates of its states, as nodes of a system that has its parameters and
-    /// states already.
+    /// The force that the effect subtracts, its load included, and the rates of its internal states, as nodes
+    /// of the system. The system must hold the effect's parameters and states already.
     ///
     /// # Errors
     /// The law has no force, or uses a name that the system does not have.
@@ -139,7 +140,8 @@ impl Effect {
         Ok((force, nodes[1..].to_vec()))
     }
 
-    /// A unit of the law in the units of the place: a law speaks of newtons and metres, the model perhaps of volts, radians, or forces per mass.
+    /// Converts a unit of the law to the units of the place. A law is written in newtons and metres; the
+    /// model may use volts, radians, or forces per mass.
     pub fn unit(&self, unit: &str, system: &System) -> String {
         let Ok(parsed) = Unit::parse(unit) else { return String::new() };
         let Site::Force { state, .. } = &self.place.site else {
@@ -148,7 +150,7 @@ impl Effect {
             return if unit == "m" { system.states[states[0]].unit.clone() } else { unit.to_owned() };
         };
         let [kg, m, s, ..] = parsed.dimension.powers();
-        // Newtons, metres, seconds.
+        // Powers of newton, metre and second.
         let (force, length, time) = (kg, m - kg, s + 2.0 * kg);
         let force = if self.scales(unit) { force - 1.0 } else { force };
         let v = &system.states[*state];
@@ -171,15 +173,15 @@ impl Effect {
     }
 }
 
-/// Whether a unit holds a force: its power of the kilogram is one.
+/// Whether a unit contains a force: its power of the kilogram is one.
 pub(crate) fn is_force(unit: &str) -> bool {
     Unit::parse(unit).is_ok_and(|u| u.dimension.powers()[0] == 1.0)
 }
 
-/// A unit from powers: `N*s/m`.
+/// Text of a unit from powers of its parts, e.g. `N*s/m`.
 fn product(parts: &[(&str, f64)]) -> String {
     let mut parts: Vec<(&str, f64)> = parts.iter().copied().filter(|(u, _)| !u.is_empty()).collect();
-    // A metre may come twice.
+    // A unit may occur twice; its powers are added.
     for k in (1..parts.len()).rev() {
         if let Some(j) = (0..k).find(|&j| parts[j].0 == parts[k].0) {
             parts[j].1 += parts[k].1;
@@ -204,13 +206,13 @@ fn product(parts: &[(&str, f64)]) -> String {
 pub(crate) fn fits(law: &Law, place: &Place) -> bool {
     match &place.site {
         Site::Sensor(states) => match law.sensor.as_deref() {
-            // An offset common to all columns, of different units, is nothing.
+            // Columns of different units have no common offset.
             Some("offset") => states.len() == 1,
             Some(_) => true,
             None => false,
         },
         Site::Force { displacement, .. } => {
-            // A push that depends on nothing at the place is the same against the wall as against the base.
+            // A force that uses no quantity of the place is the same on the body as between body and base.
             let told_apart = !(law.roles.is_empty() && place.is_on_base());
             let has_role = law.role(LawRole::Displacement).is_none() || displacement.is_some();
             law.sensor.is_none() && told_apart && has_role

@@ -1,14 +1,14 @@
-//! Why there is nothing to say.
+//! Errors of the workflow.
 
 use crate::model::SpecTextError;
 use crate::place::EffectError;
 
-/// Why there is nothing to say.
+/// Why the workflow has no result.
 #[derive(Clone, Debug, PartialEq)]
 pub enum GapError {
-    /// The records do not suit.
+    /// The records are unsuitable.
     Data(DataError),
-    /// The model as it is cannot be simulated, or the fit of the final one fails.
+    /// The initial model cannot be simulated, or the fit of the final one fails.
     Numerics(ModelError),
 }
 
@@ -19,7 +19,7 @@ impl GapError {
     }
 }
 
-/// Why records do not suit.
+/// Why records are unsuitable.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DataError {
     /// No record has the role Fit.
@@ -35,7 +35,7 @@ pub enum DataError {
     },
     /// A column from which nothing can be learned.
     DeadColumn(phisindy_learn::DataError),
-    /// All columns are noise above all.
+    /// All columns are mostly noise.
     MostlyNoise {
         /// Name of the record.
         record: String,
@@ -46,7 +46,7 @@ pub enum DataError {
     Spec(String),
 }
 
-/// Why a model cannot be had.
+/// Why a model cannot be built or fitted.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ModelError {
     /// It cannot be fitted.
@@ -55,7 +55,7 @@ pub enum ModelError {
     Effect(EffectError),
     /// The text of the spec cannot hold it.
     Text(SpecTextError),
-    /// The spec, changed, is none.
+    /// The changed spec is invalid.
     Spec,
 }
 

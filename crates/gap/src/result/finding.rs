@@ -1,4 +1,4 @@
-//! What is told beside the effects: why the search ended, what evidence speaks against, other causes, warnings.
+//! Findings beside the effects: why the search ended, vetoes, other causes, warnings.
 
 use super::PlacedLaw;
 
@@ -7,22 +7,22 @@ use super::PlacedLaw;
 pub enum StopReason {
     /// Nothing but noise is left.
     White,
-    /// What is left is what the motion itself repeats to.
+    /// The residual is at the repeatability of the motion.
     Repeatability,
-    /// As many effects as a model may have.
+    /// The model has the largest number of effects allowed.
     EffectLimit,
-    /// Nothing in the catalogue can act, or is worth its price.
+    /// No law of the catalogue can act, or is worth its price.
     NothingHelps,
-    /// What was added left most of a large gap.
+    /// The added effects left most of a large gap.
     WeakSteps,
-    /// The user, or a limit, stopped it.
+    /// The user or a limit stopped it.
     Interrupted,
 }
 
 /// What the workflow is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Activity {
-    /// Calibrating the model as it is.
+    /// Calibrating the initial model.
     Calibrating,
     /// Screening every law at every place.
     Screening,
@@ -32,49 +32,49 @@ pub enum Activity {
     FittingPairs,
     /// Computing error bars.
     ErrorBars,
-    /// Trying constants that the spec holds.
+    /// Trying fixed constants of the spec.
     Constants,
     /// Looking for other causes.
     OtherCauses,
 }
 
-/// What evidence outside of the fit says against a law.
+/// The evidence that rules out a law.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Veto {
-    /// With this dashpot the damping of the body is negative in total.
+    /// With this dashpot the total damping of the body is negative.
     FeedsMotion,
-    /// The condition of the law's file is not fulfilled: because, as the file says.
+    /// The condition of the law's file is not met, for the reason given there.
     Requirement(String),
-    /// A parameter runs to the end of what the law allows.
+    /// A parameter runs to the bound of the law.
     ParameterAtEnd {
         /// As the law calls it.
         name: String,
-        /// Where it ends.
+        /// The bound.
         bound: f64,
         /// Its unit.
         unit: String,
     },
     /// An elastic contact that never slips.
     NeverSlips,
-    /// Friction that would push in places.
+    /// Friction that would add energy to the motion in places.
     Pushes,
-    /// No record lasts half a period of this force (s).
+    /// No record lasts half a period of this force; its period (s).
     SlowTone(f64),
-    /// Its frequency is one of the drive's (rad/s).
+    /// Its frequency is a frequency of the drive (rad/s).
     DriveFrequency(f64),
-    /// In the stops the mass moves less than the law asks for.
+    /// During stops the mass moves less than the law predicts.
     DoesNotGiveWay {
-        /// How many stops.
+        /// Number of stops.
         stops: usize,
-        /// Motion over what the law asks for.
+        /// Measured motion over predicted motion.
         slope: f64,
     },
 }
 
-/// A law that evidence speaks against.
+/// A law that evidence rules out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vetoed {
-    /// Which and where.
+    /// Law and place.
     pub law: PlacedLaw,
     /// Why.
     pub why: Veto,
@@ -85,7 +85,7 @@ pub struct Vetoed {
 pub struct NamedValue {
     /// Name of the constant.
     pub name: String,
-    /// In `unit`.
+    /// Value in `unit`.
     pub value: f64,
     /// Unit; empty for none.
     pub unit: String,
@@ -94,7 +94,7 @@ pub struct NamedValue {
 /// Something else that would explain the data.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Alternative {
-    /// A constant that the spec holds.
+    /// A fixed constant of the spec.
     Constant(AlternativeConstant),
     /// A drive at another frequency.
     Drive(DriveFrequency),
@@ -102,53 +102,53 @@ pub enum Alternative {
     InputNoise(InputNoise),
 }
 
-/// A constant that the spec holds and that would do in place of effects.
+/// A fixed constant of the spec that explains the data in place of effects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AlternativeConstant {
-    /// With the value that explains the data.
+    /// The constant with the value that explains the data.
     pub constant: NamedValue,
-    /// What the spec says, in the same unit.
+    /// Value in the spec, in the same unit.
     pub stated: f64,
     /// Effects beside it that were not found without it.
     pub other: Vec<PlacedLaw>,
-    /// Effects that are needless then.
+    /// Effects that are needless with it.
     pub needless: Vec<PlacedLaw>,
-    /// The numbers of the effects then.
+    /// Parameters of the effects with it.
     pub numbers: Vec<NamedValue>,
-    /// Its criterion less that of what was found.
+    /// Its criterion minus that of the steps.
     pub delta_bic: f64,
 }
 
-/// A drive whose frequency is not what the spec says.
+/// A drive whose frequency differs from the spec.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DriveFrequency {
     /// Its frequency over that of the spec.
     pub ratio: f64,
     /// Effects beside it.
     pub beside: Vec<PlacedLaw>,
-    /// Gap of the model as it is, and with this frequency.
+    /// Gap of the initial model, and with this frequency.
     pub gap: (f64, f64),
-    /// The numbers of the effects.
+    /// Parameters of the effects.
     pub numbers: Vec<NamedValue>,
-    /// Whether that explains the data; else something is missing beside it.
+    /// Whether that explains the data; otherwise something else is missing too.
     pub explains: bool,
 }
 
-/// Noise of measured inputs that moves the model and not the rig.
+/// Noise of measured inputs that moves the model but not the rig.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InputNoise {
     /// Names of the inputs.
     pub inputs: Vec<String>,
-    /// The gap that so much noise alone leaves.
+    /// The gap that this noise alone leaves.
     pub alone: f64,
     /// The gap that is left.
     pub left: f64,
 }
 
-/// A cause that is no force, seen in what is left of a column.
+/// A cause other than a force, seen in the residual of a column.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cause {
-    /// The residual is a straight line in time above all.
+    /// The residual is mostly a straight line in time.
     Drift {
         /// The column.
         of: Named,
@@ -157,7 +157,7 @@ pub enum Cause {
         /// From end to end (SI).
         swing: f64,
     },
-    /// The residual is one tone above all.
+    /// The residual is mostly one tone.
     Tone {
         /// The column.
         of: Named,
@@ -187,14 +187,14 @@ pub enum DataMistake {
         /// Its size over the model's.
         factor: f64,
     },
-    /// The model moves far more, or far less, than the column.
+    /// The model moves far more or far less than the column.
     Proportion {
         /// The column.
         of: Named,
         /// The model's size over the column's.
         factor: f64,
     },
-    /// Two columns fit each other's model.
+    /// Each of two columns fits the model of the other.
     Swapped {
         /// One of them.
         of: Named,
@@ -203,7 +203,7 @@ pub enum DataMistake {
     },
 }
 
-/// What a careful reader should know.
+/// A warning about the data, the fit or the effects.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Warning {
     /// `unknown` holds candidates (true) or laws (false), which `gap` leaves out.
@@ -211,21 +211,21 @@ pub enum Warning {
         /// Whether they are candidates.
         candidates: bool,
     },
-    /// So many corrections of one spring describe any curve.
+    /// Several corrections of one spring can describe any curve.
     Curve {
         /// How many.
         count: usize,
         /// At which place.
         at: String,
     },
-    /// So many effects may cover up one that no law describes.
+    /// This number of effects may hide one that no law describes.
     ManyEffects {
         /// How many.
         count: usize,
         /// Whether a little more than noise is left.
         some_left: bool,
     },
-    /// An effect that was not added, for it does not help on data not used.
+    /// An effect that was not added because it does not help on data not used.
     Refused {
         /// The effect.
         law: PlacedLaw,
@@ -236,16 +236,16 @@ pub enum Warning {
         /// Whether the model follows the motion with it.
         follows: bool,
     },
-    /// A law that fits, but evidence speaks against it.
+    /// A law that fits but that evidence rules out.
     Vetoed(Vetoed),
-    /// Something else would explain the data.
+    /// Another explanation of the data.
     Alternative(Alternative),
-    /// The drive is off its frequency, beside what else is missing.
+    /// The drive has another frequency, and something else is missing too.
     Drive(DriveFrequency),
-    /// A cause that is no force.
+    /// A cause other than a force.
     Cause(Cause),
     /// A mistake in a file.
     Data(DataMistake),
-    /// What the fit of the final model has to say.
+    /// A warning of the fit of the final model.
     Fit(phisindy_learn::Warning),
 }

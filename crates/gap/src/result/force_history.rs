@@ -1,4 +1,4 @@
-//! The force of an effect along the motion of the final model: what a picture of it shows.
+//! The force of an effect along the motion of the final model, for a plot.
 
 use super::{Gap, Step};
 use crate::decisions::PICTURE_SAMPLES;
@@ -7,28 +7,29 @@ use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{LawRole, Record};
 
-/// The force of an effect against a displacement, a velocity or the time, as the picture of its law is drawn.
+/// The force of an effect against displacement, velocity or time, as the sketch of its law is drawn.
 #[derive(Clone, Debug)]
 pub struct ForceHistory {
-    /// What it is told against, in the language of the specs.
+    /// The abscissa, in the language of the specs.
     pub over: String,
-    /// The unit of that.
+    /// Unit of the abscissa.
     pub over_unit: String,
     /// The unit of the force.
     pub unit: String,
-    /// Whether it is a push, which adds to the motion, or a force that is subtracted.
+    /// Whether the force is added to the motion (a push) rather than subtracted.
     pub push: bool,
-    /// Whether it is a force; a rate where the spec states no inertia.
+    /// Whether it is a force; otherwise a rate, because the spec states no inertia.
     pub force: bool,
-    /// Whether it depends on nothing else, so that its points lie on one line in each record.
+    /// Whether it depends on the abscissa alone, so that the points of each record lie on one curve.
     pub function: bool,
-    /// For each record that the model could run along: its name, and places with forces, in rising order of the places where it is a
-    /// function, else in the order of time. Of friction the samples in which it sticks are left out: there it is what the other forces ask for.
+    /// Name and points (abscissa, force) of each record with a run. Points are sorted by the abscissa where
+    /// `function` is true, otherwise by time. Samples in which friction sticks are left out, because its
+    /// force there is set by the other forces.
     pub records: Vec<(String, Vec<(f64, f64)>)>,
 }
 
-/// The force of a step in the final model of `found`, along its runs; `records` are those that were searched. `None` for what acts on a
-/// sensor, or where no record could be run.
+/// The force of a step in the final model of `found` along its runs. `records` are those that were searched.
+/// `None` for an effect on sensors, or where no record has a run.
 pub fn force_history(found: &Gap, step: &Step, records: &[Record]) -> Option<ForceHistory> {
     let effect = &step.effect;
     let Site::Force { displacement, velocity, state, .. } = &effect.place.site else { return None };
@@ -44,7 +45,7 @@ pub fn force_history(found: &Gap, step: &Step, records: &[Record]) -> Option<For
     let graph = &system.graph;
     let sign = if law.push.is_some() { -1.0 } else { 1.0 };
     let (force, speed) = (step.force?, velocity.node);
-    // The force alone: a load of the records is part of the expression already.
+    // The unit of the force without its load, which the expression contains already.
     let bare = Effect { load: None, ..effect.clone() };
     let unit = bare.unit("N", system);
     let over_unit = if letter == 't' { "s".to_owned() } else { bare.unit(over_unit, system) };
@@ -70,8 +71,8 @@ pub fn force_history(found: &Gap, step: &Step, records: &[Record]) -> Option<For
                 .chain(inputs)
                 .chain(numbers.iter().copied()));
             let [place, force, speed] = [0, 1, 2].map(|k| scratch.output(k)[0]);
-            let held = law.sticks() && speed == 0.0;
-            if !held && place.is_finite() && force.is_finite() {
+            let sticking = law.sticks() && speed == 0.0;
+            if !sticking && place.is_finite() && force.is_finite() {
                 points.push((length * place, size * force));
             }
         }
@@ -95,7 +96,7 @@ pub fn force_history(found: &Gap, step: &Step, records: &[Record]) -> Option<For
     })
 }
 
-/// The numbers of the final model in a record: its parameters, then the constants of the record.
+/// The parameters of the final model in a record, then the constants of the record.
 fn numbers(found: &Gap, record: &Record, r: usize) -> Vec<f64> {
     let mut values: Vec<f64> = found.simulated.system.parameters.iter().map(|p| p.start).collect();
     let owner = record.continues.unwrap_or(r);

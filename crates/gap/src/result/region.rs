@@ -1,11 +1,12 @@
-//! Where in the motion a model misses: which stretch of time, regime, displacement, velocity, phase or input holds more of the residual than its share of the samples.
+//! The part of the motion that has more of the residual than its share of the samples: a stretch of time, a
+//! regime, or a range of a displacement, velocity or input.
 
 use crate::decisions::SURPLUS;
 use phisindy_learn::Calibration;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Record, System};
 
-/// How much of the gap a column holds, and where.
+/// The share of a column in the gap, and where it lies.
 #[derive(Clone, Debug)]
 pub struct Region {
     /// Name of the column.
@@ -36,26 +37,26 @@ pub enum Location {
     SizeBelow { name: String, value: f64, unit: String },
 }
 
-/// One cut through the samples.
+/// A subset of the samples.
 struct Cut {
     location: Location,
-    /// Part of the residual's power less the part of the samples.
+    /// Fraction of the residual's power minus fraction of the samples.
     surplus: f64,
     power: f64,
 }
 
-/// A quantity in which the residuals may gather.
+/// A quantity that may separate large from small residuals.
 struct Axis {
     name: String,
     /// As in the spec, empty for time and regime.
     unit: String,
     /// Factor from `unit` to SI.
     factor: f64,
-    /// In SI, one for each sample.
+    /// Values in SI, one per sample.
     values: Vec<f64>,
 }
 
-/// The map of the residuals of the Fit records, column by column, largest first.
+/// The location of the residuals of the Fit records, column by column, largest share first.
 pub(crate) fn regions(
     system: &System,
     records: &[Record],
@@ -135,7 +136,8 @@ pub(crate) fn regions(
     out
 }
 
-/// The upper and lower parts of a quantity, its middle and its ends; stick and switch for the regime.
+/// The upper and lower quarters of a quantity and of its size; stick, switch and slip for the regime; fifths
+/// and halves of the time.
 fn cuts(axis: &Axis, power: &[f64]) -> Vec<Cut> {
     let Axis { name, values, .. } = axis;
     let total: f64 = power.iter().sum();

@@ -1,15 +1,16 @@
-//! What the end of a search means: nothing missing, explained, unexplained; and which of its effects help. Decisions are made on scores.
+//! The verdict on a finished search: nothing missing, explained or unexplained, and which effects help. It
+//! depends on scores only.
 
 use super::{PlacedLaw, Status, Warning};
 use crate::decisions::{BENT, CLEAN_FIT, ELEPHANT, HELPS};
 use crate::model::{Fitted, Score};
 
-/// How a search that ended with this score ends, and what a reader should know of it. `repeats`: what is left is what the motion itself
-/// repeats to; `bent`: the place of a spring that several effects bend.
+/// Status of a search that ended with this score, and its warning. `repeats`: the residual is at the
+/// repeatability of the motion. `bent`: the place of a spring that several effects describe.
 pub(crate) fn status(last: &Score, repeats: bool, bent: Option<String>) -> (Status, Option<Warning>) {
     let count = last.effects;
     let white = last.explains();
-    // Below the estimated noise, which of clean columns is too large, there is nothing to find.
+    // Below the estimated noise, which is an overestimate for clean columns, there is nothing to find.
     let below = last.fit <= 1.0 && last.gap() <= 1.0;
     let some_left = count + 1 == ELEPHANT && last.fit > CLEAN_FIT && !repeats;
     let covered = count >= ELEPHANT || some_left || bent.is_some();
@@ -26,9 +27,9 @@ pub(crate) fn status(last: &Score, repeats: bool, bent: Option<String>) -> (Stat
     (status, warning)
 }
 
-/// How many of the effects help on data not used: those up to where the gap there is about as small as it gets. `path` are the models with
-/// no effect, with the first, with two, and so on, each with whether it follows the motion: a model that hardly moves misses less than one
-/// that moves otherwise than the rig, and explains nothing.
+/// Number of effects that help on data not used: the first for which the gap there is nearly the smallest.
+/// `path` has the models with no effect, one, two and so on, each with whether it follows the motion. A model
+/// that hardly moves may have a smaller gap than one with a wrong motion, and explains nothing.
 pub(crate) fn helpful(path: &[(&Score, bool)]) -> usize {
     let moves = |k: &usize| *k == 0 || path[*k].1;
     let last = path.len() - 1;
@@ -40,7 +41,7 @@ pub(crate) fn helpful(path: &[(&Score, bool)]) -> usize {
     (0..=last).filter(moves).find(|k| HELPS * gap(*k) <= least).unwrap_or(0)
 }
 
-/// Where so many effects are forces of one displacement alone that they are one spring.
+/// The place of at least `BENT` effects that are springs, and so describe one curve.
 pub(crate) fn bent(last: &Fitted) -> Option<String> {
     let springs = last.model.effects.iter().map(|a| &a.effect).filter(|e| e.entry.law.is_spring());
     let at: Vec<&String> = springs.map(|effect| &effect.place.at).collect();
@@ -49,8 +50,8 @@ pub(crate) fn bent(last: &Fitted) -> Option<String> {
         .map(|place| (*place).clone())
 }
 
-/// What is told of an effect that is not added, though it may bring the gap on Fit records down: what it does to the gaps beside those that
-/// are.
+/// The warning on an effect that is not added although it may lower the gap on Fit records: the gaps with and
+/// without it, beside the effects that are kept.
 pub(crate) fn refused(whole: &Fitted, k: usize, kept: &Fitted, with: &Fitted) -> Option<Warning> {
     let validate = kept.score.validate.zip(with.score.validate)?;
     Some(Warning::Refused {
@@ -125,7 +126,7 @@ mod tests {
         assert_eq!(helps(&[(9.0, true), (12.0, true)]), 0);
         // A model that stands still does not count.
         assert_eq!(helps(&[(9.0, true), (3.0, false)]), 0);
-        // Without data that were not used the last model that follows counts.
+        // Without Validate records the last model that follows the motion counts.
         let (a, b) = (score(9.0, None, 0), score(8.9, None, 1));
         assert_eq!((helpful(&[(&a, true), (&b, true)]), helpful(&[(&a, true), (&b, false)])), (1, 0));
     }

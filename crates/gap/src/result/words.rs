@@ -1,4 +1,4 @@
-//! Everything that this crate says, in one place: data to sentences.
+//! All sentences of this crate: data to text.
 
 use super::{
     Activity, Alternative, AlternativeConstant, Cause, DataError, DataMistake, DriveFrequency, GapError,
@@ -26,7 +26,8 @@ impl Rival {
 }
 
 impl Display for Rival {
-    /// `stribeck at v`, `coulomb + viscous at v`, `coulomb at v1 + viscous at v2`: a place that all share is said once.
+    /// Examples: `stribeck at v`, `coulomb + viscous at v`, `coulomb at v1 + viscous at v2`. A place that all
+    /// laws share is written once.
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self.laws.first() {
             Some(first) if self.laws.iter().all(|l| l.at == first.at) => {
@@ -277,7 +278,7 @@ impl Display for super::Region {
     }
 }
 
-/// Three digits are enough for a place.
+/// Rounds a location to three digits.
 fn rounded(x: f64) -> String {
     let scientific = format!("{x:.2e}");
     match x.abs() {

@@ -1,4 +1,5 @@
-//! What is free already and therefore projected out of every regression: start states, movable constants, sensor parameters.
+//! The columns of all free quantities, projected out of every regression: start states, movable constants,
+//! sensor parameters.
 
 use super::regression_data::{Base, RegressionData};
 use crate::evaluate::evaluated;
@@ -9,15 +10,15 @@ use rayon::prelude::*;
 /// A movable constant of the model, whose column is projected out.
 pub(super) struct Movable {
     pub(super) name: String,
-    /// Where the model has it (SI).
+    /// Its current value (SI).
     pub(super) now: f64,
     /// Its row in [`super::Screening::follow`].
     pub(super) row: usize,
 }
 
-/// The target of the regression and the columns that are projected out, over the rows of all records.
+/// The target of the regression and the columns to project out, over the rows of all records.
 pub(super) struct FreeColumns {
-    /// The target, then the columns.
+    /// The target, followed by the columns.
     pub(super) all: Vec<Vec<f64>>,
     pub(super) movable: Vec<Movable>,
     total: usize,
@@ -39,14 +40,14 @@ impl FreeColumns {
         columns
     }
 
-    /// A column that is zero but for the rows of one record, which begin after so many others.
+    /// Adds a column that is zero outside the rows of one record, which start at index `before`.
     fn push(&mut self, before: usize, rows: &[f64]) {
         let mut column = vec![0.0; self.total];
         column[before..before + rows.len()].copy_from_slice(rows);
         self.all.push(column);
     }
 
-    /// Start states, record by record.
+    /// Adds one column per start state and record.
     fn start_states(&mut self, n: usize, data: &[RegressionData]) {
         let mut before = 0;
         for data in data {
@@ -60,7 +61,7 @@ impl FreeColumns {
         }
     }
 
-    /// Movable constants: shared ones over all records, others record by record.
+    /// Adds movable constants: one column for a shared constant, one per record for the others.
     fn parameters(&mut self, base: &Base, model: &TrialModel, of: &[usize], data: &[RegressionData]) {
         let responses: Vec<Vec<Vec<f64>>> = data.par_iter().map(|data| responses(base, data)).collect();
         for (p, parameter) in model.system.parameters.iter().enumerate() {
@@ -93,7 +94,7 @@ impl FreeColumns {
         }
     }
 
-    /// Free parameters of sensors, record by record.
+    /// Adds the free sensor parameters of each record.
     fn sensors(&mut self, n: usize, model: &TrialModel, of: &[usize], data: &[RegressionData]) {
         let mut before = 0;
         for (r, data) in data.iter().enumerate() {
@@ -122,7 +123,7 @@ fn responses(base: &Base, data: &RegressionData) -> Vec<Vec<f64>> {
                 let column = &values[n + n * n + row * base.parameters + p];
                 (0..samples).for_each(|i| g[i * n + row] = column[i]);
             }
-            data.quiet(&mut g);
+            data.zero_at_rest(&mut g);
             data.read(&data.linear.response(&g, &vec![0.0; n]), false)
         })
         .collect()

@@ -1,10 +1,10 @@
-//! A Gram matrix of all columns at once: what is free to move is projected out, and regressions are small.
+//! One Gram matrix of all columns. Free columns are projected out once, so each regression is small.
 
 use crate::decisions::DEGENERATE;
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 
-/// Gain and coefficients of some columns of a projected Gram matrix whose target is column 0.
+/// Gain and coefficients of a regression of column 0 on the columns `at` of a projected Gram matrix.
 pub(super) fn solve(gram: &Mat<f64>, at: &[usize]) -> Option<(f64, Vec<f64>)> {
     let scale: Vec<f64> = at.iter().map(|&k| gram[(k, k)].sqrt()).collect();
     if scale.iter().any(|s| *s <= 0.0 || !s.is_finite()) {
@@ -25,9 +25,9 @@ pub(super) fn solve(gram: &Mat<f64>, at: &[usize]) -> Option<(f64, Vec<f64>)> {
 /// A Gram matrix with some columns projected out of the others.
 pub(super) struct Projected {
     pub(super) gram: Mat<f64>,
-    /// Which columns still hold something.
+    /// Which columns are not degenerate after the projection.
     pub(super) kept: Vec<bool>,
-    /// Coefficients of the columns that are out in a regression of each of the others on them.
+    /// Regression coefficients of each remaining column on the projected columns.
     pub(super) follow: Mat<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! The numbers that a law does not depend on linearly, tried on grids that suit the motion.
+//! Grids of values for parameters that a law does not depend on linearly, scaled to the motion.
 
 use super::regression_data::RegressionData;
 use super::regressors::{Regressors, Scale};
@@ -9,27 +9,28 @@ use crate::whiteness::{lines, mean_step};
 use phisindy_expr::Tape;
 use phisindy_phys::System;
 
-/// The largest values of a motion are left out of its range: a quantile of the sizes.
+/// Quantile of a quantity that counts as its maximum, to leave out outliers.
 const TOP: f64 = 0.99;
-/// Parts of the highest speed that are tried.
+/// Fractions of the highest speed that are tried.
 const SPEEDS: [f64; 9] = [0.01, 0.02, 0.04, 0.07, 0.12, 0.2, 0.3, 0.45, 0.7];
-/// Parts of the largest displacement that are tried for the deflection of a contact.
+/// Fractions of the largest displacement that are tried for the deflection of a contact.
 const DEFLECTIONS: [f64; 9] = [0.001, 0.003, 0.01, 0.02, 0.04, 0.08, 0.15, 0.3, 0.6];
-/// Parts of the largest displacement that are tried for a gap.
+/// Fractions of the largest displacement that are tried for a clearance.
 const GAPS: [f64; 13] = [0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95];
-/// Frequencies beside a line, in resolutions of the record.
+/// Offsets from a spectral line that are tried, in units of the record's frequency resolution.
 const BESIDE: [f64; 5] = [-0.5, -0.25, 0.0, 0.25, 0.5];
 
-/// The values of a motion that the numbers of a grid are compared with, each sorted.
+/// The values of a motion that scale the grid, each sorted.
 struct Ranges {
     speeds: Vec<f64>,
     displacements: Vec<f64>,
     sizes: Vec<f64>,
-    /// Angular frequencies of what is missing.
+    /// Angular frequencies at which the model lacks something (rad/s).
     frequencies: Vec<f64>,
 }
 
-/// The numbers of the grid that suit the motion. The last two outputs of `tape` are velocity and displacement of the place.
+/// All combinations of grid values for a law. The last two outputs of `tape` are velocity and displacement of
+/// the place.
 pub(super) fn grids(
     regressors: &Regressors,
     effect: &Effect,
@@ -67,22 +68,24 @@ pub(super) fn grids(
     all
 }
 
-/// Frequencies at which a rate lacks something; `factor` is what the law multiplies its oscillation with.
+/// Frequencies at which the residual of a rate is strong (rad/s). `factor` multiplies the law's oscillation.
 fn missing_tones(data: &RegressionData, state: usize, n: usize, factor: &[f64]) -> Vec<f64> {
     let step = mean_step(&data.motion.time);
     let missing: Vec<f64> = (0..data.motion.samples())
         .map(|i| (data.slope(i, state, n) - data.rates[i * n + state]) * factor[i])
         .collect();
     let fine = data.resolution();
-    // In a motion of one period every periodic lack can be written as forces at its multiples: they would explain anything.
+    // In a periodic motion any missing effect equals a sum of forces at multiples of its frequency, so these
+    // are excluded.
     let own = 2.0 * std::f64::consts::PI / data.motion.period;
     let force = factor.iter().all(|v| *v == factor[0]);
     let ambiguous = |w: f64| {
-        // At a frequency of the drive a force stands for anything that is missing; what multiplies the motion does not.
+        // At a frequency of the drive a force compensates for anything that is missing; a factor of the
+        // motion does not.
         force && data.drive.iter().any(|line| (w - line).abs() < fine)
             || data.motion.periodic && (w / own - (w / own).round()).abs() * own < 2.0 * fine
     };
-    // Strong as a force, or far above the noise of a second derivative.
+    // Lines that are strong, or far above the noise of a second derivative.
     let missing = smoothed(&missing, data.motion.period / step);
     let strong = lines(&missing, step, 6, 0);
     let clear = lines(&missing, step, 4, 4);
@@ -92,7 +95,8 @@ fn missing_tones(data: &RegressionData, state: usize, n: usize, factor: &[f64]) 
 }
 
 impl Ranges {
-    /// The values that are tried for a number of the grid; `negative`: it may be negative, `memory`: it belongs to a law with a state.
+    /// The grid values of one parameter. `negative`: it may be negative; `memory`: its law has an internal
+    /// state.
     fn axis(&self, scale: Scale, negative: bool, memory: bool) -> Vec<f64> {
         let of = |parts: &[f64], top: f64| parts.iter().map(|q| q * top).collect();
         match scale {
@@ -119,7 +123,7 @@ fn sorted(mut values: Vec<f64>) -> Vec<f64> {
     values
 }
 
-/// A moving mean over a twentieth of a period: what is left of a second derivative above the motion is noise.
+/// A moving mean over a twentieth of a period. A second derivative above that frequency is noise.
 fn smoothed(values: &[f64], period: f64) -> Vec<f64> {
     let half = ((period / 40.0) as usize).clamp(1, values.len() / 4 + 1);
     let mut sums = vec![0.0; values.len() + 1];

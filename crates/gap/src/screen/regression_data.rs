@@ -1,4 +1,5 @@
-//! A record as a regression sees it: the measured motion, the linear system that responds to it, and what may move already.
+//! A record prepared for the regression: the measured motion, the linear system and its response, rest at
+//! each place.
 
 use super::response::{Linear, shift};
 use crate::decisions::{FORGETS_PER_PERIOD, RESTS, SHORT_REST};
@@ -12,37 +13,38 @@ use phisindy_expr::{Id, Tape};
 use phisindy_learn::Calibration;
 use phisindy_phys::System;
 
-/// One record, ready.
+/// One record, prepared for the regression.
 pub(super) struct RegressionData {
     pub(super) motion: Motion,
-    /// Responses of the linear system.
+    /// The linear system that gives responses.
     pub(super) linear: Linear,
-    /// Rate less A x, samples x n: what drives the linear system.
+    /// Rates minus A x, samples x n: the input of the linear system.
     pub(super) bracket: Vec<f64>,
     /// Measured columns: state, value, weight.
     pub(super) rows: Vec<(usize, Vec<f64>, f64)>,
-    /// Rate of every state at every sample, contacts at rest taken into account.
+    /// Rate of every state at every sample. At rest, friction of the model balances the other forces.
     pub(super) rates: Vec<f64>,
     stride: usize,
-    /// The response of the model as it is, samples x n.
+    /// The response to the known rates, samples x n.
     pub(super) known: Vec<f64>,
-    /// For each place of a force, where it rests.
-    pub(super) still: Vec<Still>,
-    /// The strongest lines of what the fitted model leaves of each column: noise of a few per cent hides them from the smoothed motion.
+    /// Rest at each place of a force.
+    pub(super) still: Vec<PlaceAtRest>,
+    /// The strongest spectral lines of the fitted model's residuals. In the smoothed motion noise of a few
+    /// per cent hides them.
     pub(super) left: Vec<f64>,
-    /// Frequencies of the drive, without the effects that the model has been given.
+    /// Frequencies of the drive of the base model (rad/s).
     pub(super) drive: Vec<f64>,
 }
 
-/// Where the velocity of a place rests.
-pub(super) struct Still {
+/// The samples at which the velocity of a place is at rest.
+pub(super) struct PlaceAtRest {
     pub(super) at: String,
     pub(super) rests: Vec<bool>,
-    /// The state that is held there by friction which the model has already.
-    pub(super) held: Option<usize>,
+    /// The state that friction of the model holds there.
+    pub(super) stuck_state: Option<usize>,
 }
 
-/// The known rates, their Jacobian and their slopes by the parameters, on a tape.
+/// A tape of the known rates, their Jacobian and their derivatives by the parameters.
 pub(super) struct Base {
     pub(super) tape: Tape,
     pub(super) n: usize,
@@ -89,14 +91,14 @@ impl Base {
         let span = motion.time[samples - 1] - motion.time[0];
         let mut rates: Vec<f64> = vec![0.0; samples * n];
         (0..samples * n).for_each(|i| rates[i] = values[i % n][i / n]);
-        // What rests: bodies for which friction is or may be missing.
-        let mut still: Vec<Still> = Vec::new();
+        // Rest of all places: friction is, or may be missing, there.
+        let mut still: Vec<PlaceAtRest> = Vec::new();
         for place in model.places() {
             let Site::Force { acts, velocity, .. } = &place.site else { continue };
             let speed = speed(system, &motion, place)?;
             let least = ((SHORT_REST * motion.period / (span / samples as f64)) as usize).clamp(5, samples);
             let rests = resting(&speed, rest_threshold(&speed), least);
-            // Friction that is in the model already holds with what force it needs.
+            // Friction of the model balances the other forces during rest.
             let own = system.contacts.iter().any(|c| c.node == velocity.node && system.rubs(c));
             if own {
                 let inertia = |k: usize, i: usize| values[n + n * n + n * self.parameters + k][i];
@@ -112,12 +114,13 @@ impl Base {
                     }
                 }
             }
-            let held = system.state(&place.at).filter(|_| own);
-            still.push(Still { at: place.at.clone(), rests, held });
+            let stuck_state = system.state(&place.at).filter(|_| own);
+            still.push(PlaceAtRest { at: place.at.clone(), rests, stuck_state });
         }
-        // A body at rest forgets; so must its linear stand-in, or errors made before a stop are carried past it.
-        let forgets = still.iter().any(|s| s.rests.iter().filter(|r| **r).count() * RESTS > samples);
-        let decay = shift(&a, n, span).max(if forgets { FORGETS_PER_PERIOD / motion.period } else { 0.0 });
+        // A body at rest loses the memory of its motion. The linear system must decay as well, or it carries
+        // errors from before a stop past it.
+        let has_stops = still.iter().any(|s| s.rests.iter().filter(|r| **r).count() * RESTS > samples);
+        let decay = shift(&a, n, span).max(if has_stops { FORGETS_PER_PERIOD / motion.period } else { 0.0 });
         (0..n).for_each(|k| a[k * n + k] -= decay);
         let bracket: Vec<f64> = (0..samples)
             .flat_map(|i| {
@@ -144,13 +147,13 @@ impl Base {
 }
 
 impl RegressionData {
-    /// The distance of two frequencies that the record tells apart.
+    /// The frequency resolution of the record (rad/s).
     pub(super) fn resolution(&self) -> f64 {
         let (time, samples) = (&self.motion.time, self.motion.samples());
         2.0 * std::f64::consts::PI * (samples - 1) as f64 / (samples as f64 * (time[samples - 1] - time[0]))
     }
 
-    /// Rows of this record.
+    /// Number of rows of this record.
     pub(super) fn height(&self) -> usize {
         self.rows.len() * self.motion.samples().div_ceil(self.stride)
     }
@@ -164,7 +167,8 @@ impl RegressionData {
         out
     }
 
-    /// A response of all states (samples x n) as the sensors read it; the offset belongs to the whole, not to a part.
+    /// A response of all states (samples x n) as the sensors read it. With `whole` the sensor offsets are
+    /// included, which do not apply to the response of a single column.
     pub(super) fn read(&self, states: &[f64], whole: bool) -> Vec<f64> {
         let n = states.len() / self.motion.samples();
         let mut out = Vec::with_capacity(self.height());
@@ -180,7 +184,7 @@ impl RegressionData {
         out
     }
 
-    /// What a small change of a sensor parameter of some states adds: 0 offset, 1 gain, 2 delay.
+    /// The derivative of the readings by a sensor parameter of some states: 0 offset, 1 gain, 2 delay.
     pub(super) fn sensor(&self, states: &[usize], which: usize) -> Vec<f64> {
         let n = self.rates.len() / self.motion.samples();
         let mut out = Vec::with_capacity(self.height());
@@ -190,7 +194,8 @@ impl RegressionData {
             out.extend((0..self.motion.samples()).step_by(self.stride).map(|i| {
                 let change = match which {
                     0 => 1.0,
-                    // Of what the model says, not of what is measured: that would explain everything.
+                    // Proportional to the model's response; a column of the measured values themselves would
+                    // explain everything.
                     1 => self.known[i * n + k],
                     _ => -gain * self.slope(i, *k, n),
                 };
@@ -200,17 +205,18 @@ impl RegressionData {
         out
     }
 
-    /// The slope of a state: of a displacement its smoothed velocity would do; by differences it serves every state.
+    /// Time derivative of a state by central differences, which serve every state; a smoothed velocity exists
+    /// for displacements only.
     pub(super) fn slope(&self, i: usize, k: usize, n: usize) -> f64 {
         let t = &self.motion.time;
         let (a, b) = (i.saturating_sub(1), (i + 1).min(t.len() - 1));
         (self.motion.states[b * n + k] - self.motion.states[a * n + k]) / (t[b] - t[a])
     }
 
-    /// Takes away what a force would do to a body that rests in a contact of the model.
-    pub(super) fn quiet(&self, g: &mut [f64]) {
+    /// Zeroes a force on bodies that rest in a contact of the model.
+    pub(super) fn zero_at_rest(&self, g: &mut [f64]) {
         let n = g.len() / self.motion.samples();
-        for (k, rests) in self.still.iter().filter_map(|s| Some((s.held?, &s.rests))) {
+        for (k, rests) in self.still.iter().filter_map(|s| Some((s.stuck_state?, &s.rests))) {
             rests.iter().enumerate().filter(|(_, r)| **r).for_each(|(i, _)| g[i * n + k] = 0.0);
         }
     }

@@ -1,11 +1,12 @@
-//! How a law at a place is screened: regressors whose coefficients are free, numbers tried on a grid, and the way back to the parameters.
+//! The regressors of a law at a place: columns with free coefficients, grid parameters, and the map from both
+//! to the law's parameters.
 
 use crate::place::{Effect, Site, bindings};
 use phisindy_expr::{Graph, Id, Scratch, Tape};
 use phisindy_phys::unit::{Dimension, Unit};
 use phisindy_phys::{Law, LawGraph, LawScreen, System};
 
-/// What a number of the grid is compared with.
+/// The quantity that scales a grid parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Scale {
     /// A displacement.
@@ -14,14 +15,14 @@ pub(super) enum Scale {
     Speed,
     /// An angular frequency.
     Frequency,
-    /// Nothing known: powers of ten.
+    /// No scale: powers of ten are nonlinear.
     Any,
 }
 
 /// A law at a place, ready to be evaluated on data.
 pub(super) struct Regressors {
     pub(super) graph: Graph,
-    /// Symbols of the grid's numbers, in the order of `grid`.
+    /// Symbols of the grid parameters, in the order of `grid`.
     pub(super) symbols: Vec<Id>,
     /// The force that each regressor subtracts.
     pub(super) columns: Vec<Id>,
@@ -30,22 +31,22 @@ pub(super) struct Regressors {
     /// Displacement and velocity of the place.
     pub(super) displacement: Option<Id>,
     pub(super) velocity: Id,
-    /// What is tried: each number's scale, and whether it may be negative.
+    /// The grid parameters: scale, and whether they may be negative.
     pub(super) grid: Vec<(Scale, bool)>,
     back: Back,
 }
 
-/// From coefficients and grid to parameters.
+/// The map from coefficients and grid values to parameters.
 enum Back {
-    /// Each parameter is a coefficient (by index) or a number of the grid.
+    /// Each parameter is a coefficient (`Ok`, its index) or a grid value (`Err`).
     Direct(Vec<Result<usize, usize>>),
-    /// Expressions of c1, c2, ... and the grid.
+    /// Expressions of c1, c2, ... and the grid values.
     Formulas(Tape),
 }
 
 impl Regressors {
-    /// The regressors of an effect in a system. `None` for what acts on sensors, for a law with a state that does not say how it is screened,
-    /// and for one that uses names which the system does not have.
+    /// The regressors of an effect in a system. `None` for an effect on sensors, for a law with an internal
+    /// state and no `screen` entry in its file, and for a law that uses names which the system does not have.
     pub(super) fn new(effect: &Effect, system: &System) -> Option<Regressors> {
         let Site::Force { displacement, velocity, .. } = &effect.place.site else { return None };
         let law = &effect.entry.law;
@@ -53,7 +54,7 @@ impl Regressors {
         let mut system = system.clone();
         let mut with = bindings(effect, &mut system).ok()?;
         let hidden = |symbol: &Id, system: &mut System, k: usize| {
-            // A space keeps the name out of reach of any spec.
+            // The space in the name avoids collisions with names of a spec.
             let name = system.names.intern(&format!("regressor {k}"));
             (*symbol, system.graph.symbol(name))
         };
@@ -101,23 +102,24 @@ impl Regressors {
         Some(out)
     }
 
-    /// Of a law that does not say how it is screened: the slopes by the parameters in which its force is linear; the others are tried on a grid.
+    /// For a law without a `screen` entry: the derivatives by the parameters in which its force is linear are
+    /// columns, the other parameters are on the grid.
     fn direct_from(&mut self, law: &Law, force: Id, parameters: &[Id]) {
         let linear = law.linear_parameters();
         let slopes = self.graph.gradient(force, parameters);
-        let tried: Vec<usize> = (0..parameters.len()).filter(|k| !linear.contains(k)).collect();
+        let nonlinear: Vec<usize> = (0..parameters.len()).filter(|k| !linear.contains(k)).collect();
         let of = |k: usize| match linear.iter().position(|&l| l == k) {
             Some(column) => Ok(column),
-            None => Err(tried.iter().position(|&l| l == k).unwrap_or(0)),
+            None => Err(nonlinear.iter().position(|&l| l == k).unwrap_or(0)),
         };
-        self.symbols = tried.iter().map(|&k| parameters[k]).collect();
+        self.symbols = nonlinear.iter().map(|&k| parameters[k]).collect();
         self.columns = linear.iter().map(|&k| slopes[k]).collect();
         let number = |&k: &usize| (scale(&law.parameters[k].1.unit), law.parameters[k].1.within.0 < 0.0);
-        self.grid = tried.iter().map(number).collect();
+        self.grid = nonlinear.iter().map(number).collect();
         self.back = Back::Direct((0..parameters.len()).map(of).collect());
     }
 
-    /// The law's parameters from coefficients and grid; `None` where that is nothing finite.
+    /// The law's parameters from coefficients and grid values; `None` if one is not finite.
     pub(super) fn parameters(&self, coefficients: &[f64], grid: &[f64]) -> Option<Vec<f64>> {
         let all: Vec<f64> = match &self.back {
             Back::Direct(of) => of
@@ -136,7 +138,7 @@ impl Regressors {
         all.iter().all(|v| v.is_finite()).then_some(all)
     }
 
-    /// Coefficients and grid that give these parameters, where each parameter is one of them.
+    /// Coefficients and grid values that give these parameters, where each parameter is one of them.
     pub(super) fn direct(&self, parameters: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
         let Back::Direct(of) = &self.back else { return None };
         let (mut coefficients, mut grid) = (vec![0.0; self.columns.len()], vec![0.0; self.grid.len()]);

@@ -1,12 +1,14 @@
 //! The linear response to the measured motion.
 //!
-//! Measured motion x obeys `x' = f(x, t) + sum theta phi(x, v, t)`. With any matrix A this is `x' = A x + [f(x, t) - A x] + sum theta phi`, linear in what is not known, so
-//! the column that is measured is the response of the linear system `A` to known forces, plus theta times its responses to each `phi`: a linear regression without local minima, exact
-//! however large the gap. With A the mean Jacobian of f the bracket is nearly free of the noise in x.
+//! The measured motion obeys `x' = f(x, t) + sum theta phi(x, v, t)`. For any matrix A this equals `x' = A x
+//! + [f(x, t) - A x] + sum theta phi`, which is linear in theta. The measured column is therefore the
+//! response of the linear system `A` to known forces, plus theta times its response to each `phi`. This is a
+//! linear regression without local minima, exact however large the gap is. With the mean Jacobian of f as A,
+//! the bracket is nearly free of the noise in x.
 
 use faer::Mat;
 
-/// One step of `x' = A x + g(t)`, g a straight line between samples.
+/// One step of `x' = A x + g(t)` with g linear between samples.
 #[derive(Clone, Debug)]
 struct Step {
     h: f64,
@@ -21,12 +23,12 @@ struct Step {
 pub(crate) struct Linear {
     n: usize,
     steps: Vec<Step>,
-    /// Which step leads to each sample but the first.
+    /// Index of the step that leads to each sample but the first.
     which: Vec<usize>,
 }
 
 impl Linear {
-    /// The system `x' = A x + g` (A row-major) on a grid of times; grids with few different steps are fast.
+    /// The system `x' = A x + g` (A row-major) on a time grid. Steps of equal length share their matrices.
     pub(crate) fn new(a: &[f64], n: usize, time: &[f64]) -> Linear {
         let mut steps: Vec<Step> = Vec::new();
         let mut which = Vec::with_capacity(time.len().saturating_sub(1));
@@ -41,7 +43,8 @@ impl Linear {
         Linear { n, steps, which }
     }
 
-    /// The response of every state (samples x n, row-major) to a force `g` (samples x n, row-major) from rest.
+    /// The response of every state (samples x n, row-major) to a force `g` (samples x n, row-major) from the
+    /// state `start`.
     pub(crate) fn response(&self, g: &[f64], start: &[f64]) -> Vec<f64> {
         let n = self.n;
         let samples = self.which.len() + 1;
@@ -64,7 +67,8 @@ impl Linear {
     }
 }
 
-/// The step's matrices by the exponential of an augmented matrix (Van Loan, IEEE Trans. Automatic Control 23 (1978) 395-404).
+/// The matrices of a step by the exponential of an augmented matrix (Van Loan, IEEE Trans. Automatic Control
+/// 23 (1978) 395-404).
 fn step(a: &[f64], n: usize, h: f64) -> Step {
     let size = 3 * n;
     let big = Mat::from_fn(size, size, |i, j| match (i / n, j / n) {
@@ -98,13 +102,13 @@ fn exponential(m: &Mat<f64>) -> Mat<f64> {
     sum
 }
 
-/// By how much the eigenvalues of `A` must be shifted to the left so that no response grows by more than e over `span`: an unstable model cannot be run
-/// freely, but any A will do here.
+/// Shift of the eigenvalues of `A` to the left so that no response grows by more than e over `span`. An
+/// unstable model cannot be simulated freely, but the regression holds for any A.
 pub(crate) fn shift(a: &[f64], n: usize, span: f64) -> f64 {
     let m = Mat::from_fn(n, n, |i, j| a[i * n + j]);
     let Ok(values) = m.eigenvalues() else { return 0.0 };
     let fastest = values.iter().map(|z| z.re).fold(f64::NEG_INFINITY, f64::max);
-    // What grows slowly may; what grows fast is turned into a decay as fast.
+    // Slow growth is allowed; fast growth becomes a decay of the same rate.
     if fastest * span <= 1.0 { 0.0 } else { 2.0 * fastest }
 }
 

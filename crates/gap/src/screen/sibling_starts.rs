@@ -1,4 +1,4 @@
-//! Starts of a law from the force that a fitted sibling has.
+//! Start values of a law from the fitted force of a sibling.
 
 use super::gram::solve;
 use super::seeded;
@@ -15,8 +15,9 @@ use phisindy_learn::Calibration;
 use phisindy_phys::LawEntry;
 use phisindy_phys::spec::Role;
 
-/// Starts of a law from the force that a fitted sibling at the same place has: its columns regressed on that force along the motion, one for each of its inner
-/// parameters that does nearly as well as the best. None where that gives nothing within the law's bounds.
+/// Start values of a law from the fitted force of a sibling at the same place. Regresses that force on the
+/// law's columns along the motion, for each value of the grid parameter, and keeps the starts that explain
+/// nearly as much as the best. Empty where all are outside the law's bounds.
 pub(crate) fn sibling_starts(
     model: &TrialModel,
     fitted: &Calibration,
@@ -29,7 +30,7 @@ pub(crate) fn sibling_starts(
     let start = entry.law.parameters.iter().map(|_| 0.0).collect();
     let wanted = Effect { entry: entry.clone(), start, mirror: false, ..sibling.clone() };
     let (own, other) = (Regressors::new(sibling, system)?, Regressors::new(&wanted, system)?);
-    // What a contact holds at rest it holds just before it slips.
+    // The friction of a contact at rest equals its value just before it slips.
     let speeds: Vec<f64> = speed(system, &motion, &sibling.place)?;
     let top = speeds.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let (slow, n) = (SLOW * top, system.states.len());
@@ -49,20 +50,20 @@ pub(crate) fn sibling_starts(
     let samples = motion.samples();
     let force: Vec<f64> =
         (0..samples).map(|i| columns.iter().zip(&coefficients).map(|(c, k)| c[i] * k).sum()).collect();
-    let tried: Vec<Vec<f64>> = match other.grid.len() {
+    let grids: Vec<Vec<f64>> = match other.grid.len() {
         0 => vec![vec![]],
         1 => [0.01, 0.03, 0.1, 0.3].iter().map(|q| vec![q * top]).collect(),
         _ => return None,
     };
     let mut all: Vec<(f64, Effect)> = Vec::new();
-    for grid in tried {
+    for grid in grids {
         let columns = columns_of(&other, &grid)?;
         let n = columns.len() + 1;
         let value = |k: usize, i: usize| if k == 0 { force[i] } else { columns[k - 1][i] };
         let gram = Mat::from_fn(n, n, |a, b| (0..samples).map(|i| value(a, i) * value(b, i)).sum::<f64>());
         let at: Vec<usize> = (1..n).collect();
-        let Some((gain, found)) = solve(&gram, &at) else { continue };
-        all.extend(seeded(&wanted, Some(&other), &found, &grid).map(|effect| (gain, effect)));
+        let Some((gain, solution)) = solve(&gram, &at) else { continue };
+        all.extend(seeded(&wanted, Some(&other), &solution, &grid).map(|effect| (gain, effect)));
     }
     let best = all.iter().map(|(gain, _)| *gain).fold(0.0, f64::max);
     Some(all.into_iter().filter(|(gain, _)| *gain > NEARLY_BEST * best).map(|(_, e)| e).collect())

@@ -1,4 +1,4 @@
-//! The columns of a law at a place: what it would do to the measured motion, for each of the numbers that it does not depend on linearly.
+//! The columns of a law at a place: its response to the measured motion, for each combination of grid values.
 
 use super::regression_data::RegressionData;
 use crate::evaluate::evaluated;
@@ -10,7 +10,7 @@ use crate::place::{Effect, Place, Site};
 use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::System;
 
-/// What one evaluation of an effect gives: the columns of a trial, by record.
+/// The columns of an effect for one combination of grid values.
 pub(super) struct Trial {
     pub(super) regressors: usize,
     pub(super) effect: Effect,
@@ -52,11 +52,12 @@ pub(super) fn force_trials(
     grids.into_iter().map(trial).collect()
 }
 
-/// What a law does to the rates of its bodies, compiled.
+/// The rates that a law adds to its bodies, compiled.
 struct Program {
-    /// The rate that each regressor adds to each body, then what a unit of friction does to each body, then velocity and displacement.
+    /// The rate that each regressor adds to each body, the rate for unit friction, then velocity and
+    /// displacement.
     tape: Tape,
-    /// Rate of the internal state and its slope.
+    /// Rate of the internal state and its derivative by that state.
     inner: Option<Tape>,
     /// Number of regressors.
     count: usize,
@@ -85,7 +86,8 @@ impl Program {
         Some(Program { tape, inner, count: regressors.columns.len() })
     }
 
-    /// The columns for one choice of the grid's numbers: the response to each regressor, and what holds the body at rest.
+    /// The columns for one combination of grid values: the response to each regressor, and to the holding
+    /// force at rest.
     fn columns(
         &self,
         effect: &Effect,
@@ -101,7 +103,7 @@ impl Program {
         let mut rested = false;
         for data in data {
             let samples = data.motion.samples();
-            let memory = self.inner.as_ref().map(|tape| remembered(tape, &data.motion, grid));
+            let memory = self.inner.as_ref().map(|tape| internal_state(tape, &data.motion, grid));
             let series: Vec<&[f64]> = memory.iter().map(Vec::as_slice).collect();
             let values = evaluated(&self.tape, &data.motion, grid, &series);
             let still = data.still.iter().find(|s| s.at == effect.place.at);
@@ -114,14 +116,14 @@ impl Program {
                         .filter(|&i| !rests(i))
                         .for_each(|i| g[i * n + state] = if force[i].is_finite() { force[i] } else { 0.0 });
                 }
-                data.quiet(&mut g);
+                data.zero_at_rest(&mut g);
                 column.extend(data.read(&data.linear.response(&g, &vec![0.0; n]), false));
             }
             if sticks {
                 let at_rest: Vec<usize> = (0..samples).filter(|&i| rests(i)).collect();
                 rested |= !at_rest.is_empty();
                 let unit = &values[self.count * width..];
-                let g = held_by(&at_rest, unit, acts, system, &effect.place, data);
+                let g = holding_rates(&at_rest, unit, acts, system, &effect.place, data);
                 holding.extend(data.read(&data.linear.response(&g, &vec![0.0; n]), false));
             }
         }
@@ -132,9 +134,9 @@ impl Program {
     }
 }
 
-/// The rates that hold a body at these samples: at rest the missing friction is what the other forces need to be held. `unit` is what a unit
-/// of friction does to each body.
-fn held_by(
+/// The rates that hold a body at these samples: at rest, friction balances the other forces. `unit` is the
+/// rate that unit friction gives each body.
+fn holding_rates(
     at_rest: &[usize],
     unit: &[Vec<f64>],
     acts: &[(usize, f64)],
@@ -159,15 +161,15 @@ fn held_by(
     g
 }
 
-/// The acceleration of an input against which a body rests.
+/// The acceleration of the input against which a body rests.
 fn base_slope(system: &System, place: &Place, data: &RegressionData, i: usize) -> f64 {
     let Some((_, second)) = place.at.split_once('-') else { return 0.0 };
     let m = data.motion.inputs.len() / data.motion.samples();
     system.input(second).map_or(0.0, |u| data.motion.slopes[i * m + u])
 }
 
-/// An internal state along a motion, by exponential steps: exact where its rate is linear in it.
-fn remembered(tape: &Tape, motion: &Motion, grid: &[f64]) -> Vec<f64> {
+/// An internal state along a motion by exponential Euler steps, exact where its rate is linear in it.
+fn internal_state(tape: &Tape, motion: &Motion, grid: &[f64]) -> Vec<f64> {
     let samples = motion.samples();
     let (n, m) = (motion.states.len() / samples, motion.inputs.len() / samples);
     let mut scratch = Scratch::<1>::new(tape);
@@ -179,7 +181,7 @@ fn remembered(tape: &Tape, motion: &Motion, grid: &[f64]) -> Vec<f64> {
     let mut z = vec![0.0; samples];
     for i in 0..samples - 1 {
         scratch.input(0)[0] = motion.time[i];
-        // In the middle of the step.
+        // At the midpoint of the step.
         let middle = |v: &[f64], w: usize, k: usize| 0.5 * (v[i * w + k] + v[(i + 1) * w + k]);
         (0..n).for_each(|k| scratch.input(1 + k)[0] = middle(&motion.states, n, k));
         (0..m).for_each(|k| scratch.input(1 + n + k)[0] = middle(&motion.inputs, m, k));

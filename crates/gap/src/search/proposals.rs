@@ -1,4 +1,4 @@
-//! What a round tries: the model with one or two effects more, from starts that a fit can use.
+//! The trials of a round: models with one or two more effects, from starts that a fit can use.
 
 use super::task::Search;
 use crate::decisions::{FITTED_IN_FULL, LEADERS, NEUTRAL, SEEDED_STRIDE};
@@ -9,25 +9,26 @@ use phisindy_phys::LawEntry;
 use rayon::prelude::*;
 
 impl Search<'_> {
-    /// The best laws for a model that comes to rest, each tried by a few steps of the fit itself: a linear response knows nothing of stops.
-    pub(crate) fn approached(&self, model: &TrialModel, found: &Screening) -> Vec<Vec<Effect>> {
-        let mut all: Vec<(f64, Effect)> = found
+    /// The best laws for a model that comes to rest, ranked by the cost of free runs after a few fit steps:
+    /// the linear response does not describe stops.
+    pub(crate) fn ranked_by_free_run(&self, model: &TrialModel, screening: &Screening) -> Vec<Vec<Effect>> {
+        let mut all: Vec<(f64, Effect)> = screening
             .candidates
             .par_iter()
             .filter_map(|c| {
                 let starts = [&c.effect].into_iter().chain(&c.others).map(neutral);
-                let looked = starts.filter_map(|e| {
+                let costed = starts.filter_map(|e| {
                     let d = model.with(&e).ok()?;
                     Some((d.free_run_cost(self.noise)?, e))
                 });
-                looked.min_by(|a, b| a.0.total_cmp(&b.0))
+                costed.min_by(|a, b| a.0.total_cmp(&b.0))
             })
             .collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         all.into_iter().take(FITTED_IN_FULL).map(|(_, e)| vec![e]).collect()
     }
 
-    /// Every law of the family of the leading friction, started from what the leader found.
+    /// Every law of the family of the leading friction law, started from the leader's fitted force.
     pub(crate) fn siblings(&self, model: &TrialModel, singles: &[Fitted]) -> Vec<TrialModel> {
         let Some(leader) = singles.first() else { return vec![] };
         let Some(last) = leader.model.effects.last() else { return vec![] };
@@ -35,22 +36,23 @@ impl Search<'_> {
         if effect.entry.law.has_memory() || leader.model.effects.len() != model.effects.len() + 1 {
             return vec![];
         }
-        let found = Effect {
+        let sibling = Effect {
             start: values(leader, &last.names, &effect.start),
-            beside: leader.found(|p| !p.each),
+            beside: leader.estimates(|p| !p.each),
             ..effect.clone()
         };
         family(self.catalogue, &effect.entry)
             .filter(|e| e.id != effect.entry.id)
-            .filter_map(|e| sibling_starts(&leader.model, &leader.cal, &found, e))
+            .filter_map(|e| sibling_starts(&leader.model, &leader.cal, &sibling, e))
             .flatten()
             .filter_map(|e| model.with(&e).ok())
             .collect()
     }
 
-    /// The family of the leading friction at every other place, from the levels that the leader found, where it looks no worse: of two places of which one moves little against the other a
-    /// linear response sees the stops of both.
-    pub(crate) fn elsewhere(&self, model: &TrialModel, singles: &[Fitted]) -> Vec<TrialModel> {
+    /// The family of the leading friction law at every other place, from the leader's fitted levels, where
+    /// the segment cost is no higher. If two places move little against each other, the linear response sees
+    /// the stops of both.
+    pub(crate) fn at_other_places(&self, model: &TrialModel, singles: &[Fitted]) -> Vec<TrialModel> {
         let Some(leader) = singles.iter().find(|f| f.model.effects.len() == model.effects.len() + 1) else {
             return vec![];
         };
@@ -60,8 +62,8 @@ impl Search<'_> {
         if law.family != "friction" || law.has_memory() {
             return vec![];
         }
-        let look = |d: &TrialModel| d.segment_cost(self.noise, 1).unwrap_or(f64::INFINITY);
-        let here = look(&leader.model);
+        let cost = |d: &TrialModel| d.segment_cost(self.noise, 1).unwrap_or(f64::INFINITY);
+        let here = cost(&leader.model);
         let free = |p: &&Place| fits(law, p) && p.at != last.place.at;
         let family: Vec<Effect> =
             family(self.catalogue, &last.entry).map(|entry| relative(last, entry)).collect();
@@ -75,7 +77,7 @@ impl Search<'_> {
             .filter_map(|e| model.with(&e).ok())
             .collect::<Vec<TrialModel>>()
             .into_par_iter()
-            .filter(|d| look(d) <= here)
+            .filter(|d| cost(d) <= here)
             .collect()
     }
 
@@ -98,8 +100,14 @@ impl Search<'_> {
         all
     }
 
-    /// What a leading law of many parameters may stand for: its simpler relatives, each beside every law of one parameter that acts on the same body or on a sensor.
-    pub(crate) fn parted(&self, model: &TrialModel, leader: &Fitted, found: &Screening) -> Vec<Vec<Effect>> {
+    /// Pairs that a leading law of many parameters may stand for: each of its simpler relatives beside every
+    /// law of one parameter that acts on the same body or on a sensor.
+    pub(crate) fn decompositions(
+        &self,
+        model: &TrialModel,
+        leader: &Fitted,
+        screening: &Screening,
+    ) -> Vec<Vec<Effect>> {
         let effects = current(leader);
         let [.., last] = &effects[..] else { return vec![] };
         if !is_composed(last) || effects.len() != model.effects.len() + 1 {
@@ -115,17 +123,17 @@ impl Search<'_> {
                         && !excludes(&c.effect, &one)
                 };
                 let others: Vec<Effect> =
-                    found.candidates.iter().filter(beside).map(|c| neutral(&c.effect)).collect();
+                    screening.candidates.iter().filter(beside).map(|c| neutral(&c.effect)).collect();
                 others.into_iter().map(move |other| vec![one.clone(), other])
             })
             .collect()
     }
 
-    /// Each law from the best of its starts, by their cost over segments.
-    pub(crate) fn seeded(&self, model: &TrialModel, laws: Vec<&Candidate>) -> Vec<Vec<Effect>> {
+    /// Each law from the start with the lowest segment cost.
+    pub(crate) fn best_starts(&self, model: &TrialModel, laws: Vec<&Candidate>) -> Vec<Vec<Effect>> {
         laws.into_par_iter()
             .map(|c| {
-                let look = |e: &Effect| {
+                let cost = |e: &Effect| {
                     let d = model.with(e).ok()?;
                     d.segment_cost(self.noise, SEEDED_STRIDE)
                 };
@@ -133,15 +141,15 @@ impl Search<'_> {
                 if starts.len() == 1 {
                     return vec![c.effect.clone()];
                 }
-                let looks: Vec<f64> = starts.par_iter().map(|e| look(e).unwrap_or(f64::INFINITY)).collect();
-                let best = (0..starts.len()).min_by(|&a, &b| looks[a].total_cmp(&looks[b])).unwrap_or(0);
+                let costs: Vec<f64> = starts.par_iter().map(|e| cost(e).unwrap_or(f64::INFINITY)).collect();
+                let best = (0..starts.len()).min_by(|&a, &b| costs[a].total_cmp(&costs[b])).unwrap_or(0);
                 vec![starts[best].clone()]
             })
             .collect()
     }
 }
 
-/// The laws of a law's family that have no memory; none if it has no family.
+/// The laws of a law's family without internal states; none if it has no family.
 pub(crate) fn family<'a>(catalogue: &'a [LawEntry], of: &'a LawEntry) -> impl Iterator<Item = &'a LawEntry> {
     let name = &of.law.family;
     catalogue.iter().filter(move |e| !name.is_empty() && e.law.family == *name && !e.law.has_memory())
@@ -156,11 +164,12 @@ fn touches(a: &Effect, b: &Effect) -> bool {
     acts(a).iter().any(|state| acts(b).contains(state))
 }
 
-/// The plainest friction in every two places: of two contacts that stick by turns a linear response sees neither.
-pub(crate) fn rubbing(found: &Screening) -> Vec<Vec<Effect>> {
+/// One-parameter friction at every two places: the linear response does not describe two contacts that stick
+/// alternately.
+pub(crate) fn friction_pairs(screening: &Screening) -> Vec<Vec<Effect>> {
     let plain =
         |c: &&Candidate| c.effect.entry.law.family == "friction" && c.effect.entry.law.parameters.len() == 1;
-    let all: Vec<Effect> = found.candidates.iter().filter(plain).map(|c| neutral(&c.effect)).collect();
+    let all: Vec<Effect> = screening.candidates.iter().filter(plain).map(|c| neutral(&c.effect)).collect();
     let mut pairs = Vec::new();
     for (k, one) in all.iter().enumerate() {
         let others = all[k + 1..].iter().filter(|other| !excludes(one, other));
@@ -169,13 +178,13 @@ pub(crate) fn rubbing(found: &Screening) -> Vec<Vec<Effect>> {
     pairs
 }
 
-/// The best singles, with the simpler relatives and the family of what is among them.
-pub(crate) fn singles(found: &Screening) -> Vec<&Candidate> {
-    let mut chosen: Vec<&Candidate> = found.candidates.iter().take(FITTED_IN_FULL).collect();
+/// The best single laws, with their simpler relatives and, for the leaders, their families.
+pub(crate) fn singles(screening: &Screening) -> Vec<&Candidate> {
+    let mut chosen: Vec<&Candidate> = screening.candidates.iter().take(FITTED_IN_FULL).collect();
     let leaders: Vec<&Candidate> = chosen.clone();
     for (rank, leader) in leaders.iter().enumerate() {
         let law = &leader.effect.entry.law;
-        for other in &found.candidates {
+        for other in &screening.candidates {
             let here =
                 other.effect.place.at == leader.effect.place.at && other.effect.load == leader.effect.load;
             let relative = law.simpler.contains(&other.effect.entry.id)
@@ -188,12 +197,13 @@ pub(crate) fn singles(found: &Screening) -> Vec<&Candidate> {
     chosen
 }
 
-/// Whether a law may stand for two simple ones: of many parameters, or two laws by one name.
+/// Whether a law may stand for two simple ones: it has more than two parameters, or is the sum of two laws.
 pub(crate) fn is_composed(effect: &Effect) -> bool {
     effect.entry.law.parameters.len() > 2 || !effect.entry.law.same_as.is_empty()
 }
 
-/// The effect from where it does next to nothing: a fit goes on from the model without it.
+/// The effect with starts at which it has almost no influence, so that a fit continues from the model without
+/// it.
 pub(crate) fn neutral(effect: &Effect) -> Effect {
     let law = &effect.entry.law;
     let small = |(v, (_, p)): (&f64, &(String, phisindy_phys::LawParameter))| {
@@ -207,11 +217,12 @@ pub(crate) fn neutral(effect: &Effect) -> Effect {
     Effect { start, beside: vec![], ..effect.clone() }
 }
 
-/// A simpler law in the place of another, started from its first level.
+/// Another law at the same place, started from the level of the first one.
 pub(crate) fn relative(effect: &Effect, entry: &LawEntry) -> Effect {
     let level = effect.start.first().copied().unwrap_or(0.0);
     let first = entry.law.parameters.first().map_or("", |(_, p)| p.unit.as_str());
-    // Levels start at the level; what may have either sign, at nothing; a speed at a small one.
+    // Force levels start at the level of the other law, parameters of either sign at zero, speeds at a small
+    // value.
     let start = entry
         .law
         .parameters

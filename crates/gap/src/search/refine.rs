@@ -1,4 +1,4 @@
-//! A model that was found, mended: effects at other places, siblings in each other's place, fewer and simpler effects.
+//! Improves a fitted model: effects at other places, siblings of its laws, fewer and simpler effects.
 
 use super::proposals::{family, relative};
 use super::task::Search;
@@ -11,27 +11,28 @@ use phisindy_learn::Effort;
 use rayon::prelude::*;
 
 impl Search<'_> {
-    /// Each effect at every other place: what was added first was looked for without the others, and may stand where it made good a part of them.
-    pub(crate) fn moved(&self, mut now: Fitted, candidates: usize) -> Fitted {
+    /// Tries each effect at every other place. The first effects were chosen while the others were missing,
+    /// and may have compensated for part of them.
+    pub(crate) fn relocated(&self, mut now: Fitted, candidates: usize) -> Fitted {
         for _ in 0..MOST_EFFECTS {
             let effects = current(&now);
             if effects.len() < 2 {
                 break;
             }
             let base = now.model.without_effects();
-            let elsewhere = |k: usize| {
+            let relocations = |k: usize| {
                 let own = &effects[k];
                 let free = base.places().iter().filter(|p| fits(&own.entry.law, p) && p.at != own.place.at);
                 free.map(|p| Effect { place: p.clone(), ..own.clone() }).collect::<Vec<_>>()
             };
             let trials: Vec<Vec<Effect>> = (0..effects.len())
-                .flat_map(|k| elsewhere(k).into_iter().map(move |e| (k, e)))
+                .flat_map(|k| relocations(k).into_iter().map(move |e| (k, e)))
                 .filter(|(k, e)| effects.iter().enumerate().all(|(j, other)| j == *k || !excludes(other, e)))
                 .map(|(k, e)| replaced(&effects, k, e))
                 .collect();
             let noise = self.noise;
             let others: Vec<Fitted> =
-                trials.par_iter().filter_map(|list| instead(&base, &now, list, noise)).collect();
+                trials.par_iter().filter_map(|list| refit_with(&base, &now, list, noise)).collect();
             match better(&now, others, candidates) {
                 Some(better) => now = better,
                 None => break,
@@ -40,15 +41,16 @@ impl Search<'_> {
         now
     }
 
-    /// Each law of a family in the place of its sibling, started from that one's force, where two or more effects leave little more than noise: which of the family it is could not be told
-    /// while the others were missing.
+    /// Tries each sibling of a law in its place, started from its force. Applies where two or more effects
+    /// leave little more than noise: which law of the family is right could not be decided while the others
+    /// were missing.
     pub(crate) fn exchanged(&self, now: Fitted, candidates: usize) -> Fitted {
         let effects = current(&now);
         if effects.len() < 2 || now.score.fit > NEAR_NOISE {
             return now;
         }
         let base = now.model.without_effects();
-        let kin = |k: usize| {
+        let siblings = |k: usize| {
             let own = &effects[k];
             let law = &own.entry.law;
             family(self.catalogue, &own.entry)
@@ -58,7 +60,7 @@ impl Search<'_> {
                 .collect::<Vec<Effect>>()
         };
         let trials: Vec<Vec<Effect>> = (0..effects.len())
-            .flat_map(|k| kin(k).into_iter().map(move |e| (k, e)))
+            .flat_map(|k| siblings(k).into_iter().map(move |e| (k, e)))
             .map(|(k, e)| replaced(&effects, k, e))
             .collect();
         let noise = self.noise;
@@ -72,7 +74,7 @@ impl Search<'_> {
         better(&now, others, candidates).filter(carries).unwrap_or(now)
     }
 
-    /// Drops each effect, or puts a simpler relative in its place, as long as nothing of note is lost.
+    /// Removes each effect, or replaces it by a simpler relative, as long as the model stays as good.
     pub(crate) fn simplified(&self, mut now: Fitted, candidates: usize) -> Fitted {
         'again: loop {
             let effects = current(&now);
@@ -92,7 +94,7 @@ impl Search<'_> {
                     }
                     trials.push(replaced(&effects, k, relative));
                 }
-                // Two effects that are one law by another name.
+                // Two effects whose sum is a single law of the catalogue.
                 for entry in self.catalogue.iter().filter(|e| e.law.same_as.len() == 2) {
                     let j =
                         (0..effects.len()).find(|&j| j != k && effects[j].entry.id == entry.law.same_as[1]);
@@ -113,7 +115,7 @@ impl Search<'_> {
                     list.push(relative(&effects[k], entry));
                     trials.push(list);
                 }
-                // One law on each of two bodies may be one between them.
+                // The same law on each of two bodies may be one law between them.
                 for j in (0..effects.len()).filter(|&j| j != k && effects[j].entry.id == effects[k].entry.id)
                 {
                     let between = format!("{}-{}", effects[k].place.at, effects[j].place.at);
@@ -124,7 +126,7 @@ impl Search<'_> {
                 }
                 let (noise, model) = (self.noise, &now);
                 let fitted: Vec<Fitted> =
-                    trials.par_iter().filter_map(|list| instead(&base, model, list, noise)).collect();
+                    trials.par_iter().filter_map(|list| refit_with(&base, model, list, noise)).collect();
                 for simple in fitted {
                     let same = self.as_good(&simple, &now, candidates);
                     let by = Measure::of([&simple.score, &now.score], candidates);
@@ -160,8 +162,9 @@ fn better(now: &Fitted, others: Vec<Fitted>, candidates: usize) -> Option<Fitted
     best.filter(|b| by.criterion(&b.score) + SIMPLER < by.criterion(&now.score))
 }
 
-/// A model with other effects than a fitted one, fitted from there; `None` if it is far behind after a few steps, or evidence speaks against it.
-fn instead(base: &TrialModel, now: &Fitted, list: &[Effect], noise: &[Vec<f64>]) -> Option<Fitted> {
+/// Refits `now` with other effects. `None` if the cost is far higher after a few steps, or evidence rules an
+/// effect out.
+fn refit_with(base: &TrialModel, now: &Fitted, list: &[Effect], noise: &[Vec<f64>]) -> Option<Fitted> {
     let mut model = base.with_all(list).ok()?;
     now.starts(&mut model);
     let cost = if now.rests() { model.free_run_cost(noise) } else { model.segment_cost(noise, 1) }?;
@@ -172,11 +175,11 @@ fn instead(base: &TrialModel, now: &Fitted, list: &[Effect], noise: &[Vec<f64>])
     list.iter().all(|e| against(&other, e).is_none()).then_some(other)
 }
 
-/// A part of a fitted model, which starts near where it should end. Through stops the way over short segments may lead astray: then also straight from where that
-/// model's runs started.
+/// Fits part of the model `whole`, from the start states of its runs. With stops a fit over short segments
+/// may end in a local minimum, so the free run is fitted from the same start too.
 pub(crate) fn refitted(mut model: TrialModel, whole: &Fitted, noise: &[Vec<f64>]) -> Option<Fitted> {
     whole.starts(&mut model);
-    let straight = if whole.rests() || whole.strikes() {
+    let straight = if whole.rests() || whole.has_clearance() {
         Fitted::new(model.clone(), noise, Effort::Thorough).ok()
     } else {
         None
