@@ -1,7 +1,8 @@
 //! Event-located simulation of a model with friction: stick, slip, crossing.
 //!
 //! ```text
-//! Model --Automaton::new--> Automaton (tapes with modes) --simulate--> Trajectory (samples, regimes, events, sensitivities)
+//! Model --Automaton::new--> Automaton (tapes with modes)
+//!       --simulate--> Trajectory (samples, modes, events, sensitivities)
 //! ```
 //!
 //! Every sign in the rates is a *switch*: a surface `w = 0` with a mode `s` in {-1, 0, +1}. One rule
