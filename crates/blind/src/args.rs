@@ -20,7 +20,7 @@ pub(crate) struct Args {
     /// Which table.
     #[command(subcommand)]
     pub(crate) command: Command,
-    /// What all of them take.
+    /// Options of all of them.
     #[command(flatten)]
     pub(crate) options: Options,
 }
@@ -30,7 +30,8 @@ pub(crate) struct Args {
 pub(crate) enum Command {
     /// Make data sets with a hidden effect
     Hidden(HiddenArgs),
-    /// Run `phisindy gap` on the sets of a folder and compare with their truths; the seconds are those of one thread
+    /// Run `phisindy gap` on the sets of a folder and compare with their truths; the seconds are those of one
+    /// thread
     Score(ScoreArgs),
     /// Identify models with one mistake in the known part: is it told?
     Wrong(WrongArgs),
@@ -44,7 +45,7 @@ pub(crate) enum Command {
     Language,
 }
 
-/// What all tables take.
+/// Options of all tables.
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "Options of all tables")]
 pub(crate) struct Options {
@@ -54,7 +55,8 @@ pub(crate) struct Options {
     /// Put the table between its marks in this file
     #[arg(long, global = true, value_name = "FILE")]
     pub(crate) write: Option<PathBuf>,
-    /// Number of sets (`hidden`, `score`, `wrong`) or threads (`paper`, `sweep`) at a time [default: all cores]
+    /// Number of sets (`hidden`, `score`, `wrong`) or threads (`paper`, `sweep`) at a time [default: all
+    /// cores]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) jobs: Option<u16>,
     /// No progress
@@ -63,7 +65,7 @@ pub(crate) struct Options {
 }
 
 impl Options {
-    /// How many sets or threads at a time.
+    /// Number of sets or threads at a time.
     pub(crate) fn jobs(&self) -> usize {
         self.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from)
     }
@@ -145,7 +147,7 @@ pub(crate) struct SweepArgs {
     pub(crate) out: Option<PathBuf>,
 }
 
-/// `PATH=VALUE`, as the program's `--set` takes it.
+/// `PATH=VALUE`, as in the option `--set` of the program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Assignment {
     /// Parts joined by points.

@@ -1,4 +1,5 @@
-//! Random draws: the same for a seed on every machine, and named, so that a draw more in one set leaves the others alone.
+//! Random draws: the same for a seed on every machine, and named, so that an additional draw in one set
+//! does not change the others.
 
 use phisindy_sim::Streams;
 
@@ -25,12 +26,12 @@ impl Dice {
         (self.seed() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Even between two numbers.
+    /// Uniform between two numbers.
     pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
-    /// Even in the logarithm. Four digits: a person would have written such a number.
+    /// Uniform in the logarithm, with four digits, as a person would write such a number.
     pub(crate) fn log(&mut self, low: f64, high: f64) -> f64 {
         rounded(low * (high / low).powf(self.unit()))
     }

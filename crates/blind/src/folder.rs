@@ -1,4 +1,4 @@
-//! Output: folders whose files are there as a whole or not at all, and standard output.
+//! Output: folders whose files are written completely or not at all, and standard output.
 
 use anyhow::{Context, Result};
 use std::fs;
@@ -45,7 +45,7 @@ pub(crate) fn replace(path: &Path, content: &str) -> Result<()> {
         .with_context(|| format!("cannot write `{}`", path.display()))
 }
 
-/// The result.
+/// Prints the result.
 ///
 /// # Errors
 /// Standard output cannot be written.

@@ -1,13 +1,14 @@
-//! `phisindy-blind hidden`: data sets with a hidden effect, as somebody would make them who wants to test the gap workflow blind. `phisindy-blind score` runs
-//! the workflow on them and compares.
+//! `phisindy-blind hidden` makes data sets with a hidden effect for a blind test of the gap workflow.
+//! `phisindy-blind score` runs the workflow on them and compares.
 //!
 //! ```text
-//! seed --wish--> what a set is to hold --made--> rig, effect, motion, noise (drawn again until fair) --write--> spec.ron, *.csv | truth.json
+//! seed --wish--> requirements of a set --made--> rig, effect, motion, noise (drawn until fair)
+//!      --write--> spec.ron, *.csv | truth.json
 //! DIR/NNN --run--> result.json --scored, with truth.json--> marks --tally--> table
 //! ```
 
-mod course;
 mod effect;
+mod experiment;
 mod fair;
 mod linear;
 mod made;
@@ -48,7 +49,7 @@ pub(crate) fn score(args: &ScoreArgs, options: &Options) -> Result<Option<Table>
 pub(crate) fn make(args: &HiddenArgs, options: &Options) -> Result<bool> {
     let progress = Progress::new("hidden", args.sets, options.quiet);
     let set = |index: usize| -> Result<()> {
-        if interrupt::asked() {
+        if interrupt::requested() {
             return Ok(());
         }
         let wish = wish::wish(args.seed, index, args.only.as_deref()).map_err(|why| anyhow!(why))?;
@@ -60,7 +61,7 @@ pub(crate) fn make(args: &HiddenArgs, options: &Options) -> Result<bool> {
     };
     (0..args.sets).into_par_iter().try_for_each(set)?;
     drop(progress);
-    if interrupt::asked() {
+    if interrupt::requested() {
         return Ok(false);
     }
     print(&format!("{} sets in {}\n", args.sets, args.out.display()))?;

@@ -1,9 +1,10 @@
-//! `phisindy-blind`: tests of the program `phisindy` for those who develop it, with answers that it does not see, and the tables of the documents.
+//! `phisindy-blind`: tests of the program `phisindy` for its developers, with answers that it does not see,
+//! and the tables of the documents.
 //!
 //! ```text
 //! seed --hidden--> DIR/NNN: spec and data of a rig with an effect that the spec lacks | truth.json
 //! DIR/NNN --phisindy gap--> result.json --score, with truth.json--> table
-//! seed --wrong--> specs with one mistake in the known part --identify--> is it told? --> table
+//! seed --wrong--> specs with one mistake in the known part --identify--> is it reported? --> table
 //! specs of the paper --phisindy run, phisindy sweep--> tables of README.md
 //! ```
 
@@ -26,7 +27,7 @@ use clap::Parser;
 use std::io::Write;
 use std::process::ExitCode;
 
-/// The command line, a spec or a folder is wrong.
+/// Exit code of a wrong command line, spec or folder.
 const INPUT: u8 = 2;
 
 fn main() -> ExitCode {
@@ -35,16 +36,16 @@ fn main() -> ExitCode {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(interrupt::INTERRUPTED),
         Err(error) => {
-            // Nobody is left to tell if standard error is closed.
+            // Nothing can be reported if standard error is closed.
             let _ = writeln!(std::io::stderr(), "error: {error:#}");
             ExitCode::from(INPUT)
         }
     }
 }
 
-/// A table, and what to look at beneath it.
+/// A table, and the list of failures below it.
 struct Table {
-    /// Between which marks it stands in documents.
+    /// The name of its marks in documents.
     name: &'static str,
     table: String,
     failures: String,
@@ -56,7 +57,7 @@ impl Table {
     }
 }
 
-/// Does what the command line says; false if the user stopped it.
+/// Runs the command; false if the user stopped it.
 fn run(args: &Args) -> Result<bool> {
     let options = &args.options;
     rayon::ThreadPoolBuilder::new()
@@ -75,7 +76,7 @@ fn run(args: &Args) -> Result<bool> {
     made.map_or(Ok(false), |table| shown(&table, options).map(|()| true))
 }
 
-/// Prints a table, and puts it into a document if asked to.
+/// Prints a table, and writes it into a document if the options name one.
 fn shown(made: &Table, options: &Options) -> Result<()> {
     folder::print(&made.table)?;
     if !made.failures.is_empty() {

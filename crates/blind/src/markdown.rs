@@ -1,4 +1,4 @@
-//! Tables in Markdown, and where they stand in a document.
+//! Tables in Markdown, and their places in documents.
 
 use anyhow::{Result, bail};
 
@@ -13,7 +13,7 @@ pub(crate) fn markdown(head: &[&str], rows: &[Vec<String>]) -> String {
     out
 }
 
-/// The text with what stands between `<!-- table:NAME -->` and `<!-- end -->` replaced.
+/// The text with a new table between `<!-- table:NAME -->` and `<!-- end -->`.
 ///
 /// # Errors
 /// One of the marks is missing.

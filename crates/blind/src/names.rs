@@ -1,10 +1,11 @@
-//! Names in expressions, replaced in their text.
+//! Replaces names in the text of expressions.
 
 use phisindy_expr::parse;
 
-/// The text with every name for which `with` has something replaced by that, all in one pass; the rest of the text stays as it is written.
+/// The text with every name replaced for which `with` returns something, all in one pass. The rest of the
+/// text does not change.
 ///
-/// A text that is no expression comes back unchanged: whoever compiles it says what is wrong with it.
+/// A text that is no expression is returned unchanged; its compilation reports the error.
 pub(crate) fn substitute<'a>(text: &str, with: impl Fn(&str) -> Option<&'a str>) -> String {
     let Ok(ast) = parse(text) else { return text.to_owned() };
     let mut out = String::with_capacity(text.len());

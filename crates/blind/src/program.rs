@@ -1,4 +1,4 @@
-//! The program `phisindy` as users run it: a process with arguments, and what it prints.
+//! The program `phisindy` as users run it: a process with arguments and its output.
 
 use crate::args::Options;
 use crate::interrupt;
@@ -9,16 +9,16 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How often the process and Ctrl-C are looked for.
+/// The interval at which the process and Ctrl-C are polled.
 const TICK: Duration = Duration::from_millis(20);
 
 /// Where the program is.
 #[derive(Clone, Debug)]
 pub(crate) struct Program(PathBuf);
 
-/// What a process did.
+/// The outcome of a process.
 pub(crate) struct Output {
-    /// How it ended; none if it took too long and was ended.
+    /// Its exit status; none if it exceeded the time limit and was killed.
     pub(crate) status: Option<ExitStatus>,
     /// Standard output.
     pub(crate) out: String,
@@ -29,7 +29,7 @@ pub(crate) struct Output {
 }
 
 impl Program {
-    /// That of `--program`, else `phisindy` beside this program.
+    /// The path of `--program`, otherwise `phisindy` beside this program.
     ///
     /// # Errors
     /// There is no such file.
@@ -50,14 +50,16 @@ impl Program {
         Ok(Program(path))
     }
 
-    /// A process of it, without input; data files are looked for where its arguments say, not where the environment does.
+    /// A command of the program without input. Data files come from its arguments, never from the
+    /// environment.
     pub(crate) fn command(&self) -> Command {
         let mut command = Command::new(&self.0);
         command.env_remove("PHISINDY_DATA").stdin(Stdio::null());
         command
     }
 
-    /// Runs a process to its end, for `patience` at most if there is one; none if the user stopped it.
+    /// Runs a process to its end, with the time limit `patience` if there is one; none if the user stopped
+    /// it.
     ///
     /// # Errors
     /// It cannot be started or waited for.
@@ -68,13 +70,13 @@ impl Program {
             .stderr(Stdio::piped())
             .spawn()
             .with_context(|| format!("cannot start `{}`", self.0.display()))?;
-        // A full pipe would stop the process: both are read while it runs.
+        // A full pipe would block the process, so both are read while it runs.
         let (out, err) = (reader(child.stdout.take()), reader(child.stderr.take()));
         let status = loop {
             if let Some(status) = child.try_wait().context("cannot wait for the program")? {
                 break Some(status);
             }
-            if interrupt::asked() || patience.is_some_and(|patience| begin.elapsed() > patience) {
+            if interrupt::requested() || patience.is_some_and(|patience| begin.elapsed() > patience) {
                 end(&mut child);
                 break None;
             }
@@ -82,12 +84,12 @@ impl Program {
         };
         let seconds = begin.elapsed().as_secs_f64();
         let (out, err) = (out.join().unwrap_or_default(), err.join().unwrap_or_default());
-        Ok((!interrupt::asked()).then_some(Output { status, out, err, seconds }))
+        Ok((!interrupt::requested()).then_some(Output { status, out, err, seconds }))
     }
 }
 
 impl Output {
-    /// Its first mistake without what says where: the reason in `error: SPEC: reason`.
+    /// Its first error message without its place: the reason in `error: SPEC: reason`.
     pub(crate) fn reason(&self, spec: &Path) -> String {
         let first = self.err.lines().find_map(|line| line.strip_prefix("error: "));
         let first = first.unwrap_or_else(|| self.err.trim());
@@ -98,13 +100,13 @@ impl Output {
 fn reader(pipe: Option<impl Read + Send + 'static>) -> thread::JoinHandle<String> {
     thread::spawn(move || {
         let mut bytes = Vec::new();
-        // What was read before an error is better than nothing.
+        // A read error keeps the text before it.
         let _ = pipe.map(|mut pipe| pipe.read_to_end(&mut bytes));
         String::from_utf8_lossy(&bytes).into_owned()
     })
 }
 
-/// Ends a process, which may have ended just now.
+/// Kills a process, which may have ended already.
 fn end(child: &mut Child) {
     let _ = child.kill();
     let _ = child.wait();

@@ -1,12 +1,12 @@
-//! A bar on standard error; nothing in pipes or with `--quiet`.
+//! A progress bar on standard error; none in pipes or with `--quiet`.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// How many of some pieces of work are done; any thread may count.
+/// The number of finished pieces of work; any thread may count.
 pub(crate) struct Progress(ProgressBar);
 
 impl Progress {
-    /// None is done yet.
+    /// A bar at zero.
     pub(crate) fn new(what: &str, pieces: usize, quiet: bool) -> Progress {
         let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
         let bar = ProgressBar::with_draw_target(Some(pieces as u64), target);
@@ -16,7 +16,7 @@ impl Progress {
         Progress(bar)
     }
 
-    /// One more is done.
+    /// Counts one piece.
     pub(crate) fn step(&self) {
         self.0.inc(1);
     }

@@ -1,4 +1,5 @@
-//! The tables of README.md and the docs, made from the specs and the code, so that nobody copies numbers by hand.
+//! The tables of README.md and the docs, made from the specs and the code, so that nobody copies numbers by
+//! hand.
 
 mod decisions;
 mod language;
@@ -13,13 +14,13 @@ use std::path::PathBuf;
 pub(crate) use decisions::table as decisions;
 pub(crate) use language::table as language;
 
-/// A case of the paper and what it prints for it.
+/// A case of the paper and its printed result.
 struct Printed {
     /// The name in the paper.
     case: &'static str,
     /// The spec's name.
     spec: &'static str,
-    /// What the paper prints, and where.
+    /// The printed result and its equation.
     text: &'static str,
 }
 
@@ -42,7 +43,7 @@ const PRINTED: &[Printed] = &[
     Printed { case: "7, expert", spec: "case7_expert", text: "0.3; 0.286 + 0.062 L2 + 0.074 M2, eq. (80)" },
 ];
 
-/// Each case beside what the paper prints; none if the user stopped it.
+/// Each case with the printed result of the paper; none if the user stopped it.
 ///
 /// # Errors
 /// There is no such case, or its spec cannot be run.
@@ -71,12 +72,12 @@ fn chosen(args: &CaseArgs) -> Result<Vec<Chosen>> {
             bail!("there is no case `{name}`; there is: {}", all.join(", "));
         }
     }
-    let asked =
+    let requested =
         PRINTED.iter().filter(|p| args.cases.is_empty() || args.cases.iter().any(|name| named(p, name)));
-    Ok(asked.map(|p| (p, args.specs.join(format!("{}.ron", p.spec)))).collect())
+    Ok(requested.map(|p| (p, args.specs.join(format!("{}.ron", p.spec)))).collect())
 }
 
-/// What the program takes in every subcommand.
+/// Arguments that every subcommand of the program takes.
 fn common(sets: &[Assignment], seed: Option<u64>, options: &Options) -> Vec<String> {
     let mut all = Vec::new();
     for set in sets {

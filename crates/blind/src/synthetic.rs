@@ -1,4 +1,4 @@
-//! Specs with synthetic data, loaded without any file but the spec: what the truth is, in the program's own terms.
+//! Specs with synthetic data, loaded without any other file, and their truth in the terms of the program.
 
 use crate::args::Assignment;
 use anyhow::{Context, Result, anyhow};
@@ -14,7 +14,7 @@ pub(crate) struct Loaded {
     pub(crate) case: Case,
     /// In the order of the spec.
     pub(crate) records: Vec<Record>,
-    /// For each record, what it would be without noise.
+    /// For each record, its truth without noise.
     pub(crate) truths: Vec<Trajectory>,
 }
 
@@ -33,7 +33,8 @@ pub(crate) fn load_file(path: &Path, sets: &[Assignment], seed: Option<u64>) -> 
     load(text, seed).map_err(|why| anyhow!("{why}")).with_context(|| format!("the table needs `{shown}`"))
 }
 
-/// Makes the records of a spec. `seed` replaces that of the first record; the others have seeds that follow from it, as with the program's `--seed`.
+/// Makes the records of a spec. `seed` replaces that of the first record and determines the others, as the
+/// option `--seed` of the program does.
 ///
 /// # Errors
 /// In words: the text is no spec, or its data are not all synthetic, or a truth cannot be simulated.

@@ -1,11 +1,15 @@
-//! `phisindy-blind wrong`: is a wrong known part told of? Random rigs, each identified twice: with the known part as it is, and with one thing wrong in it.
+//! `phisindy-blind wrong`: does the program report a wrong known part? Each random rig is identified twice:
+//! with the correct known part, and with one mistake in it.
 //!
 //! ```text
-//! seed --Rig::draw--> rig --mistaken--> known part with one mistake --written--> spec --identify--> told? intervals right?
+//! seed --Rig::draw--> rig --with_mistake--> known part with one mistake --written--> spec
+//!      --identify--> reported? intervals right?
 //! ```
 //!
-//! A mistake that the dictionary can make good (damping left out, and a candidate for it) is found and not wrong: it is counted apart. So is one that cannot be
-//! seen: the true motion without noise, fitted by the wrong model with its friction free, misses by a chi square below [`tally::VISIBLE`] in both records together.
+//! Two kinds of mistakes are counted apart. The dictionary can compensate some (missing damping, and a
+//! candidate for it): they are identified, not wrong. Others are invisible: the wrong model with free
+//! friction, fitted to the true motion without noise, leaves a chi square below [`tally::VISIBLE`] in both
+//! records together.
 
 mod mistake;
 mod rig;
@@ -20,7 +24,7 @@ use crate::interrupt;
 use crate::progress::Progress;
 use crate::synthetic::{Loaded, checked, load};
 use anyhow::{Result, anyhow, bail};
-use mistake::{KINDS, SMALL, mistaken, needs_cubic};
+use mistake::{KINDS, SMALL, needs_cubic, with_mistake};
 use phisindy_learn::{
     Effort, Identified, LearnOptions, Verdict, Warning, calibrate, identify, project, smoothed,
 };
@@ -34,10 +38,10 @@ use written::{Unknown, written};
 
 /// Draws before giving up.
 const TRIES: usize = 200;
-/// A mass that is held for a longer part of the record hardly moves.
-const HELD: f64 = 0.6;
+/// A mass that sticks for a longer part of the record hardly moves.
+const MOST_STUCK: f64 = 0.6;
 
-/// The table, and a line for each set that is wrong in silence; none if the user stopped it.
+/// The table, and a line for each set that is wrong without a warning; none if the user stopped it.
 ///
 /// # Errors
 /// There is no such mistake, or specs cannot be written.
@@ -61,17 +65,17 @@ pub(crate) fn table(args: &WrongArgs, options: &Options) -> Result<Option<Table>
         })
         .collect::<Result<_>>()?;
     drop(progress);
-    Ok((!interrupt::asked()).then(|| tally(&sets.concat())))
+    Ok((!interrupt::requested()).then(|| tally(&sets.concat())))
 }
 
-/// One rig, with the known part wrong and right; nothing if the user has had enough.
+/// One rig with the wrong and the correct known part; empty if the user stopped it.
 fn both(
     index: usize,
     kind: &'static str,
     seed: Option<u64>,
     folder: Option<&Folder>,
 ) -> Result<Vec<Outcome>> {
-    if interrupt::asked() {
+    if interrupt::requested() {
         return Ok(vec![]);
     }
     let mut dice = Dice::new(seed.unwrap_or(0), &format!("wrong {index}"));
@@ -90,17 +94,17 @@ fn both(
 /// A spec of a rig with its records.
 struct Set {
     loaded: Loaded,
-    /// What is wrong, and of which rig.
+    /// The mistake and the rig.
     said: String,
-    /// Chi square that the best friction leaves of the mistake.
+    /// Chi square of the mistake that the best friction cannot absorb.
     visible: f64,
     /// Coefficients of all candidates.
     truth: Vec<f64>,
-    /// Whether the dictionary can make the mistake good.
+    /// Whether the dictionary can compensate the mistake.
     inside: bool,
 }
 
-/// A rig as it is and as it is not.
+/// The wrong and the correct model of a rig.
 struct Pair {
     wrong: Set,
     right: Set,
@@ -123,7 +127,7 @@ fn pair(rig: &Rig, kind: &str, dice: &mut Dice, seed: Option<u64>) -> Result<Pai
     if rig.lines == 0 && kind.starts_with("drive") {
         return Err("nothing drives it".to_owned());
     }
-    let (wrong, said) = mistaken(rig, kind, dice).ok_or("it cannot be wrong in this way")?;
+    let (wrong, said) = with_mistake(rig, kind, dice).ok_or("it cannot be wrong in this way")?;
     let set = |physics: &rig::Physics, said: &str| -> Result<Set, String> {
         let title = format!("Known part: {said}");
         let loaded = load(written(rig, physics, &title, Unknown::Dictionary), seed)?;
@@ -133,15 +137,15 @@ fn pair(rig: &Rig, kind: &str, dice: &mut Dice, seed: Option<u64>) -> Result<Pai
     };
     let right = set(&rig.physics, "nothing is wrong")?;
     for run in &right.loaded.truths {
-        let held = run.modes.iter().filter(|m| **m == 0).count() as f64 / run.modes.len().max(1) as f64;
-        if held > HELD {
+        let stuck = run.modes.iter().filter(|m| **m == 0).count() as f64 / run.modes.len().max(1) as f64;
+        if stuck > MOST_STUCK {
             return Err("it hardly moves".to_owned());
         }
     }
     Ok(Pair { wrong: set(&wrong, &said)?, right })
 }
 
-/// Chi square that the wrong model leaves of the true motion at best; infinite if it cannot be simulated.
+/// The least chi square of the wrong model against the true motion; infinite if it cannot be simulated.
 fn visible(loaded: &Loaded, movable: &str, rig: &Rig) -> Result<f64, String> {
     let case = checked(movable)?;
     let mut records = loaded.records.clone();
@@ -161,13 +165,13 @@ fn visible(loaded: &Loaded, movable: &str, rig: &Rig) -> Result<f64, String> {
     Ok(fitted.map_or(f64::INFINITY, |c| c.chi2))
 }
 
-/// Coefficients of all candidates in truth, and whether the dictionary holds all that the known part lacks.
+/// True coefficients of all candidates, and whether the dictionary contains all that the known part lacks.
 fn true_coefficients(loaded: &Loaded, rig: &Rig) -> (Vec<f64>, bool) {
     let system = &loaded.case.system;
     let mut truth = vec![0.0; system.terms.len()];
     match project(&loaded.case, &loaded.records) {
-        Ok(found) => {
-            found.terms.iter().zip(&found.coefficients).for_each(|(&t, &x)| truth[t] = x);
+        Ok(identified) => {
+            identified.terms.iter().zip(&identified.coefficients).for_each(|(&t, &x)| truth[t] = x);
             (truth, true)
         }
         Err(_) => {
@@ -181,34 +185,34 @@ fn true_coefficients(loaded: &Loaded, rig: &Rig) -> (Vec<f64>, bool) {
     }
 }
 
-/// What the program makes of a set.
+/// The result of the program for a set.
 fn outcome(set: &Set) -> Outcome {
     let loaded = &set.loaded;
     let options = LearnOptions { method: None };
-    let found = identify(&loaded.case, &loaded.records, &options, &mut |_| ControlFlow::Continue(()));
+    let identified = identify(&loaded.case, &loaded.records, &options, &mut |_| ControlFlow::Continue(()));
     let mut out =
         Outcome { said: set.said.clone(), inside: set.inside, visible: set.visible, ..Outcome::default() };
-    match found {
+    match identified {
         Err(_) => out.told.push("refused".to_owned()),
-        Ok(found) => {
-            out.told = told(&found);
-            for term in &found.terms {
+        Ok(identified) => {
+            out.told = told(&identified);
+            for term in &identified.terms {
                 let (e, truth) = (term.coefficient, set.truth[term.term]);
                 let reach = if truth > e.value { e.ci95.1 - e.value } else { e.value - e.ci95.0 };
                 let off = (truth - e.value).abs() / reach.max(f64::MIN_POSITIVE);
                 out.off = out.off.max(off);
-                out.held = (out.held.0 + usize::from(off <= 1.0), out.held.1 + 1);
+                out.covered = (out.covered.0 + usize::from(off <= 1.0), out.covered.1 + 1);
             }
-            out.warnings = found.warnings.iter().map(ToString::to_string).collect();
+            out.warnings = identified.warnings.iter().map(ToString::to_string).collect();
         }
     }
     out
 }
 
-/// Which doubts of the model it tells, each as a word.
-fn told(found: &Identified) -> Vec<String> {
+/// The doubts of the model that it reports, one word for each.
+fn told(identified: &Identified) -> Vec<String> {
     let mut told = Vec::new();
-    if found.verdict != Verdict::Identified {
+    if identified.verdict != Verdict::Identified {
         told.push("rejected".to_owned());
     }
     let at_bound = |w: &Warning| matches!(w, Warning::AtBound { .. });
@@ -218,7 +222,7 @@ fn told(found: &Identified) -> Vec<String> {
         (&Warning::doubts_validation, "validation"),
     ];
     for (says, name) in doubts {
-        if found.warnings.iter().any(says) {
+        if identified.warnings.iter().any(says) {
             told.push(name.to_owned());
         }
     }

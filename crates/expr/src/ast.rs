@@ -1,4 +1,4 @@
-//! The syntax tree: what was written, and where.
+//! The syntax tree: nodes and their places in the text.
 
 use crate::{Binary, Span, Unary};
 
@@ -15,17 +15,17 @@ pub enum AstKind {
     Binary(Binary, usize, usize),
 }
 
-/// A node and the text it came from.
+/// A node and its place in the text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AstNode {
-    /// What it is.
+    /// The node.
     pub kind: AstKind,
-    /// Where it stands.
+    /// Its place.
     pub span: Span,
 }
 
-/// A parsed expression: operands precede operations and the last node is the root, so that every pass is one loop
-/// and no text, however long, can overflow the stack.
+/// A parsed expression. Operands precede operations and the last node is the root, so every pass is one
+/// loop and a long text cannot overflow the stack.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Ast {
     /// Operands first.
@@ -33,7 +33,7 @@ pub struct Ast {
 }
 
 impl Ast {
-    /// Every name with its place, in the order of the text; repeated names are repeated.
+    /// Every name with its place, in the order of the text, with repetitions.
     pub fn names(&self) -> impl Iterator<Item = (&str, Span)> {
         self.nodes.iter().filter_map(|node| match &node.kind {
             AstKind::Name(name) => Some((name.as_str(), node.span)),

@@ -1,4 +1,5 @@
-//! Graphs as text of programming languages. How each writes an operation stands in the tables of [`crate::ops`].
+//! Graphs as source code of other languages. The tables of [`crate::ops`] contain the spelling of each
+//! operation.
 
 use crate::{Binary, Graph, Id, Node, Symbol, Unary};
 
@@ -6,10 +7,10 @@ use crate::{Binary, Graph, Id, Node, Symbol, Unary};
 const PRODUCT: u8 = 2;
 /// Precedence of things that never need parentheses.
 const ATOM: u8 = 5;
-/// An expression deeper than this is cut by a temporary: compilers limit how deep brackets may go.
+/// A temporary cuts an expression that is deeper: compilers limit the depth of parentheses.
 const DEEPEST: usize = 24;
 
-/// A language that expressions can be written in; its place is that in the rows' [`crate::ops::Spelling`].
+/// A target language; its position is that in [`crate::ops::Spelling`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Language {
     /// Python 3 with its standard library.
@@ -24,8 +25,8 @@ impl Language {
     /// All of them.
     pub const ALL: [Language; 3] = [Language::Python, Language::C, Language::Modelica];
 
-    /// Definitions that the text of expressions needs in front of it: operations that the language lacks, or that it refuses where ours give
-    /// an infinity or no number.
+    /// Definitions that the code needs before its expressions: operations that the language lacks, or that
+    /// it refuses where this crate returns an infinity or NaN.
     pub fn helpers(self) -> &'static str {
         match self {
             Language::Python => include_str!("code/helpers.py"),
@@ -34,7 +35,7 @@ impl Language {
         }
     }
 
-    /// Names that [`Language::helpers`] and the operations take: no symbol may be called so.
+    /// Names used by [`Language::helpers`] and the operations: no symbol may have one of them.
     pub fn taken(self) -> impl Iterator<Item = &'static str> {
         let unary = crate::ops::UNARY.iter().map(move |row| row.code[self as usize]);
         let binary = crate::ops::BINARY.iter().map(move |row| row.code[self as usize]);
@@ -45,26 +46,27 @@ impl Language {
     }
 }
 
-/// Expressions as text: temporaries in the order in which they must be computed, then the values.
+/// Expressions as code: temporaries in the order of their computation, then the values.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Code {
-    /// Name and value of what is used more than once, or lies too deep.
+    /// Name and value of each subexpression that is used more than once or is too deep.
     pub temporaries: Vec<(String, String)>,
     /// One for each root.
     pub roots: Vec<String>,
 }
 
-/// How symbols and temporaries are called, and what may be zero.
+/// Names of symbols and temporaries, and the nodes that vary.
 pub struct Naming<'a> {
     /// The text of a symbol.
     pub symbol: &'a dyn Fn(Symbol) -> String,
     /// The name of a temporary, by its number.
     pub temporary: &'a dyn Fn(usize) -> String,
-    /// What varies while a model runs. A divisor that does not use it is divided by as people write it, for there Python may stop at zero.
+    /// Nodes that vary while a model runs. A divisor without them is written as an ordinary division; any
+    /// other one is protected, because Python raises an error at zero.
     pub moving: &'a [Id],
 }
 
-/// A text and how tightly it binds.
+/// A text and its precedence.
 #[derive(Clone)]
 struct Piece {
     text: String,
@@ -132,13 +134,14 @@ impl Graph {
     }
 }
 
-/// A number; a negative one is written like a sum, in parentheses wherever something stands before it.
+/// A number. A negative one has the precedence of a sum.
 fn number(x: f64) -> Piece {
     let precedence = if x.is_sign_negative() { 1 } else { ATOM };
     Piece { text: format!("{x:?}"), precedence, depth: 0 }
 }
 
-/// The precedence of an infix operation, and that below which its left and right operand need parentheses.
+/// The precedence of an infix operation, and the precedence below which its left and right operand need
+/// parentheses.
 fn sides(op: Binary) -> (u8, u8, u8) {
     let p = op.row().precedence;
     match op {
@@ -147,7 +150,7 @@ fn sides(op: Binary) -> (u8, u8, u8) {
     }
 }
 
-/// A spelling with the operands in it, in parentheses where they bind looser than this.
+/// A spelling with its operands, in parentheses where they have a lower precedence than this.
 fn filled(spelling: &str, precedence: u8, operands: &[(&Piece, u8)]) -> Piece {
     let mut text = String::new();
     let mut rest = spelling;

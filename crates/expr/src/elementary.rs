@@ -1,22 +1,23 @@
-//! `exp`, `ln`, `sin`, `cos` without branches or tables, of double operations that IEEE 754 rounds in one way (fused products and sums
-//! among them: slow where a processor has none, with the same result): a loop over them vectorises, and they give the same bits on every
-//! machine and for any number of lanes.
+//! `exp`, `ln`, `sin`, `cos` without branches or tables, from double operations with one IEEE 754 rounding
+//! each (including fused multiply-add, which is slow without hardware support but gives the same result). A
+//! loop over them vectorises, and they give the same bits on every machine and for any number of lanes.
 //!
-//! Each is within 1 unit in the last place of the true value (tested against sums in higher precision; measured: 0.8). The reductions and
-//! the form of `ln` are the classical ones (J.-M. Muller, *Elementary Functions*, 3rd ed., 2016, ch. 11; W. J. Cody, W. Waite, *Software
-//! Manual for the Elementary Functions*, 1980); the polynomials are Chebyshev fits made for this file.
+//! The error is below 1 unit in the last place (tested against sums in higher precision; measured: 0.8).
+//! The reductions and the form of `ln` are the classical ones (J.-M. Muller, *Elementary Functions*, 3rd
+//! ed., 2016, ch. 11; W. J. Cody, W. Waite, *Software Manual for the Elementary Functions*, 1980). The
+//! polynomials are Chebyshev fits made for this file.
 
-/// 1.5 * 2^52: added to a number it rounds it to a whole one, which then stands in the lowest bits.
+/// 1.5 * 2^52: its addition rounds a number to an integer, which then is in the lowest bits.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 
-/// ln 2 in two parts; a whole number of up to 20 bits times the first is exact.
+/// ln 2 in two parts; an integer of up to 20 bits times the first one is exact.
 const LN2: (f64, f64) = (0.693_147_180_485_539_1, 7.440_617_110_012_397e-11);
 
-/// pi/2 in three parts; a whole number of up to 20 bits times each of the first two is exact.
+/// pi/2 in three parts; an integer of up to 20 bits times each of the first two is exact.
 const HALF_PI: (f64, f64, f64) =
     (1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_795_950_6e-21);
 
-/// Up to here (2^20 quarter turns) the reduction of angles is exact enough; beyond it the library's functions serve.
+/// Up to this angle (2^20 quarter turns) the reduction is accurate; the standard library serves beyond it.
 const FAR: f64 = 1_647_099.0;
 
 /// `c[0] + c[1] x + ...`
@@ -29,7 +30,7 @@ fn polynomial<const N: usize>(c: &[f64; N], x: f64) -> f64 {
     sum
 }
 
-/// 2^k for a whole `k` from -1022 to 1023.
+/// 2^k for an integer `k` from -1022 to 1023.
 #[inline(always)]
 fn power_of_two(k: f64) -> f64 {
     f64::from_bits((k + ROUND).to_bits().wrapping_add(1023) << 52)
@@ -38,7 +39,7 @@ fn power_of_two(k: f64) -> f64 {
 /// The exponential: `exp(x) = 2^k exp(r)`, |r| <= ln(2)/2.
 #[inline(always)]
 pub(crate) fn exp(x: f64) -> f64 {
-    // Beyond these it is infinite or zero all the same; NaN stays NaN.
+    // Beyond these limits the result is infinite or zero; NaN stays NaN.
     let x = if x > 710.0 { 710.0 } else { x };
     let x = if x < -746.0 { -746.0 } else { x };
     let k = (x * std::f64::consts::LOG2_E + ROUND) - ROUND;
@@ -58,12 +59,13 @@ pub(crate) fn exp(x: f64) -> f64 {
         2.091_468_696_808_687_6e-9,
     ];
     let y = 1.0 + (r + r * r * polynomial(&Q, r));
-    // Two factors, so that results near the limits of a double are rounded once.
+    // Two factors, so that results near the limits of a double are rounded only once.
     let half = (0.5 * k + ROUND) - ROUND;
     y * power_of_two(half) * power_of_two(k - half)
 }
 
-/// The natural logarithm: `ln(2^k (1 + f))`, 1 + f between sqrt(1/2) and sqrt(2), as an odd series in f/(2 + f).
+/// The natural logarithm: `ln(2^k (1 + f))`, 1 + f between sqrt(1/2) and sqrt(2), as an odd series in f/(2 +
+/// f).
 #[inline(always)]
 pub(crate) fn ln(x: f64) -> f64 {
     const SQRT_HALF: u64 = 0x3fe6_a09e_667f_3bcd;
@@ -95,7 +97,7 @@ pub(crate) fn ln(x: f64) -> f64 {
     if x == 0.0 { f64::NEG_INFINITY } else { y }
 }
 
-/// Quarter turns (their lowest two bits count) and the angle that is left, in two parts.
+/// The number of quarter turns (the lowest two bits count) and the remaining angle, in two parts.
 #[inline(always)]
 fn reduced(x: f64) -> (u64, f64, f64) {
     let turns = x * std::f64::consts::FRAC_2_PI + ROUND;
@@ -103,7 +105,7 @@ fn reduced(x: f64) -> (u64, f64, f64) {
     let a = x - k * HALF_PI.0;
     let w = k * HALF_PI.1;
     let b = a - w;
-    // What the second subtraction lost, and the third part of pi/2.
+    // The rounding error of the second subtraction, and the third part of pi/2.
     let lost = ((a - b) - w) - k * HALF_PI.2;
     let r = b + lost;
     (turns.to_bits(), r, (b - r) + lost)
@@ -144,7 +146,7 @@ fn cosine(x: f64, tail: f64) -> f64 {
     w + (((1.0 - w) - half) + (z * (z * polynomial(&C, z)) - x * tail))
 }
 
-/// Sine of `x`, or of a quarter turn more. Only for |x| below [`FAR`].
+/// Sine of `x`, or of `x` plus a quarter turn, for |x| below [`FAR`].
 #[inline(always)]
 fn near(x: f64, quarter: u64) -> f64 {
     let (turns, r, tail) = reduced(x);
@@ -166,7 +168,8 @@ pub(crate) fn cos(x: f64) -> f64 {
     if x.abs() < FAR { near(x, 1) } else { x.cos() }
 }
 
-/// [`sin`] (`quarter` 0) or [`cos`] (1) of many: one look whether all are near, then a loop without branches.
+/// [`sin`] (`quarter` 0) or [`cos`] (1) of many angles: one test whether all are below [`FAR`], then a loop
+/// without branches.
 #[inline(always)]
 pub(crate) fn angles<const N: usize>(quarter: u64, a: &[f64; N], out: &mut [f64; N]) {
     let mut all = true;

@@ -3,7 +3,7 @@
 use crate::{Binary, Symbol, Unary, simplify};
 use std::collections::HashMap;
 
-/// Handle of a node; only meaningful with the graph that made it.
+/// Handle of a node, valid only in the graph that made it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Id(pub(crate) u32);
 
@@ -26,9 +26,10 @@ pub enum Node {
     Binary(Binary, Id, Id),
 }
 
-/// An arena in which equal expressions are one node. It only grows; operands precede operations, so every pass is one loop.
+/// An arena in which equal expressions are one node. It only grows. Operands precede operations, so every
+/// pass is one loop.
 ///
-/// The constructors simplify as they build (see `simplify.rs`): by rules that hold wherever the original is finite, and no others.
+/// The constructors simplify (see `simplify.rs`), only by rules that hold wherever the original is finite.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
@@ -36,12 +37,13 @@ pub struct Graph {
     index: HashMap<Node, Id>,
 }
 
-/// What a node is made of, as far as derivatives must know.
+/// Properties of a node that derivatives depend on.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Traits {
-    /// It is zero where its gates are closed.
+    /// Its value is zero where its gates are closed.
     pub(crate) vanishing: bool,
-    /// It may be infinite or no number where its symbols are finite (`ln`, a quotient, a power, ...) and no gate hides that.
+    /// It may be infinite or NaN where its symbols are finite (`ln`, a quotient, a power, ...) and no gate
+    /// hides that.
     pub(crate) singular: bool,
 }
 
@@ -74,7 +76,7 @@ impl Graph {
                 let vanishing = of.vanishing && (op.row().value)(0.0) == 0.0;
                 Traits { vanishing, singular: of.singular || op.row().singular }
             }
-            // Open, it hands on what would spoil the whole anyway; closed, nothing.
+            // An open gate passes on what would spoil the result in any case; a closed one passes nothing.
             Node::Binary(Binary::Gate, ..) => Traits { vanishing: true, singular: false },
             Node::Binary(op, a, b) => {
                 let (left, right) = (self.traits(a), self.traits(b));
@@ -85,7 +87,7 @@ impl Graph {
                     _ => false,
                 };
                 let own = match op {
-                    // Divided by a number, raised to one that is whole and positive.
+                    // Divided by a number, or raised to a positive integer.
                     Binary::Div => self.value(b).is_none(),
                     Binary::Pow => self.value(b).is_none_or(|n| n < 0.0 || n.fract() != 0.0),
                     _ => false,
@@ -158,12 +160,12 @@ impl Graph {
         a.into_iter().chain(b)
     }
 
-    /// All nodes that the roots are made of, operands first, roots included.
+    /// All nodes below the roots, operands first, including the roots.
     pub fn reachable(&self, roots: &[Id]) -> Vec<Id> {
         self.reachable_above(roots, &[])
     }
 
-    /// As [`Graph::reachable`], but not looking into the nodes of `leaves` (which are listed where they are met).
+    /// As [`Graph::reachable`], without the nodes below `leaves` (the leaves themselves are listed).
     pub fn reachable_above(&self, roots: &[Id], leaves: &[Id]) -> Vec<Id> {
         let size = roots.iter().map(|id| id.index() + 1).max().unwrap_or(0);
         let mut leaf = vec![false; size];
@@ -201,7 +203,8 @@ impl Graph {
         self.reachable(roots).into_iter().filter_map(of).collect()
     }
 
-    /// Replaces nodes: every use of a key becomes its value, and everything above is rebuilt (and simplified again).
+    /// Replaces nodes: every use of a key becomes its value, and everything above is rebuilt (and simplified
+    /// again).
     ///
     /// ```
     /// # use phisindy_expr::*;
@@ -226,8 +229,8 @@ impl Graph {
         roots.iter().map(|id| new[id]).collect()
     }
 
-    /// Expressions of another graph, built (and simplified) in this one. `with` maps nodes of `other`, its symbols above all, to nodes of
-    /// this graph.
+    /// Expressions of another graph, built (and simplified) in this one. `with` maps nodes of `other`, its
+    /// symbols above all, to nodes of this graph.
     ///
     /// # Errors
     /// A symbol of `other` that `with` does not map: the two graphs need not share a table of names.
@@ -261,8 +264,9 @@ impl Graph {
         Ok(roots.iter().map(|id| new[id]).collect())
     }
 
-    /// The border between what stays and what varies: every node that does not use `varying` but is used by a node of `roots` that
-    /// does (or is a root itself), numbers excepted. Evaluated once per data set, these are the inputs of what is left for each epoch.
+    /// The border between constant and varying nodes: every node that does not depend on `varying` but is
+    /// an operand of a node below `roots` that does (or is a root itself), except numbers. Evaluated once
+    /// per data set, these nodes are the inputs of the rest in each epoch.
     ///
     /// ```
     /// # use phisindy_expr::*;

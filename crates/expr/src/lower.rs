@@ -2,7 +2,7 @@
 
 use crate::{Ast, AstKind, Graph, Id, Span, Symbol};
 
-/// A name that stands for nothing here.
+/// A name without a meaning here.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnknownName {
     /// The name as written.
@@ -12,10 +12,10 @@ pub struct UnknownName {
 }
 
 impl Graph {
-    /// Builds the graph of a syntax tree. `resolve` says which symbol a name stands for; `pi` is known.
+    /// Builds the graph of a syntax tree. `resolve` returns the symbol of a name; `pi` is known.
     ///
     /// # Errors
-    /// All names that `resolve` does not know, in the order of the text.
+    /// All names unknown to `resolve`, in the order of the text.
     pub fn lower(
         &mut self,
         ast: &Ast,
@@ -31,7 +31,7 @@ impl Graph {
                     None if name == "pi" => self.constant(std::f64::consts::PI),
                     None => {
                         unknown.push(UnknownName { name: name.clone(), span: node.span });
-                        // Anything finite: what is built on it is thrown away.
+                        // Any finite number: the result is discarded.
                         self.constant(1.0)
                     }
                 },

@@ -1,4 +1,4 @@
-//! Names and the symbols that stand for them.
+//! Names and their symbols.
 
 use std::collections::HashMap;
 
@@ -22,7 +22,7 @@ pub struct Names {
 }
 
 impl Names {
-    /// The symbol of a name, made if new.
+    /// The symbol of a name, created if it is new.
     pub fn intern(&mut self, name: &str) -> Symbol {
         if let Some(&symbol) = self.index.get(name) {
             return symbol;
@@ -47,8 +47,8 @@ impl Names {
     }
 }
 
-/// The candidate nearest to `name` in spelling, if one is near enough to be meant: case alone, or at most a third of the letters
-/// changed (one, for short names).
+/// The candidate nearest to `name` in spelling, if it is near enough to be meant: only the case differs, or
+/// at most a third of the letters (one letter, for short names).
 ///
 /// ```
 /// use phisindy_expr::nearest;

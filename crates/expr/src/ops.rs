@@ -1,16 +1,19 @@
-//! The table of operations. Adding an operation is adding a row here: name, value, derivative, kinks, arithmetic, LaTeX. Values, gradients of any
-//! order, the printers, the parser and the operation tests all read these rows.
+//! The table of operations. A new operation is a new row: name, value, derivative, kinks, arithmetic,
+//! LaTeX. Values, gradients of any order, the printers, the parser and the tests of operations all use
+//! these rows.
 //!
-//! Derivatives at a kink are a decision, written down once: `d|x| = sgn(x)`, `sgn(0) = 0`, `d sgn = d step = 0`, and so `1/2` for `pos` and
-//! `dead` at their corners. `gate` is the one operation that hides what it leaves out, NaN too, in its value and in every derivative (which
-//! `masked` products carry past infinite slopes); of a side with slope 0 all others demand that it be finite (0 times infinity is NaN).
+//! Derivatives at a kink are a convention: `d|x| = sgn(x)`, `sgn(0) = 0`, `d sgn = d step = 0`, and so
+//! `1/2` for `pos` and `dead` at their corners. Only `gate` hides the side that it excludes, including NaN,
+//! in its value and in every derivative (`masked` products carry this past infinite slopes). All other
+//! operations require a finite value even of a side with slope 0 (0 times infinity is NaN).
 
 use crate::{Graph, Id, elementary};
 
-/// How an operation is written in LaTeX; `#1`, `#2` stand for the operands.
+/// The LaTeX form of an operation; `#1`, `#2` are the operands.
 pub type Latex = &'static str;
 
-/// How it is written in each [`crate::Language`], in that order; what no language has is a function of [`crate::Language::helpers`].
+/// The spelling in each [`crate::Language`], in that order; an operation that a language lacks is a
+/// function of [`crate::Language::helpers`].
 pub type Spelling = [&'static str; 3];
 
 /// A row of the table of functions of one argument.
@@ -25,9 +28,10 @@ pub struct UnaryRow {
     pub slope: fn(&mut Graph, Id, Id) -> Id,
     /// Where value or slope jumps.
     pub kinks: &'static [f64],
-    /// Whether the value can be infinite or no number where x is finite.
+    /// Whether the value can be infinite or NaN where x is finite.
     pub singular: bool,
-    /// Additions, multiplications, divisions and roots of one value; comparisons and signs count nothing, a function of the library one.
+    /// Additions, multiplications, divisions and roots of one value; comparisons and signs count nothing, a
+    /// function of the library one.
     pub flops: u32,
     /// How it prints.
     pub latex: Latex,
@@ -53,7 +57,8 @@ pub struct BinaryRow {
     pub slope_b: fn(&mut Graph, Id, Id, Id) -> Id,
     /// Positive distance to the nearest jump of value or slope; infinite where there is none.
     pub kink: fn(f64, f64) -> f64,
-    /// Additions, multiplications, divisions and roots of one value; comparisons and signs count nothing, a function of the library one.
+    /// Additions, multiplications, divisions and roots of one value; comparisons and signs count nothing, a
+    /// function of the library one.
     pub flops: u32,
     /// How it prints.
     pub latex: Latex,
@@ -213,7 +218,7 @@ fn one_plus_square(g: &mut Graph, x: Id, sign: Binary) -> Id {
     g.binary(sign, one, square)
 }
 
-/// `y/b` for `y = a/b`; of a number `a` it is `y^2/a`, for a division costs as much as ten products.
+/// `y/b` for `y = a/b`. For a number `a` it is `y^2/a`, because a division costs as much as ten products.
 fn quotient_by(g: &mut Graph, a: Id, b: Id, y: Id) -> Id {
     let inverse = g.value(a).map(f64::recip).filter(|inverse| inverse.is_normal());
     let Some(inverse) = inverse else { return g.binary(Binary::Div, y, b) };
@@ -249,7 +254,7 @@ fn named_binary() -> impl Iterator<Item = &'static BinaryRow> {
     BINARY.iter().filter(|r| r.precedence == 0 && !matches!(r.op, Binary::Gate | Binary::Masked))
 }
 
-/// What a function name stands for.
+/// The operation behind a function name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Function {
     /// Takes one argument.

@@ -3,13 +3,15 @@
 //! ```text
 //! sum     = product { ("+" | "-") product }
 //! product = sign { ("*" | "/") sign }
-//! sign    = "-" product' | "+" product' | power          leading, it takes the product: -a*b is -(a*b); after an operator, only
-//!                                                        what that operator takes: a/-b*c is (a/(-b))*c, 2^-x*y is (2^(-x))*y
+//! sign    = "-" product' | "+" product' | power          see below
 //! power   = primary [ "^" sign ]                          right-associative: a^b^c is a^(b^c), -x^2 is -(x^2)
 //! primary = number | name | name "(" sum { "," sum } ")" | "(" sum ")" | "|" sum "|"
 //! ```
-//! A bar where an operand is due opens `|...|`, a bar where an operator is due closes it; so no `||` token is needed and there is no
-//! implicit multiplication.
+//! A leading sign applies to a whole product: `-a*b` is `-(a*b)`. After an operator, a sign applies to what that
+//! operator takes: `a/-b*c` is `(a/(-b))*c` and `2^-x*y` is `(2^(-x))*y`.
+//!
+//! A bar in the place of an operand opens `|...|`, a bar in the place of an operator closes it. So there is
+//! no `||` token and no implicit multiplication.
 
 use crate::ops::{Function, function, function_names};
 use crate::token::Token;
@@ -18,23 +20,23 @@ use logos::Logos;
 use std::borrow::Cow;
 use std::fmt;
 
-/// What a leading sign takes: operators that bind tighter than this.
+/// The precedence above which operators belong to the operand of a leading sign.
 const SIGN: u8 = 1;
-/// Parentheses, bars, signs and powers may nest this deep: the parser recurses once for each.
+/// The maximum depth of nested parentheses, bars, signs and powers: the parser recurses once for each.
 const MAX_DEPTH: usize = 200;
-/// An expression may have this many tokens.
+/// The maximum number of tokens of an expression.
 const MAX_TOKENS: usize = 20_000;
 
-/// What is wrong with an expression; the text says what to do.
+/// An error in an expression; the text gives advice.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ParseErrorKind {
     /// Nothing but white space.
     Empty,
-    /// A character that the language does not have.
+    /// A character outside the language.
     UnknownCharacter(char),
-    /// A value was due, this came.
+    /// This token in the place of a value.
     ExpectedValue(String),
-    /// An operator was due, this came (`2x`).
+    /// This token in the place of an operator (`2x`).
     ExpectedOperator(String),
     /// A parenthesis without its partner.
     UnclosedParenthesis,
@@ -44,7 +46,7 @@ pub enum ParseErrorKind {
     UnknownFunction(String),
     /// A function without its parentheses.
     FunctionWithoutArguments(String),
-    /// A function with too few or too many arguments: name, due, given.
+    /// A function with too few or too many arguments: name, expected number, given number.
     WrongArguments(String, usize, usize),
     /// A literal too large for a double.
     NumberTooLarge,
@@ -54,17 +56,17 @@ pub enum ParseErrorKind {
     TooLong,
 }
 
-/// A mistake and its place in the text.
+/// An error and its place in the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ParseError {
-    /// What.
+    /// The error.
     pub kind: ParseErrorKind,
-    /// Where.
+    /// Its place.
     pub span: Span,
 }
 
 impl ParseError {
-    /// What to do about it, where there is more to say than the message.
+    /// Advice, if there is more than the message.
     pub fn hint(&self) -> Option<String> {
         use ParseErrorKind::*;
         match &self.kind {
@@ -123,7 +125,7 @@ impl std::error::Error for ParseError {}
 /// Parses one expression.
 ///
 /// # Errors
-/// The first mistake, with its place and what to do.
+/// The first error, with its place and advice.
 ///
 /// ```
 /// use phisindy_expr::parse;
@@ -159,7 +161,7 @@ pub fn parse(text: &str) -> Result<Ast, ParseError> {
     }
 }
 
-/// The beginning of a piece of the text, short enough for a message.
+/// The beginning of a text, short enough for a message.
 fn clipped(text: &str) -> Cow<'_, str> {
     match text.char_indices().nth(40) {
         Some((end, _)) => format!("{}...", &text[..end]).into(),
@@ -187,7 +189,7 @@ impl Parser<'_> {
         self.nodes.len() - 1
     }
 
-    fn found(&self) -> (String, Span) {
+    fn token_text(&self) -> (String, Span) {
         match self.peek() {
             Some((_, span)) => (format!("`{}`", clipped(&self.text[span.range()])), span),
             None => ("the end".into(), Span::new(self.text.len(), self.text.len())),
@@ -195,7 +197,7 @@ impl Parser<'_> {
     }
 
     fn expected_operator(&self) -> ParseError {
-        let (found, span) = self.found();
+        let (found, span) = self.token_text();
         ParseError { kind: ParseErrorKind::ExpectedOperator(found), span }
     }
 
@@ -203,7 +205,7 @@ impl Parser<'_> {
     fn expression(&mut self, floor: u8) -> Result<usize, ParseError> {
         self.depth += 1;
         if self.depth > MAX_DEPTH {
-            return Err(ParseError { kind: ParseErrorKind::TooDeep, span: self.found().1 });
+            return Err(ParseError { kind: ParseErrorKind::TooDeep, span: self.token_text().1 });
         }
         let mut left = self.operand(floor)?;
         while let Some((token, _)) = self.peek() {
@@ -234,7 +236,7 @@ impl Parser<'_> {
     /// A value with its signs; `floor` is that of the expression it begins.
     fn operand(&mut self, floor: u8) -> Result<usize, ParseError> {
         let Some((token, span)) = self.peek() else {
-            let (found, span) = self.found();
+            let (found, span) = self.token_text();
             return Err(ParseError { kind: ParseErrorKind::ExpectedValue(found), span });
         };
         self.next += 1;
@@ -254,7 +256,7 @@ impl Parser<'_> {
                 let inner = self.expression(0)?;
                 self.bars = bars;
                 let end = self.close(Token::Close, span, ParseErrorKind::UnclosedParenthesis)?;
-                // What is built on top begins and ends with the brackets; a name or number stands for itself.
+                // A larger expression includes the brackets in its span; a name or number is its own span.
                 if let AstKind::Unary(..) | AstKind::Binary(..) = self.nodes[inner].kind {
                     self.nodes[inner].span = span.to(end);
                 }
@@ -267,7 +269,7 @@ impl Parser<'_> {
                 let end = self.close(Token::Bar, span, ParseErrorKind::UnclosedBar)?;
                 Ok(self.push(AstKind::Unary(Unary::Abs, inner), span.to(end)))
             }
-            // A sign binds as a product does, but no looser than the operator before it.
+            // A sign has the precedence of a product, but at least that of the operator before it.
             Token::Minus => {
                 let inner = self.expression(floor.max(SIGN))?;
                 let end = self.nodes[inner].span;
@@ -276,7 +278,7 @@ impl Parser<'_> {
             Token::Plus => self.expression(floor.max(SIGN)),
             _ => {
                 self.next -= 1;
-                let (found, span) = self.found();
+                let (found, span) = self.token_text();
                 Err(ParseError { kind: ParseErrorKind::ExpectedValue(found), span })
             }
         }
@@ -319,7 +321,7 @@ impl Parser<'_> {
                 Ok(span)
             }
             Some((Token::Comma, _)) if token == Token::Close => Err(self.expected_operator()),
-            // An expression ends at nothing else than these: what they close was opened further out, or nowhere.
+            // Only these tokens end an expression: their opening partner is further out, or missing.
             _ => Err(ParseError { kind: missing, span: open }),
         }
     }

@@ -1,4 +1,4 @@
-//! Graphs to text: LaTeX for people, plain text that parses again.
+//! Graphs to text: LaTeX for readers, and plain text that parses again.
 
 use crate::{Binary, Graph, Id, Names, Node, Unary};
 use std::fmt::Write;
@@ -8,9 +8,9 @@ const PRODUCT: u8 = 2;
 /// Precedence of things that never need parentheses.
 const ATOM: u8 = 5;
 
-/// What is still to be written: printing keeps its own stack, so that no expression is too deep.
+/// An item still to be printed: the printer has its own stack, so no expression is too deep.
 enum Piece {
-    /// A node, in parentheses if it binds looser than this.
+    /// A node, in parentheses if its precedence is lower than this.
     Node(Id, u8),
     Text(&'static str),
 }
@@ -22,7 +22,7 @@ enum Style {
 }
 
 impl Graph {
-    /// Plain text in the language of the specs: parsing it gives the same node.
+    /// Plain text in the language of specs: parsing it gives the same node.
     pub fn text(&self, root: Id, names: &Names) -> String {
         self.print(root, names, Style::Text)
     }
@@ -87,7 +87,7 @@ impl Graph {
         }
     }
 
-    /// The parts of an operation in the order of writing; nothing for numbers and names.
+    /// The parts of an operation in the order of printing; empty for numbers and names.
     fn pieces(&self, id: Id, style: Style) -> Vec<Piece> {
         match (self.node(id), style) {
             (Node::Constant(_) | Node::Symbol(_), _) => vec![],
@@ -133,7 +133,7 @@ impl Graph {
             }
             (Node::Binary(op, a, b), Style::Latex) => {
                 let (left, right) = match op {
-                    // People read a + (b - c) more easily without the parentheses.
+                    // a + (b - c) needs no parentheses.
                     Binary::Add if !self.starts_with_minus(b) => (0, 1),
                     _ if op.row().precedence == 0 => (0, 0),
                     _ => sides(op),
@@ -169,7 +169,7 @@ impl Graph {
         }
     }
 
-    /// A row's template with the operands in it; around tall operands its parentheses grow.
+    /// The template of a row with its operands; tall operands get tall parentheses.
     fn filled(&self, template: &'static str, operands: &[(Id, u8)]) -> Vec<Piece> {
         let leaf = |id: Id| matches!(self.node(id), Node::Constant(_) | Node::Symbol(_));
         let tall = !operands.iter().all(|&(id, _)| leaf(id));
@@ -211,7 +211,8 @@ fn number(x: f64) -> String {
     if size != 0.0 && !(1e-4..1e15).contains(&size) { format!("{x:e}") } else { format!("{x}") }
 }
 
-/// A number in LaTeX with `digits` significant digits, trailing zeros dropped; below 10^5 every digit before the point is kept.
+/// A number in LaTeX with `digits` significant digits, trailing zeros dropped; below 10^5 every digit before
+/// the point is kept.
 ///
 /// ```
 /// use phisindy_expr::latex_number;

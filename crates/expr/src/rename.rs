@@ -1,8 +1,9 @@
-//! Names replaced in the text of an expression.
+//! Replaces names in the text of an expression.
 
 use crate::{ParseError, Span, parse};
 
-/// The text of an expression with some of its names replaced, all at once; everything else stays as it was written.
+/// The text of an expression with some of its names replaced, all in one pass; the rest of the text does
+/// not change.
 ///
 /// # Errors
 /// The text is no expression.

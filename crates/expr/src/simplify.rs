@@ -1,9 +1,10 @@
-//! Rules applied while a graph is built. Each holds wherever the original is finite (but for rounding, and for products near the limits
-//! of a double, whose factors may be multiplied in another order); nothing is divided by what may be zero, no domain is widened on
-//! purpose, and a number is folded only if the result is finite (else the operation stays, to fail where it stands).
+//! Rules applied while a graph is built. Each rule holds wherever the original is finite (except for
+//! rounding, and for products near the limits of a double, whose factors may be multiplied in another
+//! order). No rule divides by what may be zero or widens a domain on purpose. A number is folded only if
+//! the result is finite; otherwise the operation stays and fails in its place.
 //!
-//! They also bring sums and products to one form (the number first, a difference in place of a negative summand), so that printing and
-//! parsing again gives the same node.
+//! The rules also bring sums and products to a normal form (the number first, a difference in place of a
+//! negative summand), so that printing and parsing again gives the same node.
 
 use crate::{Binary, Graph, Id, Node, Unary};
 
@@ -16,7 +17,8 @@ pub(crate) fn unary(g: &mut Graph, op: Unary, a: Id) -> Option<Id> {
     match (op, g.node(a)) {
         (Unary::Neg, Node::Unary(Unary::Neg, b)) => Some(b),
         (Unary::Neg, Node::Binary(Binary::Sub, b, c)) => Some(g.sub(c, b)),
-        // Only of a finite number the negative is a number again: of any other one this would go on for ever.
+        // Only for a finite number is the negative a number again; for any other the rule would not
+        // terminate.
         (Unary::Neg, Node::Binary(Binary::Mul, c, b)) if g.value(c).is_some_and(f64::is_finite) => {
             let minus = g.neg(c);
             Some(g.mul(minus, b))
@@ -59,7 +61,7 @@ pub(crate) fn binary(g: &mut Graph, op: Binary, a: Id, b: Id) -> Option<Id> {
         Binary::Mul if y.is_some() => Some(g.mul(b, a)),
         Binary::Mul if x == Some(-1.0) => Some(g.neg(b)),
         Binary::Mul => product(g, op, a, b),
-        // By a number it is the ordinary product.
+        // Times a number it is the ordinary product.
         Binary::Masked if x.is_some() || y.is_some() => Some(g.mul(a, b)),
         Binary::Masked => product(g, op, a, b),
         Binary::Div if y == one => Some(a),
@@ -139,7 +141,7 @@ fn quotient(g: &mut Graph, a: Id, b: Id) -> Option<Id> {
     }
 }
 
-/// The folded number, if it is an ordinary one: moving numbers together must not overflow or vanish on the way.
+/// The folded number, if it is a normal one: folding must neither overflow nor underflow.
 fn folded(g: &mut Graph, op: Binary, a: Id, b: Id) -> Option<Id> {
     let z = (op.row().value)(g.value(a)?, g.value(b)?);
     z.is_normal().then(|| g.constant(z))

@@ -1,4 +1,4 @@
-//! Where a piece of text stands.
+//! Places in a text.
 
 use std::ops::Range;
 
@@ -24,17 +24,17 @@ impl Span {
         Span { start, end }
     }
 
-    /// The same range as std's type, to slice with.
+    /// The same range as a type of `std`, for slices.
     pub fn range(self) -> Range<usize> {
         self.start..self.end
     }
 
-    /// The smallest range that holds both.
+    /// The smallest range that contains both.
     pub fn to(self, other: Span) -> Span {
         Span::new(self.start.min(other.start), self.end.max(other.end))
     }
 
-    /// The range moved right by `offset` bytes: from a piece of text to the text around it.
+    /// The range moved right by `offset` bytes: from a part of a text to the whole text.
     pub fn shifted(self, offset: usize) -> Span {
         Span::new(self.start + offset, self.end + offset)
     }

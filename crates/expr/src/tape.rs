@@ -1,10 +1,11 @@
-//! A graph compiled to a straight-line program over slots, and the scratch memory it runs in.
+//! A graph compiled to a straight-line program over slots, and its scratch memory.
 
 use crate::{Binary, Graph, Id, Names, Node, Symbol, Unary};
 use pulp::Arch;
 use std::sync::Arc;
 
-/// Runs loops over lanes with the widest vectors that this machine has. What `work` calls must be inlined into it.
+/// Runs loops over lanes with the widest vectors of this machine. `work` must inline the functions that it
+/// calls.
 ///
 /// ```
 /// let (a, mut b) = ([2.0; 64], [1.0; 64]);
@@ -30,8 +31,8 @@ enum Code {
         b: u32,
         out: u32,
     },
-    /// Products added to, or taken off, a value: `count` pairs of factors in [`Program::factors`], from `first` on. A chain of products
-    /// alone starts at -0, which changes no bit of the first.
+    /// Products added to or subtracted from a value: `count` pairs of factors in [`Program::factors`], from
+    /// `first` on. A chain of products alone starts at -0, which changes no bit of the first one.
     Chain {
         op: Chain,
         count: u8,
@@ -41,8 +42,9 @@ enum Code {
     },
 }
 
-/// Products and the sums that alone use them, in one instruction: what a program does most. Each product and each sum is rounded as if it
-/// stood alone (no fused rounding), so that the bits are those of the single operations, on every machine.
+/// Products and the sums that only they enter, in one instruction: the most frequent operations. Each
+/// product and each sum is rounded separately (no fused rounding), so the bits are those of the single
+/// operations on every machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Chain {
     /// `c + a b + ...`
@@ -53,7 +55,7 @@ enum Chain {
     Less,
 }
 
-/// Products in one instruction at most.
+/// The maximum number of products in one instruction.
 const LONGEST: usize = 6;
 
 impl Chain {
@@ -80,7 +82,7 @@ impl Chain {
     }
 }
 
-/// A symbol that the roots use but that is no input of the tape.
+/// A symbol of the roots that is no input of the tape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unbound(pub Symbol);
 
@@ -91,7 +93,7 @@ impl Unbound {
     }
 }
 
-/// What a tape costs for each sample.
+/// The cost of a tape for each sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Cost {
     /// Instructions, each a loop over the lanes.
@@ -112,7 +114,7 @@ impl Cost {
         self.stores += 1;
     }
 
-    /// That of one tape after another, so many times.
+    /// The cost of this tape and another one after it, repeated `times` times.
     #[must_use]
     pub fn with(self, other: Cost, times: usize) -> Cost {
         Cost {
@@ -138,7 +140,8 @@ mod lanes;
 
 use lanes::Lanes;
 
-/// A compiled program: immutable, cheap to clone, shared between threads. Its memory is a [`Scratch`], which belongs to one thread.
+/// A compiled program: immutable, cheap to clone, shared between threads. Its memory is a [`Scratch`] of
+/// one thread.
 ///
 /// ```
 /// use phisindy_expr::{Graph, Names, Scratch, Tape, parse};
@@ -154,10 +157,11 @@ use lanes::Lanes;
 pub struct Tape(Arc<Program>);
 
 impl Tape {
-    /// Compiles `outputs` as functions of `inputs`. An input may be any node, not only a symbol: what lies below it is not evaluated.
+    /// Compiles `outputs` as functions of `inputs`. An input may be any node; the nodes below it are not
+    /// evaluated.
     ///
     /// # Errors
-    /// A symbol that is needed and is no input.
+    /// A symbol in the outputs that is no input.
     pub fn compile(graph: &Graph, inputs: &[Id], outputs: &[Id]) -> Result<Tape, Unbound> {
         let order = graph.reachable_above(outputs, inputs);
         let size = order.last().map_or(0, |id| id.index() + 1);
@@ -167,7 +171,8 @@ impl Tape {
             given[id.index()] = true;
         }
         let steps = steps(graph, &order, outputs, &given);
-        // Where each value is used last, so that its slot can serve again. Inputs, numbers and outputs are kept to the end.
+        // The last use of each value, after which its slot is free. Inputs, numbers and outputs keep their
+        // slots.
         let mut last_use = vec![0usize; size];
         for (k, step) in steps.iter().enumerate() {
             step.operands().iter().for_each(|a| last_use[a.index()] = k);
@@ -209,7 +214,7 @@ impl Tape {
                     let start = start.map(at).or(nothing).unwrap_or_else(|| unreachable!("a slot for -0"));
                     code.push(Code::Chain { op: *op, count, first, start, out });
                 }
-                // x^2 is x*x, x^3 is x*x*x: the commonest powers, without a call.
+                // x^2 is x*x and x^3 is x*x*x: the most frequent powers need no call.
                 &Form::Binary(Binary::Pow, a, n) if graph.value(n) == Some(2.0) => {
                     code.push(Code::Binary { op: Binary::Mul, a: at(a), b: at(a), out });
                 }
@@ -235,12 +240,12 @@ impl Tape {
         Ok(Tape(Arc::new(program)))
     }
 
-    /// Number of instructions: what one sample costs.
+    /// Number of instructions per sample.
     pub fn operations(&self) -> usize {
         self.0.code.len()
     }
 
-    /// What one sample costs in full: a product and the sum that it joins are two operations.
+    /// The full cost of one sample: a product and the sum that it enters are two operations.
     ///
     /// ```
     /// use phisindy_expr::{Cost, Graph, Names, Tape, parse};
@@ -267,14 +272,14 @@ impl Tape {
         self.0.outputs.len()
     }
 
-    /// Number of slots: what one lane of scratch memory holds.
+    /// Number of slots: the scratch memory of one lane.
     pub fn slots(&self) -> usize {
         self.0.slots
     }
 }
 
 impl Program {
-    /// What `lanes` relies on.
+    /// Asserts the conditions of `lanes`.
     fn assert_sound(&self) {
         for code in &self.code {
             let (reads, out) = match *code {
@@ -295,7 +300,8 @@ impl Program {
 
 /// Memory to run a [`Tape`] for `N` samples at once (1 for a simulation, 64 for data sets).
 ///
-/// Write [`Scratch::input`], call [`Scratch::run`], read [`Scratch::output`]. Inputs keep their values between runs.
+/// Write [`Scratch::input`], call [`Scratch::run`], read [`Scratch::output`]. Inputs keep their values
+/// between runs.
 #[derive(Debug)]
 pub struct Scratch<const N: usize> {
     tape: Tape,
@@ -303,7 +309,7 @@ pub struct Scratch<const N: usize> {
     memory: Vec<f64>,
 }
 
-/// Bytes of a line of the first cache, and of the widest vector: slots begin on such borders.
+/// Bytes of a cache line, and of the widest vector: slots are aligned to it.
 const LINE: usize = 64;
 
 impl<const N: usize> Scratch<N> {
@@ -317,7 +323,7 @@ impl<const N: usize> Scratch<N> {
         scratch
     }
 
-    /// Where the slots begin in the memory.
+    /// The offset of the first slot in the memory.
     fn first(&self) -> usize {
         if N == 1 { 0 } else { self.memory.as_ptr().align_offset(LINE) }
     }
@@ -344,16 +350,16 @@ impl<const N: usize> Scratch<N> {
         &self.memory[self.first()..].as_chunks::<N>().0[self.tape.0.outputs[k] as usize]
     }
 
-    /// Evaluates every output from the inputs, with the widest vectors that this machine has.
+    /// Evaluates every output from the inputs, with the widest vectors of this machine.
     #[inline]
     pub fn run(&mut self) {
         self.run_on(&[]);
     }
 
-    /// The same, with the first inputs copied from elsewhere: an operand that may lie in two places costs more than the copy.
+    /// The same, with the first inputs copied from `head`: a copy is cheaper than operands in two places.
     ///
     /// # Panics
-    /// If there are more than the tape has inputs.
+    /// If `head` has more rows than the tape has inputs.
     pub fn run_on(&mut self, head: &[[f64; N]]) {
         assert!(head.len() <= self.tape.0.inputs, "{} inputs of {}", head.len(), self.tape.0.inputs);
         let first = self.first();
@@ -367,7 +373,7 @@ impl<const N: usize> Scratch<N> {
 }
 
 impl Scratch<1> {
-    /// Evaluates every output at these values of the inputs, in their order.
+    /// Evaluates every output at these values of the inputs, in order.
     ///
     /// # Panics
     /// If there are more values than inputs.
@@ -402,7 +408,7 @@ fn run<const N: usize>(program: &Program, slots: &mut [[f64; N]]) {
     }
 }
 
-/// A node to be computed, products joined to the sums that use them.
+/// An operation of the program, with products joined to the sums that they enter.
 struct Step {
     id: Id,
     form: Form,
@@ -411,7 +417,7 @@ struct Step {
 enum Form {
     Unary(Unary, Id),
     Binary(Binary, Id, Id),
-    /// Products, and what they are added to or taken off, if there is anything.
+    /// Products, and the value that they are added to or subtracted from, if any.
     Chain(Chain, Vec<[Id; 2]>, Option<Id>),
 }
 
@@ -425,7 +431,7 @@ impl Step {
     }
 }
 
-/// What is computed, in order.
+/// The operations in the order of computation.
 fn steps(graph: &Graph, order: &[Id], outputs: &[Id], given: &[bool]) -> Vec<Step> {
     let mut uses = vec![0u32; given.len()];
     outputs.iter().for_each(|id| uses[id.index()] += 1);
@@ -433,12 +439,13 @@ fn steps(graph: &Graph, order: &[Id], outputs: &[Id], given: &[bool]) -> Vec<Ste
         graph.operands(id).for_each(|a| uses[a.index()] += 1);
     }
     let alone = |id: Id| uses[id.index()] == 1 && !given[id.index()];
-    // The factors of a product that nobody else uses.
+    // The factors of a product with a single use.
     let product = |id: Id| match graph.node(id) {
         Node::Binary(Binary::Mul, a, b) if alone(id) => Some([a, b]),
         _ => None,
     };
-    // A sum with a product: how, the product and its factors, the other summand. The negative of a product is taken off nothing.
+    // A sum with a product: its kind, the product with its factors, and the other summand. The negative of
+    // a product is subtracted from nothing.
     let split = |id: Id| match graph.node(id) {
         Node::Binary(Binary::Add, a, b) => product(b)
             .map(|pair| (Chain::Plus, b, pair, Some(a)))
@@ -451,7 +458,7 @@ fn steps(graph: &Graph, order: &[Id], outputs: &[Id], given: &[bool]) -> Vec<Ste
     };
     let mut inside = vec![false; given.len()];
     let mut steps = Vec::with_capacity(order.len());
-    // From the end: whoever uses a product decides first.
+    // From the end: the last use of a product decides.
     for &id in order.iter().rev().filter(|id| !given[id.index()]) {
         if inside[id.index()] {
             continue;

@@ -1,15 +1,15 @@
-//! Derivatives, by reverse mode: the adjoint of an expression is more nodes of the same graph, so it is shared, simplified, compiled and
-//! printed like everything else, and can be differentiated again.
+//! Derivatives by reverse mode. The adjoint of an expression consists of nodes of the same graph, so it is
+//! shared, simplified, compiled and printed like any other expression, and can be differentiated again.
 
 use crate::{Binary, Graph, Id, Node};
 use std::collections::HashMap;
 
 impl Graph {
-    /// Vector-Jacobian product: for roots `f_i` and seeds `s_i`, the nodes of `sum_i s_i df_i/dw_j`, one for each `w_j` of `wrt`
-    /// (any nodes: what lies below them is held constant).
+    /// Vector-Jacobian product: for roots `f_i` and seeds `s_i`, the nodes of `sum_i s_i df_i/dw_j`, one
+    /// for each `w_j` of `wrt` (any nodes; the nodes below them are constant).
     ///
     /// # Panics
-    /// If there are not as many seeds as roots.
+    /// If the numbers of seeds and roots differ.
     pub fn vjp(&mut self, roots: &[Id], seeds: &[Id], wrt: &[Id]) -> Vec<Id> {
         assert_eq!(roots.len(), seeds.len(), "one seed for each root");
         let order = self.reachable_above(roots, wrt);
@@ -35,7 +35,8 @@ impl Graph {
                     self.accumulate(&mut adjoint, a, share);
                 }
                 Node::Binary(op, a, b) => {
-                    // Only the sides that matter: the other may be singular (ln of a negative base in x^2).
+                    // Only the operands that depend on `wrt`: the slope by another one may be singular (ln
+                    // of a negative base in x^2).
                     if active[a.index()] {
                         let slope = (op.row().slope_a)(self, a, b, id);
                         let share = self.share(bar, slope);
@@ -72,8 +73,8 @@ impl Graph {
         adjoint.insert(id, sum);
     }
 
-    /// `bar * slope`. What a closed gate stopped is 0 and stays so, though slopes below the gate may be infinite there
-    /// (`gate(ln(y), y)` at y = 0): where both can meet, the product is one in which zero wins.
+    /// `bar * slope`. A closed gate gives 0 and keeps it, although slopes below the gate may be infinite
+    /// there (`gate(ln(y), y)` at y = 0): where both can meet, zero wins in the product.
     fn share(&mut self, bar: Id, slope: Id) -> Id {
         let (a, b) = (self.traits(bar), self.traits(slope));
         let meet = (a.vanishing && b.singular) || (b.vanishing && a.singular);

@@ -157,7 +157,8 @@ fn every_operation_is_the_same(language: Language) {
     for (row, [x, y, _]) in found.iter().zip(&points) {
         for (&theirs, (name, value)) in row.iter().zip(&rows) {
             let ours = value(*x, *y);
-            // Whole powers by repeated multiplication lose up to 64 roundings, and beyond the smallest normal number all digits.
+            // Whole powers by repeated multiplication lose up to 64 roundings, and beyond the smallest normal
+            // number all digits.
             assert!(
                 agree(ours, theirs, 2e-14),
                 "{language:?} {name}({x:?}, {y:?}): {theirs:?}, ours {ours:?}"
@@ -190,7 +191,8 @@ fn random_expressions_are_the_same(language: Language) {
     let mut looked = 0;
     for (row, point) in found.iter().zip(POINTS) {
         let ours = bench.at(&roots, point);
-        // Where a tiny change of the arguments changes the value, libraries may differ: such points say nothing.
+        // Where a tiny change of the arguments changes the value, libraries may differ: such points say
+        // nothing.
         let [x, y, z] = point;
         let near =
             bench.at(&roots, [x * (1.0 + 3e-13) + 1e-16, y * (1.0 - 2e-13) - 2e-16, z * (1.0 + 5e-13)]);

@@ -26,7 +26,8 @@ proptest! {
         accepts_latex(&bench.latex(*ids.last().unwrap()));
     }
 
-    /// Each construction against the plain operation on the values of its operands: holding at every step, it holds for the whole.
+    /// Each construction against the plain operation on the values of its operands: holding at every step, it
+    /// holds for the whole.
     #[test]
     fn every_construction_keeps_the_value(
         steps in steps(any_step(true, plain_number()), 40),
@@ -186,7 +187,8 @@ fn deep_graphs_do_not_overflow() {
     assert_eq!(bench.graph.gradient(id, &[x]).len(), 1);
 }
 
-/// The negative of such a number is no number, so that rules that turn signs must leave it alone; they used to call each other for ever.
+/// The negative of such a number is no number, so that rules that turn signs must leave it alone; they used
+/// to call each other for ever.
 #[test]
 fn numbers_that_are_not_finite_end_the_rules() {
     for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {

@@ -47,7 +47,8 @@ proptest! {
         }
     }
 
-    /// The vectors of this machine, chains of products, inputs that lie elsewhere: the same bits as each operation alone.
+    /// The vectors of this machine, chains of products, inputs that lie elsewhere: the same bits as each
+    /// operation alone.
     #[test]
     fn the_fast_path_gives_the_same_bits(
         steps in steps(any_step(true, plain_number()), 60),

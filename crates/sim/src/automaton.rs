@@ -1,4 +1,5 @@
-//! A model compiled to a hybrid automaton: smooth rates for every combination of modes, and the surfaces between them.
+//! A model compiled to a hybrid automaton: smooth rates for every combination of modes, and the surfaces
+//! between them.
 
 use crate::switched::{Switch, Switched};
 use phisindy_expr::{Id, Tape, Unbound};
@@ -6,7 +7,8 @@ use phisindy_phys::Model;
 
 /// The compiled automaton: immutable, shared between threads.
 ///
-/// The inputs of all its tapes are `[t, x.., u.., du/dt.., p.., s.., e.., d.., b..]`; [`Switched`] says what the last four are.
+/// The inputs of all its tapes are `[t, x.., u.., du/dt.., p.., s.., e.., d.., b..]`; [`Switched`] says what
+/// the last four are.
 #[derive(Clone, Debug)]
 pub struct Automaton {
     /// Names of the states, for messages.
@@ -21,7 +23,7 @@ pub struct Automaton {
     pub(crate) flow: Tape,
     /// `w` (c), `dw/dt` (c), `d(dw/dt)/ds` (c x c), `dw/dx` (c x n).
     pub(crate) surface: Tape,
-    /// `w` (c), `dw/dx` (c x n): all that it takes to keep a contact at rest.
+    /// `w` (c), `dw/dx` (c x n): what keeps a contact at rest.
     pub(crate) rest: Tape,
     /// Derivatives, for sensitivities: see [`crate::sensitivity`].
     pub(crate) jacobian: Tape,
@@ -31,7 +33,7 @@ impl Automaton {
     /// Finds the switches of a model and compiles it.
     ///
     /// # Errors
-    /// A symbol in the rates that is no state, input, parameter or time.
+    /// A symbol in the rates that is neither a state, an input, a parameter nor time.
     ///
     /// ```
     /// use phisindy_phys::Model;

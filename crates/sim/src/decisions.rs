@@ -1,7 +1,8 @@
 //! Every number of this crate that decides something, in the order of the pipeline: what it decides, its unit
 //! and its basis.
 //!
-//! The coefficients of published formulas (Dormand-Prince, JONSWAP) decide nothing and stand beside their code.
+//! The coefficients of published formulas (Dormand-Prince, JONSWAP) decide nothing and stand beside their
+//! code.
 
 use phisindy_phys::{Basis, Decision, decisions};
 
@@ -34,7 +35,8 @@ decisions! {
     STICK_SLACK: f64 = 1e-12, "part of the friction limit", Basis::Judgement("rounding must not release a contact at the instant at which it comes to rest");
     /// After a jump of an input, a contact further than this from rest no longer sticks.
     DETACHED: f64 = 1e-9, "speed scale", ROUNDING;
-    /// A pivot below this part of the largest entry of the system for the sticking modes is zero: the other contacts decide this one.
+    /// A pivot below this part of the largest entry of the system for the sticking modes is zero: the other
+    /// contacts decide this one.
     LEAST_PIVOT: f64 = 1e-13, "part of the largest entry", Basis::Derived("rounding of a system of a few unknowns");
 
     // Events.
@@ -53,7 +55,8 @@ decisions! {
     LOCATION_ITERATIONS: usize = 4, "steps", SEARCH;
     /// Such a step of Newton's method changes the length by at most this part.
     LOCATION_CHANGE: f64 = 0.1, "part of the step", Basis::Judgement("a larger change leaves the event that was bracketed");
-    /// A switch that returns to its surface within a shorter step than this has an event at the end of the step.
+    /// A switch that returns to its surface within a shorter step than this has an event at the end of the
+    /// step.
     SHORTEST_RETURN: f64 = 1e-9, "part of the run", ROUNDING;
     /// More events than this ...
     CHATTER_EVENTS: usize = 200, "events", Basis::Judgement("more than any mechanism shows");
@@ -68,7 +71,8 @@ decisions! {
     KNOTS_PER_STEP: f64 = 8.0, "knots", Basis::Judgement("a step must not skip a burst of force on a mass at rest");
     /// The permitted error of the load of a sticking contact.
     LOAD_RESOLUTION: f64 = 1e-3, "part of the friction limit", Basis::Judgement("while nothing moves, nothing else limits the step");
-    /// The permitted error of the speed of a contact whose friction has a shape near rest, relative to that speed.
+    /// The permitted error of the speed of a contact whose friction has a shape near rest, relative to that
+    /// speed.
     SHAPE_RESOLUTION: f64 = 300.0, "tolerances", Basis::SetOn("sensitivities at the default tolerance (`crates/sim/tests/work.rs`)");
     /// The ratio by which a step may change the speed of such a contact.
     SPEED_RATIO: f64 = 4.0, "ratio", Basis::SetOn("sensitivities at the default tolerance (`crates/sim/tests/work.rs`)");

@@ -1,5 +1,5 @@
-//! One step of Dormand and Prince's Runge-Kutta pair 5(4) with its dense output (J. Comput. Appl. Math. 6 (1980) 19-26; Hairer, Norsett,
-//! Wanner, Solving Ordinary Differential Equations I, II.5 and II.6).
+//! One step of Dormand and Prince's Runge-Kutta pair 5(4) with its dense output (J. Comput. Appl. Math. 6
+//! (1980) 19-26; Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.5 and II.6).
 
 /// Number of stages; the last one is the first of the next step.
 pub(crate) const STAGES: usize = 7;
@@ -38,7 +38,8 @@ pub(crate) struct Step {
     pub(crate) h: f64,
     /// State at the stages; the first is the start, the last the end.
     pub(crate) x: [Vec<f64>; STAGES],
-    /// Rates at the stages; after them the loads of sticking contacts, which are not integrated but must be resolved as well.
+    /// Rates at the stages, followed by the loads of the sticking contacts, which are not integrated but
+    /// must be resolved too.
     pub(crate) k: [Vec<f64>; STAGES],
     dense: Dense,
     interpolated: bool,
@@ -77,7 +78,7 @@ impl Step {
         &self.x[STAGES - 1]
     }
 
-    /// The estimated errors of the states, and after them those of the mean loads.
+    /// The estimated errors of the states, followed by those of the mean loads.
     pub(crate) fn errors(&self, out: &mut [f64]) {
         let n = self.x[0].len();
         for (i, e) in out[..self.k[0].len()].iter_mut().enumerate() {
@@ -98,7 +99,8 @@ impl Step {
     }
 }
 
-/// Hairer's interpolant of a step, to fourth order: from the values at both ends and the rates at the stages. Serves states and sensitivities alike.
+/// Hairer's fourth-order interpolant of a step, from the values at both ends and the rates at the stages.
+/// It serves states and sensitivities alike.
 #[derive(Default)]
 pub(crate) struct Dense {
     h: f64,
@@ -127,12 +129,12 @@ impl Dense {
         })
     }
 
-    /// The same, written to where they are wanted.
+    /// Writes the values at the fraction `theta` to `out`.
     pub(crate) fn value(&self, theta: f64, out: &mut [f64]) {
         out.iter_mut().zip(self.values(theta)).for_each(|(out, value)| *out = value);
     }
 
-    /// Their rates of change there.
+    /// Writes the rates of change at the fraction `theta` to `out`.
     pub(crate) fn slope(&self, theta: f64, out: &mut [f64]) {
         let back = 1.0 - theta;
         for (out, [_, difference, bend, fourth, fifth]) in out.iter_mut().zip(&self.c) {
@@ -149,7 +151,7 @@ mod tests {
     use super::*;
     use approx::{assert_abs_diff_eq, assert_relative_eq};
 
-    /// One step of one state, whose rate is also written as the load behind it.
+    /// One step of one state; the load equals its rate.
     fn step(t: f64, h: f64, x: f64, rate: impl Fn(f64, f64) -> f64) -> Step {
         let mut step = Step::new(1, 1);
         step.start(t, &[x], &[rate(t, x); 2]);
@@ -188,7 +190,8 @@ mod tests {
         }
     }
 
-    /// Of `x' = -2 t x^2`, `x = 1 / (1 + t^2)`. What is left of an error of order `p` at half the step is `2^-p` of it.
+    /// The equation is `x' = -2 t x^2` with the solution `x = 1 / (1 + t^2)`. Halving the step divides an
+    /// error of order `p` by `2^p`.
     #[test]
     fn errors_have_the_orders_of_the_method() {
         let exact = |t: f64| 1.0 / (1.0 + t * t);
@@ -198,7 +201,7 @@ mod tests {
             let mut step = step(t, h, exact(t), rate);
             let middle = within(&mut step, 0.4).0;
             let [state, load] = errors(&step);
-            // The estimate for a load is that of its mean: without the length of the step.
+            // The estimate for a load is that of its mean: it lacks the step length.
             assert_relative_eq!(state, h * load, max_relative = 1e-12);
             [step.end()[0] - exact(t + h), middle - exact(t + 0.4 * h), state]
         };

@@ -2,17 +2,18 @@
 
 use crate::decisions::LEAST_PIVOT;
 
-/// Gauss-Jordan elimination with row pivoting on `m` rows of `m + k` numbers; the right-hand sides become the solutions. An unknown that the
-/// others already decide (two contacts that hold the same thing) becomes zero, and takes no row from those that come after it.
+/// Gauss-Jordan elimination with row pivoting on `m` rows of `m + k` numbers; the right-hand sides become
+/// the solutions. An unknown that the others determine (two contacts between the same bodies) becomes zero
+/// and uses no row.
 pub(crate) fn solve_in_place(a: &mut [f64], m: usize, k: usize) {
     let width = m + k;
     let largest = (0..m * m).map(|i| a[i / m * width + i % m].abs()).fold(0.0, f64::max);
-    // Rows that are used up, each by the first unknown that it does not leave open.
+    // Rows in use, each for the first unknown that it determines.
     let mut used = 0;
     for col in 0..m {
         let size = |row: usize| a[row * width + col].abs();
         let pivot = (used..m).max_by(|&i, &j| size(i).total_cmp(&size(j)));
-        // What is no number goes on, and is found in the rates.
+        // A NaN stays in the system and appears in the rates.
         let Some(pivot) = pivot.filter(|&row| size(row).is_nan() || size(row) > LEAST_PIVOT * largest) else {
             (used..m).for_each(|row| a[row * width + col] = 0.0);
             continue;
@@ -31,7 +32,7 @@ pub(crate) fn solve_in_place(a: &mut [f64], m: usize, k: usize) {
         }
         used += 1;
     }
-    // From the last one up, each row goes to the unknown that it is about, which never stands before it.
+    // From the last row up, each row moves to its unknown, which never precedes it.
     for col in (0..m).rev() {
         let about = |row: usize| a[row * width..][..col].iter().all(|v| *v == 0.0);
         if used > 0 && about(used - 1) {
@@ -48,7 +49,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// What was solved, put back into the equations; the largest number of a column may stand in any row.
+    /// The solutions satisfy the equations, wherever the largest number of a column is.
     #[test]
     fn the_solutions_solve_the_system() {
         let a = [[0.0, 2.0, -1.0], [1e-3, 1.0, 4.0], [5.0, -3.0, 2.0]];
@@ -63,7 +64,8 @@ mod tests {
         }
     }
 
-    /// The second and the third unknown are held by the same thing: the one takes all of it, the other none, and nothing from a fourth one.
+    /// The second and the third unknown have the same equation: one gets the whole solution, the other
+    /// zero, and a fourth one is not affected.
     #[test]
     fn what_the_others_decide_is_zero() {
         let rows = [
@@ -77,11 +79,11 @@ mod tests {
             solve_in_place(&mut system, 4, 1);
             assert_eq!([system[4], system[9], system[14], system[19]], [2.0, 3.0, 0.0, 4.0], "{order:?}");
         }
-        // One that nothing moves, before one that something does.
+        // An unknown without any coefficient, before one that has some.
         let mut system = [0.0, 0.0, 5.0, 0.0, 4.0, 8.0];
         solve_in_place(&mut system, 2, 1);
         assert_eq!((system[2], system[5]), (0.0, 2.0));
-        // What is no number is not hidden.
+        // A NaN is not hidden.
         let mut system = [f64::NAN, 0.0, 5.0, 0.0, 4.0, 8.0];
         solve_in_place(&mut system, 2, 1);
         assert!(system[2].is_nan());

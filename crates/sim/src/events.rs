@@ -1,4 +1,5 @@
-//! Events of a run: where in a step a mode ends, a step that ends exactly there, and the passage to the next mode.
+//! Events of a run: where in a step a mode ends, a step that ends exactly there, and the transition to the
+//! next mode.
 
 use crate::decisions::{
     CHATTER_EVENTS, CHATTER_SPAN, LOCATION_CHANGE, LOCATION_ITERATIONS, ON_SURFACE, OVERLOAD,
@@ -8,24 +9,25 @@ use crate::dopri::{C, STAGES};
 use crate::state::Run;
 use crate::trajectory::SimError;
 
-/// What a step holds.
+/// The result of the search for an event in a step.
 pub(crate) enum Search {
     /// No event.
     None,
-    /// The event of this switch, at about this fraction of the step; 0 is at once.
+    /// The event of this switch at about this fraction of the step; 0 is its start.
     At(usize, f64),
-    /// Something that only a shorter step can tell.
+    /// Only a shorter step can tell.
     Shorter,
 }
 
 impl Run<'_> {
-    /// The guard of a switch at a point: positive while its mode may last. Leaves the surfaces evaluated there.
+    /// The guard of a switch at a point: positive while its mode lasts. The surfaces stay evaluated at this
+    /// point.
     fn guard(&mut self, c: usize, t: f64, x: &[f64]) -> f64 {
         if self.field.stuck[c] {
-            self.field.hold(t, x);
+            self.field.solve_stuck_modes(t, x);
             self.field.reserve(c) + OVERLOAD
         } else {
-            self.field.held_surfaces(t, x);
+            self.field.stuck_surfaces(t, x);
             self.field.modes[c] * self.field.w(c)
         }
     }
@@ -48,12 +50,12 @@ impl Run<'_> {
         g
     }
 
-    /// The first guard that fails within the step just made.
+    /// The first guard that becomes negative within the step just made.
     pub(crate) fn first_event(&mut self) -> Search {
         let mut first: Option<(usize, f64)> = None;
         for c in 0..self.field.switches() {
-            let found = if self.field.stuck[c] { self.overload(c) } else { self.crossing(c) };
-            match found {
+            let event = if self.field.stuck[c] { self.overload(c) } else { self.crossing(c) };
+            match event {
                 Search::At(c, theta) if first.is_none_or(|(_, f)| theta < f) => first = Some((c, theta)),
                 Search::Shorter => return Search::Shorter,
                 _ => {}
@@ -62,16 +64,16 @@ impl Run<'_> {
         first.map_or(Search::None, |(c, theta)| Search::At(c, theta))
     }
 
-    /// Where in the step a sticking contact is overloaded. Its load at the stages is known from the step itself.
+    /// Where in the step a sticking contact is overloaded. The step contains its load at the stages.
     fn overload(&mut self, c: usize) -> Search {
         let load = self.x.len() + c;
         let reserve: [f64; STAGES] = std::array::from_fn(|i| 1.0 - self.step.k[i][load].abs() + OVERLOAD);
-        // The last two stages are both at the end.
+        // The last two stages are both at the end of the step.
         let stages = 0..STAGES - 1;
         let mut bracket = stages.clone().skip(1).find(|&i| reserve[i] < 0.0).map(|i| (C[i - 1], C[i]));
         let least = stages.clone().min_by(|&i, &j| reserve[i].total_cmp(&reserve[j])).unwrap_or(0);
         if bracket.is_none() && least > 0 && least + 1 < stages.end {
-            // A peak of the load between the stages.
+            // The load may have a peak between the stages.
             let peak = golden(C[least - 1], C[least + 1], |theta| self.guard_inside(c, theta));
             if self.guard_inside(c, peak) < 0.0 {
                 bracket = Some((C[least - 1], peak));
@@ -84,7 +86,8 @@ impl Run<'_> {
         }
     }
 
-    /// Where in the step a slipping switch reaches its surface. One that starts on it (it has just let go, or crossed) must leave first.
+    /// Where in the step a slipping switch reaches its surface. A switch that starts on it (just released,
+    /// or just crossed) must leave it first.
     fn crossing(&mut self, c: usize) -> Search {
         let here = ON_SURFACE * self.field.speed[c];
         let mode = self.field.modes[c];
@@ -94,7 +97,7 @@ impl Run<'_> {
             if end < 0.0 {
                 return Search::At(c, illinois(0.0, 1.0, |theta| self.guard_inside(c, theta)));
             }
-            // It may dip below zero and come back: then its rate changes sign from minus to plus.
+            // It may become negative and return: then its rate changes sign from minus to plus.
             if early < 0.0 && late > 0.0 {
                 let mut slope = |theta: f64| {
                     self.guard_inside(c, theta);
@@ -106,11 +109,11 @@ impl Run<'_> {
                 }
             }
         } else if end < -here {
-            let away =
+            let clear =
                 [0.5, 0.25, 0.75, 0.125, 0.03, 0.005].into_iter().find(|&f| self.guard_inside(c, f) > here);
-            return match away {
+            return match clear {
                 Some(good) => Search::At(c, illinois(good, 1.0, |theta| self.guard_inside(c, theta))),
-                // It returns at once.
+                // It returns immediately.
                 None if self.step.h > SHORTEST_RETURN * self.span => Search::Shorter,
                 None => Search::At(c, 1.0),
             };
@@ -118,7 +121,8 @@ impl Run<'_> {
         Search::None
     }
 
-    /// Repeats the step so that it ends on the surface: Newton's method on its length, from the root of the dense output.
+    /// Repeats the step so that it ends on the surface: Newton's method on the step length, starting at the
+    /// root of the dense output.
     pub(crate) fn locate(&mut self, c: usize, theta: f64) {
         let (h, stuck) = (self.step.h, self.field.stuck[c]);
         let size = if stuck { OVERLOAD } else { ON_SURFACE * self.field.speed[c] };
@@ -141,31 +145,32 @@ impl Run<'_> {
             }
             length = (length + change).min(h);
         }
-        self.there.look(&mut self.field, self.t + self.step.h, self.step.end());
+        self.there.evaluate(&mut self.field, self.t + self.step.h, self.step.end());
     }
 
-    /// Passes the event at the present point: new modes, jump of the sensitivities, and whatever else is due at the same instant.
+    /// Processes the event at the present point, and all others that are due at the same instant: new
+    /// modes, and the jump of the sensitivities.
     pub(crate) fn pass(&mut self, first: usize) -> Result<(), SimError> {
-        if self.t - self.flutter.1 > CHATTER_SPAN * self.span {
-            self.flutter = (0, self.t);
+        if self.t - self.chatter.1 > CHATTER_SPAN * self.span {
+            self.chatter = (0, self.t);
         }
         let mut due = Some(first);
         let mut done = Vec::new();
         while let Some(c) = due {
-            self.flutter.0 += 1;
-            if self.flutter.0 > CHATTER_EVENTS {
+            self.chatter.0 += 1;
+            if self.chatter.0 > CHATTER_EVENTS {
                 let switch = self.field.automaton.switches[c].text.clone();
                 return Err(SimError::TooManyEvents { time: self.t, switch });
             }
             self.change(c);
             done.push(c);
-            self.here.look(&mut self.field, self.t, &self.x);
+            self.here.evaluate(&mut self.field, self.t, &self.x);
             due = (0..self.field.switches()).find(|&k| !done.contains(&k) && self.is_due(k));
         }
         Ok(())
     }
 
-    /// Whether a slipping switch stands on its surface, about to cross it.
+    /// Whether a slipping switch is on its surface and about to cross it.
     fn is_due(&self, c: usize) -> bool {
         let (s, w, rate) = (self.field.modes[c], self.here.w[c], self.here.rate[c]);
         !self.field.stuck[c] && s * w <= ON_SURFACE * self.field.speed[c] && s * rate < 0.0
@@ -183,10 +188,10 @@ impl Run<'_> {
         } else {
             let by_parameter =
                 self.sensitivity.as_ref().map(|s| s.by_parameter(&mut self.field, c, self.t, &self.x));
-            self.field.held_surfaces(self.t, &self.x);
+            self.field.stuck_surfaces(self.t, &self.x);
             let w_rate = self.field.w_rate(c);
             let normal: Vec<f64> = (0..n).map(|j| self.field.normal(c, j)).collect();
-            // Onto the surface exactly: the step came within rounding.
+            // The state is within rounding of the surface: project it exactly.
             self.field.project(c, &mut self.x);
             let old = self.rates.clone();
             self.field.resolve(&[c], self.t, &self.x);
@@ -199,7 +204,8 @@ impl Run<'_> {
     }
 }
 
-/// The root of `g` between `good` (positive) and `bad` (negative), to 1e-10: the Illinois variant of false position.
+/// The root of `g` between `good` (positive) and `bad` (negative), to 1e-10, by the Illinois variant of
+/// false position. Returns `bad` if the bracket does not close.
 fn illinois(mut good: f64, mut bad: f64, mut g: impl FnMut(f64) -> f64) -> f64 {
     let (mut high, mut low) = (g(good), g(bad));
     let mut side = 0;
@@ -229,7 +235,7 @@ fn illinois(mut good: f64, mut bad: f64, mut g: impl FnMut(f64) -> f64) -> f64 {
     bad
 }
 
-/// The least value of `g` between `a` and `b`, by the golden section, to 1e-5 of the interval.
+/// The minimiser of `g` between `a` and `b`, to 1e-5 of the interval, by golden section.
 fn golden(mut a: f64, mut b: f64, mut g: impl FnMut(f64) -> f64) -> f64 {
     let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
     let (mut left, mut right) = (b - ratio * (b - a), a + ratio * (b - a));
@@ -252,7 +258,8 @@ fn golden(mut a: f64, mut b: f64, mut g: impl FnMut(f64) -> f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// From both sides, to what it promises, and in fewer steps than halving would take (33): the bends of these functions hold plain false position up.
+    /// Convergence from both sides, to the promised accuracy, and in fewer steps than bisection would take
+    /// (33). The curvature of these functions slows plain false position down.
     #[test]
     fn the_root_is_found_in_few_steps() {
         type Case = (fn(f64) -> f64, f64);
@@ -284,7 +291,8 @@ mod tests {
         }
     }
 
-    /// An end where the guard is zero is where the step began, not the event: from there it is halved.
+    /// A guard that is zero at the good end is where the step began, not the event; bisection continues
+    /// from there.
     #[test]
     fn a_root_at_the_good_end_is_not_the_one() {
         let found = illinois(0.0, 0.8, |x| x * (0.6 - x));
@@ -293,7 +301,7 @@ mod tests {
         assert!((found - 0.2).abs() <= 1e-10, "{found}");
     }
 
-    /// No value is zero, and the search still ends where the bracket is as small as it promises.
+    /// No value is zero, and the search still ends at the promised width of the bracket.
     #[test]
     fn a_jump_is_found_like_a_root() {
         let mut calls = 0;
@@ -305,7 +313,8 @@ mod tests {
         assert!(calls < 70, "{calls} evaluations");
     }
 
-    /// The far end is so deep that false position hardly moves: the search gives up at an end where the mode is over for certain.
+    /// The bad end is so deep that false position hardly moves. The search ends at a point where the mode
+    /// is certainly over.
     #[test]
     fn a_bracket_that_does_not_close_ends_where_the_mode_is_over() {
         let mut calls = 0;

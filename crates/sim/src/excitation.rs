@@ -1,4 +1,4 @@
-//! Random-phase sums of sines: excitation that is random in shape and exact in value and slope.
+//! Sums of sines with random phases: a random shape with exact value and slope.
 
 use std::f64::consts::TAU;
 use std::fmt;
@@ -18,7 +18,7 @@ pub enum ExcitationError {
     NotPositive {
         /// Its name.
         parameter: &'static str,
-        /// What was given.
+        /// Its value.
         value: f64,
     },
     /// The upper frequency lies below the lower one.
@@ -28,7 +28,7 @@ pub enum ExcitationError {
         /// The upper end.
         high: f64,
     },
-    /// The band and the step ask for no sine, or for more than a hundred thousand.
+    /// The band and the step give no sine, or more than a hundred thousand.
     Count(f64),
 }
 
@@ -46,9 +46,9 @@ impl fmt::Display for ExcitationError {
 
 impl std::error::Error for ExcitationError {}
 
-/// `sum of amplitude * cos(omega t + phase)`: a function of time that is random only through its phases.
+/// `sum of amplitude * cos(omega t + phase)`: a function of time whose only random part is the phases.
 ///
-/// The three lists are equally long: `new`, `jonswap` and `band` make them so.
+/// The three lists have the same length, which `new`, `jonswap` and `band` guarantee.
 ///
 /// ```
 /// use phisindy_sim::Multisine;
@@ -76,13 +76,15 @@ impl Multisine {
         Self { amplitudes, omegas, phases }
     }
 
-    /// Amplitudes `sqrt(2 S d_omega)` from the JONSWAP spectrum, eq. (49) of the paper (Hasselmann et al. 1973):
+    /// Amplitudes `sqrt(2 S d_omega)` from the JONSWAP spectrum, eq. (49) of the paper (Hasselmann et al.
+    /// 1973):
     ///
-    /// `S = 320 (hs/tp^2)^2 / w^5 * exp(-1.25 (wp/w)^4) * gamma^exp(-(w-wp)^2 / (2 s^2 wp^2))`, `wp = 2 pi/tp`,
-    /// `s` = 0.07 below `wp` and 0.09 from it on; phases uniform, from the seed.
+    /// `S = 320 (hs/tp^2)^2 / w^5 * exp(-1.25 (wp/w)^4) * gamma^exp(-(w-wp)^2 / (2 s^2 wp^2))`, `wp = 2
+    /// pi/tp`, `s` = 0.07 below `wp` and 0.09 from it on; phases uniform, from the seed.
     ///
     /// `hs` (significant height) in the unit of the excitation, `tp` (peak period) in s, the grid `omega_min,
-    /// omega_min + d_omega, ... omega_max` in rad/s. For `gamma` = 3.3 the standard deviation is about `hs/4`.
+    /// omega_min + d_omega, ... omega_max` in rad/s. For `gamma` = 3.3 the standard deviation is about
+    /// `hs/4`.
     ///
     /// # Errors
     /// A parameter that is not positive and finite, an empty band, or more than a hundred thousand sines.
@@ -109,8 +111,9 @@ impl Multisine {
         ))
     }
 
-    /// `count` sines of equal amplitude, evenly spaced from `f_lo_hz` to `f_hi_hz` (both included; a single one sits
-    /// in the middle), with standard deviation `rms` over a common period and random phases from the seed.
+    /// `count` sines of equal amplitude, evenly spaced from `f_lo_hz` to `f_hi_hz` (both included; a single
+    /// one sits in the middle), with standard deviation `rms` over a common period and random phases from the
+    /// seed.
     ///
     /// # Errors
     /// A parameter that is not positive and finite, an empty band, no sine or more than a hundred thousand.
@@ -166,10 +169,10 @@ impl Multisine {
         self.terms().map(|(a, w, p)| -a * w * (w * t + p).sin()).sum()
     }
 
-    /// The values at `start + i * step`, i = 0 .. `count` - 1; agrees with [`value`](Self::value) to about 1e-13 of the
-    /// sum of amplitudes and costs a few multiplications per sine instead of a cosine.
+    /// The values at `start + i * step`, i = 0 .. `count` - 1; agrees with [`value`](Self::value) to about
+    /// 1e-13 of the sum of amplitudes and costs a few multiplications per sine instead of a cosine.
     pub fn values_on_grid(&self, start: f64, step: f64, count: usize) -> Vec<f64> {
-        // The rotation gathers rounding errors: a fresh cosine now and then keeps them at some 1e-15.
+        // The rotation accumulates rounding errors; a new cosine after each block keeps them near 1e-15.
         const FRESH: usize = 64;
         let mut values = vec![0.0; count];
         for (a, w, p) in self.terms() {
@@ -186,14 +189,15 @@ impl Multisine {
         values
     }
 
-    /// Largest absolute value on the grid `t0, t0 + step, ...` up to `t1` (included if the grid meets it), to the
-    /// precision of [`values_on_grid`](Self::values_on_grid); 0 where that grid is empty or a number is not finite.
+    /// Largest absolute value on the grid `t0, t0 + step, ...` up to `t1` (included if the grid meets it), to
+    /// the precision of [`values_on_grid`](Self::values_on_grid); 0 where that grid is empty or a number is
+    /// not finite.
     pub fn max_abs(&self, t0: f64, t1: f64, step: f64) -> f64 {
         let steps = ((t1 - t0) / step + 1e-6).floor();
         if !(steps.is_finite() && steps >= 0.0 && step > 0.0) {
             return 0.0;
         }
-        // In pieces, so that a tiny step costs time, not memory.
+        // In pieces: a tiny step costs time, not memory.
         const PIECE: u64 = 65_536;
         let count = steps as u64 + 1;
         let piece = |first: u64| {

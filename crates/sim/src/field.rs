@@ -1,4 +1,5 @@
-//! Evaluating the automaton at a point, in the present modes: rates, surfaces, and what a sticking contact needs to stay.
+//! Evaluates the automaton at a point in the present modes: rates, surfaces, and the loads of sticking
+//! contacts.
 
 use crate::automaton::Automaton;
 use crate::decisions::{LEAST_SPEED, OFF_SURFACE};
@@ -15,24 +16,25 @@ pub(crate) struct Field<'a> {
     rest: Scratch<1>,
     jacobian: Option<Scratch<1>>,
     hints: Vec<usize>,
-    /// Inputs are read as they are just before this time: a step that ends where an input jumps must not see the jump.
+    /// Inputs are read just before this time at the latest: a step that ends where an input jumps must not
+    /// see the jump.
     pub(crate) left_of: Option<f64>,
-    /// Present mode of each switch: +1, -1, or, while sticking, the fraction of friction that is in use.
+    /// Present mode of each switch: +1, -1, or, while it sticks, the fraction of the friction limit in use.
     pub(crate) modes: Vec<f64>,
     /// Whether a switch sticks.
     pub(crate) stuck: Vec<bool>,
-    /// What is added to `|w|`, so that friction is finite and largest at rest.
+    /// The number added to `|w|`, so that friction is finite and largest at rest.
     floors: Vec<f64>,
-    /// How far friction is continued smoothly beyond the surface.
+    /// The distance beyond the surface over which friction is continued smoothly.
     pub(crate) margins: Vec<f64>,
     /// The smallest `|w|` that matters, from the scale of the states.
     pub(crate) scale: Vec<f64>,
-    /// Largest `|w|` seen, and at least its scale: what rounding errors are measured by.
+    /// Largest `|w|` so far, at least its scale: the reference of rounding errors.
     pub(crate) speed: Vec<f64>,
     /// Evaluations of the rates so far.
     pub(crate) evaluations: usize,
-    /// Which contacts stick, and the linear system for their loads: memory of [`Field::hold`].
-    held: Vec<usize>,
+    /// Which contacts stick, and the linear system for their loads: memory of [`Field::solve_stuck_modes`].
+    stuck_set: Vec<usize>,
     system: Vec<f64>,
 }
 
@@ -61,7 +63,7 @@ impl<'a> Field<'a> {
             scale: vec![1.0; c],
             speed: vec![1.0; c],
             evaluations: 0,
-            held: Vec::with_capacity(c),
+            stuck_set: Vec::with_capacity(c),
             system: Vec::with_capacity(c * (c + 1)),
         }
     }
@@ -90,7 +92,7 @@ impl<'a> Field<'a> {
                 scratch.input(1 + n + u + k)[0] = slope;
             }
         }
-        // The parameters were written once for all.
+        // The parameters do not change during a run.
         let (first, c) = (1 + n + 2 * u + p, self.modes.len());
         for k in 0..c {
             scratch.input(first + k)[0] = self.modes[k];
@@ -100,10 +102,11 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// `dx/dt`, and after it the load of each contact that sticks: the fraction of its friction that holds it, which is what it uses.
+    /// Writes `dx/dt`, followed by the load of each sticking contact: the fraction of the friction limit
+    /// that it uses.
     pub(crate) fn rates(&mut self, t: f64, x: &[f64], out: &mut [f64]) {
         if self.stuck.contains(&true) {
-            self.hold(t, x);
+            self.solve_stuck_modes(t, x);
         }
         self.write(Which::Flow, t, x);
         self.flow.run();
@@ -117,16 +120,17 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// Evaluates the surfaces at a point; read them with [`Field::w`], [`Field::w_rate`], [`Field::influence`].
+    /// Evaluates the surfaces at a point; read them with [`Field::w`], [`Field::w_rate`],
+    /// [`Field::influence`].
     pub(crate) fn surfaces(&mut self, t: f64, x: &[f64]) {
         self.write(Which::Surface, t, x);
         self.surface.run();
     }
 
-    /// The same with the contacts that stick held at rest: for the rates of the others.
-    pub(crate) fn held_surfaces(&mut self, t: f64, x: &[f64]) {
+    /// Evaluates the surfaces with the sticking contacts at rest, for the rates of the others.
+    pub(crate) fn stuck_surfaces(&mut self, t: f64, x: &[f64]) {
         if self.stuck.contains(&true) {
-            self.hold(t, x);
+            self.solve_stuck_modes(t, x);
         }
         self.surfaces(t, x);
     }
@@ -139,7 +143,8 @@ impl<'a> Field<'a> {
         self.surface.output(self.switches() + c)[0]
     }
 
-    /// How the rate of `w_c` changes with the mode of switch `k`; negative on the diagonal for friction.
+    /// The derivative of the rate of `w_c` by the mode of switch `k`; negative on the diagonal for
+    /// friction.
     pub(crate) fn influence(&self, c: usize, k: usize) -> f64 {
         let n = self.switches();
         self.surface.output(2 * n + c * n + k)[0]
@@ -151,29 +156,32 @@ impl<'a> Field<'a> {
         self.surface.output(2 * m + m * m + c * n + j)[0]
     }
 
-    /// Sets the modes of all stuck contacts to the fractions that keep them at rest: `dw/dt = 0`, all together.
+    /// Sets the modes of all sticking contacts to the fractions that keep them at rest: `dw/dt = 0` for all
+    /// together.
     ///
     /// The rates are linear in the modes on the surface (friction is `s F`), so this is one linear system.
-    pub(crate) fn hold(&mut self, t: f64, x: &[f64]) {
-        let (mut held, mut system) = (std::mem::take(&mut self.held), std::mem::take(&mut self.system));
-        held.clear();
-        held.extend((0..self.switches()).filter(|&c| self.stuck[c]));
-        held.iter().for_each(|&c| self.modes[c] = 0.0);
+    pub(crate) fn solve_stuck_modes(&mut self, t: f64, x: &[f64]) {
+        let (mut stuck_set, mut system) =
+            (std::mem::take(&mut self.stuck_set), std::mem::take(&mut self.system));
+        stuck_set.clear();
+        stuck_set.extend((0..self.switches()).filter(|&c| self.stuck[c]));
+        stuck_set.iter().for_each(|&c| self.modes[c] = 0.0);
         self.surfaces(t, x);
         system.clear();
-        for &c in &held {
-            system.extend(held.iter().map(|&k| self.influence(c, k)));
+        for &c in &stuck_set {
+            system.extend(stuck_set.iter().map(|&k| self.influence(c, k)));
             system.push(-self.w_rate(c));
         }
-        let m = held.len();
+        let m = stuck_set.len();
         solve_in_place(&mut system, m, 1);
-        held.iter().enumerate().for_each(|(i, &c)| self.modes[c] = system[i * (m + 1) + m]);
-        (self.held, self.system) = (held, system);
+        stuck_set.iter().enumerate().for_each(|(i, &c)| self.modes[c] = system[i * (m + 1) + m]);
+        (self.stuck_set, self.system) = (stuck_set, system);
     }
 
-    /// Chooses the floor under `|w|` at which the friction of contact `c` is largest and finite: zero for ordinary friction, a little for friction
-    /// that is singular at rest or rises from nothing at once. It stays until the contact is at its surface again: slip, stop and
-    /// departure see one and the same friction.
+    /// Chooses the floor of `|w|` at which the friction of contact `c` is largest and finite: zero for
+    /// ordinary friction, small for friction that is singular at rest or rises steeply from zero. The floor
+    /// stays until the contact returns to its surface, so that slip, stop and release use the same
+    /// friction.
     pub(crate) fn choose_floor(&mut self, c: usize, t: f64, x: &[f64]) {
         if !self.automaton.switches[c].shaped {
             return;
@@ -196,18 +204,19 @@ impl<'a> Field<'a> {
         self.modes[c] = mode;
     }
 
-    /// The smallest speed that the shape of friction can tell from rest.
+    /// The smallest speed that the shape of friction distinguishes from rest.
     pub(crate) fn least_speed(&self, c: usize) -> f64 {
         self.floors[c].max(LEAST_SPEED * self.scale[c])
     }
 
-    /// Notes the speeds at a point.
+    /// Updates the largest speeds from those at a point.
     pub(crate) fn note_speeds(&mut self, w: &[f64]) {
         self.speed.iter_mut().zip(w).for_each(|(speed, w)| *speed = speed.max(w.abs()));
     }
 
-    /// Keeps contacts that stick exactly at rest, against rounding and the interpolation error of a belt's speed. One after the other: contacts that share a
-    /// body move each other, and corrections of all at once would overshoot and grow from step to step.
+    /// Keeps sticking contacts exactly at rest, against rounding and the interpolation error of a belt's
+    /// speed. It corrects one after the other: contacts that share a body move each other, and simultaneous
+    /// corrections would overshoot and grow from step to step.
     pub(crate) fn keep_at_rest(&mut self, t: f64, x: &mut [f64]) {
         if !self.stuck.contains(&true) {
             return;
@@ -225,7 +234,7 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// Moves a point onto the surface of `c` (call [`Field::surfaces`] there before).
+    /// Moves a point onto the surface of `c`, after [`Field::surfaces`] at this point.
     pub(crate) fn project(&self, c: usize, x: &mut [f64]) {
         onto_surface(self.w(c), |j| self.normal(c, j), x);
     }
@@ -239,7 +248,8 @@ impl<'a> Field<'a> {
         (0..self.switches()).map(|c| self.sign(c)).collect()
     }
 
-    /// All derivatives at a point, in the present modes (call [`Field::hold`] or [`Field::rates`] there before).
+    /// All derivatives at a point in the present modes, after [`Field::solve_stuck_modes`] or
+    /// [`Field::rates`] at this point.
     pub(crate) fn derivatives(&mut self, t: f64, x: &[f64]) -> Derivatives<'_> {
         self.write(Which::Jacobian, t, x);
         let scratch = self.jacobian.as_mut().expect("made for a run with sensitivities");
@@ -248,7 +258,7 @@ impl<'a> Field<'a> {
     }
 }
 
-/// Moves a point with this `w` along the normal onto the surface.
+/// Moves a point with this `w` onto the surface along the normal.
 fn onto_surface(w: f64, normal: impl Fn(usize) -> f64, x: &mut [f64]) {
     let length: f64 = (0..x.len()).map(|j| normal(j).powi(2)).sum();
     if length > 0.0 {

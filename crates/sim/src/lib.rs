@@ -1,11 +1,13 @@
 //! Event-located simulation of a model with friction: stick, slip, crossing.
 //!
 //! ```text
-//! Model --Automaton::new--> Automaton (tapes with modes) --simulate--> Trajectory (samples, regimes, events, sensitivities)
+//! Model --Automaton::new--> Automaton (tapes with modes)
+//!       --simulate--> Trajectory (samples, modes, events, sensitivities)
 //! ```
 //!
-//! Every sign in the rates is a *switch*: a surface `w = 0` with a mode `s` in {-1, 0, +1}. On the surface one rule decides (Filippov's, the
-//! same in fit and simulation): with `r+`, `r-` the rate of `w` on either side, the contact sticks while `r+ <= 0 <= r-`.
+//! Every sign in the rates is a *switch*: a surface `w = 0` with a mode `s` in {-1, 0, +1}. One rule
+//! decides what happens on the surface (Filippov's, the same in fit and simulation): with `r+` and `r-` the
+//! rate of `w` on either side, the contact sticks while `r+ <= 0 <= r-`.
 
 mod automaton;
 mod contact;

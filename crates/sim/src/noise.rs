@@ -1,4 +1,4 @@
-//! Seeded random streams, one per purpose, and the noise of sensors.
+//! Seeded random streams, one for each purpose, and the noise of sensors.
 
 use phisindy_signal::standard_deviation;
 use rand::SeedableRng;
@@ -7,8 +7,8 @@ use rand_pcg::Pcg64;
 
 /// Independent random streams drawn from one seed, one per name.
 ///
-/// A column that is added, or read in another order, does not change the noise of the others. The same seed and name
-/// give the same numbers on every machine.
+/// An additional column, or another order of columns, does not change the noise of the others. The same
+/// seed and name give the same numbers on every machine.
 ///
 /// ```
 /// use phisindy_sim::Streams;
@@ -33,12 +33,13 @@ impl Streams {
         Pcg64::from_seed(bytes)
     }
 
-    /// A seed for `purpose`, for what takes a seed of its own: two random inputs under one seed are not to be equal.
+    /// A seed for `purpose`, for an object with a seed of its own: two random inputs of one seed must
+    /// differ.
     pub fn seed(&self, purpose: &str) -> u64 {
         split_mix(&mut self.mixed(purpose))
     }
 
-    /// FNV-1a over the seed and the name. The standard hasher may change from release to release, this may not.
+    /// FNV-1a over the seed and the name. Unlike the standard hasher, it never changes.
     fn mixed(&self, purpose: &str) -> u64 {
         self.0.to_le_bytes().iter().chain(purpose.as_bytes()).fold(0xcbf2_9ce4_8422_2325, |hash, &byte| {
             (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
@@ -55,10 +56,10 @@ fn split_mix(state: &mut u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// What a sensor adds to a column.
+/// The noise that a sensor adds to a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Noise {
-    /// Nothing: the column is exact.
+    /// No noise: the column is exact.
     None,
     /// Each sample times `1 + s n` with `n` standard normal (the paper's eq. 34); `s` has no unit.
     Relative(f64),
@@ -70,8 +71,8 @@ pub enum Noise {
 
 /// Adds white Gaussian noise to a column.
 ///
-/// One normal number is drawn per sample whatever the kind (none for [`Noise::None`]), so a larger level is the
-/// same disturbance, larger. A column holding NaN or infinity stays so; no level is refused.
+/// One normal number is drawn for each sample, whatever the kind (none for [`Noise::None`]), so that
+/// another level scales the same noise. A column with NaN or infinity keeps them. Every level is accepted.
 ///
 /// ```
 /// use phisindy_sim::{Noise, Streams, add_noise};
@@ -170,7 +171,7 @@ mod tests {
         assert!(column[0].is_nan());
     }
 
-    /// Data made by an old release must be reproducible by a new one.
+    /// A new release must reproduce the data of an old one.
     #[test]
     fn the_first_numbers_are_pinned() {
         let seeds = [Streams(42).seed("x"), Streams(42).seed("v")];

@@ -1,4 +1,4 @@
-//! The simulation: adaptive steps from event to event, and the samples on the way.
+//! The simulation: adaptive steps from event to event, and the samples within them.
 
 use crate::automaton::Automaton;
 use crate::decisions::{SHORTEST_STEP, STEP_GROWTH, STEP_REDUCTION, STEP_REMAINDER, STEP_SAFETY};
@@ -7,14 +7,14 @@ use crate::events::Search;
 use crate::state::Run;
 use crate::trajectory::{Drive, Options, SimError, Trajectory};
 
-/// Runs the automaton from `start` at time `t0` and samples it at `times` (not decreasing; a time before `t0`, as a delayed sensor asks for, is
-/// extrapolated along the rates at `t0`).
+/// Runs the automaton from `start` at time `t0` and samples it at `times` (not decreasing). A time before
+/// `t0`, which a delayed sensor requires, is extrapolated with the rates at `t0`.
 ///
 /// # Errors
-/// See [`SimError`]: the numbers blew up, or the modes fluttered without end.
+/// See [`SimError`]: a state or rate is not finite, a state diverges, or the modes change without end.
 ///
 /// # Panics
-/// If `start`, `drive` or `options` do not fit the automaton, or a time is not finite.
+/// If `start`, `drive` or `options` have the wrong length, or a time is not finite.
 ///
 /// ```
 /// use phisindy_phys::Model;
@@ -50,12 +50,12 @@ pub fn simulate(
 }
 
 impl Run<'_> {
-    /// Modes at the start: the sign of `w`, or the contact rule where it is zero.
+    /// Sets the modes, the rates and the first step length at the start.
     fn begin(&mut self) {
-        self.field.left_of = self.breaks.last().copied();
+        self.field.left_of = self.breakpoints.last().copied();
         self.field.begin(self.t, &self.x, &self.scale);
         self.field.rates(self.t, &self.x, &mut self.rates);
-        self.here.look(&mut self.field, self.t, &self.x);
+        self.here.evaluate(&mut self.field, self.t, &self.x);
         self.h = self.first_step();
     }
 
@@ -74,10 +74,11 @@ impl Run<'_> {
         }
     }
 
-    /// One accepted step: up to its end, the next corner of an input, or the first event in it.
+    /// Makes one accepted step: up to its planned end, the next breakpoint of an input, or the first event
+    /// in it.
     fn step(&mut self) -> Result<(), SimError> {
         let end = self.times[self.times.len() - 1];
-        let target = self.breaks.last().map_or(end, |b| b.min(end));
+        let target = self.breakpoints.last().map_or(end, |b| b.min(end));
         let tiny = SHORTEST_STEP * self.t.abs().max(end.abs()).max(self.span);
         self.step.start(self.t, &self.x, &self.rates);
         loop {
@@ -85,14 +86,14 @@ impl Run<'_> {
                 return Err(SimError::TooManySteps { time: self.t });
             }
             let mut h = self.h.min(self.longest);
-            h = h.min(self.paced());
+            h = h.min(self.speed_limit());
             if target - self.t - h < STEP_REMAINDER * h {
                 h = target - self.t;
             }
             self.step.advance(h, |t, x, out| self.field.rates(t, x, out));
-            self.there.look(&mut self.field, self.t + h, self.step.end());
+            self.there.evaluate(&mut self.field, self.t + h, self.step.end());
             let error = self.error();
-            if let Some(shorter) = (error <= 1.0).then(|| self.too_far()).flatten() {
+            if let Some(shorter) = (error <= 1.0).then(|| self.shape_limit()).flatten() {
                 self.h = shorter;
             } else if error <= 1.0 {
                 match self.first_event() {
@@ -102,10 +103,10 @@ impl Run<'_> {
                         } else {
                             STEP_GROWTH[1]
                         };
-                        // A step cut short by a corner says nothing against the longer one that was planned.
+                        // A step that a breakpoint shortens is no reason to shorten the next one.
                         self.h = (h * growth).max(if h < self.h { self.h } else { 0.0 });
                         self.accept();
-                        self.turn_corner();
+                        self.pass_breakpoint();
                         return self.check();
                     }
                     Search::At(event, theta) => {
@@ -115,7 +116,7 @@ impl Run<'_> {
                             self.check()?;
                         }
                         self.pass(event)?;
-                        self.turn_corner();
+                        self.pass_breakpoint();
                         self.h = self.first_step();
                         return Ok(());
                     }
@@ -128,8 +129,9 @@ impl Run<'_> {
                     STEP_REDUCTION[0]
                 };
                 self.h = h * shrink;
-                if let Some(reach) = self.overshoot() {
-                    // Friction with a steep shape near zero speed spoils a step across zero: come close first.
+                if let Some(reach) = self.time_to_surface() {
+                    // Friction with a steep shape near zero speed spoils a step across zero: stop short of
+                    // it first.
                     self.h = self.h.max(0.5 * h.min(reach)).min(0.9 * h);
                 }
             }
@@ -149,7 +151,7 @@ impl Run<'_> {
         }
     }
 
-    /// Takes the step: samples within it, sensitivities along it, and the new present point.
+    /// Accepts the step: samples within it, sensitivities, and the new present point.
     fn accept(&mut self) {
         if let Some(s) = &mut self.sensitivity {
             s.advance(&mut self.field, &self.step);
@@ -171,7 +173,7 @@ impl Run<'_> {
         self.field.keep_at_rest(self.t, &mut self.x);
     }
 
-    /// Writes the next sample, at a fraction of the step just made.
+    /// Writes the next sample, at the fraction `theta` of the step just made.
     fn sample(&mut self, theta: f64) {
         let n = self.x.len();
         let at = self.out.states.len();
@@ -198,20 +200,20 @@ impl Run<'_> {
         }
     }
 
-    /// Goes on behind a jump or a corner of an input, if the present point is one.
-    fn turn_corner(&mut self) {
-        if self.breaks.last().is_none_or(|&b| b > self.t) {
+    /// Continues after a breakpoint of an input, if the present point is one.
+    fn pass_breakpoint(&mut self) {
+        if self.breakpoints.last().is_none_or(|&b| b > self.t) {
             return;
         }
-        while self.breaks.last().is_some_and(|&b| b <= self.t) {
-            self.breaks.pop();
+        while self.breakpoints.last().is_some_and(|&b| b <= self.t) {
+            self.breakpoints.pop();
         }
-        self.field.left_of = self.breaks.last().copied();
+        self.field.left_of = self.breakpoints.last().copied();
         let before = self.field.signs();
         self.field.reconsider(self.t, &self.x);
         self.record(&before);
         self.field.rates(self.t, &self.x, &mut self.rates);
-        self.here.look(&mut self.field, self.t, &self.x);
+        self.here.evaluate(&mut self.field, self.t, &self.x);
         if let Some(s) = &mut self.sensitivity {
             s.restart();
         }

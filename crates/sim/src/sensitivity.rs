@@ -1,16 +1,18 @@
-//! How the trajectory changes with its start state and parameters: the variational equation along the accepted steps, and the jump of its
-//! solution at each switch.
+//! Derivatives of the trajectory by its start state and parameters: the variational equation over the
+//! accepted steps, and the jump of its solution at each switch.
 //!
-//! Between events `dS/dt = (df/dx) S + df/dp` is advanced by the very stages of the state's step, so that `S` is the derivative of the computed
-//! trajectory. At an event on `w = 0` the event time moves by `dt = -(dw/dx S + dw/dp) / (dw/dt)` and `S` jumps by `(f- - f+) dt` (saltation; Leine and
-//! Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, 2004, ch. 7). When a contact lets go the rates are continuous and nothing jumps.
+//! Between events `dS/dt = (df/dx) S + df/dp` is advanced with the stages of the state's step, so that `S`
+//! is the derivative of the computed trajectory. At an event on `w = 0` the event time moves by `dt =
+//! -(dw/dx S + dw/dp) / (dw/dt)` and `S` jumps by `(f- - f+) dt` (saltation; Leine and Nijmeijer, Dynamics
+//! and Bifurcations of Non-Smooth Mechanical Systems, 2004, ch. 7). When a contact is released the rates
+//! are continuous and `S` does not jump.
 
 use crate::dopri::{A, C, Dense, STAGES, Step};
 use crate::elimination::solve_in_place;
 use crate::field::Field;
 use phisindy_expr::wide;
 
-/// The derivatives of all states: columns are the start states, then the free parameters.
+/// The derivatives of all states. Columns are the start states, then the free parameters.
 pub(crate) struct Sensitivity {
     n: usize,
     free: Vec<usize>,
@@ -21,9 +23,9 @@ pub(crate) struct Sensitivity {
     start: Vec<f64>,
     stage: Vec<f64>,
     k: [Vec<f64>; STAGES],
-    /// `S` within the step just followed, after [`Sensitivity::interpolate`].
+    /// `S` within the last step, after [`Sensitivity::interpolate`].
     pub(crate) dense: Dense,
-    /// Whether `k[0]` is already that of the next step.
+    /// Whether the last stage is the first stage of the next step.
     fresh: bool,
     a: Vec<f64>,
     b: Vec<f64>,
@@ -49,7 +51,7 @@ impl Sensitivity {
         }
     }
 
-    /// Follows an accepted step of the state.
+    /// Advances over an accepted step of the state.
     pub(crate) fn advance(&mut self, field: &mut Field<'_>, step: &Step) {
         let (n, m) = (self.n, self.m);
         self.start.copy_from_slice(&self.s);
@@ -71,7 +73,7 @@ impl Sensitivity {
                 },
             );
         }
-        // The last stage stands at the end of the step: its argument is the solution.
+        // The last stage is at the end of the step: its argument is the solution.
         self.s.copy_from_slice(&self.stage);
         self.fresh = true;
     }
@@ -84,12 +86,13 @@ impl Sensitivity {
         out
     }
 
-    /// Prepares to interpolate within the step just followed.
+    /// Prepares the interpolation within the last step.
     pub(crate) fn interpolate(&mut self, h: f64) {
         self.dense.set(h, &self.start, &self.s, &self.k);
     }
 
-    /// The jump at a switch on its surface: rates before and after, and the rate of `w` before.
+    /// Applies the jump at a switch on its surface, from the rates before and after and the rate of `w`
+    /// before.
     pub(crate) fn jump(
         &mut self,
         normal: &[f64],
@@ -112,7 +115,7 @@ impl Sensitivity {
         }
     }
 
-    /// The modes changed without a jump of the rates.
+    /// The modes have changed without a jump of the rates.
     pub(crate) fn restart(&mut self) {
         self.fresh = false;
     }
@@ -123,15 +126,15 @@ impl Sensitivity {
         self.free.iter().map(|&p| d.w_p(c, p)).collect()
     }
 
-    /// `df/dx` and `df/dp` in the present modes; where contacts stick, with the held modes following:
-    /// `ds = -M^-1 (d(dw/dt)/dx dx + d(dw/dt)/dp dp)`.
+    /// `df/dx` and `df/dp` in the present modes. The modes of sticking contacts depend on the state: `ds =
+    /// -M^-1 (d(dw/dt)/dx dx + d(dw/dt)/dp dp)`.
     fn linearise(&mut self, field: &mut Field<'_>, t: f64, x: &[f64]) {
         let (n, f) = (self.n, self.free.len());
         let set: Vec<usize> = (0..field.switches()).filter(|&c| field.stuck[c]).collect();
-        let mut held = Vec::new();
+        let mut influence = Vec::new();
         if !set.is_empty() {
-            field.hold(t, x);
-            held = set
+            field.solve_stuck_modes(t, x);
+            influence = set
                 .iter()
                 .map(|&c| set.iter().map(|&k| field.influence(c, k)).collect::<Vec<f64>>())
                 .collect();
@@ -146,7 +149,7 @@ impl Sensitivity {
         }
         let (m, width) = (set.len(), set.len() + n + f);
         let mut y = Vec::with_capacity(m * width);
-        for (row, &c) in held.iter().zip(&set) {
+        for (row, &c) in influence.iter().zip(&set) {
             y.extend(row);
             y.extend((0..n).map(|j| d.w_rate_x(c, j)));
             y.extend(self.free.iter().map(|&p| d.w_rate_p(c, p)));

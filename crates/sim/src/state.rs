@@ -13,19 +13,19 @@ use phisindy_signal::Interpolation;
 pub(crate) struct Surfaces {
     pub(crate) w: Vec<f64>,
     pub(crate) rate: Vec<f64>,
-    pub(crate) grip: Vec<f64>,
+    pub(crate) influence: Vec<f64>,
 }
 
 impl Surfaces {
-    /// Evaluates them, with contacts that stick held at rest.
-    pub(crate) fn look(&mut self, field: &mut Field<'_>, t: f64, x: &[f64]) {
-        field.held_surfaces(t, x);
+    /// Evaluates the surfaces, with the sticking contacts at rest.
+    pub(crate) fn evaluate(&mut self, field: &mut Field<'_>, t: f64, x: &[f64]) {
+        field.stuck_surfaces(t, x);
         self.w.clear();
         self.w.extend((0..field.switches()).map(|c| field.w(c)));
         self.rate.clear();
         self.rate.extend((0..field.switches()).map(|c| field.w_rate(c)));
-        self.grip.clear();
-        self.grip.extend((0..field.switches()).map(|c| field.influence(c, c)));
+        self.influence.clear();
+        self.influence.extend((0..field.switches()).map(|c| field.influence(c, c)));
     }
 }
 
@@ -37,28 +37,28 @@ pub(crate) struct Run<'a> {
     pub(crate) scale: Vec<f64>,
     pub(crate) t: f64,
     pub(crate) x: Vec<f64>,
-    /// Rates at the present point, and after them the loads of the contacts that stick.
+    /// Rates at the present point, followed by the loads of the sticking contacts.
     pub(crate) rates: Vec<f64>,
     pub(crate) step: Step,
-    /// The surfaces at the present point, and at the end of the step that is tried.
+    /// The surfaces at the present point, and at the end of the trial step.
     pub(crate) here: Surfaces,
     pub(crate) there: Surfaces,
-    /// Length of the next step to try.
+    /// Length of the next trial step.
     pub(crate) h: f64,
     /// The longest step.
     pub(crate) longest: f64,
-    /// Contacts whose shape near rest was felt in the last step.
-    pub(crate) paced: Vec<bool>,
+    /// Contacts whose friction had a significant shape near rest in the last step.
+    pub(crate) speed_limited: Vec<bool>,
     /// Length of the whole run.
     pub(crate) span: f64,
-    /// Times at which an input jumps or turns a corner, in falling order: a step ends there.
-    pub(crate) breaks: Vec<f64>,
+    /// Times at which an input or its slope jumps, in descending order: a step ends there.
+    pub(crate) breakpoints: Vec<f64>,
     pub(crate) sensitivity: Option<Sensitivity>,
     pub(crate) out: Trajectory,
     /// The next sample to write.
     pub(crate) next: usize,
-    /// Number of events since a time, to notice a flutter.
-    pub(crate) flutter: (usize, f64),
+    /// Number of events since a time, to detect chattering.
+    pub(crate) chatter: (usize, f64),
     pub(crate) buffer: Vec<f64>,
 }
 
@@ -102,18 +102,18 @@ impl<'a> Run<'a> {
             there: Surfaces::default(),
             h: 0.0,
             longest,
-            paced: vec![false; c],
+            speed_limited: vec![false; c],
             span,
-            breaks: breaks(drive, t0, t0 + span),
+            breakpoints: breakpoints(drive, t0, t0 + span),
             sensitivity,
             out,
             next: 0,
-            flutter: (0, t0),
+            chatter: (0, t0),
             buffer: vec![0.0; n + c],
         }
     }
 
-    /// Writes down which modes are no longer what they were.
+    /// Records the modes that have changed.
     pub(crate) fn record(&mut self, before: &[i8]) {
         let after = self.field.signs();
         for (switch, (&from, &to)) in before.iter().zip(&after).enumerate().filter(|(_, (a, b))| a != b) {
@@ -122,8 +122,8 @@ impl<'a> Run<'a> {
     }
 }
 
-/// Where an input jumps or turns a corner within the run, in falling order.
-fn breaks(drive: &Drive<'_>, from: f64, to: f64) -> Vec<f64> {
+/// Times within the run at which an input or its slope jumps, in descending order.
+fn breakpoints(drive: &Drive<'_>, from: f64, to: f64) -> Vec<f64> {
     let mut all = Vec::new();
     for signal in drive.inputs {
         let feature: fn((f64, f64)) -> f64 = match signal.kind() {

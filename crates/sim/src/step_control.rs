@@ -1,4 +1,4 @@
-//! The length of a step: the first one, the longest one that is allowed, and the error of one just tried.
+//! Step control: the first step length, the longest permitted one, and the error of a trial step.
 
 use crate::decisions::{
     LOAD_RESOLUTION, SHAPE_MATTERS, SHAPE_RESOLUTION, SHAPE_SHORTENING, SPEED_RATIO, SPEED_RATIO_SLACK,
@@ -6,7 +6,8 @@ use crate::decisions::{
 use crate::state::Run;
 
 impl Run<'_> {
-    /// Hairer's guess of a step length (Solving ODEs I, II.4), from the size and the change of the rates.
+    /// Estimates a first step length from the size and the change of the rates (Hairer, Norsett, Wanner,
+    /// Solving Ordinary Differential Equations I, II.4).
     pub(crate) fn first_step(&mut self) -> f64 {
         let norm =
             |v: &[f64], scale: &[f64]| v.iter().zip(scale).map(|(v, s)| (v / s).abs()).fold(0.0, f64::max);
@@ -22,8 +23,9 @@ impl Run<'_> {
         h1.min(100.0 * h0).min(span)
     }
 
-    /// If the step just tried passes over the shape of some friction near rest: the length of a step that does not.
-    pub(crate) fn too_far(&mut self) -> Option<f64> {
+    /// The length of a shorter step, if the trial step passes too much of the shape of some friction near
+    /// rest.
+    pub(crate) fn shape_limit(&mut self) -> Option<f64> {
         let h = self.step.h;
         let mut shorter: Option<f64> = None;
         for c in (0..self.field.switches()).filter(|&c| self.field.automaton.switches[c].shaped) {
@@ -33,11 +35,11 @@ impl Run<'_> {
             let (mode, least) = (self.field.modes[c], self.field.least_speed(c));
             let (start, end) = (mode * self.here.w[c], mode * self.there.w[c]);
             let (from, to) = (start.max(least), end.max(least));
-            let change = (self.here.grip[c] - self.there.grip[c]).abs();
-            let felt = change > SHAPE_MATTERS * self.here.rate[c].abs().min(self.there.rate[c].abs());
-            self.paced[c] = felt;
+            let change = (self.here.influence[c] - self.there.influence[c]).abs();
+            let significant = change > SHAPE_MATTERS * self.here.rate[c].abs().min(self.there.rate[c].abs());
+            self.speed_limited[c] = significant;
             let ratio = if to < from { from / to } else { to / from };
-            if !felt || ratio <= SPEED_RATIO_SLACK * SPEED_RATIO {
+            if !significant || ratio <= SPEED_RATIO_SLACK * SPEED_RATIO {
                 continue;
             }
             let reach = if to < from { from / SPEED_RATIO - start } else { SPEED_RATIO * from - start };
@@ -47,16 +49,17 @@ impl Run<'_> {
         shorter
     }
 
-    /// The longest step that keeps the speeds of contacts whose shape was felt in the last one within the ratio.
-    pub(crate) fn paced(&self) -> f64 {
+    /// The longest step that keeps the speeds of contacts with a significant shape within the permitted
+    /// ratio.
+    pub(crate) fn speed_limit(&self) -> f64 {
         (0..self.field.switches())
-            .filter(|&c| self.paced[c] && !self.field.stuck[c])
+            .filter(|&c| self.speed_limited[c] && !self.field.stuck[c])
             .map(|c| {
                 let (mode, least) = (self.field.modes[c], self.field.least_speed(c));
                 let (speed, rate) = (mode * self.here.w[c], mode * self.here.rate[c]);
                 let from = speed.max(least);
                 if rate < 0.0 {
-                    // Below the smallest speed that counts nothing changes: the surface may be reached.
+                    // Below the smallest speed nothing changes: the step may reach the surface.
                     if speed <= SPEED_RATIO * least {
                         f64::INFINITY
                     } else {
@@ -65,14 +68,14 @@ impl Run<'_> {
                 } else if rate > 0.0 {
                     (SPEED_RATIO * from - speed) / rate
                 } else {
-                    // It has just let go, exactly at its limit.
+                    // The contact has just been released, exactly at its limit.
                     f64::INFINITY
                 }
             })
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// The largest scaled error of the step just tried: at most 1 is good.
+    /// The largest scaled error of the trial step; the step is good if it is at most 1.
     pub(crate) fn error(&mut self) -> f64 {
         let n = self.x.len();
         self.step.errors(&mut self.buffer);
@@ -98,8 +101,9 @@ impl Run<'_> {
         worst
     }
 
-    /// If the failed step ends across a slipping contact's surface: the time to reach it in a straight line.
-    pub(crate) fn overshoot(&self) -> Option<f64> {
+    /// The time to the surface at constant rate, if the rejected step ends beyond the surface of a slipping
+    /// contact.
+    pub(crate) fn time_to_surface(&self) -> Option<f64> {
         let crossed = |&c: &usize| !self.field.stuck[c] && self.field.modes[c] * self.there.w[c] < 0.0;
         let reach = |c: usize| -self.here.w[c] / self.here.rate[c];
         (0..self.field.switches()).filter(crossed).map(reach).filter(|r| *r > 0.0).reduce(f64::min)

@@ -1,4 +1,4 @@
-//! A model with its signs replaced by modes: the expressions of a hybrid automaton, before anything is compiled.
+//! A model with modes in place of its signs: the expressions of a hybrid automaton before compilation.
 
 use phisindy_expr::{Binary, Graph, Id, Names, Node, Unary};
 use phisindy_phys::Model;
@@ -7,26 +7,27 @@ use std::collections::HashMap;
 /// A surface `w(t, x, u, p) = 0` at which a sign in the rates jumps.
 #[derive(Clone, Debug)]
 pub struct Switch {
-    /// The velocity (or other quantity) whose sign it is.
+    /// The velocity (or other quantity) whose sign switches.
     pub node: Id,
     /// The same as text.
     pub text: String,
-    /// Whether the sign acts on the rate of `w` itself: only then can it stick.
+    /// Whether the sign acts on the rate of `w` itself; otherwise the switch cannot stick.
     pub can_stick: bool,
     /// Whether the size of the jump depends on `|w|`: friction with a shape near zero speed.
     pub shaped: bool,
 }
 
-/// Rates that are smooth for every combination of modes, and the surfaces between.
+/// Rates that are smooth for every combination of modes, and the surfaces between them.
 ///
-/// The mode `s` stands for `sgn(w)`, and `|w|` became `pos(e w + b) - b + d`. The side `e` is the mode of what slips and 0 for what sticks; the
-/// floor `d` is zero for friction that is finite at rest; by the small margin `b` friction is continued smoothly beyond the surface, so that a step that
-/// ends on it sees no kink, in value or derivative.
+/// The mode `s` replaces `sgn(w)`, and `pos(e w + b) - b + d` replaces `|w|`. The side `e` is the mode of a
+/// slipping contact and 0 for a sticking one. The floor `d` is zero for friction that is finite at rest.
+/// The small margin `b` continues friction smoothly beyond the surface, so that a step that ends on it sees
+/// no kink in value or derivative.
 #[derive(Clone, Debug)]
 pub struct Switched {
-    /// Where the expressions live.
+    /// The graph of all expressions.
     pub graph: Graph,
-    /// Names of the symbols; those of modes, sides, floors, margins and slopes hold a space.
+    /// Names of the symbols. Those of modes, sides, floors, margins and slopes contain a space.
     pub names: Names,
     /// The surfaces.
     pub switches: Vec<Switch>,
@@ -53,7 +54,7 @@ pub struct Switched {
 }
 
 impl Switched {
-    /// Finds the switches of a model and puts modes in the place of its signs.
+    /// Finds the switches of a model and replaces its signs by modes.
     ///
     /// ```
     /// use phisindy_phys::Model;
@@ -66,7 +67,7 @@ impl Switched {
         let (mut graph, mut names) = (model.graph.clone(), model.names.clone());
         let surfaces = surfaces(&mut graph, model);
         let fresh = |graph: &mut Graph, names: &mut Names, kind: &str, count: usize| -> Vec<Id> {
-            // A space keeps these names out of reach of any spec.
+            // No name of a spec contains a space.
             (0..count)
                 .map(|k| names.intern(&format!("{kind} {k}")))
                 .collect::<Vec<_>>()
@@ -130,36 +131,38 @@ impl Switched {
     }
 }
 
-/// Arguments of all signs and steps in the rates that can change while the model runs; an argument and its negative are one surface.
+/// Arguments of all signs and steps in the rates that can change during a run. An argument and its negative
+/// are one surface.
 fn surfaces(graph: &mut Graph, model: &Model) -> Vec<Id> {
     let mut moving = model.states.clone();
     moving.extend(&model.inputs);
     moving.push(model.time);
-    let mut found: Vec<Id> = Vec::new();
+    let mut surfaces: Vec<Id> = Vec::new();
     for id in graph.reachable(&model.rates) {
         if let Node::Unary(Unary::Sgn | Unary::Step, w) = graph.node(id) {
             let minus = graph.neg(w);
-            if !found.contains(&w) && !found.contains(&minus) && graph.uses(&[w], &moving) {
-                found.push(w);
+            if !surfaces.contains(&w) && !surfaces.contains(&minus) && graph.uses(&[w], &moving) {
+                surfaces.push(w);
             }
         }
     }
-    found
+    surfaces
 }
 
-/// What stands for `|w|`: `pos(e w + b) - b + d`.
+/// The replacement of `|w|`: `pos(e w + b) - b + d`.
 fn sizes(graph: &mut Graph, surfaces: &[Id], sides: &[Id], floors: &[Id], margins: &[Id]) -> Vec<Id> {
     let mut size = |k: usize| {
-        let along = graph.mul(sides[k], surfaces[k]);
-        let along = graph.add(along, margins[k]);
-        let along = graph.unary(Unary::Pos, along);
-        let along = graph.sub(along, margins[k]);
-        graph.add(along, floors[k])
+        let distance = graph.mul(sides[k], surfaces[k]);
+        let distance = graph.add(distance, margins[k]);
+        let distance = graph.unary(Unary::Pos, distance);
+        let distance = graph.sub(distance, margins[k]);
+        graph.add(distance, floors[k])
     };
     (0..surfaces.len()).map(&mut size).collect()
 }
 
-/// `sgn w -> s`, `|w| ->` its size, `step w -> (1 + s)/2`, `pos w -> w (1 + s)/2`, and the same of `-w` with `-s`.
+/// The replacements `sgn w -> s`, `|w| ->` its size, `step w -> (1 + s)/2`, `pos w -> w (1 + s)/2`, and the
+/// same for `-w` with `-s`.
 fn replacements(graph: &mut Graph, surfaces: &[Id], modes: &[Id], sizes: &[Id]) -> HashMap<Id, Id> {
     let mut with = HashMap::new();
     let half = graph.constant(0.5);
@@ -175,7 +178,8 @@ fn replacements(graph: &mut Graph, surfaces: &[Id], modes: &[Id], sizes: &[Id]) 
             }
         }
     }
-    // A minus in front of a sign was pulled out when it was built: -sgn(w) is no key, or every minus would vanish.
+    // The graph moves a minus in front of a sign when it builds the node. -sgn(w) must be no key, or every
+    // minus would disappear.
     with.retain(|&old, _| {
         matches!(graph.node(old), Node::Unary(Unary::Sgn | Unary::Abs | Unary::Step | Unary::Pos, _))
     });

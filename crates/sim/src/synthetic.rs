@@ -1,4 +1,4 @@
-//! Synthetic records: the truth simulated with located events, sampled, and seen by noisy sensors.
+//! Synthetic records: the truth simulated with located events, sampled, and measured by noisy sensors.
 
 use crate::decisions::{
     COARSE_DIVERGED, COARSE_TOLERANCE, FEWEST_SAMPLES, GRID_REFINEMENT, MOST_SINE_SAMPLES, SMALLEST_SIZES,
@@ -19,7 +19,7 @@ use std::sync::Arc;
 pub enum SyntheticError {
     /// The truth cannot be simulated.
     Simulation(SimError),
-    /// The excitation makes no sense.
+    /// The excitation is impossible.
     Excitation(ExcitationError),
     /// Something else, in words.
     Other(String),
@@ -37,7 +37,7 @@ impl fmt::Display for SyntheticError {
 
 impl std::error::Error for SyntheticError {}
 
-/// Makes a synthetic record. `seed` overrides that of the spec; `file` reads an input given as a file.
+/// Makes a synthetic record. `seed` overrides that of the spec; `file` reads an input from a file.
 ///
 /// Returns the record and the truth without noise at the same times.
 ///
@@ -301,7 +301,8 @@ fn derive_inputs(
     Ok((notes, derivations))
 }
 
-/// The truth at the sample times. A first, coarse run finds the size of each state, on which the accuracy of the second one rests.
+/// The truth at the sample times. A first, coarse run finds the size of each state, which defines the
+/// tolerance of the second run.
 fn simulate_truth(
     truth: &Synthetic,
     inputs: &[Signal],

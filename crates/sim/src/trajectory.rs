@@ -1,10 +1,10 @@
-//! What goes into a run and what comes out: drive, options, events, samples, errors.
+//! Input and output of a run: drive, options, events, samples, errors.
 
 use crate::decisions::{DEFAULT_DIVERGED, DEFAULT_MAX_STEPS, DEFAULT_TOLERANCE};
 use phisindy_signal::Signal;
 use std::fmt;
 
-/// What drives a run: inputs as functions of time, and numbers for the parameters.
+/// The drive of a run: inputs as functions of time, and values of the parameters.
 #[derive(Clone, Copy, Debug)]
 pub struct Drive<'a> {
     /// One signal for each input of the model.
@@ -13,16 +13,17 @@ pub struct Drive<'a> {
     pub parameters: &'a [f64],
 }
 
-/// How a run is made.
+/// Options of a run.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Local error of a step, relative to the size of each state.
     pub tolerance: f64,
-    /// The smallest size of each state that matters; empty means 1 for all. It also sets the scale of speed of the contact rule.
+    /// The smallest size of each state that matters; empty means 1 for all. It also sets the speed scale of
+    /// the contact rule.
     pub scale: Vec<f64>,
-    /// Parameters to differentiate by; `None` for no sensitivities at all.
+    /// Indices of the parameters to differentiate by; `None` for no sensitivities.
     pub sensitivities: Option<Vec<usize>>,
-    /// Gives up after this many steps.
+    /// The run fails after this many steps.
     pub max_steps: usize,
     /// A state beyond this many times its scale has diverged.
     pub diverged: f64,
@@ -58,11 +59,12 @@ pub struct Event {
 pub struct Trajectory {
     /// Number of states.
     pub n: usize,
-    /// Columns of the sensitivities: start states, then the free parameters; 0 if not asked for.
+    /// Number of columns of the sensitivities: start states, then the free parameters; 0 without
+    /// sensitivities.
     pub m: usize,
     /// States, row-major samples x n.
     pub states: Vec<f64>,
-    /// Their rates of change, row-major samples x n, by the interpolant of the steps.
+    /// Their rates of change, row-major samples x n, from the interpolant of the steps.
     pub rates: Vec<f64>,
     /// d state / d (start, parameter), row-major samples x n x m.
     pub sensitivities: Vec<f64>,
@@ -72,7 +74,7 @@ pub struct Trajectory {
     pub events: Vec<Event>,
     /// Steps that were accepted.
     pub steps: usize,
-    /// Steps that were tried again with a shorter length.
+    /// Rejected steps.
     pub rejected: usize,
     /// Evaluations of the rates.
     pub evaluations: usize,
@@ -85,36 +87,36 @@ impl Trajectory {
     }
 }
 
-/// What [`SimError::Diverged`] says of a state; whoever shows it may add what to do.
+/// The words of [`SimError::Diverged`] about a state; a caller may add advice.
 pub const DIVERGED: &str = "grows without bound";
 
 /// Why a run ended early.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SimError {
-    /// A rate is not a number, however short the step.
+    /// A rate is not finite, however short the step.
     NotFinite {
         /// When.
         time: f64,
         /// Which state.
         state: String,
     },
-    /// A state grew beyond all bounds.
+    /// A state exceeds [`Options::diverged`].
     Diverged {
         /// When.
         time: f64,
         /// Which state.
         state: String,
     },
-    /// More steps than allowed, or steps too short to move time on.
+    /// More steps than permitted, or steps too short to advance time.
     TooManySteps {
-        /// How far it came.
+        /// The time reached.
         time: f64,
     },
-    /// Changes of mode without end at one instant.
+    /// The modes change without end at one instant.
     TooManyEvents {
         /// When.
         time: f64,
-        /// The switch that flutters.
+        /// The switch that chatters.
         switch: String,
     },
 }

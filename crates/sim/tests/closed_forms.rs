@@ -6,7 +6,8 @@ use approx::assert_abs_diff_eq;
 use common::{Case, grid};
 use std::f64::consts::PI;
 
-/// Free decay with Coulomb friction: each half cycle takes 2 F/k off the amplitude; it stops at the first turning point within F/k of zero.
+/// Free decay with Coulomb friction: each half cycle takes 2 F/k off the amplitude; it stops at the first
+/// turning point within F/k of zero.
 #[test]
 fn free_decay_loses_4_f_over_k_per_cycle_and_stops_where_it_must() {
     let (k, f) = (4.0, 0.3);
@@ -81,8 +82,9 @@ fn coulomb_on_a_belt_ends_on_the_circle_that_grazes_the_belt_speed() {
     }
 }
 
-/// STYLE.md, "Stick-slip measured": F_s = 1.5, F_d = 1 gives a slip of 3 pi/2 and a period of 2 + 3 pi/2. The fall from static to sliding friction
-/// happens within `vs` here. After letting go, w' = a t + (w/vs)^2/2 first has to grow: that takes a time in proportion to vs^(2/3), and so the times converge.
+/// STYLE.md, "Stick-slip measured": F_s = 1.5, F_d = 1 gives a slip of 3 pi/2 and a period of 2 + 3 pi/2. The
+/// fall from static to sliding friction happens within `vs` here. After letting go, w' = a t + (w/vs)^2/2
+/// first has to grow: that takes a time in proportion to vs^(2/3), and so the times converge.
 #[test]
 fn static_friction_on_a_belt_converges_to_the_closed_form() {
     let states = [("x", 0.0, "v"), ("v", 0.5, "-x - (1 + 0.5*exp(-((v-vb)/vs)^2))*sgn(v - vb)")];
@@ -104,8 +106,8 @@ fn static_friction_on_a_belt_converges_to_the_closed_form() {
     }
 }
 
-/// The error of an undamped oscillator falls with the fifth power of the number of steps, and that of its rates, by the interpolant, with the
-/// fourth.
+/// The error of an undamped oscillator falls with the fifth power of the number of steps, and that of its
+/// rates, by the interpolant, with the fourth.
 #[test]
 fn the_method_has_order_five() {
     let times = grid(20.0, 199);

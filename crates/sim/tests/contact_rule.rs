@@ -25,7 +25,8 @@ fn a_slowly_growing_load_lets_go_at_the_friction_level() {
     }
 }
 
-/// The load is a small difference of large forces: its rounding errors are ten thousand times larger than elsewhere.
+/// The load is a small difference of large forces: its rounding errors are ten thousand times larger than
+/// elsewhere.
 #[test]
 fn rounding_of_the_load_does_not_shake_it() {
     let rate = "a*t + P*(1 + t) - P - P*t - F*sgn(v)";
@@ -71,7 +72,8 @@ fn negative_friction_does_not_stick() {
     assert_abs_diff_eq!(run.states[2], 2.2, epsilon = 1e-9);
 }
 
-/// Friction that pushes opens both ways from rest: it leaves the way of the stronger push, with the sum of both.
+/// Friction that pushes opens both ways from rest: it leaves the way of the stronger push, with the sum of
+/// both.
 #[test]
 fn from_rest_negative_friction_leaves_the_way_of_the_stronger_push() {
     for (push, way) in [(0.1, 1.0), (-0.1, -1.0)] {
@@ -137,7 +139,8 @@ fn a_short_peak_of_load_lets_go() {
 
 #[test]
 fn masses_on_each_other_move_as_one_and_let_go_at_the_right_time() {
-    // A growing force on the lower mass (2 kg); friction alone pulls the upper one (1 kg) along: up to F = a t = 3 mu.
+    // A growing force on the lower mass (2 kg); friction alone pulls the upper one (1 kg) along: up to F = a
+    // t = 3 mu.
     let states = [
         ("x1", 0.0, "y1"),
         ("x2", 0.0, "y2"),
@@ -163,7 +166,8 @@ fn sliding_masses_come_to_rest_on_each_other_and_then_on_the_floor() {
     // The upper mass is thrown; the lower one is dragged along if mu12 m2 > mu1 (m1+m2).
     let states = [("y1", 0.0, "(0.6*sgn(y2-y1) - 0.3*sgn(y1))/2"), ("y2", 3.0, "-0.6*sgn(y2-y1)")];
     let run = Case::new(&states, &[]).run(&[1.0, 10.0, 50.0]);
-    // Relative speed 3 falls at 0.75: together at t = 4 with 0.6; then both slow down at 0.1: at rest at t = 10.
+    // Relative speed 3 falls at 0.75: together at t = 4 with 0.6; then both slow down at 0.1: at rest at t =
+    // 10.
     let stops: Vec<(usize, f64)> =
         run.events.iter().filter(|e| e.to == 0).map(|e| (e.switch, e.time)).collect();
     assert_eq!(stops.len(), 2, "{:?}", run.events);
@@ -205,7 +209,8 @@ fn contacts_that_hold_the_same_thing_leave_the_others_alone() {
 
 #[test]
 fn friction_that_is_singular_at_rest_holds_and_lets_go() {
-    // 0.5 - 0.02 ln(|v|/V): infinite at rest; as large as it is a millionth off rest by the rule, at the scale 1 of speed.
+    // 0.5 - 0.02 ln(|v|/V): infinite at rest; as large as it is a millionth off rest by the rule, at the
+    // scale 1 of speed.
     let capacity = |floor: f64| 0.5 - 0.02 * (floor / 0.003).ln();
     let rate = "a*t - (0.5 - 0.02*ln(|v|/V))*sgn(v)";
     let case = Case::new(&[("x", 0.0, "v"), ("v", 0.2, rate)], &[("a", 0.05), ("V", 0.003)]).tolerance(1e-8);
@@ -272,7 +277,8 @@ fn two_masses_stick_to_two_belts() {
     assert_eq!(run.modes, [0; 4]);
 }
 
-/// Three that do not touch, each with a shape of friction of its own, in one model and one by one: the same motion, the same events, the same derivatives.
+/// Three that do not touch, each with a shape of friction of its own, in one model and one by one: the same
+/// motion, the same events, the same derivatives.
 #[test]
 fn bodies_that_do_not_touch_move_as_each_alone() {
     let laws = [
@@ -353,7 +359,8 @@ fn the_unit_of_length_moves_no_event() {
 
 #[test]
 fn a_chain_gives_way_mass_by_mass() {
-    // A slow pull at one end: mass j moves when the load on it passes its friction, the others hold exactly still.
+    // A slow pull at one end: mass j moves when the load on it passes its friction, the others hold exactly
+    // still.
     let names: Vec<(String, String)> = (0..5).map(|j| (format!("x{j}"), format!("y{j}"))).collect();
     let mut states: Vec<(&str, f64, String)> =
         names.iter().map(|(x, y)| (x.as_str(), 0.0, y.clone())).collect();
@@ -514,7 +521,8 @@ fn what_sticks_does_not_drift() {
     }
 }
 
-/// Three contacts on three bodies in a row, all stuck: moving each of them onto its surface without a look at the others lets their speeds grow from step to step.
+/// Three contacts on three bodies in a row, all stuck: moving each of them onto its surface without a look at
+/// the others lets their speeds grow from step to step.
 #[test]
 fn contacts_that_share_a_body_rest_together() {
     let states = [
@@ -531,7 +539,8 @@ fn contacts_that_share_a_body_rest_together() {
     assert!(end.iter().all(|v| v.abs() < 1e-15), "{end:?} while stuck");
 }
 
-/// Three blocks on top of each other, at rest: which contacts stick, against a search through all combinations of modes.
+/// Three blocks on top of each other, at rest: which contacts stick, against a search through all
+/// combinations of modes.
 #[test]
 fn coupled_contacts_find_the_one_consistent_combination() {
     let states = [

@@ -89,7 +89,8 @@ fn a_single_late_sample_of_something_stuck() {
     assert!(run.steps < 2000, "{}", run.steps);
 }
 
-/// Bouncing between two force switches with ever shorter flights (a relay that meets friction) ends at an instant.
+/// Bouncing between two force switches with ever shorter flights (a relay that meets friction) ends at an
+/// instant.
 #[test]
 fn flutter_ends_in_an_error_or_a_result() {
     let relay = Case::new(&[("x", 0.3, "v"), ("v", 0.0, "-sgn(x) - 0.3*sgn(v)")], &[]);

@@ -1,7 +1,8 @@
 //! Stick-slip runs against another solver: DOP853 of the crate `ode_solvers`, with rates written by hand.
 //!
-//! It knows no events, so it is led from one of our events to the next, and what must hold there is checked on its own numbers: a contact that
-//! stops has no speed, one that lets go bears just what it can hold, no speed has the wrong sign on the way and no stuck contact is overloaded.
+//! It knows no events, so it is led from one of our events to the next, and what must hold there is checked
+//! on its own numbers: a contact that stops has no speed, one that lets go bears just what it can hold, no
+//! speed has the wrong sign on the way and no stuck contact is overloaded.
 
 mod common;
 
@@ -50,8 +51,9 @@ fn compare(case: Case, plant: Plant, tolerance: f64) {
     let mut rest = events.iter().peekable();
     for (k, pair) in times.windows(2).enumerate() {
         let (phase, step) = (Phase { plant, modes: &modes }, pair[1] - pair[0]);
-        // All defaults but the tolerances; the test of stiffness is off: it sees some where there is none. Version
-        // 0.6.2 has wrong dense output and wrong times of the stages, as y' = cos t shows, so it makes steps only, and time is a state.
+        // All defaults but the tolerances; the test of stiffness is off: it sees some where there is none.
+        // Version 0.6.2 has wrong dense output and wrong times of the stages, as y' = cos t shows, so it
+        // makes steps only, and time is a state.
         let mut solver = Dop853::from_param(
             phase,
             pair[0],

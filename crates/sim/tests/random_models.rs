@@ -1,4 +1,5 @@
-//! Random rigs with laws of the catalogue: energy is accounted for, what sticks can be held, and the step does not show.
+//! Random rigs with laws of the catalogue: energy is accounted for, what sticks can be held, and the step
+//! does not show.
 //!
 //! A few dozen in the ordinary tests; `PHISINDY_MODELS=1000` makes it a thousand.
 
@@ -34,7 +35,8 @@ fn row(run: &Trajectory, k: usize) -> &[f64] {
     &run.states[k * run.n..(k + 1) * run.n]
 }
 
-/// The force of a law at a state; a friction in the direction of `sign`, or of the velocity. (What sticks has none, and whatever force, it does no work.)
+/// The force of a law at a state; a friction in the direction of `sign`, or of the velocity. (What sticks has
+/// none, and whatever force, it does no work.)
 fn force(law: &Acting, rig: &Rig, t: f64, state: &[f64], sign: Option<f64>) -> f64 {
     let n = rig.count();
     let (x, v) = (law.place.relative(&state[..n]), law.place.relative(&state[n..2 * n]));
@@ -59,8 +61,9 @@ fn energy_is_accounted_for() {
         let rig = Rig::draw(&mut Dice::new(seed));
         let coarse: Vec<f64> = (0..=3000).map(|k| rig.duration * f64::from(k) / 3000.0).collect();
         let Ok(first) = run(&rig, &rig.start, &coarse, 1e-10) else { continue };
-        // The power has corners where something stops, turns, or meets a stop: a node at each, and one in the middle of each interval for Simpson's rule.
-        // Near rest some friction goes with the logarithm of the speed: nodes ever closer to each event.
+        // The power has corners where something stops, turns, or meets a stop: a node at each, and one in the
+        // middle of each interval for Simpson's rule. Near rest some friction goes with the logarithm of the
+        // speed: nodes ever closer to each event.
         let near =
             |t: f64| (0..7).flat_map(move |j| [-1.0, 1.0].map(|side| t + side * 0.01 * 0.5_f64.powi(j)));
         let graded = first.events.iter().map(|e| e.time).chain([0.0]).flat_map(|t| near(t).chain([t]));
@@ -93,7 +96,8 @@ fn energy_is_accounted_for() {
     assert!(checked * 10 >= models().end * 9 && events > checked as usize, "{checked} runs, {events} events");
 }
 
-/// When a displacement passes the gap of a law, by the cubic through displacements and velocities of neighbouring samples.
+/// When a displacement passes the gap of a law, by the cubic through displacements and velocities of
+/// neighbouring samples.
 fn touches(rig: &Rig, run: &Trajectory, times: &[f64]) -> Vec<f64> {
     let n = rig.count();
     let gaps = rig.laws.iter().filter(|l| l.numbers.iter().any(|(name, _)| *name == "gap"));
@@ -137,7 +141,8 @@ fn stuck<'a>(contacts: &[(&'a Acting, f64)]) -> Vec<&'a Acting> {
     contacts.iter().filter(|(_, mode)| *mode == 0.0).map(|(l, _)| *l).collect()
 }
 
-/// What each contact that sticks must bear so that none of them moves, `d (M^-1 (F - d' load)) = 0`, by elimination; the others slip as their modes say.
+/// What each contact that sticks must bear so that none of them moves, `d (M^-1 (F - d' load)) = 0`, by
+/// elimination; the others slip as their modes say.
 fn loads(rig: &Rig, t: f64, state: &[f64], contacts: &[(&Acting, f64)]) -> Vec<f64> {
     let n = rig.count();
     let mut push = vec![0.0; n];
@@ -232,8 +237,8 @@ const WILD: f64 = 1e4;
 /// Errors of a step are relative to its tolerance, and there are hundreds of steps.
 const STEPS: f64 = 300.0;
 
-/// The motion does not depend on the step: two tolerances differ by no more than the tolerance, times the number of steps, times what the motion itself
-/// makes of a small change.
+/// The motion does not depend on the step: two tolerances differ by no more than the tolerance, times the
+/// number of steps, times what the motion itself makes of a small change.
 #[test]
 fn the_step_does_not_show() {
     let (mut whole, mut worst) = (0, (0.0_f64, 0));

@@ -34,8 +34,8 @@ fn differences(case: &Case, times: &[f64]) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// Checks every derivative to `accuracy` of the largest of its kind. Samples close to an event do not count: there the difference
-/// of two runs compares one that has passed it with one that has not.
+/// Checks every derivative to `accuracy` of the largest of its kind. Samples close to an event do not count:
+/// there the difference of two runs compares one that has passed it with one that has not.
 #[track_caller]
 fn check(name: &str, case: &Case, end: f64, accuracy: f64) {
     check_but(name, case, end, accuracy, &[]);
@@ -137,7 +137,8 @@ fn mass_on_mass() {
 #[test]
 fn independent_masses_that_stop_at_the_same_time() {
     let states = [("v1", 2.0, "-F*sgn(v1) - c*v1"), ("v2", 2.0, "-F*sgn(v2) - c*v2"), ("x", 0.3, "v1*v2")];
-    // A shift of one start moves one stop and not the other: differences are one-sided nowhere, the two do not interact at the stop.
+    // A shift of one start moves one stop and not the other: differences are one-sided nowhere, the two do
+    // not interact at the stop.
     check("equal masses", &Case::new(&states, &[("F", 0.5), ("c", 0.1)]), 8.0, 1e-6);
 }
 
@@ -204,8 +205,8 @@ fn grazing_stays_finite() {
     }
 }
 
-/// The slope of this friction is singular at rest, and every crossing passes it in a moment: derivatives must be right at the tolerance of a fit too, where the
-/// state alone would allow to step over it.
+/// The slope of this friction is singular at rest, and every crossing passes it in a moment: derivatives must
+/// be right at the tolerance of a fit too, where the state alone would allow to step over it.
 #[test]
 fn fast_crossings_of_a_steep_shape() {
     let law = "(F + a*ln((|v|+eps)/V) + b*ln(c0 + V/(|v|+eps)))*sgn(v)";
@@ -233,8 +234,8 @@ fn fast_crossings_of_a_steep_shape() {
     }
 }
 
-/// Masses that slide onto belts of their own: where they are then depends on the belt's speed, on the friction and on the start as
-/// `x = (v0^2 - V^2)/2F + V (T - (v0 - V)/F)` does.
+/// Masses that slide onto belts of their own: where they are then depends on the belt's speed, on the
+/// friction and on the start as `x = (v0^2 - V^2)/2F + V (T - (v0 - V)/F)` does.
 #[test]
 fn a_belt_whose_speed_is_a_parameter_moves_its_own_mass_alone() {
     let states = [

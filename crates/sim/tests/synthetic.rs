@@ -1,4 +1,5 @@
-//! Synthetic records: inputs of every kind, what is recorded of them, and what is said where one cannot be made.
+//! Synthetic records: inputs of every kind, what is recorded of them, and what is said where one cannot be
+//! made.
 
 use approx::assert_abs_diff_eq;
 use phisindy_phys::spec::InputSpec;
@@ -7,7 +8,8 @@ use phisindy_signal::{Interpolation, Signal};
 use phisindy_sim::{ExcitationError, SyntheticError, Trajectory, synthesize};
 use std::sync::Arc;
 
-/// A mass that a spring ties to a moving base, without friction or noise; the rest of the record is filled in.
+/// A mass that a spring ties to a moving base, without friction or noise; the rest of the record is filled
+/// in.
 fn made(
     constants: &str,
     truth: &str,
@@ -31,7 +33,8 @@ fn no_file(_: &InputSpec) -> Result<Signal, String> {
 
 const BASE: &str = r#"inputs: {"u": Formula("A*cos(W*t)")}, derive: {"du": Derivative("u")}"#;
 
-/// Its record holds what a rig's would: the derivative is that of the samples, and a note says how it was made.
+/// Its record holds what a rig's would: the derivative is that of the samples, and a note says how it was
+/// made.
 #[test]
 fn the_derivative_of_a_measured_input_is_derived_from_its_samples() {
     let (record, clean) = made("", "0", &format!(r#"{BASE}, measure: ["x", "u"]"#), &no_file).unwrap();

@@ -1,4 +1,5 @@
-//! How much work the reference runs are. A change that makes them slower fails here; one that makes them faster may tighten the numbers.
+//! How much work the reference runs are. A change that makes them slower fails here; one that makes them
+//! faster may tighten the numbers.
 
 mod common;
 
@@ -41,7 +42,8 @@ fn case_7_two_masses() {
     check(case_7(), Work { events: 39, steps: 1188, rejected: 298, evaluations: 9470 });
 }
 
-/// What a stop or a departure costs beyond the smooth motion between: friction with a steep shape near rest must not make the steps crawl.
+/// What a stop or a departure costs beyond the smooth motion between: friction with a steep shape near rest
+/// must not make the steps crawl.
 #[test]
 fn an_event_of_dieterich_ruina_costs_less_than_sixty_steps() {
     for (with, without, events) in [(case_1b(), case_1a(), 10), (case_7(), coulomb_7(), 39)] {
@@ -56,7 +58,8 @@ fn an_event_of_dieterich_ruina_costs_less_than_sixty_steps() {
     }
 }
 
-/// ... nor be passed with steps that miss its shape: the default tolerance gives states and derivatives that a sharper one confirms.
+/// ... nor be passed with steps that miss its shape: the default tolerance gives states and derivatives that
+/// a sharper one confirms.
 #[test]
 fn the_default_tolerance_resolves_the_events() {
     for (case, states, derivatives) in

@@ -1,4 +1,4 @@
-//! A hidden effect: what is added to the known part.
+//! A hidden effect: an addition to the known part.
 
 use super::place::Place;
 use crate::dice::Dice;
@@ -7,7 +7,7 @@ use crate::names::substitute;
 /// What an effect acts on.
 #[derive(Clone, Debug)]
 pub(super) enum Action {
-    /// A force (its law's f: subtracted) at a place; perhaps with a state of its own.
+    /// A force at a place, subtracted as in its law, with an internal state for some laws.
     Force { place: Place, force: String, internal: Option<(String, String)> },
     /// A property of a column, or of all of them.
     Sensor { column: Option<usize>, property: Property, value: f64 },
@@ -26,9 +26,9 @@ pub(super) enum Property {
 /// A hidden effect.
 #[derive(Clone, Debug)]
 pub(super) struct Effect {
-    /// The id of its law; of one that no law describes, a word for it.
+    /// The id of its law, or a name for an effect that no law describes.
     pub(super) law: String,
-    /// Where, as `gap` spells it.
+    /// Its place as `gap` writes it.
     pub(super) at: String,
     /// Its law's parameters.
     pub(super) parameters: Vec<(&'static str, f64)>,
@@ -43,7 +43,7 @@ impl Effect {
         self.parameters.iter().find(|(n, _)| *n == name).map(|(_, x)| *x)
     }
 
-    /// The number of parameters that are found.
+    /// The number of its unknown parameters.
     pub(super) fn freedom(&self) -> usize {
         self.parameters.len()
     }
@@ -53,7 +53,7 @@ impl Effect {
         matches!(&self.action, Action::Force { force, .. } if force.contains("sgn("))
     }
 
-    /// Text with the place's displacement and velocity, and numbers in the place of parameters.
+    /// Text with the displacement and velocity of the place, and numbers in place of parameters.
     pub(super) fn written(&self, text: &str, second: bool) -> String {
         let own = |name: &str| if name == "phase" && second { self.second_phase } else { None };
         let numbers: Vec<(&str, String)> = self
@@ -67,12 +67,12 @@ impl Effect {
         })
     }
 
-    /// Text with the place's displacement and velocity, and its parameters by name.
+    /// Text with the displacement and velocity of the place and the names of parameters.
     pub(super) fn at_its_place(&self, text: &str) -> String {
         substitute(text, |name| self.place_name(name))
     }
 
-    /// What stands for the displacement `X` and the velocity `Y` of a force.
+    /// The text for the displacement `X` and the velocity `Y` of a force.
     fn place_name(&self, name: &str) -> Option<&str> {
         let Action::Force { place, .. } = &self.action else { return None };
         match name {
@@ -83,7 +83,7 @@ impl Effect {
     }
 }
 
-/// How large displacement and velocity are at a place, and the force that drives the rig.
+/// Largest displacement and velocity at a place, and the force that drives the rig.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scales {
     pub(super) x: f64,
@@ -128,7 +128,7 @@ fn draw_linear(law: &str, s: Scales, rig: &super::rig::Rig, dice: &mut Dice) -> 
         "viscous" => {
             let dc = dice.log(0.01, 1.0) * s.force / s.v;
             let negative = dice.chance(0.2);
-            // A mass must not feed itself.
+            // The damping of a mass must stay positive.
             let least = rig.damper.iter().copied().fold(f64::INFINITY, f64::min);
             (vec![("dc", if negative { -(0.7 * least).min(dc) } else { dc })], "dc*Y")
         }
@@ -244,7 +244,7 @@ pub(super) fn draw_sensor(
         "sensor-offset" => (Property::Offset, "offset"),
         _ => return None,
     };
-    // The zero of all columns at once means nothing: they have different units.
+    // An offset of all columns at once means nothing: they have different units.
     let common = property != Property::Offset && dice.chance(0.35);
     // Offsets are mostly those of displacements.
     let column = if property == Property::Offset && dice.chance(0.8) { any % displacements } else { any };

@@ -1,13 +1,13 @@
-//! The linear response of the known part: how a force that was seen along the true motion moves what is measured.
+//! The linear response of the known part: how a force over the true motion changes the measured columns.
 
 use super::rig::Rig;
 
-/// The known part, discretised for forces that are straight lines between samples.
+/// The known part, discretised for forces that are linear between samples.
 pub(super) struct Linear {
     n: usize,
     /// One step of the states, row-major.
     step: Vec<f64>,
-    /// For each mass: the share of the force at the beginning of a step, and of its change.
+    /// For each mass: the response to the force at the beginning of a step, and to its change.
     force: Vec<(Vec<f64>, Vec<f64>)>,
 }
 
@@ -83,7 +83,7 @@ impl Linear {
     }
 }
 
-/// The exponential of a small matrix: halved until it is small, a series, squared again.
+/// The exponential of a small matrix, by scaling and squaring of a Taylor series.
 fn exponential(matrix: &[f64], n: usize) -> Vec<f64> {
     let size = matrix.iter().fold(0.0_f64, |m, x| m.max(x.abs())) * n as f64;
     let halvings = size.max(1e-9).log2().ceil().max(0.0) as i32 + 4;

@@ -1,13 +1,13 @@
-//! One set: drawn until it is fair.
+//! One set, drawn until it is fair.
 
-use super::course::{courses, cut_course, cut_motion};
 use super::effect::{Effect, Scales, draw, draw_sensor};
+use super::experiment::{experiments, first_part, first_part_of_motion};
 use super::fair::{steady, visible};
-use super::motion::{Course, Motion, earlier, motion};
+use super::motion::{Experiment, Motion, earlier, motion};
 use super::outside;
 use super::place::{Place, places};
 use super::rig::{Constant, Drive, Extra, Line, Rig};
-use super::rivals::{Judgement, Seen, along, judge, largest};
+use super::rivals::{Judgement, Seen, judge, largest, place_motion};
 use super::told::{alternatives, described, hidden};
 use super::truth::{Gaps, Truth};
 use super::wish::{HOLDING, Kind, Wish};
@@ -17,16 +17,16 @@ use phisindy_sim::{Noise, Streams, add_noise};
 
 /// Draws before giving up.
 const TRIES: usize = 2000;
-/// Gaps between these are shown.
+/// A set with a gap between these is accepted.
 const GAPS: (f64, f64) = (1.1, 130.0);
 /// The truth must beat every rival by this much.
 const MARGIN: f64 = 20.0;
-/// What start states and constants that may move must leave of an effect (chi square).
+/// The least chi square of an effect that start states and movable constants cannot absorb.
 const VISIBLE: f64 = 200.0;
-/// What the catalogue must leave of an effect outside of it, in units of the noise.
+/// The least residual of the catalogue for an effect outside of it, in units of the noise.
 const REMAINDER: f64 = 0.4;
 
-/// A record as it is handed over.
+/// A record as the workflow sees it.
 pub(super) struct Shown {
     pub(super) times: Vec<f64>,
     /// Columns of the states that are measured: with noise.
@@ -52,7 +52,7 @@ pub(super) struct Made {
 /// Draws until a set is fair.
 ///
 /// # Errors
-/// None was, in words.
+/// No draw was fair; the text counts the reasons.
 pub(super) fn made(wish: &Wish, dice: &mut Dice) -> Result<Made, String> {
     let mut reasons = std::collections::BTreeMap::<&str, usize>::new();
     for _ in 0..TRIES {
@@ -76,14 +76,14 @@ fn attempt(wish: &Wish, dice: &mut Dice) -> Result<Made, &'static str> {
         add_nonlinear_term(&mut rig, dice);
     }
     movables(&mut rig, wish, dice);
-    let (courses, split) = courses(&rig, dice);
+    let (experiments, split) = experiments(&rig, dice);
     let run = |effects: &[Effect], before: f64| -> Result<Vec<Motion>, &'static str> {
-        let one = |c: &Course| motion(&rig, effects, c, before).map_err(|_| "not simulated");
-        courses.iter().map(one).collect()
+        let one = |c: &Experiment| motion(&rig, effects, c, before).map_err(|_| "not simulated");
+        experiments.iter().map(one).collect()
     };
     let mut base = run(&[], 0.0)?;
-    let mut effects = effects(&rig, wish, &courses[0], &base[0], dice)?;
-    if courses.len() == 1 {
+    let mut effects = effects(&rig, wish, &experiments[0], &base[0], dice)?;
+    if experiments.len() == 1 {
         effects.iter_mut().for_each(|e| e.second_phase = None);
     }
     let before = earlier(&effects);
@@ -97,10 +97,10 @@ fn attempt(wish: &Wish, dice: &mut Dice) -> Result<Made, &'static str> {
     let measured: Vec<(usize, String)> =
         rig.x.iter().chain(&rig.v).cloned().enumerate().take(states).collect();
     let Noisy { records, sigma, gaps } =
-        add_sensor_noise(wish, &measured, &courses, &motions, &base, split, Streams(dice.seed()))?;
-    let drawn = Drawn { rig, effects, courses, motions, base, measured, split };
+        add_sensor_noise(wish, &measured, &experiments, &motions, &base, split, Streams(dice.seed()))?;
+    let drawn = Drawn { rig, effects, experiments, motions, base, measured, split };
     let judgement = drawn.judgement(wish, gaps, &sigma)?;
-    if !steady(&drawn.rig, &drawn.effects, &drawn.courses, &drawn.motions, before, wish.noise) {
+    if !steady(&drawn.rig, &drawn.effects, &drawn.experiments, &drawn.motions, before, wish.noise) {
         return Err("the motion is too sensitive to its start");
     }
     let truth = drawn.truth(wish, &records, gaps, stuck_share, judgement, &sigma);
@@ -157,7 +157,7 @@ struct Noisy {
 fn add_sensor_noise(
     wish: &Wish,
     measured: &[(usize, String)],
-    courses: &[Course],
+    experiments: &[Experiment],
     motions: &[Motion],
     base: &[Motion],
     split: usize,
@@ -166,7 +166,7 @@ fn add_sensor_noise(
     let mut sigma = Vec::new();
     let mut records = Vec::new();
     let (mut fit, mut validate) = ((0.0, 0usize), (0.0, 0usize));
-    for (r, (course, motion)) in courses.iter().zip(motions).enumerate() {
+    for (r, (experiment, motion)) in experiments.iter().zip(motions).enumerate() {
         let mut columns = Vec::new();
         for (state, name) in measured {
             let exact = &motion.readings[*state];
@@ -187,8 +187,13 @@ fn add_sensor_noise(
             }
             columns.push(noisy);
         }
-        let drive = course.times.iter().map(|&t| Rig::drive_at(&course.lines, t)).collect();
-        records.push(Shown { times: course.times.clone(), columns, drive, lines: course.lines.clone() });
+        let drive = experiment.times.iter().map(|&t| Rig::drive_at(&experiment.lines, t)).collect();
+        records.push(Shown {
+            times: experiment.times.clone(),
+            columns,
+            drive,
+            lines: experiment.lines.clone(),
+        });
     }
     let gap = |(sum, count): (f64, usize)| (sum / count as f64).sqrt();
     Ok(Noisy { records, sigma, gaps: Gaps { fit: gap(fit), validate: gap(validate) } })
@@ -198,7 +203,7 @@ fn add_sensor_noise(
 struct Drawn {
     rig: Rig,
     effects: Vec<Effect>,
-    courses: Vec<Course>,
+    experiments: Vec<Experiment>,
     /// The motion of each record with the effects, and that of the known part alone.
     motions: Vec<Motion>,
     base: Vec<Motion>,
@@ -218,15 +223,15 @@ impl Drawn {
         if !(GAPS.0..=GAPS.1).contains(&gaps.validate) || !(GAPS.0..=1.5 * GAPS.1).contains(&gaps.fit) {
             return Err("the gap is too small or too large");
         }
-        let course = cut_course(&self.courses[0], self.split);
-        let motion = cut_motion(&self.motions[0], self.split);
-        let base = cut_motion(&self.base[0], self.split);
+        let experiment = first_part(&self.experiments[0], self.split);
+        let motion = first_part_of_motion(&self.motions[0], self.split);
+        let base = first_part_of_motion(&self.base[0], self.split);
         let columns: Vec<(usize, String, f64)> =
             self.measured.iter().zip(sigma).map(|((k, n), s)| (*k, n.clone(), *s)).collect();
         let seen = Seen {
             rig: &self.rig,
             effects: &self.effects,
-            course: &course,
+            experiment: &experiment,
             motion: &motion,
             base: &base,
             columns: &columns,
@@ -294,7 +299,8 @@ impl Drawn {
     }
 }
 
-/// In some sets a stiffness or a damping is only known within bounds - never that which the hidden law is about.
+/// In some sets a stiffness or a damping is only known within bounds, but never the one that the hidden law
+/// changes.
 fn movables(rig: &mut Rig, wish: &Wish, dice: &mut Dice) {
     let share = if matches!(&wish.kind, Kind::Laws(laws) if laws.len() == 2) { 0.1 } else { 0.25 };
     if !dice.chance(share) {
@@ -327,30 +333,32 @@ fn movables(rig: &mut Rig, wish: &Wish, dice: &mut Dice) {
 fn effects(
     rig: &Rig,
     wish: &Wish,
-    course: &Course,
+    experiment: &Experiment,
     base: &Motion,
     dice: &mut Dice,
 ) -> Result<Vec<Effect>, &'static str> {
     let none: [Effect; 0] = [];
-    let seen = Seen { rig, effects: &none, course, motion: base, base, columns: &[] };
+    let seen = Seen { rig, effects: &none, experiment, motion: base, base, columns: &[] };
     let all = places(rig);
-    let force =
-        course.times.iter().map(|&t| Rig::drive_at(&course.lines, t)).fold(0.0_f64, |m, (value, slope)| {
+    let force = experiment.times.iter().map(|&t| Rig::drive_at(&experiment.lines, t)).fold(
+        0.0_f64,
+        |m, (value, slope)| {
             let f = match rig.drive {
                 Drive::Base { .. } => rig.spring[0] * value + rig.damper[0] * slope,
                 _ => value,
             };
             m.max(f.abs())
-        });
+        },
+    );
     let scales = |place: &Place| {
-        let (x, v) = along(&seen, place);
-        // A release is judged by its beginning, anything else by what is left of it.
+        let (x, v) = place_motion(&seen, place);
+        // The first half of a released motion counts, otherwise the second half: the stationary motion.
         let part = if rig.drive == Drive::Free { 0..x.len() / 2 } else { x.len() / 2..x.len() };
         let (x, v) = (largest(&x[part.clone()]), largest(&v[part]));
         let force = if rig.drive == Drive::Free { 0.3 * x * rig.spring[0] } else { force };
         Scales { x, v, force }
     };
-    let duration = course.times[course.times.len() - 1];
+    let duration = experiment.times[experiment.times.len() - 1];
     let mut out: Vec<Effect> = Vec::new();
     let laws: &[&str] = match &wish.kind {
         Kind::Nothing => &[],
@@ -374,7 +382,7 @@ fn effects(
             Some(effect) => effect,
             None => {
                 let place = dice.pick(&all);
-                // A constant or harmonic push does not feel what moves: its place is a mass.
+                // A constant or harmonic force does not depend on the motion: its place is a mass.
                 if place.wall != 0.0 && matches!(*law, "offset" | "harmonic-force") {
                     return Err("no such place");
                 }
@@ -386,6 +394,6 @@ fn effects(
         }
         out.push(effect);
     }
-    // A column that is not there cannot be late; decided before what is measured, so it may drop out later.
+    // The measured columns are drawn later, so the set may still be rejected because of its sensor.
     Ok(out)
 }

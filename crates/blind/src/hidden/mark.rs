@@ -1,25 +1,25 @@
-//! What the workflow said of one set, compared with the truth.
+//! The result of the workflow for one set, compared with the truth.
 
 use super::place::same_place;
 use super::truth::{Hidden, Placed, Truth};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// A value is right within this part of itself.
+/// A value within this relative error is right.
 const WITHIN: f64 = 0.05;
 
-/// How a set was named.
+/// How the workflow named the effects of a set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Verdict {
-    /// As the truth is; nothing where nothing is; unexplained where no law describes it.
+    /// The truth: nothing where nothing is hidden, unexplained where no law describes the effect.
     Right,
-    /// By another description that is the same force in this record.
+    /// Another description of the same force in this record.
     Equivalent,
     /// An effect where nothing is hidden.
     FalseAlarm,
     /// Anything else.
     Wrong,
-    /// The program came to no result.
+    /// The program returned no result.
     Failed,
 }
 
@@ -28,26 +28,26 @@ pub(super) enum Verdict {
 pub(super) struct Mark {
     pub(super) verdict: Verdict,
     pub(super) status: String,
-    /// What was named, in words.
+    /// The named effects as text.
     pub(super) named: String,
-    /// Relative error of each value of the truth that was named right, by `law.parameter`.
+    /// Relative error of each value of a correctly named effect, by `law.parameter`.
     pub(super) errors: BTreeMap<String, f64>,
-    /// Whether the data tell all of them so closely: each 95 % interval ends within [`WITHIN`] of the value.
+    /// Whether the data determine all of them: each 95 % interval ends within [`WITHIN`] of the value.
     pub(super) told: bool,
-    /// How many 95 % intervals there are, and how many hold the truth.
+    /// The number of 95 % intervals, and of those that contain the truth.
     pub(super) intervals: (usize, usize),
-    /// The gap on the Validate record in the end.
+    /// The final gap on the Validate record.
     pub(super) after: Option<f64>,
     pub(super) seconds: Option<f64>,
 }
 
 impl Mark {
-    /// Whether everything was named as it should.
+    /// Whether all effects have the right names.
     pub(super) fn good(&self) -> bool {
         matches!(self.verdict, Verdict::Right | Verdict::Equivalent)
     }
 
-    /// Whether all values are right; none if none is to be judged.
+    /// Whether all values are right; none if there is no value to compare.
     pub(super) fn values(&self) -> Option<bool> {
         (!self.errors.is_empty()).then(|| self.errors.values().all(|e| *e <= WITHIN))
     }
@@ -110,9 +110,9 @@ fn sorted(set: &[Placed]) -> Vec<(String, String)> {
 /// Judges the values of one effect.
 fn values(effect: &Hidden, step: &Value, mark: &mut Mark) {
     let truth = turned(effect, step["at"].as_str().unwrap_or(&effect.at));
-    let found = |name: &str| step["parameters"][name]["value"].as_f64();
+    let estimate = |name: &str| step["parameters"][name]["value"].as_f64();
     for (name, &value) in &truth {
-        let Some(have) = found(name) else { continue };
+        let Some(have) = estimate(name) else { continue };
         let cyclic = name == "phase";
         // Angles differ by whole turns.
         let off = if cyclic { turn(have - value) } else { have - value };
@@ -129,14 +129,14 @@ fn values(effect: &Hidden, step: &Value, mark: &mut Mark) {
         }
     }
     if effect.law == "dead-zone"
-        && let (Some(ks), Some(gap)) = (found("ks"), found("gap"))
+        && let (Some(ks), Some(gap)) = (estimate("ks"), estimate("gap"))
     {
         let want = truth["ks"] * truth["gap"];
         mark.errors.insert("dead-zone.ks*gap".to_owned(), (ks * gap - want).abs() / want.abs());
     }
 }
 
-/// The parameters as they are at a place spelled the other way round.
+/// The parameters for a place with the opposite sign.
 fn turned(effect: &Hidden, at: &str) -> BTreeMap<String, f64> {
     let mut all = effect.parameters.clone();
     let spelled = |text: &str| text.replace(' ', "");

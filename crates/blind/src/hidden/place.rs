@@ -1,16 +1,16 @@
-//! Where an effect can act: on a mass, between two masses, between a mass and the moving wall.
+//! Places where an effect can act: on a mass, between two masses, or between a mass and the moving wall.
 
 use super::rig::{Drive, Rig};
 
 /// A velocity with its displacement.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Place {
-    /// As `gap` spells it.
+    /// As `gap` writes it.
     pub(super) at: String,
     /// Displacement and velocity as text.
     pub(super) x: String,
     pub(super) v: String,
-    /// The same as sums: mass and factor, and the factor of the wall.
+    /// The same as a sum: masses with factors, and the factor of the wall.
     pub(super) parts: Vec<(usize, f64)>,
     pub(super) wall: f64,
     /// The spring of the model that acts exactly here.
@@ -61,7 +61,7 @@ pub(super) fn places(rig: &Rig) -> Vec<Place> {
     all
 }
 
-/// A place in one spelling: `v2-v1` and `v1-v2` are the same.
+/// The canonical form of a place: `v2-v1` and `v1-v2` are the same.
 pub(super) fn same_place(at: &str) -> String {
     let mut parts: Vec<&str> = at.split('-').map(str::trim).collect();
     parts.sort_unstable();

@@ -1,4 +1,4 @@
-//! The part of a model that is known: one mass, or two in a chain, on springs and dampers, and what drives it.
+//! The known part of a model: one mass, or two in a chain, on springs and dampers, and its drive.
 
 use crate::dice::{Dice, rounded};
 use std::f64::consts::TAU;
@@ -29,14 +29,14 @@ pub(super) enum Drive {
 #[derive(Clone, Debug)]
 pub(super) struct Constant {
     pub(super) name: String,
-    /// What it is in truth.
+    /// Its true value.
     pub(super) value: f64,
     pub(super) unit: &'static str,
-    /// What the spec says if it is only known within bounds: nominal value and bounds.
+    /// Nominal value and bounds in the spec, if the constant is only known within bounds.
     pub(super) movable: Option<(f64, f64, f64)>,
 }
 
-/// Something known that is not linear: only where nothing is hidden.
+/// A known nonlinear term, only where nothing is hidden.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Extra {
     /// `Fk*sgn(v)` on the last mass.
@@ -55,24 +55,24 @@ pub(super) struct Rig {
     /// Wall to first mass, first to second mass, and (perhaps) second mass to the wall.
     pub(super) spring: Vec<f64>,
     pub(super) damper: Vec<f64>,
-    /// Whether the spec has masses and `inertia`; without, the mass is 1 and so are units.
+    /// Whether the spec has masses and `inertia`. Without them the mass is 1 and there are no units.
     pub(super) inertia: bool,
     pub(super) drive: Drive,
     pub(super) extra: Option<Extra>,
     /// Constants beside those of the drive.
     pub(super) constants: Vec<Constant>,
-    /// Amplitude that the drive aims at, metres.
+    /// Intended amplitude of the motion, metres.
     pub(super) size: f64,
     /// Lowest natural frequency, rad/s.
     pub(super) natural: f64,
     /// Lines of the first record.
     pub(super) lines: Vec<Line>,
-    /// How it is called.
+    /// The name of its scale.
     pub(super) scale: &'static str,
 }
 
 impl Rig {
-    /// A rig at random. `slow` asks for a drive at which friction can hold a mass.
+    /// A random rig. `slow` makes a drive at which friction can stop a mass.
     pub(super) fn draw(dice: &mut Dice, two: bool, slow: bool) -> Rig {
         let (scale, mass, natural, size) = match dice.whole(0, 9) {
             0..=3 => ("unit", *dice.pick(&[1.0, 1.0, 1.3, 2.0]), dice.log(0.7, 3.0), dice.log(0.3, 2.0)),
@@ -150,7 +150,7 @@ impl Rig {
         }
     }
 
-    /// One line half of the time, several else. A measured force has many.
+    /// One line in about half of the rigs, several in the others. A measured force has many.
     fn drawn_lines(&self, dice: &mut Dice, slow: bool) -> Vec<Line> {
         let several = match self.drive {
             Drive::Free => return vec![],
@@ -177,7 +177,8 @@ impl Rig {
         let share = (several as f64).sqrt();
         for line in &mut lines {
             let ratio = line.frequency / self.natural;
-            // Away from the resonance a larger force makes the same motion; at it, the damping would take too long to matter.
+            // Away from the resonance the same motion takes a larger force. At the resonance the transient
+            // would last too long.
             let wanted = self.size * dice.between(0.5, 1.5) / share;
             let force = wanted * self.spring[0] * (1.0 - ratio * ratio).abs().max(0.1);
             line.amplitude = rounded(if matches!(self.drive, Drive::Base { .. }) {
@@ -208,7 +209,7 @@ impl Rig {
         all
     }
 
-    /// The rates of the velocities as text, the drive given as text.
+    /// The rates of the velocities as text, for a drive as text.
     pub(super) fn rates(&self, force: &str, u: &str, du: &str) -> Vec<String> {
         let (x, v) = (&self.x, &self.v);
         let (c, k) = (|i: usize| self.named("c", i), |i: usize| self.named("k", i));
@@ -243,7 +244,8 @@ impl Rig {
         sums.into_iter().enumerate().map(over).collect()
     }
 
-    /// The accelerations of the known part, from displacements and velocities by index and from value and slope of the drive.
+    /// The accelerations of the known part, from displacements and velocities by index and from value and
+    /// slope of the drive.
     pub(super) fn acceleration(&self, state: &dyn Fn(usize) -> f64, drive: (f64, f64)) -> Vec<f64> {
         let count = self.count();
         let (x, v) = (|i: usize| state(i), |i: usize| state(count + i));

@@ -1,28 +1,29 @@
-//! Whether a hidden effect can be told from others at all, judged without running the workflow.
+//! Whether a hidden effect can be distinguished from others at all, without a run of the workflow.
 //!
-//! What is missing along the true motion drives the known part, which is linear: its response is exactly what the known part alone leaves unexplained. A
-//! rival that fits this response with no more freedom than the truth is the same effect in that record, or the set is too hard to be fair.
+//! The known part is linear, so its response to the missing force over the true motion is what it leaves
+//! unexplained. A rival that fits this response with no more free parameters than the truth is the same
+//! effect in this record, or the set is too hard to be fair.
 
 use super::effect::{Action, Effect, Property};
 use super::linear::Linear;
-use super::motion::{Course, Motion};
+use super::motion::{Experiment, Motion};
 use super::place::{Place, places};
 use super::rig::Rig;
 use std::collections::BTreeSet;
 
-/// Rows of the comparison for each column of data; every kept sample stands for those between.
+/// Rows of the comparison for each column; each row represents the samples up to the next.
 const ROWS: usize = 500;
-/// Less than this, in units of noise variance, no record can show.
+/// No record shows a smaller chi square.
 const SAME: f64 = 1.0;
 
 /// Laws and places of a description.
 pub(super) type Named = Vec<(String, String)>;
 
-/// What is seen of a true motion.
+/// The data of a true motion.
 pub(super) struct Seen<'a> {
     pub(super) rig: &'a Rig,
     pub(super) effects: &'a [Effect],
-    pub(super) course: &'a Course,
+    pub(super) experiment: &'a Experiment,
     pub(super) motion: &'a Motion,
     /// The motion of the known part alone.
     pub(super) base: &'a Motion,
@@ -30,22 +31,23 @@ pub(super) struct Seen<'a> {
     pub(super) columns: &'a [(usize, String, f64)],
 }
 
-/// What came of the comparison.
+/// The result of the comparison.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Judgement {
-    /// By how much (chi square, less what freedom buys) the truth beats the nearest rival with no more freedom.
+    /// The chi square, less the gain by free parameters, between the truth and the nearest rival with no
+    /// more of them.
     pub(super) margin: f64,
-    /// What start states and constants that may move leave of the effect (chi square).
+    /// The chi square of the effect that start states and movable constants cannot absorb.
     pub(super) visible: f64,
     /// That rival.
     pub(super) nearest: String,
     /// Rivals that are the same in this record.
     pub(super) same: Vec<Named>,
-    /// What the best rival leaves, rms in units of the noise.
+    /// The residual of the best rival, rms in units of the noise.
     pub(super) remainder: f64,
 }
 
-/// A rival law at a place with its inner parameters given.
+/// A rival law at a place with fixed inner parameters.
 struct Rival {
     law: &'static str,
     at: String,
@@ -57,8 +59,8 @@ struct Rival {
 struct Comparison<'a> {
     seen: &'a Seen<'a>,
     linear: Linear,
-    /// For each mass, where its force is the reaction of a contact that sticks.
-    held: Vec<Vec<bool>>,
+    /// For each mass, the samples at which its force is the reaction of a sticking contact.
+    stuck_masses: Vec<Vec<bool>>,
     every: usize,
     columns: Vec<Vec<f64>>,
     rivals: Vec<Rival>,
@@ -66,12 +68,12 @@ struct Comparison<'a> {
 
 /// Compares the truth with all singles and pairs of the catalogue.
 pub(super) fn judge(seen: &Seen<'_>) -> Judgement {
-    let step = seen.course.times[1] - seen.course.times[0];
-    let samples = seen.course.times.len();
+    let step = seen.experiment.times[1] - seen.experiment.times[0];
+    let samples = seen.experiment.times.len();
     let mut c = Comparison {
         seen,
         linear: Linear::new(seen.rig, step),
-        held: held(seen),
+        stuck_masses: stuck_masses(seen),
         every: (samples / ROWS).max(1),
         columns: vec![],
         rivals: vec![],
@@ -82,7 +84,7 @@ pub(super) fn judge(seen: &Seen<'_>) -> Judgement {
         c.at(&place);
     }
     c.sensors();
-    // Start states and constants that may move absorb what they can.
+    // Start states and movable constants absorb what they can.
     orthonormal(&mut nuisance);
     nuisance.iter().for_each(|z| remove(&mut target, z));
     let mut columns = std::mem::take(&mut c.columns);
@@ -96,32 +98,32 @@ pub(super) fn judge(seen: &Seen<'_>) -> Judgement {
     c.verdict(&columns, &target)
 }
 
-/// Samples in which a mass is held by a friction of the truth.
-fn held(seen: &Seen<'_>) -> Vec<Vec<bool>> {
-    let samples = seen.course.times.len();
-    let mut held = vec![vec![false; samples]; seen.rig.count()];
+/// Samples at which a friction of the truth holds a mass at rest.
+fn stuck_masses(seen: &Seen<'_>) -> Vec<Vec<bool>> {
+    let samples = seen.experiment.times.len();
+    let mut stuck_masses = vec![vec![false; samples]; seen.rig.count()];
     for effect in seen.effects.iter().filter(|e| e.is_friction()) {
         let Action::Force { place, .. } = &effect.action else { continue };
-        let (_, v) = along(seen, place);
+        let (_, v) = place_motion(seen, place);
         let top = largest(&v);
         for i in (0..samples).filter(|&i| seen.motion.stuck[i] && v[i].abs() <= 1e-6 * top) {
-            place.parts.iter().for_each(|&(mass, _)| held[mass][i] = true);
+            place.parts.iter().for_each(|&(mass, _)| stuck_masses[mass][i] = true);
         }
     }
-    held
+    stuck_masses
 }
 
-/// Displacement and velocity of a place along the true motion.
-pub(super) fn along(seen: &Seen<'_>, place: &Place) -> (Vec<f64>, Vec<f64>) {
+/// Displacement and velocity of a place over the true motion.
+pub(super) fn place_motion(seen: &Seen<'_>, place: &Place) -> (Vec<f64>, Vec<f64>) {
     let (masses, states) = (seen.rig.count(), &seen.motion.states);
     let sum = |shift: usize, wall: &dyn Fn(f64) -> f64| -> Vec<f64> {
         let one = |(i, &t): (usize, &f64)| {
             place.parts.iter().map(|&(mass, f)| f * states[shift + mass][i]).sum::<f64>()
                 + place.wall * wall(t)
         };
-        seen.course.times.iter().enumerate().map(one).collect()
+        seen.experiment.times.iter().enumerate().map(one).collect()
     };
-    let lines = &seen.course.lines;
+    let lines = &seen.experiment.lines;
     (sum(0, &|t| Rig::drive_at(lines, t).0), sum(masses, &|t| Rig::drive_at(lines, t).1))
 }
 
@@ -133,7 +135,7 @@ impl Comparison<'_> {
     /// Samples of the columns as one vector in units of the noise.
     fn rows(&self, states: &dyn Fn(usize) -> Option<Vec<f64>>) -> Vec<f64> {
         let weight = (self.every as f64).sqrt();
-        let samples = self.seen.course.times.len();
+        let samples = self.seen.experiment.times.len();
         let mut rows = Vec::new();
         for (state, _, noise) in self.seen.columns {
             match states(*state) {
@@ -148,12 +150,12 @@ impl Comparison<'_> {
         self.rows(&|k| Some(states[k].clone()))
     }
 
-    /// The response to a force at a place; a mass that is held does not feel it.
+    /// The response to a force at a place. A mass that sticks does not respond.
     fn force(&self, parts: &[(usize, f64)], values: &[f64]) -> Vec<f64> {
         let mut sum: Option<Vec<f64>> = None;
         for &(mass, sign) in parts {
             let free: Vec<f64> =
-                values.iter().zip(&self.held[mass]).map(|(f, h)| if *h { 0.0 } else { *f }).collect();
+                values.iter().zip(&self.stuck_masses[mass]).map(|(f, h)| if *h { 0.0 } else { *f }).collect();
             let rows = self.states(&self.linear.response(&[(mass, sign)], &free));
             sum = Some(match sum {
                 Some(sum) => sum.iter().zip(&rows).map(|(a, b)| a + b).collect(),
@@ -165,11 +167,11 @@ impl Comparison<'_> {
 
     fn nuisance(&self) -> Vec<Vec<f64>> {
         let (seen, rig) = (self.seen, self.seen.rig);
-        let samples = seen.course.times.len();
+        let samples = seen.experiment.times.len();
         let mut all: Vec<Vec<f64>> =
             (0..2 * rig.count()).map(|k| self.states(&self.linear.start(k, samples))).collect();
         for place in places(rig) {
-            let (x, v) = along(seen, &place);
+            let (x, v) = place_motion(seen, &place);
             for (letter, values) in [("k", &x), ("c", &v)] {
                 // A spring and its damper stand at the same place.
                 let number = match (place.at.contains(&rig.v[0]), place.parts.len()) {
@@ -188,15 +190,15 @@ impl Comparison<'_> {
         all
     }
 
-    /// What the known part does not explain.
+    /// The residual of the known part.
     fn target(&self) -> Vec<f64> {
         let (seen, rig) = (self.seen, self.seen.rig);
         let masses = rig.count();
         let motion = seen.motion;
         let mut missing = vec![Vec::new(); masses];
-        for (i, &t) in seen.course.times.iter().enumerate() {
+        for (i, &t) in seen.experiment.times.iter().enumerate() {
             let state = |k: usize| motion.states[k][i];
-            let known = rig.acceleration(&state, Rig::drive_at(&seen.course.lines, t));
+            let known = rig.acceleration(&state, Rig::drive_at(&seen.experiment.lines, t));
             (0..masses).for_each(|m| missing[m].push((motion.rates[masses + m][i] - known[m]) * rig.mass[m]));
         }
         let mut target = self
@@ -227,7 +229,7 @@ impl Comparison<'_> {
 
     /// All forces of the catalogue at a place.
     fn at(&mut self, place: &Place) {
-        let (x, v) = along(self.seen, place);
+        let (x, v) = place_motion(self.seen, place);
         let (top, speed) = (largest(&x), largest(&v));
         let of =
             |f: &dyn Fn(f64, f64) -> f64| -> Vec<f64> { x.iter().zip(&v).map(|(&x, &v)| f(x, v)).collect() };
@@ -280,7 +282,7 @@ impl Comparison<'_> {
             self.push("one-sided-stop", place, 2, false, vec![of(&|x, _| (x - gap).max(0.0))]);
             self.push("one-sided-stop", place, 2, false, vec![of(&|x, _| (-x - gap).max(0.0))]);
         }
-        let times = &self.seen.course.times;
+        let times = &self.seen.experiment.times;
         for w in self.frequencies() {
             let (c, s): (Vec<f64>, Vec<f64>) = times.iter().map(|t| ((w * t).cos(), (w * t).sin())).unzip();
             let swings = [&c, &s].map(|g| g.iter().zip(&x).map(|(g, x)| g * x).collect::<Vec<f64>>());
@@ -294,9 +296,9 @@ impl Comparison<'_> {
         }
     }
 
-    /// Those of the drive, their multiples, and of the truth.
+    /// Frequencies of the drive, their multiples, and those of the truth.
     fn frequencies(&self) -> Vec<f64> {
-        let lines = &self.seen.course.lines;
+        let lines = &self.seen.experiment.lines;
         let mut all: Vec<f64> = lines.iter().take(2).map(|l| l.frequency).collect();
         if let Some(first) = lines.first() {
             all.extend([2.0 * first.frequency, 3.0 * first.frequency]);
@@ -309,8 +311,9 @@ impl Comparison<'_> {
     }
 
     fn sensors(&mut self) {
-        // A gain multiplies the motion of the model, and the factor of a hidden force takes it too. The true motion in its place would explain itself, by
-        // a gain without bounds.
+        // A gain multiplies the motion of the model, including the effect of the hidden force. The true
+        // motion would explain itself by an unbounded gain, so the motion of the known part takes its
+        // place.
         let (motion, base) = (self.seen.motion, self.seen.base);
         let names: Vec<(usize, String)> = self.seen.columns.iter().map(|(k, n, _)| (*k, n.clone())).collect();
         let mut all: Vec<(&'static str, String, Vec<f64>)> = Vec::new();
@@ -348,7 +351,7 @@ impl Comparison<'_> {
         let effects = self.seen.effects;
         let freedom = effects.iter().map(Effect::freedom).sum::<usize>() + effects.len() - 1;
         let asymmetric = effects.iter().any(|e| e.law == "asymmetric-coulomb");
-        let sticking: BTreeSet<String> = if self.held.iter().flatten().any(|h| *h) {
+        let sticking: BTreeSet<String> = if self.stuck_masses.iter().flatten().any(|h| *h) {
             effects.iter().filter(|e| e.is_friction()).map(|e| e.at.clone()).collect()
         } else {
             BTreeSet::new()
@@ -376,7 +379,7 @@ impl Comparison<'_> {
                 .remainder
                 .min((left / (columns.first().map_or(1, Vec::len) * self.every) as f64).sqrt());
             let list: Named = named.into_iter().collect();
-            // Coulomb and offset in one law, and as two: which of them is simpler is a matter of taste.
+            // Coulomb friction and offset are one law or two: neither description is simpler.
             let as_simple = own == freedom
                 || (asymmetric && own == freedom + 1)
                 || (own < freedom && list.iter().any(|(law, _)| law == "asymmetric-coulomb"));
@@ -406,7 +409,7 @@ impl Comparison<'_> {
     }
 }
 
-/// The deflection of an elastic contact that gives way over `d` along a displacement.
+/// The deflection of an elastic contact that yields over the distance `d`, for a displacement.
 fn play(x: &[f64], d: f64) -> Vec<f64> {
     let mut z = 0.0;
     let mut out = vec![0.0];
@@ -428,7 +431,7 @@ fn remove(from: &mut [f64], direction: &[f64]) {
     from.iter_mut().zip(direction).for_each(|(x, d)| *x -= share * d);
 }
 
-/// Gram and Schmidt; what is nothing new becomes zero.
+/// Gram-Schmidt orthonormalisation; a dependent column becomes zero.
 fn orthonormal(columns: &mut [Vec<f64>]) {
     for k in 0..columns.len() {
         let (done, rest) = columns.split_at_mut(k);
@@ -443,7 +446,8 @@ fn orthonormal(columns: &mut [Vec<f64>]) {
     }
 }
 
-/// How much of the target's square some columns explain, from products of columns of length one. Columns that add nothing new are left out.
+/// The part of the target's square that some columns explain, from products of normalised columns.
+/// Dependent columns are left out.
 fn explained(products: &[Vec<f64>], loads: &[f64], chosen: &[usize]) -> f64 {
     let n = chosen.len();
     let mut factor = vec![0.0; n * n];

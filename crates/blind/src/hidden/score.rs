@@ -1,4 +1,5 @@
-//! Runs the workflow on every set of a folder and compares. What is finished is kept, so that the same command goes on after an interruption.
+//! Runs the workflow on every set of a folder and compares. Finished sets keep their results, so the same
+//! command continues after an interruption.
 
 use super::mark::mark;
 use super::tally::{Marked, failures, tables};
@@ -15,10 +16,10 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Longer than this and the set has failed.
+/// A set that takes longer has failed.
 const PATIENCE: Duration = Duration::from_secs(1200);
 
-/// Runs what has no result yet, and compares all; none if the user stopped it.
+/// Runs the sets without a result and compares all; none if the user stopped it.
 ///
 /// # Errors
 /// The folder holds no sets, or its files cannot be read or written.
@@ -49,7 +50,7 @@ fn marked(set: &Path, options: &Options, again: bool) -> Result<Option<Marked>> 
     let truth: Truth = read(&set.join("truth.json"), "is no truth")?;
     let kept = set.join("result.json");
     if again || !kept.exists() {
-        if interrupt::asked() {
+        if interrupt::requested() {
             return Ok(None);
         }
         let Some(result) = run(set, &Program::find(options)?)? else { return Ok(None) };
@@ -80,15 +81,16 @@ fn sets(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(all)
 }
 
-/// Runs the workflow on a set as a user does, on one thread; what it has to say on the way is in `gap.log`. None if the user stopped it.
+/// Runs the workflow on a set as a user does, on one thread, with its messages in `gap.log`. None if the
+/// user stopped it.
 fn run(set: &Path, program: &Program) -> Result<Option<Value>> {
     let log = set.join("gap.log");
     let mut command = program.command();
     command.arg("gap").arg(set.join("spec.ron")).args(["--format", "json", "--quiet", "--jobs", "1"]);
-    // The data are beside the spec and nowhere else.
+    // The data are only beside the spec.
     command.arg("--data").arg(set);
     let Some(output) = program.output(&mut command, Some(PATIENCE))? else { return Ok(None) };
-    // Nothing to say is no file worth keeping.
+    // No messages, no file.
     if output.err.trim().is_empty() {
         let _ = std::fs::remove_file(&log);
     } else {

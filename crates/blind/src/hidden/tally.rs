@@ -11,7 +11,7 @@ pub(super) struct Marked {
     pub(super) mark: Mark,
 }
 
-/// The gap that an explained set may keep on its Validate record.
+/// The largest final gap of an explained set on its Validate record.
 const CLEAN: f64 = 1.05;
 
 /// Tables by noise and by law.
@@ -38,7 +38,7 @@ pub(super) fn tables(all: &[Marked]) -> String {
     out
 }
 
-/// What went wrong, a line for each set.
+/// One line for each failure.
 pub(super) fn failures(all: &[Marked]) -> String {
     let mut out = String::new();
     for m in all.iter().filter(|m| !m.mark.good()) {

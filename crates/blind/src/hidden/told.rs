@@ -1,11 +1,11 @@
-//! A truth in the words of `truth.json`.
+//! The truth in the form of `truth.json`.
 
 use super::effect::{Action, Effect};
 use super::rig::{Drive, Rig};
 use super::rivals::{Judgement, only_column};
 use super::truth::{Hidden, Placed};
 
-/// Laws that do not feel where the mass is.
+/// Laws that do not depend on the displacement.
 const SPEED_ONLY: [&str; 5] = ["viscous", "quadratic-drag", "coulomb", "stribeck", "dieterich-ruina"];
 
 /// Other descriptions of the same force.
@@ -39,20 +39,21 @@ pub(super) fn alternatives(
         if e.law == "asymmetric-coulomb" {
             more.push(put(k, vec![placed("coulomb", &e.at), placed("offset", &e.at)]));
         }
-        // A push that does not feel what moves is the same from the wall that moves.
+        // A force that does not depend on the motion is the same at the moving wall.
         if base && matches!(e.law.as_str(), "offset" | "harmonic-force") && !e.at.contains('-') {
             more.push(put(k, vec![placed(&e.law, &format!("{}-du", e.at))]));
         }
         let others = || effects.iter().enumerate().filter(move |(i, _)| *i != k).map(|(_, other)| other);
         let linear = others().all(|other| SPEED_ONLY.contains(&other.law.as_str()));
-        // On linear springs a constant force moves one mass as the zero of its sensor moves its record; beside Coulomb friction both are one law.
+        // On linear springs a constant force shifts the motion as an offset of its sensor does. Beside
+        // Coulomb friction both together are one law.
         if linear && rig.count() == 1 && e.law == "sensor-offset" && rig.x.contains(&e.at) {
             more.push(put(k, vec![placed("offset", &rig.v[0])]));
             if let Some(other) = others().find(|other| other.law == "coulomb") {
                 more.push(vec![placed("asymmetric-coulomb", &other.at)]);
             }
         }
-        // Of a mass that hangs on another one alone the zero of its sensor is a constant force in between.
+        // For a mass that only hangs on another one, a sensor offset is a constant force between them.
         if linear && rig.count() == 2 && !rig.both_walls() {
             let between = format!("{}-{}", rig.v[0], rig.v[1]);
             if e.law == "sensor-offset" && e.at == rig.x[1] {
@@ -62,7 +63,7 @@ pub(super) fn alternatives(
                 more.push(put(k, vec![placed("sensor-offset", &rig.x[1])]));
             }
         }
-        // All columns are one column.
+        // All columns are one column here.
         if only_column(e, columns) {
             more.push(put(k, vec![placed(&e.law, if e.at == "motion" { column } else { "motion" })]));
         }
@@ -96,13 +97,13 @@ pub(super) fn hidden(effect: &Effect) -> Hidden {
     if let Some(second) = effect.second_phase
         && effect.parameter("phase") != Some(second)
     {
-        // Not one number any more.
+        // The records have different phases.
         parameters.remove("phase");
     }
     Hidden { law: effect.law.clone(), at: effect.at.clone(), parameters, expression }
 }
 
-/// The rig for people.
+/// A description of the rig for readers.
 pub(super) fn described(rig: &Rig, records: usize) -> String {
     let drive = match rig.drive {
         Drive::Explicit(on) => format!("{} cosines on mass {} in `known`", rig.lines.len(), on + 1),

@@ -1,4 +1,4 @@
-//! What a set is to hold: a deck of wishes that every few dozen sets go through once, shuffled.
+//! The requirements of a set: a shuffled deck of wishes, which every few dozen sets go through once.
 
 use super::outside;
 use crate::dice::Dice;
@@ -13,13 +13,13 @@ pub(super) enum Kind {
     Outside(&'static str),
 }
 
-/// What a set is to hold.
+/// The requirements of a set.
 #[derive(Clone, Debug)]
 pub(super) struct Wish {
     pub(super) kind: Kind,
     pub(super) noise: f64,
     pub(super) two_masses: bool,
-    /// Of a friction: whether it is to hold a mass somewhere.
+    /// Whether a friction is to hold a mass at rest somewhere.
     pub(super) holds: bool,
 }
 
@@ -69,16 +69,16 @@ const PAIRS: &[[&str; 2]] = &[
     ["harmonic-force", "coulomb"],
 ];
 
-/// Those that can hold a mass: once in a deck they do, once they never do.
+/// Laws that can hold a mass at rest: once in a deck they do, once they never do.
 pub(super) const HOLDING: &[&str] =
     &["coulomb", "asymmetric-coulomb", "stribeck", "dieterich-ruina", "position-dependent-friction"];
 
-/// Sets in a deck: all laws, those that hold a second time, and as many of the others.
+/// Sets in a deck: all laws, those that can hold a second time, and the others.
 const DECK: usize = 48;
 const NOTHING: usize = 10;
 const TWO: usize = 7;
 
-/// The wish of a set. `only` holds it to one law, or to `nothing`, `two`, `outside`.
+/// The wish of a set. `only` restricts it to one law, or to `nothing`, `two`, `outside`.
 ///
 /// # Errors
 /// There is no such law.

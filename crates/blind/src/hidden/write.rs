@@ -1,4 +1,4 @@
-//! The files of a set: the incomplete model and its data. Nothing here knows what is hidden.
+//! The files of a set: the incomplete model and its data, without anything hidden.
 
 use super::made::{Made, Shown};
 use super::rig::{Drive, Extra, Line, Rig};
@@ -7,7 +7,7 @@ use crate::folder::Folder;
 use anyhow::Result;
 use std::fmt::Write;
 
-/// How columns are headed and in which unit displacements stand.
+/// The headings of columns and the unit of displacements.
 struct Style {
     time: &'static str,
     suffix: bool,
@@ -26,7 +26,7 @@ pub(super) fn write(folder: &Folder, index: usize, made: &Made, dice: &mut Dice)
     };
     let files: &[&str] =
         if made.records.len() == 1 { &["data.csv"] } else { &["data_fit.csv", "data_validate.csv"] };
-    // Files of an earlier set of this number would be taken for its own.
+    // Files of an earlier set with this number would count as its own.
     for old in ["data.csv", "data_fit.csv", "data_validate.csv", "result.json", "gap.log"] {
         let _ = std::fs::remove_file(folder.path().join(old));
     }
@@ -110,7 +110,7 @@ fn csv(made: &Made, record: &Shown, style: &Style) -> String {
     text
 }
 
-/// The force of explicit time, by the names of its constants.
+/// The explicit force with the names of its constants.
 fn force(lines: &[Line]) -> String {
     if lines.len() == 1 {
         return "F0*cos(W*t)".to_owned();

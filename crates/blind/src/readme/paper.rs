@@ -1,4 +1,4 @@
-//! Each case of the paper: what it prints, and what both methods find with its own noise and seed.
+//! Each case of the paper: its printed result, and the results of both methods with its own noise and seed.
 
 use super::{Chosen, common};
 use crate::args::{Assignment, CaseArgs, Options};
@@ -36,15 +36,15 @@ pub(super) fn table(
             printed.case.to_owned(),
             truth.clone(),
             printed.text.to_owned(),
-            step.found(&plain),
-            trajectory.found(&with_interval),
+            step.equations(&plain),
+            trajectory.equations(&with_interval),
         ]);
-        clean.push(vec![printed.case.to_owned(), truth.clone(), exact.found(&plain)]);
+        clean.push(vec![printed.case.to_owned(), truth.clone(), exact.equations(&plain)]);
         if let Some((_, state, text)) = WITHOUT.iter().find(|(case, ..)| *case == printed.case) {
             let dictionary = format!("unknown.{state}.candidates");
             let sets = [("contacts", "[]"), (dictionary.as_str(), "[\"1\"]")];
             let Some(alone) = solved(&sets, "step")? else { return Ok(None) };
-            without.push(vec![printed.case.to_owned(), truth, (*text).to_owned(), alone.found(&plain)]);
+            without.push(vec![printed.case.to_owned(), truth, (*text).to_owned(), alone.equations(&plain)]);
         }
         progress.step();
     }
@@ -66,7 +66,7 @@ pub(super) fn table(
     Ok(Some(out))
 }
 
-/// One run: the case as it is in truth, and what the program made of it.
+/// One run: the case with its truth, and the result of the program.
 struct Solved {
     loaded: Loaded,
     outcome: Result<Value, String>,
@@ -111,13 +111,13 @@ impl Solved {
         }
     }
 
-    fn found(&self, print: &dyn Fn(&Estimate) -> String) -> String {
-        let found = match &self.outcome {
-            Ok(found) => found,
+    fn equations(&self, print: &dyn Fn(&Estimate) -> String) -> String {
+        let result = match &self.outcome {
+            Ok(result) => result,
             Err(why) => return format!("fails: {why}"),
         };
         let mut terms = Vec::new();
-        for equation in found["equations"].as_array().into_iter().flatten() {
+        for equation in result["equations"].as_array().into_iter().flatten() {
             for term in equation["terms"].as_array().into_iter().flatten() {
                 let estimate = Estimate::of(term);
                 let word = |value: &Value| value.as_str().unwrap_or_default().to_owned();
@@ -130,7 +130,7 @@ impl Solved {
             }
         }
         let sums = self.sums(&terms);
-        match found["reason"].as_str() {
+        match result["reason"].as_str() {
             None => sums,
             Some(why) => format!("{sums} (rejected: {why})"),
         }
@@ -178,7 +178,7 @@ struct Estimate {
 }
 
 impl Estimate {
-    /// JSON has no infinities: what is null has no bound.
+    /// JSON has no infinities: null means unbounded.
     fn of(term: &Value) -> Estimate {
         let number = |value: &Value, missing: f64| value.as_f64().unwrap_or(missing);
         Estimate {

@@ -9,7 +9,7 @@ use anyhow::{Context, Result, bail};
 use serde_json::Value;
 use std::path::Path;
 
-/// The kinds of noise and what they are called.
+/// The kinds of noise and their names.
 const NOISE: &[(&str, &str)] = &[
     ("Relative(0.1)", "relative, 10 %"),
     ("Additive(0.02)", "additive, 2 %"),
@@ -61,7 +61,7 @@ pub(super) fn table(
     Ok(Some(out))
 }
 
-/// What `phisindy sweep` says of a spec with each kind of noise; none if it was stopped.
+/// The result of `phisindy sweep` for a spec with each kind of noise; none if it was stopped.
 fn swept(
     program: &Program,
     spec: &Path,
@@ -96,13 +96,13 @@ fn swept(
         .map(Some)
 }
 
-/// The runs of one cell in numbers.
+/// Statistics of the runs of one cell.
 struct Statistics {
     /// Finished runs.
     runs: u64,
-    /// Those whose terms are exactly those of the truth.
+    /// Runs with exactly the terms of the truth.
     exact: u64,
-    /// For each term of the truth: the error of the median relative to it, rmse over bound, and coverage.
+    /// For each term of the truth: the relative error of the median, rmse over bound, and coverage.
     coefficients: Vec<[Option<f64>; 3]>,
 }
 

@@ -1,21 +1,21 @@
-//! One thing that a model has wrong.
+//! One mistake in a model.
 
 use super::rig::{Physics, Rig};
 use crate::dice::{Dice, rounded};
 
-/// What can be wrong.
+/// Kinds of mistakes.
 pub(super) const KINDS: &[&str] =
     &["stiffness", "mass", "no damping", "sign", "drive frequency", "drive phase", "no cubic"];
-/// The same so small that it may be lost in the noise: only if asked for.
+/// Mistakes so small that noise may hide them: only with `--only`.
 pub(super) const SMALL: &[&str] = &["stiffness, a little", "damping, a little"];
 
-/// Whether the truth of this kind has a spring that is not straight.
+/// Whether the truth of this kind has a cubic spring.
 pub(super) fn needs_cubic(kind: &str) -> bool {
     kind == "no cubic"
 }
 
-/// The physics with one thing wrong, and what that is. `None` where the rig has nothing of the kind.
-pub(super) fn mistaken(rig: &Rig, kind: &str, dice: &mut Dice) -> Option<(Physics, String)> {
+/// The physics with one mistake, and its description. `None` where the rig has nothing of the kind.
+pub(super) fn with_mistake(rig: &Rig, kind: &str, dice: &mut Dice) -> Option<(Physics, String)> {
     let mut wrong = rig.physics.clone();
     let number = |wrong: &mut Physics, name: &str, change: &dyn Fn(f64) -> f64| {
         let (_, value) = wrong.constants.iter_mut().find(|(n, _)| n == name)?;
@@ -62,7 +62,7 @@ pub(super) fn mistaken(rig: &Rig, kind: &str, dice: &mut Dice) -> Option<(Physic
         }
         _ => return None,
     };
-    // What stands nowhere any more need not be known.
+    // The spec lists no constants that the model does not use.
     let used = |name: &str| {
         name.starts_with('m')
             || wrong

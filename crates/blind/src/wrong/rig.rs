@@ -1,17 +1,17 @@
-//! A rig at random: what is true of it, and how it moves.
+//! A random rig: its physics and its motion.
 
 use crate::dice::{Dice, rounded};
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-/// A summand of the force on a mass: its sign, and the text that follows.
+/// A summand of the force on a mass: its sign and its text.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Summand {
     pub(super) negative: bool,
     pub(super) text: String,
 }
 
-/// What a model says is known: constants by name, and the forces on each mass.
+/// The known physics of a model: constants by name, and the forces on each mass.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Physics {
     pub(super) constants: Vec<(String, f64)>,
@@ -26,7 +26,7 @@ impl Physics {
     }
 }
 
-/// Friction on a mass: candidates of the dictionary, each with its coefficient in truth.
+/// Friction on a mass: candidates of the dictionary with their true coefficients.
 #[derive(Clone, Debug)]
 pub(super) struct Friction {
     pub(super) mass: usize,
@@ -38,27 +38,27 @@ pub(super) struct Friction {
 pub(super) struct Rig {
     pub(super) physics: Physics,
     pub(super) friction: Vec<Friction>,
-    /// Whether a force drives it (else it is released), and by how many cosines.
+    /// The number of cosines of the force that drives it; 0 for a released rig.
     pub(super) lines: usize,
-    /// Whether velocities are measured beside displacements.
+    /// Whether velocities are measured too.
     pub(super) velocities: bool,
-    /// Standard deviation of the noise, as a part of that of each column; of each sample, where it is relative.
+    /// Standard deviation of the noise relative to that of each column, or to each sample if `relative`.
     pub(super) noise: f64,
     pub(super) relative: bool,
-    /// Whether there is a second record to validate.
+    /// Whether there is a second record for validation.
     pub(super) validated: bool,
     pub(super) duration: f64,
     pub(super) step: f64,
-    /// Of the Fit and of the Validate record: the scale of the drive and the start state.
+    /// Scale of the drive and start state of the Fit and the Validate record.
     pub(super) records: [(f64, Vec<f64>); 2],
     pub(super) seed: u64,
 }
 
-/// Softening or hardening at the largest displacement, as a part of the linear spring.
+/// Force of the cubic spring at the largest displacement, relative to the linear spring.
 const CUBIC: (f64, f64) = (0.1, 0.5);
 
 impl Rig {
-    /// One or two masses; `cubic` asks for a spring that is not straight.
+    /// A random rig of one or two masses; `cubic` adds a cubic spring.
     pub(super) fn draw(dice: &mut Dice, cubic: bool) -> Rig {
         let count = if dice.chance(0.4) { 2 } else { 1 };
         let laboratory = dice.chance(0.4);
@@ -101,7 +101,7 @@ impl Rig {
             duration: samples as f64 * step,
             step,
             records,
-            // The reader of specs takes whole numbers up to 2^53.
+            // Specs accept integers up to 2^53.
             seed: dice.seed() >> 12,
         }
     }
@@ -111,7 +111,7 @@ impl Rig {
         self.physics.forces.len()
     }
 
-    /// For people.
+    /// A description for readers.
     pub(super) fn described(&self) -> String {
         let drive = match self.lines {
             0 => "released".to_owned(),
@@ -163,7 +163,8 @@ fn chain(count: usize, mass: f64, stiff: f64, size: f64, cubic: bool, dice: &mut
     Physics { constants, forces }
 }
 
-/// Adds a force of `lines` cosines on one mass, scaled by `G`. Returns the root of the sum of squared amplitudes.
+/// Adds a force of `lines` cosines on one mass, scaled by `G`. Returns the root of the sum of squared
+/// amplitudes.
 fn add_drive(
     physics: &mut Physics,
     lines: usize,
@@ -176,7 +177,7 @@ fn add_drive(
     let mut sum = Vec::new();
     for k in 1..=lines {
         let ratio = dice.between(0.3, if lines > 1 { 1.8 } else { 1.3 });
-        // Away from the resonance a larger force makes the same motion.
+        // Away from the resonance the same motion takes a larger force.
         let wanted = size * dice.between(0.6, 1.4) / (lines as f64).sqrt();
         let amplitude = rounded(wanted * stiff * (1.0 - ratio * ratio).abs().max(0.15));
         drive += amplitude * amplitude;
@@ -192,7 +193,8 @@ fn add_drive(
     drive.sqrt()
 }
 
-/// Coulomb, with viscous friction, or falling with speed; the dictionary sometimes holds what is not true.
+/// Coulomb friction, with viscous friction, or decreasing with speed. Some dictionaries contain false
+/// candidates.
 fn frictions(count: usize, force: f64, speed: f64, dice: &mut Dice) -> Vec<Friction> {
     let both = count == 2 && dice.chance(0.3);
     let one = dice.whole(0, count - 1);
@@ -212,7 +214,7 @@ fn frictions(count: usize, force: f64, speed: f64, dice: &mut Dice) -> Vec<Frict
         }
         let more =
             [x.clone(), format!("|{v}|"), v.clone(), format!("{x}^2"), format!("{x}*{v}"), format!("{v}^2")];
-        // Half of the dictionaries hold no more than what is true.
+        // Half of the dictionaries contain only the true candidates.
         let wanted = *dice.pick(&[0, 0, 2, more.len()]);
         for other in more.into_iter().take(wanted) {
             if !terms.iter().any(|(c, _)| *c == other) {

@@ -1,35 +1,36 @@
-//! How often a mistake was told of, and how often the answer was wrong in silence.
+//! How often the program reports a mistake, and how often it is wrong without a warning.
 
 use crate::Table;
 use crate::markdown::{markdown, short};
 use std::fmt::Write;
 
-/// Five standard deviations for somebody who knows what to look for: less cannot be seen.
+/// Chi square of five standard deviations for an observer who knows the mistake: less is invisible.
 pub(super) const VISIBLE: f64 = 25.0;
-/// An interval whose half width would have to be twice as long to hold the truth: chance does that once in ten thousand.
+/// An error of twice the half width of an interval, which happens by chance once in ten thousand.
 const FAR: f64 = 2.0;
 
-/// What the program made of a set.
+/// The result of the program for a set.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outcome {
     pub(super) set: String,
     pub(super) kind: String,
-    /// What is wrong, and of which rig.
+    /// The mistake and the rig.
     pub(super) said: String,
-    /// Whether the dictionary holds all that the known part lacks.
+    /// Whether the dictionary contains all that the known part lacks.
     pub(super) inside: bool,
-    /// Chi square that the best friction leaves of the mistake.
+    /// Chi square of the mistake that the best friction cannot absorb.
     pub(super) visible: f64,
-    /// Words for each doubt that it told; empty if it told none.
+    /// One word for each doubt that the program reports.
     pub(super) told: Vec<String>,
-    /// By how many half widths of its interval the worst coefficient is off: above 1 the interval misses the truth.
+    /// The error of the worst coefficient in half widths of its interval: above 1 the interval misses the
+    /// truth.
     pub(super) off: f64,
-    /// Intervals that hold the truth, and all of them.
-    pub(super) held: (usize, usize),
+    /// The number of intervals that contain the truth, and of all intervals.
+    pub(super) covered: (usize, usize),
     pub(super) warnings: Vec<String>,
 }
 
-/// Counts. Mistakes that the dictionary makes good, and those that cannot be seen, are counted apart.
+/// Counts the outcomes. Mistakes that the dictionary compensates, and invisible ones, are counted apart.
 pub(super) fn tally(all: &[Outcome]) -> Table {
     let mut kinds: Vec<&str> = Vec::new();
     all.iter().map(|o| o.kind.as_str()).filter(|k| *k != "nothing").for_each(|k| {
@@ -100,9 +101,10 @@ fn row(name: &str, of: &[&Outcome]) -> Vec<String> {
         count(&|o| silent(o) && o.off > 1.0),
         count(&|o| silent(o) && o.off > FAR),
     ];
-    let held = of.iter().filter(|o| silent(o)).fold((0, 0), |(h, n), o| (h + o.held.0, n + o.held.1));
+    let covered =
+        of.iter().filter(|o| silent(o)).fold((0, 0), |(h, n), o| (h + o.covered.0, n + o.covered.1));
     let mut cells = vec![name.to_owned()];
     cells.extend(numbers.map(|n| n.to_string()));
-    cells.push(if held.1 > 0 { format!("{} of {}", held.0, held.1) } else { "-".to_owned() });
+    cells.push(if covered.1 > 0 { format!("{} of {}", covered.0, covered.1) } else { "-".to_owned() });
     cells
 }

@@ -1,19 +1,20 @@
-//! A rig and what somebody takes it for as the text of a spec: the truth of its records is what the known part lacks.
+//! A rig and its assumed physics as the text of a spec. The truth of its records is what the known part
+//! lacks.
 
 use super::rig::{Physics, Rig};
 use crate::names::substitute;
 use std::fmt::Write;
 
-/// Where the friction stands.
+/// The place of the friction in the spec.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Unknown {
-    /// In a dictionary, to be found; the second record is there to validate.
+    /// In a dictionary, to be identified; the second record validates.
     Dictionary,
-    /// In the known part with movable coefficients; all records are fitted, and no noise is in them.
+    /// In the known part with movable coefficients; all records are fitted and have no noise.
     Movable,
 }
 
-/// The spec. `known` is what it says of the rig.
+/// The spec, with `known` as its known part.
 pub(super) fn written(rig: &Rig, known: &Physics, title: &str, unknown: Unknown) -> String {
     let count = rig.count();
     let mut constants: Vec<String> =
@@ -22,7 +23,7 @@ pub(super) fn written(rig: &Rig, known: &Physics, title: &str, unknown: Unknown)
     if unknown == Unknown::Movable {
         for f in &rig.friction {
             let (i, v) = (f.mass + 1, format!("v{}", f.mass + 1));
-            // As large as the friction itself, so that what is not there may come in.
+            // The bounds allow any friction of this size.
             let size = f.terms.iter().fold(0.0_f64, |m, (_, x)| m.max(x.abs()));
             for (k, (candidate, value)) in f.terms.iter().enumerate() {
                 let name = format!("f{i}{k}");
@@ -66,7 +67,7 @@ pub(super) fn written(rig: &Rig, known: &Physics, title: &str, unknown: Unknown)
 fn record(rig: &Rig, known: &Physics, r: usize, unknown: Unknown) -> String {
     let count = rig.count();
     let truth = |i: usize| {
-        // What stands in both falls out: a known part that is right lacks the friction alone.
+        // Equal parts cancel: a correct known part lacks only the friction.
         let (is, said) = (literal(&rig.physics, i), literal(known, i));
         let mut parts = if is == said { vec![] } else { vec![format!("({is}) - ({})", rate(known, i))] };
         for f in rig.friction.iter().filter(|f| f.mass == i) {
@@ -106,7 +107,7 @@ fn record(rig: &Rig, known: &Physics, r: usize, unknown: Unknown) -> String {
     )
 }
 
-/// The rate of a velocity with names of constants.
+/// The rate of a velocity with the names of constants.
 fn rate(physics: &Physics, mass: usize) -> String {
     let sum = physics.forces[mass].iter().fold(String::new(), |sum, s| {
         let sign = match (s.negative, sum.is_empty()) {
@@ -121,7 +122,7 @@ fn rate(physics: &Physics, mass: usize) -> String {
     format!("({sum})/m{}", mass + 1)
 }
 
-/// The same with numbers in their place.
+/// The same with numbers in place of names.
 fn literal(physics: &Physics, mass: usize) -> String {
     let numbers: Vec<(&str, String)> =
         physics.constants.iter().map(|(name, x)| (name.as_str(), format!("({x:e})"))).collect();

@@ -1,4 +1,4 @@
-//! Against sums in twice the precision of a double.
+//! Comparison with sums in twice the precision of a double.
 
 use super::{FAR, cos, exp, ln, sin};
 
@@ -72,7 +72,7 @@ fn true_exp(x: f64) -> Double {
 
 fn true_ln(x: f64) -> Double {
     let y = Double::from(x.ln());
-    // One step of Halley: three times the digits.
+    // One step of Halley's method triples the digits.
     let e = true_exp(y.0);
     let x = Double::from(x);
     y.add(x.add(e.scaled(-1.0)).scaled(2.0).div(x.add(e)))
@@ -88,7 +88,7 @@ fn true_sine(x: f64, quarter: i64) -> Double {
     if turns.rem_euclid(4) < 2 { y } else { y.scaled(-1.0) }
 }
 
-/// Error in units of the last place of the result.
+/// Error in units in the last place of the result.
 fn ulps(got: f64, due: Double) -> f64 {
     let unit = f64::from_bits(due.0.abs().to_bits() + 1) - due.0.abs();
     ((got - due.0) - due.1).abs() / unit
@@ -100,7 +100,7 @@ fn scatter(seed: &mut u64) -> f64 {
     ((*seed >> 11) as f64 + 0.5) / (1u64 << 53) as f64
 }
 
-/// The largest error over many numbers, and where.
+/// The largest error over many numbers, and its argument.
 fn worst(numbers: impl Fn(f64) -> f64, got: fn(f64) -> f64, due: impl Fn(f64) -> Double) -> (f64, f64) {
     let mut seed = 1;
     (0..100_000)

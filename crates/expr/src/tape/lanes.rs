@@ -1,8 +1,9 @@
-//! Operands and results of instructions, found without checks: the one place of the project with `unsafe` code.
+//! Unchecked access to operands and results of instructions: the only `unsafe` code of the project.
 //!
-//! A checked access costs as much as the arithmetic on 64 lanes, and the loss of the step method is nothing but such accesses. What is
-//! relied on is guaranteed by `Tape::compile` for every program, and asserted there: every operand, factor and result is a slot of the
-//! program, every factor pair of a chain exists, and no instruction writes a slot that it reads.
+//! A checked access costs as much as the arithmetic on 64 lanes, and the loss of the step method consists
+//! of such accesses. `Tape::compile` guarantees and asserts the conditions for every program: every
+//! operand, factor and result is a slot of the program, every factor pair of a chain exists, and no
+//! instruction writes a slot that it reads.
 
 #![allow(unsafe_code)]
 
@@ -28,16 +29,18 @@ impl<'a, const N: usize> Lanes<'a, N> {
     /// An operand of an instruction of the program.
     #[inline(always)]
     pub(super) fn read(&self, k: u32) -> &'a [f64; N] {
-        // SAFETY: k is less than the number of slots (asserted by `Tape::compile` for every operand), of which there are enough. Nothing
-        // writes there while the reference lives: it serves one instruction, whose result is another slot (asserted by `Tape::compile`).
+        // SAFETY: k is less than the number of slots (asserted by `Tape::compile` for every operand), of
+        // which there are enough. Nothing writes there while the reference lives: it serves one instruction,
+        // whose result is another slot (asserted by `Tape::compile`).
         unsafe { &*self.slots.add(k as usize) }
     }
 
-    /// Where an instruction of the program writes its result.
+    /// The result of an instruction of the program.
     #[inline(always)]
     #[allow(clippy::mut_from_ref)]
     pub(super) fn write(&self, k: u32) -> &'a mut [f64; N] {
-        // SAFETY: as for `read`; the result of an instruction is no input and none of its operands (asserted by `Tape::compile`).
+        // SAFETY: as for `read`; the result of an instruction is no input and none of its operands (asserted
+        // by `Tape::compile`).
         unsafe { &mut *self.slots.add(k as usize) }
     }
 

@@ -82,7 +82,8 @@ pub fn accepts_latex(latex: &str) {
     }
 }
 
-/// One operation of a random expression; operands are counted backwards from it, so that every list of steps has a meaning.
+/// One operation of a random expression; operands are counted backwards from it, so that every list of steps
+/// has a meaning.
 #[derive(Clone, Debug)]
 pub enum Step {
     Number(f64),
@@ -183,7 +184,8 @@ pub fn plain_number() -> BoxedStrategy<f64> {
     (-6i8..=6, prop_oneof![3 => Just(1.0), 1 => Just(0.5)]).prop_map(|(n, unit)| f64::from(n) * unit).boxed()
 }
 
-/// So many cases, always the same: a failure found today is found tomorrow. `PROPTEST_CASES`, `PROPTEST_RNG_SEED` search further.
+/// So many cases, always the same: a failure found today is found tomorrow. `PROPTEST_CASES`,
+/// `PROPTEST_RNG_SEED` search further.
 pub fn cases(n: u32) -> ProptestConfig {
     let default = ProptestConfig::default();
     let set = |name| std::env::var_os(name).is_some();

@@ -110,7 +110,7 @@ fn bad_parameters_are_named() {
     assert!(matches!(Multisine::band(1.0, 1.0, 2.0, 0, 0), Err(ExcitationError::Count(_))));
 }
 
-/// One wrong number at a time, and what is said of it.
+/// One wrong number at a time, and its message.
 #[test]
 fn every_bad_parameter_is_told_by_its_name() {
     let jonswap =

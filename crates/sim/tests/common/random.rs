@@ -1,5 +1,6 @@
-//! Random rigs: one to five masses on springs, dampers and drives, with laws of the catalogue between them. Their forces stand here twice: as the text of
-//! the catalogue for the program, and as arithmetic for who checks it.
+//! Random rigs: one to five masses on springs, dampers and drives, with laws of the catalogue between them.
+//! Their forces stand here twice: as the text of the catalogue for the program, and as arithmetic for who
+//! checks it.
 #![allow(dead_code, unreachable_pub, missing_docs)]
 
 use phisindy_phys::Law;
@@ -104,7 +105,8 @@ impl Acting {
         HOLDING.contains(&self.id)
     }
 
-    /// The force that is subtracted, by hand: at displacement `x`, velocity `v` whose sign is `s`, internal state `z`.
+    /// The force that is subtracted, by hand: at displacement `x`, velocity `v` whose sign is `s`, internal
+    /// state `z`.
     pub fn force(&self, t: f64, x: f64, v: f64, s: f64, z: f64) -> f64 {
         let p = |name: &str| self.number(name);
         match self.id {
@@ -156,7 +158,8 @@ impl Acting {
         }
     }
 
-    /// What it holds at rest, downwards and upwards: the largest one-sided friction at speeds up to a millionth.
+    /// What it holds at rest, downwards and upwards: the largest one-sided friction at speeds up to a
+    /// millionth.
     pub fn hold(&self, x: f64) -> (f64, f64) {
         if self.id == "asymmetric-coulomb" {
             return (-self.number("Fm"), self.number("Fp"));
