@@ -9,7 +9,7 @@
 //!                                       Model <--model---+        +--from_table--> Record --> Suspicions
 //! ```
 //!
-//! `law` reads the files of the catalogue. All mistakes of a text are reported together, as [`Diagnostic`]s, which
+//! `law` compiles the files of the catalogue to nodes. All mistakes of a text are reported together, as [`Diagnostic`]s, which
 //! the program draws. This crate reads no files and integrates nothing.
 
 mod decision;
