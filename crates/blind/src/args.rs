@@ -32,7 +32,7 @@ pub(crate) enum Command {
     Hidden(HiddenArgs),
     /// Run `phisindy gap` on the sets of a folder and compare with their truths; the seconds are those of one thread
     Score(ScoreArgs),
-    /// Identify models with one mistake in the known part: is it told?
+    /// Identify models with one mistake in the known part: is it reported?
     Wrong(WrongArgs),
     /// Each case beside what the paper prints
     Paper(CaseArgs),

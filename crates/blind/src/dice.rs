@@ -1,4 +1,5 @@
-//! Random draws: the same for a seed on every machine, and named, so that a draw more in one set leaves the others alone.
+//! Random draws: the same for a seed on every machine, and named, so that a draw more in one set leaves the
+//! others alone.
 
 use phisindy_sim::Streams;
 

@@ -1,4 +1,5 @@
-//! `phisindy-blind hidden`: data sets with a hidden effect, as somebody would make them who wants to test the gap workflow blind. `phisindy-blind score` runs
+//! `phisindy-blind hidden`: data sets with a hidden effect, as somebody would make them who wants to test the
+//! gap workflow blind. `phisindy-blind score` runs
 //! the workflow on them and compares.
 //!
 //! ```text
@@ -6,9 +7,11 @@
 //! DIR/NNN --run--> result.json --scored, with truth.json--> marks --tally--> table
 //! ```
 
-mod course;
+mod description;
 mod effect;
+mod experiment;
 mod fair;
+mod gram;
 mod linear;
 mod made;
 mod mark;
@@ -19,7 +22,6 @@ mod rig;
 mod rivals;
 mod score;
 mod tally;
-mod told;
 mod truth;
 mod wish;
 mod write;
@@ -48,7 +50,7 @@ pub(crate) fn score(args: &ScoreArgs, options: &Options) -> Result<Option<Table>
 pub(crate) fn make(args: &HiddenArgs, options: &Options) -> Result<bool> {
     let progress = Progress::new("hidden", args.sets, options.quiet);
     let set = |index: usize| -> Result<()> {
-        if interrupt::asked() {
+        if interrupt::requested() {
             return Ok(());
         }
         let wish = wish::wish(args.seed, index, args.only.as_deref()).map_err(|why| anyhow!(why))?;
@@ -60,7 +62,7 @@ pub(crate) fn make(args: &HiddenArgs, options: &Options) -> Result<bool> {
     };
     (0..args.sets).into_par_iter().try_for_each(set)?;
     drop(progress);
-    if interrupt::asked() {
+    if interrupt::requested() {
         return Ok(false);
     }
     print(&format!("{} sets in {}\n", args.sets, args.out.display()))?;

@@ -3,7 +3,7 @@
 //! ```text
 //! seed --hidden--> DIR/NNN: spec and data of a rig with an effect that the spec lacks | truth.json
 //! DIR/NNN --phisindy gap--> result.json --score, with truth.json--> table
-//! seed --wrong--> specs with one mistake in the known part --identify--> is it told? --> table
+//! seed --wrong--> specs with one mistake in the known part --identify--> is it reported? --> table
 //! specs of the paper --phisindy run, phisindy sweep--> tables of README.md
 //! ```
 

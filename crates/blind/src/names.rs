@@ -2,7 +2,8 @@
 
 use phisindy_expr::parse;
 
-/// The text with every name for which `with` has something replaced by that, all in one pass; the rest of the text stays as it is written.
+/// The text with every name for which `with` has something replaced by that, all in one pass; the rest of the
+/// text stays as it is written.
 ///
 /// A text that is no expression comes back unchanged: whoever compiles it says what is wrong with it.
 pub(crate) fn substitute<'a>(text: &str, with: impl Fn(&str) -> Option<&'a str>) -> String {

@@ -50,7 +50,8 @@ impl Program {
         Ok(Program(path))
     }
 
-    /// A process of it, without input; data files are looked for where its arguments say, not where the environment does.
+    /// A process of it, without input; data files are looked for where its arguments say, not where the
+    /// environment does.
     pub(crate) fn command(&self) -> Command {
         let mut command = Command::new(&self.0);
         command.env_remove("PHISINDY_DATA").stdin(Stdio::null());
@@ -74,7 +75,7 @@ impl Program {
             if let Some(status) = child.try_wait().context("cannot wait for the program")? {
                 break Some(status);
             }
-            if interrupt::asked() || patience.is_some_and(|patience| begin.elapsed() > patience) {
+            if interrupt::requested() || patience.is_some_and(|patience| begin.elapsed() > patience) {
                 end(&mut child);
                 break None;
             }
@@ -82,7 +83,7 @@ impl Program {
         };
         let seconds = begin.elapsed().as_secs_f64();
         let (out, err) = (out.join().unwrap_or_default(), err.join().unwrap_or_default());
-        Ok((!interrupt::asked()).then_some(Output { status, out, err, seconds }))
+        Ok((!interrupt::requested()).then_some(Output { status, out, err, seconds }))
     }
 }
 

@@ -1,4 +1,5 @@
-//! Specs with synthetic data, loaded without any file but the spec: what the truth is, in the program's own terms.
+//! Specs with synthetic data, loaded without any file but the spec: what the truth is, in the program's own
+//! terms.
 
 use crate::args::Assignment;
 use anyhow::{Context, Result, anyhow};
@@ -33,7 +34,8 @@ pub(crate) fn load_file(path: &Path, sets: &[Assignment], seed: Option<u64>) -> 
     load(text, seed).map_err(|why| anyhow!("{why}")).with_context(|| format!("the table needs `{shown}`"))
 }
 
-/// Makes the records of a spec. `seed` replaces that of the first record; the others have seeds that follow from it, as with the program's `--seed`.
+/// Makes the records of a spec. `seed` replaces that of the first record; the others have seeds that follow
+/// from it, as with the program's `--seed`.
 ///
 /// # Errors
 /// In words: the text is no spec, or its data are not all synthetic, or a truth cannot be simulated.

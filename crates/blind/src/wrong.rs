@@ -1,11 +1,14 @@
-//! `phisindy-blind wrong`: is a wrong known part told of? Random rigs, each identified twice: with the known part as it is, and with one thing wrong in it.
+//! `phisindy-blind wrong`: is a wrong known part reported? Random rigs, each identified twice: with the known
+//! part as it is, and with one thing wrong in it.
 //!
 //! ```text
-//! seed --Rig::draw--> rig --mistaken--> known part with one mistake --written--> spec --identify--> told? intervals right?
+//! seed --Rig::draw--> rig --with_mistake--> known part with one mistake --written--> spec --identify--> reported? intervals right?
 //! ```
 //!
-//! A mistake that the dictionary can make good (damping left out, and a candidate for it) is found and not wrong: it is counted apart. So is one that cannot be
-//! seen: the true motion without noise, fitted by the wrong model with its friction free, misses by a chi square below [`tally::VISIBLE`] in both records together.
+//! A mistake that the dictionary can make good (damping left out, and a candidate for it) is found and not
+//! wrong: it is counted apart. So is one that cannot be
+//! seen: the true motion without noise, fitted by the wrong model with its friction free, misses by a chi
+//! square below [`tally::VISIBLE`] in both records together.
 
 mod mistake;
 mod rig;
@@ -20,7 +23,7 @@ use crate::interrupt;
 use crate::progress::Progress;
 use crate::synthetic::{Loaded, checked, load};
 use anyhow::{Result, anyhow, bail};
-use mistake::{KINDS, SMALL, mistaken, needs_cubic};
+use mistake::{KINDS, SMALL, needs_cubic, with_mistake};
 use phisindy_learn::{
     Effort, Identified, LearnOptions, Verdict, Warning, calibrate, identify, project, smoothed,
 };
@@ -34,8 +37,8 @@ use written::{Unknown, written};
 
 /// Draws before giving up.
 const TRIES: usize = 200;
-/// A mass that is held for a longer part of the record hardly moves.
-const HELD: f64 = 0.6;
+/// A mass that sticks for a longer part of the record hardly moves.
+const STUCK: f64 = 0.6;
 
 /// The table, and a line for each set that is wrong in silence; none if the user stopped it.
 ///
@@ -61,7 +64,7 @@ pub(crate) fn table(args: &WrongArgs, options: &Options) -> Result<Option<Table>
         })
         .collect::<Result<_>>()?;
     drop(progress);
-    Ok((!interrupt::asked()).then(|| tally(&sets.concat())))
+    Ok((!interrupt::requested()).then(|| tally(&sets.concat())))
 }
 
 /// One rig, with the known part wrong and right; nothing if the user has had enough.
@@ -71,7 +74,7 @@ fn both(
     seed: Option<u64>,
     folder: Option<&Folder>,
 ) -> Result<Vec<Outcome>> {
-    if interrupt::asked() {
+    if interrupt::requested() {
         return Ok(vec![]);
     }
     let mut dice = Dice::new(seed.unwrap_or(0), &format!("wrong {index}"));
@@ -123,7 +126,7 @@ fn pair(rig: &Rig, kind: &str, dice: &mut Dice, seed: Option<u64>) -> Result<Pai
     if rig.lines == 0 && kind.starts_with("drive") {
         return Err("nothing drives it".to_owned());
     }
-    let (wrong, said) = mistaken(rig, kind, dice).ok_or("it cannot be wrong in this way")?;
+    let (wrong, said) = with_mistake(rig, kind, dice).ok_or("it cannot be wrong in this way")?;
     let set = |physics: &rig::Physics, said: &str| -> Result<Set, String> {
         let title = format!("Known part: {said}");
         let loaded = load(written(rig, physics, &title, Unknown::Dictionary), seed)?;
@@ -133,8 +136,8 @@ fn pair(rig: &Rig, kind: &str, dice: &mut Dice, seed: Option<u64>) -> Result<Pai
     };
     let right = set(&rig.physics, "nothing is wrong")?;
     for run in &right.loaded.truths {
-        let held = run.modes.iter().filter(|m| **m == 0).count() as f64 / run.modes.len().max(1) as f64;
-        if held > HELD {
+        let stuck = run.modes.iter().filter(|m| **m == 0).count() as f64 / run.modes.len().max(1) as f64;
+        if stuck > STUCK {
             return Err("it hardly moves".to_owned());
         }
     }
@@ -189,15 +192,15 @@ fn outcome(set: &Set) -> Outcome {
     let mut out =
         Outcome { said: set.said.clone(), inside: set.inside, visible: set.visible, ..Outcome::default() };
     match found {
-        Err(_) => out.told.push("refused".to_owned()),
+        Err(_) => out.reported.push("refused".to_owned()),
         Ok(found) => {
-            out.told = told(&found);
+            out.reported = reported(&found);
             for term in &found.terms {
                 let (e, truth) = (term.coefficient, set.truth[term.term]);
                 let reach = if truth > e.value { e.ci95.1 - e.value } else { e.value - e.ci95.0 };
                 let off = (truth - e.value).abs() / reach.max(f64::MIN_POSITIVE);
                 out.off = out.off.max(off);
-                out.held = (out.held.0 + usize::from(off <= 1.0), out.held.1 + 1);
+                out.covered = (out.covered.0 + usize::from(off <= 1.0), out.covered.1 + 1);
             }
             out.warnings = found.warnings.iter().map(ToString::to_string).collect();
         }
@@ -205,11 +208,11 @@ fn outcome(set: &Set) -> Outcome {
     out
 }
 
-/// Which doubts of the model it tells, each as a word.
-fn told(found: &Identified) -> Vec<String> {
-    let mut told = Vec::new();
+/// Which doubts of the model are reported, each as a word.
+fn reported(found: &Identified) -> Vec<String> {
+    let mut reported = Vec::new();
     if found.verdict != Verdict::Identified {
-        told.push("rejected".to_owned());
+        reported.push("rejected".to_owned());
     }
     let at_bound = |w: &Warning| matches!(w, Warning::AtBound { .. });
     let doubts: [(&dyn Fn(&Warning) -> bool, &str); 3] = [
@@ -219,8 +222,8 @@ fn told(found: &Identified) -> Vec<String> {
     ];
     for (says, name) in doubts {
         if found.warnings.iter().any(says) {
-            told.push(name.to_owned());
+            reported.push(name.to_owned());
         }
     }
-    told
+    reported
 }

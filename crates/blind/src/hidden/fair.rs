@@ -1,12 +1,13 @@
 //! What a draw must show to be a fair test.
 
 use super::effect::{Action, Effect};
-use super::motion::{Course, Motion, motion};
+use super::motion::{Experiment, Motion, motion};
 use super::rig::{Drive, Rig};
-use super::rivals::{Seen, along, largest};
+use super::rivals::{Seen, largest, motion_at};
 use phisindy_signal::standard_deviation;
 
-/// A start known to this part of the noise must predict the record to that part of it, or the gap cannot end below 1.05.
+/// A start known to this part of the noise must predict the record to that part of it, or the gap cannot end
+/// below 1.05.
 const START_ERROR: f64 = 0.1;
 const STEADY: f64 = 0.25;
 
@@ -23,12 +24,12 @@ pub(super) fn visible(seen: &Seen<'_>) -> Result<(), &'static str> {
             return Err("a late clock of a released motion is no other motion");
         }
         let Action::Force { place, force, .. } = &effect.action else { continue };
-        let (x, v) = along(seen, place);
+        let (x, v) = motion_at(seen, place);
         let n = x.len() as f64;
         let share = |f: &dyn Fn(usize) -> bool| (0..x.len()).filter(|&i| f(i)).count() as f64 / n;
         let p = |name: &str| effect.parameter(name).unwrap_or(0.0);
-        let far = |w: f64, from: f64| (w - from).abs() * seen.course.times[x.len() - 1] > 9.0;
-        let lines = || seen.course.lines.iter().map(|l| l.frequency);
+        let far = |w: f64, from: f64| (w - from).abs() * seen.experiment.times[x.len() - 1] > 9.0;
+        let lines = || seen.experiment.lines.iter().map(|l| l.frequency);
         let fair = match effect.law.as_str() {
             "dead-zone" => (0.05..0.95).contains(&share(&|i| x[i].abs() > p("gap"))),
             "one-sided-stop" => {
@@ -70,18 +71,19 @@ pub(super) fn visible(seen: &Seen<'_>) -> Result<(), &'static str> {
     Ok(())
 }
 
-/// Whether a start that is only known as well as noisy data tell it still predicts the record: no workflow can explain a chaotic motion.
+/// Whether a start that is only known as well as noisy data tell it still predicts the record: no workflow
+/// can explain a chaotic motion.
 pub(super) fn steady(
     rig: &Rig,
     effects: &[Effect],
-    courses: &[Course],
+    experiments: &[Experiment],
     truth: &[Motion],
     before: f64,
     noise: f64,
 ) -> bool {
-    courses.iter().zip(truth).all(|(course, exact)| {
+    experiments.iter().zip(truth).all(|(experiment, exact)| {
         let deviations: Vec<f64> = exact.readings.iter().map(|y| noise * standard_deviation(y)).collect();
-        let mut off = course.clone();
+        let mut off = experiment.clone();
         for (k, (x, s)) in off.start.iter_mut().zip(&deviations).enumerate() {
             *x += START_ERROR * s * if k % 2 == 0 { 1.0 } else { -1.0 };
         }

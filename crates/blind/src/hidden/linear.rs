@@ -1,4 +1,5 @@
-//! The linear response of the known part: how a force that was seen along the true motion moves what is measured.
+//! The linear response of the known part: how a force that was seen along the true motion moves what is
+//! measured.
 
 use super::rig::Rig;
 

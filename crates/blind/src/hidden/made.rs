@@ -1,14 +1,14 @@
 //! One set: drawn until it is fair.
 
-use super::course::{courses, cut_course, cut_motion};
+use super::description::{alternatives, described, hidden};
 use super::effect::{Effect, Scales, draw, draw_sensor};
+use super::experiment::{cut_experiment, cut_motion, experiments};
 use super::fair::{steady, visible};
-use super::motion::{Course, Motion, earlier, motion};
+use super::motion::{Experiment, Motion, earlier, motion};
 use super::outside;
 use super::place::{Place, places};
 use super::rig::{Constant, Drive, Extra, Line, Rig};
 use super::rivals::{Judgement, Seen, along, judge, largest};
-use super::told::{alternatives, described, hidden};
 use super::truth::{Gaps, Truth};
 use super::wish::{HOLDING, Kind, Wish};
 use crate::dice::{Dice, rounded};
@@ -76,14 +76,14 @@ fn attempt(wish: &Wish, dice: &mut Dice) -> Result<Made, &'static str> {
         add_nonlinear_term(&mut rig, dice);
     }
     movables(&mut rig, wish, dice);
-    let (courses, split) = courses(&rig, dice);
+    let (experiments, split) = experiments(&rig, dice);
     let run = |effects: &[Effect], before: f64| -> Result<Vec<Motion>, &'static str> {
-        let one = |c: &Course| motion(&rig, effects, c, before).map_err(|_| "not simulated");
-        courses.iter().map(one).collect()
+        let one = |c: &Experiment| motion(&rig, effects, c, before).map_err(|_| "not simulated");
+        experiments.iter().map(one).collect()
     };
     let mut base = run(&[], 0.0)?;
-    let mut effects = effects(&rig, wish, &courses[0], &base[0], dice)?;
-    if courses.len() == 1 {
+    let mut effects = effects(&rig, wish, &experiments[0], &base[0], dice)?;
+    if experiments.len() == 1 {
         effects.iter_mut().for_each(|e| e.second_phase = None);
     }
     let before = earlier(&effects);
@@ -97,10 +97,10 @@ fn attempt(wish: &Wish, dice: &mut Dice) -> Result<Made, &'static str> {
     let measured: Vec<(usize, String)> =
         rig.x.iter().chain(&rig.v).cloned().enumerate().take(states).collect();
     let Noisy { records, sigma, gaps } =
-        add_sensor_noise(wish, &measured, &courses, &motions, &base, split, Streams(dice.seed()))?;
-    let drawn = Drawn { rig, effects, courses, motions, base, measured, split };
+        add_sensor_noise(wish, &measured, &experiments, &motions, &base, split, Streams(dice.seed()))?;
+    let drawn = Drawn { rig, effects, experiments, motions, base, measured, split };
     let judgement = drawn.judgement(wish, gaps, &sigma)?;
-    if !steady(&drawn.rig, &drawn.effects, &drawn.courses, &drawn.motions, before, wish.noise) {
+    if !steady(&drawn.rig, &drawn.effects, &drawn.experiments, &drawn.motions, before, wish.noise) {
         return Err("the motion is too sensitive to its start");
     }
     let truth = drawn.truth(wish, &records, gaps, stuck_share, judgement, &sigma);
@@ -157,7 +157,7 @@ struct Noisy {
 fn add_sensor_noise(
     wish: &Wish,
     measured: &[(usize, String)],
-    courses: &[Course],
+    experiments: &[Experiment],
     motions: &[Motion],
     base: &[Motion],
     split: usize,
@@ -166,7 +166,7 @@ fn add_sensor_noise(
     let mut sigma = Vec::new();
     let mut records = Vec::new();
     let (mut fit, mut validate) = ((0.0, 0usize), (0.0, 0usize));
-    for (r, (course, motion)) in courses.iter().zip(motions).enumerate() {
+    for (r, (experiment, motion)) in experiments.iter().zip(motions).enumerate() {
         let mut columns = Vec::new();
         for (state, name) in measured {
             let exact = &motion.readings[*state];
@@ -187,8 +187,13 @@ fn add_sensor_noise(
             }
             columns.push(noisy);
         }
-        let drive = course.times.iter().map(|&t| Rig::drive_at(&course.lines, t)).collect();
-        records.push(Shown { times: course.times.clone(), columns, drive, lines: course.lines.clone() });
+        let drive = experiment.times.iter().map(|&t| Rig::drive_at(&experiment.lines, t)).collect();
+        records.push(Shown {
+            times: experiment.times.clone(),
+            columns,
+            drive,
+            lines: experiment.lines.clone(),
+        });
     }
     let gap = |(sum, count): (f64, usize)| (sum / count as f64).sqrt();
     Ok(Noisy { records, sigma, gaps: Gaps { fit: gap(fit), validate: gap(validate) } })
@@ -198,7 +203,7 @@ fn add_sensor_noise(
 struct Drawn {
     rig: Rig,
     effects: Vec<Effect>,
-    courses: Vec<Course>,
+    experiments: Vec<Experiment>,
     /// The motion of each record with the effects, and that of the known part alone.
     motions: Vec<Motion>,
     base: Vec<Motion>,
@@ -218,7 +223,7 @@ impl Drawn {
         if !(GAPS.0..=GAPS.1).contains(&gaps.validate) || !(GAPS.0..=1.5 * GAPS.1).contains(&gaps.fit) {
             return Err("the gap is too small or too large");
         }
-        let course = cut_course(&self.courses[0], self.split);
+        let experiment = cut_experiment(&self.experiments[0], self.split);
         let motion = cut_motion(&self.motions[0], self.split);
         let base = cut_motion(&self.base[0], self.split);
         let columns: Vec<(usize, String, f64)> =
@@ -226,7 +231,7 @@ impl Drawn {
         let seen = Seen {
             rig: &self.rig,
             effects: &self.effects,
-            course: &course,
+            experiment: &experiment,
             motion: &motion,
             base: &base,
             columns: &columns,
@@ -327,21 +332,23 @@ fn movables(rig: &mut Rig, wish: &Wish, dice: &mut Dice) {
 fn effects(
     rig: &Rig,
     wish: &Wish,
-    course: &Course,
+    experiment: &Experiment,
     base: &Motion,
     dice: &mut Dice,
 ) -> Result<Vec<Effect>, &'static str> {
     let none: [Effect; 0] = [];
-    let seen = Seen { rig, effects: &none, course, motion: base, base, columns: &[] };
+    let seen = Seen { rig, effects: &none, experiment, motion: base, base, columns: &[] };
     let all = places(rig);
-    let force =
-        course.times.iter().map(|&t| Rig::drive_at(&course.lines, t)).fold(0.0_f64, |m, (value, slope)| {
+    let force = experiment.times.iter().map(|&t| Rig::drive_at(&experiment.lines, t)).fold(
+        0.0_f64,
+        |m, (value, slope)| {
             let f = match rig.drive {
                 Drive::Base { .. } => rig.spring[0] * value + rig.damper[0] * slope,
                 _ => value,
             };
             m.max(f.abs())
-        });
+        },
+    );
     let scales = |place: &Place| {
         let (x, v) = along(&seen, place);
         // A release is judged by its beginning, anything else by what is left of it.
@@ -350,7 +357,7 @@ fn effects(
         let force = if rig.drive == Drive::Free { 0.3 * x * rig.spring[0] } else { force };
         Scales { x, v, force }
     };
-    let duration = course.times[course.times.len() - 1];
+    let duration = experiment.times[experiment.times.len() - 1];
     let mut out: Vec<Effect> = Vec::new();
     let laws: &[&str] = match &wish.kind {
         Kind::Nothing => &[],

@@ -33,7 +33,7 @@ pub(super) struct Mark {
     /// Relative error of each value of the truth that was named right, by `law.parameter`.
     pub(super) errors: BTreeMap<String, f64>,
     /// Whether the data tell all of them so closely: each 95 % interval ends within [`WITHIN`] of the value.
-    pub(super) told: bool,
+    pub(super) determined: bool,
     /// How many 95 % intervals there are, and how many hold the truth.
     pub(super) intervals: (usize, usize),
     /// The gap on the Validate record in the end.
@@ -77,7 +77,7 @@ pub(super) fn mark(truth: &Truth, result: &Value) -> Mark {
         status,
         named: result["error"].as_str().map_or_else(|| words(&named), str::to_owned),
         errors: BTreeMap::new(),
-        told: true,
+        determined: true,
         intervals: (0, 0),
         after: result["final"]["validate"].as_f64(),
         seconds: result["seconds"].as_f64(),
@@ -124,7 +124,7 @@ fn values(effect: &Hidden, step: &Value, mark: &mut Mark) {
         if let (Some(low), Some(high)) = (ends[0].as_f64(), ends[1].as_f64()) {
             let shift = value + off - have;
             mark.intervals.0 += 1;
-            mark.told &= effect.law == "dead-zone" || 0.5 * (high - low) <= WITHIN * size;
+            mark.determined &= effect.law == "dead-zone" || 0.5 * (high - low) <= WITHIN * size;
             mark.intervals.1 += usize::from((low + shift..=high + shift).contains(&value));
         }
     }

@@ -13,7 +13,7 @@ const STEPS: usize = 300_000;
 
 /// How a record is made.
 #[derive(Clone, Debug)]
-pub(super) struct Course {
+pub(super) struct Experiment {
     /// Start of displacements, then of velocities.
     pub(super) start: Vec<f64>,
     pub(super) lines: Vec<Line>,
@@ -44,16 +44,21 @@ pub(super) fn earlier(effects: &[Effect]) -> f64 {
     late.fold(0.0, f64::max) * 1.01
 }
 
-/// Simulates a course; the motion begins at its start state `before` its first sample.
+/// Simulates a experiment; the motion begins at its start state `before` its first sample.
 ///
 /// # Errors
 /// In words: the motion has no bounds, or the texts make no sense.
-pub(super) fn motion(rig: &Rig, effects: &[Effect], course: &Course, before: f64) -> Result<Motion, String> {
-    let (model, values, start) = model(rig, effects, course)?;
+pub(super) fn motion(
+    rig: &Rig,
+    effects: &[Effect],
+    experiment: &Experiment,
+    before: f64,
+) -> Result<Motion, String> {
+    let (model, values, start) = model(rig, effects, experiment)?;
     let automaton = Automaton::new(&model).map_err(|e| e.message(&model.names))?;
     let drive = Drive { inputs: &[], parameters: &values };
     let n = start.len();
-    let times = &course.times;
+    let times = &experiment.times;
     let coarse = Options {
         tolerance: 1e-4,
         scale: vec![1e-9; n],
@@ -100,23 +105,27 @@ fn sampled(run: Trajectory, readings: Vec<Vec<f64>>) -> Motion {
 }
 
 /// The model with everything hidden in it, the values of its parameters, and where its states start.
-fn model(rig: &Rig, effects: &[Effect], course: &Course) -> Result<(Model, Vec<f64>, Vec<f64>), String> {
-    let (value, slope) = Rig::driven(&course.lines);
+fn model(
+    rig: &Rig,
+    effects: &[Effect],
+    experiment: &Experiment,
+) -> Result<(Model, Vec<f64>, Vec<f64>), String> {
+    let (value, slope) = Rig::driven(&experiment.lines);
     let mut rates = rig.rates("DRIVE", "u", "du");
     let mut names: Vec<&str> = rig.x.iter().chain(&rig.v).map(String::as_str).collect();
     let mut own = Vec::new();
-    let mut start = course.start.clone();
+    let mut start = experiment.start.clone();
     for effect in effects {
         match &effect.action {
             Action::Force { place, force, internal } => {
-                let force = effect.written(force, course.second);
+                let force = effect.written(force, experiment.second);
                 for &(mass, sign) in &place.parts {
                     let factor = -sign / rig.mass[mass];
                     rates[mass] += &format!(" + ({factor:e})*({force})");
                 }
                 if let Some((name, rate)) = internal {
                     names.push(name);
-                    own.push(effect.written(rate, course.second));
+                    own.push(effect.written(rate, experiment.second));
                     start.push(0.0);
                 }
             }

@@ -1,4 +1,5 @@
-//! The part of a model that is known: one mass, or two in a chain, on springs and dampers, and what drives it.
+//! The part of a model that is known: one mass, or two in a chain, on springs and dampers, and what drives
+//! it.
 
 use crate::dice::{Dice, rounded};
 use std::f64::consts::TAU;
@@ -177,7 +178,8 @@ impl Rig {
         let share = (several as f64).sqrt();
         for line in &mut lines {
             let ratio = line.frequency / self.natural;
-            // Away from the resonance a larger force makes the same motion; at it, the damping would take too long to matter.
+            // Away from the resonance a larger force makes the same motion; at it, the damping would take too
+            // long to matter.
             let wanted = self.size * dice.between(0.5, 1.5) / share;
             let force = wanted * self.spring[0] * (1.0 - ratio * ratio).abs().max(0.1);
             line.amplitude = rounded(if matches!(self.drive, Drive::Base { .. }) {
@@ -243,7 +245,8 @@ impl Rig {
         sums.into_iter().enumerate().map(over).collect()
     }
 
-    /// The accelerations of the known part, from displacements and velocities by index and from value and slope of the drive.
+    /// The accelerations of the known part, from displacements and velocities by index and from value and
+    /// slope of the drive.
     pub(super) fn acceleration(&self, state: &dyn Fn(usize) -> f64, drive: (f64, f64)) -> Vec<f64> {
         let count = self.count();
         let (x, v) = (|i: usize| state(i), |i: usize| state(count + i));

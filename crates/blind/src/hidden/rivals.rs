@@ -1,11 +1,14 @@
 //! Whether a hidden effect can be told from others at all, judged without running the workflow.
 //!
-//! What is missing along the true motion drives the known part, which is linear: its response is exactly what the known part alone leaves unexplained. A
-//! rival that fits this response with no more freedom than the truth is the same effect in that record, or the set is too hard to be fair.
+//! What is missing along the true motion drives the known part, which is linear: its response is exactly what
+//! the known part alone leaves unexplained. A
+//! rival that fits this response with no more freedom than the truth is the same effect in that record, or
+//! the set is too hard to be fair.
 
 use super::effect::{Action, Effect, Property};
+use super::gram::{dot, explained, orthonormal, remove};
 use super::linear::Linear;
-use super::motion::{Course, Motion};
+use super::motion::{Experiment, Motion};
 use super::place::{Place, places};
 use super::rig::Rig;
 use std::collections::BTreeSet;
@@ -22,7 +25,7 @@ pub(super) type Named = Vec<(String, String)>;
 pub(super) struct Seen<'a> {
     pub(super) rig: &'a Rig,
     pub(super) effects: &'a [Effect],
-    pub(super) course: &'a Course,
+    pub(super) experiment: &'a Experiment,
     pub(super) motion: &'a Motion,
     /// The motion of the known part alone.
     pub(super) base: &'a Motion,
@@ -33,7 +36,8 @@ pub(super) struct Seen<'a> {
 /// What came of the comparison.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Judgement {
-    /// By how much (chi square, less what freedom buys) the truth beats the nearest rival with no more freedom.
+    /// By how much (chi square, less what freedom buys) the truth beats the nearest rival with no more
+    /// freedom.
     pub(super) margin: f64,
     /// What start states and constants that may move leave of the effect (chi square).
     pub(super) visible: f64,
@@ -58,7 +62,7 @@ struct Comparison<'a> {
     seen: &'a Seen<'a>,
     linear: Linear,
     /// For each mass, where its force is the reaction of a contact that sticks.
-    held: Vec<Vec<bool>>,
+    stuck: Vec<Vec<bool>>,
     every: usize,
     columns: Vec<Vec<f64>>,
     rivals: Vec<Rival>,
@@ -66,12 +70,12 @@ struct Comparison<'a> {
 
 /// Compares the truth with all singles and pairs of the catalogue.
 pub(super) fn judge(seen: &Seen<'_>) -> Judgement {
-    let step = seen.course.times[1] - seen.course.times[0];
-    let samples = seen.course.times.len();
+    let step = seen.experiment.times[1] - seen.experiment.times[0];
+    let samples = seen.experiment.times.len();
     let mut c = Comparison {
         seen,
         linear: Linear::new(seen.rig, step),
-        held: held(seen),
+        stuck: stuck(seen),
         every: (samples / ROWS).max(1),
         columns: vec![],
         rivals: vec![],
@@ -96,32 +100,32 @@ pub(super) fn judge(seen: &Seen<'_>) -> Judgement {
     c.verdict(&columns, &target)
 }
 
-/// Samples in which a mass is held by a friction of the truth.
-fn held(seen: &Seen<'_>) -> Vec<Vec<bool>> {
-    let samples = seen.course.times.len();
-    let mut held = vec![vec![false; samples]; seen.rig.count()];
+/// Samples in which a mass is stuck by a friction of the truth.
+fn stuck(seen: &Seen<'_>) -> Vec<Vec<bool>> {
+    let samples = seen.experiment.times.len();
+    let mut stuck = vec![vec![false; samples]; seen.rig.count()];
     for effect in seen.effects.iter().filter(|e| e.is_friction()) {
         let Action::Force { place, .. } = &effect.action else { continue };
-        let (_, v) = along(seen, place);
+        let (_, v) = motion_at(seen, place);
         let top = largest(&v);
         for i in (0..samples).filter(|&i| seen.motion.stuck[i] && v[i].abs() <= 1e-6 * top) {
-            place.parts.iter().for_each(|&(mass, _)| held[mass][i] = true);
+            place.parts.iter().for_each(|&(mass, _)| stuck[mass][i] = true);
         }
     }
-    held
+    stuck
 }
 
 /// Displacement and velocity of a place along the true motion.
-pub(super) fn along(seen: &Seen<'_>, place: &Place) -> (Vec<f64>, Vec<f64>) {
+pub(super) fn motion_at(seen: &Seen<'_>, place: &Place) -> (Vec<f64>, Vec<f64>) {
     let (masses, states) = (seen.rig.count(), &seen.motion.states);
     let sum = |shift: usize, wall: &dyn Fn(f64) -> f64| -> Vec<f64> {
         let one = |(i, &t): (usize, &f64)| {
             place.parts.iter().map(|&(mass, f)| f * states[shift + mass][i]).sum::<f64>()
                 + place.wall * wall(t)
         };
-        seen.course.times.iter().enumerate().map(one).collect()
+        seen.experiment.times.iter().enumerate().map(one).collect()
     };
-    let lines = &seen.course.lines;
+    let lines = &seen.experiment.lines;
     (sum(0, &|t| Rig::drive_at(lines, t).0), sum(masses, &|t| Rig::drive_at(lines, t).1))
 }
 
@@ -133,7 +137,7 @@ impl Comparison<'_> {
     /// Samples of the columns as one vector in units of the noise.
     fn rows(&self, states: &dyn Fn(usize) -> Option<Vec<f64>>) -> Vec<f64> {
         let weight = (self.every as f64).sqrt();
-        let samples = self.seen.course.times.len();
+        let samples = self.seen.experiment.times.len();
         let mut rows = Vec::new();
         for (state, _, noise) in self.seen.columns {
             match states(*state) {
@@ -148,12 +152,12 @@ impl Comparison<'_> {
         self.rows(&|k| Some(states[k].clone()))
     }
 
-    /// The response to a force at a place; a mass that is held does not feel it.
+    /// The response to a force at a place; a mass that is stuck does not feel it.
     fn force(&self, parts: &[(usize, f64)], values: &[f64]) -> Vec<f64> {
         let mut sum: Option<Vec<f64>> = None;
         for &(mass, sign) in parts {
             let free: Vec<f64> =
-                values.iter().zip(&self.held[mass]).map(|(f, h)| if *h { 0.0 } else { *f }).collect();
+                values.iter().zip(&self.stuck[mass]).map(|(f, h)| if *h { 0.0 } else { *f }).collect();
             let rows = self.states(&self.linear.response(&[(mass, sign)], &free));
             sum = Some(match sum {
                 Some(sum) => sum.iter().zip(&rows).map(|(a, b)| a + b).collect(),
@@ -165,11 +169,11 @@ impl Comparison<'_> {
 
     fn nuisance(&self) -> Vec<Vec<f64>> {
         let (seen, rig) = (self.seen, self.seen.rig);
-        let samples = seen.course.times.len();
+        let samples = seen.experiment.times.len();
         let mut all: Vec<Vec<f64>> =
             (0..2 * rig.count()).map(|k| self.states(&self.linear.start(k, samples))).collect();
         for place in places(rig) {
-            let (x, v) = along(seen, &place);
+            let (x, v) = motion_at(seen, &place);
             for (letter, values) in [("k", &x), ("c", &v)] {
                 // A spring and its damper stand at the same place.
                 let number = match (place.at.contains(&rig.v[0]), place.parts.len()) {
@@ -194,9 +198,9 @@ impl Comparison<'_> {
         let masses = rig.count();
         let motion = seen.motion;
         let mut missing = vec![Vec::new(); masses];
-        for (i, &t) in seen.course.times.iter().enumerate() {
+        for (i, &t) in seen.experiment.times.iter().enumerate() {
             let state = |k: usize| motion.states[k][i];
-            let known = rig.acceleration(&state, Rig::drive_at(&seen.course.lines, t));
+            let known = rig.acceleration(&state, Rig::drive_at(&seen.experiment.lines, t));
             (0..masses).for_each(|m| missing[m].push((motion.rates[masses + m][i] - known[m]) * rig.mass[m]));
         }
         let mut target = self
@@ -227,7 +231,7 @@ impl Comparison<'_> {
 
     /// All forces of the catalogue at a place.
     fn at(&mut self, place: &Place) {
-        let (x, v) = along(self.seen, place);
+        let (x, v) = motion_at(self.seen, place);
         let (top, speed) = (largest(&x), largest(&v));
         let of =
             |f: &dyn Fn(f64, f64) -> f64| -> Vec<f64> { x.iter().zip(&v).map(|(&x, &v)| f(x, v)).collect() };
@@ -280,7 +284,7 @@ impl Comparison<'_> {
             self.push("one-sided-stop", place, 2, false, vec![of(&|x, _| (x - gap).max(0.0))]);
             self.push("one-sided-stop", place, 2, false, vec![of(&|x, _| (-x - gap).max(0.0))]);
         }
-        let times = &self.seen.course.times;
+        let times = &self.seen.experiment.times;
         for w in self.frequencies() {
             let (c, s): (Vec<f64>, Vec<f64>) = times.iter().map(|t| ((w * t).cos(), (w * t).sin())).unzip();
             let swings = [&c, &s].map(|g| g.iter().zip(&x).map(|(g, x)| g * x).collect::<Vec<f64>>());
@@ -296,7 +300,7 @@ impl Comparison<'_> {
 
     /// Those of the drive, their multiples, and of the truth.
     fn frequencies(&self) -> Vec<f64> {
-        let lines = &self.seen.course.lines;
+        let lines = &self.seen.experiment.lines;
         let mut all: Vec<f64> = lines.iter().take(2).map(|l| l.frequency).collect();
         if let Some(first) = lines.first() {
             all.extend([2.0 * first.frequency, 3.0 * first.frequency]);
@@ -309,7 +313,8 @@ impl Comparison<'_> {
     }
 
     fn sensors(&mut self) {
-        // A gain multiplies the motion of the model, and the factor of a hidden force takes it too. The true motion in its place would explain itself, by
+        // A gain multiplies the motion of the model, and the factor of a hidden force takes it too. The true
+        // motion in its place would explain itself, by
         // a gain without bounds.
         let (motion, base) = (self.seen.motion, self.seen.base);
         let names: Vec<(usize, String)> = self.seen.columns.iter().map(|(k, n, _)| (*k, n.clone())).collect();
@@ -348,7 +353,7 @@ impl Comparison<'_> {
         let effects = self.seen.effects;
         let freedom = effects.iter().map(Effect::freedom).sum::<usize>() + effects.len() - 1;
         let asymmetric = effects.iter().any(|e| e.law == "asymmetric-coulomb");
-        let sticking: BTreeSet<String> = if self.held.iter().flatten().any(|h| *h) {
+        let sticking: BTreeSet<String> = if self.stuck.iter().flatten().any(|h| *h) {
             effects.iter().filter(|e| e.is_friction()).map(|e| e.at.clone()).collect()
         } else {
             BTreeSet::new()
@@ -417,55 +422,6 @@ fn play(x: &[f64], d: f64) -> Vec<f64> {
         out.push(z);
     }
     out
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn remove(from: &mut [f64], direction: &[f64]) {
-    let share = dot(from, direction);
-    from.iter_mut().zip(direction).for_each(|(x, d)| *x -= share * d);
-}
-
-/// Gram and Schmidt; what is nothing new becomes zero.
-fn orthonormal(columns: &mut [Vec<f64>]) {
-    for k in 0..columns.len() {
-        let (done, rest) = columns.split_at_mut(k);
-        let before = dot(&rest[0], &rest[0]);
-        // Twice is enough.
-        for _ in 0..2 {
-            done.iter().for_each(|d| remove(&mut rest[0], d));
-        }
-        let after = dot(&rest[0], &rest[0]);
-        let scale = if after > 1e-14 * before && after > 0.0 { 1.0 / after.sqrt() } else { 0.0 };
-        rest[0].iter_mut().for_each(|x| *x *= scale);
-    }
-}
-
-/// How much of the target's square some columns explain, from products of columns of length one. Columns that add nothing new are left out.
-fn explained(products: &[Vec<f64>], loads: &[f64], chosen: &[usize]) -> f64 {
-    let n = chosen.len();
-    let mut factor = vec![0.0; n * n];
-    let mut sum = 0.0;
-    let mut solved = vec![0.0; n];
-    for i in 0..n {
-        let mut load = loads[chosen[i]];
-        for j in 0..=i {
-            let (high, low) = (chosen[i].max(chosen[j]), chosen[i].min(chosen[j]));
-            let mut entry = products[high][low];
-            entry -= (0..j).map(|k| factor[i * n + k] * factor[j * n + k]).sum::<f64>();
-            if j < i {
-                factor[i * n + j] = if factor[j * n + j] > 0.0 { entry / factor[j * n + j] } else { 0.0 };
-                load -= factor[i * n + j] * solved[j];
-            } else if entry > 1e-9 {
-                factor[i * n + i] = entry.sqrt();
-                solved[i] = load / factor[i * n + i];
-                sum += solved[i] * solved[i];
-            }
-        }
-    }
-    sum
 }
 
 /// Whether a property of one column is one of all columns.

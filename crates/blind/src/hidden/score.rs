@@ -1,4 +1,5 @@
-//! Runs the workflow on every set of a folder and compares. What is finished is kept, so that the same command goes on after an interruption.
+//! Runs the workflow on every set of a folder and compares. What is finished is kept, so that the same
+//! command goes on after an interruption.
 
 use super::mark::mark;
 use super::tally::{Marked, failures, tables};
@@ -49,7 +50,7 @@ fn marked(set: &Path, options: &Options, again: bool) -> Result<Option<Marked>> 
     let truth: Truth = read(&set.join("truth.json"), "is no truth")?;
     let kept = set.join("result.json");
     if again || !kept.exists() {
-        if interrupt::asked() {
+        if interrupt::requested() {
             return Ok(None);
         }
         let Some(result) = run(set, &Program::find(options)?)? else { return Ok(None) };
@@ -80,7 +81,8 @@ fn sets(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(all)
 }
 
-/// Runs the workflow on a set as a user does, on one thread; what it has to say on the way is in `gap.log`. None if the user stopped it.
+/// Runs the workflow on a set as a user does, on one thread; what it has to say on the way is in `gap.log`.
+/// None if the user stopped it.
 fn run(set: &Path, program: &Program) -> Result<Option<Value>> {
     let log = set.join("gap.log");
     let mut command = program.command();

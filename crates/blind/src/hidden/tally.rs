@@ -121,7 +121,8 @@ fn row(name: &str, sets: &[&Marked]) -> Vec<String> {
     let named: Vec<&Marked> = sets.iter().filter(|m| one(m)).copied().collect();
     let count = |sets: &[&Marked], f: &dyn Fn(&Marked) -> bool| sets.iter().filter(|m| f(m)).count();
     let values: Vec<bool> = named.iter().filter_map(|m| m.mark.values()).collect();
-    let told: Vec<bool> = named.iter().filter(|m| m.mark.told).filter_map(|m| m.mark.values()).collect();
+    let determined: Vec<bool> =
+        named.iter().filter(|m| m.mark.determined).filter_map(|m| m.mark.values()).collect();
     let intervals = named.iter().fold((0, 0), |s, m| (s.0 + m.mark.intervals.0, s.1 + m.mark.intervals.1));
     let mut before: Vec<f64> = named.iter().map(|m| m.truth.gap_before.validate).collect();
     let explained = |m: &Marked| m.mark.status == "explained";
@@ -138,7 +139,7 @@ fn row(name: &str, sets: &[&Marked]) -> Vec<String> {
         part(count(&nothing, &|m| m.mark.verdict == Verdict::FalseAlarm), nothing.len()),
         part(count(&outside, &|m| m.mark.good()), outside.len()),
         part(values.iter().filter(|v| **v).count(), values.len()),
-        part(told.iter().filter(|v| **v).count(), told.len()),
+        part(determined.iter().filter(|v| **v).count(), determined.len()),
         part(intervals.1, intervals.0),
         number(median(&mut before), 2),
         format!("{}, {}", number(median(&mut after), 3), number(most(&after), 3)),

@@ -14,19 +14,24 @@ pub(crate) struct Truth {
     pub(crate) alternatives: Vec<Vec<Placed>>,
     /// Standard deviation of the noise as a share of each column's.
     pub(crate) noise: f64,
-    /// Whether a friction of the truth holds a mass somewhere in the record, and for what share of the samples.
+    /// Whether a friction of the truth holds a mass somewhere in the record, and for what share of the
+    /// samples.
     pub(crate) sticks: bool,
     pub(crate) stuck_share: f64,
     /// Degrees of freedom.
     pub(crate) masses: usize,
-    /// Of the known part with its true constants, run from the true start: rms of the difference to the data, in units of the noise.
+    /// Of the known part with its true constants, run from the true start: rms of the difference to the data,
+    /// in units of the noise.
     pub(crate) gap_before: Gaps,
-    /// About the same on the Fit record once start states and constants that may move have absorbed what they can; null where nothing is hidden.
+    /// About the same on the Fit record once start states and constants that may move have absorbed what they
+    /// can; null where nothing is hidden.
     pub(crate) gap_fitted: Option<f64>,
-    /// How clearly (chi square) the truth beats the nearest rival that has no more freedom, and which one that is; null without any.
+    /// How clearly (chi square) the truth beats the nearest rival that has no more freedom, and which one
+    /// that is; null without any.
     pub(crate) margin: Option<f64>,
     pub(crate) nearest: String,
-    /// What the best one or two laws of the catalogue leave (rms in units of the noise), for an effect outside of it.
+    /// What the best one or two laws of the catalogue leave (rms in units of the noise), for an effect
+    /// outside of it.
     pub(crate) remainder: Option<f64>,
     /// Noise of each column, absolute, in SI.
     pub(crate) sigma: BTreeMap<String, f64>,

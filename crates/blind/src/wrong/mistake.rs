@@ -15,7 +15,7 @@ pub(super) fn needs_cubic(kind: &str) -> bool {
 }
 
 /// The physics with one thing wrong, and what that is. `None` where the rig has nothing of the kind.
-pub(super) fn mistaken(rig: &Rig, kind: &str, dice: &mut Dice) -> Option<(Physics, String)> {
+pub(super) fn with_mistake(rig: &Rig, kind: &str, dice: &mut Dice) -> Option<(Physics, String)> {
     let mut wrong = rig.physics.clone();
     let number = |wrong: &mut Physics, name: &str, change: &dyn Fn(f64) -> f64| {
         let (_, value) = wrong.constants.iter_mut().find(|(n, _)| n == name)?;

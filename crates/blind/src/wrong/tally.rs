@@ -1,4 +1,4 @@
-//! How often a mistake was told of, and how often the answer was wrong in silence.
+//! How often a mistake is reported, and how often the answer is wrong without a warning.
 
 use crate::Table;
 use crate::markdown::{markdown, short};
@@ -6,7 +6,8 @@ use std::fmt::Write;
 
 /// Five standard deviations for somebody who knows what to look for: less cannot be seen.
 pub(super) const VISIBLE: f64 = 25.0;
-/// An interval whose half width would have to be twice as long to hold the truth: chance does that once in ten thousand.
+/// An interval whose half width would have to be twice as long to hold the truth: chance does that once in
+/// ten thousand.
 const FAR: f64 = 2.0;
 
 /// What the program made of a set.
@@ -20,12 +21,13 @@ pub(super) struct Outcome {
     pub(super) inside: bool,
     /// Chi square that the best friction leaves of the mistake.
     pub(super) visible: f64,
-    /// Words for each doubt that it told; empty if it told none.
-    pub(super) told: Vec<String>,
-    /// By how many half widths of its interval the worst coefficient is off: above 1 the interval misses the truth.
+    /// A word for each doubt that is reported; empty without any.
+    pub(super) reported: Vec<String>,
+    /// By how many half widths of its interval the worst coefficient is off: above 1 the interval misses the
+    /// truth.
     pub(super) off: f64,
     /// Intervals that hold the truth, and all of them.
-    pub(super) held: (usize, usize),
+    pub(super) covered: (usize, usize),
     pub(super) warnings: Vec<String>,
 }
 
@@ -65,9 +67,9 @@ pub(super) fn tally(all: &[Outcome]) -> Table {
     let mut failures = String::new();
     let right = |o: &Outcome| o.kind == "nothing" || o.inside;
     for o in all {
-        let silent = o.told.is_empty();
+        let silent = o.reported.is_empty();
         let why = match (right(o), silent) {
-            (true, false) => format!("false alarm ({})", o.told.join(", ")),
+            (true, false) => format!("false alarm ({})", o.reported.join(", ")),
             (_, true) if o.off > 1.0 => "a miss in silence".to_owned(),
             (false, true) if o.visible >= VISIBLE => "silent".to_owned(),
             _ => continue,
@@ -87,8 +89,8 @@ pub(super) fn tally(all: &[Outcome]) -> Table {
 
 fn row(name: &str, of: &[&Outcome]) -> Vec<String> {
     let count = |keep: &dyn Fn(&Outcome) -> bool| of.iter().filter(|o| keep(o)).count();
-    let by = |words: &[&str]| count(&|o| o.told.iter().any(|t| words.contains(&t.as_str())));
-    let silent = |o: &Outcome| o.told.is_empty();
+    let by = |words: &[&str]| count(&|o| o.reported.iter().any(|t| words.contains(&t.as_str())));
+    let silent = |o: &Outcome| o.reported.is_empty();
     let numbers = [
         of.len(),
         count(&|o| !silent(o)),
@@ -100,9 +102,10 @@ fn row(name: &str, of: &[&Outcome]) -> Vec<String> {
         count(&|o| silent(o) && o.off > 1.0),
         count(&|o| silent(o) && o.off > FAR),
     ];
-    let held = of.iter().filter(|o| silent(o)).fold((0, 0), |(h, n), o| (h + o.held.0, n + o.held.1));
+    let covered =
+        of.iter().filter(|o| silent(o)).fold((0, 0), |(h, n), o| (h + o.covered.0, n + o.covered.1));
     let mut cells = vec![name.to_owned()];
     cells.extend(numbers.map(|n| n.to_string()));
-    cells.push(if held.1 > 0 { format!("{} of {}", held.0, held.1) } else { "-".to_owned() });
+    cells.push(if covered.1 > 0 { format!("{} of {}", covered.0, covered.1) } else { "-".to_owned() });
     cells
 }

@@ -1,4 +1,5 @@
-//! A rig and what somebody takes it for as the text of a spec: the truth of its records is what the known part lacks.
+//! A rig and what somebody takes it for as the text of a spec: the truth of its records is what the known
+//! part lacks.
 
 use super::rig::{Physics, Rig};
 use crate::names::substitute;

@@ -45,7 +45,8 @@ pub(super) fn alternatives(
         }
         let others = || effects.iter().enumerate().filter(move |(i, _)| *i != k).map(|(_, other)| other);
         let linear = others().all(|other| SPEED_ONLY.contains(&other.law.as_str()));
-        // On linear springs a constant force moves one mass as the zero of its sensor moves its record; beside Coulomb friction both are one law.
+        // On linear springs a constant force moves one mass as the zero of its sensor moves its record;
+        // beside Coulomb friction both are one law.
         if linear && rig.count() == 1 && e.law == "sensor-offset" && rig.x.contains(&e.at) {
             more.push(put(k, vec![placed("offset", &rig.v[0])]));
             if let Some(other) = others().find(|other| other.law == "coulomb") {

@@ -1,12 +1,12 @@
 //! How the records of a set are made: one long run that is split, or two runs.
 
-use super::motion::{Course, Motion};
+use super::motion::{Experiment, Motion};
 use super::rig::{Drive, Rig};
 use crate::dice::{Dice, rounded};
 use std::f64::consts::TAU;
 
 /// One long run that is split at a sample, or two runs.
-pub(super) fn courses(rig: &Rig, dice: &mut Dice) -> (Vec<Course>, usize) {
+pub(super) fn experiments(rig: &Rig, dice: &mut Dice) -> (Vec<Experiment>, usize) {
     let period = TAU / rig.natural;
     let (periods, samples) = (dice.between(10.0, 40.0), dice.whole(2000, 6000));
     let a_period = (samples as f64 / periods).max(60.0);
@@ -15,14 +15,15 @@ pub(super) fn courses(rig: &Rig, dice: &mut Dice) -> (Vec<Course>, usize) {
     let split = (0.6 * samples as f64) as usize;
     let grid = |n: usize| (0..n).map(|k| (k as f64 * step * 1e9).round() / 1e9).collect::<Vec<f64>>();
     let first =
-        Course { start: start(rig, dice), lines: rig.lines.clone(), times: grid(samples), second: false };
+        Experiment { start: start(rig, dice), lines: rig.lines.clone(), times: grid(samples), second: false };
     // The end of a release is nothing but noise: another release shows more.
     if rig.drive != Drive::Free && dice.chance(0.5) {
         return (vec![first], split);
     }
     let mut lines = rig.lines.clone();
     match rig.drive {
-        // What stands in `known` is the same in both records, but for an amplitude that is a constant of each.
+        // What stands in `known` is the same in both records, but for an amplitude that is a constant of
+        // each.
         Drive::Explicit(_) if lines.len() == 1 && dice.chance(0.5) => {
             lines[0].amplitude = rounded(lines[0].amplitude * dice.between(0.7, 1.15));
         }
@@ -35,8 +36,8 @@ pub(super) fn courses(rig: &Rig, dice: &mut Dice) -> (Vec<Course>, usize) {
         }
         _ => {}
     }
-    let second = Course { start: start(rig, dice), lines, times: grid(samples - split), second: true };
-    (vec![Course { times: grid(split), ..first }, second], split)
+    let second = Experiment { start: start(rig, dice), lines, times: grid(samples - split), second: true };
+    (vec![Experiment { times: grid(split), ..first }, second], split)
 }
 
 fn start(rig: &Rig, dice: &mut Dice) -> Vec<f64> {
@@ -54,9 +55,9 @@ fn start(rig: &Rig, dice: &mut Dice) -> Vec<f64> {
     start
 }
 
-/// The beginning of a course.
-pub(super) fn cut_course(course: &Course, split: usize) -> Course {
-    Course { times: course.times[..split].to_vec(), ..course.clone() }
+/// The beginning of a experiment.
+pub(super) fn cut_experiment(experiment: &Experiment, split: usize) -> Experiment {
+    Experiment { times: experiment.times[..split].to_vec(), ..experiment.clone() }
 }
 
 /// The beginning of a motion.
