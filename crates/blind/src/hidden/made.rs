@@ -8,7 +8,7 @@ use super::motion::{Experiment, Motion, earlier, motion};
 use super::outside;
 use super::place::{Place, places};
 use super::rig::{Constant, Drive, Extra, Line, Rig};
-use super::rivals::{Judgement, Seen, along, judge, largest};
+use super::rivals::{Judgement, Seen, judge, largest, motion_at};
 use super::truth::{Gaps, Truth};
 use super::wish::{HOLDING, Kind, Wish};
 use crate::dice::{Dice, rounded};
@@ -350,7 +350,7 @@ fn effects(
         },
     );
     let scales = |place: &Place| {
-        let (x, v) = along(&seen, place);
+        let (x, v) = motion_at(&seen, place);
         // A release is judged by its beginning, anything else by what is left of it.
         let part = if rig.drive == Drive::Free { 0..x.len() / 2 } else { x.len() / 2..x.len() };
         let (x, v) = (largest(&x[part.clone()]), largest(&v[part]));
