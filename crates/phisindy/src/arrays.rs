@@ -1,4 +1,5 @@
-//! From a case and records in memory to what the crates below work on: a text that describes the records too, checked, and the records in SI.
+//! From a case and records in memory to what the crates below work on: a text that describes the records too,
+//! checked, and the records in SI.
 
 use crate::case::Case;
 use crate::error::{Error, SpecError};
@@ -11,7 +12,8 @@ use phisindy_phys::{
 use phisindy_sim::{Trajectory, synthesize};
 
 impl Loaded {
-    /// A case with these records, which take the place of its `data`. An entry `Arrays` of the text says what the record of its name is like.
+    /// A case with these records, which take the place of its `data`. An entry `Arrays` of the text says what
+    /// the record of its name is like.
     ///
     /// # Errors
     /// There are no records, or a record makes no sense with the case.

@@ -71,17 +71,20 @@ impl Case {
         self.warnings.iter().map(|d| d.located(&self.sources).to_string())
     }
 
-    /// A record of measured columns, copied from slices: `t` is the time in seconds, every other name a state or an input, in the unit that the
+    /// A record of measured columns, copied from slices: `t` is the time in seconds, every other name a state
+    /// or an input, in the unit that the
     /// spec states for it. The record is fitted; [`Record::validate`] keeps it for validation.
     ///
     /// # Errors
-    /// There is no time, a name is unknown or repeated, columns differ in length, a number is not finite, or the time does not grow.
+    /// There is no time, a name is unknown or repeated, columns differ in length, a number is not finite, or
+    /// the time does not grow.
     pub fn record<C: AsRef<[f64]>>(&self, columns: &[(&str, C)]) -> Result<Record, RecordError> {
         let names: Vec<&str> = self.states().chain(self.inputs()).collect();
         Record::measured(columns, &names)
     }
 
-    /// The `Synthetic` records that the text describes. `seed` replaces that of the first one; further records have seeds that follow from it.
+    /// The `Synthetic` records that the text describes. `seed` replaces that of the first one; further
+    /// records have seeds that follow from it.
     pub fn synthetic(&self, seed: Option<u64>) -> Vec<Record> {
         let records = self.spec.data.iter().enumerate().filter_map(|(index, data)| match data {
             DataSpec::Synthetic(synthetic) => {

@@ -46,7 +46,8 @@ pub enum Error {
 }
 
 impl Error {
-    /// Whether a state grew without bound: the units of the columns and constants, the signs of stiffness and damping, or the start values of
+    /// Whether a state grew without bound: the units of the columns and constants, the signs of stiffness and
+    /// damping, or the start values of
     /// movable constants may be wrong.
     pub fn diverged(&self) -> bool {
         match self {

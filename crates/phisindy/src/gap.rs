@@ -8,11 +8,13 @@ use crate::options::Options;
 use crate::record::Record;
 use phisindy_gap::{self as workflow, Activity, Status, Step};
 
-/// Finds where a model and its records disagree, names the laws of the catalogue that are missing, and adds them. Candidates and laws in `unknown` are
+/// Finds where a model and its records disagree, names the laws of the catalogue that are missing, and adds
+/// them. Candidates and laws in `unknown` are
 /// left out.
 ///
 /// # Errors
-/// A record makes no sense with the case, or the model cannot be simulated. That no law explains the records is a status, not an error.
+/// A record makes no sense with the case, or the model cannot be simulated. That no law explains the records
+/// is a status, not an error.
 pub fn gap(case: &Case, records: &[Record], options: &Options<'_>) -> Result<Gap, Error> {
     Loaded::of(case, records)?.gap(options)
 }

@@ -13,7 +13,8 @@ use phisindy_report::{equations, spec_text};
 /// Identifies the unknown part of a case from its records.
 ///
 /// # Errors
-/// A record makes no sense with the case, or the numerics fail altogether. A model that merely does not fit is a verdict, not an error.
+/// A record makes no sense with the case, or the numerics fail altogether. A model that merely does not fit
+/// is a verdict, not an error.
 pub fn identify(case: &Case, records: &[Record], options: &Options<'_>) -> Result<Identified, Error> {
     Loaded::of(case, records)?.identify(options)
 }
@@ -148,7 +149,8 @@ impl Identified {
         self.result.interrupted()
     }
 
-    /// The identified model as a case: the terms stand in its known part, so that [`crate::simulate`] predicts.
+    /// The identified model as a case: the terms stand in its known part, so that [`crate::simulate`]
+    /// predicts.
     ///
     /// # Errors
     /// The text cannot hold what was identified.

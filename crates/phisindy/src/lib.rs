@@ -1,4 +1,5 @@
-//! The missing part of a mechanical model - above all friction, sticking included - from measured motion in memory.
+//! The missing part of a mechanical model - above all friction, sticking included - from measured motion in
+//! memory.
 //!
 //! ```text
 //! text --Case::read--> Case --Case::record--> Record: arrays by name --+--identify--> Identified: equations, numbers, verdict
@@ -29,11 +30,14 @@
 //! # Ok::<(), phisindy::Error>(())
 //! ```
 //!
-//! The text is a spec as `docs/reference.md` describes it, without `data`. Columns are given by the names of states and inputs, `t` is the time in
-//! seconds; numbers are in the units that the spec states for these names. A state without a column is not measured; at least one state must be.
+//! The text is a spec as `docs/reference.md` describes it, without `data`. Columns are given by the names of
+//! states and inputs, `t` is the time in
+//! seconds; numbers are in the units that the spec states for these names. A state without a column is not
+//! measured; at least one state must be.
 //! Results are in SI.
 //!
-//! Only [`files`] reads files; nothing here prints or looks at a clock. The same records give the same bits for any number of threads.
+//! Only [`files`] reads files; nothing here prints or looks at a clock. The same records give the same bits
+//! for any number of threads.
 
 mod arrays;
 mod case;

@@ -7,7 +7,8 @@ use phisindy_phys::{Case, Diagnostic, LawEntry, Origin, Record, RecordPlan, Sour
 use phisindy_report::Input;
 use phisindy_sim::Trajectory;
 
-/// A checked spec with its records, from memory or from files: what [`crate::identify`], [`crate::gap`] and [`crate::simulate`] work on.
+/// A checked spec with its records, from memory or from files: what [`crate::identify`], [`crate::gap`] and
+/// [`crate::simulate`] work on.
 pub struct Loaded {
     /// What the spec is called in messages: its path as it was given, or `the spec`.
     pub spec: String,
@@ -108,7 +109,8 @@ impl Laws {
         Ok(Laws { effects: requested_laws(case, &catalogue, source)?, catalogue })
     }
 
-    /// The spec with its laws written out, their numbers started where `records` say; none of them need be there.
+    /// The spec with its laws written out, their numbers started where `records` say; none of them need be
+    /// there.
     ///
     /// # Errors
     /// The spec cannot hold a law. Diagnostics are added to `found`, new warnings too.

@@ -64,7 +64,8 @@ impl Record {
         Record { name: Some(name), fields: vec![], data: Data::Synthetic { entry: entry.to_owned(), seed } }
     }
 
-    /// The record under a name of its own, which results use; without, records are called `record 1`, `record 2`, ... An entry `Arrays` of this name
+    /// The record under a name of its own, which results use; without, records are called `record 1`, `record
+    /// 2`, ... An entry `Arrays` of this name
     /// in the spec says what the record is like.
     pub fn named(mut self, name: &str) -> Record {
         self.name = Some(name.to_owned());
@@ -87,7 +88,8 @@ impl Record {
         )
     }
 
-    /// The record with a field in the language of specs: `start`, `sensors`, `derive`, `interpolate`, `constants` (`docs/reference.md`, `Arrays`).
+    /// The record with a field in the language of specs: `start`, `sensors`, `derive`, `interpolate`,
+    /// `constants` (`docs/reference.md`, `Arrays`).
     /// A mistake in it is an error of the function that uses the record.
     ///
     /// ```

@@ -19,7 +19,8 @@ pub struct Motion {
     pub record: String,
     /// Seconds.
     pub time: Vec<f64>,
-    /// Names of the states and what would be measured of each: with its sensor where the record has a column of it, else the state itself.
+    /// Names of the states and what would be measured of each: with its sensor where the record has a column
+    /// of it, else the state itself.
     pub states: Vec<(String, Vec<f64>)>,
     /// Whether a model predicts it; false for the truth of a synthetic record.
     pub predicted: bool,
@@ -32,7 +33,8 @@ impl Motion {
     }
 }
 
-/// Runs a model without unknown part freely along each record: driven by its inputs, from its `start`, or else from its first sample. The motion
+/// Runs a model without unknown part freely along each record: driven by its inputs, from its `start`, or
+/// else from its first sample. The motion
 /// of a synthetic record is its truth without noise.
 ///
 /// ```
@@ -47,7 +49,8 @@ impl Motion {
 /// ```
 ///
 /// # Errors
-/// The model has an unknown part and a record is measured, nothing tells where a state starts, or the motion has no bounds.
+/// The model has an unknown part and a record is measured, nothing tells where a state starts, or the motion
+/// has no bounds.
 pub fn simulate(case: &Case, records: &[Record]) -> Result<Vec<Motion>, Error> {
     Loaded::of(case, records)?.simulate()
 }

@@ -1,4 +1,5 @@
-//! Finds data files in `--data`, then `PHISINDY_DATA`, then beside the spec, never outside these folders, and opens them.
+//! Finds data files in `--data`, then `PHISINDY_DATA`, then beside the spec, never outside these folders, and
+//! opens them.
 
 use super::Request;
 use phisindy_expr::Span;

@@ -46,7 +46,8 @@ pub fn beside(spec: &Path, request: &Request) -> Result<Catalogue, LawFolderErro
     catalogue(&folders)
 }
 
-/// The text of a law. The folder may come with somebody else's spec, so nothing is read that is not a file in it.
+/// The text of a law. The folder may come with somebody else's spec, so nothing is read that is not a file in
+/// it.
 fn text_of(path: &Path, folder: &Path) -> Result<String, LawFolderError> {
     let unreadable = |error: io::Error| LawFolderError::File { path: path.to_owned(), error };
     let (inside, real) =

@@ -60,7 +60,8 @@ pub fn load(
     load_text(path, text, request, purpose, sources, found)
 }
 
-/// The same from a text that was read before; `path` says where its data files are, and its assignments have been spliced in.
+/// The same from a text that was read before; `path` says where its data files are, and its assignments have
+/// been spliced in.
 ///
 /// # Errors
 /// At least one of the diagnostics is an error.
@@ -125,7 +126,8 @@ fn named_laws(
     Laws::of(case, &catalogue, source)
 }
 
-/// Reads a spec and all its records, for [`Loaded::identify`] and [`Loaded::gap`]. What is odd about them is in [`Loaded::doubts`].
+/// Reads a spec and all its records, for [`Loaded::identify`] and [`Loaded::gap`]. What is odd about them is
+/// in [`Loaded::doubts`].
 ///
 /// # Errors
 /// The spec or one of its files is wrong.

@@ -4,7 +4,8 @@ use phisindy_phys::spec::CsvSpec;
 use phisindy_phys::{Note, Table, Units};
 use phisindy_signal::{Detrend, Trend};
 
-/// Trends of the columns met so far. The windows of a file share the trend of the first one: a window that continues another one would
+/// Trends of the columns met so far. The windows of a file share the trend of the first one: a window that
+/// continues another one would
 /// begin with a jump if each had its own, and a Validate window must not be fitted, not even to a line.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Trends {
