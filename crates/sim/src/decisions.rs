@@ -11,8 +11,9 @@ const ROUNDING: Basis = Basis::Judgement("far above rounding errors, far below a
 /// The rules of step control.
 const HAIRER: Basis =
     Basis::Convention("Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.4");
-/// The number of steps of a search.
-const SEARCH: Basis = Basis::Judgement("more than any search of the tests takes");
+/// Friction that is singular at rest: without these limits its derivatives are wrong by orders of magnitude.
+const SINGULAR_FRICTION: Basis =
+    Basis::SetOn("Dieterich-Ruina friction (`crates/sim/tests/work.rs`, `sensitivities.rs`)");
 
 /// Every decision of this crate as data: name, value, unit, meaning, basis.
 pub fn decisions() -> &'static [Decision] {
@@ -48,11 +49,11 @@ decisions! {
     /// A bracket of an event ends at this width.
     ROOT_WIDTH: f64 = 1e-10, "part of the step", Basis::Derived("Newton's method locates the event exactly afterwards");
     /// Evaluations of the Illinois method at most.
-    ROOT_ITERATIONS: usize = 80, "evaluations", SEARCH;
+    ROOT_ITERATIONS: usize = 80, "evaluations", Basis::Judgement("smooth functions take up to 25; the limit is for brackets that do not close");
     /// Evaluations of the golden section search for the peak of a load.
     PEAK_ITERATIONS: usize = 24, "evaluations", Basis::Derived("1e-5 of the interval");
     /// Steps of Newton's method on the length of a step that ends at an event.
-    LOCATION_ITERATIONS: usize = 4, "steps", SEARCH;
+    LOCATION_ITERATIONS: usize = 4, "steps", Basis::Judgement("convergence from the dense output is quadratic");
     /// Such a step of Newton's method changes the length by at most this part.
     LOCATION_CHANGE: f64 = 0.1, "part of the step", Basis::Judgement("a larger change leaves the event that was bracketed");
     /// A switch that returns to its surface within a shorter step than this has an event at the end of the
@@ -73,13 +74,13 @@ decisions! {
     LOAD_RESOLUTION: f64 = 1e-3, "part of the friction limit", Basis::Judgement("while nothing moves, nothing else limits the step");
     /// The permitted error of the speed of a contact whose friction has a shape near rest, relative to that
     /// speed.
-    SHAPE_RESOLUTION: f64 = 300.0, "tolerances", Basis::SetOn("sensitivities at the default tolerance (`crates/sim/tests/work.rs`)");
+    SHAPE_RESOLUTION: f64 = 300.0, "tolerances", SINGULAR_FRICTION;
     /// The ratio by which a step may change the speed of such a contact.
-    SPEED_RATIO: f64 = 4.0, "ratio", Basis::SetOn("sensitivities at the default tolerance (`crates/sim/tests/work.rs`)");
+    SPEED_RATIO: f64 = 4.0, "ratio", SINGULAR_FRICTION;
     /// A step that exceeds this ratio by less than this factor is accepted.
     SPEED_RATIO_SLACK: f64 = 1.2, "factor", Basis::Judgement("a repeated step costs more than a slightly long one");
     /// The ratio applies where friction changes within a step by more than this part of the acceleration.
-    SHAPE_MATTERS: f64 = 1e-3, "part of the acceleration", Basis::SetOn("sensitivities at the default tolerance (`crates/sim/tests/work.rs`)");
+    SHAPE_MATTERS: f64 = 1e-3, "part of the acceleration", SINGULAR_FRICTION;
     /// A step that is repeated for this ratio has a length between these parts of the old one.
     SHAPE_SHORTENING: [f64; 2] = [0.03, 0.9], "parts of the step", Basis::Judgement("neither many small steps nor the same one again");
     /// The safety factor of a new step length.
@@ -113,7 +114,7 @@ decisions! {
     /// A state of the first run beyond this many of these sizes has diverged.
     COARSE_DIVERGED: f64 = 1e24, "smallest sizes", Basis::Judgement("the sizes are not known yet");
     /// Points of the table of a generated excitation for each sample.
-    GRID_REFINEMENT: usize = 8, "points per sample", Basis::Judgement("cubic interpolation then is exact to the tolerance");
+    GRID_REFINEMENT: usize = 8, "points per sample", Basis::Judgement("the error of cubic interpolation falls with the fourth power");
     /// Sines times samples of a generated excitation at most.
     MOST_SINE_SAMPLES: usize = 1_000_000_000, "sines times samples", Basis::Judgement("some seconds of work");
     /// Sines of an excitation at most.
