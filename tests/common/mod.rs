@@ -3,6 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+/// The program of the developers, in the tests of its package.
+const BLIND: Option<&str> = option_env!("CARGO_BIN_EXE_phisindy-blind");
+
 /// What the program did.
 #[derive(Debug)]
 pub(crate) struct Outcome {
@@ -21,8 +24,8 @@ fn executable() -> PathBuf {
     if let Some(own) = option_env!("CARGO_BIN_EXE_phisindy") {
         return own.into();
     }
-    let other = option_env!("CARGO_BIN_EXE_phisindy-blind").expect("a program");
-    let path = Path::new(other).with_file_name(format!("phisindy{}", std::env::consts::EXE_SUFFIX));
+    let path = Path::new(BLIND.expect("a program"))
+        .with_file_name(format!("phisindy{}", std::env::consts::EXE_SUFFIX));
     assert!(path.is_file(), "build {} first: cargo test -p phisindy-cli -p phisindy-blind", path.display());
     path
 }
@@ -43,7 +46,7 @@ pub(crate) fn phisindy(arguments: &[&str]) -> Outcome {
 /// Runs the program of the developers to its end, from its own package's tests.
 #[track_caller]
 pub(crate) fn blind(arguments: &[&str]) -> Outcome {
-    let path = option_env!("CARGO_BIN_EXE_phisindy-blind").expect("a test of `phisindy-blind`");
+    let path = BLIND.expect("a test of `phisindy-blind`");
     outcome(Command::new(path).current_dir(top()).args(arguments).stdin(Stdio::null()))
 }
 

@@ -215,16 +215,12 @@ fn told(identified: &Identified) -> Vec<String> {
     if identified.verdict != Verdict::Identified {
         told.push("rejected".to_owned());
     }
-    let at_bound = |w: &Warning| matches!(w, Warning::AtBound { .. });
-    let doubts: [(&dyn Fn(&Warning) -> bool, &str); 3] = [
-        (&Warning::doubts_residual, "residual"),
-        (&at_bound, "bound"),
-        (&Warning::doubts_validation, "validation"),
+    let has = |doubt: fn(&Warning) -> bool| identified.warnings.iter().any(doubt);
+    let doubts = [
+        (has(Warning::doubts_residual), "residual"),
+        (has(|w| matches!(w, Warning::AtBound { .. })), "bound"),
+        (has(Warning::doubts_validation), "validation"),
     ];
-    for (says, name) in doubts {
-        if identified.warnings.iter().any(says) {
-            told.push(name.to_owned());
-        }
-    }
+    told.extend(doubts.iter().filter(|(is, _)| *is).map(|(_, name)| (*name).to_owned()));
     told
 }

@@ -57,7 +57,7 @@ pub use gap::{Gap, gap};
 pub use identify::{Equation, Identified, Term, identify};
 pub use laws::{Catalogue, LawError};
 pub use loaded::{Loaded, record_named};
-pub use options::{Options, Progress};
+pub use options::{Observer, Options, Progress};
 pub use record::{Record, RecordError};
 pub use simulate::{Motion, SimulationError, simulate};
 

@@ -24,8 +24,11 @@ pub struct Options<'a> {
     /// The laws to choose from; none: [`Catalogue::built_in`].
     pub laws: Option<&'a Catalogue>,
     /// Hears of the progress, and may stop the work, which then returns what it has.
-    pub observe: Option<&'a dyn Fn(Progress<'_>) -> ControlFlow<()>>,
+    pub observe: Option<&'a Observer<'a>>,
 }
+
+/// Is told of the progress; `Break` stops the work.
+pub type Observer<'a> = dyn Fn(Progress<'_>) -> ControlFlow<()> + 'a;
 
 /// How far the work is.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,10 +1,10 @@
 //! The linear response to the measured motion.
 //!
-//! The measured motion obeys `x' = f(x, t) + sum theta phi(x, v, t)`. For any matrix A this equals `x' = A x
-//! + [f(x, t) - A x] + sum theta phi`, which is linear in theta. The measured column is therefore the
-//! response of the linear system `A` to known forces, plus theta times its response to each `phi`. This is a
-//! linear regression without local minima, exact however large the gap is. With the mean Jacobian of f as A,
-//! the bracket is nearly free of the noise in x.
+//! The measured motion obeys `x' = f(x, t) + sum theta phi(x, v, t)`. For any matrix A this equals
+//! `x' = A x + [f(x, t) - A x] + sum theta phi`, which is linear in theta. The measured column is therefore
+//! the response of the linear system `A` to known forces, plus theta times its response to each `phi`. This
+//! is a linear regression without local minima, exact however large the gap is. With the mean Jacobian of f
+//! as A, the bracket is nearly free of the noise in x.
 
 use faer::Mat;
 
