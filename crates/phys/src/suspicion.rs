@@ -251,7 +251,7 @@ mod tests {
         assert!(told(v.clone(), x.clone()).contains("swapped"));
         assert!(told(x.clone(), minus(&v)).contains("opposite sign"));
         assert!(
-            told(x.iter().map(|v| v.clamp(-0.8, 0.8)).collect(), v.clone()).contains("clipped_range off")
+            told(x.iter().map(|v| v.clamp(-0.8, 0.8)).collect(), v.clone()).contains("cut off")
         );
         assert!(told(vec![0.3; 2000], v.clone()).contains("connected"));
         let mut spiked = x.clone();
@@ -273,7 +273,7 @@ mod tests {
         assert_eq!(told(quantised(&x, 0.02), v.clone()), "");
         // A column that is clipped and then quantised is reported as clipped.
         let clipped_range: Vec<f64> = x.iter().map(|v| v.clamp(-0.8, 0.8)).collect();
-        assert!(told(quantised(&clipped_range, 0.001), v).contains("clipped_range off"));
+        assert!(told(quantised(&clipped_range, 0.001), v).contains("cut off"));
     }
 
     /// Straight lines through a sine are wrong by (w h)^2/8 of the amplitude in the middle of an interval.
