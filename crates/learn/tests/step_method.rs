@@ -178,7 +178,7 @@ fn the_same_bits_on_one_and_two_threads() {
             let options = StepOptions {
                 optimiser,
                 horizon,
-                epochs: vec![6, 3],
+                epochs: vec![40, 10],
                 rates: vec![0.1, 0.01],
                 ..Default::default()
             };
