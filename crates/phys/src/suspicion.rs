@@ -250,9 +250,7 @@ mod tests {
         assert!(told(x.clone(), thousand(&v)).contains("1/1000 of the rate"));
         assert!(told(v.clone(), x.clone()).contains("swapped"));
         assert!(told(x.clone(), minus(&v)).contains("opposite sign"));
-        assert!(
-            told(x.iter().map(|v| v.clamp(-0.8, 0.8)).collect(), v.clone()).contains("cut off")
-        );
+        assert!(told(x.iter().map(|v| v.clamp(-0.8, 0.8)).collect(), v.clone()).contains("cut off"));
         assert!(told(vec![0.3; 2000], v.clone()).contains("connected"));
         let mut spiked = x.clone();
         spiked[700] = 3.0;
