@@ -123,7 +123,7 @@ impl From<GapError> for Error {
 /// ```
 /// let error = phisindy::Case::read("(\n    states: { \"x\": \"m\" },\n    known: { \"x\": \"w\" },\n)").unwrap_err();
 /// assert_eq!(error.mistakes().count(), 1);
-/// assert!(error.to_string().starts_with("error: unknown name `w`\n  at spec:3:19"), "{error}");
+/// assert!(error.to_string().starts_with("error: unknown name `w`\n  at spec:3:20"), "{error}");
 /// ```
 #[derive(Clone, Debug)]
 pub struct SpecError {
