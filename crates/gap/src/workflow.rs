@@ -230,9 +230,10 @@ impl<'s, 'a> Ending<'s, 'a> {
         let (steps, partial) =
             if status == Status::Unexplained { split_substantial(steps) } else { (steps, vec![]) };
         for vetoed in self.rounds.iter().flat_map(|r| &r.vetoed) {
+            // Two rounds may differ in digits that nobody reads.
             let warning = Warning::Vetoed(vetoed.clone());
-            let said = |w: &Warning| w.to_string() == warning.to_string();
-            if !self.warnings.iter().any(said) {
+            let same = |w: &Warning| w.to_string() == warning.to_string();
+            if !self.warnings.iter().any(same) {
                 self.warnings.push(warning);
             }
         }

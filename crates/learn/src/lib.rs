@@ -27,7 +27,7 @@ pub use identify::{LearnOptions, dead_column, identify};
 pub use result::error::{DataError, LearnError, ModelError, NumericsError, TruthError};
 pub use result::estimate::Estimate;
 pub use result::identified::{Identified, NoiseModel, PathPoint, StopReason};
-pub use result::parameter::FoundParameter;
+pub use result::parameter::{FoundParameter, parameter_values};
 pub use result::quantity::{ParameterId, ParameterOf, Quantity, RecordId, SensorPart, TermId};
 pub use result::record_fit::RecordFit;
 pub use result::term::{Contribution, FoundTerm};

@@ -4,6 +4,7 @@ use super::{Gap, Step};
 use crate::decisions::PICTURE_SAMPLES;
 use crate::place::{Effect, Site};
 use phisindy_expr::{Scratch, Tape};
+use phisindy_learn::parameter_values;
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{LawRole, Record};
 
@@ -98,13 +99,8 @@ pub fn force_history(found: &Gap, step: &Step, records: &[Record]) -> Option<For
 
 /// The parameters of the final model in a record, then the constants of the record.
 fn numbers(found: &Gap, record: &Record, r: usize) -> Vec<f64> {
-    let mut values: Vec<f64> = found.simulated.system.parameters.iter().map(|p| p.start).collect();
     let owner = record.continues.unwrap_or(r);
-    for p in found.parameters.iter().filter(|p| p.id.holds_in(owner)) {
-        if let Some(k) = p.id.constant() {
-            values[k] = p.estimate.value;
-        }
-    }
+    let mut values = parameter_values(&found.parameters, &found.simulated.system, owner);
     values.extend(&record.constants);
     values
 }

@@ -72,6 +72,10 @@ impl Regressors {
             None => vec![if effect.mirror { of.mirror? } else { of.force? }],
         };
         let mut nodes = system.graph.graft(&of.graph, &roots, &with).ok()?;
+        let load = match &effect.load {
+            Some(load) => Some(system.quantity(load)?),
+            None => None,
+        };
         let here = |symbols: &[Id]| -> Vec<Id> { symbols.iter().map(|s| with[s]).collect() };
         let mut out = Regressors {
             symbols: vec![],
@@ -81,7 +85,7 @@ impl Regressors {
             velocity: velocity.node,
             grid: vec![],
             back: Back::Direct(vec![]),
-            graph: system.graph.clone(),
+            graph: system.graph,
         };
         match (&of.screen, &law.screen) {
             (Some(screen), Some(text)) => {
@@ -95,8 +99,7 @@ impl Regressors {
             }
             _ => out.direct_from(law, nodes[0], &here(&of.parameters)),
         }
-        if let Some(load) = &effect.load {
-            let load = system.quantity(load)?;
+        if let Some(load) = load {
             out.columns = out.columns.iter().map(|&c| out.graph.mul(load, c)).collect();
         }
         Some(out)

@@ -1,6 +1,6 @@
 //! What identification returns: terms with error bars, parameters, the fit of every record, a verdict.
 
-use super::parameter::FoundParameter;
+use super::parameter::{FoundParameter, parameter_values};
 use super::record_fit::RecordFit;
 use super::term::FoundTerm;
 use super::verdict::Verdict;
@@ -78,12 +78,6 @@ impl Identified {
     /// The values of [`System::parameters`] in a record, as far as they were found; the others as the spec
     /// starts them.
     pub fn parameters_of(&self, system: &System, record: usize) -> Vec<f64> {
-        let mut values: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();
-        for p in self.parameters.iter().filter(|p| p.id.holds_in(record)) {
-            if let Some(k) = p.id.constant() {
-                values[k] = p.estimate.value;
-            }
-        }
-        values
+        parameter_values(&self.parameters, system, record)
     }
 }

@@ -2,6 +2,7 @@
 
 use super::estimate::Estimate;
 use super::quantity::ParameterId;
+use phisindy_phys::System;
 
 /// A parameter that was allowed to move.
 #[derive(Clone, Debug)]
@@ -18,4 +19,15 @@ pub struct FoundParameter {
     pub bounds: (f64, f64),
     /// Whether it ended at one of them.
     pub at_bound: bool,
+}
+
+/// The values (SI) of [`System::parameters`] in a record, as far as they were found; the others as the spec starts them.
+pub fn parameter_values(parameters: &[FoundParameter], system: &System, record: usize) -> Vec<f64> {
+    let mut values: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();
+    for p in parameters.iter().filter(|p| p.id.holds_in(record)) {
+        if let Some(k) = p.id.constant() {
+            values[k] = p.estimate.value;
+        }
+    }
+    values
 }

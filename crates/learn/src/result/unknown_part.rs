@@ -137,13 +137,7 @@ impl<'a> Part<'a> {
 
     /// Numbers of the parameters in a record, then its constants.
     fn numbers(&self, record: &Record, found: &Identified, r: usize) -> Vec<f64> {
-        let mut values: Vec<f64> = self.system.parameters.iter().map(|p| p.start).collect();
-        let owner = record.continues.unwrap_or(r);
-        for p in found.parameters.iter().filter(|p| p.id.holds_in(owner)) {
-            if let Some(k) = p.id.constant() {
-                values[k] = p.estimate.value;
-            }
-        }
+        let mut values = found.parameters_of(self.system, record.continues.unwrap_or(r));
         values.extend(&record.constants);
         values
     }
