@@ -19,7 +19,7 @@ pub(crate) fn top() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the top of the repository")
 }
 
-/// The program `phisindy`: that of this package, else (in the tests of `phisindy-blind`) the one beside the program under test.
+/// The program `phisindy`. The tests of `phisindy-blind` take the one that lies beside their own program.
 fn executable() -> PathBuf {
     if let Some(own) = option_env!("CARGO_BIN_EXE_phisindy") {
         return own.into();

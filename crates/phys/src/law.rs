@@ -1,5 +1,7 @@
-//! A law of the catalogue: a force with parameters that may act at many places of a model. Its file is text; reading compiles it to nodes of a
-//! graph of its own, and what a law is (whether it sticks, remembers, has a clearance) is asked of that graph.
+//! A law of the catalogue: a force with parameters that may act at many places of a model.
+//!
+//! The file of a law is text. `Law::read` compiles it to nodes of a graph of its own. Properties of a law, such as
+//! whether it sticks or has a clearance, are read off that graph.
 
 mod catalogue;
 mod compiled;
