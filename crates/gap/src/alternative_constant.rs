@@ -192,7 +192,7 @@ fn with_free_constant(base: &TrialModel, constant: &Constant) -> Option<TrialMod
     let (_, own) = spec.constants.iter_mut().find(|(name, _)| name.value == constant.name)?;
     let ConstantSpec::Number { value, unit } = own.clone() else { return None };
     let span = value.span;
-    let (a, b) = ((1.0 - CONSTANT_OFF) * value.value, (1.0 + CONSTANT_OFF) * value.value);
+    let (a, b) = (value.value / CONSTANT_OFF, CONSTANT_OFF * value.value);
     let bound = |x: f64| Number { value: x, ..value.clone() };
     let within = (bound(a.min(b)), bound(a.max(b)));
     *own =

@@ -168,16 +168,20 @@ decisions! {
     HELPS: f64 = 0.95, "of the gap", BLIND;
     /// Effects are kept although something else is missing if they reduce the gap by this factor each.
     SUBSTANTIAL: f64 = 3.0, "factor", BLIND;
-    /// A larger gap on Fit records does not come from one wrong constant.
-    ONE_CONSTANT: f64 = 5.0, "of the noise", BLIND;
+    /// Two effects cancel each other if the rms of their sum is a smaller fraction of that of the smaller one.
+    CANCELS: f64 = 0.5, "of a force", Basis::Judgement("the smaller one is then mostly taken up by the other");
+    /// A sensor may bend its scale by this much.
+    SENSOR_LINEARITY: f64 = 0.005, "of a standard deviation", Basis::Convention("accuracy class 0.5 of measuring instruments, IEC 60051");
+    /// Searches without the laws that the records do not determine or that evidence rules out at the end.
+    SEARCHES_AGAIN: usize = 2, "searches", Basis::Judgement("time of a search");
     /// A part of the motion is reported if its share of the gap exceeds its share of the samples by this.
     SURPLUS: f64 = 0.15, "of the gap", Basis::Judgement("a smaller surplus says little");
     /// Samples of a record in a plot of a force.
     PICTURE_SAMPLES: usize = 4_000, "samples", Basis::Judgement("more would not show");
     // Other explanations.
 
-    /// A fixed constant may be wrong by this fraction.
-    CONSTANT_OFF: f64 = 0.3, "of a constant", Basis::Judgement("a larger mistake would be seen by hand");
+    /// A fixed constant may be wrong by this factor.
+    CONSTANT_OFF: f64 = 3.0, "factor", Basis::Judgement("a larger mistake would be seen by hand");
     /// Models with a free constant that are fitted in full.
     CONSTANTS_FITTED: usize = 6, "models", BLIND;
     /// Constants with which the catalogue is screened again.

@@ -51,10 +51,19 @@ impl<'a> Drive<'a> {
         swing > 1e-20 * level && apart <= DRIVE_REPEATS * DRIVE_REPEATS * swing
     }
 
-    /// The spectral line of the drive (rad/s) at `frequency`, if there is one.
-    pub(crate) fn line_at(&mut self, frequency: f64) -> Option<f64> {
+    /// The spectral line of the drive (rad/s) of which `frequency` is a whole multiple, with that multiple.
+    /// Anything nonlinear puts the multiples of a drive into the motion.
+    pub(crate) fn multiple_at(&mut self, frequency: f64) -> Option<(f64, u32)> {
         let span = self.record.time[self.record.len() - 1] - self.record.time[0];
-        self.lines().into_iter().find(|line| (frequency - line).abs() * span < SAME_LINE)
+        multiple(frequency, self.lines().into_iter().map(|line| (line, line)), SAME_LINE / span)
+    }
+
+    /// Whether nothing drives the model: its known rates do not change while all states are zero.
+    pub(crate) fn is_still(&mut self) -> bool {
+        let (first, last) = (self.record.time[0], self.record.time[self.record.len() - 1]);
+        let time = |i: usize| first + (last - first) * i as f64 / DRIVE_TIMES as f64;
+        let rates: Vec<Vec<f64>> = (0..DRIVE_TIMES).map(|i| self.at(time(i))).collect();
+        rates.iter().all(|now| now == &rates[0])
     }
 
     /// The spectral lines of the drive (rad/s), rate by rate.
@@ -70,6 +79,33 @@ impl<'a> Drive<'a> {
         };
         (0..self.system.known.len()).flat_map(of).collect()
     }
+}
+
+/// The frequency of a free oscillation (rad/s) of which `frequency` is a whole multiple, with that multiple.
+/// The frequency of an oscillation may change while it decays, so both halves of the record count.
+pub(crate) fn multiple_of_oscillation(record: &Record, frequency: f64) -> Option<(f64, u32)> {
+    let step = mean_step(&record.time);
+    let span = record.time[record.len() - 1] - record.time[0];
+    let of = |column: &Vec<f64>| -> Option<(f64, f64)> {
+        let (early, late) = column.split_at(column.len() / 2);
+        let line = |part: &[f64]| lines(part, step, 1, 0).first().copied();
+        let (a, b) = (line(early)?, line(late)?);
+        Some((a.min(b), a.max(b)))
+    };
+    multiple(frequency, record.columns.iter().flatten().filter_map(of), SAME_LINE / span)
+}
+
+/// The first band of frequencies, with the whole multiple, within which a frequency lies.
+fn multiple(frequency: f64, of: impl Iterator<Item = (f64, f64)>, apart: f64) -> Option<(f64, u32)> {
+    let hit = |(low, high): (f64, f64)| {
+        let middle = 0.5 * (low + high);
+        let times = (frequency / middle).round().max(1.0);
+        let within = frequency > times * low - apart && frequency < times * high + apart;
+        // Where the bands of the multiples are as wide as their distances, every frequency is near one.
+        let narrow = times * (high - low) + 2.0 * apart < 0.5 * middle;
+        (within && narrow).then_some((middle, times as u32))
+    };
+    of.filter(|(low, _)| *low > apart).find_map(hit)
 }
 
 #[cfg(test)]
@@ -113,13 +149,27 @@ mod tests {
     fn lines_of_the_drive_are_known() {
         let (system, record) = driven("1*cos(0.7*t) + 0.3*cos(1.3*t)");
         let mut drive = Drive::new(&system, &record).expect("a drive");
-        for (frequency, line) in [(0.7, 0.7), (0.705, 0.7), (1.3, 1.3)] {
-            let found = drive.line_at(frequency).unwrap_or(f64::NAN);
-            assert!((found - line).abs() < 0.005, "{frequency}: {found}");
+        for (frequency, line, multiple) in
+            [(0.7, 0.7, 1), (0.705, 0.7, 1), (1.3, 1.3, 1), (1.4, 0.7, 2), (3.9, 1.3, 3)]
+        {
+            let found = drive.multiple_at(frequency).unwrap_or((f64::NAN, 0));
+            assert!((found.0 - line).abs() < 0.005 && found.1 == multiple, "{frequency}: {found:?}");
         }
-        // No match: the frequency of the free motion, a multiple of a line, a frequency close to a line.
-        for frequency in [2.0, 0.72, 0.9, 1.27, 1.4, 3.0] {
-            assert_eq!(drive.line_at(frequency), None, "{frequency}");
+        // No match: the frequency of the free motion, a frequency close to a line.
+        for frequency in [2.0, 0.72, 0.9, 1.27, 3.0] {
+            assert_eq!(drive.multiple_at(frequency), None, "{frequency}");
+        }
+        assert!(!drive.is_still());
+    }
+
+    #[test]
+    fn multiples_of_a_free_oscillation_are_known() {
+        let (system, record) = driven("0*t");
+        assert!(Drive::new(&system, &record).expect("a drive").is_still());
+        for (frequency, multiple) in
+            [(2.0, Some(1)), (4.0, Some(2)), (6.005, Some(3)), (3.0, None), (4.1, None)]
+        {
+            assert_eq!(multiple_of_oscillation(&record, frequency).map(|(_, n)| n), multiple, "{frequency}");
         }
     }
 }

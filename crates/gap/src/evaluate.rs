@@ -2,7 +2,7 @@
 
 use crate::motion::Motion;
 use crate::place::{Place, Site};
-use phisindy_expr::{Id, Scratch, Tape};
+use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::System;
 
 /// All outputs of a tape along a motion. `grid` holds further constant inputs, `series` further inputs by
@@ -38,17 +38,4 @@ pub(crate) fn speed(system: &System, motion: &Motion, place: &Place) -> Option<V
     let Site::Force { velocity, .. } = &place.site else { return None };
     let tape = Tape::compile(&system.graph, &system.arguments(), &[velocity.node]).ok()?;
     evaluated(&tape, motion, &[], &[]).pop()
-}
-
-/// The mean of an expression along a motion.
-pub(crate) fn mean_along(
-    system: &System,
-    graph: &phisindy_expr::Graph,
-    node: Id,
-    motion: &Motion,
-) -> Option<f64> {
-    let tape = Tape::compile(graph, &system.arguments(), &[node]).ok()?;
-    let values = evaluated(&tape, motion, &[], &[]);
-    let mean = values[0].iter().sum::<f64>() / values[0].len().max(1) as f64;
-    mean.is_finite().then_some(mean)
 }

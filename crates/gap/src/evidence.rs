@@ -3,21 +3,22 @@
 
 use crate::constraint::fulfilled;
 use crate::decisions::{EXPLAINED, GIVES_BACK, GIVES_WAY, NO_END, SHORT_STOP, SLIPS};
-use crate::drive::Drive;
-use crate::evaluate::{evaluated, mean_along};
-use crate::model::{Fitted, values};
+use crate::drive::{Drive, multiple_of_oscillation};
+use crate::evaluate::evaluated;
+use crate::model::{Applied, Fitted, values};
 use crate::motion::{Motion, rest_threshold, resting};
 use crate::place::{Effect, Site};
 use crate::result::Veto;
 use phisindy_expr::Tape;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{LawParameter, Record};
+use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 /// The reason why an effect is ruled out although it fits; `None` if there is none.
 pub(crate) fn against(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     [
-        negative_damping,
+        feeds_motion,
         violates_requirement,
         parameter_at_bound,
         never_slips,
@@ -146,8 +147,9 @@ fn returns_energy(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     (given > GIVES_BACK * taken).then_some(Veto::Pushes)
 }
 
-/// A periodic force is not identifiable at a frequency of the drive, where it compensates for anything that
-/// is missing, nor where its period exceeds twice the record.
+/// A periodic force is not identifiable at a frequency of the drive or, without a drive, of the oscillation, nor
+/// at a multiple of it: there it stands for anything nonlinear that is missing. Nor is it where its period
+/// exceeds twice the record.
 fn unidentifiable_tone(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     let law = &effect.entry.law;
     let screen = law.screen.as_ref()?;
@@ -162,24 +164,66 @@ fn unidentifiable_tone(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     if frequency * longest < std::f64::consts::PI {
         return Some(Veto::SlowTone(TAU / frequency));
     }
-    let line = fits().find_map(|r| Drive::new(&base.system, r)?.line_at(frequency))?;
-    Some(Veto::DriveFrequency(line))
+    fits().find_map(|record| {
+        let mut drive = Drive::new(&base.system, record)?;
+        let free = drive.is_still();
+        let hit =
+            if free { multiple_of_oscillation(record, frequency) } else { drive.multiple_at(frequency) };
+        hit.map(|(line, times)| Veto::OwnFrequency { line, times, free })
+    })
 }
 
-/// A dashpot may reduce the known damping but must not make the total damping negative.
-fn negative_damping(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
-    if !effect.entry.law.is_dashpot() {
+/// A resistance, a force of the velocity alone, may correct the damping of the known part, but together with it
+/// must not feed the motion at any speed, whatever the other effects take out. The velocity-dependent part of the
+/// rate of the body, from the place at rest to its speed, must take energy in each quarter of the speeds. A
+/// known part that feeds the motion is active by itself.
+fn feeds_motion(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
+    if !effect.entry.law.is_resistance() {
         return None;
     }
-    let Site::Force { acts, .. } = &effect.place.site else { return None };
-    let system = &fitted.model.system;
-    let &(v, _) = acts.first()?;
-    let mut graph = system.graph.clone();
-    let slope = graph.gradient(system.known[v], &[system.states[v].node])[0];
+    let coefficients = |a: &Applied| -> Vec<usize> {
+        let law = &a.effect.entry.law;
+        if law.has_memory() {
+            vec![]
+        } else {
+            law.linear_parameters().iter().map(|&k| a.parameters[k]).collect()
+        }
+    };
+    let (own, others): (Vec<&Applied>, Vec<&Applied>) =
+        fitted.model.effects.iter().partition(|a| a.effect.same(effect));
+    let others: Vec<usize> = others.into_iter().flat_map(coefficients).collect();
+    let all: Vec<usize> = own.into_iter().flat_map(coefficients).chain(others.iter().copied()).collect();
+    let feeds = |zero: &[usize]| Some(powers(fitted, effect, zero)?.iter().any(|power| *power > 0.0));
+    (feeds(&others)? && !feeds(&all)?).then_some(Veto::FeedsMotion)
+}
+
+/// The energy that the velocity-dependent part of a body's rate feeds into the motion, by quarters of the speed
+/// of an effect's place, along the measured motion of the first record, with these parameters at zero.
+fn powers(fitted: &Fitted, effect: &Effect, zero: &[usize]) -> Option<[f64; 4]> {
+    let Site::Force { acts, velocity, .. } = &effect.place.site else { return None };
+    let &(v, sign) = acts.first()?;
+    let mut system = fitted.model.system.clone();
+    let state = system.states[v].node;
+    let signed = system.graph.constant(sign.signum());
+    let step = system.graph.mul(signed, velocity.node);
+    let at_rest = system.graph.sub(state, step);
+    let rate = system.known[v];
+    let still = system.graph.replace(&[rate], &HashMap::from([(state, at_rest)]))[0];
+    let part = system.graph.sub(rate, still);
+    let power = system.graph.mul(part, step);
+    let tape = Tape::compile(&system.graph, &system.arguments(), &[power, velocity.node]).ok()?;
     let record = fitted.model.records.first()?;
-    let motion = Motion::new(system, record, fitted.model.smooth.first()?, 0, &fitted.cal);
-    let mean = mean_along(system, &graph, slope, &motion)?;
-    (mean > 0.0).then_some(Veto::FeedsMotion)
+    let mut motion = Motion::new(&system, record, fitted.model.smooth.first()?, 0, &fitted.cal);
+    zero.iter().for_each(|k| motion.numbers[*k] = 0.0);
+    let values = evaluated(&tape, &motion, &[], &[]);
+    let speeds = values[1].iter().map(|w| w.abs());
+    let mut pairs: Vec<(f64, f64)> = speeds.zip(values[0].iter().copied()).collect();
+    pairs.retain(|(speed, power)| speed.is_finite() && power.is_finite());
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let quarter = (pairs.len() / 4).max(1);
+    let mut sums = [0.0; 4];
+    pairs.iter().enumerate().for_each(|(i, (_, power))| sums[(i / quarter).min(3)] += power);
+    Some(sums)
 }
 
 #[cfg(test)]

@@ -16,10 +16,12 @@ mod alternative_constant;
 mod constraint;
 mod data_mistakes;
 mod decisions;
+mod doubts;
 mod drive;
 mod drive_frequency;
 mod evaluate;
 mod evidence;
+mod input_interpolation;
 mod model;
 mod motion;
 mod other_causes;
@@ -29,6 +31,7 @@ mod requested_laws;
 mod result;
 mod screen;
 mod search;
+mod sensor_curve;
 mod whiteness;
 mod workflow;
 
@@ -38,9 +41,9 @@ pub use place::{Effect, EffectError, Place, Quantity, Site, places};
 pub use repeat::{Repeat, repeatability};
 pub use requested_laws::{WrittenOut, requested_laws, written_out};
 pub use result::{
-    Activity, Alternative, AlternativeConstant, Cause, ColumnGap, ColumnRepeat, DataError, DataMistake,
-    DriveFrequency, ForceHistory, Gap, GapError, InputNoise, Location, ModelError, Named, NamedValue,
-    PlacedLaw, Region, Rival, Simulated, Status, Step, StepParameter, StopReason, Veto, Vetoed, Warning,
-    force_history,
+    Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, ColumnGap, ColumnRepeat,
+    DataError, DataMistake, DriveFrequency, ForceHistory, Gap, GapError, InputNoise, Location, ModelError,
+    Named, NamedValue, PlacedLaw, RecordValue, Region, Rival, SensorCurve, Simulated, Status, Step,
+    StepParameter, StopReason, Veto, Vetoed, Warning, force_history,
 };
 pub use workflow::gap;

@@ -2,6 +2,7 @@
 
 use crate::decisions::{EXPLAINED, INPUT_NOISE_DRAWS, INPUT_NOISE_PART, MOST_OF_RESIDUAL, ROUGH_INPUT};
 use crate::drive::Drive;
+use crate::input_interpolation::difference;
 use crate::model::{Fitted, TrialModel};
 use crate::result::{Cause, InputNoise, Named};
 use crate::whiteness::{lines, mean_step, share};
@@ -50,7 +51,10 @@ pub(crate) fn input_noise(last: &Fitted, noise: &[Vec<f64>]) -> Option<InputNois
     if inputs.is_empty() {
         return None;
     }
-    let apart: Vec<f64> = draws.into_par_iter().filter_map(|model| difference(last, model, noise)).collect();
+    let apart: Vec<f64> = draws
+        .into_par_iter()
+        .filter_map(|model| Some(difference(last, &Fitted::new(model, noise, Effort::Thorough).ok()?, noise)))
+        .collect();
     // Mean square of the gap that input noise alone leaves, without the measurement noise.
     let made = apart.iter().sum::<f64>() / apart.len() as f64;
     let much = made > INPUT_NOISE_PART * (last.score.fit.powi(2) - 1.0);
@@ -134,18 +138,4 @@ fn noisier(record: &Record, how: &[Differentiator], draw: usize) -> Option<(Reco
         out.inputs[k] = Signal::new(out.inputs[k].time().clone(), values, out.inputs[k].kind()).ok()?;
     }
     Some((out, of))
-}
-
-/// Mean square difference of the residuals of two models on Fit records, in units of the noise.
-fn difference(last: &Fitted, other: TrialModel, noise: &[Vec<f64>]) -> Option<f64> {
-    let other = Fitted::new(other, noise, Effort::Thorough).ok()?;
-    let (mut sum, mut count) = (0.0, 0usize);
-    let records = other.cal.records.iter().zip(&last.cal.records).zip(noise);
-    for ((other, own), noise) in records.filter(|((own, _), _)| own.role == Role::Fit) {
-        for ((a, b), noise) in other.residuals.iter().zip(&own.residuals).zip(noise) {
-            sum += a.iter().zip(b).map(|(a, b)| ((a - b) / noise).powi(2)).sum::<f64>();
-            count += a.len();
-        }
-    }
-    Some(sum / count.max(1) as f64)
 }

@@ -31,18 +31,22 @@ pub fn repeatability(record: &Record, column: &[f64]) -> Option<Repeat> {
     let deviation = standard_deviation(column);
     // The fundamental may lie below the strongest line, so the period that predicts best is chosen.
     let guess = 2.0 * std::f64::consts::PI / first / step;
-    let mut best: Option<(f64, f64)> = None;
+    let miss = |period: f64| scatter(column, period).map_or(f64::INFINITY, |(rms, _)| rms);
+    let mut best = (f64::INFINITY, 0.0);
     for multiple in [1.0, 2.0, 3.0] {
         for k in -20..=20 {
-            let period = guess * multiple * (1.0 + 0.001 * f64::from(k));
-            if let Some(miss) = scatter(column, period)
-                && best.is_none_or(|(least, _)| miss.0 < least * 0.98)
-            {
-                best = Some((miss.0, period));
+            let period = guess * multiple * (1.0 + COARSE * f64::from(k));
+            let rms = miss(period);
+            if rms < best.0 * 0.98 {
+                best = (rms, period);
             }
         }
     }
-    let (_, period) = best?;
+    if best.0.is_infinite() {
+        return None;
+    }
+    // An error of the period counts as scatter, so the period is refined between its neighbours on the grid.
+    let period = least(&miss, best.1 * (1.0 - COARSE), best.1 * (1.0 + COARSE));
     // A transient decays; scatter is the same in both halves.
     let middle = n / 2;
     let (early, late) = (scatter(&column[..middle], period), scatter(&column[middle..], period));
@@ -73,19 +77,18 @@ pub(crate) fn prediction(
     let own = repeatability(before, column)?;
     let step = mean_step(&before.time);
     let deviation = standard_deviation(continued);
-    let mut best: Option<(f64, f64)> = None;
-    for k in -10..=10 {
-        let period = own.period * (1.0 + 0.0002 * f64::from(k));
-        let cells = (period / step).round() as usize;
-        let cell = |t: f64| (((t - before.time[0]) / period).fract() * cells as f64) as usize % cells.max(1);
+    // The errors of the mean cycle of a period in the first record and in the one that continues it.
+    let errors = |period: f64| {
+        let cells = ((period / step).round() as usize).max(1);
+        let cell = |t: f64| (((t - before.time[0]) / period).fract() * cells as f64) as usize % cells;
         let (mut sums, mut counts) = (vec![0.0; cells], vec![0usize; cells]);
         for (t, v) in before.time.iter().zip(column) {
             sums[cell(*t)] += v;
             counts[cell(*t)] += 1;
         }
-        let missed = |from: &[f64], values: &[f64]| -> f64 {
+        let error = |times: &[f64], values: &[f64]| -> f64 {
             let (mut sum, mut count) = (0.0, 0usize);
-            for (t, v) in from.iter().zip(values) {
+            for (t, v) in times.iter().zip(values) {
                 let c = cell(*t);
                 if counts[c] > 0 {
                     sum += (v - sums[c] / counts[c] as f64).powi(2);
@@ -94,14 +97,34 @@ pub(crate) fn prediction(
             }
             (sum / count.max(1) as f64).sqrt()
         };
-        // The period is chosen on the first record only.
-        let known = missed(&before.time, column);
-        if best.is_none_or(|(least, _)| known < least) {
-            best = Some((known, missed(&after.time, continued)));
-        }
+        (error(&before.time, column), error(&after.time, continued))
+    };
+    // The period is that of the drive, which is known throughout, so both records choose it.
+    let miss = |period: f64| {
+        let (own, continued) = errors(period);
+        own.hypot(continued)
+    };
+    let grid = (-10..=10).map(|k| own.period * (1.0 + FINE * f64::from(k)));
+    let coarse = grid.min_by(|a, b| miss(*a).total_cmp(&miss(*b)))?;
+    let period = least(&miss, coarse * (1.0 - FINE), coarse * (1.0 + FINE));
+    let (_, rms) = errors(period);
+    Some(Repeat { period, nrmse: rms / deviation, rms })
+}
+
+/// Step of the grid of periods, relative, on which the period is looked for, and that of the finer grid.
+const COARSE: f64 = 1e-3;
+const FINE: f64 = 2e-4;
+
+/// Where a function of one variable is least between two values, by golden section (Kiefer 1953,
+/// doi 10.1090/S0002-9939-1953-0055639-3).
+fn least(of: &dyn Fn(f64) -> f64, from: f64, to: f64) -> f64 {
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
+    let (mut a, mut b) = (from, to);
+    while b - a > 1e-7 * b.abs() {
+        let (left, right) = (b - golden * (b - a), a + golden * (b - a));
+        if of(left) < of(right) { b = right } else { a = left }
     }
-    let (_, rms) = best?;
-    Some(Repeat { period: own.period, nrmse: rms / deviation, rms })
+    0.5 * (a + b)
 }
 
 /// rms difference of successive cycles over root 2, and the correlation of successive differences.

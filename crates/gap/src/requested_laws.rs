@@ -104,7 +104,7 @@ pub fn written_out(
     let effects =
         with_fitted_starts(&whole, spec.clone(), effects, catalogue).unwrap_or_else(|| effects.to_vec());
     let full = plain.with_all(&effects)?;
-    let text = text_with(&text_without_laws(text, &spec)?, &full)?;
+    let text = text_with(&text_without_laws(text, &spec)?, &full, None)?;
     Ok(WrittenOut { text, records: full.records.to_vec() })
 }
 

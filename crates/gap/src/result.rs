@@ -9,8 +9,8 @@ mod words;
 
 pub use error::{DataError, GapError, ModelError};
 pub use finding::{
-    Activity, Alternative, AlternativeConstant, Cause, DataMistake, DriveFrequency, InputNoise, Named,
-    NamedValue, StopReason, Veto, Vetoed, Warning,
+    Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, DataMistake, DriveFrequency,
+    InputNoise, Named, NamedValue, SensorCurve, StopReason, Veto, Vetoed, Warning,
 };
 pub use force_history::{ForceHistory, force_history};
 pub(crate) use region::regions;
@@ -58,6 +58,20 @@ pub struct StepParameter {
     pub ci95: (f64, f64),
     /// Unit.
     pub unit: String,
+    /// The value and interval in each record, where records have values of their own; empty otherwise. `value`
+    /// is then that of the first one.
+    pub each: Vec<RecordValue>,
+}
+
+/// The value of a parameter in one record.
+#[derive(Clone, Debug)]
+pub struct RecordValue {
+    /// Name of the record.
+    pub record: String,
+    /// Value in the parameter's unit.
+    pub value: f64,
+    /// 95 % interval.
+    pub ci95: (f64, f64),
 }
 
 /// A law at a place, by name.

@@ -12,9 +12,10 @@ pub(crate) use refine::refitted;
 pub(crate) use task::Search;
 
 use crate::decisions::{
-    FAMILY_ROUNDS, FAR_OFF, FITTED_IN_FULL, MORE_STARTS, MOST_EFFECTS, ON_THE_WAY, RACE, RIVALS, SHRINKS,
-    SIMPLER, WEAK_ROUND, WORTH, WORTH_STARTS,
+    FAMILY_ROUNDS, FAR_OFF, FITTED_IN_FULL, MORE_STARTS, MOST_EFFECTS, ON_THE_WAY, RACE, REPEATS, RICHER,
+    RIVALS, SEARCHES_AGAIN, SHRINKS, SIMPLER, WEAK_ROUND, WORTH, WORTH_STARTS,
 };
+use crate::doubts::{may_be_undetermined, vetoed};
 use crate::evidence::against;
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::Effect;
@@ -75,6 +76,45 @@ impl Start<'_> {
 }
 
 impl Search<'_> {
+    /// Runs the search, and repeats it without the laws that the records do not determine in the end, or that
+    /// evidence rules out: a simpler law may do nearly as well. A repeated search counts if it explains the
+    /// data; the laws that it leaves out are reported with its first round.
+    pub(crate) fn run_until_determined(&mut self, base: TrialModel) -> Result<Searched, ModelError> {
+        let mut catalogue = self.catalogue.to_vec();
+        let mut found = self.run(base.clone())?;
+        let mut out: Vec<Vetoed> = Vec::new();
+        for _ in 0..SEARCHES_AGAIN {
+            let done = found.last.score.explains() || self.at_floor(&found.last);
+            let any = |f: &Fitted| f.model.effects.iter().any(may_be_undetermined);
+            if !done || found.stop == StopReason::Interrupted || !any(&found.last) {
+                break;
+            }
+            let Ok(last) = Fitted::new(found.last.settled(), self.noise, Effort::Errors) else { break };
+            let doubted: Vec<Vetoed> = vetoed(&last).into_iter().map(|(_, vetoed)| vetoed).collect();
+            if doubted.is_empty() {
+                break;
+            }
+            catalogue.retain(|entry| !doubted.iter().any(|v| v.law.law == entry.id));
+            out.extend(doubted);
+            let mut observe = |part: f64, what: Activity| (self.observe)(part, what);
+            let mut again = Search { catalogue: &catalogue, observe: &mut observe, ..*self };
+            let other = again.run(base.clone())?;
+            if !other.last.score.explains() && !self.at_floor(&other.last) {
+                break;
+            }
+            found = other;
+            if let Some(round) = found.rounds.first_mut() {
+                round.vetoed.extend(out.iter().cloned());
+            }
+        }
+        Ok(found)
+    }
+
+    /// Whether a model leaves no more than the scatter of the rig.
+    fn at_floor(&self, of: &Fitted) -> bool {
+        self.floor > 0.0 && of.score.gap() <= REPEATS * self.floor
+    }
+
     /// Runs the search from a model.
     pub(crate) fn run(&mut self, base: TrialModel) -> Result<Searched, ModelError> {
         (self.observe)(0.02, Activity::Calibrating);
@@ -98,10 +138,17 @@ impl Search<'_> {
             (self.observe)(part + 0.03, Activity::FittingLaws);
             let start = Start { now: &now, model, screening, candidates };
             let Some((next, round)) = self.round(&start) else { break StopReason::NothingHelps };
-            // Below the repeatability of the rig an effect counts only if its residual is white; otherwise it
-            // may describe the rig's scatter.
-            if self.repeats(&now) && !next.score.is_white() {
-                break StopReason::Repeatability;
+            // Near the repeatability of the rig an effect may describe the rig's scatter. It counts if its
+            // residual is white, or if it predicts what was not used clearly better.
+            if self.at_floor(&now) && !next.score.is_white() {
+                let lowers = next.score.gap() < RICHER * now.score.gap();
+                if !lowers {
+                    break StopReason::Repeatability;
+                }
+                // A floor that a model passes is no floor.
+                if next.score.gap() < RICHER * self.floor {
+                    self.floor = 0.0;
+                }
             }
             rounds.push(round);
             weak += usize::from(next.score.fit > FAR_OFF.max(WEAK_ROUND * now.score.fit));
@@ -124,11 +171,6 @@ impl Search<'_> {
         Ok(Searched { base, last: now, rounds, candidates, stop })
     }
 
-    /// Whether a model predicts Validate records as well as the rig repeats.
-    fn repeats(&self, now: &Fitted) -> bool {
-        now.score.predictive.is_some_and(|gap| gap <= self.floor)
-    }
-
     /// The reason why the search ends after this number of rounds, `weak` of which were weak; `None` if it
     /// goes on.
     fn ends(&self, now: &Fitted, rounds: usize, weak: usize) -> Option<StopReason> {
@@ -140,7 +182,7 @@ impl Search<'_> {
             Some(StopReason::White)
         } else if effects >= MOST_EFFECTS || too_far {
             Some(StopReason::EffectLimit)
-        } else if self.repeats(now) && rounds > 0 {
+        } else if self.at_floor(now) && rounds > 0 {
             Some(StopReason::Repeatability)
         } else if weak > 1 || (weak > 0 && rounds > 2) {
             Some(StopReason::WeakSteps)

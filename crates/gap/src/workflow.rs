@@ -2,9 +2,11 @@
 
 use crate::alternative_constant::alternative_constant;
 use crate::data_mistakes::data_mistakes;
-use crate::decisions::{FEWEST_SAMPLES, MOSTLY_NOISE, ONE_CONSTANT, REPEATS, SCATTERS, SUBSTANTIAL};
+use crate::decisions::{FEWEST_SAMPLES, MOSTLY_NOISE, REPEATS, SCATTERS, SUBSTANTIAL};
+use crate::doubts::{cancelling, vetoed};
 use crate::drive::Drive;
 use crate::drive_frequency::drive_frequency;
+use crate::input_interpolation::{Redrawn, coarse_inputs, redrawn};
 use crate::model::{
     Applied, Fitted, Measure, SpecTextError, TrialModel, current, expression, noise_of, shortened, text_with,
 };
@@ -12,14 +14,15 @@ use crate::other_causes::{causes, input_noise};
 use crate::repeat::{prediction, repeatability};
 use crate::result::verdict::{bent, helpful, refused, status};
 use crate::result::{
-    Activity, Alternative, ColumnGap, ColumnRepeat, DataError, Gap, GapError, Region, Rival, Simulated,
-    Status, Step, StepParameter, StopReason, Warning, regions,
+    Activity, Alternative, Cancelling, ColumnGap, ColumnRepeat, DataError, Gap, GapError, PlacedLaw,
+    RecordValue, Region, Rival, Simulated, Status, Step, StepParameter, StopReason, Warning, regions,
 };
 use crate::search::{Round, Search, Searched, placed, refitted};
-use phisindy_learn::{Effort, at_bounds, dead_column, sensitive_starts};
+use crate::sensor_curve::sensor_curve;
+use phisindy_learn::{Effort, FoundParameter, at_bounds, dead_column, sensitive_starts};
 use phisindy_phys::spec::{self, Role, Spec};
 use phisindy_phys::{Case, LawEntry, Record, SourceId, System, splice};
-use phisindy_signal::standard_deviation;
+use phisindy_signal::{Interpolation, standard_deviation};
 use std::ops::ControlFlow;
 
 /// Runs the gap workflow on a checked spec and its records. `observe` receives the progress as a fraction and
@@ -74,14 +77,15 @@ pub fn gap(
     // The search uses shortened records; the final parameters come from all samples.
     let searched = match shortened(&whole.records) {
         Some(short) => {
-            let mut searched = search.run(whole.for_records(short)).map_err(GapError::Numerics)?;
+            let mut searched =
+                search.run_until_determined(whole.for_records(short)).map_err(GapError::Numerics)?;
             searched.base = Fitted::new(whole.clone(), &noise, Effort::Plain).map_err(GapError::Numerics)?;
             let full = whole.with_all(&current(&searched.last)).ok();
             let full = full.and_then(|model| Fitted::new(model, &noise, Effort::Plain).ok());
             searched.last = full.unwrap_or_else(|| searched.base.clone());
             searched
         }
-        None => search.run(whole).map_err(GapError::Numerics)?,
+        None => search.run_until_determined(whole).map_err(GapError::Numerics)?,
     };
     Ending::new(searched, &mut search, warnings)?.finished(&text, repeat)
 }
@@ -218,17 +222,24 @@ impl<'s, 'a> Ending<'s, 'a> {
 
     /// The result.
     fn finished(mut self, text: &str, repeat: Vec<ColumnRepeat>) -> Result<Gap, GapError> {
-        let floor = self.search.floor;
+        let redrawn = self.redraw_inputs()?;
+        let open = self.coarse_inputs()?;
+        let floor = self.search.floor.max(open);
         let repeats = floor > 0.0 && self.last.score.gap() <= REPEATS * floor;
         let (status, warning) = status(&self.last.score, repeats, bent(&self.last));
         self.warnings.extend(warning);
+        let (status, determined) = self.doubts(status);
         let (status, alternative) = self.other_explanations(status, repeats)?;
         self.warnings.extend(alternative.clone().map(Warning::Alternative));
         self.warnings.extend(at_bounds(&self.last.cal.parameters).into_iter().map(Warning::Fit));
         self.warnings.extend(sensitive_starts(&self.last.cal.records).into_iter().map(Warning::Fit));
         let steps: Vec<Step> = (0..self.last.model.effects.len()).map(|k| self.step(k)).collect();
-        let (steps, partial) =
+        let (mut steps, mut partial) =
             if status == Status::Unexplained { split_substantial(steps) } else { (steps, vec![]) };
+        // An approximation is not named as what is missing.
+        if steps.len() > determined {
+            partial.splice(0..0, steps.drain(determined..));
+        }
         for vetoed in self.rounds.iter().flat_map(|r| &r.vetoed) {
             // Two rounds may differ in digits that nobody reads.
             let warning = Warning::Vetoed(vetoed.clone());
@@ -237,7 +248,8 @@ impl<'s, 'a> Ending<'s, 'a> {
                 self.warnings.push(warning);
             }
         }
-        let completed = text_with(text, &self.last.model).map_err(|e| GapError::Numerics(e.into()))?;
+        let completed =
+            text_with(text, &self.last.model, redrawn).map_err(|e| GapError::Numerics(e.into()))?;
         let Ending { base, last, stop, noise, warnings, .. } = self;
         Ok(Gap {
             status,
@@ -262,6 +274,68 @@ impl<'s, 'a> Ending<'s, 'a> {
         })
     }
 
+    /// Draws the inputs between their samples in the way that explains the data, if there is one; returns it.
+    fn redraw_inputs(&mut self) -> Result<Option<Interpolation>, GapError> {
+        let complete = self.last.score.explains() && self.last.model.effects.is_empty();
+        if complete || self.stop == StopReason::Interrupted {
+            return Ok(None);
+        }
+        let Some(found) = redrawn(&self.path, &self.last, &self.noise, self.candidates) else {
+            return Ok(None);
+        };
+        let Redrawn { fitted, base, from, to } = found;
+        self.path = path(&base, &fitted, &self.noise);
+        self.last = with_errors(fitted, &self.noise)?;
+        if !self.last.model.effects.is_empty() {
+            self.path.push(self.last.clone());
+        }
+        self.warnings.push(Warning::Redrawn { from, to });
+        Ok(Some(to))
+    }
+
+    /// Drops the effects that the drawing of the inputs between their samples leaves open, where the rest of the
+    /// model is as good as that drawing allows. Returns the gap that the drawing leaves.
+    fn coarse_inputs(&mut self) -> Result<f64, GapError> {
+        let complete = self.last.model.effects.is_empty() && self.last.score.explains();
+        let found = if complete || self.stop == StopReason::Interrupted {
+            None
+        } else {
+            coarse_inputs(&self.path, &self.noise)
+        };
+        let Some((left, coarse)) = found else { return Ok(0.0) };
+        let open = (1.0 + coarse.open.powi(2)).sqrt();
+        if self.path[left].score.gap() > REPEATS * open {
+            return Ok(0.0);
+        }
+        self.path.truncate(left + 1);
+        self.last = with_errors(self.path[left].clone(), &self.noise)?;
+        self.path[left] = self.last.clone();
+        self.warnings.push(Warning::CoarseInput(coarse));
+        Ok(open)
+    }
+
+    /// The status with the doubts about the effects, and the number of effects from the first on that are free
+    /// of doubt.
+    fn doubts(&mut self, status: Status) -> (Status, usize) {
+        let all = self.last.model.effects.len();
+        let vetoed = vetoed(&self.last);
+        let cancelling = cancelling(&self.last);
+        let explained = status == Status::Explained && self.stop != StopReason::Interrupted;
+        let curve = if explained { sensor_curve(&self.last, &self.noise) } else { None };
+        if vetoed.is_empty() && cancelling.is_none() && curve.is_none() {
+            return (status, all);
+        }
+        let ruled_out = vetoed.iter().map(|(k, _)| *k).min().unwrap_or(all);
+        let own: Vec<PlacedLaw> = placed(&self.last.model);
+        let approximate = |c: &Cancelling| own.iter().position(|law| *law == c.laws.0).unwrap_or(all);
+        let bent = curve.as_ref().map_or(all, |(k, _)| *k);
+        let determined = cancelling.as_ref().map_or(all, approximate).min(ruled_out).min(bent);
+        self.warnings.extend(vetoed.into_iter().map(|(_, why)| Warning::Vetoed(why)));
+        self.warnings.extend(cancelling.map(Warning::Cancelling));
+        self.warnings.extend(curve.map(|(_, curve)| Warning::SensorCurve(curve)));
+        (Status::Unexplained, determined)
+    }
+
     /// Tests other explanations: fixed constants of the spec, a drive at another frequency, noise of inputs.
     /// Drops the effects that do not help if the data remain unexplained.
     fn other_explanations(
@@ -272,8 +346,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         let whole = self.last.clone();
         let interrupted = self.stop == StopReason::Interrupted;
         let mut alternative = None;
-        // A large gap is not the work of one constant.
-        if status != Status::NothingMissing && !repeats && !interrupted && whole.score.fit < ONE_CONSTANT {
+        if status != Status::NothingMissing && !repeats && !interrupted {
             (self.search.observe)(0.95, Activity::Constants);
             let catalogue = self.search.catalogue;
             if let Some(found) = alternative_constant(&whole, catalogue, &self.noise, self.candidates) {
@@ -416,15 +489,19 @@ fn path(base: &Fitted, last: &Fitted, noise: &[Vec<f64>]) -> Vec<Fitted> {
 fn parameters(last: &Fitted, applied: &Applied) -> Vec<StepParameter> {
     let own = applied.names.iter().zip(&applied.parameters).zip(applied.effect.labels());
     let of = |((constant, k), name): ((&String, &usize), String)| {
-        let found = last.cal.parameters.iter().find(|p| p.id.constant() == Some(*k))?;
-        let (f, e) = (found.factor, found.estimate);
-        Some(StepParameter {
-            name,
-            constant: constant.clone(),
-            value: e.value / f,
-            ci95: (e.ci95.0 / f, e.ci95.1 / f),
-            unit: found.unit.clone(),
-        })
+        let mut all = last.cal.parameters.iter().filter(|p| p.id.constant() == Some(*k));
+        let value = |p: &FoundParameter| {
+            let (f, e) = (p.factor, &p.estimate);
+            (e.value / f, (e.ci95.0 / f, e.ci95.1 / f))
+        };
+        let each = all.clone().filter_map(|p| {
+            let (value, ci95) = value(p);
+            Some(RecordValue { record: p.id.shown_record()?.to_owned(), value, ci95 })
+        });
+        let each = each.collect();
+        let found = all.next()?;
+        let (value, ci95) = value(found);
+        Some(StepParameter { name, constant: constant.clone(), value, ci95, unit: found.unit.clone(), each })
     };
     own.filter_map(of).collect()
 }

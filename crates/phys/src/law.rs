@@ -225,20 +225,35 @@ impl Law {
         })
     }
 
-    /// Whether it is a dashpot: its force is in proportion to the velocity, whatever else the motion does.
-    pub fn is_dashpot(&self) -> bool {
+    /// Whether it is a resistance: a force of the velocity alone, without memory, that does not stick. Examples: a
+    /// dashpot, drag.
+    pub fn is_resistance(&self) -> bool {
         let of = &self.compiled;
         let (Some(force), Some(v), false) = (of.force, of.velocity, self.has_memory()) else { return false };
-        let mut graph = of.graph.clone();
-        let slope = graph.gradient(force, &[v])[0];
-        let moving: Vec<Id> = of.displacement.into_iter().chain([v, of.time]).collect();
-        !graph.uses(&[slope], &moving) && graph.value(slope) != Some(0.0)
+        let others: Vec<Id> = of
+            .displacement
+            .into_iter()
+            .chain([of.time])
+            .chain(of.outside.iter().map(|(_, id)| *id))
+            .collect();
+        !self.sticks() && of.graph.uses(&[force], &[v]) && !of.graph.uses(&[force], &others)
     }
 
     /// Whether it is a spring: a force of the displacement alone, without memory.
     pub fn is_spring(&self) -> bool {
         let of_displacement = self.role(Role::Displacement).is_some() && self.role(Role::Velocity).is_none();
         of_displacement && self.sensor.is_none() && !self.has_memory()
+    }
+
+    /// Whether it is a spring in proportion to the displacement, at all times.
+    pub fn is_linear_spring(&self) -> bool {
+        let of = &self.compiled;
+        let (true, Some(force), Some(x)) = (self.is_spring(), of.force, of.displacement) else {
+            return false;
+        };
+        let mut graph = of.graph.clone();
+        let slope = graph.gradient(force, &[x])[0];
+        !graph.uses(&[slope], &[x, of.time])
     }
 
     /// The parameters in which the force is linear, jointly: no slope by one of them depends on another of them.

@@ -30,6 +30,7 @@ impl Fitted {
         let (fit, validate) = gaps(&cal, noise);
         let whiteness = whiteness(&cal, &model.records, |_| true);
         let effects = || model.effects.iter().map(|a| &a.effect);
+        let fits = model.records.iter().filter(|r| r.role == Role::Fit).count();
         let score = Score {
             fit,
             validate,
@@ -38,7 +39,7 @@ impl Fitted {
             samples: cal.samples,
             effective: cal.effective,
             effects: model.effects.len(),
-            parameters: effects().map(|e| e.entry.law.parameters.len()).sum(),
+            parameters: effects().map(|e| e.size(fits)).sum(),
             sensors: effects().filter(|e| e.entry.law.sensor.is_some()).count(),
             early: 0,
         };

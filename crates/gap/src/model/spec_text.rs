@@ -6,6 +6,7 @@ use crate::place::{Quantity, Site};
 use phisindy_expr::rename;
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{LawRole, splice};
+use phisindy_signal::Interpolation;
 use std::fmt;
 
 /// Why a text cannot hold an effect.
@@ -36,12 +37,22 @@ impl Text {
     }
 }
 
-/// The spec's text with the effects of a model. Every number has its start value in the model.
+/// The spec's text with the effects of a model. Every number has its start value in the model. `inputs` says how
+/// the inputs go between their samples, if not as the spec has it.
 ///
 /// # Errors
 /// The text cannot hold an effect.
-pub(crate) fn text_with(text: &str, model: &TrialModel) -> Result<String, SpecTextError> {
+pub(crate) fn text_with(
+    text: &str,
+    model: &TrialModel,
+    inputs: Option<Interpolation>,
+) -> Result<String, SpecTextError> {
     let mut text = Text(text.to_owned());
+    if let Some(kind) = inputs {
+        for record in 0..model.given.spec.data.len() {
+            text.set(&format!("data.{record}.interpolate"), &format!("{kind:?}"))?;
+        }
+    }
     let base = model.without_effects();
     for (k, p) in base.system.parameters.iter().enumerate() {
         let now = model.system.parameters[k].start;

@@ -6,6 +6,7 @@ use phisindy_phys::unit::{Dimension, Unit};
 use phisindy_phys::{Law, LawEntry, LawRole, System};
 use std::collections::HashMap;
 use std::fmt;
+use std::sync::Arc;
 
 /// A law at a place.
 #[derive(Clone, Debug)]
@@ -80,6 +81,23 @@ impl Effect {
             && self.place.is(&other.place)
             && self.mirror == other.mirror
             && self.load == other.load
+    }
+
+    /// Number of parameters in this many records, of which each has its own value of some.
+    pub(crate) fn size(&self, records: usize) -> usize {
+        self.entry.law.parameters.iter().map(|(_, p)| if p.each { records } else { 1 }).sum()
+    }
+
+    /// The effect with a level of its own in each record: the first coefficient of its force. `None` if it acts on
+    /// a sensor, scales with a load, or has one already.
+    pub(crate) fn with_own_levels(&self) -> Option<Effect> {
+        let &level = self.entry.law.linear_parameters().first()?;
+        if self.load.is_some() || self.entry.law.parameters[level].1.each {
+            return None;
+        }
+        let mut law = (*self.entry.law).clone();
+        law.parameters[level].1.each = true;
+        Some(Effect { entry: LawEntry { law: Arc::new(law), ..self.entry.clone() }, ..self.clone() })
     }
 
     /// Name of each parameter in results.

@@ -1,6 +1,7 @@
 //! Findings beside the effects: why the search ended, vetoes, other causes, warnings.
 
 use super::PlacedLaw;
+use phisindy_signal::Interpolation;
 
 /// Why a search ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,7 +42,7 @@ pub enum Activity {
 /// The evidence that rules out a law.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Veto {
-    /// With this dashpot the total damping of the body is negative.
+    /// With this resistance the total damping of the body is negative at some speeds.
     FeedsMotion,
     /// The condition of the law's file is not met, for the reason given there.
     Requirement(String),
@@ -60,8 +61,17 @@ pub enum Veto {
     Pushes,
     /// No record lasts half a period of this force; its period (s).
     SlowTone(f64),
-    /// Its frequency is a frequency of the drive (rad/s).
-    DriveFrequency(f64),
+    /// Its frequency is one that the motion has by itself, or a whole multiple of it.
+    OwnFrequency {
+        /// The frequency of the drive or of the free oscillation (rad/s).
+        line: f64,
+        /// The multiple, 1 for the frequency itself.
+        times: u32,
+        /// Whether it is that of the free oscillation.
+        free: bool,
+    },
+    /// The record does not determine its numbers: these intervals reach zero.
+    Undetermined(Vec<String>),
     /// During stops the mass moves less than the law predicts.
     DoesNotGiveWay {
         /// Number of stops.
@@ -203,6 +213,37 @@ pub enum DataMistake {
     },
 }
 
+/// Two effects whose forces cancel each other over most of the motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cancelling {
+    /// The effects.
+    pub laws: (PlacedLaw, PlacedLaw),
+    /// The rms of their sum over that of the smaller one.
+    pub left: f64,
+}
+
+/// A sensor whose scale would have to bend only a little to do what an effect does.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SensorCurve {
+    /// The effect.
+    pub law: PlacedLaw,
+    /// The column that bends most.
+    pub of: Named,
+    /// The rms of the bend over the standard deviation of the column.
+    pub bend: f64,
+}
+
+/// Inputs with so few samples that it matters how they go between them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CoarseInput {
+    /// Names of the inputs.
+    pub inputs: Vec<String>,
+    /// How far the model moves when they are drawn in another way, in units of the noise.
+    pub open: f64,
+    /// How far the smallest effect moves it.
+    pub effect: f64,
+}
+
 /// A warning about the data, the fit or the effects.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Warning {
@@ -238,6 +279,19 @@ pub enum Warning {
     },
     /// A law that fits but that evidence rules out.
     Vetoed(Vetoed),
+    /// A slightly bent scale of a sensor does as well as an effect.
+    SensorCurve(SensorCurve),
+    /// Two effects cancel each other.
+    Cancelling(Cancelling),
+    /// The inputs explain the data when they are drawn in another way between their samples.
+    Redrawn {
+        /// As the spec has them.
+        from: Interpolation,
+        /// As they explain the data.
+        to: Interpolation,
+    },
+    /// The inputs are sampled too coarsely for the effects that were found.
+    CoarseInput(CoarseInput),
     /// Another explanation of the data.
     Alternative(Alternative),
     /// The drive has another frequency, and something else is missing too.

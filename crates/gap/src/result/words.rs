@@ -1,8 +1,9 @@
 //! All sentences of this crate: data to text.
 
 use super::{
-    Activity, Alternative, AlternativeConstant, Cause, DataError, DataMistake, DriveFrequency, GapError,
-    InputNoise, Location, ModelError, Named, NamedValue, PlacedLaw, Rival, Veto, Vetoed, Warning,
+    Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, DataError, DataMistake,
+    DriveFrequency, GapError, InputNoise, Location, ModelError, Named, NamedValue, PlacedLaw, Rival,
+    SensorCurve, Veto, Vetoed, Warning,
 };
 use std::f64::consts::TAU;
 use std::fmt::{Display, Formatter, Result};
@@ -60,7 +61,7 @@ impl Display for Veto {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
             Veto::FeedsMotion => {
-                f.write_str("with it the damping of the body is negative in total: it would feed the motion")
+                f.write_str("with it the total damping is negative at some speeds: it would feed the motion")
             }
             Veto::Requirement(because) => f.write_str(because),
             Veto::ParameterAtEnd { name, bound, unit } => {
@@ -69,10 +70,17 @@ impl Display for Veto {
             Veto::NeverSlips => f.write_str("its contact never slips: it stands for a spring"),
             Veto::Pushes => f.write_str("in places it would push instead of brake"),
             Veto::SlowTone(period) => write!(f, "no record lasts half of one of its periods ({period:.0} s)"),
-            Veto::DriveFrequency(line) => write!(
-                f,
-                "its frequency is that of the drive ({line:.4} rad/s), where it would stand for anything else that is missing"
-            ),
+            Veto::OwnFrequency { line, times, free } => {
+                let multiple = if *times == 1 { String::new() } else { format!("{times} times ") };
+                let whose = if *free { "the oscillation" } else { "the drive" };
+                write!(
+                    f,
+                    "its frequency is {multiple}that of {whose} ({line:.4} rad/s), where it would stand for anything else that is missing"
+                )
+            }
+            Veto::Undetermined(names) => {
+                write!(f, "the records do not determine {}: the intervals contain zero", names.join(" and "))
+            }
             Veto::DoesNotGiveWay { stops, slope } => write!(
                 f,
                 "in {stops} stops the mass moves with the force on the contact by {slope:.2} of what this law asks for: the contact does not give way"
@@ -240,6 +248,29 @@ impl Display for Warning {
             Warning::Vetoed(vetoed) => {
                 write!(f, "{} fits, but evidence speaks against it: {}", vetoed.law.law, vetoed.why)
             }
+            Warning::Cancelling(Cancelling { laws, left }) => write!(
+                f,
+                "{} and {} cancel each other over most of the motion (what is left of the smaller one is {:.0} %): their sum approximates another law",
+                laws.0,
+                laws.1,
+                100.0 * left
+            ),
+            Warning::SensorCurve(SensorCurve { law, of, bend }) => write!(
+                f,
+                "{law} bends the motion so little that a sensor would do the same: in {} the scale of {} would have to bend by {:.2} % of the motion; calibrate it, or measure at a larger amplitude",
+                of.record,
+                of.column,
+                100.0 * bend
+            ),
+            Warning::Redrawn { from, to } => write!(
+                f,
+                "with `interpolate: {to:?}` for the inputs (now {from:?}) the model explains the data: how does the input go between its samples?"
+            ),
+            Warning::CoarseInput(CoarseInput { inputs, open, effect }) => write!(
+                f,
+                "{} has so few samples in a period that drawing it in another way between them moves the model by {open:.2} of the noise, and what is left to explain by {effect:.2}: no effect of this size can be told; record the input faster",
+                inputs.join(", ")
+            ),
             Warning::Alternative(alternative) => alternative.fmt(f),
             Warning::Drive(drive) => drive.fmt(f),
             Warning::Cause(cause) => cause.fmt(f),

@@ -6,6 +6,7 @@ use crate::model::{Fitted, TrialModel, current, values};
 use crate::place::{Effect, Place, Site, fits, is_force};
 use crate::screen::{Candidate, Screening, excludes, sibling_starts};
 use phisindy_phys::LawEntry;
+use phisindy_phys::spec::Role;
 use rayon::prelude::*;
 
 impl Search<'_> {
@@ -81,7 +82,8 @@ impl Search<'_> {
             .collect()
     }
 
-    /// The model with each of its effects replaced by a law that contains it.
+    /// The model with each of its effects replaced by a law that contains it, or by the same law with a level of
+    /// its own in each record.
     pub(crate) fn richer(&self, model: &TrialModel, now: &Fitted) -> Vec<TrialModel> {
         let effects = current(now);
         let base = model.without_effects();
@@ -94,6 +96,12 @@ impl Search<'_> {
             {
                 let mut list = effects.clone();
                 list[k] = relative(&effects[k], entry);
+                all.extend(base.with_all(&list).ok());
+            }
+            let several = model.records.iter().filter(|r| r.role == Role::Fit).count() > 1;
+            if let Some(own) = effects[k].with_own_levels().filter(|_| several) {
+                let mut list = effects.clone();
+                list[k] = own;
                 all.extend(base.with_all(&list).ok());
             }
         }

@@ -74,7 +74,8 @@ mod tests {
         );
         assert_eq!(those(Law::has_clearance), ["dead-zone", "one-sided-stop"]);
         assert_eq!(those(Law::has_memory), ["presliding"]);
-        assert_eq!(those(Law::is_dashpot), ["viscous"]);
+        assert_eq!(those(Law::is_resistance), ["quadratic-drag", "viscous"]);
+        assert_eq!(those(Law::is_linear_spring), ["stiffness"]);
         assert_eq!(
             those(Law::is_spring),
             [

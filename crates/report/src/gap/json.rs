@@ -82,7 +82,15 @@ struct StepOut<'a> {
 struct StepParameterOut<'a> {
     ci95: [f64; 2],
     constant: &'a str,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    each: BTreeMap<&'a str, ValueOut>,
     unit: &'a str,
+    value: f64,
+}
+
+#[derive(Serialize)]
+struct ValueOut {
+    ci95: [f64; 2],
     value: f64,
 }
 
@@ -173,8 +181,15 @@ fn region(r: &Region) -> RegionOut<'_> {
 
 fn step(s: &Step) -> StepOut<'_> {
     let parameters = s.parameters.iter().map(|p| {
-        let out =
-            StepParameterOut { ci95: p.ci95.into(), constant: &p.constant, unit: &p.unit, value: p.value };
+        let each =
+            p.each.iter().map(|r| (r.record.as_str(), ValueOut { ci95: r.ci95.into(), value: r.value }));
+        let out = StepParameterOut {
+            ci95: p.ci95.into(),
+            constant: &p.constant,
+            each: each.collect(),
+            unit: &p.unit,
+            value: p.value,
+        };
         (p.name.as_str(), out)
     });
     let rivals = s.rivals.iter().map(|r| RivalOut { at: r.at(), delta_bic: r.delta_bic, law: r.law() });

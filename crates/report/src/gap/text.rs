@@ -142,13 +142,13 @@ fn sensitivity(found: &Gap) -> String {
 /// The parameters of a step, and those of its rivals that earlier steps do not list.
 fn details(s: &Step, catalogue: &[LawEntry], out: &mut Vec<String>) {
     for p in &s.parameters {
-        out.push(format!(
-            "     {} = {} {} {}",
-            p.constant,
-            short(p.value),
-            p.unit,
-            interval(p.ci95.0, p.ci95.1)
-        ));
+        let line = |record: &str, value: f64, ci95: (f64, f64)| {
+            format!("     {}{record} = {} {} {}", p.constant, short(value), p.unit, interval(ci95.0, ci95.1))
+        };
+        if p.each.is_empty() {
+            out.push(line("", p.value, p.ci95));
+        }
+        out.extend(p.each.iter().map(|r| line(&format!(" [{}]", r.record), r.value, r.ci95)));
     }
     for (rival, what) in rivals(s, catalogue) {
         let rival = format!("     {rival}");

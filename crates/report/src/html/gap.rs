@@ -91,17 +91,22 @@ fn shown(
     let gains: Vec<String> =
         gains.map(|(which, (a, b))| format!("{} → {} on {which}", digits(a, 3), digits(b, 3))).collect();
     let gain = format!("Gap {}; the criterion falls by {}.", gains.join(", "), digits(s.delta_bic, 3));
-    let row = |p: &phisindy_gap::StepParameter| {
+    let row = |p: &phisindy_gap::StepParameter, constant: String, value: f64, ci95: (f64, f64)| {
         vec![
             code(&p.name),
-            code(&p.constant),
-            Cell::Number(p.value),
-            Cell::Interval(p.ci95.0, p.ci95.1),
+            code(&constant),
+            Cell::Number(value),
+            Cell::Interval(ci95.0, ci95.1),
             in_unit(&p.unit),
         ]
     };
+    let rows = s.parameters.iter().flat_map(|p| {
+        let shared = p.each.is_empty().then(|| row(p, p.constant.clone(), p.value, p.ci95));
+        let each = p.each.iter().map(|r| row(p, format!("{} [{}]", p.constant, r.record), r.value, r.ci95));
+        shared.into_iter().chain(each).collect::<Vec<_>>()
+    });
     let head = ["parameter", "constant of the spec", "value", "95 % interval", "unit"];
-    let numbers = table(&format!("Numbers of {name}"), &head, s.parameters.iter().map(row).collect());
+    let numbers = table(&format!("Numbers of {name}"), &head, rows.collect());
     let others = rivals(s, catalogue)
         .into_iter()
         .map(|(rival, what)| capital(&rival) + &what.map_or(String::new(), |what| format!("; {what}")) + ".");

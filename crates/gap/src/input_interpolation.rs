@@ -1,0 +1,123 @@
+//! How an input goes between its samples. A spline through a force that a controller holds moves the model by a
+//! fraction of a sample, which looks like a delay or a gain of a sensor. A force with a few samples in a period
+//! may be drawn in several ways, and no effect smaller than their difference can be told.
+
+use crate::decisions::SIMPLER;
+use crate::model::{Fitted, Measure, TrialModel};
+use crate::result::CoarseInput;
+use phisindy_learn::Effort;
+use phisindy_phys::Record;
+use phisindy_phys::spec::Role;
+use phisindy_signal::{Interpolation, Signal};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+const KINDS: [Interpolation; 3] = [Interpolation::Hold, Interpolation::Linear, Interpolation::Cubic];
+
+/// A model that explains the data with its inputs drawn in another way.
+pub(crate) struct Redrawn {
+    pub(crate) fitted: Fitted,
+    /// The model without effects, with the same inputs.
+    pub(crate) base: Fitted,
+    pub(crate) from: Interpolation,
+    pub(crate) to: Interpolation,
+}
+
+/// The models of a path (no effect, one, two, ...), each with the inputs drawn in every other way. Returns the
+/// best one that explains the data, if its criterion is lower than that of `last` or it has fewer effects and
+/// does as well. `None` if there is none or no input is sampled.
+pub(crate) fn redrawn(
+    path: &[Fitted],
+    last: &Fitted,
+    noise: &[Vec<f64>],
+    candidates: usize,
+) -> Option<Redrawn> {
+    let from = drawn(&last.model)?;
+    let trials: Vec<(Interpolation, &Fitted, TrialModel)> = KINDS
+        .into_iter()
+        .filter(|kind| *kind != from)
+        .flat_map(|kind| path.iter().filter_map(move |f| Some((kind, f, with_inputs(&f.settled(), kind)?))))
+        .collect();
+    let fitted = trials.into_par_iter().filter_map(|(kind, own, model)| {
+        // A fit is worth its time where the same numbers do better.
+        let better = model.segment_cost(noise, 1)? < own.settled().segment_cost(noise, 1)?;
+        let fitted = if better { Fitted::new(model, noise, Effort::Plain).ok()? } else { return None };
+        fitted.score.explains().then_some((kind, fitted))
+    });
+    let all: Vec<(Interpolation, Fitted)> = fitted.collect();
+    let by = Measure::of(all.iter().map(|(_, f)| &f.score).chain([&last.score]), candidates);
+    let (to, best) =
+        all.into_iter().min_by(|(_, a), (_, b)| by.criterion(&a.score).total_cmp(&by.criterion(&b.score)))?;
+    let fewer = best.model.effects.len() < last.model.effects.len();
+    let limit = if fewer { SIMPLER } else { -SIMPLER };
+    let better = by.criterion(&best.score) - by.criterion(&last.score) < limit;
+    if !better && last.score.explains() {
+        return None;
+    }
+    let base = Fitted::new(with_inputs(&path.first()?.settled(), to)?, noise, Effort::Plain).ok()?;
+    Some(Redrawn { fitted: best, base, from, to })
+}
+
+/// The number of effects of a path (no effect, one, two, ...) that the drawing of the inputs leaves
+/// determined, with what it leaves open. An effect that moves the model less than another drawing of the inputs
+/// does may stand for that drawing, and so may what a model without effects leaves. `None` if all effects move
+/// it more.
+pub(crate) fn coarse_inputs(path: &[Fitted], noise: &[Vec<f64>]) -> Option<(usize, CoarseInput)> {
+    let last = path.last()?;
+    let own = drawn(&last.model)?;
+    let other = match own {
+        // A held input is what a controller puts out: it is known between the samples.
+        Interpolation::Hold => return None,
+        Interpolation::Linear => Interpolation::Cubic,
+        Interpolation::Cubic => Interpolation::Linear,
+    };
+    let base = path.first()?;
+    let redrawn = Fitted::new(with_inputs(&base.settled(), other)?, noise, Effort::Thorough).ok()?;
+    let open = difference(base, &redrawn, noise);
+    let moved = |k: usize| difference(&path[k - 1], &path[k], noise);
+    let (left, effect) = match (1..path.len()).find(|&k| moved(k) < open) {
+        Some(first) => (first - 1, moved(first)),
+        // Without effects the question is what the model leaves beyond the noise.
+        None if path.len() == 1 => (0, (base.score.gap().powi(2) - 1.0).max(0.0)),
+        None => return None,
+    };
+    let inputs = last.model.system.inputs.iter().map(|u| u.name.clone()).collect();
+    Some((left, CoarseInput { inputs, open: open.sqrt(), effect: effect.sqrt() }))
+}
+
+/// How the inputs of the Fit records are drawn; `None` where they are not drawn from samples, or not all in one
+/// way, or where one is derived from another.
+fn drawn(model: &TrialModel) -> Option<Interpolation> {
+    let records = model.records.iter().filter(|r| r.role == Role::Fit);
+    let mut kinds = records.clone().flat_map(|r| &r.inputs).map(Signal::kind);
+    let first = kinds.next()?;
+    (kinds.all(|kind| kind == first) && model.records.iter().all(|r| r.derivations.is_empty()))
+        .then_some(first)
+}
+
+/// The model with the inputs of all records drawn in this way.
+fn with_inputs(model: &TrialModel, kind: Interpolation) -> Option<TrialModel> {
+    let mut out = model.clone();
+    let change = |record: &mut Record| -> Option<()> {
+        for signal in &mut record.inputs {
+            *signal = Signal::new(signal.time().clone(), signal.values().to_vec(), kind).ok()?;
+        }
+        Some(())
+    };
+    Arc::make_mut(&mut out.records).iter_mut().try_for_each(change)?;
+    Arc::make_mut(&mut out.smooth).iter_mut().try_for_each(change)?;
+    Some(out)
+}
+
+/// Mean square difference of the residuals of two fits on the Fit records, in units of the noise.
+pub(crate) fn difference(one: &Fitted, other: &Fitted, noise: &[Vec<f64>]) -> f64 {
+    let (mut sum, mut count) = (0.0, 0usize);
+    let records = other.cal.records.iter().zip(&one.cal.records).zip(noise);
+    for ((other, own), noise) in records.filter(|((own, _), _)| own.role == Role::Fit) {
+        for ((a, b), noise) in other.residuals.iter().zip(&own.residuals).zip(noise) {
+            sum += a.iter().zip(b).map(|(a, b)| ((a - b) / noise).powi(2)).sum::<f64>();
+            count += a.len();
+        }
+    }
+    sum / count.max(1) as f64
+}

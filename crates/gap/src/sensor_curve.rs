@@ -1,0 +1,93 @@
+//! A sensor whose scale bends. A spring that bends the motion a little looks like a sensor whose reading is not
+//! quite in proportion: y = x + a x^2 + b x^3. Sensors are good to some tenths of a per cent of their range.
+
+use crate::decisions::{SAME_GAP, SENSOR_LINEARITY};
+use crate::model::{Fitted, TrialModel, current};
+use crate::place::Effect;
+use crate::result::{Named, PlacedLaw, SensorCurve};
+use phisindy_learn::Effort;
+use phisindy_phys::spec::Role;
+use phisindy_signal::standard_deviation;
+use std::sync::Arc;
+
+/// The first effect of a model, by index, that a bent scale of the sensors would replace: without it the model is
+/// as good on columns from which a parabola and a cubic are taken, each no larger than the linearity of a good
+/// sensor.
+pub(crate) fn sensor_curve(last: &Fitted, noise: &[Vec<f64>]) -> Option<(usize, SensorCurve)> {
+    let effects = current(last);
+    let bends = |e: &Effect| e.entry.law.is_spring() && !e.entry.law.is_linear_spring();
+    (0..effects.len()).filter(|&k| bends(&effects[k])).find_map(|k| {
+        let rest: Vec<Effect> =
+            effects.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, e)| e.clone()).collect();
+        let mut model = last.model.without_effects().with_all(&rest).ok()?;
+        last.starts(&mut model);
+        let plain = Fitted::new(model, noise, Effort::Plain).ok()?;
+        let (straight, of, bend) = straightened(&plain)?;
+        let fitted = Fitted::new(straight, noise, Effort::Plain).ok()?;
+        (fitted.score.gap() < SAME_GAP * last.score.gap())
+            .then(|| (k, SensorCurve { law: PlacedLaw::of(&effects[k]), of, bend }))
+    })
+}
+
+/// A model on columns from which the parabola and the cubic in the column are taken that its residual holds, with
+/// the column that bends most and its bend, the rms of both over the standard deviation. `None` if a bend is
+/// larger than that of a good sensor.
+fn straightened(of: &Fitted) -> Option<(TrialModel, Named, f64)> {
+    let mut model = of.settled();
+    let mut worst: Option<(f64, Named)> = None;
+    for (state, name) in of.model.system.states.iter().map(|s| s.name.clone()).enumerate() {
+        // One sensor reads the column in all records: its bend is found on the Fit records.
+        let (mut normal, mut right) = ([[0.0; 2]; 2], [0.0; 2]);
+        let records = || of.model.records.iter().zip(&of.cal.records);
+        for (record, fit) in records().filter(|(r, _)| r.role == Role::Fit) {
+            let (Some(column), Some(residual)) = (&record.columns[state], fit.residuals.get(state)) else {
+                continue;
+            };
+            for (powers, e) in bends(column).into_iter().zip(residual) {
+                for i in 0..2 {
+                    right[i] += powers[i] * e;
+                    (0..2).for_each(|j| normal[i][j] += powers[i] * powers[j]);
+                }
+            }
+        }
+        let determinant = normal[0][0] * normal[1][1] - normal[0][1] * normal[1][0];
+        if determinant <= 0.0 {
+            continue;
+        }
+        let a = (right[0] * normal[1][1] - right[1] * normal[0][1]) / determinant;
+        let b = (right[1] * normal[0][0] - right[0] * normal[1][0]) / determinant;
+        for (r, record) in of.model.records.iter().enumerate() {
+            let Some(column) = &record.columns[state] else { continue };
+            let bend: Vec<f64> = bends(column).iter().map(|p| a * p[0] + b * p[1]).collect();
+            let size = standard_deviation(&bend) / standard_deviation(column);
+            if size > SENSOR_LINEARITY {
+                return None;
+            }
+            if worst.as_ref().is_none_or(|(most, _)| size > *most) {
+                worst = Some((size, Named { record: record.name.clone(), column: name.clone() }));
+            }
+            for records in [&mut model.records, &mut model.smooth] {
+                if let Some(own) = &mut Arc::make_mut(records)[r].columns[state] {
+                    own.iter_mut().zip(&bend).for_each(|(y, bend)| *y -= bend);
+                }
+            }
+        }
+    }
+    let (bend, named) = worst?;
+    Some((model, named, bend))
+}
+
+/// The square and the cube of a column about its mean, each without the straight line in the column that is
+/// nearest to it: a line is a gain and an offset.
+fn bends(column: &[f64]) -> Vec<[f64; 2]> {
+    let n = column.len().max(1) as f64;
+    let mean = column.iter().sum::<f64>() / n;
+    let power = column.iter().map(|y| (y - mean).powi(2)).sum::<f64>();
+    let without_line = |exponent: i32| -> Vec<f64> {
+        let values: Vec<f64> = column.iter().map(|y| (y - mean).powi(exponent)).collect();
+        let level = values.iter().sum::<f64>() / n;
+        let slope = values.iter().zip(column).map(|(v, y)| v * (y - mean)).sum::<f64>() / power;
+        values.iter().zip(column).map(|(v, y)| v - level - slope * (y - mean)).collect()
+    };
+    without_line(2).into_iter().zip(without_line(3)).map(|(a, b)| [a, b]).collect()
+}
