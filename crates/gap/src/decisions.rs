@@ -168,6 +168,8 @@ decisions! {
     HELPS: f64 = 0.95, "of the gap", BLIND;
     /// Effects are kept although something else is missing if they reduce the gap by this factor each.
     SUBSTANTIAL: f64 = 3.0, "factor", BLIND;
+    /// Two constants, or two columns, are mixed up if the exchange leaves a smaller fraction of the gap.
+    MIXED_UP: f64 = 0.333_333_333_333_333_3, "of the gap", Basis::Judgement("nine tenths of the squared gap are then gone, without a new number");
     /// Two effects cancel each other if the rms of their sum is a smaller fraction of that of the smaller one.
     CANCELS: f64 = 0.5, "of a force", Basis::Judgement("the smaller one is then mostly taken up by the other");
     /// A sensor may bend its scale by this much.

@@ -52,9 +52,6 @@ fn undetermined(last: &Fitted, applied: &Applied) -> Option<Veto> {
     let linear: Vec<usize> =
         law.linear_parameters().into_iter().filter(|&k| !law.parameters[k].1.each).collect();
     let (&first, rest) = linear.split_first()?;
-    if rest.is_empty() {
-        return None;
-    }
     let zero = |k: usize| estimate(k).is_some_and(|e| e.ci95.0 <= 0.0 && e.ci95.1 >= 0.0);
     let named =
         |all: &[usize]| Veto::Undetermined(all.iter().map(|&k| law.parameters[k].0.clone()).collect());
@@ -64,7 +61,8 @@ fn undetermined(last: &Fitted, applied: &Applied) -> Option<Veto> {
     let level = estimate(first)?.value.abs();
     let same_unit = |k: usize| law.parameters[k].1.unit == law.parameters[first].1.unit;
     let wide = |k: usize| !same_unit(k) || estimate(k).is_some_and(|e| e.ci95.1 - e.ci95.0 > level);
-    (!law.simpler.is_empty() && rest.iter().all(|&k| zero(k) && wide(k))).then(|| named(rest))
+    (!law.simpler.is_empty() && !rest.is_empty() && rest.iter().all(|&k| zero(k) && wide(k)))
+        .then(|| named(rest))
 }
 
 /// Two effects on one body whose forces cancel each other over most of the motion: together they are the

@@ -22,6 +22,7 @@ mod drive_frequency;
 mod evaluate;
 mod evidence;
 mod input_interpolation;
+mod mixed_up;
 mod model;
 mod motion;
 mod other_causes;
@@ -42,8 +43,8 @@ pub use repeat::{Repeat, repeatability};
 pub use requested_laws::{WrittenOut, requested_laws, written_out};
 pub use result::{
     Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, ColumnGap, ColumnRepeat,
-    DataError, DataMistake, DriveFrequency, ForceHistory, Gap, GapError, InputNoise, Location, ModelError,
-    Named, NamedValue, PlacedLaw, RecordValue, Region, Rival, SensorCurve, Simulated, Status, Step,
-    StepParameter, StopReason, Veto, Vetoed, Warning, force_history,
+    DataError, DataMistake, DriveFrequency, ForceHistory, Gap, GapError, InputNoise, Location, MixedUp,
+    ModelError, Named, NamedValue, PlacedLaw, RecordValue, Region, Rival, SensorCurve, Simulated, Status,
+    Step, StepParameter, StopReason, Veto, Vetoed, Warning, force_history,
 };
 pub use workflow::gap;

@@ -7,6 +7,7 @@ use crate::doubts::{cancelling, vetoed};
 use crate::drive::Drive;
 use crate::drive_frequency::drive_frequency;
 use crate::input_interpolation::{Redrawn, coarse_inputs, redrawn};
+use crate::mixed_up::mixed_up;
 use crate::model::{
     Applied, Fitted, Measure, SpecTextError, TrialModel, current, expression, noise_of, shortened, text_with,
 };
@@ -360,7 +361,8 @@ impl<'s, 'a> Ending<'s, 'a> {
             return Ok((status, alternative));
         }
         (self.search.observe)(0.97, Activity::OtherCauses);
-        let drive = if alternative.is_none() && !interrupted {
+        let mixed = if interrupted { None } else { mixed_up(&self.base, &whole, &self.noise) };
+        let drive = if alternative.is_none() && mixed.is_none() && !interrupted {
             drive_frequency(&self.base, self.search)
         } else {
             None
@@ -371,6 +373,8 @@ impl<'s, 'a> Ending<'s, 'a> {
                 alternative = Some(Alternative::Drive(drive));
                 0
             }
+            // Nor do they with constants or columns that are mixed up.
+            _ if mixed.is_some() => 0,
             drive => {
                 let path: Vec<_> = self.path.iter().map(|f| (&f.score, f.follows())).collect();
                 let helps = helpful(&path);
@@ -381,6 +385,7 @@ impl<'s, 'a> Ending<'s, 'a> {
                 helps
             }
         };
+        self.warnings.extend(mixed.map(Warning::MixedUp));
         if helps < whole.model.effects.len() {
             self.path.truncate(helps + 1);
             self.last = with_errors(self.path[helps].clone(), &self.noise)?;

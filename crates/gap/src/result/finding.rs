@@ -222,6 +222,39 @@ pub struct Cancelling {
     pub left: f64,
 }
 
+/// Two things that a spec or a file may have mixed up, and the gap that is left with them put right.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MixedUp {
+    /// Two constants have each other's value.
+    Constants {
+        /// Their names.
+        names: (String, String),
+        /// The gap that is left.
+        gap: f64,
+    },
+    /// A column is measured against another body.
+    Column {
+        /// The column, in its first record.
+        of: Named,
+        /// The state of the other body.
+        other: String,
+        /// Whether the column is relative where the spec has it absolute; otherwise the other way round.
+        relative: bool,
+        /// The gap that is left.
+        gap: f64,
+    },
+}
+
+impl MixedUp {
+    /// The same finding with this gap.
+    pub(crate) fn with_gap(mut self, left: f64) -> MixedUp {
+        match &mut self {
+            MixedUp::Constants { gap, .. } | MixedUp::Column { gap, .. } => *gap = left,
+        }
+        self
+    }
+}
+
 /// A sensor whose scale would have to bend only a little to do what an effect does.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SensorCurve {
@@ -279,6 +312,8 @@ pub enum Warning {
     },
     /// A law that fits but that evidence rules out.
     Vetoed(Vetoed),
+    /// Two things are mixed up.
+    MixedUp(MixedUp),
     /// A slightly bent scale of a sensor does as well as an effect.
     SensorCurve(SensorCurve),
     /// Two effects cancel each other.

@@ -2,7 +2,7 @@
 
 use super::{
     Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, DataError, DataMistake,
-    DriveFrequency, GapError, InputNoise, Location, ModelError, Named, NamedValue, PlacedLaw, Rival,
+    DriveFrequency, GapError, InputNoise, Location, MixedUp, ModelError, Named, NamedValue, PlacedLaw, Rival,
     SensorCurve, Veto, Vetoed, Warning,
 };
 use std::f64::consts::TAU;
@@ -255,6 +255,23 @@ impl Display for Warning {
                 laws.1,
                 100.0 * left
             ),
+            Warning::MixedUp(MixedUp::Constants { names, gap }) => write!(
+                f,
+                "with the values of {} and {} exchanged the gap is {gap:.3}: are they mixed up in the spec?",
+                names.0, names.1
+            ),
+            Warning::MixedUp(MixedUp::Column { of, other, relative, gap }) => {
+                let (is, says) = if *relative {
+                    ("relative to", "absolute")
+                } else {
+                    ("absolute, not relative to", "relative")
+                };
+                write!(
+                    f,
+                    "if {} is {is} {other}, the gap is {gap:.3}; the spec takes it for {says}: how is that sensor mounted?",
+                    of.column
+                )
+            }
             Warning::SensorCurve(SensorCurve { law, of, bend }) => write!(
                 f,
                 "{law} bends the motion so little that a sensor would do the same: in {} the scale of {} would have to bend by {:.2} % of the motion; calibrate it, or measure at a larger amplitude",

@@ -1,0 +1,96 @@
+//! What a spec may have mixed up: the values of two constants, such as two masses, or a column that is measured
+//! against another body and not against the ground (or the other way round).
+
+use crate::decisions::MIXED_UP;
+use crate::model::{Fitted, TrialModel, current};
+use crate::result::{MixedUp, Named};
+use phisindy_learn::Effort;
+use phisindy_phys::Record;
+use phisindy_phys::spec::{ConstantSpec, Number, Spec};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// The exchange that explains the data, or leaves a small part of the gap, without effects or with those of
+/// `last`; the best one, `None` if there is none.
+pub(crate) fn mixed_up(base: &Fitted, last: &Fitted, noise: &[Vec<f64>]) -> Option<MixedUp> {
+    let effects = current(last);
+    let plain = base.model.without_effects();
+    let changed: Vec<(MixedUp, TrialModel)> = exchanged(&plain).into_iter().chain(shifted(&plain)).collect();
+    let lists = if effects.is_empty() { vec![vec![]] } else { vec![vec![], effects] };
+    let trials: Vec<(&MixedUp, TrialModel)> = changed
+        .iter()
+        .flat_map(|(what, model)| {
+            lists.iter().filter_map(move |list| Some((what, model.with_all(list).ok()?)))
+        })
+        .collect();
+    let limit = MIXED_UP * last.score.gap();
+    let cost = last.settled().segment_cost(noise, 1)?;
+    let fitted = trials.into_par_iter().filter_map(|(what, model)| {
+        let promising = model.segment_cost(noise, 1)? < cost;
+        let fitted = if promising { Fitted::new(model, noise, Effort::Plain).ok()? } else { return None };
+        let gap = fitted.score.gap();
+        let much_better = fitted.score.explains() && !last.score.explains() || gap < limit;
+        (much_better && fitted.follows()).then_some((gap, what))
+    });
+    let all: Vec<(f64, &MixedUp)> = fitted.collect();
+    all.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(gap, what)| what.clone().with_gap(gap))
+}
+
+/// The model with the values of each two fixed constants of one unit exchanged.
+fn exchanged(base: &TrialModel) -> Vec<(MixedUp, TrialModel)> {
+    let spec = &base.given.spec;
+    let fixed: Vec<(usize, &Number, Option<&str>)> = spec
+        .constants
+        .iter()
+        .enumerate()
+        .filter_map(|(k, (_, constant))| match constant {
+            ConstantSpec::Number { value, unit } => Some((k, value, unit.as_ref().map(|u| u.value.as_str()))),
+            _ => None,
+        })
+        .collect();
+    let mut all = Vec::new();
+    for (i, (a, one, unit)) in fixed.iter().enumerate() {
+        for (b, other, _) in
+            fixed[i + 1..].iter().filter(|(_, other, own)| own == unit && other.value != one.value)
+        {
+            let mut swapped: Spec = spec.clone();
+            for (at, value) in [(*a, *other), (*b, *one)] {
+                if let ConstantSpec::Number { value: own, .. } = &mut swapped.constants[at].1 {
+                    own.value = value.value;
+                }
+            }
+            let names = (spec.constants[*a].0.value.clone(), spec.constants[*b].0.value.clone());
+            all.extend(base.variant(swapped).map(|model| (MixedUp::Constants { names, gap: 0.0 }, model)));
+        }
+    }
+    all
+}
+
+/// The model with each column plus or minus each other one of its unit: as if the column were measured against
+/// that body, or against the ground where the state is relative.
+fn shifted(base: &TrialModel) -> Vec<(MixedUp, TrialModel)> {
+    let states = &base.system.states;
+    let mut all = Vec::new();
+    for k in 0..states.len() {
+        for j in (0..states.len()).filter(|&j| j != k && states[j].unit == states[k].unit) {
+            for (sign, relative) in [(1.0, true), (-1.0, false)] {
+                let mut model = base.clone();
+                let shift = |record: &mut Record| -> Option<()> {
+                    let other = record.columns[j].clone()?;
+                    let own = record.columns[k].as_mut()?;
+                    own.iter_mut().zip(other).for_each(|(x, other)| *x += sign * other);
+                    Some(())
+                };
+                let records = Arc::make_mut(&mut model.records).iter_mut().try_for_each(shift);
+                let smooth = Arc::make_mut(&mut model.smooth).iter_mut().try_for_each(shift);
+                // A state that is the rate of a shifted one is started anew from its own column only.
+                if records.is_none() || smooth.is_none() {
+                    continue;
+                }
+                let of = Named { record: base.records[0].name.clone(), column: states[k].name.clone() };
+                all.push((MixedUp::Column { of, other: states[j].name.clone(), relative, gap: 0.0 }, model));
+            }
+        }
+    }
+    all
+}
