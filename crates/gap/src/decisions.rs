@@ -152,6 +152,8 @@ decisions! {
     GIVES_WAY: f64 = 0.3, "of the law", Basis::SetOn("the frame with stick-slip and blind sets with presliding");
     /// A friction law is ruled out if it returns a larger fraction of the energy that it dissipates.
     GIVES_BACK: f64 = 0.01, "of the energy", BLIND;
+    /// A resistance must take energy at this many times the measured speeds too.
+    FAR_ABOVE: f64 = 10.0, "factor", Basis::Judgement("a law that is right does not end a decade above the record");
     /// A parameter beyond this fraction of its bound is not determined by the data.
     NO_END: f64 = 0.5, "of the bound", Basis::Judgement("bounds of laws are far beyond any rig");
     /// An elastic contact whose force stays below this never slips.

@@ -51,11 +51,13 @@ impl<'a> Drive<'a> {
         swing > 1e-20 * level && apart <= DRIVE_REPEATS * DRIVE_REPEATS * swing
     }
 
-    /// The spectral line of the drive (rad/s) of which `frequency` is a whole multiple, with that multiple.
+    /// The spectral line of the drive (rad/s) of which `frequency` is a multiple up to `most`, with that multiple.
     /// Anything nonlinear puts the multiples of a drive into the motion.
-    pub(crate) fn multiple_at(&mut self, frequency: f64) -> Option<(f64, u32)> {
-        let span = self.record.time[self.record.len() - 1] - self.record.time[0];
-        multiple(frequency, self.lines().into_iter().map(|line| (line, line)), SAME_LINE / span)
+    pub(crate) fn multiple_at(&mut self, frequency: f64, most: u32) -> Option<(f64, u32)> {
+        let apart = SAME_LINE / span(self.record);
+        self.lines()
+            .into_iter()
+            .find_map(|line| Some((line, multiple(frequency, (line, line), most, apart)?)))
     }
 
     /// Whether nothing drives the model: its known rates do not change while all states are zero.
@@ -81,31 +83,43 @@ impl<'a> Drive<'a> {
     }
 }
 
-/// The frequency of a free oscillation (rad/s) of which `frequency` is a whole multiple, with that multiple.
-/// The frequency of an oscillation may change while it decays, so both halves of the record count.
-pub(crate) fn multiple_of_oscillation(record: &Record, frequency: f64) -> Option<(f64, u32)> {
-    let step = mean_step(&record.time);
-    let span = record.time[record.len() - 1] - record.time[0];
-    let of = |column: &Vec<f64>| -> Option<(f64, f64)> {
-        let (early, late) = column.split_at(column.len() / 2);
-        let line = |part: &[f64]| lines(part, step, 1, 0).first().copied();
-        let (a, b) = (line(early)?, line(late)?);
-        Some((a.min(b), a.max(b)))
-    };
-    multiple(frequency, record.columns.iter().flatten().filter_map(of), SAME_LINE / span)
+/// A free oscillation of which a frequency is a multiple.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct OfOscillation {
+    /// Its frequency (rad/s), the mean of both halves of the record.
+    pub(crate) line: f64,
+    /// The multiple.
+    pub(crate) times: u32,
+    /// Whether the frequency is a multiple of that mean; otherwise only of a frequency between those of the
+    /// halves, for the frequency of an oscillation may change while it decays.
+    pub(crate) exactly: bool,
 }
 
-/// The first band of frequencies, with the whole multiple, within which a frequency lies.
-fn multiple(frequency: f64, of: impl Iterator<Item = (f64, f64)>, apart: f64) -> Option<(f64, u32)> {
-    let hit = |(low, high): (f64, f64)| {
-        let middle = 0.5 * (low + high);
-        let times = (frequency / middle).round().max(1.0);
-        let within = frequency > times * low - apart && frequency < times * high + apart;
-        // Where the bands of the multiples are as wide as their distances, every frequency is near one.
-        let narrow = times * (high - low) + 2.0 * apart < 0.5 * middle;
-        (within && narrow).then_some((middle, times as u32))
-    };
-    of.filter(|(low, _)| *low > apart).find_map(hit)
+/// The free oscillation of a record of which `frequency` (rad/s) is a multiple up to `most`.
+pub(crate) fn multiple_of_oscillation(record: &Record, frequency: f64, most: u32) -> Option<OfOscillation> {
+    let step = mean_step(&record.time);
+    let apart = SAME_LINE / span(record);
+    record.columns.iter().flatten().find_map(|column| {
+        let (early, late) = column.split_at(column.len() / 2);
+        let own = |part: &[f64]| lines(part, step, 1, 0).first().copied();
+        let (a, b) = (own(early)?, own(late)?);
+        let line = 0.5 * (a + b);
+        let times = multiple(frequency, (a.min(b), a.max(b)), most, apart)?;
+        let exactly = multiple(frequency, (line, line), most, apart).is_some();
+        Some(OfOscillation { line, times, exactly })
+    })
+}
+
+/// Duration of a record (s).
+fn span(record: &Record) -> f64 {
+    record.time[record.len() - 1] - record.time[0]
+}
+
+/// The multiple of a band of frequencies, up to `most`, that a frequency is no farther `apart` from.
+fn multiple(frequency: f64, (low, high): (f64, f64), most: u32, apart: f64) -> Option<u32> {
+    let times = (frequency / (0.5 * (low + high))).round().max(1.0);
+    let within = frequency > times * low - apart && frequency < times * high + apart;
+    (low > apart && within && times <= f64::from(most)).then_some(times as u32)
 }
 
 #[cfg(test)]
@@ -152,12 +166,12 @@ mod tests {
         for (frequency, line, multiple) in
             [(0.7, 0.7, 1), (0.705, 0.7, 1), (1.3, 1.3, 1), (1.4, 0.7, 2), (3.9, 1.3, 3)]
         {
-            let found = drive.multiple_at(frequency).unwrap_or((f64::NAN, 0));
+            let found = drive.multiple_at(frequency, 3).unwrap_or((f64::NAN, 0));
             assert!((found.0 - line).abs() < 0.005 && found.1 == multiple, "{frequency}: {found:?}");
         }
         // No match: the frequency of the free motion, a frequency close to a line.
         for frequency in [2.0, 0.72, 0.9, 1.27, 3.0] {
-            assert_eq!(drive.multiple_at(frequency), None, "{frequency}");
+            assert_eq!(drive.multiple_at(frequency, 3), None, "{frequency}");
         }
         assert!(!drive.is_still());
     }
@@ -169,7 +183,11 @@ mod tests {
         for (frequency, multiple) in
             [(2.0, Some(1)), (4.0, Some(2)), (6.005, Some(3)), (3.0, None), (4.1, None)]
         {
-            assert_eq!(multiple_of_oscillation(&record, frequency).map(|(_, n)| n), multiple, "{frequency}");
+            assert_eq!(
+                multiple_of_oscillation(&record, frequency, 3).map(|o| o.times),
+                multiple,
+                "{frequency}"
+            );
         }
     }
 }

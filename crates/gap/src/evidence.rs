@@ -2,7 +2,7 @@
 //! law's file, the drive, compliance during stops.
 
 use crate::constraint::fulfilled;
-use crate::decisions::{EXPLAINED, GIVES_BACK, GIVES_WAY, NO_END, SHORT_STOP, SLIPS};
+use crate::decisions::{EXPLAINED, FAR_ABOVE, GIVES_BACK, GIVES_WAY, NO_END, SHORT_STOP, SLIPS};
 use crate::drive::{Drive, multiple_of_oscillation};
 use crate::evaluate::evaluated;
 use crate::model::{Applied, Fitted, values};
@@ -11,7 +11,7 @@ use crate::place::{Effect, Site};
 use crate::result::Veto;
 use phisindy_expr::Tape;
 use phisindy_phys::spec::Role;
-use phisindy_phys::{LawParameter, Record};
+use phisindy_phys::{LawParameter, LawRole, Record};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
@@ -164,19 +164,26 @@ fn unidentifiable_tone(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     if frequency * longest < std::f64::consts::PI {
         return Some(Veto::SlowTone(TAU / frequency));
     }
+    // A cubic law makes three times the frequency of a motion. Times a displacement of that frequency, twice the
+    // frequency does it.
+    let most = if law.role(LawRole::Displacement).is_some() { 2 } else { 3 };
     fits().find_map(|record| {
         let mut drive = Drive::new(&base.system, record)?;
-        let free = drive.is_still();
-        let hit =
-            if free { multiple_of_oscillation(record, frequency) } else { drive.multiple_at(frequency) };
-        hit.map(|(line, times)| Veto::OwnFrequency { line, times, free })
+        if !drive.is_still() {
+            let (line, times) = drive.multiple_at(frequency, most)?;
+            return Some(Veto::OwnFrequency { line, times, free: false });
+        }
+        let found = multiple_of_oscillation(record, frequency, most)?;
+        // Where nothing else is left, a frequency beside the multiple is one of its own.
+        let own = !found.exactly && fitted.score.is_white();
+        (!own).then_some(Veto::OwnFrequency { line: found.line, times: found.times, free: true })
     })
 }
 
 /// A resistance, a force of the velocity alone, may correct the damping of the known part, but together with it
 /// must not feed the motion at any speed, whatever the other effects take out. The velocity-dependent part of the
-/// rate of the body, from the place at rest to its speed, must take energy in each quarter of the speeds. A
-/// known part that feeds the motion is active by itself.
+/// rate of the body, from the place at rest to its speed, must take energy in each quarter of the speeds, and still
+/// does so far above them. A known part that feeds the motion is active by itself.
 fn feeds_motion(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     if !effect.entry.law.is_resistance() {
         return None;
@@ -198,31 +205,43 @@ fn feeds_motion(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
 }
 
 /// The energy that the velocity-dependent part of a body's rate feeds into the motion, by quarters of the speed
-/// of an effect's place, along the measured motion of the first record, with these parameters at zero.
-fn powers(fitted: &Fitted, effect: &Effect, zero: &[usize]) -> Option<[f64; 4]> {
+/// of an effect's place and at `FAR_ABOVE` times all speeds, along the measured motion of the first record, with
+/// these parameters at zero.
+fn powers(fitted: &Fitted, effect: &Effect, zero: &[usize]) -> Option<[f64; 5]> {
     let Site::Force { acts, velocity, .. } = &effect.place.site else { return None };
     let &(v, sign) = acts.first()?;
     let mut system = fitted.model.system.clone();
     let state = system.states[v].node;
     let signed = system.graph.constant(sign.signum());
     let step = system.graph.mul(signed, velocity.node);
-    let at_rest = system.graph.sub(state, step);
     let rate = system.known[v];
-    let still = system.graph.replace(&[rate], &HashMap::from([(state, at_rest)]))[0];
-    let part = system.graph.sub(rate, still);
-    let power = system.graph.mul(part, step);
-    let tape = Tape::compile(&system.graph, &system.arguments(), &[power, velocity.node]).ok()?;
+    // The power at `times` the speed of the place.
+    let mut power_at = |times: f64| {
+        let factor = system.graph.constant(times);
+        let speed = system.graph.mul(factor, step);
+        let at_rest = system.graph.sub(state, step);
+        let there = system.graph.add(at_rest, speed);
+        let moving = system.graph.replace(&[rate], &HashMap::from([(state, there)]))[0];
+        let still = system.graph.replace(&[rate], &HashMap::from([(state, at_rest)]))[0];
+        let part = system.graph.sub(moving, still);
+        system.graph.mul(part, speed)
+    };
+    let outputs = [power_at(1.0), power_at(FAR_ABOVE), velocity.node];
+    let tape = Tape::compile(&system.graph, &system.arguments(), &outputs).ok()?;
     let record = fitted.model.records.first()?;
     let mut motion = Motion::new(&system, record, fitted.model.smooth.first()?, 0, &fitted.cal);
     zero.iter().for_each(|k| motion.numbers[*k] = 0.0);
     let values = evaluated(&tape, &motion, &[], &[]);
-    let speeds = values[1].iter().map(|w| w.abs());
-    let mut pairs: Vec<(f64, f64)> = speeds.zip(values[0].iter().copied()).collect();
-    pairs.retain(|(speed, power)| speed.is_finite() && power.is_finite());
-    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let quarter = (pairs.len() / 4).max(1);
-    let mut sums = [0.0; 4];
-    pairs.iter().enumerate().for_each(|(i, (_, power))| sums[(i / quarter).min(3)] += power);
+    let of = |i: usize| (values[2][i].abs(), values[0][i], values[1][i]);
+    let mut samples: Vec<(f64, f64, f64)> = (0..motion.samples()).map(of).collect();
+    samples.retain(|(speed, here, far)| speed.is_finite() && here.is_finite() && far.is_finite());
+    samples.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let quarter = (samples.len() / 4).max(1);
+    let mut sums = [0.0; 5];
+    for (i, (_, here, far)) in samples.iter().enumerate() {
+        sums[(i / quarter).min(3)] += here;
+        sums[4] += far;
+    }
     Some(sums)
 }
 
