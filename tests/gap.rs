@@ -559,3 +559,115 @@ fn a_clock_that_a_damper_imitates_is_not_forgotten() {
     let clock = rivals.iter().find(|r| r["law"] == "viscous + sensor-delay" && r["at"] == "v, x");
     assert!(clock.is_some_and(|r| r["delta_bic"].as_f64().is_some_and(|d| d < 10.0)), "{found}");
 }
+
+/// The warnings of a result in one text.
+fn warnings(found: &Value) -> String {
+    let all = found["warnings"].as_array().into_iter().flatten();
+    all.filter_map(Value::as_str).collect::<Vec<_>>().join("\n")
+}
+
+/// Records of positions alone.
+fn of_positions(truth: &str, noise: f64) -> String {
+    spec(truth, noise).replace("seed:", "measure: [\"x\"], seed:")
+}
+
+/// A smooth friction is Stribeck's only if that may grow with the speed, which its file forbids; a motion that
+/// feeds itself is not a sum of drag, friction and a negative damper.
+#[test]
+fn a_law_is_not_named_for_what_it_imitates() {
+    for (name, truth, noise, never) in [
+        ("gap-smooth", "-0.4*tanh(v/0.15)", 0.02, "stribeck"),
+        ("gap-galloping", "0.2*v-0.2*v^3", 0.05, "viscous"),
+    ] {
+        let (found, code) = gap(&folder(name), &of_positions(&format!("\"v\": \"{truth}\""), noise));
+        assert_eq!((found["status"].as_str(), code), (Some("unexplained"), 1), "{truth}: {found}");
+        assert!(named(&found).iter().all(|(law, _)| law != never), "{truth}: {:?}", named(&found));
+    }
+}
+
+/// The known friction is half of what it should be... or twice: the constant is named with its value, although
+/// the gap is far from the noise.
+#[test]
+fn a_constant_inside_of_known_friction_is_told() {
+    let spec = of_positions("\"v\": \"0.2*sgn(v)\"", 0.1)
+        .replace("-c*v - k*x", "-c*v - Fk*sgn(v) - k*x")
+        .replace("\"F0\": (1.0, \"N\")", "\"F0\": (1.0, \"N\"), \"Fk\": (0.4, \"N\")");
+    let (found, code) = gap(&folder("gap-known-friction"), &spec);
+    assert_eq!(code, 1, "{found}");
+    let said = warnings(&found);
+    let value = said
+        .split("with Fk = ")
+        .nth(1)
+        .and_then(|rest| rest.split(' ').next())
+        .and_then(|v| v.parse::<f64>().ok());
+    assert!(value.is_some_and(|v| (v - 0.2).abs() < 0.01), "{said}");
+}
+
+/// Two runs with different contacts: each record has a level of its own.
+#[test]
+fn records_that_disagree_in_one_number_have_it_each() {
+    let both = spec("\"v\": \"-0.3*sgn(v)\"", 0.02);
+    let one = "role: Validate";
+    let other = "Synthetic(truth: { \"v\": \"-0.15*sgn(v)\" }, start: { \"x\": 0.3, \"v\": 0.0 }, duration: 40.0, step: 0.02, noise: Additive(0.02), seed: 3, role: Fit)";
+    let text = both.replacen(&format!("{one})"), &format!("{one}), {other}"), 1);
+    let (found, code) = gap(&folder("gap-each"), &text);
+    assert_eq!(code, 0, "{found}");
+    assert_eq!(named(&found), [("coulomb".to_owned(), "v".to_owned())], "{found}");
+    let each = found["steps"][0]["parameters"]["Fc"]["each"].as_object().cloned().unwrap_or_default();
+    let mut levels: Vec<f64> = each.values().filter_map(|r| r["value"].as_f64()).collect();
+    levels.sort_by(f64::total_cmp);
+    assert!(
+        levels.len() >= 2 && (levels[0] - 0.15).abs() < 0.01 && (levels[levels.len() - 1] - 0.3).abs() < 0.01,
+        "{each:?}"
+    );
+}
+
+/// An oscillator under a force that a controller holds between its samples, simulated exactly: the velocity and
+/// the displacement of a damped oscillator under a constant force, step by step.
+fn held_force(folder: &Path) -> String {
+    let (k, c, step) = (480.0_f64, 1.1_f64, 0.01_f64);
+    let (decay, own) = (0.5 * c, (k - 0.25 * c * c).sqrt());
+    let (mut x, mut v) = (0.0_f64, 0.0_f64);
+    let mut dice = 1_u64;
+    let mut uniform = || {
+        dice = dice.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (dice >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    let mut lines = String::from("t_s,f_N,x_m\n");
+    for i in 0..3000 {
+        let t = step * f64::from(i);
+        let force =
+            3.0 * (7.0 * t).cos() + 2.0 * (16.3 * t + 1.0).cos() + 2.0 * (29.0 * t * (1.0 + 0.01 * t)).sin();
+        lines += &format!("{t:.3},{force:.9},{:.9}\n", x + 4e-4 * uniform());
+        // About the rest position force/k the oscillator moves freely.
+        let (y, e) = (x - force / k, (-decay * step).exp());
+        let (cos, sin) = ((own * step).cos(), (own * step).sin());
+        let next = e * (y * cos + (v + decay * y) / own * sin);
+        v = e * (v * cos - (k * y + decay * v) / own * sin);
+        x = next + force / k;
+    }
+    std::fs::write(folder.join("held.csv"), lines).expect("a file");
+    let record = |name: &str, from: f64, to: f64, role: &str| {
+        format!(
+            "Csv(path: \"held.csv\", name: \"{name}\", time: \"t_s\", columns: {{ \"x\": \"x_m\", \"f\": \"f_N\" }}, window: ({from:?}, {to:?}), role: {role})"
+        )
+    };
+    format!(
+        "(constants: {{ \"m\": (1.0, \"kg\"), \"k\": (480.0, \"N/m\"), \"c\": (1.1, \"N*s/m\") }}, states: {{ \"x\": \"m\", \"v\": \"m/s\" }}, inputs: {{ \"f\": \"N\" }},\n \
+         known: {{ \"x\": \"v\", \"v\": \"(f - c*v - k*x)/m\" }}, inertia: {{ \"v\": \"m\" }}, unknown: {{}},\n data: [{}, {}])",
+        record("a", 0.0, 15.0, "Fit"),
+        record("b", 15.0, 30.0, "Validate")
+    )
+}
+
+/// A spline through a held force is late by half a sample. That is no delay of a sensor.
+#[test]
+fn a_held_force_is_not_a_delay() {
+    let folder = folder("gap-held");
+    let text = held_force(&folder);
+    let (found, code) = gap(&folder, &text);
+    assert_eq!((found["status"].as_str(), code), (Some("nothing-missing"), 0), "{found}");
+    assert!(warnings(&found).contains("interpolate: Hold"), "{}", warnings(&found));
+    let completed = std::fs::read_to_string(folder.join("out/completed.ron")).expect("a completed spec");
+    assert!(completed.contains("interpolate: Hold"), "{completed}");
+}

@@ -28,8 +28,8 @@ pub(crate) fn may_be_undetermined(applied: &Applied) -> bool {
 }
 
 /// A law is determined if none of its parameters ends at a bound, where the data want to go beyond it, and the
-/// interval of one of its coefficients excludes zero. A law that contains a simpler one has the level of that one as its first coefficient; of the others at least one must exclude zero, or be
-/// known to a small part of the level.
+/// interval of one of its coefficients excludes zero. A law that contains a simpler one has the level of that one
+/// as its first coefficient; of the others at least one must exclude zero.
 fn undetermined(last: &Fitted, applied: &Applied) -> Option<Veto> {
     let law = &applied.effect.entry.law;
     let found = |k: usize| -> Option<&FoundParameter> {
@@ -51,18 +51,16 @@ fn undetermined(last: &Fitted, applied: &Applied) -> Option<Veto> {
     let estimate = |k: usize| found(k).map(|p| &p.estimate);
     let linear: Vec<usize> =
         law.linear_parameters().into_iter().filter(|&k| !law.parameters[k].1.each).collect();
-    let (&first, rest) = linear.split_first()?;
+    let (_, rest) = linear.split_first()?;
     let zero = |k: usize| estimate(k).is_some_and(|e| e.ci95.0 <= 0.0 && e.ci95.1 >= 0.0);
     let named =
         |all: &[usize]| Veto::Undetermined(all.iter().map(|&k| law.parameters[k].0.clone()).collect());
     if linear.iter().all(|&k| zero(k)) {
         return Some(named(&linear));
     }
-    let level = estimate(first)?.value.abs();
-    let same_unit = |k: usize| law.parameters[k].1.unit == law.parameters[first].1.unit;
-    let wide = |k: usize| !same_unit(k) || estimate(k).is_some_and(|e| e.ci95.1 - e.ci95.0 > level);
-    (!law.simpler.is_empty() && !rest.is_empty() && rest.iter().all(|&k| zero(k) && wide(k)))
-        .then(|| named(rest))
+    // A coefficient of either sign is a correction of the level, others are levels of their own.
+    let rest: Vec<usize> = rest.iter().copied().filter(|&k| law.parameters[k].1.within.0 < 0.0).collect();
+    (!law.simpler.is_empty() && !rest.is_empty() && rest.iter().all(|&k| zero(k))).then(|| named(&rest))
 }
 
 /// Two effects on one body whose forces cancel each other over most of the motion: together they are the
@@ -107,4 +105,56 @@ pub(crate) fn cancelling(last: &Fitted) -> Option<Cancelling> {
         }
     }
     None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_models::{effect, model, with_effects};
+
+    const RUINA: &str = include_str!("../../../specs/laws/dieterich-ruina.ron");
+    const STOP: &str = include_str!("../../../specs/laws/one-sided-stop.ron");
+    const CUBIC: &str = include_str!("../../../specs/laws/cubic-stiffness.ron");
+    const SPRING: &str = include_str!("../../../specs/laws/stiffness.ron");
+
+    /// An oscillator that lacks `truth`, with these laws at its velocity (start values in SI).
+    fn with(truth: &str, laws: &[(&str, &str, &[f64])]) -> Fitted {
+        let (base, noise) = model(&format!(
+            r#"(states: {{ "x": "m", "v": "m/s" }}, constants: {{ "k": (1.0, "N/m"), "m": (1.0, "kg"), "c": (0.1, "N*s/m"), "F0": (1.0, "N"), "W": (0.7, "rad/s") }},
+            known: {{ "x": "v", "v": "(-k*x - c*v + F0*cos(W*t))/m" }},
+            inertia: {{ "v": "m" }}, unknown: {{}}, data: [ Synthetic(truth: {{ "v": "{truth}" }}, start: {{ "x": 1.0, "v": 0.0 }}, duration: 40.0, step: 0.05, noise: Additive(0.05), seed: 1) ])"#
+        ));
+        let effects: Vec<_> =
+            laws.iter().map(|(id, law, start)| effect(&base, id, law, "v", start)).collect();
+        with_effects(&base, &effects, &noise)
+    }
+
+    /// Plain friction does not determine what a richer law adds to it; a stop that is hardly touched has no
+    /// stiffness.
+    #[test]
+    fn numbers_that_a_record_does_not_determine_are_told() {
+        let names = |fitted: &Fitted| match vetoed(fitted).pop() {
+            Some((0, Vetoed { why: Veto::Undetermined(names), .. })) => names,
+            other => panic!("{other:?}"),
+        };
+        let friction = with("-0.3*sgn(v)", &[("dieterich-ruina", RUINA, &[0.3, 0.05, 0.05])]);
+        assert_eq!(names(&friction), ["a", "b"]);
+        let falling = with(
+            "-(0.3 + 0.07*ln((|v|+1e-6)/0.003) + 0.09*ln(0.022+0.003/(|v|+1e-6)))*sgn(v)",
+            &[("dieterich-ruina", RUINA, &[0.3, 0.07, 0.09])],
+        );
+        assert_eq!(vetoed(&falling), []);
+        let stop = with("0*x", &[("one-sided-stop", STOP, &[0.5, 1.0])]);
+        assert_eq!(vetoed(&stop).len(), 1, "{:?}", vetoed(&stop));
+    }
+
+    /// A spring less and a cubic spring more is the expansion of another spring.
+    #[test]
+    fn laws_that_cancel_are_told() {
+        let laws: &[(&str, &str, &[f64])] =
+            &[("stiffness", SPRING, &[-0.1]), ("cubic-stiffness", CUBIC, &[0.1])];
+        assert!(cancelling(&with("-0.4*x^3 + 0.1*x", laws)).is_none());
+        let told = cancelling(&with("0.3*x - 0.08*x^3", laws));
+        assert!(told.is_some_and(|c| c.left < CANCELS));
+    }
 }

@@ -248,33 +248,17 @@ fn powers(fitted: &Fitted, effect: &Effect, zero: &[usize]) -> Option<[f64; 5]> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{TrialModel, noise_of};
-    use phisindy_learn::Effort;
-    use phisindy_phys::{LawEntry, Origin, SourceId, check, spec};
-    use phisindy_sim::synthesize;
+    use crate::test_models::{effect, fitted as fitted_model, model};
 
     /// A law at the velocity of an oscillator whose model lacks `truth`, fitted from these start values (SI).
     fn fitted(truth: &str, id: &str, law: &str, start: &[f64]) -> (Fitted, Effect) {
-        let text = format!(
+        let (base, noise) = model(&format!(
             r#"(states: {{ "x": "m", "v": "m/s" }}, constants: {{ "k": (1.0, "N/m"), "m": (1.0, "kg"), "c": (0.1, "N*s/m"), "F0": (1.0, "N"), "W": (0.7, "rad/s") }},
             known: {{ "x": "v", "v": "(-k*x - c*v + F0*cos(W*t))/m" }},
             inertia: {{ "v": "m" }}, unknown: {{}}, data: [ Synthetic(truth: {{ "v": "{truth}" }}, start: {{ "x": 1.0, "v": 0.0 }}, duration: 40.0, step: 0.05, noise: Additive(0.02), seed: 1) ])"#
-        );
-        let (spec, _) = spec::read(&text, SourceId(0)).expect("a spec");
-        let (case, _) = check(&spec, SourceId(0)).expect("a case");
-        let Origin::Synthetic(plan) = &case.records[0].origin else { panic!("a measured record") };
-        let (record, _) =
-            synthesize(&case.records[0], plan, &case.system, None, &|_| Err("no files here".into()))
-                .expect("a record");
-        let records = vec![record];
-        let noise = noise_of(&records);
-        let base = TrialModel::base(spec, case, records);
-        let entry = LawEntry::read(id, law).expect("a law");
-        let place = base.places().iter().find(|p| p.at == "v").expect("a place").clone();
-        let effect =
-            Effect { entry, place, mirror: false, load: None, start: start.to_vec(), beside: vec![] };
-        let model = base.with(&effect).expect("a model");
-        (Fitted::new(model, &noise, Effort::Plain).expect("a fit"), effect)
+        ));
+        let effect = effect(&base, id, law, "v", start);
+        (fitted_model(base.with(&effect).expect("a model"), &noise), effect)
     }
 
     fn said(truth: &str, id: &str, law: &str, start: &[f64]) -> Option<Veto> {
@@ -312,5 +296,27 @@ mod tests {
         let why = said("0.2*cos(0.05*t+1)", "harmonic-force", TONE, &[0.2, 0.05, 1.0]);
         assert!(matches!(why, Some(Veto::SlowTone(_))), "{why:?}");
         assert_eq!(said("0.2*cos(0.25*t+1)", "harmonic-force", TONE, &[0.2, 0.25, 1.0]), None);
+    }
+
+    const VISCOUS: &str = include_str!("../../../specs/laws/viscous.ron");
+    const DRAG: &str = include_str!("../../../specs/laws/quadratic-drag.ron");
+    const PARAMETRIC: &str = include_str!("../../../specs/laws/parametric-stiffness.ron");
+
+    /// A correction of the known damper is a finding; more than the damper, or a drag that pushes at high speeds,
+    /// is not.
+    #[test]
+    fn a_resistance_that_feeds_the_motion_is_ruled_out() {
+        assert_eq!(said("0.06*v", "viscous", VISCOUS, &[-0.05]), None);
+        assert_eq!(said("0.13*v", "viscous", VISCOUS, &[-0.05]), Some(Veto::FeedsMotion));
+        assert_eq!(said("0.02*v*|v|", "quadratic-drag", DRAG, &[-0.02]), Some(Veto::FeedsMotion));
+        assert_eq!(said("-0.1*v*|v|", "quadratic-drag", DRAG, &[0.1]), None);
+    }
+
+    /// Twice the frequency of the drive stands for anything cubic.
+    #[test]
+    fn a_tone_at_a_multiple_of_the_drive_is_ruled_out() {
+        let why = said("-0.2*x^3", "parametric-stiffness", PARAMETRIC, &[0.1, 1.4, 0.0]);
+        assert!(matches!(why, Some(Veto::OwnFrequency { times: 2, free: false, .. })), "{why:?}");
+        assert_eq!(said("-0.2*cos(1.72*t)*x", "parametric-stiffness", PARAMETRIC, &[0.2, 1.72, 0.0]), None);
     }
 }

@@ -33,6 +33,8 @@ mod result;
 mod screen;
 mod search;
 mod sensor_curve;
+#[cfg(test)]
+mod test_models;
 mod whiteness;
 mod workflow;
 

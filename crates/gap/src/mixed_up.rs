@@ -94,3 +94,53 @@ fn shifted(base: &TrialModel) -> Vec<(MixedUp, TrialModel)> {
     }
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_models::{fitted, model};
+
+    /// Two masses between springs; the spec has `m1` and `m2`, the rig one force more.
+    fn chain(m1: f64, m2: f64, truth: &str) -> (TrialModel, Vec<Vec<f64>>) {
+        model(&format!(
+            r#"(states: {{ "x1": "m", "v1": "m/s", "x2": "m", "v2": "m/s" }},
+            constants: {{ "m1": ({m1:?}, "kg"), "m2": ({m2:?}, "kg"), "k": (30.0, "N/m"), "F": (1.0, "N") }},
+            known: {{ "x1": "v1", "v1": "(-k*x1 + k*(x2-x1) + F*cos(3*t))/m1", "x2": "v2", "v2": "-k*(x2-x1)/m2" }}, unknown: {{}},
+            data: [ Synthetic(truth: {{ {truth} }}, start: {{ "x1": 0.3, "v1": 0.0, "x2": -0.2, "v2": 0.0 }}, duration: 12.0, step: 0.02,
+                noise: Additive(0.01), seed: 1, measure: ["x1", "x2"]) ])"#
+        ))
+    }
+
+    #[test]
+    fn two_masses_that_are_exchanged_are_told() {
+        let (right, noise) = chain(1.0, 2.5, "");
+        let right = fitted(right, &noise);
+        assert_eq!(mixed_up(&right, &right, &noise), None);
+        // The rig has the masses 1 and 2.5, the spec 2.5 and 1.
+        let (wrong, noise) = chain(
+            2.5,
+            1.0,
+            r#""v1": "(-k*x1 + k*(x2-x1) + F*cos(3*t))*(1/1.0-1/2.5)", "v2": "-k*(x2-x1)*(1/2.5-1/1.0)""#,
+        );
+        let wrong = fitted(wrong, &noise);
+        let found = mixed_up(&wrong, &wrong, &noise);
+        let Some(MixedUp::Constants { names, gap }) = found else { panic!("{found:?}") };
+        assert_eq!((names.0.as_str(), names.1.as_str()), ("m1", "m2"));
+        assert!(gap < 1.2, "{gap}");
+    }
+
+    #[test]
+    fn a_relative_column_is_told() {
+        let (mut model, noise) = chain(1.0, 2.5, "");
+        for records in [&mut model.records, &mut model.smooth] {
+            let record = &mut Arc::make_mut(records)[0];
+            let ground = record.columns[0].clone().expect("a column");
+            let column = record.columns[2].as_mut().expect("a column");
+            column.iter_mut().zip(ground).for_each(|(x2, x1)| *x2 -= x1);
+        }
+        let wrong = fitted(model, &noise);
+        let found = mixed_up(&wrong, &wrong, &noise);
+        let Some(MixedUp::Column { of, other, relative: true, .. }) = found else { panic!("{found:?}") };
+        assert_eq!((of.column.as_str(), other.as_str()), ("x2", "x1"));
+    }
+}

@@ -58,14 +58,17 @@ fn straightened(of: &Fitted) -> Option<(TrialModel, Named, f64)> {
         let b = (right[1] * normal[0][0] - right[0] * normal[1][0]) / determinant;
         for (r, record) in of.model.records.iter().enumerate() {
             let Some(column) = &record.columns[state] else { continue };
-            let bend: Vec<f64> = bends(column).iter().map(|p| a * p[0] + b * p[1]).collect();
-            let size = standard_deviation(&bend) / standard_deviation(column);
+            let off_line: Vec<f64> = bends(column).iter().map(|p| a * p[0] + b * p[1]).collect();
+            let size = standard_deviation(&off_line) / standard_deviation(column);
             if size > SENSOR_LINEARITY {
                 return None;
             }
             if worst.as_ref().is_none_or(|(most, _)| size > *most) {
                 worst = Some((size, Named { record: record.name.clone(), column: name.clone() }));
             }
+            let mean = column.iter().sum::<f64>() / column.len().max(1) as f64;
+            let bend = column.iter().map(|y| a * (y - mean).powi(2) + b * (y - mean).powi(3));
+            let bend: Vec<f64> = bend.collect();
             for records in [&mut model.records, &mut model.smooth] {
                 if let Some(own) = &mut Arc::make_mut(records)[r].columns[state] {
                     own.iter_mut().zip(&bend).for_each(|(y, bend)| *y -= bend);
@@ -78,7 +81,7 @@ fn straightened(of: &Fitted) -> Option<(TrialModel, Named, f64)> {
 }
 
 /// The square and the cube of a column about its mean, each without the straight line in the column that is
-/// nearest to it: a line is a gain and an offset.
+/// nearest to it: a line is a gain and an offset, which the fit may have taken up.
 fn bends(column: &[f64]) -> Vec<[f64; 2]> {
     let n = column.len().max(1) as f64;
     let mean = column.iter().sum::<f64>() / n;
@@ -90,4 +93,36 @@ fn bends(column: &[f64]) -> Vec<[f64; 2]> {
         values.iter().zip(column).map(|(v, y)| v - level - slope * (y - mean)).collect()
     };
     without_line(2).into_iter().zip(without_line(3)).map(|(a, b)| [a, b]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_models::{effect, model, with_effects};
+
+    /// A free oscillation whose sensor bends by a fifth of a per cent: a quadratic spring fits as well, but is not
+    /// what the record tells. A spring that bends the motion by more than a sensor may is.
+    #[test]
+    fn a_bent_scale_is_no_spring() {
+        let of = |truth: &str| {
+            model(&format!(
+                r#"(states: {{ "x": "m", "v": "m/s" }}, constants: {{ "k": (6.0, "1/s^2"), "c": (0.02, "1/s") }}, known: {{ "x": "v", "v": "-k*x - c*v" }}, unknown: {{}},
+                data: [ Synthetic(truth: {{ {truth} }}, start: {{ "x": 1.0, "v": 0.0 }}, duration: 30.0, step: 0.03, noise: Additive(0.002), seed: 1, measure: ["x"]) ])"#
+            ))
+        };
+        let spring = include_str!("../../../specs/laws/quadratic-stiffness.ron");
+        let at = |model: &TrialModel, noise: &[Vec<f64>], start: f64| {
+            let effect = effect(model, "quadratic-stiffness", spring, "v", &[start]);
+            with_effects(model, &[effect], noise)
+        };
+        let (mut straight, noise) = of("");
+        for records in [&mut straight.records, &mut straight.smooth] {
+            let column = Arc::make_mut(records)[0].columns[0].as_mut().expect("a column");
+            column.iter_mut().for_each(|x| *x += 0.004 * *x * *x);
+        }
+        let found = sensor_curve(&at(&straight, &noise, 0.01), &noise).map(|(k, curve)| (k, curve.bend));
+        assert!(found.is_some_and(|(k, bend)| k == 0 && bend > 5e-4 && bend < SENSOR_LINEARITY), "{found:?}");
+        let (soft, noise) = of(r#""v": "-0.6*x^2""#);
+        assert_eq!(sensor_curve(&at(&soft, &noise, 0.5), &noise), None);
+    }
 }

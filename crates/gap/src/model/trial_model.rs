@@ -344,7 +344,7 @@ mod tests {
             let entry = LawEntry::read("coulomb", include_str!("../../../../specs/laws/coulomb.ron"));
             let (entry, place) = (entry.expect("a law"), base.places()[0].clone());
             let effect = Effect { entry, place, mirror: false, load: None, start: vec![1.0], beside: vec![] };
-            text_with(&text, &base.with(&effect).expect("a model")).expect("a text")
+            text_with(&text, &base.with(&effect).expect("a model"), None).expect("a text")
         };
         let plain = written("7.5");
         let (spec, _) = spec::read(&plain, SourceId(0)).expect("a spec");
@@ -382,7 +382,7 @@ mod tests {
                 let mirror = Effect { mirror: true, ..effect.clone() };
                 let effects = if entry.law.mirror.is_some() { vec![effect, mirror] } else { vec![effect] };
                 let model = base.with_all(&effects).expect("a model");
-                let completed = text_with(text, &model).expect("a text");
+                let completed = text_with(text, &model, None).expect("a text");
                 let (spec, _) = spec::read(&completed, SourceId(0)).expect("a spec");
                 let (case, _) =
                     check_names(&spec, SourceId(0)).unwrap_or_else(|d| panic!("{d:?}\n{completed}"));

@@ -1,0 +1,39 @@
+//! Models for the tests of this crate: specs with synthetic records, fitted.
+
+use crate::model::{Fitted, TrialModel, noise_of};
+use crate::place::Effect;
+use phisindy_learn::Effort;
+use phisindy_phys::{LawEntry, Origin, SourceId, check, spec};
+use phisindy_sim::synthesize;
+
+/// The model of a spec with synthetic records, and the noise of these.
+pub(crate) fn model(text: &str) -> (TrialModel, Vec<Vec<f64>>) {
+    let (spec, _) = spec::read(text, SourceId(0)).expect("a spec");
+    let (case, _) = check(&spec, SourceId(0)).expect("a case");
+    let made = case.records.iter().map(|plan| {
+        let Origin::Synthetic(truth) = &plan.origin else { panic!("a measured record") };
+        let made = synthesize(plan, truth, &case.system, None, &|_| Err("no files here".into()));
+        made.expect("a record").0
+    });
+    let records: Vec<_> = made.collect();
+    let noise = noise_of(&records);
+    (TrialModel::base(spec, case, records), noise)
+}
+
+/// The fitted model.
+pub(crate) fn fitted(model: TrialModel, noise: &[Vec<f64>]) -> Fitted {
+    Fitted::new(model, noise, Effort::Plain).expect("a fit")
+}
+
+/// A law at a place of a model, with start values (SI).
+pub(crate) fn effect(model: &TrialModel, id: &str, law: &str, at: &str, start: &[f64]) -> Effect {
+    let entry = LawEntry::read(id, law).expect("a law");
+    let place = model.places().iter().find(|p| p.at == at).expect("a place").clone();
+    Effect { entry, place, mirror: false, load: None, start: start.to_vec(), beside: vec![] }
+}
+
+/// The model fitted with effects, with error bars.
+pub(crate) fn with_effects(model: &TrialModel, effects: &[Effect], noise: &[Vec<f64>]) -> Fitted {
+    let plain = fitted(model.with_all(effects).expect("a model"), noise);
+    Fitted::new(plain.settled(), noise, Effort::Errors).expect("a fit")
+}
