@@ -51,13 +51,13 @@ impl<'a> Drive<'a> {
         swing > 1e-20 * level && apart <= DRIVE_REPEATS * DRIVE_REPEATS * swing
     }
 
-    /// The spectral line of the drive (rad/s) of which `frequency` is a multiple up to `most`, with that multiple.
+    /// The spectral line of the drive (rad/s) of which `frequency` is a multiple, with that multiple.
     /// Anything nonlinear puts the multiples of a drive into the motion.
-    pub(crate) fn multiple_at(&mut self, frequency: f64, most: u32) -> Option<(f64, u32)> {
+    pub(crate) fn multiple_at(&mut self, frequency: f64) -> Option<(f64, u32)> {
         let apart = SAME_LINE / span(self.record);
         self.lines()
             .into_iter()
-            .find_map(|line| Some((line, multiple(frequency, (line, line), most, apart)?)))
+            .find_map(|line| Some((line, multiple(frequency, (line, line), u32::MAX, apart)?)))
     }
 
     /// Whether nothing drives the model: its known rates do not change while all states are zero.
@@ -166,12 +166,12 @@ mod tests {
         for (frequency, line, multiple) in
             [(0.7, 0.7, 1), (0.705, 0.7, 1), (1.3, 1.3, 1), (1.4, 0.7, 2), (3.9, 1.3, 3)]
         {
-            let found = drive.multiple_at(frequency, 3).unwrap_or((f64::NAN, 0));
+            let found = drive.multiple_at(frequency).unwrap_or((f64::NAN, 0));
             assert!((found.0 - line).abs() < 0.005 && found.1 == multiple, "{frequency}: {found:?}");
         }
         // No match: the frequency of the free motion, a frequency close to a line.
         for frequency in [2.0, 0.72, 0.9, 1.27, 3.0] {
-            assert_eq!(drive.multiple_at(frequency, 3), None, "{frequency}");
+            assert_eq!(drive.multiple_at(frequency), None, "{frequency}");
         }
         assert!(!drive.is_still());
     }

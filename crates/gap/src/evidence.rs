@@ -164,13 +164,13 @@ fn unidentifiable_tone(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     if frequency * longest < std::f64::consts::PI {
         return Some(Veto::SlowTone(TAU / frequency));
     }
-    // A cubic law makes three times the frequency of a motion. Times a displacement of that frequency, twice the
-    // frequency does it.
+    // A drive has all its multiples in the motion, friction sees to that. In a free oscillation they fade: a cubic
+    // law makes three times its frequency; times a displacement of that frequency, twice the frequency does it.
     let most = if law.role(LawRole::Displacement).is_some() { 2 } else { 3 };
     fits().find_map(|record| {
         let mut drive = Drive::new(&base.system, record)?;
         if !drive.is_still() {
-            let (line, times) = drive.multiple_at(frequency, most)?;
+            let (line, times) = drive.multiple_at(frequency)?;
             return Some(Veto::OwnFrequency { line, times, free: false });
         }
         let found = multiple_of_oscillation(record, frequency, most)?;
