@@ -52,6 +52,8 @@ decisions! {
     CHANCES: usize = 3, "steps", Basis::Derived("from nearby convergence is quadratic");
     /// Costs within this factor are the same number but for rounding.
     ROUNDING: f64 = 1.000_000_000_000_01, "factor", Basis::Derived("45 units in the last place");
+    /// With more unknowns than this the structure of segments is used: each has its own start state.
+    DENSE: usize = 128, "unknowns", Basis::Judgement("cost: below it a dense solution takes no time");
     /// An eigenvalue of the normal matrix below this, of unit diagonal, is a direction that the data do not see.
     BLIND_EIGENVALUE: f64 = 1e-13, "of unit diagonal", Basis::Derived("rounding of a matrix with some hundred rows");
     /// An unknown with a larger part of a blind direction is not seen.
@@ -237,6 +239,8 @@ decisions! {
     START_BLUR: f64 = 0.1, "power of the noise", BLIND;
     /// A free run worse than this is no model.
     WORST_NRMSE: f64 = 0.5, "NRMSE", Basis::Judgement("a quarter of the motion's power is missed");
+    /// A known part that misses by less than this is complete, also where what it leaves is not quite noise.
+    COMPLETE: f64 = 0.01, "NRMSE", Basis::Judgement("a hundredth of a motion is not worth a term");
     /// A column of which this part is noise shows no motion.
     NOISE_ONLY: f64 = 0.8, "part of the standard deviation", Basis::Judgement("two thirds of its power");
     /// Validation that is this many times worse than the fit is told ...

@@ -5,8 +5,10 @@ use crate::result::contribution::contributions;
 use crate::result::error::{DataError, LearnError};
 use crate::result::estimate::Estimate;
 use crate::result::identified::Identified;
+use crate::result::passivity::passivity;
 use crate::result::quantity::{Quantity, TermId};
 use crate::result::record_fit::RecordFit;
+use crate::result::requirements::requirements;
 use crate::result::warning::Warning;
 use crate::step::method::by_steps;
 use crate::trajectory::method::by_trajectory;
@@ -65,6 +67,8 @@ pub fn identify(
     }?;
     contributions(&case.system, records, &mut found);
     remarks(&case.system, &mut found);
+    passivity(&case.system, records, &mut found);
+    requirements(case, &mut found);
     Ok(found)
 }
 

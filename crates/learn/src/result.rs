@@ -3,10 +3,13 @@
 pub(crate) mod contribution;
 pub(crate) mod error;
 pub(crate) mod estimate;
+pub(crate) mod feeding;
 pub(crate) mod identified;
 pub(crate) mod parameter;
+pub(crate) mod passivity;
 pub(crate) mod quantity;
 pub(crate) mod record_fit;
+pub(crate) mod requirements;
 pub(crate) mod term;
 pub(crate) mod unknown_part;
 pub(crate) mod verdict;
