@@ -237,6 +237,8 @@ decisions! {
     START_BLUR: f64 = 0.1, "power of the noise", BLIND;
     /// A free run worse than this is no model.
     WORST_NRMSE: f64 = 0.5, "NRMSE", Basis::Judgement("a quarter of the motion's power is missed");
+    /// A known part that misses by less than this is complete, also where what it leaves is not quite noise.
+    COMPLETE: f64 = 0.01, "NRMSE", Basis::Judgement("a hundredth of a motion is not worth a term");
     /// A column of which this part is noise shows no motion.
     NOISE_ONLY: f64 = 0.8, "part of the standard deviation", Basis::Judgement("two thirds of its power");
     /// Validation that is this many times worse than the fit is told ...

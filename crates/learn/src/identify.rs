@@ -5,6 +5,7 @@ use crate::result::contribution::contributions;
 use crate::result::error::{DataError, LearnError};
 use crate::result::estimate::Estimate;
 use crate::result::identified::Identified;
+use crate::result::passivity::passivity;
 use crate::result::quantity::{Quantity, TermId};
 use crate::result::record_fit::RecordFit;
 use crate::result::warning::Warning;
@@ -65,6 +66,7 @@ pub fn identify(
     }?;
     contributions(&case.system, records, &mut found);
     remarks(&case.system, &mut found);
+    passivity(&case.system, records, &mut found);
     Ok(found)
 }
 

@@ -26,13 +26,14 @@ pub use decisions::decisions;
 pub use identify::{LearnOptions, dead_column, identify};
 pub use result::error::{DataError, LearnError, ModelError, NumericsError, TruthError};
 pub use result::estimate::Estimate;
+pub use result::feeding::Feeding;
 pub use result::identified::{Identified, NoiseModel, PathPoint, StopReason};
 pub use result::parameter::{FoundParameter, parameter_values};
 pub use result::quantity::{ParameterId, ParameterOf, Quantity, RecordId, SensorPart, TermId};
-pub use result::record_fit::RecordFit;
+pub use result::record_fit::{Adapted, OwnValue, RecordFit};
 pub use result::term::{Contribution, FoundTerm};
 pub use result::unknown_part::{Curve, PartValues, UnknownPart, unknown_parts};
-pub use result::verdict::{Rejection, Verdict};
+pub use result::verdict::{FitFailure, Rejection, Verdict};
 pub use result::warning::{Warning, at_bounds, sensitive_starts};
 pub use step::options::StepOptions;
 pub use step::train::{StepFit, train};
@@ -40,4 +41,5 @@ pub use sweep::{SweepRun, Truth, bound, project, sweep_one};
 pub use trajectory::calibrate::{
     Calibration, Effort, RESTART_RANGE, calibrate, segment_cost, single_run_cost,
 };
+pub use trajectory::free_run::predicted;
 pub use trajectory::initial::smoothed;

@@ -20,6 +20,8 @@ pub(crate) mod method;
 pub(crate) mod noise;
 pub(crate) mod problem;
 pub(crate) mod profile;
+pub(crate) mod recut;
+pub(crate) mod regular_start;
 pub(crate) mod report;
 pub(crate) mod select;
 pub(crate) mod separability;

@@ -4,13 +4,11 @@ use crate::case::Case;
 use crate::error::Error;
 use crate::loaded::Loaded;
 use crate::record::Record;
+use phisindy_learn::ModelError;
 use phisindy_phys::{self as phys, Origin, System};
 use phisindy_signal::{Differentiator, standard_deviation};
-use phisindy_sim::{Automaton, Drive, Options, SimError, Trajectory};
+use phisindy_sim::{SimError, Trajectory};
 use std::fmt;
-
-/// A state beyond this many times its size has diverged.
-const DIVERGED: f64 = 1e4;
 
 /// A free run at the times of a record, in SI.
 #[derive(Clone, Debug)]
@@ -104,28 +102,11 @@ fn free_run(system: &System, record: &phys::Record) -> Result<Vec<Vec<f64>>, Sim
     let start: Vec<f64> = start.collect::<Result<_, _>>()?;
     let size = |k: usize| filled.columns[k].as_ref().map_or(0.0, |column| standard_deviation(column));
     let scale = start.iter().enumerate().map(|(k, x)| size(k).max(x.abs()));
-    let scale = scale.map(|s| if s > 0.0 { s } else { 1.0 }).collect();
-    let model = system.model(&[]);
-    let automaton = Automaton::new(&model).map_err(|e| SimulationError::Model(e.message(&model.names)))?;
-    let parameters: Vec<f64> =
-        system.parameters.iter().map(|p| p.start).chain(record.constants.iter().copied()).collect();
-    let drive = Drive { inputs: &record.inputs, parameters: &parameters };
-    let options = Options { scale, diverged: DIVERGED, ..Options::default() };
-    let run = phisindy_sim::simulate(&automaton, &drive, record.time[0], &start, &record.time, &options)
-        .map_err(SimulationError::Run)?;
-    Ok((0..run.n).map(|k| readings(record, &run, k)).collect())
-}
-
-/// What the sensor of a state would read along a run; the state itself where there is none.
-fn readings(record: &phys::Record, run: &Trajectory, state: usize) -> Vec<f64> {
-    let values = run.column(state);
-    if record.columns[state].is_none() {
-        return values;
-    }
-    let sensor = &record.sensors[state];
-    let (offset, gain, delay) = (sensor.offset.start, sensor.gain.start, sensor.delay.start);
-    let rates = run.rates.iter().skip(state).step_by(run.n);
-    values.iter().zip(rates).map(|(x, rate)| offset + gain * (x - delay * rate)).collect()
+    let scale: Vec<f64> = scale.map(|s| if s > 0.0 { s } else { 1.0 }).collect();
+    phisindy_learn::predicted(system, record, &start, &scale).map_err(|e| match e {
+        ModelError::Unbound(reason) => SimulationError::Model(reason),
+        ModelError::Simulation(error) => SimulationError::Run(error),
+    })
 }
 
 /// Why a model has no free run along a record.

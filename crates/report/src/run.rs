@@ -1,5 +1,6 @@
 //! The result of `run`: an identified model.
 
+mod adapted;
 mod contribution;
 mod fixed;
 mod json;

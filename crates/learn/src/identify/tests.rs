@@ -34,7 +34,7 @@ fn ran(role: Role, nrmse: &[f64]) -> RecordFit {
         name: "r".into(),
         role,
         samples: SAMPLES,
-        start_took: None,
+        adapted: None,
         nrmse: nrmse.iter().map(|&e| ("x".into(), e)).collect(),
         noise: vec![],
         residuals: vec![],
@@ -115,7 +115,7 @@ fn what_makes_a_verdict() {
     let one = [term(1.0, 0.1)];
     let of = |terms: &[FoundTerm], fits: &[f64], without: &[f64]| {
         let all = |e: &[f64]| e.iter().map(|&e| ran(Role::Fit, &[e])).collect::<Vec<_>>();
-        verdict(system, terms, &all(fits), &all(without))
+        verdict(system, terms, &all(fits), &all(without), false)
     };
     let rejected = |v: Verdict, why: &str| match v {
         Verdict::Rejected(text) => assert!(text.to_string().contains(why), "{text}"),
@@ -133,13 +133,13 @@ fn what_makes_a_verdict() {
     let mut failed = ran(Role::Validate, &[]);
     failed.failure = Some(ModelError::Unbound("at t = 3".into()));
     rejected(
-        verdict(system, &one, &[failed], &[ran(Role::Fit, &[0.9])]),
+        verdict(system, &one, &[failed], &[ran(Role::Fit, &[0.9])], false),
         "the free run of r fails: at t = 3",
     );
     // Nothing to choose from: parameters alone.
     let bare = records(r#"states: {"x": ""}, known: {"x": "0"}, unknown: {}"#, &[(Role::Fit, line())]).0;
     assert_eq!(
-        verdict(&bare.system, &[], &[ran(Role::Fit, &[0.2])], &[ran(Role::Fit, &[0.2])]),
+        verdict(&bare.system, &[], &[ran(Role::Fit, &[0.2])], &[ran(Role::Fit, &[0.2])], false),
         Verdict::Identified
     );
 }

@@ -110,7 +110,7 @@ fn sticks(system: &System, found: &Identified) -> Option<Vec<Vec<usize>>> {
 }
 
 /// Whether force times this state is power: the rate of a displacement, or what is measured in m/s.
-fn is_velocity(system: &System, state: usize) -> bool {
+pub(super) fn is_velocity(system: &System, state: usize) -> bool {
     let speed = Dimension::METRE.div(Dimension::SECOND);
     system.states.iter().any(|s| s.velocity == Some(state))
         || Unit::parse(&system.states[state].unit).is_ok_and(|unit| unit.dimension == speed)

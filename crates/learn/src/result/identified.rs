@@ -76,8 +76,15 @@ impl Identified {
     }
 
     /// The values of [`System::parameters`] in a record, as far as they were found; the others as the spec
-    /// starts them.
+    /// starts them. A Validate record has those that it was given of its own.
     pub fn parameters_of(&self, system: &System, record: usize) -> Vec<f64> {
-        parameter_values(&self.parameters, system, record)
+        let mut values = parameter_values(&self.parameters, system, record);
+        let own = self.records.get(record).and_then(|r| r.adapted.as_ref()).map_or(&[][..], |a| &a.values);
+        for v in own {
+            if let Some(k) = v.id.constant() {
+                values[k] = v.value;
+            }
+        }
+        values
     }
 }

@@ -1,10 +1,39 @@
 //! How a model does on one record.
 
 use super::error::ModelError;
+use super::quantity::ParameterId;
 use crate::decisions::NOISE_ONLY;
 use phisindy_phys::spec::Role;
 use phisindy_signal::noise_level;
 use phisindy_sim::Trajectory;
+use std::ops::Range;
+
+/// What a Validate record was given of its own, and which part of the record that took: its start state
+/// ([`RecordFit::start`]), the constants that each record has, its sensors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Adapted {
+    /// Number of the record's first samples that were fitted.
+    pub samples: usize,
+    /// Times of the first and the last of them (s).
+    pub span: (f64, f64),
+    /// Numbers of its own beside the start state.
+    pub values: Vec<OwnValue>,
+    /// Whether the usual part of the record did not determine them: the motion depends strongly on its start.
+    pub took_more: bool,
+}
+
+/// A number that was fitted to one Validate record alone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OwnValue {
+    /// Which; it belongs to the record.
+    pub id: ParameterId,
+    /// As in the spec.
+    pub unit: String,
+    /// Factor from `unit` to SI.
+    pub factor: f64,
+    /// Value (SI).
+    pub value: f64,
+}
 
 /// How the identified model does on one record, running freely from its fitted start.
 #[derive(Clone, Debug)]
@@ -15,11 +44,11 @@ pub struct RecordFit {
     pub role: Role,
     /// Number of samples.
     pub samples: usize,
-    /// How many of them its start state was fitted on, where a tenth of a Validate record did not
-    /// determine it: the motion depends strongly on its start.
-    pub start_took: Option<usize>,
+    /// What a Validate record was given of its own before its free run; `None` for a Fit record, and for one that
+    /// continues another one.
+    pub adapted: Option<Adapted>,
     /// For each measured state: its name and rms of the free-run residual over the standard deviation of the
-    /// column.
+    /// column, both over the samples of [`RecordFit::scored`].
     pub nrmse: Vec<(String, f64)>,
     /// For each measured state: its name and the estimated standard deviation of its noise (SI).
     pub noise: Vec<(String, f64)>,
@@ -35,6 +64,13 @@ pub struct RecordFit {
 }
 
 impl RecordFit {
+    /// The samples that the record is judged by: all of a Fit record, of a Validate record those that it was not
+    /// adapted on. A record that was adapted as a whole leaves nothing to predict, and is judged by all of them.
+    pub fn scored(&self) -> Range<usize> {
+        let adapted = self.adapted.as_ref().map_or(0, |a| a.samples);
+        if adapted < self.samples { adapted..self.samples } else { 0..self.samples }
+    }
+
     /// The largest NRMSE of all columns that are more than noise; infinite if the run failed. Of a rig at rest
     /// a column is noise, and so is what any model leaves of it.
     pub(crate) fn worst_of_motion(&self) -> f64 {
@@ -42,7 +78,9 @@ impl RecordFit {
             return f64::INFINITY;
         }
         let rms = |r: &[f64]| (r.iter().map(|e| e * e).sum::<f64>() / r.len() as f64).sqrt();
-        let residuals: Vec<&Vec<f64>> = self.residuals.iter().filter(|r| !r.is_empty()).collect();
+        let scored = self.scored();
+        let residuals: Vec<&[f64]> =
+            self.residuals.iter().filter(|r| !r.is_empty()).map(|r| &r[scored.clone()]).collect();
         // The column's standard deviation is that of the residual over the NRMSE.
         let rests =
             |k: usize, e: f64| residuals.get(k).is_some_and(|r| noise_level(r) * e > NOISE_ONLY * rms(r));

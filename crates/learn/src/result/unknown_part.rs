@@ -1,8 +1,8 @@
 //! The identified part of each rate as a resistance: against the velocity that it depends on where there is one
 //! such velocity, else along the motion.
 
+use super::estimate::Estimate;
 use super::identified::Identified;
-use crate::decisions::HALF_WIDTH_95;
 use phisindy_expr::{Graph, Id, Scratch, Tape};
 use phisindy_phys::{Case, Origin, Record, System};
 use phisindy_sim::Trajectory;
@@ -196,9 +196,17 @@ impl<'a> Part<'a> {
         let outputs: Vec<Id> = [sum].into_iter().chain(slopes).collect();
         let rows = self.at(&self.graph, &velocity, &numbers, &outputs)?;
         let value: Vec<f64> = rows.iter().map(|row| row[0]).collect();
-        let reach = |row: &Vec<f64>| HALF_WIDTH_95 * variance(&found.covariance, &row[1..]).max(0.0).sqrt();
-        let band = (!found.covariance.is_empty())
-            .then(|| rows.iter().map(|row| (row[0] - reach(row), row[0] + reach(row))).collect());
+        let estimates: Vec<Estimate> = found
+            .terms
+            .iter()
+            .map(|t| t.coefficient)
+            .chain(found.parameters.iter().map(|p| p.estimate))
+            .collect();
+        let band = |row: &Vec<f64>| {
+            let (below, above) = reach(&found.covariance, &estimates, &row[1..]);
+            (row[0] - below, row[0] + above)
+        };
+        let band = (!found.covariance.is_empty()).then(|| rows.iter().map(band).collect());
         let truth = self.truth(case, r, &velocity, &numbers);
         Some(Curve { velocity, value, band, truth })
     }
@@ -242,10 +250,55 @@ fn grid<'v>(visited: impl Iterator<Item = &'v f64>) -> Option<Vec<f64>> {
     Some([low].into_iter().chain(inside).chain([high]).collect())
 }
 
-/// Variance of a number with these derivatives; what the data do not determine does not enter if it does
-/// not depend on it.
-fn variance(covariance: &[Vec<f64>], slopes: &[f64]) -> f64 {
+/// How far a 95 % band reaches below and above a number with these derivatives by what was estimated: each of
+/// `numbers` moves as far as its own interval goes, and they move together as their covariance says. So the band
+/// of a single number is its interval. What the data do not determine does not enter if the number does not
+/// depend on it.
+fn reach(covariance: &[Vec<f64>], numbers: &[Estimate], slopes: &[f64]) -> (f64, f64) {
     let used: Vec<usize> = (0..slopes.len()).filter(|&k| slopes[k] != 0.0).collect();
-    let row = |&i: &usize| used.iter().map(|&j| slopes[i] * covariance[i][j] * slopes[j]).sum::<f64>();
-    used.iter().map(row).sum()
+    let correlation = |i: usize, j: usize| {
+        if i == j { 1.0 } else { covariance[i][j] / (covariance[i][i] * covariance[j][j]).sqrt() }
+    };
+    let side = |upwards: bool| {
+        let move_of = |&k: &usize| {
+            let Estimate { value, ci95: (low, high), .. } = numbers[k];
+            slopes[k] * if (slopes[k] > 0.0) == upwards { high - value } else { value - low }
+        };
+        let moves: Vec<f64> = used.iter().map(move_of).collect();
+        let row = |(a, &i): (usize, &usize)| {
+            used.iter().enumerate().map(|(b, &j)| moves[a] * correlation(i, j) * moves[b]).sum::<f64>()
+        };
+        used.iter().enumerate().map(row).sum::<f64>().max(0.0).sqrt()
+    };
+    (side(false), side(true))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A profile interval need not be symmetric, and is wider than the covariance alone says: the band of a
+    /// coefficient is its interval, and that of its negative the same turned round.
+    #[test]
+    fn the_band_of_one_coefficient_is_its_interval() {
+        let wide = Estimate { value: 2.0, std_error: 0.1, ci95: (1.7, 2.5) };
+        let blind =
+            Estimate { value: 0.0, std_error: f64::INFINITY, ci95: (f64::NEG_INFINITY, f64::INFINITY) };
+        let covariance = vec![vec![0.01, 0.0], vec![0.0, f64::INFINITY]];
+        let of = |slopes: [f64; 2]| reach(&covariance, &[wide, blind], &slopes);
+        let (below, above) = of([1.0, 0.0]);
+        assert!((below - 0.3).abs() < 1e-12 && (above - 0.5).abs() < 1e-12, "{below} {above}");
+        let (below, above) = of([-2.0, 0.0]);
+        assert!((below - 1.0).abs() < 1e-12 && (above - 0.6).abs() < 1e-12, "{below} {above}");
+    }
+
+    /// Two equal numbers that move against each other: their sum is known, their difference is not.
+    #[test]
+    fn what_trades_off_cancels_in_the_band() {
+        let number = Estimate::normal(1.0, 0.1);
+        let covariance = vec![vec![0.01, -0.01], vec![-0.01, 0.01]];
+        let of = |slopes: [f64; 2]| reach(&covariance, &[number; 2], &slopes).1;
+        assert!(of([1.0, 1.0]) < 1e-9);
+        assert!((of([1.0, -1.0]) - 2.0 * (number.ci95.1 - 1.0)).abs() < 1e-12);
+    }
 }

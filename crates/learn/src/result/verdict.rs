@@ -1,9 +1,10 @@
 //! Whether to believe a result. Texts are in [`super::words`].
 
 use super::error::ModelError;
+use super::feeding::Feeding;
 use super::record_fit::RecordFit;
 use super::term::FoundTerm;
-use crate::decisions::WORST_NRMSE;
+use crate::decisions::{COMPLETE, WORST_NRMSE};
 use phisindy_phys::System;
 use phisindy_phys::spec::Role;
 
@@ -16,14 +17,33 @@ pub enum Verdict {
     Rejected(Rejection),
 }
 
+/// Why a fit did not move. `Display` gives the sentence.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FitFailure {
+    /// An expression of the rates has no finite slope where the motion starts, so no derivative of the misfit is
+    /// finite.
+    Singular {
+        /// The expression, in the language of the specs.
+        expression: String,
+        /// Name of the state that it depends on.
+        state: String,
+        /// Value of that state there (SI).
+        value: f64,
+    },
+    /// No step from the start values lowers the misfit.
+    Stuck,
+}
+
 /// Why a model is rejected. `Display` gives the sentence.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rejection {
-    /// No term of the dictionary is left.
+    /// No term of the dictionary is left, although something is missing.
     NoTerms {
         /// Name of each record and NRMSE of the known part alone.
         known: Vec<(String, f64)>,
     },
+    /// The fit did not move from where it started.
+    FitFailed(FitFailure),
     /// The free run of a record fails.
     RunFails {
         /// Name of the record.
@@ -38,19 +58,23 @@ pub enum Rejection {
         /// Its NRMSE.
         nrmse: f64,
     },
+    /// A passive law was fitted so that it feeds the motion.
+    Feeds(Feeding),
     /// The model does no better with the identified part than without it.
     NoBetter,
 }
 
-/// Rejected when nothing survives, a free run fails or misses, or the identified part is no better than
-/// nothing. `without` are the free runs of the known part alone.
+/// Rejected when nothing survives although something is missing, a free run fails or misses, or the identified
+/// part is no better than nothing. `without` are the free runs of the known part alone, `only_noise` says that
+/// the fit leaves nothing but noise.
 pub(crate) fn verdict(
     system: &System,
     terms: &[FoundTerm],
     fits: &[RecordFit],
     without: &[RecordFit],
+    only_noise: bool,
 ) -> Verdict {
-    match rejection(system, terms, fits, without) {
+    match rejection(system, terms, fits, without, only_noise) {
         Some(why) => Verdict::Rejected(why),
         None => Verdict::Identified,
     }
@@ -61,8 +85,11 @@ fn rejection(
     terms: &[FoundTerm],
     fits: &[RecordFit],
     without: &[RecordFit],
+    only_noise: bool,
 ) -> Option<Rejection> {
-    if terms.is_empty() && !system.terms.is_empty() {
+    // A known part that leaves nothing to be named is a right model, not a wrong one.
+    let complete = only_noise || fits.iter().all(|f| f.worst() < COMPLETE);
+    if terms.is_empty() && !system.terms.is_empty() && !complete {
         let known = without.iter().map(|f| (f.name.clone(), f.worst())).collect();
         return Some(Rejection::NoTerms { known });
     }

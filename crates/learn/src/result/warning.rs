@@ -1,5 +1,6 @@
 //! What a careful reader should know of a result, as data. Texts are in [`super::words`].
 
+use super::feeding::Feeding;
 use super::parameter::FoundParameter;
 use super::quantity::{Quantity, TermId};
 use super::record_fit::RecordFit;
@@ -63,6 +64,8 @@ pub enum Warning {
         /// Which.
         term: TermId,
     },
+    /// A passive law feeds the motion.
+    Feeds(Feeding),
     /// The data say nothing about a number.
     Unseen {
         /// Which.
@@ -103,7 +106,8 @@ pub enum Warning {
         /// Segments of the record that has most.
         pieces: usize,
     },
-    /// Neighbouring motions part so fast that the start state of a Validate record took more of it than usual.
+    /// The start state of a Validate record, and numbers of its own, took more of it than usual: neighbouring
+    /// motions part fast, or these numbers are nearly collinear.
     SensitiveStart {
         /// Name of the record.
         record: String,
@@ -111,6 +115,8 @@ pub enum Warning {
         fitted: usize,
         /// Samples of the record.
         samples: usize,
+        /// Whether the record has numbers of its own beside its start state.
+        own: bool,
     },
     /// Method step holds constants that the spec lets move.
     HeldConstants {
@@ -152,7 +158,9 @@ pub fn at_bounds(parameters: &[FoundParameter]) -> Vec<Warning> {
 /// A warning for every Validate record whose motion hangs on its start.
 pub fn sensitive_starts(records: &[RecordFit]) -> Vec<Warning> {
     let warning = |f: &RecordFit| {
-        Some(Warning::SensitiveStart { record: f.name.clone(), fitted: f.start_took?, samples: f.samples })
+        let part = f.adapted.as_ref().filter(|a| a.took_more)?;
+        let (record, own) = (f.name.clone(), !part.values.is_empty());
+        Some(Warning::SensitiveStart { record, fitted: part.samples, samples: f.samples, own })
     };
     records.iter().filter_map(warning).collect()
 }
@@ -160,15 +168,21 @@ pub fn sensitive_starts(records: &[RecordFit]) -> Vec<Warning> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::result::record_fit::Adapted;
     use phisindy_phys::spec::Role;
 
     #[test]
     fn a_start_that_took_half_of_the_record_is_told_and_a_tenth_is_not() {
-        let fit = |name: &str, start_took| RecordFit {
+        let fit = |name: &str, took: Option<usize>| RecordFit {
             name: name.into(),
             role: Role::Validate,
             samples: 400,
-            start_took,
+            adapted: Some(Adapted {
+                samples: took.unwrap_or(40),
+                span: (0.0, 1.0),
+                values: vec![],
+                took_more: took.is_some(),
+            }),
             nrmse: vec![("x".into(), 0.1)],
             noise: vec![],
             residuals: vec![],

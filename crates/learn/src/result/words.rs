@@ -1,9 +1,10 @@
 //! Every sentence of this crate that a user reads.
 
 use super::error::{DataError, LearnError, ModelError, NumericsError, TruthError};
+use super::feeding::Feeding;
 use super::identified::NoiseModel;
 use super::quantity::{ParameterId, ParameterOf, Quantity, TermId};
-use super::verdict::Rejection;
+use super::verdict::{FitFailure, Rejection};
 use super::warning::Warning;
 use crate::decisions::{FEWEST_SAMPLES, RIVAL};
 use std::fmt::{Display, Formatter, Result};
@@ -82,6 +83,14 @@ impl Display for Warning {
                 "candidate {} of {}' is not finite everywhere on the data: it was hardly considered",
                 term.candidate, term.state
             ),
+            Warning::Feeds(feeding @ Feeding::TurnedSign { constant, .. }) => {
+                write!(f, "{feeding}: turn the sign of the term with {constant} in `known`")
+            }
+            Warning::Feeds(feeding) => write!(
+                f,
+                "{feeding}; such a law stands for something else, such as drag, a damper or a drive that the known part has wrong, or a law that is \
+                 missing: `phisindy gap` looks for it"
+            ),
             Warning::Unseen { number } => {
                 write!(f, "the data say nothing about {number}: give it a number, or leave it out")
             }
@@ -117,7 +126,13 @@ impl Display for Warning {
                 f,
                 "a single run drifts away from the data, so each record was fitted in up to {pieces} segments with start states of their own"
             ),
-            Warning::SensitiveStart { record, fitted, samples } => write!(
+            Warning::SensitiveStart { record, fitted, samples, own: true } => write!(
+                f,
+                "{record}: a part of it does not determine its start state and the numbers of its own; they were fitted on {:.0} % of it, and only the \
+                 rest is prediction",
+                100.0 * *fitted as f64 / (*samples).max(1) as f64
+            ),
+            Warning::SensitiveStart { record, fitted, samples, own: false } => write!(
                 f,
                 "{record}: neighbouring motions part so fast that its start state was fitted on {:.0} % of it, not on a tenth; everything else there is \
                  prediction",
@@ -147,15 +162,62 @@ impl Display for Rejection {
                 "no term of the dictionary survives: nothing is missing that it could name (NRMSE of the known part alone: {})",
                 known.iter().map(|(name, e)| format!("{name} {e:.3}")).collect::<Vec<_>>().join(", ")
             ),
+            Rejection::FitFailed(failure) => write!(f, "{failure}"),
             Rejection::RunFails { record, failure } => {
                 write!(f, "the free run of {record} fails: {failure}")
             }
             Rejection::RunMisses { record, nrmse } => {
                 write!(f, "the free run of {record} misses the data: NRMSE {nrmse:.2}")
             }
+            Rejection::Feeds(feeding) => write!(f, "{feeding}"),
             Rejection::NoBetter => {
                 f.write_str("the model does no better with the identified part than without it")
             }
+        }
+    }
+}
+
+impl Display for FitFailure {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        f.write_str("the fit failed, every value stands where it started: ")?;
+        match self {
+            FitFailure::Singular { expression, state, value } => write!(
+                f,
+                "{expression} has no finite slope at {state} = {value}, where the motion starts; state a `start` of {state} away from it"
+            ),
+            FitFailure::Stuck => f.write_str(
+                "no step away lowers the misfit; start from other values, or let fewer of them move at first",
+            ),
+        }
+    }
+}
+
+impl Display for Feeding {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let within = |(low, high): &(f64, f64)| {
+            if low == high { String::new() } else { format!(" [{low:.4}, {high:.4}]") }
+        };
+        let unit =
+            |unit: &str| if unit.is_empty() || unit == "1" { String::new() } else { format!(" {unit}") };
+        match self {
+            Feeding::DryFriction { velocity, level, ci95, unit: u } => write!(
+                f,
+                "the dry friction of {velocity} is negative: {level:.4}{}{} in the mean along the motion, which it feeds; friction can only take energy out",
+                within(ci95),
+                unit(u)
+            ),
+            Feeding::Damping { state, slope, ci95 } => write!(
+                f,
+                "the damping of {state} is negative: {:.4}{} 1/s, and feeds every motion without end; a dashpot can only take energy out",
+                -slope,
+                within(&(-ci95.1, -ci95.0))
+            ),
+            Feeding::TurnedSign { state, constant, value, ci95, unit: u } => write!(
+                f,
+                "{constant} is negative: {value:.4}{}{}; as `known` is written, it damps {state} only so, and a damper is positive",
+                within(ci95),
+                unit(u)
+            ),
         }
     }
 }

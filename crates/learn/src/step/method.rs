@@ -54,7 +54,7 @@ pub(crate) fn by_steps(
     warnings.extend(sensitive_starts(&fits));
     let mut without = Solution::new(vec![], vec![], &fit.parameters, records);
     let baseline = free_runs(system, records, &filled, &mut without);
-    let verdict = verdict(system, &terms, &fits, &baseline);
+    let verdict = verdict(system, &terms, &fits, &baseline, false);
     let selection =
         fit.stages.iter().map(|&(terms, criterion)| PathPoint { terms, criterion, nrmse: None }).collect();
     let found = terms.len() + parameters.len();

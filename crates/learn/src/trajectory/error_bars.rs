@@ -1,6 +1,7 @@
 //! Error bars of a fit: the sandwich covariance, stretched where residuals are correlated, and intervals by
 //! profile likelihood.
 
+use crate::decisions::STAGES;
 use crate::linear::covariance;
 use crate::result::estimate::Estimate;
 use crate::trajectory::fit::Fit;
@@ -37,6 +38,10 @@ impl<'a> ErrorBars<'a> {
 
     /// An unknown with its interval by profile likelihood.
     pub(crate) fn estimate(&self, k: usize) -> Estimate {
+        // Over short segments a run is nearly linear in its numbers, and a profile would fit all their starts anew.
+        if self.fit.most_pieces() > STAGES[0] {
+            return self.quadratic(k);
+        }
         let (error, curvature) = (self.error(k), self.curvature[(k, k)].sqrt());
         Estimate { value: self.fit.x[k], std_error: error, ci95: interval(self.fit, k, error, curvature) }
     }

@@ -3,11 +3,13 @@
 use crate::decisions::{DIVERGED_SIZE, OWN_PART, START_BLUR, START_MINIMUM, START_PART, START_SAMPLES};
 use crate::least_squares::{Limits, Normal};
 use crate::linear::covariance;
-use crate::result::record_fit::RecordFit;
-use crate::trajectory::layout::Segment;
+use crate::result::error::ModelError;
+use crate::result::quantity::{ParameterId, ParameterOf, RecordId, SensorPart};
+use crate::result::record_fit::{Adapted, OwnValue, RecordFit};
 use crate::trajectory::problem::{Meaning, Problem};
 use faer::Mat;
 use phisindy_phys::spec::Role;
+use phisindy_phys::unit::Unit;
 use phisindy_phys::{Record, System};
 use phisindy_signal::{noise_level, standard_deviation};
 use phisindy_sim::{Options, SimError, Trajectory};
@@ -45,8 +47,9 @@ impl Solution {
     }
 }
 
-/// Simulates every record from its start state, which is fitted where `solution` has none. `filled` are the
-/// records with samples (or derived samples) of every state, to start from.
+/// Simulates every record from its start state, which is fitted where `solution` has none. What a Validate record
+/// has of its own is fitted with it, and stands in `solution` afterwards. `filled` are the records with samples
+/// (or derived samples) of every state, to start from.
 pub(crate) fn free_runs(
     system: &System,
     records: &[Record],
@@ -74,7 +77,7 @@ fn one(
         name: record.name.clone(),
         role: record.role,
         samples: record.len(),
-        start_took: None,
+        adapted: None,
         nrmse: vec![],
         noise: vec![],
         residuals: vec![vec![]; record.columns.len()],
@@ -100,12 +103,14 @@ fn one(
     let run = if source != r {
         continued(&problem, &records[source], &done[source], record, &x)
     } else {
-        started(problem, &mut x, solution, r, record).and_then(|(problem, segment, took)| {
-            solution.starts[r] = Some(x[segment.start..].to_vec());
-            fit.start_took = took;
+        started(problem, &mut x, solution, r, record).and_then(|(problem, took)| {
+            solution.starts[r] = Some(x[whole.start..].to_vec());
+            fit.adapted = took.map(|took| {
+                keep(&problem, &x, &mut solution.parameters[r], &mut solution.sensors[r]);
+                adapted(&problem, &x, record, r, took)
+            });
             let sampled = problem.trajectory(&whole, &x);
-            sampled
-                .map(|sampled| (problem.readings(0, &x, &sampled), x[segment.start..].to_vec(), sampled.run))
+            sampled.map(|sampled| (problem.readings(0, &x, &sampled), x[whole.start..].to_vec(), sampled.run))
         })
     };
     let (readings, start, run) = match run {
@@ -116,13 +121,13 @@ fn one(
         }
     };
     fit.start = start;
+    let scored = fit.scored();
     for (k, column) in record.columns.iter().enumerate() {
         let Some(column) = column else { continue };
         let name = system.states[k].name.clone();
         let residual: Vec<f64> = column.iter().zip(&readings[k]).map(|(y, p)| y - p).collect();
-        let n = residual.len() as f64;
-        let deviation = standard_deviation(column);
-        let rms = (residual.iter().map(|e| e * e).sum::<f64>() / n).sqrt();
+        let deviation = standard_deviation(&column[scored.clone()]);
+        let rms = (residual[scored.clone()].iter().map(|e| e * e).sum::<f64>() / scored.len() as f64).sqrt();
         fit.nrmse.push((name.clone(), if deviation > 0.0 { rms / deviation } else { f64::INFINITY }));
         fit.noise.push((name, noise_level(column)));
         fit.residuals[k] = residual;
@@ -133,31 +138,81 @@ fn one(
 
 type Run = (Vec<Vec<f64>>, Vec<f64>, Trajectory);
 
+/// Whether a number is a Validate record's own.
+fn is_own(meaning: &Meaning) -> bool {
+    matches!(meaning, Meaning::Sensor(..) | Meaning::Parameter(_, Some(_)))
+}
+
+/// What a Validate record was given of its own on its first samples.
+fn adapted(problem: &Problem<'_>, x: &[f64], record: &Record, index: usize, took: Took) -> Adapted {
+    let system = problem.system;
+    let own = |(k, meaning): (usize, Meaning)| {
+        let (of, unit) = match meaning {
+            Meaning::Parameter(index, Some(_)) => {
+                let p = &system.parameters[index];
+                (ParameterOf::Constant { index, name: p.name.clone() }, p.unit.clone())
+            }
+            Meaning::Sensor(_, column, which) => {
+                let (name, unit) = system.measured(column);
+                let part = SensorPart::ALL[which];
+                let of = ParameterOf::Sensor { column, name: name.to_owned(), part };
+                (of, part.unit(unit).to_owned())
+            }
+            _ => return None,
+        };
+        let owner = Some(RecordId { index, name: record.name.clone(), only: false });
+        let factor = Unit::parse(&unit).map_or(1.0, |u| u.factor);
+        Some(OwnValue { id: ParameterId { of, owner }, unit, factor, value: x[k] })
+    };
+    Adapted {
+        samples: took.samples,
+        span: (record.time[0], record.time[took.samples.max(1) - 1]),
+        values: problem.meanings().into_iter().enumerate().filter_map(own).collect(),
+        took_more: took.more,
+    }
+}
+
+/// Keeps what a record was given of its own.
+fn keep(problem: &Problem<'_>, x: &[f64], parameters: &mut [f64], sensors: &mut [[f64; 3]]) {
+    for (k, meaning) in problem.meanings().into_iter().enumerate() {
+        match meaning {
+            Meaning::Parameter(p, Some(_)) => parameters[p] = x[k],
+            Meaning::Sensor(_, column, which) => sensors[column][which] = x[k],
+            _ => {}
+        }
+    }
+}
+
+/// The part of a Validate record that its own numbers took.
+#[derive(Clone, Copy)]
+struct Took {
+    /// Its first samples.
+    samples: usize,
+    /// Whether it is more than usual.
+    more: bool,
+}
+
 /// Fits the start state, and on a Validate record also its own parameters and sensors; everything else is
-/// fixed. Returns how many samples were used, if more than usual.
+/// fixed. Returns what that took of a Validate record.
 fn started<'a>(
     mut problem: Problem<'a>,
     x: &mut [f64],
     solution: &Solution,
     r: usize,
     record: &Record,
-) -> Result<(Problem<'a>, Segment, Option<usize>), SimError> {
+) -> Result<(Problem<'a>, Option<Took>), SimError> {
     let whole = problem.segments[0];
     if let Some(start) = &solution.starts[r] {
         x[whole.start..].copy_from_slice(start);
-        return Ok((problem, whole, None));
+        return Ok((problem, None));
     }
+    let validated = record.role == Role::Validate;
     for (k, meaning) in problem.meanings().into_iter().enumerate() {
-        let moves = match meaning {
-            Meaning::Start => true,
-            Meaning::Sensor(..) | Meaning::Parameter(_, Some(_)) => record.role == Role::Validate,
-            _ => false,
-        };
-        if !moves {
+        if meaning != Meaning::Start && !(validated && is_own(&meaning)) {
             problem.bounds[k] = (x[k], x[k]);
         }
     }
-    if record.role == Role::Validate {
+    if validated {
         // A number of its own, such as a phase, needs more of the record than its start does.
         let own = problem.meanings().iter().any(|m| matches!(m, Meaning::Parameter(_, Some(_))));
         let part = record.len() / if own { OWN_PART } else { START_PART };
@@ -166,14 +221,15 @@ fn started<'a>(
     let weight = |k: usize| 1.0 / problem.deviations[0][k].powi(2).max(f64::MIN_POSITIVE);
     let weights = vec![(0..record.columns.len()).map(|k| vec![weight(k); record.len()]).collect::<Vec<_>>()];
     let bounds = problem.bounds.clone();
-    let mut took = None;
+    let mut more = false;
     loop {
         let part = problem.segments[0];
+        let took = validated.then_some(Took { samples: part.samples.1, more });
         let end = problem.minimise(x, &weights, Limits::of(START_MINIMUM));
         problem.segments[0] = whole;
         let known = end?;
         if part.samples.1 >= record.len() {
-            return Ok((problem, part, took));
+            return Ok((problem, took));
         }
         let moves: Vec<usize> = (0..x.len()).filter(|&k| bounds[k].0 < bounds[k].1).collect();
         match problem.normal(x, &weights) {
@@ -183,11 +239,42 @@ fn started<'a>(
                 if start_uncertainty(&known, &wanted, &moves) > START_BLUR * record.readings() as f64 =>
             {
                 problem.segments[0].samples.1 = (2 * part.samples.1).min(record.len());
-                took = Some(problem.segments[0].samples.1);
+                more = true;
             }
-            _ => return Ok((problem, part, took)),
+            _ => return Ok((problem, took)),
         }
     }
+}
+
+/// The free run of a model without unknown part along a record from a start state: one column for each state, read
+/// by its sensor where the record has a column of it. Every number is as the system and the record start it. It
+/// is the very run that a fit which ended at these numbers is judged by. `scale` is the size of each state for a
+/// record that shows none.
+///
+/// # Errors
+/// The model cannot be simulated.
+pub fn predicted(
+    system: &System,
+    record: &Record,
+    start: &[f64],
+    scale: &[f64],
+) -> Result<Vec<Vec<f64>>, ModelError> {
+    let problem = Problem::new(system, &[], &[record], &[1])?;
+    let x = problem.guess(&[], None, std::slice::from_ref(record));
+    let shows = record.columns.iter().any(Option::is_some);
+    let scale = if shows { problem.scale.clone() } else { scale.to_vec() };
+    let tolerance = problem.tolerance;
+    let options = Options { tolerance, scale, diverged: DIVERGED_SIZE, ..Options::default() };
+    let run = |times: &[f64]| problem.simulated(0, &x, (record.time[0], start), times, &options);
+    let samples = problem.delayed_samples(&problem.segments[0], &x);
+    let sampled = samples.split(run(&samples.times)?);
+    let mut columns = problem.readings(0, &x, &sampled);
+    // A state that nothing reads is not late.
+    let on_time = if samples.times == record.time[..] { sampled.run } else { run(&record.time)? };
+    for (k, column) in columns.iter_mut().enumerate().filter(|(k, _)| record.columns[*k].is_none()) {
+        *column = on_time.column(k);
+    }
+    Ok(columns)
 }
 
 /// The power, in units of the noise, that the uncertainty of the unknowns `moves` adds to the residuals of a
@@ -219,8 +306,10 @@ fn continued(
     // The run before ended at the last sample time of its columns.
     let samples = problem.delayed_samples(&problem.segments[0], x);
     let t0 = before.time[before.len() - 1] + (samples.first() - record.time[0]);
+    // Where the record begins: what is read there may be late.
+    let begin = problem.simulated(0, x, (t0, &start), &[record.time[0].max(t0)], &options)?.states;
     let sampled = samples.split(problem.simulated(0, x, (t0, &start), &samples.times, &options)?);
-    Ok((problem.readings(0, x, &sampled), sampled.run.states[..n].to_vec(), sampled.run))
+    Ok((problem.readings(0, x, &sampled), begin, sampled.run))
 }
 
 #[cfg(test)]

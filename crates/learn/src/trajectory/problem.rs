@@ -190,6 +190,7 @@ impl<'a> Problem<'a> {
                 x[segment.start + state] = stated.or(value).unwrap_or(0.0);
             }
         }
+        self.leave_singularities(&mut x, filled);
         x
     }
 

@@ -7,13 +7,14 @@ use crate::result::parameter::FoundParameter;
 use crate::result::quantity::{Quantity, TermId};
 use crate::result::record_fit::RecordFit;
 use crate::result::term::FoundTerm;
-use crate::result::verdict::verdict;
+use crate::result::verdict::{FitFailure, Rejection, Verdict, verdict};
 use crate::result::warning::{Warning, at_bounds, sensitive_starts};
 use crate::trajectory::agreement::disagreements;
 use crate::trajectory::error_bars::ErrorBars;
 use crate::trajectory::fit::Fit;
 use crate::trajectory::free_run::{Solution, free_runs};
-use crate::trajectory::problem::Problem;
+use crate::trajectory::problem::{Meaning, Problem};
+use crate::trajectory::regular_start::Singular;
 use crate::trajectory::separability::inseparable;
 use crate::trajectory::unknowns::Unknowns;
 use phisindy_phys::spec::Method;
@@ -40,10 +41,16 @@ pub(crate) fn report(
 
     let mut warnings: Vec<Warning> = notes(records).collect();
     warnings.extend(at_bounds(&parameters));
-    warnings.extend(inseparable(&bars.sandwich, &named, &fit.x));
-    let numbers: Vec<Number> = named.iter().map(|(k, name)| (*k, name.clone(), bars.error(*k))).collect();
-    warnings.extend(dependence(&numbers, &fit.normal, |how| differentiated_by(fit, how)));
-    warnings.extend(coloured(fit));
+    let failure = failure(fit);
+    // Where the fit has not moved its covariance says nothing of the data.
+    if failure.is_none() {
+        warnings.extend(inseparable(&bars.sandwich, &named, &fit.x));
+        let numbers: Vec<Number> = named.iter().map(|(k, name)| (*k, name.clone(), bars.error(*k))).collect();
+        warnings.extend(dependence(&numbers, &fit.normal, |how| differentiated_by(fit, how)));
+    }
+    let colour = coloured(fit);
+    let only_noise = colour.is_none();
+    warnings.extend(colour);
     warnings.extend(segmented(fit));
 
     let mut solution = unknowns.solution();
@@ -51,7 +58,10 @@ pub(crate) fn report(
     warnings.extend(sensitive_starts(&fits));
     warnings.extend(disagreements(fit, &bars.sandwich, &solution, records, filled, &fits));
     let without = free_runs(system, records, filled, &mut known_part(solution, records));
-    let verdict = verdict(system, &terms, &fits, &without);
+    let verdict = match (verdict(system, &terms, &fits, &without, only_noise), failure) {
+        (Verdict::Rejected(_), Some(failure)) => Verdict::Rejected(Rejection::FitFailed(failure)),
+        (verdict, _) => verdict,
+    };
     for (i, &r) in unknowns.fitted.iter().enumerate() {
         fits[r].noise = noise_of(fit, i);
     }
@@ -66,6 +76,36 @@ pub(crate) fn report(
         warnings,
         verdict,
         stop_reason,
+    }
+}
+
+/// Why a fit did not move; `None` if it did, or had nothing to move.
+fn failure(fit: &Fit<'_>) -> Option<FitFailure> {
+    let (problem, system) = (&fit.problem, fit.problem.system);
+    let start = |meaning: &Meaning| match *meaning {
+        Meaning::Parameter(p, _) => Some(system.parameters[p].start),
+        Meaning::Sensor(r, column, which) => {
+            let s = &problem.records[r].sensors[column];
+            Some([&s.offset, &s.gain, &s.delay][which].start)
+        }
+        // Where the regression starts a coefficient is where it belongs.
+        Meaning::Coefficient(_) | Meaning::Start => None,
+    };
+    let meanings = problem.meanings();
+    let mut starts =
+        meanings.iter().zip(&fit.x).filter_map(|(meaning, x)| Some((start(meaning)?, *x))).peekable();
+    let blind = fit.normal.gradient.iter().any(|g| !g.is_finite());
+    let stands = starts.peek().is_some() && starts.all(|(start, x)| start == x);
+    if !blind && !stands {
+        return None;
+    }
+    match problem.singularity(&fit.x) {
+        Some(Singular { expression, state, .. }) => Some(FitFailure::Singular {
+            expression,
+            state: system.states[state].name.clone(),
+            value: fit.x[problem.segments[0].start + state],
+        }),
+        None => Some(FitFailure::Stuck),
     }
 }
 

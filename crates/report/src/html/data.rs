@@ -104,10 +104,16 @@ impl Seen<'_> {
         chain.iter().map(|&r| self.records[r].name.as_str()).collect::<Vec<_>>().join("; ")
     }
 
-    /// Time intervals of a chain that were not fitted.
+    /// Time intervals of a chain that were not fitted: of a Validate record what follows the part that its start
+    /// state and numbers of its own were adapted on.
     pub(crate) fn unfitted(&self, chain: &[usize]) -> Vec<(f64, f64)> {
         let validate = chain.iter().filter(|&&r| self.records[r].role == Role::Validate);
-        validate.map(|&r| self.span(&[r])).collect()
+        let adapted = |r: usize| self.model.as_ref()?.fits[r].adapted.as_ref().map(|a| a.span.1);
+        let span = |&r: &usize| {
+            let (from, to) = self.span(&[r]);
+            (adapted(r).unwrap_or(from), to)
+        };
+        validate.map(span).filter(|(from, to)| from < to).collect()
     }
 }
 

@@ -28,6 +28,7 @@ pub(crate) fn page(report: &RunReport<'_>, invocation: &Invocation) -> Page {
     page.figures("Friction against velocity", friction::charts(case, input.records, found));
     page.figures("Measured against simulated", motion::charts(&seen));
     page.section("Records", records(report));
+    page.section("Numbers of their own", adapted(report));
     page.figures("What is left", residual::charts(&seen));
     page.figures("Choice of terms", selection::chart(found).into_iter().collect());
     page.figures(
@@ -45,7 +46,7 @@ fn banner(report: &RunReport<'_>) -> Banner {
         of.reduce(f64::max).map(|e| digits(e, 2))
     };
     let fit = worst(Role::Fit).map(|e| format!("{e} fitted"));
-    let validate = worst(Role::Validate).map(|e| format!("{e} not fitted"));
+    let validate = worst(Role::Validate).map(|e| format!("{e} predicted"));
     let errors: Vec<String> = fit.into_iter().chain(validate).collect();
     let how = format!(
         "{}Method {}, {} s.",
@@ -122,4 +123,23 @@ fn records(report: &RunReport<'_>) -> Option<Element> {
     }
     let head = ["record", "role", "samples", "column", "NRMSE of the free run", "noise (std. dev.)", "unit"];
     table("Records and how the model does on them", &head, rows)
+}
+
+/// What Validate records were given of their own.
+fn adapted(report: &RunReport<'_>) -> Option<Element> {
+    let system = &report.input.case.system;
+    let mut rows = Vec::new();
+    for record in &report.identified.records {
+        let Some(adapted) = &record.adapted else { continue };
+        let own = adapted.values.iter().map(|v| (v.id.of.to_string(), v.value / v.factor, v.unit.as_str()));
+        let start = system.states.iter().zip(&record.start);
+        let start = start.map(|(s, x)| (format!("{} at the start", s.name), x / s.factor, s.unit.as_str()));
+        let (from, until) = adapted.span;
+        for (name, value, unit) in own.chain(start) {
+            let part = Cell::Interval(from, until);
+            rows.push(vec![text(&record.name), code(name), in_unit(unit), Cell::Number(value), part]);
+        }
+    }
+    let head = ["record", "number", "unit", "value", "adapted on (s)"];
+    table("What Validate records were given of their own; only what follows is scored", &head, rows)
 }

@@ -1,6 +1,7 @@
 //! The result of `run` as JSON: the keys are a contract with users. Numbers that are not
 //! finite become null.
 
+use super::adapted::{AdaptedOut, Part};
 use super::contribution::{Contribution, contribution};
 use super::fixed::FixedValue;
 use super::report::RunReport;
@@ -79,6 +80,10 @@ struct RecordOut<'a> {
     name: &'a str,
     role: &'a str,
     samples: usize,
+    /// What a Validate record was given of its own, beside `start`, and the part of it that this took.
+    adapted: Option<AdaptedOut<'a>>,
+    /// The part that `nrmse` is of; null without a run.
+    scored: Option<Part>,
     nrmse: Map<String, Value>,
     noise: Map<String, Value>,
     start: Map<String, Value>,
@@ -124,10 +129,12 @@ pub(crate) fn line(report: &RunReport<'_>) -> String {
         at_bound: p.at_bound,
     });
     let numbers = |list: &[(String, f64)]| list.iter().map(|(name, x)| (name.clone(), json!(x))).collect();
-    let records = found.records.iter().map(|r| RecordOut {
+    let records = found.records.iter().zip(report.input.records).map(|(r, record)| RecordOut {
         name: &r.name,
         role: role(r.role),
         samples: r.samples,
+        adapted: r.adapted.as_ref().map(AdaptedOut::new),
+        scored: r.run.as_ref().map(|_| Part::scored(r, record)),
         nrmse: numbers(&r.nrmse),
         noise: numbers(&r.noise),
         start: system.states.iter().zip(&r.start).map(|(s, x)| (s.name.clone(), json!(x))).collect(),

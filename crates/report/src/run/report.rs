@@ -1,10 +1,11 @@
 //! The result of `run` with everything that a report adds to it.
 
+use super::adapted;
 use super::fixed::{FixedValue, fixed_values};
 use crate::equation::{Equation, equations};
 use crate::input::{Ending, Input};
 use crate::table::short;
-use phisindy_learn::{FoundTerm, Identified, RecordFit};
+use phisindy_learn::{Adapted, FoundTerm, Identified, RecordFit};
 use phisindy_phys::spec::Role;
 use phisindy_phys::unit::Dimension;
 
@@ -48,22 +49,42 @@ impl<'a> RunReport<'a> {
 
     /// The free runs that the verdict rests on, in words.
     pub(crate) fn basis(&self) -> String {
-        let validated: Vec<&RecordFit> =
+        let all: Vec<&RecordFit> =
             self.identified.records.iter().filter(|r| r.role == Role::Validate).collect();
+        let predicted = |r: &&RecordFit| r.adapted.as_ref().is_none_or(|a| a.samples < r.samples);
+        let validated: Vec<&RecordFit> = all.iter().copied().filter(predicted).collect();
         let worst = |records: &[&RecordFit]| {
             let worst = records.iter().max_by(|a, b| a.worst().total_cmp(&b.worst()));
             worst.map_or(String::new(), |r| format!("NRMSE up to {} ({})", short(r.worst()), r.name))
         };
-        match validated.len() {
+        let (of, not_fitted) = match validated.len() {
             0 => {
                 let fitted: Vec<&RecordFit> = self.identified.records.iter().collect();
-                format!(
-                    "rests on the fitted records alone, run freely: {}; none has the role Validate",
-                    worst(&fitted)
-                )
+                let why = match all.is_empty() {
+                    true => "none has the role Validate",
+                    false => "the others were adapted as a whole, which leaves nothing to predict",
+                };
+                return format!("rests on the fitted records alone, run freely: {}; {why}", worst(&fitted));
             }
-            1 => format!("rests on the free run of a record that was not fitted: {}", worst(&validated)),
-            n => format!("rests on the free runs of {n} records that were not fitted: {}", worst(&validated)),
+            1 => ("the free run of a record".to_owned(), "was not fitted"),
+            n => (format!("the free runs of {n} records"), "were not fitted"),
+        };
+        let adapted: Vec<&Adapted> = validated.iter().filter_map(|r| r.adapted.as_ref()).collect();
+        let longest = adapted.iter().max_by(|a, b| (a.span.1 - a.span.0).total_cmp(&(b.span.1 - b.span.0)));
+        let mut own: Vec<String> = adapted.iter().flat_map(|a| &a.values).map(adapted::name).collect();
+        own.sort();
+        own.dedup();
+        let misses = worst(&validated);
+        match (longest.map(|a| adapted::length(a)), own.is_empty()) {
+            (None, _) => format!("rests on {of} that {not_fitted}: {misses}"),
+            (Some(part), true) => format!(
+                "rests on {of} that {not_fitted}: {misses}; start states were adapted on the first {part}, and only what \
+                 follows is scored"
+            ),
+            (Some(part), false) => format!(
+                "rests on {of} beyond the first {part}, to which {} and the start state were adapted: {misses}",
+                own.join(", ")
+            ),
         }
     }
 

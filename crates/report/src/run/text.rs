@@ -1,5 +1,6 @@
 //! The result of `run` for people: equations as LaTeX (the rest as comments) or as plain text.
 
+use super::adapted;
 use super::contribution;
 use super::fixed;
 use super::report::RunReport;
@@ -36,6 +37,9 @@ fn details(report: &RunReport<'_>) -> Vec<String> {
         format!("{title} ({})", report.input.name)
     });
     let verdict = match &found.verdict {
+        Verdict::Identified if found.terms.is_empty() && !report.input.case.system.terms.is_empty() => {
+            "identified: the known part is complete, no term of the dictionary is missing".to_owned()
+        }
         Verdict::Identified => "identified".to_owned(),
         Verdict::Rejected(why) => format!("rejected: {why}"),
     };
@@ -55,6 +59,8 @@ fn details(report: &RunReport<'_>) -> Vec<String> {
     section(contribution::rows(&report.input.case.system, found));
     section(parameters(report));
     section(records(report));
+    let system = &report.input.case.system;
+    lines.extend(found.records.iter().filter_map(|record| adapted::words(system, record)));
     lines.extend(fixed::line(&report.fixed));
     let own = names_of_records(&report.input.case.system, &report.equations);
     if !own.is_empty() {

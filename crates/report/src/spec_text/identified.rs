@@ -23,6 +23,17 @@ pub fn identified(input: Input<'_>, found: &Identified) -> Result<String, String
     rates(&mut text, spec, input, found)?;
     parameters(&mut text, spec, input, found)?;
     for (r, record) in found.records.iter().enumerate() {
+        for own in record.adapted.iter().flat_map(|a| &a.values) {
+            match &own.id.of {
+                ParameterOf::Constant { name, .. } => {
+                    of_data(&mut text, r, name, own.value / own.factor, &own.unit)?;
+                }
+                // Plain numbers of sensors are in SI units.
+                ParameterOf::Sensor { name, part, .. } => {
+                    text.set(&["data", &r.to_string(), "sensors", name, part.name()], &number(own.value))?
+                }
+            }
+        }
         // The start of a synthetic record is that of the whole run, not that of its window.
         let windowed = matches!(&spec.data[r], DataSpec::Synthetic(s) if s.window.is_some());
         for (state, x) in input.case.system.states.iter().zip(&record.start).filter(|_| !windowed) {
@@ -193,16 +204,25 @@ fn of_record(
     record: usize,
     p: &FoundParameter,
 ) -> Result<(), String> {
-    let value = format!("({}, \"{}\")", number(p.estimate.value / p.factor), p.unit);
-    let value = if p.unit.is_empty() { number(p.estimate.value / p.factor) } else { value };
-    // The default for records that were not fitted.
-    text.set(&["constants", name], &value)?;
+    let value = p.estimate.value / p.factor;
+    // The default for records that have none of their own.
+    text.set(&["constants", name], &with_unit(value, &p.unit))?;
     for r in 0..spec.data.len() {
         if r == record || input.records.get(r).is_some_and(|other| other.continues == Some(record)) {
-            text.set(&["data", &r.to_string(), "constants", name], &value)?;
+            of_data(text, r, name, value, &p.unit)?;
         }
     }
     Ok(())
+}
+
+/// The constant of one record.
+fn of_data(text: &mut Text, record: usize, name: &str, value: f64, unit: &str) -> Result<(), String> {
+    text.set(&["data", &record.to_string(), "constants", name], &with_unit(value, unit))
+}
+
+/// A number as a spec writes it.
+fn with_unit(value: f64, unit: &str) -> String {
+    if unit.is_empty() { number(value) } else { format!("({}, \"{unit}\")", number(value)) }
 }
 
 /// A fitted sensor parameter becomes a fixed number.
