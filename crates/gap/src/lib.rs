@@ -40,7 +40,7 @@ pub use decisions::decisions;
 pub use model::{Applied, SpecTextError, TrialModel};
 pub use place::{Effect, EffectError, Place, Quantity, Site, places};
 pub use repeat::{Repeat, repeatability};
-pub use requested_laws::{WrittenOut, requested_laws, written_out};
+pub use requested_laws::{WrittenLaw, WrittenOut, requested_laws, written_out};
 pub use result::{
     Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, ColumnGap, ColumnRepeat,
     DataError, DataMistake, DriveFrequency, ForceHistory, Gap, GapError, InputNoise, Location, MixedUp,

@@ -2,7 +2,9 @@
 //! the motion.
 
 use crate::decisions::REQUESTED_STARTS;
-use crate::model::{Fitted, SpecTextError, TrialModel, current, noise_of, shortened, text_with, values};
+use crate::model::{
+    Applied, Fitted, SpecTextError, TrialModel, current, noise_of, shortened, text_with, values,
+};
 use crate::place::{Effect, Site, fits, places};
 use crate::result::ModelError;
 use crate::screen::{screen, sibling_starts};
@@ -83,6 +85,17 @@ pub struct WrittenOut {
     pub text: String,
     /// Its records, with a column for each internal state of a law.
     pub records: Vec<Record>,
+    /// The laws, in their order.
+    pub laws: Vec<WrittenLaw>,
+}
+
+/// A law that was written out.
+#[derive(Clone, Debug)]
+pub struct WrittenLaw {
+    /// The law.
+    pub entry: LawEntry,
+    /// For each of its parameters its name in the law's file and in the spec.
+    pub names: Vec<(String, String)>,
 }
 
 /// Writes these laws into the known rates of a spec in place of their names, and returns the text and its
@@ -105,7 +118,12 @@ pub fn written_out(
         with_fitted_starts(&whole, spec.clone(), effects, catalogue).unwrap_or_else(|| effects.to_vec());
     let full = plain.with_all(&effects)?;
     let text = text_with(&text_without_laws(text, &spec)?, &full, None)?;
-    Ok(WrittenOut { text, records: full.records.to_vec() })
+    let written = |a: &Applied| {
+        let names = a.effect.entry.law.parameters.iter().map(|(name, _)| name.clone());
+        WrittenLaw { entry: a.effect.entry.clone(), names: names.zip(a.names.clone()).collect() }
+    };
+    let laws = full.effects.iter().map(written).collect();
+    Ok(WrittenOut { text, records: full.records.to_vec(), laws })
 }
 
 /// The effects with fitted start values; `None` where no fit is possible.

@@ -8,6 +8,7 @@ use crate::result::identified::Identified;
 use crate::result::passivity::passivity;
 use crate::result::quantity::{Quantity, TermId};
 use crate::result::record_fit::RecordFit;
+use crate::result::requirements::requirements;
 use crate::result::warning::Warning;
 use crate::step::method::by_steps;
 use crate::trajectory::method::by_trajectory;
@@ -67,6 +68,7 @@ pub fn identify(
     contributions(&case.system, records, &mut found);
     remarks(&case.system, &mut found);
     passivity(&case.system, records, &mut found);
+    requirements(case, &mut found);
     Ok(found)
 }
 

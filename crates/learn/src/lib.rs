@@ -33,7 +33,7 @@ pub use result::quantity::{ParameterId, ParameterOf, Quantity, RecordId, SensorP
 pub use result::record_fit::{Adapted, OwnValue, RecordFit};
 pub use result::term::{Contribution, FoundTerm};
 pub use result::unknown_part::{Curve, PartValues, UnknownPart, unknown_parts};
-pub use result::verdict::{FitFailure, Rejection, Verdict};
+pub use result::verdict::{FitFailure, Rejection, Unfulfilled, Verdict};
 pub use result::warning::{Warning, at_bounds, sensitive_starts};
 pub use step::options::StepOptions;
 pub use step::train::{StepFit, train};

@@ -4,6 +4,7 @@ use crate::decisions::{BLIND_EIGENVALUE, BLIND_PART};
 use faer::Mat;
 use faer::Side;
 use faer::linalg::solvers::Solve;
+use rayon::prelude::*;
 
 /// A symmetric matrix from its upper triangle, row by row.
 pub(crate) fn symmetric(triangle: &[f64], n: usize) -> Mat<f64> {
@@ -41,13 +42,22 @@ pub(crate) fn covariance(a: &Mat<f64>) -> Mat<f64> {
     let Ok(eigen) = m.self_adjoint_eigen(Side::Lower) else { return Mat::from_fn(n, n, |_, _| f64::NAN) };
     let (u, s) = (eigen.U(), eigen.S());
     let blind = |k: usize| s[k] <= BLIND_EIGENVALUE;
+    let lost = |i: usize| a[(i, i)] <= 0.0 || (0..n).any(|k| blind(k) && u[(i, k)].abs() > BLIND_PART);
+    // Rows that lie in one piece: an unknown for each segment makes this the larger part of the work.
+    let seen: Vec<usize> = (0..n).filter(|&k| !blind(k)).collect();
+    let rows: Vec<Vec<f64>> = (0..n).map(|i| seen.iter().map(|&k| u[(i, k)]).collect()).collect();
+    let sizes: Vec<f64> = seen.iter().map(|&k| s[k]).collect();
+    let entry = |i: usize, j: usize| -> f64 {
+        let products = rows[i].iter().zip(&rows[j]).zip(&sizes);
+        products.map(|((a, b), s)| a * b / s).sum()
+    };
+    let lower: Vec<Vec<f64>> = (0..n)
+        .into_par_iter()
+        .map(|i| (0..=i).map(|j| if i == j && lost(i) { f64::INFINITY } else { entry(i, j) }).collect())
+        .collect();
     Mat::from_fn(n, n, |i, j| {
-        let lost = |i: usize| a[(i, i)] <= 0.0 || (0..n).any(|k| blind(k) && u[(i, k)].abs() > BLIND_PART);
-        if i == j && lost(i) {
-            return f64::INFINITY;
-        }
-        let sum: f64 = (0..n).filter(|&k| !blind(k)).map(|k| u[(i, k)] * u[(j, k)] / s[k]).sum();
-        sum * scale[i] * scale[j]
+        let entry = lower[i.max(j)][i.min(j)];
+        if entry.is_infinite() { entry } else { entry * scale[i] * scale[j] }
     })
 }
 

@@ -1,9 +1,9 @@
 //! A checked spec with its records, wherever they come from.
 
 use crate::laws::Catalogue;
-use phisindy_gap::{Effect, requested_laws, written_out};
+use phisindy_gap::{Effect, WrittenLaw, requested_laws, written_out};
 use phisindy_phys::spec::Spec;
-use phisindy_phys::{Case, Diagnostic, LawEntry, Origin, Record, RecordPlan, SourceId, Sources};
+use phisindy_phys::{Case, Diagnostic, LawEntry, Origin, Record, RecordPlan, Requirement, SourceId, Sources};
 use phisindy_report::Input;
 use phisindy_sim::Trajectory;
 
@@ -130,13 +130,20 @@ impl Laws {
             NotWritten
         })?;
         let source = sources.add(format!("{} (its laws written out)", loaded.spec), draft.text.clone());
-        let (parsed, case, warnings) = checked(&draft.text, source).map_err(|mistakes| {
+        let (parsed, mut case, warnings) = checked(&draft.text, source).map_err(|mistakes| {
             found.extend(mistakes);
             NotWritten
         })?;
         let new: Vec<Diagnostic> =
             warnings.into_iter().filter(|w| found.iter().all(|d| d.message != w.message)).collect();
         found.extend(new);
+        for WrittenLaw { entry, names } in &draft.laws {
+            let LawEntry { id, law, .. } = entry;
+            let need = law.needs.as_ref();
+            let required =
+                need.and_then(|need| Requirement::new(&mut case.system, id, need, &law.simpler, names));
+            case.requirements.extend(required);
+        }
         let (text, records) = (draft.text, draft.records);
         Ok(Loaded { text, parsed, case: Case { laws, ..case }, records, ..loaded })
     }

@@ -32,6 +32,7 @@ pub use system::model::Model;
 pub use system::note::Note;
 pub use system::plan::{Origin, RecordPlan, Synthetic, SyntheticInput};
 pub use system::record::{Derivation, Overlap, Record, Table, Units, link_continuations, overlaps};
+pub use system::requirement::Requirement;
 pub use system::sensor::{Sensor, SensorParameter};
 pub use text::diagnostic::{Diagnostic, Label, Located, Severity, Source, SourceId, Sources};
 pub use text::{spec, splice};

@@ -12,4 +12,5 @@ pub(crate) mod model;
 pub(crate) mod note;
 pub(crate) mod plan;
 pub(crate) mod record;
+pub(crate) mod requirement;
 pub(crate) mod sensor;

@@ -17,6 +17,19 @@ pub enum Verdict {
     Rejected(Rejection),
 }
 
+/// A law whose constants do not fulfil what its file asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unfulfilled {
+    /// The law, by its id in the catalogue.
+    pub law: String,
+    /// What is wrong with it, in words of its file.
+    pub because: String,
+    /// Laws that it contains, by id, simplest first.
+    pub simpler: Vec<String>,
+    /// Whether chance puts the constants so far beyond less often than once in twenty times.
+    pub certain: bool,
+}
+
 /// Why a fit did not move. `Display` gives the sentence.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FitFailure {
@@ -58,6 +71,8 @@ pub enum Rejection {
         /// Its NRMSE.
         nrmse: f64,
     },
+    /// The constants of a law do not fulfil what its file asks for.
+    Unfulfilled(Unfulfilled),
     /// A passive law was fitted so that it feeds the motion.
     Feeds(Feeding),
     /// The model does no better with the identified part than without it.

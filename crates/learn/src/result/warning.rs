@@ -4,6 +4,7 @@ use super::feeding::Feeding;
 use super::parameter::FoundParameter;
 use super::quantity::{Quantity, TermId};
 use super::record_fit::RecordFit;
+use super::verdict::Unfulfilled;
 use phisindy_phys::Note;
 use phisindy_phys::spec::Optimiser;
 use phisindy_signal::Differentiator;
@@ -64,6 +65,8 @@ pub enum Warning {
         /// Which.
         term: TermId,
     },
+    /// The constants of a law do not fulfil what its file asks for.
+    Unfulfilled(Unfulfilled),
     /// A passive law feeds the motion.
     Feeds(Feeding),
     /// The data say nothing about a number.

@@ -4,7 +4,7 @@ use super::error::{DataError, LearnError, ModelError, NumericsError, TruthError}
 use super::feeding::Feeding;
 use super::identified::NoiseModel;
 use super::quantity::{ParameterId, ParameterOf, Quantity, TermId};
-use super::verdict::{FitFailure, Rejection};
+use super::verdict::{FitFailure, Rejection, Unfulfilled};
 use super::warning::Warning;
 use crate::decisions::{FEWEST_SAMPLES, RIVAL};
 use std::fmt::{Display, Formatter, Result};
@@ -83,6 +83,17 @@ impl Display for Warning {
                 "candidate {} of {}' is not finite everywhere on the data: it was hardly considered",
                 term.candidate, term.state
             ),
+            Warning::Unfulfilled(law) => {
+                write!(f, "{law}; ")?;
+                if !law.certain {
+                    f.write_str("the data do not tell it from a simpler law: ")?;
+                }
+                let simpler: Vec<String> = law.simpler.iter().map(|s| format!("`{s}`")).collect();
+                match simpler.is_empty() {
+                    true => f.write_str("`phisindy gap` looks for what describes the data"),
+                    false => write!(f, "try {}, or let `phisindy gap` look for what describes the data", simpler.join(", ")),
+                }
+            }
             Warning::Feeds(feeding @ Feeding::TurnedSign { constant, .. }) => {
                 write!(f, "{feeding}: turn the sign of the term with {constant} in `known`")
             }
@@ -169,11 +180,19 @@ impl Display for Rejection {
             Rejection::RunMisses { record, nrmse } => {
                 write!(f, "the free run of {record} misses the data: NRMSE {nrmse:.2}")
             }
+            Rejection::Unfulfilled(law) => write!(f, "{law}"),
             Rejection::Feeds(feeding) => write!(f, "{feeding}"),
             Rejection::NoBetter => {
                 f.write_str("the model does no better with the identified part than without it")
             }
         }
+    }
+}
+
+impl Display for Unfulfilled {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let Unfulfilled { law, because, .. } = self;
+        write!(f, "the constants of the law {law} are not those of such a law: {because}")
     }
 }
 

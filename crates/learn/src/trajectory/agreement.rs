@@ -46,10 +46,14 @@ fn disagreement(
     if t == 0 {
         return None;
     }
-    let mut problem = Problem::new(system, terms, &[record], &[1]).ok()?;
+    // Cut like the fit: of a plant that drifts a single run says nothing about its coefficients.
+    let fitted: usize = fit.problem.records.iter().map(|r| r.len()).sum();
+    let pieces =
+        if fit.most_pieces() == 1 { 1 } else { (fit.problem.segments.len() * record.len()).div_ceil(fitted) };
+    let mut problem = Problem::new(system, terms, &[record], &[pieces]).ok()?;
     let mut x = problem.guess(&solution.coefficients, Some(&solution.parameters[r]), filled);
     let start = problem.segments[0].start;
-    x[start..].copy_from_slice(&run.start);
+    x[start..start + run.start.len()].copy_from_slice(&run.start);
     // Coefficients and the start state move; everything else is fixed.
     let mut moving: Vec<usize> = Vec::new();
     for (k, meaning) in problem.meanings().into_iter().enumerate() {

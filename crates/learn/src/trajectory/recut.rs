@@ -17,17 +17,16 @@ impl<'a> Context<'a> {
         if self.segments != SegmentsSpec::Auto || fit.pieces.iter().all(|&p| p == 1) {
             return fit;
         }
-        let mut blur = blur(&fit);
+        let (mut blur, coarse) = (blur(&fit), fit.most_pieces());
         loop {
             let pieces: Vec<usize> = fit.pieces.iter().map(|p| 2 * p).collect();
             let samples = self.records.iter().zip(&pieces).map(|(r, p)| r.len() / p).min().unwrap_or(0);
             let finer = (samples >= FEWEST_SAMPLES).then(|| self.cut_into(&fit, &pieces)).flatten();
-            let Some(finer) = finer else { return fit };
-            let less = self::blur(&finer);
-            if less.is_nan() || less >= blur {
-                return fit;
+            match finer.map(|finer| (self::blur(&finer), finer)) {
+                Some((less, finer)) if less < blur => (fit, blur) = (finer, less),
+                _ if fit.most_pieces() > coarse => return self.resettle(fit),
+                _ => return fit,
             }
-            (fit, blur) = (finer, less);
         }
     }
 
@@ -37,7 +36,7 @@ impl<'a> Context<'a> {
         let problem = Problem::new(self.system, terms, &self.records, pieces).ok()?;
         let mut x = problem.guess(&fit.x[..terms.len()], None, &self.smooth);
         transfer(&fit.problem, &fit.x, &problem, &mut x);
-        self.settle(problem, x, fit.noise.clone(), 3)
+        self.settle(problem, x, fit.noise.clone(), 1)
     }
 }
 

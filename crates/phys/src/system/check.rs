@@ -9,6 +9,7 @@ mod synthetic;
 
 use crate::system::equations::System;
 use crate::system::plan::RecordPlan;
+use crate::system::requirement::Requirement;
 use crate::text::diagnostic::{Diagnostic, Severity, SourceId};
 use crate::text::spec::{ConstantSpec, DataSpec, LearnSpec, Spec, Text};
 use crate::units::dimensions::dimensions;
@@ -26,6 +27,8 @@ pub struct Case {
     /// Laws of the catalogue that `unknown` names, each with the state whose rate it may be missing in. The
     /// catalogue is not known here: whoever has it writes them into `known`.
     pub laws: Vec<(usize, Text)>,
+    /// What must hold of the constants of laws that were written out.
+    pub requirements: Vec<Requirement>,
 }
 
 impl Case {
@@ -117,7 +120,7 @@ fn checked(
         return Err(diagnostics);
     }
     let laws = checker.laws;
-    Ok((Case { system, records, learn: spec.learn.clone(), laws }, diagnostics))
+    Ok((Case { system, records, learn: spec.learn.clone(), laws, requirements: vec![] }, diagnostics))
 }
 
 /// Plans every record of a spec.
