@@ -25,6 +25,7 @@ pub(crate) mod regular_start;
 pub(crate) mod report;
 pub(crate) mod select;
 pub(crate) mod separability;
+pub(crate) mod slopes;
 pub(crate) mod tally;
 pub(crate) mod term_sizes;
 pub(crate) mod unknowns;

@@ -1,9 +1,11 @@
 //! How long the segments are of a record that no single run follows.
 
-use crate::decisions::FEWEST_SAMPLES;
+use crate::decisions::{FEWEST_SAMPLES, STAGES};
 use crate::trajectory::error_bars::ErrorBars;
 use crate::trajectory::fit::{Context, Fit, transfer};
 use crate::trajectory::problem::{Meaning, Problem};
+use crate::trajectory::slopes::Slopes;
+use phisindy_phys::Record;
 use phisindy_phys::spec::SegmentsSpec;
 
 impl<'a> Context<'a> {
@@ -14,12 +16,14 @@ impl<'a> Context<'a> {
     /// Shorter segments drift less, but each has a start state to be found first. Their number is doubled as long as
     /// that shrinks the error bars, which know both: correlated samples count as few, and start states are unknowns.
     pub(crate) fn recut(&self, mut fit: Fit<'a>) -> Fit<'a> {
-        if self.segments != SegmentsSpec::Auto || fit.pieces.iter().all(|&p| p == 1) {
+        let single = fit.pieces.iter().all(|&p| p == 1);
+        if self.segments != SegmentsSpec::Auto || single && (fit.is_white() || !self.drifts(&fit)) {
             return fit;
         }
         let (mut blur, coarse) = (blur(&fit), fit.most_pieces());
         loop {
-            let pieces: Vec<usize> = fit.pieces.iter().map(|p| 2 * p).collect();
+            let pieces: Vec<usize> =
+                fit.pieces.iter().map(|&p| if p == 1 { STAGES[0] } else { 2 * p }).collect();
             let samples = self.records.iter().zip(&pieces).map(|(r, p)| r.len() / p).min().unwrap_or(0);
             let finer = (samples >= FEWEST_SAMPLES).then(|| self.cut_into(&fit, &pieces)).flatten();
             match finer.map(|finer| (self::blur(&finer), finer)) {
@@ -28,6 +32,20 @@ impl<'a> Context<'a> {
                 _ => return fit,
             }
         }
+    }
+
+    /// Whether what disturbs the motion adds up over a record: a mode that neither swings nor fades within it, or one
+    /// that grows. A carriage without a spring has one, an inverted pendulum too.
+    fn drifts(&self, fit: &Fit<'a>) -> bool {
+        let Some(slopes) = Slopes::new(&fit.problem) else { return false };
+        let drifts = |(r, record): (usize, &Record)| {
+            let numbers = fit.problem.model_parameters(r, &fit.x);
+            let modes = slopes.mean(record, &numbers).and_then(|mean| mean.eigenvalues().ok());
+            let span = record.time[record.len() - 1] - record.time[0];
+            let adds_up = |re: f64, im: f64| re * span > if im == 0.0 { -1.0 } else { 1.0 };
+            modes.is_some_and(|modes| modes.iter().any(|mode| adds_up(mode.re, mode.im)))
+        };
+        self.smooth.iter().enumerate().any(drifts)
     }
 
     /// A fit with the same terms over other segments, whose start states are free.

@@ -3,69 +3,8 @@
 
 use crate::trajectory::layout::Segment;
 use crate::trajectory::problem::Problem;
-use phisindy_expr::{Graph, Id, Node, Scratch, Tape};
-use phisindy_phys::{Model, Record};
-
-/// Where a rate has no finite slope.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Singular {
-    /// The innermost expression without a finite slope.
-    pub(crate) expression: String,
-    /// Index of a state that it depends on.
-    pub(crate) state: usize,
-}
-
-/// The slopes of the rates of a problem's model by its states.
-pub(crate) struct Slopes {
-    model: Model,
-    tape: Tape,
-}
-
-impl Slopes {
-    /// Of the model of a problem; `None` if it cannot be compiled.
-    pub(crate) fn new(problem: &Problem<'_>) -> Option<Slopes> {
-        let mut model = problem.system.model(&problem.terms);
-        let states = model.states.clone();
-        let rates = model.rates.clone();
-        let slopes: Vec<Id> = rates.iter().flat_map(|&rate| model.graph.gradient(rate, &states)).collect();
-        let tape = Tape::compile(&model.graph, &arguments(&model), &slopes).ok()?;
-        Some(Slopes { model, tape })
-    }
-
-    /// The states by which some rate has no finite slope at a sample of a record.
-    fn singular_states(&self, record: &Record, sample: usize, states: &[f64], numbers: &[f64]) -> Vec<usize> {
-        let n = states.len();
-        let mut scratch = Scratch::<1>::new(&self.tape);
-        scratch.at(row(record, sample, states, numbers));
-        (0..n).filter(|k| (0..n).any(|i| !scratch.output(i * n + k)[0].is_finite())).collect()
-    }
-
-    /// The first expression that has no finite slope there, although what it is made of is finite.
-    fn singular(
-        mut self,
-        record: &Record,
-        sample: usize,
-        states: &[f64],
-        numbers: &[f64],
-    ) -> Option<Singular> {
-        let inputs = arguments(&self.model);
-        for id in self.model.graph.reachable(&self.model.rates) {
-            let graph = &mut self.model.graph;
-            let of: Vec<Id> = operands(graph, id);
-            let mut outputs = graph.gradient(id, &of);
-            outputs.extend(&of);
-            let tape = Tape::compile(graph, &inputs, &outputs).ok()?;
-            let mut scratch = Scratch::<1>::new(&tape);
-            scratch.at(row(record, sample, states, numbers));
-            let finite = |k: usize| scratch.output(k)[0].is_finite();
-            if (of.len()..outputs.len()).all(finite) && !(0..of.len()).all(finite) {
-                let state = (0..states.len()).find(|&k| graph.uses(&[id], &[self.model.states[k]]))?;
-                return Some(Singular { expression: self.model.text(id), state });
-            }
-        }
-        None
-    }
-}
+use crate::trajectory::slopes::{Singular, Slopes};
+use phisindy_phys::Record;
 
 impl Problem<'_> {
     /// Moves start states to where the rates have finite slopes: a measured state to its next sample where they
@@ -115,29 +54,5 @@ impl Problem<'_> {
             singular.then(|| slopes.singular(record, first, states, &numbers)).flatten()
         };
         self.segments.iter().find_map(at)
-    }
-}
-
-fn arguments(model: &Model) -> Vec<Id> {
-    let moving =
-        [model.time].into_iter().chain(model.states.iter().copied()).chain(model.inputs.iter().copied());
-    moving.chain(model.parameters.iter().copied()).collect()
-}
-
-fn row<'r>(
-    record: &'r Record,
-    sample: usize,
-    states: &'r [f64],
-    numbers: &'r [f64],
-) -> impl Iterator<Item = f64> + 'r {
-    let t = record.time[sample];
-    let inputs = record.inputs.iter().map(move |u| u.value(t));
-    [t].into_iter().chain(states.iter().copied()).chain(inputs).chain(numbers.iter().copied())
-}
-
-fn operands(graph: &Graph, id: Id) -> Vec<Id> {
-    match graph.node(id) {
-        Node::Unary(..) | Node::Binary(..) => graph.operands(id).collect(),
-        _ => vec![],
     }
 }
