@@ -180,3 +180,20 @@ fn a_law_of_the_catalogue_is_fitted_within_its_intervals() {
         near(damping, 0.3, 0.1);
     }
 }
+
+/// Friction that grows with the speed fits the form of Stribeck's, with a static level below the kinetic one: that
+/// is no Stribeck friction, in `run` as in `gap`.
+#[test]
+fn a_law_that_run_fits_fulfils_what_its_file_asks_for() {
+    let spec = |truth: &str| {
+        oscillator("laws: [\"stribeck\"]", truth, (0.2, 0.0), "").replace("duration: 41.88", "duration: 20.0")
+    };
+    let (result, text) = run("smooth", &spec("-0.6*tanh(y/0.05)/m"), &[]);
+    assert_eq!(result["verdict"], "rejected", "{text}");
+    assert!(
+        result["reason"].as_str().is_some_and(|why| why.contains("its friction would grow with the speed"))
+    );
+    assert!(text.contains("try `coulomb`"), "{text}");
+    let (result, text) = run("falling", &spec("-(0.3 + 0.3*exp(-(y/0.1)^2))*sgn(y)/m"), &[]);
+    assert_eq!(result["verdict"], "identified", "{text}");
+}

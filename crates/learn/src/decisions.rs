@@ -52,6 +52,8 @@ decisions! {
     CHANCES: usize = 3, "steps", Basis::Derived("from nearby convergence is quadratic");
     /// Costs within this factor are the same number but for rounding.
     ROUNDING: f64 = 1.000_000_000_000_01, "factor", Basis::Derived("45 units in the last place");
+    /// With more unknowns than this the structure of segments is used: each has its own start state.
+    DENSE: usize = 128, "unknowns", Basis::Judgement("cost: below it a dense solution takes no time");
     /// An eigenvalue of the normal matrix below this, of unit diagonal, is a direction that the data do not see.
     BLIND_EIGENVALUE: f64 = 1e-13, "of unit diagonal", Basis::Derived("rounding of a matrix with some hundred rows");
     /// An unknown with a larger part of a blind direction is not seen.

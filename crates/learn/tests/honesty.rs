@@ -423,3 +423,118 @@ fn a_constant_that_nothing_depends_on() {
     assert_eq!((q.std_error, q.ci95), (f64::INFINITY, (0.1, 2.0)));
     assert!((found.terms[0].coefficient.value - 0.4).abs() < 0.01);
 }
+
+/// Friction that feeds the motion, however well it follows the data, is a wrong model: damping that falls with the
+/// amplitude ends as a dashpot beside negative dry friction. Nothing of the kind is said of the same friction where
+/// it dissipates, of friction that falls with the speed, and of an oscillator that excites itself.
+#[test]
+fn dry_friction_that_feeds_the_motion_is_rejected() {
+    let free = |unknown: &str, truth: &str| {
+        let text = format!(
+            r#"(states: {{"x": "m", "v": "m/s"}}, known: {{"x": "v", "v": "-4*x"}}, unknown: {{"v": {unknown}}}, contacts: ["v"],
+            data: [Synthetic(truth: {{"v": "{truth}"}}, start: {{"x": 1.0, "v": 0.0}}, duration: 30.0, step: 0.02, noise: Additive(0.002), seed: 3)])"#
+        );
+        let (case, records) = common::load_text(&text, &[]);
+        run(&case, &records).unwrap()
+    };
+    let both = r#"(factor: "-1", candidates: ["sgn(v)", "v"])"#;
+    let found = free(both, "-0.03*v*|v|");
+    let Verdict::Rejected(why) = &found.verdict else { panic!("{:?} {:?}", found.terms, found.warnings) };
+    assert!(why.to_string().starts_with("the dry friction of v is negative: -0.0"), "{why}");
+    let told = found.warnings.iter().any(|w| w.to_string().contains("`phisindy gap` looks for it"));
+    assert!(told, "{:?}", found.warnings);
+    for (unknown, truth) in [
+        (both, "-0.03*v - 0.01*sgn(v)"),
+        // The level falls with the speed, and stays above zero.
+        (r#"(factor: "-sgn(v)", candidates: ["1", "|v|"])"#, "-(0.05 - 0.012*|v|)*sgn(v)"),
+        (r#"(candidates: ["v", "x^2*v", "sgn(v)"])"#, "0.8*(1 - x^2)*v"),
+    ] {
+        let found = free(unknown, truth);
+        assert_eq!(found.verdict, Verdict::Identified, "{truth}: {:?} {:?}", found.terms, found.warnings);
+        assert_eq!(found.terms.len(), 2, "{truth}: {:?}", found.terms);
+    }
+}
+
+/// `+c*v` in the known part is no damper: the fit makes its constant negative, and that is said.
+#[test]
+fn a_damper_with_the_wrong_sign_is_rejected() {
+    let of = |known: &str, truth: &str| {
+        let text = oscillator(r#""c": Find(start: 0.1, within: (-5.0, 5.0))"#, known, COULOMB, truth);
+        let text = text.replace(r#"{"x": "", "v": ""}"#, r#"{"x": "m", "v": "m/s"}"#);
+        let (case, records) = common::load_text(&text, &[]);
+        run(&case, &records).unwrap()
+    };
+    // What is to be found is made as it starts.
+    let found = of("c*v - x + cos(0.7*t)", "-0.6*v - 0.2*sgn(v)");
+    let Verdict::Rejected(why) = &found.verdict else { panic!("{:?}", found.parameters) };
+    assert!(why.to_string().contains("c is negative: -0.5"), "{why}");
+    assert!(found.warnings.iter().any(|w| w.to_string().contains("turn the sign of the term with c")));
+    let found = of("-c*v - x + cos(0.7*t)", "-0.4*v - 0.2*sgn(v)");
+    assert_eq!(found.verdict, Verdict::Identified, "{:?} {:?}", found.parameters, found.warnings);
+    // Less friction than the spec says, and a damping that feeds: a dashpot cannot.
+    let found = of("-c*v - x - 0.6*sgn(v) + cos(0.7*t)", "0.2*v + 0.2*sgn(v)");
+    assert!(rejected(&found), "{:?} {:?}", found.parameters, found.terms);
+}
+
+/// A right model that lacks nothing is no rejection, and one that lacks what the dictionary cannot name is.
+#[test]
+fn a_known_part_that_is_complete_is_identified() {
+    let unknown = r#"(factor: "-sgn(v)", candidates: ["1"])"#;
+    let of = |truth: &str| {
+        let (case, records) = common::load_text(&oscillator("", SPRING, unknown, truth), &[]);
+        run(&case, &records).unwrap()
+    };
+    let found = of("0");
+    assert!(found.terms.is_empty());
+    assert_eq!(found.verdict, Verdict::Identified, "{:?}", found.warnings);
+    let found = of("0.1*sin(1.9*t)");
+    assert!(!found.terms.is_empty() || rejected(&found), "{:?}", found.warnings);
+}
+
+/// Two tanks, one above the other, of which the lower one is seen: `sqrt(|h|)` has no finite slope at zero, where
+/// a state without a column starts.
+fn tanks(rate: &str) -> (Case, Vec<Record>) {
+    let text = format!(
+        r#"(constants: {{"k1": Find(start: 0.1, within: (0.0, 1.0)), "k4": Find(start: 0.1, within: (0.0, 1.0))}}, states: {{"h1": "", "h2": ""}},
+            inputs: {{"u": ""}}, known: {{"h1": "{rate}", "h2": "0.05*sqrt(|h1|) - 0.05*sqrt(|h2|)"}}, unknown: {{}},
+            data: [Synthetic(truth: {{}}, start: {{"h1": 6.0, "h2": 5.0}}, duration: 2000.0, step: 4.0, noise: Additive(0.02), measure: ["h2"],
+            inputs: {{"u": Formula("2.5 + sin(0.011*t) + sin(0.004*t)")}}, seed: 3)])"#
+    );
+    let set = r#"(value: 0.06, within: (0.0, 1.0))"#;
+    let (_, records) = common::load_text(
+        &text,
+        &[("constants.k1", set), ("constants.k4", r#"(value: 0.05, within: (0.0, 1.0))"#)],
+    );
+    let mut records = records;
+    records[0].start.fill(None);
+    (common::prepare(&text, &[]), records)
+}
+
+#[test]
+fn a_state_that_would_start_where_a_root_has_no_slope_starts_elsewhere() {
+    let (case, records) = tanks("-k1*sqrt(|h1|) + k4*u");
+    let found = run(&case, &records).unwrap();
+    assert_eq!(found.verdict, Verdict::Identified, "{:?}", found.warnings);
+    for (p, truth) in found.parameters.iter().zip([0.06, 0.05]) {
+        assert!((p.estimate.value - truth).abs() < 4.0 * p.estimate.std_error, "{p:?}");
+        assert!((p.estimate.value - truth).abs() < 0.05 * truth, "{p:?}");
+    }
+}
+
+/// A fit that cannot move says so, with the reason, and nothing of what the data tell apart.
+#[test]
+fn a_fit_that_failed_is_not_told_as_identifiability() {
+    let (case, records) = tanks("-k1*sqrt(|h1|) + k4*u - 0.1*sqrt(|h1|*step(h1 - 100))");
+    let found = run(&case, &records).unwrap();
+    let Verdict::Rejected(why) = &found.verdict else { panic!("{:?}", found.parameters) };
+    assert!(
+        why.to_string().starts_with("the fit failed, every value stands where it started: sqrt("),
+        "{why}"
+    );
+    assert!(why.to_string().contains("has no finite slope at h1 = "), "{why}");
+    let about = |w: &phisindy_learn::Warning| {
+        let w = w.to_string();
+        w.contains("do not tell") || w.contains("say nothing") || w.contains("trade off")
+    };
+    assert!(!found.warnings.iter().any(about), "{:?}", found.warnings);
+}

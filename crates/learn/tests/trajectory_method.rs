@@ -390,3 +390,24 @@ fn the_bound_hangs_on_the_noise_and_on_the_window() {
     let (sensor, _) = bound_of(&format!(r#"Sensor({{"x": ({x}, ""), "v": ({v}, "")}})"#), "(40.0, 80.0)");
     assert!((sensor / late - 1.0).abs() < 0.05, "{sensor} {late}");
 }
+
+/// Force pulses on a carriage with friction and no spring, which is pushed a little by what nobody measures: the
+/// position drifts, and a single run puts the drift into the numbers. In segments of the right length the fit knows
+/// them as well as the one-step method does.
+#[test]
+fn a_carriage_that_drifts_is_fitted_in_short_segments() {
+    let text = r#"(constants: {"M": (value: 95.0, unit: "kg", within: (40.0, 160.0))}, states: {"q": "m", "v": "m/s"}, inputs: {"F": "N"},
+        known: {"q": "v", "v": "F/M"}, inertia: {"v": "M"}, unknown: {"v": (factor: "-1/M", candidates: ["v", "sgn(v)"])}, contacts: ["v"],
+        data: [Synthetic(truth: {"v": "(-203*v - 20.4*sgn(v) + 1.5*sin(2.3*t) + 1.2*sin(6.9*t+1) + sin(14.4*t+2) + 0.8*sin(25.7*t))/95"},
+            start: {"q": 0.0, "v": 0.0}, duration: 8.0, step: 0.005, noise: Sensor({"q": (2e-6, "m")}), measure: ["q"],
+            inputs: {"F": Formula("60*tanh(20*sin(3.1*t)) + 20*sin(1.3*t)")}, seed: 1)], learn: (selection: All))"#;
+    let (_, records) = common::load_text(text, &[]);
+    let case = common::prepare(text, &[("constants.M.value", "80.0")]);
+    let found = run(&case, &records);
+    let mass = found.parameters[0].estimate;
+    assert!((mass.value - 95.0).abs() < 1.0 && mass.std_error < 0.8, "{mass:?}");
+    for (term, truth) in found.terms.iter().zip([203.0, 20.4]) {
+        let c = term.coefficient;
+        assert!((c.value - truth).abs() < 4.0 * c.std_error && c.std_error < 0.03 * truth, "{c:?}");
+    }
+}

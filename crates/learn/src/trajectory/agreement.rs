@@ -1,9 +1,9 @@
 //! Agreement of records. The terms of a fit are fitted again to each Validate record alone. A wrong model puts
 //! its error into the coefficients, so another motion gives other coefficients.
 
-use crate::decisions::{AGREEMENT_DAMPING, AGREEMENT_MINIMUM, RARE};
+use crate::decisions::{AGREEMENT_DAMPING, AGREEMENT_MINIMUM, DENSE, RARE};
 use crate::least_squares::Limits;
-use crate::linear::{covariance, solve_damped};
+use crate::linear::{covariance, inverse_block, solve_damped};
 use crate::result::quantity::TermId;
 use crate::result::record_fit::RecordFit;
 use crate::result::warning::Warning;
@@ -71,8 +71,8 @@ fn disagreement(
     let normal = problem.minimise(&mut x, &weights, Limits::of(AGREEMENT_MINIMUM)).ok()?;
     let told = tally(&noise, &problem.residuals(&x).ok()?);
     let inflation = inflation(told.samples, told.effective);
-    let own =
-        covariance(&Mat::from_fn(moving.len(), moving.len(), |i, j| normal.matrix[(moving[i], moving[j])]));
+    let curvature = Mat::from_fn(moving.len(), moving.len(), |i, j| normal.matrix[(moving[i], moving[j])]);
+    let own = if moving.len() > DENSE { inverse_block(&curvature, t)? } else { covariance(&curvature) };
     // The coefficients are the first unknowns of both.
     let both = Mat::from_fn(t, t, |i, j| cov[(i, j)] * fit.inflation() + own[(i, j)] * inflation);
     if (0..t).any(|k| !both[(k, k)].is_finite()) {

@@ -1,10 +1,11 @@
 //! Error bars of a fit: the sandwich covariance, stretched where residuals are correlated, and intervals by
 //! profile likelihood.
 
-use crate::decisions::STAGES;
-use crate::linear::covariance;
+use crate::decisions::{DENSE, STAGES};
+use crate::linear::{covariance, solve_damped};
 use crate::result::estimate::Estimate;
 use crate::trajectory::fit::Fit;
+use crate::trajectory::problem::Meaning;
 use crate::trajectory::profile::interval;
 use faer::Mat;
 
@@ -23,12 +24,12 @@ pub(crate) struct ErrorBars<'a> {
 impl<'a> ErrorBars<'a> {
     /// Of a fit at its minimum.
     pub(crate) fn new(fit: &'a Fit<'a>) -> ErrorBars<'a> {
-        ErrorBars {
-            fit,
-            sandwich: robust_covariance(fit),
-            curvature: covariance(&fit.normal.matrix),
-            inflation: fit.inflation(),
+        let inflation = fit.inflation();
+        if let Some((sandwich, curvature)) = of_numbers(fit) {
+            return ErrorBars { fit, sandwich, curvature, inflation };
         }
+        let curvature = covariance(&fit.normal.matrix);
+        ErrorBars { fit, sandwich: robust_covariance(fit), curvature, inflation }
     }
 
     /// The standard error of an unknown.
@@ -55,6 +56,51 @@ impl<'a> ErrorBars<'a> {
     pub(crate) fn covariance(&self, of: &[usize]) -> Vec<Vec<f64>> {
         of.iter().map(|&a| of.iter().map(|&b| self.sandwich[(a, b)] * self.inflation).collect()).collect()
     }
+}
+
+/// The sandwich and the inverse of the curvature for all unknowns but the start states of many segments, whose
+/// blocks are left infinite. The start states are eliminated: `S = A_nn - A_ns A_ss^-1 A_sn` is the curvature of the
+/// numbers `n` (Schur's complement). `None` for few unknowns.
+fn of_numbers(fit: &Fit<'_>) -> Option<(Mat<f64>, Mat<f64>)> {
+    let (all, meanings) = (fit.x.len(), fit.problem.meanings());
+    if all <= DENSE || fit.most_pieces() == 1 {
+        return None;
+    }
+    let (starts, numbers): (Vec<usize>, Vec<usize>) = (0..all).partition(|&k| meanings[k] == Meaning::Start);
+    let a = &fit.normal.matrix;
+    let inner = Mat::from_fn(starts.len(), starts.len(), |i, j| a[(starts[i], starts[j])]);
+    let column = |&k: &usize| {
+        let right: Vec<f64> = starts.iter().map(|&s| a[(s, k)]).collect();
+        solve_damped(&inner, &right, 0.0)
+    };
+    let eliminated: Vec<Vec<f64>> = numbers.iter().map(column).collect::<Option<_>>()?;
+    let schur = Mat::from_fn(numbers.len(), numbers.len(), |i, j| {
+        let through: f64 = starts.iter().zip(&eliminated[j]).map(|(&s, z)| a[(numbers[i], s)] * z).sum();
+        a[(numbers[i], numbers[j])] - through
+    });
+    let bread = covariance(&schur);
+    let seen: Vec<usize> = (0..numbers.len()).filter(|&k| bread[(k, k)].is_finite()).collect();
+    // A^-1 for the numbers that are seen, one column for each.
+    let mut inverse = Mat::zeros(all, seen.len());
+    for (c, &j) in seen.iter().enumerate() {
+        seen.iter().for_each(|&i| inverse[(numbers[i], c)] = bread[(i, j)]);
+        for (row, &s) in starts.iter().enumerate() {
+            inverse[(s, c)] = -seen.iter().map(|&i| eliminated[i][row] * bread[(i, j)]).sum::<f64>();
+        }
+    }
+    let meat = fit.problem.meat(&fit.x, &fit.weights).ok()?;
+    let small = inverse.transpose() * &meat * &inverse;
+    let unknowns = seen.len() + starts.len();
+    let stretch = fit.samples as f64 / fit.samples.saturating_sub(unknowns).max(1) as f64;
+    let open = || Mat::from_fn(all, all, |i, j| if i == j { f64::INFINITY } else { 0.0 });
+    let (mut sandwich, mut curvature) = (open(), open());
+    for (i, &p) in seen.iter().enumerate() {
+        for (j, &q) in seen.iter().enumerate() {
+            sandwich[(numbers[p], numbers[q])] = small[(i, j)] * stretch;
+            curvature[(numbers[p], numbers[q])] = bread[(p, q)];
+        }
+    }
+    Some((sandwich, curvature))
 }
 
 /// The sandwich `A^-1 B A^-1`: curvature `A` of the cost, scatter `B` of its gradient. Where the noise model

@@ -1,6 +1,6 @@
 //! How long the segments are of a record that no single run follows.
 
-use crate::decisions::{FEWEST_SAMPLES, STAGES};
+use crate::decisions::{SHORTEST_STRETCH, STAGES};
 use crate::trajectory::error_bars::ErrorBars;
 use crate::trajectory::fit::{Context, Fit, transfer};
 use crate::trajectory::problem::{Meaning, Problem};
@@ -25,7 +25,7 @@ impl<'a> Context<'a> {
             let pieces: Vec<usize> =
                 fit.pieces.iter().map(|&p| if p == 1 { STAGES[0] } else { 2 * p }).collect();
             let samples = self.records.iter().zip(&pieces).map(|(r, p)| r.len() / p).min().unwrap_or(0);
-            let finer = (samples >= FEWEST_SAMPLES).then(|| self.cut_into(&fit, &pieces)).flatten();
+            let finer = (samples >= SHORTEST_STRETCH).then(|| self.cut_into(&fit, &pieces)).flatten();
             match finer.map(|finer| (self::blur(&finer), finer)) {
                 Some((less, finer)) if less < blur => (fit, blur) = (finer, less),
                 _ if fit.most_pieces() > coarse => return self.resettle(fit),

@@ -112,7 +112,7 @@ fn warnings() {
             "a single run drifts away from the data, so each record was fitted in up to 20 segments with start states of their own",
         ),
         (
-            Warning::SensitiveStart { record: "r".into(), fitted: 200, samples: 400 },
+            Warning::SensitiveStart { record: "r".into(), fitted: 200, samples: 400, own: false },
             "r: neighbouring motions part so fast that its start state was fitted on 50 % of it, not on a tenth; everything else there is prediction",
         ),
         (
