@@ -308,7 +308,7 @@ impl<'a> Context<'a> {
 }
 
 /// Root mean square of all residuals in units of their columns.
-fn misfit(problem: &Problem<'_>, x: &[f64]) -> Option<f64> {
+pub(crate) fn misfit(problem: &Problem<'_>, x: &[f64]) -> Option<f64> {
     let residuals = problem.residuals(x).ok()?;
     let (mut sum, mut count) = (0.0, 0);
     for (r, columns) in residuals.iter().enumerate() {

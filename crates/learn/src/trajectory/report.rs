@@ -1,6 +1,6 @@
 //! A fit as a result: terms and parameters with error bars, warnings, free runs, a verdict.
 
-use crate::decisions::{CHANCE_OF_NOISE, COLOURED_PART, PROFILED_TERMS};
+use crate::decisions::{CHANCE_OF_NOISE, COLOURED_PART, PROFILED_TERMS, WORST_NRMSE};
 use crate::differentiator_dependence::{Number, dependence};
 use crate::result::identified::{Identified, NoiseModel, PathPoint, StopReason};
 use crate::result::parameter::FoundParameter;
@@ -11,7 +11,7 @@ use crate::result::verdict::{FitFailure, Rejection, Verdict, verdict};
 use crate::result::warning::{Warning, at_bounds, sensitive_starts};
 use crate::trajectory::agreement::disagreements;
 use crate::trajectory::error_bars::ErrorBars;
-use crate::trajectory::fit::Fit;
+use crate::trajectory::fit::{Fit, misfit};
 use crate::trajectory::free_run::{Solution, free_runs};
 use crate::trajectory::problem::{Meaning, Problem};
 use crate::trajectory::separability::inseparable;
@@ -91,12 +91,13 @@ fn failure(fit: &Fit<'_>) -> Option<FitFailure> {
         // Where the regression starts a coefficient is where it belongs.
         Meaning::Coefficient(_) | Meaning::Start => None,
     };
-    let meanings = problem.meanings();
-    let mut starts =
-        meanings.iter().zip(&fit.x).filter_map(|(meaning, x)| Some((start(meaning)?, *x))).peekable();
     let blind = fit.normal.gradient.iter().any(|g| !g.is_finite());
+    // What nothing depends on, or what starts at the minimum, need not move.
+    let misses = || misfit(problem, &fit.x).is_some_and(|missed| missed > WORST_NRMSE);
+    let felt = problem.meanings().into_iter().enumerate().filter(|(k, _)| fit.normal.matrix[(*k, *k)] > 0.0);
+    let mut starts = felt.filter_map(|(k, meaning)| Some((start(&meaning)?, fit.x[k]))).peekable();
     let stands = starts.peek().is_some() && starts.all(|(start, x)| start == x);
-    if !blind && !stands {
+    if !blind && !(stands && misses()) {
         return None;
     }
     match problem.singularity(&fit.x) {
