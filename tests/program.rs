@@ -126,8 +126,8 @@ fn several_specs_are_several_lines_of_json() {
 
 #[test]
 fn a_rejected_model_ends_with_1() {
-    // Nothing is missing, so no term survives.
-    let said = quick(&["--set", "data.0.truth={}", "--format", "json"]);
+    // What is missing, the dictionary cannot name.
+    let said = quick(&["--set", "data.0.truth={ \"y\": \"2*sin(2*t)\" }", "--format", "json"]);
     assert_eq!(said.code, 1, "{}", said.err);
     let result: Value = serde_json::from_str(&said.out).expect("JSON");
     assert_eq!(result["verdict"], "rejected");

@@ -74,7 +74,7 @@ const REJECTED: &[&str] = &[
     "--method",
     "step",
     "--set",
-    "data.0.truth={}",
+    "data.0.truth={ \"y\": \"2*sin(2*t)\" }",
     "--set",
     "data.0.noise=Relative(0)",
     "--set",

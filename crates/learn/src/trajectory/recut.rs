@@ -9,7 +9,7 @@ use phisindy_phys::Record;
 use phisindy_phys::spec::SegmentsSpec;
 
 impl<'a> Context<'a> {
-    /// A fit that no single run follows, over the segments that tell its numbers best.
+    /// The fit of a plant that drifts, over the segments that tell its numbers best.
     ///
     /// What a plant without a spring is not told of the forces on it adds up: over a segment of length `T` an
     /// unknown force `f` moves a mass `m` by `f T^2/(2 m)`, and such a residual hangs together over the whole segment.
@@ -17,7 +17,7 @@ impl<'a> Context<'a> {
     /// that shrinks the error bars, which know both: correlated samples count as few, and start states are unknowns.
     pub(crate) fn recut(&self, mut fit: Fit<'a>) -> Fit<'a> {
         let single = fit.pieces.iter().all(|&p| p == 1);
-        if self.segments != SegmentsSpec::Auto || single && (fit.is_white() || !self.drifts(&fit)) {
+        if self.segments != SegmentsSpec::Auto || single && fit.is_white() || !self.drifts(&fit) {
             return fit;
         }
         let (mut blur, coarse) = (blur(&fit), fit.most_pieces());
