@@ -23,7 +23,9 @@ use crate::system::record::Record;
 use balance::balance;
 use frozen::frozen;
 use jumps::jumps;
-use phisindy_signal::{Interpolation, Signal, bounds, noise_level, quantum, standard_deviation};
+use phisindy_signal::{
+    Interpolation, Signal, bounds, holds_levels, noise_level, quantum, standard_deviation,
+};
 use rates::rates;
 use repeats::repeats;
 use spikes::spikes;
@@ -147,6 +149,10 @@ fn undersampled(name: &str, signal: &Signal, found: &mut Vec<Suspicion>) {
     if values.len() < MIN_INPUT_SAMPLES {
         return;
     }
+    if holds_levels(values) {
+        switched(name, values, found);
+        return;
+    }
     let every_second = |v: &[f64]| v.iter().copied().step_by(2).collect::<Vec<f64>>();
     let Ok(half) = Signal::new(every_second(time).into(), every_second(values), signal.kind()) else {
         return;
@@ -161,6 +167,17 @@ fn undersampled(name: &str, signal: &Signal, found: &mut Vec<Suspicion>) {
     let error = (power - 1.5 * noise * noise).max(0.0).sqrt() / order / standard_deviation(values);
     if error > INTERPOLATION_ERROR {
         found.push(Suspicion::Undersampled { input: name.to_owned(), error, interpolation: signal.kind() });
+    }
+}
+
+/// An input that jumps where its interpolation goes straight. Across a step from one value to the next the
+/// mean square of the difference is a third of the square of the jump.
+fn switched(name: &str, values: &[f64], found: &mut Vec<Suspicion>) {
+    let square: f64 = values.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum();
+    let error = (square / 3.0 / values.len() as f64).sqrt() / standard_deviation(values);
+    if error > INTERPOLATION_ERROR {
+        let jumps = values.windows(2).filter(|w| w[1] != w[0]).count();
+        found.push(Suspicion::Switched { input: name.to_owned(), jumps, error });
     }
 }
 
@@ -293,6 +310,21 @@ mod tests {
             told(12, Interpolation::Linear)
         );
         assert_eq!(told(12, Interpolation::Cubic), "");
+    }
+
+    #[test]
+    fn a_relay_is_to_be_held() {
+        let told = |kind: Interpolation| {
+            let time: Vec<f64> = (0..600).map(|i| 0.01 * f64::from(i)).collect();
+            let values = (0..600).map(|i| if i / 30 % 2 == 0 { 13.3 } else { -13.3 }).collect();
+            let mut found = vec![];
+            undersampled("u", &Signal::new(time.into(), values, kind).unwrap(), &mut found);
+            found.iter().map(Suspicion::to_string).collect::<Vec<_>>().join("; ")
+        };
+        // 19 jumps of 26.6 in 600 samples: 26.6/13.3*sqrt(19/600/3).
+        let said = told(Interpolation::Linear);
+        assert!(said.contains("(19 times)") && said.contains("20.5 %") && said.contains("Hold"), "{said}");
+        assert_eq!(told(Interpolation::Hold), "");
     }
 
     #[test]

@@ -8,8 +8,9 @@
 use super::words::Suspicion;
 use crate::system::equations::System;
 use crate::system::record::Record;
+use crate::system::sensor::Sensor;
 use phisindy_expr::{Binary, Graph, Id, Node, Scratch, Tape, Unary};
-use phisindy_signal::{Differentiator, Signal, strongest_line};
+use phisindy_signal::{Differentiator, Interpolation, Signal, strongest_line};
 use std::f64::consts::{PI, TAU};
 use std::ops::{Range, RangeInclusive};
 
@@ -32,6 +33,8 @@ const MIN_STRETCHES: usize = 8;
 /// power of 1000 or by its sign.
 pub(super) fn balance(system: &System, record: &Record, found: &mut Vec<Suspicion>) {
     let rates: Vec<Rate> = system.states.iter().filter_map(|s| Rate::of(system, s.velocity?)).collect();
+    // The model is compared where the motion is: an angle may be counted from anywhere.
+    let Some(record) = &nearest(system, record, &rates) else { return };
     let now: Vec<Sums> = rates.iter().filter_map(|rate| Sums::new(system, record, rate)).collect();
     let left = worst(&now);
     if !left.is_finite() || left < CORRECTIONS[0].0 {
@@ -68,6 +71,35 @@ pub(super) fn balance(system: &System, record: &Record, found: &mut Vec<Suspicio
         }
         _ => found.extend(off.into_iter().map(|(_, told)| told)),
     }
+}
+
+/// The motion that the sensors tell: with their zeros where the search of the fit starts, or in the middle of the
+/// motion as far as the bounds of the zeros admit, whichever the model fits better. None if a column is no
+/// signal.
+fn nearest(system: &System, record: &Record, rates: &[Rate]) -> Option<Record> {
+    let starts = corrected(record, |sensor, _| sensor.offset.start)?;
+    let middle = corrected(record, |sensor, column| {
+        let mean = column.iter().sum::<f64>() / column.len().max(1) as f64;
+        sensor.offset.within.map_or(sensor.offset.start, |(low, high)| mean.clamp(low, high))
+    })?;
+    let misfit = |record: &Record| {
+        let sums: Vec<Sums> = rates.iter().filter_map(|rate| Sums::new(system, record, rate)).collect();
+        worst(&sums)
+    };
+    Some(if misfit(&middle) < misfit(&starts) { middle } else { starts })
+}
+
+/// The record with its states as their sensors see them, each with the given zero. Inputs were corrected when
+/// the record was made.
+fn corrected(record: &Record, zero: impl Fn(&Sensor, &[f64]) -> f64) -> Option<Record> {
+    let mut out = record.clone();
+    for (column, sensor) in out.columns.iter_mut().zip(&record.sensors) {
+        let Some(values) = column.take() else { continue };
+        let mut sensor = sensor.clone();
+        sensor.offset.start = zero(&sensor, &values);
+        *column = Some(sensor.corrected(&record.time, values, Interpolation::Linear).ok()?);
+    }
+    Some(out)
 }
 
 /// A possible mistake in the columns of a record; states count first, then inputs.
@@ -452,6 +484,48 @@ mod tests {
     fn a_state_and_an_input_that_are_swapped_are_told() {
         let swapped = told(2.0, 2.0, 600.0, [1, 0, 2], ONE);
         assert!(swapped.contains("with `x` and `u` exchanged"), "{swapped}");
+    }
+
+    /// The findings for a pendulum that swings about the angle `hangs`, its sensor as the spec says.
+    fn swing(hangs: f64, sensor: &str) -> String {
+        let text = format!(
+            r#"(constants: {{"k": (30.0, "1/s^2")}}, states: {{"theta": "rad", "w": "rad/s"}}, known: {{"theta": "w", "w": "-k*sin(theta)"}},
+            unknown: {{}}, data: [Csv(path: "a.csv", name: "a", time: "t", columns: {{"theta": "a"}}{sensor})])"#
+        );
+        let mut sources = crate::text::diagnostic::Sources::default();
+        let id = sources.add("spec", text.as_str());
+        let (spec, _) = crate::text::spec::read(&text, id).unwrap();
+        let (case, _) = crate::system::check::check(&spec, id).unwrap();
+        let time: Vec<f64> = (0..2000).map(|i| 0.01 * f64::from(i)).collect();
+        let (mut theta, mut w) = (1.2_f64, 0.0_f64);
+        let mut column = vec![];
+        for _ in &time {
+            column.push(hangs + theta);
+            for _ in 0..10 {
+                w += 1e-3 * (-30.0 * theta.sin() - 0.05 * w);
+                theta += 1e-3 * w;
+            }
+        }
+        let table = crate::system::record::Table { time, columns: vec![column], lines: vec![], extent: None };
+        let record = Record::from_table(&case.records[0], &table, &case.system, id).unwrap();
+        let mut found = vec![];
+        balance(&case.system, &record, &mut found);
+        found.iter().map(Suspicion::to_string).collect::<Vec<_>>().join("; ")
+    }
+
+    #[test]
+    fn a_pendulum_that_hangs_at_pi_has_the_right_sign() {
+        let offset = |start: f64, reach: f64| {
+            let (low, high) = (start - reach, start + reach);
+            format!(", sensors: {{\"theta\": (offset: Find(start: {start:?}, unit: \"rad\", within: ({low:?}, {high:?})))}}")
+        };
+        assert_eq!(swing(0.0, ""), "");
+        assert_eq!(swing(PI, &offset(3.0, 0.5)), "");
+        assert_eq!(swing(PI, &offset(0.0, 4.0)), "");
+        // Nothing says that the angle is counted from the upright.
+        let said = swing(PI, "");
+        assert!(said.contains("sin(theta)` has the other sign") && said.contains("from where"), "{said}");
+        assert!(swing(PI, &offset(0.0, 0.5)).contains("other sign"));
     }
 
     #[test]

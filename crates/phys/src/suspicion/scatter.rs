@@ -2,6 +2,7 @@
 //! spikes.
 
 use phisindy_signal::{median, rounding_error};
+use std::ops::Range;
 
 /// Median of |normal|, times the standard deviation of `e1 - (e0 + e2)/2`.
 const UNIT: f64 = 0.674_489_750_196_081_7 * 1.224_744_871_391_589;
@@ -18,6 +19,19 @@ pub(super) fn size(column: &[f64], k: usize) -> f64 {
 pub(super) fn of(column: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = (1..column.len().saturating_sub(1)).map(|k| size(column, k).abs()).collect();
     median(&mut sizes) / UNIT + rounding_error(column)
+}
+
+/// The same over a range of samples, which is not looked beyond; without the rounding.
+pub(super) fn within(column: &[f64], range: Range<usize>) -> f64 {
+    let mut sizes: Vec<f64> =
+        (range.start + 1..range.end.max(1) - 1).map(|k| size(column, k).abs()).collect();
+    median(&mut sizes) / UNIT
+}
+
+/// The same, by the median or by the 90 % quantile, whichever is larger: what the noise is where it is large.
+pub(super) fn largest(column: &[f64]) -> f64 {
+    let (middle, round) = (column.len() / 2, column.len());
+    near(column, middle, round) + rounding_error(column)
 }
 
 /// The same over `round` samples before and after `k`, by the median or by the 90 % quantile, whichever is

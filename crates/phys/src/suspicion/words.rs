@@ -68,6 +68,15 @@ pub enum Suspicion {
         /// How it is interpolated.
         interpolation: Interpolation,
     },
+    /// An input that holds levels and is interpolated as if it moved between them.
+    Switched {
+        /// The input.
+        input: String,
+        /// How many jumps it has.
+        jumps: usize,
+        /// Standard error of the interpolation, as a part of the standard deviation of the input.
+        error: f64,
+    },
     /// A stretch of equal values in a column that has noise or moves before and after it.
     Frozen {
         /// The column.
@@ -216,6 +225,12 @@ impl fmt::Display for Suspicion {
                     Interpolation::Cubic | Interpolation::Hold => f.write_str("sample it faster"),
                 }
             }
+            Suspicion::Switched { input, jumps, error } => write!(
+                f,
+                "`{input}` holds its value and jumps ({jumps} times), and is interpolated as if it moved from one value to the next: \
+                 {:.1} % of its size is wrong by that; say `interpolate: {{ \"{input}\": Hold }}`",
+                100.0 * error
+            ),
             Suspicion::Frozen { column, value, samples, from_to: (from, to), count } => write!(
                 f,
                 "`{column}` is {value:.6} in {samples} samples from {from:.6} s to {to:.6} s{}, and moves or has noise before and \
@@ -282,7 +297,7 @@ impl fmt::Display for Suspicion {
             Suspicion::PartScaled { velocity, parts, factor, .. } if *factor < 0.0 => write!(
                 f,
                 "the model tells the acceleration in `{velocity}` once its part in {} has the other sign: look at the signs of the \
-                 equation, and at which way the sensors count",
+                 equation, and at which way and from where the sensors count",
                 quoted(parts)
             ),
             Suspicion::PartScaled { velocity, parts, factor, clock } => {
