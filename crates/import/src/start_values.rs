@@ -1,5 +1,8 @@
 //! Start values of the constants, from a regression on smoothed derivatives.
 
+mod forced;
+
+use forced::{Forced, forced};
 use phisindy_signal::{automatic, standard_deviation};
 
 /// Most rows of the regression: more do not improve a start value.
@@ -69,32 +72,42 @@ impl Motion {
         let one = column(&|_| 1.0);
         let force = self.force.as_ref().map(|f| column(&|k| f[k]));
         let target = column(&|k| rate.derivative[k]);
+        let driven = forced(self, n);
+        if let Some(Forced { stiffness: None, damping, gain }) = driven
+            && !self.is_pendulum
+        {
+            return Estimate { stiffness: None, damping, input_gain: Some(gain), rest: mean };
+        }
         let mut columns = vec![damper, friction, one];
         columns.extend(force);
-        let without = least_squares(&columns, &target);
         columns.push(spring);
-        let with = least_squares(&columns, &target);
-        let forced = |c: &[f64]| self.force.as_ref().map(|_| c[3]).filter(|b| b.is_finite());
-        match (with, without) {
-            (Some((c, error)), before) => {
-                let k = c[c.len() - 1];
-                let better = before.as_ref().is_none_or(|(_, plain)| error < 0.9 * plain);
-                // A free oscillation needs a spring; a driven motion may have none.
-                if k > 0.0 && (better || self.force.is_none()) {
-                    let rest = if self.is_pendulum || self.base.is_some() { middle } else { c[2] / k };
-                    let near = (rest - mean).abs() < 10.0 * standard_deviation(x);
-                    let rest = if self.base.is_some() || !near { mean } else { rest };
-                    return Estimate { stiffness: Some(k), damping: c[0], input_gain: forced(&c), rest };
+        let Some((c, _)) = least_squares(&columns, &target) else { return poor };
+        let k = c[c.len() - 1];
+        if k <= 0.0 {
+            return match driven.filter(|_| !self.is_pendulum) {
+                Some(Forced { stiffness, damping, gain }) => {
+                    Estimate { stiffness, damping, input_gain: Some(gain), rest: mean }
                 }
-                match before {
-                    Some((c, _)) if self.force.is_some() => {
-                        Estimate { stiffness: None, damping: c[0], input_gain: forced(&c), rest: mean }
-                    }
-                    _ => poor,
-                }
-            }
-            (None, _) => poor,
+                None => poor,
+            };
         }
+        let rest = if self.is_pendulum || self.base.is_some() { middle } else { c[2] / k };
+        let near = (rest - mean).abs() < 10.0 * standard_deviation(x);
+        let rest = if self.base.is_some() || !near { mean } else { rest };
+        let plain = Forced { stiffness: Some(k), damping: c[0], gain: c[3] };
+        // Gravity on a large angle is no linear spring.
+        let own = driven.filter(|_| !self.is_pendulum).unwrap_or(plain);
+        let input_gain = self.force.as_ref().map(|_| own.gain).filter(|b| b.is_finite());
+        Estimate { stiffness: own.stiffness, damping: own.damping, input_gain, rest }
+    }
+
+    /// The inertia that the size of force and acceleration suggest, where no regression tells it.
+    pub(crate) fn plausible_inertia(&self) -> Option<f64> {
+        let size = standard_deviation(self.force.as_ref()?);
+        let speed = automatic(&self.time, &self.displacement).ok()?;
+        let rate = automatic(&self.time, &speed.derivative).ok()?;
+        let inertia = size / standard_deviation(&rate.derivative);
+        (inertia.is_finite() && inertia > 0.0).then_some(inertia)
     }
 }
 

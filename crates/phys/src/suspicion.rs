@@ -14,9 +14,11 @@ mod repeats;
 mod scatter;
 mod spikes;
 mod words;
+mod wraps;
 
 pub use clipped::clipped;
 pub use words::Suspicion;
+pub use wraps::{Wrap, wraps};
 
 use crate::system::equations::System;
 use crate::system::record::Record;
@@ -190,6 +192,13 @@ fn faulty_samples(
     velocity: Option<Option<&[f64]>>,
     found: &mut Vec<Suspicion>,
 ) {
+    if velocity.is_some()
+        && let Some(Wrap { period, first, count }) = wraps(column)
+    {
+        let (column, time) = (name.to_owned(), time[first]);
+        found.push(Suspicion::Wrapped { column, period, time, count });
+        return;
+    }
     let frozen = frozen(column);
     let whole = |k: usize| frozen.iter().all(|r| k + 1 < r.start || k > r.end);
     if let Some(first) = frozen.first() {

@@ -32,7 +32,7 @@ pub(super) fn frozen(column: &[f64]) -> Vec<Range<usize>> {
     // The share of repeated values: large for a coarse sensor.
     let repeated = runs.iter().filter(|r| r.len() > 1).count();
     let often = (repeated + 1) as f64 / (runs.len() + 1) as f64;
-    let by_chance = (CHANCE * n as f64).ln() / -often.ln();
+    let by_chance = |r: &Range<usize>| (CHANCE * n as f64).ln() / -often.max(repeats_beside(column, r)).ln();
     let noise = noise_level(column);
     let own = OWN * standard_deviation(column);
     let noisy = noise > 2.0 * rounding_error(column) && noise > own;
@@ -40,11 +40,24 @@ pub(super) fn frozen(column: &[f64]) -> Vec<Range<usize>> {
     let frozen = |r: &Range<usize>| {
         let value = column[r.start];
         let noisy = noisy && noise_beside(column, r) > own.max(COUNTS * count);
-        let long = r.len() >= SHORTEST && (r.len() - 1) as f64 > by_chance;
+        let long = r.len() >= SHORTEST && (r.len() - 1) as f64 > by_chance(r);
         // Clipped columns repeat their extremes. Noise that grows with the motion vanishes at zero.
         long && value != min && value != max && (noisy && value != 0.0 || catches_up(column, r))
     };
     runs.into_iter().filter(|r| r.len() < n && frozen(r)).collect()
+}
+
+/// The share of repeated values beside a stretch: a coarse sensor repeats them where the motion turns.
+fn repeats_beside(column: &[f64], stretch: &Range<usize>) -> f64 {
+    let reach = (3 * stretch.len()).max(BESIDE);
+    let before = stretch.start.saturating_sub(reach).max(1)..stretch.start;
+    let after = stretch.end + 1..(stretch.end + reach).min(column.len());
+    let (mut all, mut repeated) = (0_usize, 0_usize);
+    for k in before.chain(after) {
+        all += 1;
+        repeated += usize::from(column[k] == column[k - 1]);
+    }
+    repeated as f64 / all.max(1) as f64
 }
 
 /// Noise of the samples beside a stretch, on the side where there is less of it. A body that comes to rest has

@@ -11,6 +11,8 @@ const ABRUPT: f64 = 4.0;
 /// ... and more than the motion covers in this many steps: less is a sample that was taken late or lost, which
 /// shifts the curve in time and not in level.
 const LATE: f64 = 2.0;
+/// More than one jump in this many samples, or a step that the motion does more often, is motion.
+const RARE: usize = 200;
 /// With a measured velocity the level is the median over this many samples on either side.
 pub(super) const LEVEL: usize = 20;
 /// A jump is this many times the scatter of the levels ...
@@ -23,7 +25,7 @@ pub(super) fn jumps(time: &[f64], x: &[f64], v: Option<&[f64]>) -> Vec<usize> {
     let n = x.len();
     let all = v.map_or_else(|| abrupt(time, x), |v| shifted(time, x, v));
     // Frequent jumps are a motion that is sampled too coarsely.
-    if all.len() * 200 <= n { all } else { vec![] }
+    if all.len() * RARE <= n { all } else { vec![] }
 }
 
 /// Steps far larger than those beside them.
@@ -32,17 +34,20 @@ fn abrupt(time: &[f64], x: &[f64]) -> Vec<usize> {
     let steps: Vec<f64> = x.windows(2).map(|w| w[1] - w[0]).collect();
     let lengths: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
     let usual = median(&mut lengths.clone());
-    let jump = |k: usize| {
+    let off = |k: usize| {
         let beside = [k - 3, k - 2, k - 1, k + 1, k + 2, k + 3].map(|j| steps[j]);
         let trend = median(&mut beside.clone());
-        let largest = |of: &dyn Fn(f64) -> f64| beside.iter().map(|s| of(*s).abs()).fold(0.0, f64::max);
         let size = (steps[k] - trend).abs();
-        lengths[k] < 1.5 * usual
+        let largest = |of: &dyn Fn(f64) -> f64| beside.iter().map(|s| of(*s).abs()).fold(0.0, f64::max);
+        let jumps = lengths[k] < 1.5 * usual
             && size > JUMP * least
             && size > ABRUPT * largest(&|s| s - trend)
-            && size > LATE * largest(&|s| s)
+            && size > LATE * largest(&|s| s);
+        (k, size, jumps)
     };
-    (3..steps.len().saturating_sub(3)).filter(|&k| jump(k)).collect()
+    let all: Vec<(usize, f64, bool)> = (3..steps.len().saturating_sub(3)).map(off).collect();
+    let usual = scatter::rarely(all.iter().map(|(_, size, _)| *size).collect(), RARE);
+    all.into_iter().filter(|(_, size, jumps)| *jumps && *size >= usual).map(|(k, ..)| k).collect()
 }
 
 /// Samples after which the level of `x` less the integral of `v` changes.

@@ -2,18 +2,21 @@
 
 use super::scatter;
 
-/// A spike deviates by this many times the scatter of the samples beside it, and by as many times the scatter of
-/// the whole column, since a fit weighs all samples of a column alike; no one of a million normal numbers does.
+/// A spike deviates by this many times the scatter of the samples beside it; no one of a million normal numbers
+/// does.
 const SPIKE: f64 = 7.0;
 /// The scatter is taken over this many samples on either side.
 const ROUND: usize = 40;
 /// More than one spike in this many samples is noise of the sensor.
 const RARE: usize = 50;
+/// A deviation that more than one of this many other samples has is none either: a fit weighs all samples of a
+/// column alike.
+const ELSEWHERE: usize = 200;
 
 /// The samples that are spikes; none if they are frequent.
 pub(super) fn spikes(column: &[f64]) -> Vec<usize> {
     let n = column.len();
-    let least = scatter::largest(column);
+    let least = SPIKE * scatter::of(column);
     // On one side of both neighbours, which are close to theirs: steps, corners and pulses of several samples
     // are motion.
     let stands_alone = |k: usize, size: f64| {
@@ -26,9 +29,15 @@ pub(super) fn spikes(column: &[f64]) -> Vec<usize> {
     };
     let apart = |k: usize| {
         let size = scatter::size(column, k).abs();
-        size > SPIKE * least && stands_alone(k, size) && size > SPIKE * scatter::near(column, k, ROUND)
+        size > least && stands_alone(k, size) && size > SPIKE * scatter::near(column, k, ROUND)
     };
-    let all: Vec<usize> = (3..n.saturating_sub(3)).filter(|&k| apart(k)).collect();
+    let mut all: Vec<usize> = (3..n.saturating_sub(3)).filter(|&k| apart(k)).collect();
+    let mut others = vec![true; n];
+    all.iter().for_each(|&k| others[k - 1..=k + 1].fill(false));
+    let size = |k: usize| scatter::size(column, k).abs();
+    let elsewhere = (1..n.saturating_sub(1)).filter(|&k| others[k]).map(size).collect();
+    let usual = scatter::rarely(elsewhere, ELSEWHERE);
+    all.retain(|&k| size(k) > usual);
     if all.len() * RARE <= n { all } else { vec![] }
 }
 

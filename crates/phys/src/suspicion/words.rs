@@ -77,6 +77,17 @@ pub enum Suspicion {
         /// Standard error of the interpolation, as a part of the standard deviation of the input.
         error: f64,
     },
+    /// A counter that overflows, or an angle that begins again after a turn.
+    Wrapped {
+        /// The column.
+        column: String,
+        /// By how much it jumps (SI).
+        period: f64,
+        /// The last time before the first jump.
+        time: f64,
+        /// How many jumps there are.
+        count: usize,
+    },
     /// A stretch of equal values in a column that has noise or moves before and after it.
     Frozen {
         /// The column.
@@ -227,9 +238,17 @@ impl fmt::Display for Suspicion {
             }
             Suspicion::Switched { input, jumps, error } => write!(
                 f,
-                "`{input}` holds its value and jumps ({jumps} times), and is interpolated as if it moved from one value to the next: \
+                "`{input}` holds its value and jumps ({jumps} time{}), and is interpolated as if it moved from one value to the next: \
                  {:.1} % of its size is wrong by that; say `interpolate: {{ \"{input}\": Hold }}`",
+                if *jumps == 1 { "" } else { "s" },
                 100.0 * error
+            ),
+            Suspicion::Wrapped { column, period, time, count } => write!(
+                f,
+                "`{column}` wraps: it jumps by {period} (SI) from one end of its range to the other, {count} time{}, first after \
+                 {time:.6} s: a counter that overflows, or an angle that begins again after a turn; write it unwrapped into the \
+                 file, as `numpy.unwrap(values, period=...)` does",
+                if *count == 1 { "" } else { "s" }
             ),
             Suspicion::Frozen { column, value, samples, from_to: (from, to), count } => write!(
                 f,
