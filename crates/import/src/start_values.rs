@@ -2,7 +2,7 @@
 
 mod forced;
 
-use forced::{Forced, forced};
+use forced::{CLEAR, Forced, forced};
 use phisindy_signal::{automatic, standard_deviation};
 
 /// Most rows of the regression: more do not improve a start value.
@@ -72,6 +72,10 @@ impl Motion {
         let one = column(&|_| 1.0);
         let force = self.force.as_ref().map(|f| column(&|k| f[k]));
         let target = column(&|k| rate.derivative[k]);
+        let turns = rows.windows(2).any(|w| v[w[0]] * v[w[1]] < 0.0);
+        if self.force.is_none() && self.base.is_none() && !self.is_pendulum && !turns {
+            return coasting(damper, one, spring, &target, mean);
+        }
         let driven = forced(self, n);
         if let Some(Forced { stiffness: None, damping, gain }) = driven
             && !self.is_pendulum
@@ -108,6 +112,21 @@ impl Motion {
         let rate = automatic(&self.time, &speed.derivative).ok()?;
         let inertia = size / standard_deviation(&rate.derivative);
         (inertia.is_finite() && inertia > 0.0).then_some(inertia)
+    }
+}
+
+/// The estimate for a free motion that never turns: it slides to its end, unless a spring, overdamped, explains
+/// far more. (Friction is a constant force then.)
+fn coasting(damper: Vec<f64>, one: Vec<f64>, spring: Vec<f64>, target: &[f64], mean: f64) -> Estimate {
+    let without = least_squares(&[damper.clone(), one.clone()], target);
+    let with = least_squares(&[damper, one, spring], target);
+    let slides = Estimate { stiffness: None, damping: 0.0, input_gain: None, rest: mean };
+    match (without, with) {
+        (Some((_, plain)), Some((c, error))) if c[2] > 0.0 && error < CLEAR * plain => {
+            Estimate { stiffness: Some(c[2]), damping: c[0], rest: c[1] / c[2], ..slides }
+        }
+        (Some((c, _)), _) => Estimate { damping: c[0], ..slides },
+        (None, _) => slides,
     }
 }
 
@@ -157,6 +176,19 @@ mod tests {
         let e = motion.estimate();
         assert!((e.stiffness.expect("a spring") - 49.04).abs() < 1.0, "{e:?}");
         assert!((e.damping - 0.4).abs() < 0.1 && (e.rest - 0.3).abs() < 1e-3, "{e:?}");
+    }
+
+    #[test]
+    fn a_body_that_slides_to_its_end_has_no_spring() {
+        let time: Vec<f64> = (0..2000).map(|k| 0.001 * f64::from(k)).collect();
+        let sliding = |x: &dyn Fn(f64) -> f64| {
+            let displacement = time.iter().map(|t| x(*t)).collect();
+            Motion { time: time.clone(), displacement, frequency: Some(0.5), ..Motion::default() }.estimate()
+        };
+        let dry = sliding(&|t| 3.0 * t - 0.7 * t * t);
+        let viscous = sliding(&|t| 2.0 * (1.0 - (-1.5 * t).exp()));
+        assert!(dry.stiffness.is_none() && viscous.stiffness.is_none(), "{dry:?} {viscous:?}");
+        assert!((viscous.damping - 1.5).abs() < 0.1, "{viscous:?}");
     }
 
     #[test]

@@ -15,7 +15,7 @@ const MIN_STRETCH: usize = 12;
 /// A model without a spring that leaves more than this part of the acceleration (mean squares) lacks something.
 const UNEXPLAINED: f64 = 0.5;
 /// A spring that lowers what is left to this part is seen even if the rest explains most.
-const CLEAR: f64 = 0.1;
+pub(super) const CLEAR: f64 = 0.1;
 
 /// What drives the motion beside friction.
 #[derive(Clone, Copy, Debug)]

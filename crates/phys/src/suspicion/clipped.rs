@@ -1,5 +1,9 @@
 //! Columns that are cut off at the end of a sensor's range.
 
+/// A ramp has this many steps, equal to this part of one: a sine has such only in many thousands of samples a
+/// period.
+const RAMP: isize = 6;
+const STRAIGHT: f64 = 1e-3;
 /// Samples over which a motion is followed to the end of the range.
 const APPROACH: usize = 4;
 
@@ -45,9 +49,18 @@ fn arrives(values: &[f64], edge: usize, outward: isize) -> bool {
         Some((values.get(at)? - values[edge]).abs())
     };
     match (away(1), away(APPROACH)) {
-        (Some(last), Some(way)) => way > 0.6 * APPROACH as f64 * last,
+        (Some(last), Some(way)) => way > 0.6 * APPROACH as f64 * last && !is_ramp(values, edge, outward),
         _ => false,
     }
+}
+
+/// Whether the way to a run is a straight line, as a generator of trapezoids draws it and no motion.
+fn is_ramp(values: &[f64], edge: usize, outward: isize) -> bool {
+    let at = |steps: isize| values.get(edge.checked_add_signed(outward * steps)?).copied();
+    // The last step may be a part of one.
+    let step = |k: isize| Some(at(k + 1)? - at(k)?);
+    let Some(first) = step(1) else { return false };
+    (2..=RAMP).all(|k| step(k).is_some_and(|s| (s - first).abs() <= STRAIGHT * first.abs()))
 }
 
 /// The quantisation step at one end of a column; 0 if its last three levels are not equally far apart.
@@ -92,7 +105,13 @@ mod tests {
         let pulses = |i: usize| if i % 300 < 40 { 5.0 } else { 0.01 * noise[i] };
         // Counts of an encoder, with a clock that is not even.
         let turning = |i: usize| (40.0 * (0.02 * (i as f64 + 0.4 * noise[i])).sin()).round();
-        let all: [&dyn Fn(usize) -> f64; 3] = [&relay, &pulses, &turning];
+        // Up, hold, down, hold, as a generator writes it with six digits.
+        let trapezoid = |i: usize| {
+            let t = (i % 400) as f64;
+            let up = (t / 90.0).min(1.0) - ((t - 200.0) / 90.0).clamp(0.0, 1.0);
+            (up * 1e6).round() / 1e6
+        };
+        let all: [&dyn Fn(usize) -> f64; 4] = [&relay, &pulses, &turning, &trapezoid];
         for (k, f) in all.iter().enumerate() {
             assert_eq!(told(&(0..4000).map(f).collect::<Vec<f64>>()), 0, "{k}");
         }
