@@ -153,7 +153,12 @@ fn no_false_alarm_about_data() {
         let said = phisindy(&["new", path.to_str().expect("UTF-8"), "--out", &spec]);
         assert_eq!(said.code, 0, "{file}: {}", said.err);
         let said = phisindy(&["check", &spec, "--data", folder.to_str().expect("UTF-8")]);
-        assert_eq!((said.code, said.err.matches("warning").count()), (0, alarms + usize::from(alarms > 0)), "{file}: {}", said.err);
+        assert_eq!(
+            (said.code, said.err.matches("warning").count()),
+            (0, alarms + usize::from(alarms > 0)),
+            "{file}: {}",
+            said.err
+        );
     }
 }
 
@@ -163,7 +168,11 @@ fn a_cart_on_a_relay_is_drafted_without_a_spring() {
     let Some(folder) = data("cart_relay_0m10.csv") else { return };
     let path = folder.join("cart_relay_0m10.csv");
     let said = phisindy(&["new", path.to_str().expect("UTF-8")]);
-    assert!(said.out.contains("interpolate: { \"F\": Hold }") && said.out.contains("show no spring"), "{}", said.out);
+    assert!(
+        said.out.contains("interpolate: { \"F\": Hold }") && said.out.contains("show no spring"),
+        "{}",
+        said.out
+    );
     let mass = said.out.split("\"m\": (value: ").nth(1).and_then(|rest| rest.split(',').next());
     near(mass.and_then(|m| m.parse().ok()).expect("a mass"), 6.28, 0.15);
 }

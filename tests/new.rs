@@ -449,7 +449,16 @@ fn stamps_of_a_clock_are_seconds_from_the_first_row() {
     let clock = |t: f64| {
         let millis = (1000.0 * t).round() as u64 + 23 * 3_600_000 + 59 * 60_000 + 55_000;
         let (day, rest) = (17 + millis / 86_400_000, millis % 86_400_000);
-        (day, format!("{:02}:{:02}:{:02}.{:03}", rest / 3_600_000, rest / 60_000 % 60, rest / 1000 % 60, rest % 1000))
+        (
+            day,
+            format!(
+                "{:02}:{:02}:{:02}.{:03}",
+                rest / 3_600_000,
+                rest / 60_000 % 60,
+                rest / 1000 % 60,
+                rest % 1000
+            ),
+        )
     };
     let iso = |t: f64| format!("2024-05-{}T{}Z", clock(t).0, clock(t).1);
     let german = |t: f64| format!("{}.05.2024 {}", clock(t).0, clock(t).1);
@@ -482,7 +491,7 @@ fn a_column_called_ms_is_the_time() {
 #[test]
 fn stamps_coarser_than_the_rows_give_a_rate() {
     let swing = ring_down(1200, 0.01);
-    let second = |t: f64| (t + 0.37).floor();
+    let second = |t: f64| (t + 0.375).floor();
     let plain = |t: f64| format!("{}", second(t));
     let clock = |t: f64| format!("10:15:{:02.0}", second(t));
     let stamps: [(&str, &dyn Fn(f64) -> String); 2] = [("time_s", &plain), ("Zeit", &clock)];
@@ -493,7 +502,10 @@ fn stamps_coarser_than_the_rows_give_a_rate() {
         }
         let (scratch, text, said) = made(&format!("coarse{k}"), file.as_bytes());
         holds(&said.err, &["at 100 Hz", "a new stamp every 1 alone, for 100 rows each"]);
-        holds(&text, &["time: Rate(100.0)", "is this the exact rate?", "counts rows or tells the time, not used"]);
+        holds(
+            &text,
+            &["time: Rate(100.0)", "is this the exact rate?", "counts rows or tells the time, not used"],
+        );
         checked(&scratch, &text);
     }
 }

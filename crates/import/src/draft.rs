@@ -11,7 +11,7 @@ use crate::time_column::{NoTime, TimeColumn};
 use crate::usage::Usage;
 use phisindy_expr::Span;
 use phisindy_phys::{Diagnostic, SourceId, Wrap, wraps};
-use phisindy_signal::{holds_levels, strongest_line};
+use phisindy_signal::{moves_by_jumps, strongest_line};
 use std::ops::Range;
 
 /// Samples of a record beyond which a fit takes longer and hardly improves.
@@ -82,7 +82,13 @@ impl Draft {
             remarks: vec![],
             table,
         };
-        draft.remarks = draft.shared_headings().chain(draft.guessed_unit()).chain(draft.coarse_time()).chain(draft.wrapped(&longest_run)).chain(remarks).collect();
+        draft.remarks = draft
+            .shared_headings()
+            .chain(draft.guessed_unit())
+            .chain(draft.coarse_time())
+            .chain(draft.wrapped(&longest_run))
+            .chain(remarks)
+            .collect();
         if let Some((good, moving)) = first {
             draft.estimate_start(good, moving);
             draft.decimate = draft.decimation(longest);
@@ -203,7 +209,7 @@ impl Draft {
 
     /// Whether the force holds its value between jumps, as a relay does.
     pub(crate) fn is_held(&self) -> bool {
-        self.motion.force.as_ref().is_some_and(|force| holds_levels(force))
+        self.motion.force.as_ref().is_some_and(|force| moves_by_jumps(force))
     }
 
     /// Whether the heading of the motion states a unit.

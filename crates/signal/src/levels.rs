@@ -1,5 +1,7 @@
 //! Columns that hold a value and jump to the next one: relays, pulses, switches, commanded steps.
 
+use crate::statistics::median;
+
 /// Percentage of the jumps that are alone: the column stands still before and after.
 const ALONE_PERCENT: usize = 90;
 /// A column of at most this many levels may be held for equal times; one of more is a slow sensor.
@@ -36,6 +38,42 @@ pub fn holds_levels(values: &[f64]) -> bool {
     levels.len() <= SWITCH_LEVELS || (!moves_by_single_steps(values, &jumps) && (few || !evenly_held(&jumps)))
 }
 
+/// A step of this many times the median step is a jump ...
+const JUMP: f64 = 10.0;
+/// ... if the steps beside it are smaller than this part of it.
+const BESIDE: f64 = 0.3;
+/// The part of the mean square of all steps that jumps have in a column that moves by jumps.
+const MOST: f64 = 0.9;
+
+/// Whether a column moves by jumps from level to level, with the noise of a sensor on the levels or without:
+/// [`holds_levels`], or a relay that was measured. Such an input is to be held between its samples.
+///
+/// ```
+/// let noise = |k: u32| f64::from(k.wrapping_mul(2_654_435_769) >> 16) / 65_536.0;
+/// let relay: Vec<f64> = (0..500).map(|k| 0.1 * noise(k) + if k / 37 % 2 == 0 { 13.3 } else { -13.3 }).collect();
+/// assert!(phisindy_signal::moves_by_jumps(&relay) && !phisindy_signal::holds_levels(&relay));
+/// ```
+pub fn moves_by_jumps(values: &[f64]) -> bool {
+    if holds_levels(values) {
+        return true;
+    }
+    let steps: Vec<f64> = values.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
+    let least = JUMP * median(&mut steps.clone());
+    let beside = |k: usize| steps.get(k).copied().unwrap_or(0.0);
+    let is_jump = |k: &usize| {
+        let quiet = beside(k + 1).max(k.checked_sub(1).map_or(0.0, beside)) < BESIDE * steps[*k];
+        least > 0.0 && steps[*k] > least && quiet
+    };
+    let jumps: Vec<usize> = (0..steps.len()).filter(is_jump).collect();
+    let square = |all: f64, step: f64| all + step * step;
+    let of_jumps = jumps.iter().map(|&k| steps[k]).fold(0.0, square);
+    let whole = steps.iter().copied().fold(0.0, square);
+    // Between two jumps a level stays, unlike a saw.
+    let leaves = |pair: &&[usize]| (values[pair[1]] - values[pair[0] + 1]).abs() > BESIDE * steps[pair[0]];
+    let left = jumps.windows(2).filter(leaves).count();
+    whole > 0.0 && of_jumps > MOST * whole && 100 * left <= (100 - ALONE_PERCENT) * jumps.len()
+}
+
 /// Whether most jumps have the height of the smallest one.
 fn moves_by_single_steps(values: &[f64], jumps: &[usize]) -> bool {
     let height = |k: &usize| (values[*k] - values[k - 1]).abs();
@@ -54,7 +92,7 @@ fn evenly_held(jumps: &[usize]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::holds_levels;
+    use super::{holds_levels, moves_by_jumps};
     use crate::test_signals::{gaussian, stick_slip};
 
     #[test]
@@ -73,6 +111,29 @@ mod tests {
         .enumerate()
         {
             assert!(holds_levels(held), "{k}");
+        }
+    }
+
+    #[test]
+    fn a_measured_relay_moves_by_jumps() {
+        let random = gaussian(2000, 3);
+        let column = |f: &dyn Fn(usize) -> f64| (0..2000).map(f).collect::<Vec<f64>>();
+        let relay = |k: usize| if k % 70 < 30 { 12.0 } else { -12.0 };
+        assert!(moves_by_jumps(&column(&|k| relay(k) + 0.05 * random[k])));
+        assert!(moves_by_jumps(&column(&|k| ((relay(k) + 0.05 * random[k]) / 0.02).round() * 0.02)));
+        // A hammer, a saw, a sine, a spike.
+        let hammer = |k: usize| 40.0 * (-((k % 400) as f64 / 2.0 - 50.0).powi(2) / 4.0).exp();
+        for (k, other) in [
+            column(&|k| hammer(k) + 0.05 * random[k]),
+            column(&|k| (k % 100) as f64),
+            column(&|k| (0.3 * k as f64).sin() + 0.01 * random[k]),
+            column(&|k| if k % 500 == 250 { 9.0 } else { 0.01 * random[k] }),
+            random.clone(),
+        ]
+        .iter()
+        .enumerate()
+        {
+            assert!(!moves_by_jumps(other), "{k}");
         }
     }
 

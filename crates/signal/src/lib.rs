@@ -31,7 +31,7 @@ pub use blocks::Blocks;
 pub use derivative::{Differentiated, Differentiator, Smoothing, automatic, differentiate};
 pub use grid::mean_step;
 pub use interpolate::{Interpolation, Signal, SignalError};
-pub use levels::holds_levels;
+pub use levels::{holds_levels, moves_by_jumps};
 pub use lines::{Line, strongest_line, strongest_lines, tone_share};
 pub use noise_level::noise_level;
 pub use noise_level::quantum::{quantum, rounding_error};

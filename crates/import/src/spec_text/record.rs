@@ -67,7 +67,9 @@ fn time(draft: &Draft) -> (String, &'static str) {
     let time = &draft.time;
     if time.counted {
         let remark = match time.coarse {
-            Some(_) => " // EDIT: counted from the stamps, which are coarser than the rows: is this the exact rate?",
+            Some(_) => {
+                " // EDIT: counted from the stamps, which are coarser than the rows: is this the exact rate?"
+            }
             None => " // EDIT: no column is time: how many rows per second?",
         };
         return (format!("Rate({:?})", time.rate), remark);

@@ -6,7 +6,7 @@
 //! would be smeared in a second derivative.
 
 use super::{Motion, least_squares};
-use phisindy_signal::holds_levels;
+use phisindy_signal::moves_by_jumps;
 
 /// A stretch is this part of the strongest period: over longer ones `-w^2 x` stands for any acceleration.
 const STRETCH: f64 = 0.25;
@@ -40,11 +40,7 @@ pub(super) fn forced(motion: &Motion, n: usize) -> Option<Forced> {
     let beside = with[3] / without[3] > 0.5;
     let lacking = left > UNEXPLAINED * whole || without[3] <= 0.0;
     let spring = with[4] > 0.0 && (lacking || (less < CLEAR * left && beside));
-    Some(if spring {
-        Forced { stiffness: Some(with[4]), damping: with[0], gain: with[3] }
-    } else {
-        plain
-    })
+    Some(if spring { Forced { stiffness: Some(with[4]), damping: with[0], gain: with[3] } } else { plain })
 }
 
 /// The integrals of damper, friction, constant, force and spring over each stretch, and those of the
@@ -54,7 +50,7 @@ fn weak(motion: &Motion, n: usize) -> Option<(Vec<Vec<f64>>, Vec<f64>)> {
     let (time, x) = (&motion.time[..n], &motion.displacement[..n]);
     let step = (time.last()? - time.first()?) / (n.max(2) - 1) as f64;
     let length = ((STRETCH / motion.frequency? / step) as usize).max(MIN_STRETCH);
-    let held = holds_levels(&force[..n]);
+    let held = moves_by_jumps(&force[..n]);
     let reach = (length / 10).max(1);
     let sign = |k: usize| (x[(k + reach).min(n - 1)] - x[k.saturating_sub(reach)]).signum();
     let (mut columns, mut target) = (vec![vec![]; 5], vec![]);
@@ -125,9 +121,10 @@ mod tests {
 
     #[test]
     fn a_spring_is_seen() {
-        for drive in [|t: f64, _: f64| 20.0 * (2.0 * t + 0.6 * t * t).sin(), |t: f64, _: f64| {
-            20.0 * (7.0 * t).sin() + 30.0 * (23.0 * t).sin()
-        }] {
+        for drive in [
+            |t: f64, _: f64| 20.0 * (2.0 * t + 0.6 * t * t).sin(),
+            |t: f64, _: f64| 20.0 * (7.0 * t).sin() + 30.0 * (23.0 * t).sin(),
+        ] {
             let told = forced(&driven(400.0, drive), 3000).expect("columns");
             let stiffness = told.stiffness.expect("a spring");
             assert!((stiffness - 200.0).abs() < 20.0 && (1.0 / told.gain - 2.0).abs() < 0.3, "{told:?}");

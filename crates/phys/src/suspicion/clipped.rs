@@ -94,14 +94,27 @@ mod tests {
             let swing = |i: usize| (step * i as f64).sin() + scatter * noise[i];
             let both: Vec<f64> = (0..4000).map(|i| swing(i).clamp(-0.8, 0.8)).collect();
             let above: Vec<f64> = (0..4000).map(|i| swing(i).min(0.9)).collect();
-            assert!(told(&both) > 800 && told(&above) > 200, "{step} {scatter}: {} {}", told(&both), told(&above));
+            assert!(
+                told(&both) > 800 && told(&above) > 200,
+                "{step} {scatter}: {} {}",
+                told(&both),
+                told(&above)
+            );
         }
     }
 
     #[test]
     fn relays_pulses_and_turning_points_are_not() {
         let noise = gaussian(4000, 7);
-        let relay = |i: usize| if i < 20 { 0.0 } else if i / 70 % 2 == 0 { 13.3 } else { -13.3 };
+        let relay = |i: usize| {
+            if i < 20 {
+                0.0
+            } else if i / 70 % 2 == 0 {
+                13.3
+            } else {
+                -13.3
+            }
+        };
         let pulses = |i: usize| if i % 300 < 40 { 5.0 } else { 0.01 * noise[i] };
         // Counts of an encoder, with a clock that is not even.
         let turning = |i: usize| (40.0 * (0.02 * (i as f64 + 0.4 * noise[i])).sin()).round();

@@ -125,8 +125,7 @@ mod tests {
             0.7 * sign * (std::f64::consts::PI * rest).cos()
         };
         let late = |i: usize| (i as f64 + 0.6 * noise[i]).max(0.0);
-        let stick: Vec<f64> =
-            (0..6000).map(|i| (moved(late(i)) / 1.5e-3).round() * 1.5e-3).collect();
+        let stick: Vec<f64> = (0..6000).map(|i| (moved(late(i)) / 1.5e-3).round() * 1.5e-3).collect();
         assert_eq!(frozen(&stick), []);
         // The difference quotient of an encoder in steps of 0.47, which flickers in motion.
         let speed = |i: usize| 2.9 * (0.02 * i as f64).sin() * (1.0 - 1.5e-4 * i as f64) + 0.2 * noise[i];

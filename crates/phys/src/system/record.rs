@@ -269,7 +269,9 @@ fn same_run(a: &CsvSpec, b: &CsvSpec, system: &System) -> bool {
     // The origin of arrays in memory is not known.
     !a.in_memory
         && system.states.iter().any(|state| shared(&state.name))
-        && a.path.value == b.path.value && rows(a) == rows(b) && run(a) == run(b)
+        && a.path.value == b.path.value
+        && rows(a) == rows(b)
+        && run(a) == run(b)
 }
 
 /// A Validate record that holds samples of a Fit record: there it is no independent check.

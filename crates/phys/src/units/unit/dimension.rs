@@ -89,7 +89,9 @@ impl Dimension {
             _ => None,
         };
         let Some((name, one)) = unit else { return (None, self) };
-        let Some(rest) = one.pow(f64::from(kg / PARTS)).map(|power| self.div(power)) else { return (None, self) };
+        let Some(rest) = one.pow(f64::from(kg / PARTS)).map(|power| self.div(power)) else {
+            return (None, self);
+        };
         // A square of it only where that is shorter.
         let length = |d: Dimension| d.0.iter().map(|power| power.abs()).sum::<i16>();
         if kg.abs() > PARTS && kg.abs() + length(rest) >= length(self) {
