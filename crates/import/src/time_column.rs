@@ -83,11 +83,13 @@ impl Coarse {
         let mut rows: Vec<usize> = changes.windows(2).map(|w| w[1] - w[0]).collect();
         rows.sort_unstable();
         let (least, most) = (*rows.first()?, *rows.last()?);
-        // Two rows and more, as evenly as a clock beside the sampling gives them.
-        if rows.len() < MIN_STAMPS || most < 2 || most > least + 1 + least / 10 {
+        let (first, last) = (changes[0], *changes.last()?);
+        // More than one row for most stamps, as evenly as a clock beside the sampling gives them. A stamp that
+        // stands twice here and there is a mistake of the logger.
+        let repeated = 2 * (last - first) > 3 * rows.len();
+        if rows.len() < MIN_STAMPS || !repeated || most > least + 1 + least / 10 {
             return None;
         }
-        let (first, last) = (changes[0], *changes.last()?);
         let span = (times[last] - times[first]) * factor(column.heading.unit.as_deref());
         let rate = (last - first) as f64 / span;
         // The count is right within one row.
