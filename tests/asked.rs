@@ -68,6 +68,19 @@ fn what_was_held_is_listed_with_its_value() {
     near(&result["held"][2]["value"], 1000.0, 1e-12);
 }
 
+/// An input that is derived from another one has no sensor of its own.
+#[test]
+fn the_sensor_of_a_derived_input_is_told_once() {
+    let spec = "(constants: { \"k\": (40.0, \"1/s^2\") }, states: { \"x\": \"m\", \"v\": \"m/s\" }, inputs: { \"u\": \"m\", \"du\": \"m/s\" },
+        known: { \"x\": \"v\", \"v\": \"-k*(x-u) - 0.3*(v-du)\" }, unknown: { \"v\": (factor: \"-1\", candidates: [\"sgn(v)\"]) }, contacts: [\"v\"],
+        data: [Synthetic(truth: { \"v\": \"-0.2*sgn(v)\" }, inputs: { \"u\": Formula(\"0.02*sin(5*t) + 0.01*sin(8.3*t)\") }, derive: { \"du\": Derivative(\"u\") },
+        sensors: { \"u\": (gain: Find(start: 1.0, within: (0.5, 2.0)), delay: Find(start: 0.0, unit: \"s\", within: (-0.05, 0.05))) },
+        start: { \"x\": 0.0, \"v\": 0.0 }, duration: 6.0, step: 0.01, measure: [\"x\", \"u\"], noise: Additive(0.0001), seed: 1)])";
+    let (result, text) = run("derived", spec, &[]);
+    assert!(text.contains("u.gain") && !text.contains("du."), "{text}");
+    assert_eq!(result["held"].as_array().map(Vec::len), Some(1), "{}", result["held"]);
+}
+
 #[test]
 fn coefficients_stay_within_their_bounds_and_say_so() {
     let ways: [&[&str]; 3] = [

@@ -162,3 +162,54 @@ fn a_linear_oscillator_needs_no_law() {
     let found = gap_of_new("measured-air-track", &folder.join("schmidt_lipson_linear_1.txt"));
     assert_eq!(laws(&found), [""; 0], "{}", found["steps"]);
 }
+
+/// What `new` drafts for each record and `check` then says of it: a person who looks at the plots sees nothing that is wrong, but for a drive sampled at three points
+/// a period.
+#[test]
+fn no_false_alarm_about_data() {
+    for (file, alarms) in [
+        ("cart_relay_0m10.csv", 0),
+        ("damper_30lb_0p25Hz_1in.csv", 0),
+        ("damper_36lb_0p5Hz_1in.csv", 0),
+        ("damper_36lb_1Hz_0p5in.csv", 0),
+        ("damper_36lb_kocaeli_dbe.csv", 0),
+        ("emps_train.csv", 0),
+        ("frame_continuous_70p83_10s_2kHz_mm.csv", 0),
+        ("frame_stickslip_250g.csv", 0),
+        ("multiarm_pendulum_55s.csv", 0),
+        ("pendulum_free_1.csv", 0),
+        ("schmidt_lipson_linear_1.txt", 0),
+        ("servo_xl330_driven.csv", 0),
+        ("servo_xl330_lift_and_drop.csv", 0),
+        ("silverbox_multisine.csv", 1),
+    ] {
+        let Some(folder) = data(file) else { return };
+        let scratch = Scratch::new("alarms");
+        let spec = scratch.path("rig.ron");
+        let path = folder.join(file);
+        let said = phisindy(&["new", path.to_str().expect("UTF-8"), "--out", &spec]);
+        assert_eq!(said.code, 0, "{file}: {}", said.err);
+        let said = phisindy(&["check", &spec, "--data", folder.to_str().expect("UTF-8")]);
+        assert_eq!(
+            (said.code, said.err.matches("warning").count()),
+            (0, alarms + usize::from(alarms > 0)),
+            "{file}: {}",
+            said.err
+        );
+    }
+}
+
+/// A cart that a relay drives to and fro, without a spring: M = 6.28 kg.
+#[test]
+fn a_cart_on_a_relay_is_drafted_without_a_spring() {
+    let Some(folder) = data("cart_relay_0m10.csv") else { return };
+    let path = folder.join("cart_relay_0m10.csv");
+    let said = phisindy(&["new", path.to_str().expect("UTF-8")]);
+    assert!(
+        said.out.contains("interpolate: { \"F\": Hold }") && said.out.contains("show no spring"),
+        "{}",
+        said.out
+    );
+    let mass = said.out.split("\"m\": (value: ").nth(1).and_then(|rest| rest.split(',').next());
+    near(mass.and_then(|m| m.parse().ok()).expect("a mass"), 6.28, 0.15);
+}

@@ -321,7 +321,7 @@ fn bad_files_are_refused_with_the_place_and_what_to_do() {
         ),
         (
             "dates",
-            table("time,x_mm", 50, |k, t| format!("12:00:{k},{}", t.sin())).into(),
+            table("time,x_mm", 50, |k, t| format!("05/06/2024 12:00:{k},{}", t.sin())).into(),
             &["`time` should be time", "number of seconds"],
         ),
         (
@@ -440,4 +440,86 @@ fn of_columns_with_one_heading_the_first_is_taken() {
         "{}",
         said.err
     );
+}
+
+/// Times of day, with and without a date, over midnight; the fraction counts.
+#[test]
+fn stamps_of_a_clock_are_seconds_from_the_first_row() {
+    let swing = ring_down(1200, 0.01);
+    let clock = |t: f64| {
+        let millis = (1000.0 * t).round() as u64 + 23 * 3_600_000 + 59 * 60_000 + 55_000;
+        let (day, rest) = (17 + millis / 86_400_000, millis % 86_400_000);
+        (
+            day,
+            format!(
+                "{:02}:{:02}:{:02}.{:03}",
+                rest / 3_600_000,
+                rest / 60_000 % 60,
+                rest / 1000 % 60,
+                rest % 1000
+            ),
+        )
+    };
+    let iso = |t: f64| format!("2024-05-{}T{}Z", clock(t).0, clock(t).1);
+    let german = |t: f64| format!("{}.05.2024 {}", clock(t).0, clock(t).1);
+    let stamps: [&dyn Fn(f64) -> String; 3] = [&iso, &german, &|t| clock(t).1];
+    for (k, stamp) in stamps.iter().enumerate() {
+        let mut file = "Timestamp,x_mm\n".to_owned();
+        for (row, (t, x)) in swing.iter().enumerate() {
+            writeln!(file, "{},{:.4}", stamp(*t), 1e3 * x + noise(row, 0.02)).expect("text");
+        }
+        let (scratch, text, said) = made(&format!("clock{k}"), file.as_bytes());
+        holds(&said.err, &["1200 rows, 11.99 s at 100 Hz, uniform", "time `Timestamp`"]);
+        holds(&text, &["time: (\"Timestamp\", \"s\")", "window: (0.0, 1.0"]);
+        checked(&scratch, &text);
+    }
+}
+
+#[test]
+fn a_column_called_ms_is_the_time() {
+    let mut file = "ms,x_mm\n".to_owned();
+    for (k, (t, x)) in ring_down(1200, 0.01).into_iter().enumerate() {
+        writeln!(file, "{:.0},{:.4}", 1e3 * t, 1e3 * x + noise(k, 0.02)).expect("text");
+    }
+    let (scratch, text, said) = made("ms", file.as_bytes());
+    holds(&said.err, &["11.99 s at 100 Hz", "time `ms`"]);
+    holds(&text, &["time: (\"ms\", \"ms\")"]);
+    checked(&scratch, &text);
+}
+
+/// A logger that writes full seconds: the rows are counted.
+#[test]
+fn stamps_coarser_than_the_rows_give_a_rate() {
+    let swing = ring_down(1200, 0.01);
+    let second = |t: f64| (t + 0.375).floor();
+    let plain = |t: f64| format!("{}", second(t));
+    let clock = |t: f64| format!("10:15:{:02.0}", second(t));
+    let stamps: [(&str, &dyn Fn(f64) -> String); 2] = [("time_s", &plain), ("Zeit", &clock)];
+    for (k, (heading, stamp)) in stamps.iter().enumerate() {
+        let mut file = format!("{heading},x_mm\n");
+        for (row, (t, x)) in swing.iter().enumerate() {
+            writeln!(file, "{},{:.4}", stamp(*t), 1e3 * x + noise(row, 0.02)).expect("text");
+        }
+        let (scratch, text, said) = made(&format!("coarse{k}"), file.as_bytes());
+        holds(&said.err, &["at 100 Hz", "a new stamp every 1 alone, for 100 rows each"]);
+        holds(
+            &text,
+            &["time: Rate(100.0)", "is this the exact rate?", "counts rows or tells the time, not used"],
+        );
+        checked(&scratch, &text);
+    }
+}
+
+/// A counter of 16 bits that overflows: what to do is said, and it is not called a sensor that slipped.
+#[test]
+fn a_counter_that_wraps_is_told() {
+    let mut file = "t_s,encoder\n".to_owned();
+    for (t, x) in ring_down(1200, 0.01) {
+        let count = (1e6 * x).round() as i64 + 65_000;
+        writeln!(file, "{t:.2},{}", count.rem_euclid(65_536)).expect("text");
+    }
+    let (scratch, text, said) = made("wraps", file.as_bytes());
+    holds(&said.err, &["`encoder` wraps", "65536", "numpy.unwrap"]);
+    let said = phisindy(&["check", &scratch.path("rig.ron")]);
+    assert!(said.err.contains("wraps") && !said.err.contains("slipped"), "{}{text}", said.err);
 }

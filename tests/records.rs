@@ -531,3 +531,52 @@ fn a_contact_that_lets_go_exactly_at_its_limit_slips() {
     let done = phisindy(&["simulate", &path]);
     assert_eq!(done.code, 0, "{}", done.err);
 }
+
+/// A pendulum that hangs still moves by the noise of its sensor alone. A search that has not found the zero yet swings the model a thousand times as far, and that is no
+/// motion without bounds.
+#[test]
+fn a_pendulum_at_rest_does_not_grow() {
+    let scratch = Scratch::new("rest");
+    let mut file = "t,theta\n".to_owned();
+    for k in 0..600_u64 {
+        let flicker = (k.wrapping_mul(2_654_435_769) >> 16) % 1000;
+        file.push_str(&format!("{:.2},{:.8}\n", 0.02 * k as f64, 3.1416 + 1e-8 * flicker as f64));
+    }
+    std::fs::write(scratch.path("rest.csv"), file).expect("a file");
+    let spec = "(constants: { \"k\": (value: 30.0, unit: \"1/s^2\", within: (10.0, 90.0)), \"c\": (value: 0.1, unit: \"1/s\", within: (0.0, 5.0)) },
+        states: { \"theta\": \"rad\", \"w\": \"rad/s\" }, known: { \"theta\": \"w\", \"w\": \"-k*sin(theta) - c*w\" },
+        unknown: { \"w\": (factor: \"-sgn(w)\", candidates: [\"1\"]) }, contacts: [\"w\"],
+        data: [Csv(path: \"rest.csv\", time: (\"t\", \"s\"), columns: { \"theta\": (\"theta\", \"rad\") },
+        sensors: { \"theta\": (offset: Find(start: 3.1, unit: \"rad\", within: (2.6, 3.6))) })])";
+    std::fs::write(scratch.path("rest.ron"), spec).expect("a file");
+    let said = phisindy(&["run", &scratch.path("rest.ron"), "--data", &scratch.path(""), "--quiet"]);
+    assert!(said.code != 3 && !said.err.contains("without bound"), "{} {}", said.out, said.err);
+}
+
+/// A file may hold one experiment beside the other, in columns: the one is an independent check of the other.
+#[test]
+fn records_of_other_columns_do_not_overlap() {
+    let scratch = Scratch::new("beside");
+    let mut file = "t,est,val\n".to_owned();
+    for k in 0..400 {
+        let t = 0.02 * f64::from(k);
+        file.push_str(&format!("{t:.2},{:.6},{:.6}\n", (2.0 * t).cos(), 0.7 * (2.0 * t).sin()));
+    }
+    std::fs::write(scratch.path("a.csv"), file).expect("a file");
+    let check = |validate: &str| {
+        let record = |column: &str, role: &str| {
+            format!(
+                "Csv(path: \"a.csv\", name: \"{column}\", time: (\"t\", \"s\"), columns: {{ \"x\": (\"{column}\", \"m\") }}, role: {role})"
+            )
+        };
+        let spec = format!(
+            "(states: {{ \"x\": \"m\", \"v\": \"m/s\" }}, known: {{ \"x\": \"v\", \"v\": \"-4*x\" }}, unknown: {{}}, data: [{}, {}])",
+            record("est", "Fit"),
+            record(validate, "Validate")
+        );
+        std::fs::write(scratch.path("a.ron"), spec).expect("a file");
+        phisindy(&["check", &scratch.path("a.ron"), "--data", &scratch.path("")]).err
+    };
+    assert!(!check("val").contains("shows"), "{}", check("val"));
+    assert!(check("est").contains("shows what"), "{}", check("est"));
+}

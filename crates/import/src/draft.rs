@@ -10,8 +10,8 @@ use crate::table::Table;
 use crate::time_column::{NoTime, TimeColumn};
 use crate::usage::Usage;
 use phisindy_expr::Span;
-use phisindy_phys::{Diagnostic, SourceId};
-use phisindy_signal::strongest_line;
+use phisindy_phys::{Diagnostic, SourceId, Wrap, wraps};
+use phisindy_signal::{moves_by_jumps, strongest_line};
 use std::ops::Range;
 
 /// Samples of a record beyond which a fit takes longer and hardly improves.
@@ -63,6 +63,7 @@ impl Draft {
         if let Some(mistake) = blocking(&table, &statistics) {
             return Err(NoDraft::Text(Box::new(mistake)));
         }
+        let longest_run = longest.clone();
         let evidence = Evidence { table: &table, time: &time, statistics: &statistics, run: &longest };
         let roles = Roles::guess(&evidence).map_err(NoDraft::Motion)?;
         let usages = (0..table.columns.len()).map(|k| Usage::of(k, &evidence, &roles)).collect();
@@ -81,7 +82,13 @@ impl Draft {
             remarks: vec![],
             table,
         };
-        draft.remarks = draft.shared_headings().chain(draft.guessed_unit()).chain(remarks).collect();
+        draft.remarks = draft
+            .shared_headings()
+            .chain(draft.guessed_unit())
+            .chain(draft.coarse_time())
+            .chain(draft.wrapped(&longest_run))
+            .chain(remarks)
+            .collect();
         if let Some((good, moving)) = first {
             draft.estimate_start(good, moving);
             draft.decimate = draft.decimation(longest);
@@ -129,6 +136,21 @@ impl Draft {
             step: self.time.step,
             unit: heading.unit.clone().unwrap_or_default(),
         })
+    }
+
+    /// Remarks on columns of the model that wrap.
+    fn wrapped(&self, run: &Range<usize>) -> Vec<Remark> {
+        let of = |c: usize| {
+            let Wrap { period, first, count } = wraps(&self.values(c)[run.clone()])?;
+            let (heading, line) = (self.raw(c).to_owned(), self.table.row_numbers[run.start + first + 1]);
+            Some(Remark::Wraps { heading, period, count, line })
+        };
+        self.roles.used().filter_map(of).collect()
+    }
+
+    /// A remark if the stamps are coarser than the rows.
+    fn coarse_time(&self) -> Option<Remark> {
+        self.time.coarse.clone().map(Remark::CoarseTime)
     }
 
     /// Estimates the start values from the first record: from its good rows, and of these from the rows in
@@ -183,6 +205,11 @@ impl Draft {
     pub(crate) fn is_rich(&self) -> bool {
         let driven = matches!(self.roles.input, Input::Force(_) | Input::Drive(_));
         driven && self.statistics[self.moving()].line.is_some_and(|l| l.share < 0.3)
+    }
+
+    /// Whether the force holds its value between jumps, as a relay does.
+    pub(crate) fn is_held(&self) -> bool {
+        self.motion.force.as_ref().is_some_and(|force| moves_by_jumps(force))
     }
 
     /// Whether the heading of the motion states a unit.

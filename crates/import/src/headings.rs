@@ -50,7 +50,7 @@ impl Heading {
         let rate = || suffixed(text).or_else(|| after_blank(text)).filter(|(_, u)| is_quotient(u.as_deref()));
         let split = bracketed(text).or_else(rate).or_else(|| quotient(text));
         let split = split.or_else(|| after_blank(text)).or_else(|| suffixed(text));
-        let split = split.or_else(|| acceleration_in_g(text));
+        let split = split.or_else(|| acceleration_in_g(text)).or_else(|| unit_of_time(text));
         let (name, unit) = split.unwrap_or((text, None));
         let name = name.trim().trim_end_matches(['_', '-', ',']).to_lowercase();
         let heading = Heading { raw: raw.to_owned(), name, unit, quantity: Quantity::Unknown };
@@ -166,6 +166,13 @@ fn acceleration_in_g(text: &str) -> Split<'_> {
     ACCELERATIONS.contains(&first.as_str()).then(|| (name, Some("g".to_owned())))
 }
 
+/// A heading that is a unit of time and nothing else: `ms`, `seconds`, `millis`. (`s` may be a distance, `t` and
+/// `h` are names.)
+fn unit_of_time(text: &str) -> Split<'_> {
+    let unit = normalized(text).filter(|unit| quantity(unit) == Quantity::Time && text.len() > 1)?;
+    (!matches!(text, "min" | "yr")).then_some((text, Some(unit)))
+}
+
 /// A unit that needs no brackets. `x_t` is not in tonnes, and `u_h` is not in hours.
 fn bare_unit(text: &str) -> Option<String> {
     let unit = normalized(text)?;
@@ -179,8 +186,8 @@ fn normalized(text: &str) -> Option<String> {
     let text = text.trim().replace('²', "^2").replace("**", "^").replace('·', "*").replace(" per ", "/");
     let word = match text.to_lowercase().as_str() {
         "sec" | "secs" | "second" | "seconds" | "sek" | "sekunden" => "s",
-        "msec" | "millisecond" | "milliseconds" => "ms",
-        "usec" | "microseconds" => "us",
+        "msec" | "millis" | "millisecond" | "milliseconds" => "ms",
+        "usec" | "micros" | "microsecond" | "microseconds" => "us",
         "meter" | "metre" | "meters" | "metres" => "m",
         "millimeter" | "millimetre" | "millimeters" | "millimetres" => "mm",
         "micron" | "microns" | "micrometer" | "micrometre" => "um",
@@ -276,6 +283,11 @@ mod tests {
             ("x_t", "x_t", None, Quantity::Unknown),
             ("x", "x", None, Quantity::Unknown),
             ("m", "m", None, Quantity::Unknown),
+            ("s", "s", None, Quantity::Unknown),
+            ("ms", "ms", Some("ms"), Quantity::Time),
+            ("µs", "µs", Some("µs"), Quantity::Time),
+            ("millis", "millis", Some("ms"), Quantity::Time),
+            ("seconds", "seconds", Some("s"), Quantity::Time),
             ("x (furlong)", "x", None, Quantity::Unknown),
             ("torque_enabled", "torque_enabled", None, Quantity::Unknown),
         ] {

@@ -11,6 +11,7 @@
 
 pub mod csv;
 
+mod clock;
 mod contradictions;
 mod data_file;
 mod draft;
@@ -36,5 +37,5 @@ pub use spec_text::{accepted, spec_text, summary};
 pub use start_values::{Estimate, Motion};
 pub use statistics::{Statistics, Stops};
 pub use table::{Column, Table};
-pub use time_column::{NoTime, TimeColumn};
+pub use time_column::{Coarse, NoTime, TimeColumn};
 pub use usage::Usage;

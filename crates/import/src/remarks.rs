@@ -1,5 +1,6 @@
 //! Remarks on a draft: what the user should know before a run.
 
+use crate::time_column::Coarse;
 use std::fmt;
 
 /// A remark. Lines and rows count from 1, headings are those of the file.
@@ -13,6 +14,19 @@ pub enum Remark {
         step: f64,
         /// The assumed unit.
         unit: String,
+    },
+    /// The stamps are coarser than the rows.
+    CoarseTime(Coarse),
+    /// A column wraps.
+    Wraps {
+        /// Its heading.
+        heading: String,
+        /// By how much it jumps, in the unit of the file.
+        period: f64,
+        /// Number of jumps.
+        count: usize,
+        /// The first line after a jump.
+        line: usize,
     },
     /// Two columns share a heading that the model needs.
     SharedHeading(String),
@@ -55,6 +69,17 @@ impl fmt::Display for Remark {
             Remark::TimeUnit { heading, step, unit } => write!(
                 f,
                 "the heading `{heading}` gives no unit: its steps of {step} are taken for {unit} (for seconds write \"s\" in the place of \"{unit}\" in the records)"
+            ),
+            Remark::CoarseTime(Coarse { heading, step, rows: (least, most), rate }) => write!(
+                f,
+                "`{heading}` has a new stamp every {step} alone, for {least}{} rows each: the rows are counted, {rate} of them per second",
+                if most > least { format!(" to {most}") } else { String::new() }
+            ),
+            Remark::Wraps { heading, period, count, line } => write!(
+                f,
+                "`{heading}` wraps: it jumps by {period} from one end of its range to the other, {count} time{} (first in line {line}). Write it unwrapped into the \
+                 file, in Python with `numpy.unwrap(values, period={period})`",
+                if *count == 1 { "" } else { "s" }
             ),
             Remark::SharedHeading(name) => write!(
                 f,

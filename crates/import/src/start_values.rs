@@ -1,5 +1,8 @@
 //! Start values of the constants, from a regression on smoothed derivatives.
 
+mod forced;
+
+use forced::{CLEAR, Forced, forced};
 use phisindy_signal::{automatic, standard_deviation};
 
 /// Most rows of the regression: more do not improve a start value.
@@ -69,32 +72,61 @@ impl Motion {
         let one = column(&|_| 1.0);
         let force = self.force.as_ref().map(|f| column(&|k| f[k]));
         let target = column(&|k| rate.derivative[k]);
+        let turns = rows.windows(2).any(|w| v[w[0]] * v[w[1]] < 0.0);
+        if self.force.is_none() && self.base.is_none() && !self.is_pendulum && !turns {
+            return coasting(damper, one, spring, &target, mean);
+        }
+        let driven = forced(self, n);
+        if let Some(Forced { stiffness: None, damping, gain }) = driven
+            && !self.is_pendulum
+        {
+            return Estimate { stiffness: None, damping, input_gain: Some(gain), rest: mean };
+        }
         let mut columns = vec![damper, friction, one];
         columns.extend(force);
-        let without = least_squares(&columns, &target);
         columns.push(spring);
-        let with = least_squares(&columns, &target);
-        let forced = |c: &[f64]| self.force.as_ref().map(|_| c[3]).filter(|b| b.is_finite());
-        match (with, without) {
-            (Some((c, error)), before) => {
-                let k = c[c.len() - 1];
-                let better = before.as_ref().is_none_or(|(_, plain)| error < 0.9 * plain);
-                // A free oscillation needs a spring; a driven motion may have none.
-                if k > 0.0 && (better || self.force.is_none()) {
-                    let rest = if self.is_pendulum || self.base.is_some() { middle } else { c[2] / k };
-                    let near = (rest - mean).abs() < 10.0 * standard_deviation(x);
-                    let rest = if self.base.is_some() || !near { mean } else { rest };
-                    return Estimate { stiffness: Some(k), damping: c[0], input_gain: forced(&c), rest };
+        let Some((c, _)) = least_squares(&columns, &target) else { return poor };
+        let k = c[c.len() - 1];
+        if k <= 0.0 {
+            return match driven.filter(|_| !self.is_pendulum) {
+                Some(Forced { stiffness, damping, gain }) => {
+                    Estimate { stiffness, damping, input_gain: Some(gain), rest: mean }
                 }
-                match before {
-                    Some((c, _)) if self.force.is_some() => {
-                        Estimate { stiffness: None, damping: c[0], input_gain: forced(&c), rest: mean }
-                    }
-                    _ => poor,
-                }
-            }
-            (None, _) => poor,
+                None => poor,
+            };
         }
+        let rest = if self.is_pendulum || self.base.is_some() { middle } else { c[2] / k };
+        let near = (rest - mean).abs() < 10.0 * standard_deviation(x);
+        let rest = if self.base.is_some() || !near { mean } else { rest };
+        let plain = Forced { stiffness: Some(k), damping: c[0], gain: c[3] };
+        // Gravity on a large angle is no linear spring.
+        let own = driven.filter(|_| !self.is_pendulum).unwrap_or(plain);
+        let input_gain = self.force.as_ref().map(|_| own.gain).filter(|b| b.is_finite());
+        Estimate { stiffness: own.stiffness, damping: own.damping, input_gain, rest }
+    }
+
+    /// The inertia that the size of force and acceleration suggest, where no regression tells it.
+    pub(crate) fn plausible_inertia(&self) -> Option<f64> {
+        let size = standard_deviation(self.force.as_ref()?);
+        let speed = automatic(&self.time, &self.displacement).ok()?;
+        let rate = automatic(&self.time, &speed.derivative).ok()?;
+        let inertia = size / standard_deviation(&rate.derivative);
+        (inertia.is_finite() && inertia > 0.0).then_some(inertia)
+    }
+}
+
+/// The estimate for a free motion that never turns: it slides to its end, unless a spring, overdamped, explains
+/// far more. (Friction is a constant force then.)
+fn coasting(damper: Vec<f64>, one: Vec<f64>, spring: Vec<f64>, target: &[f64], mean: f64) -> Estimate {
+    let without = least_squares(&[damper.clone(), one.clone()], target);
+    let with = least_squares(&[damper, one, spring], target);
+    let slides = Estimate { stiffness: None, damping: 0.0, input_gain: None, rest: mean };
+    match (without, with) {
+        (Some((_, plain)), Some((c, error))) if c[2] > 0.0 && error < CLEAR * plain => {
+            Estimate { stiffness: Some(c[2]), damping: c[0], rest: c[1] / c[2], ..slides }
+        }
+        (Some((c, _)), _) => Estimate { damping: c[0], ..slides },
+        (None, _) => slides,
     }
 }
 
@@ -144,6 +176,19 @@ mod tests {
         let e = motion.estimate();
         assert!((e.stiffness.expect("a spring") - 49.04).abs() < 1.0, "{e:?}");
         assert!((e.damping - 0.4).abs() < 0.1 && (e.rest - 0.3).abs() < 1e-3, "{e:?}");
+    }
+
+    #[test]
+    fn a_body_that_slides_to_its_end_has_no_spring() {
+        let time: Vec<f64> = (0..2000).map(|k| 0.001 * f64::from(k)).collect();
+        let sliding = |x: &dyn Fn(f64) -> f64| {
+            let displacement = time.iter().map(|t| x(*t)).collect();
+            Motion { time: time.clone(), displacement, frequency: Some(0.5), ..Motion::default() }.estimate()
+        };
+        let dry = sliding(&|t| 3.0 * t - 0.7 * t * t);
+        let viscous = sliding(&|t| 2.0 * (1.0 - (-1.5 * t).exp()));
+        assert!(dry.stiffness.is_none() && viscous.stiffness.is_none(), "{dry:?} {viscous:?}");
+        assert!((viscous.damping - 1.5).abs() < 0.1, "{viscous:?}");
     }
 
     #[test]

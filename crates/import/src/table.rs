@@ -10,6 +10,8 @@ pub struct Column {
     pub heading: Heading,
     /// One number for each row, in the unit of the heading; NaN for a cell without number.
     pub values: Vec<f64>,
+    /// Number of cells that hold a time of day; they are seconds from the first one.
+    pub stamps: usize,
     /// Number of cells that hold text.
     pub text_cells: usize,
     /// A diagnostic for the first of these cells.
@@ -19,7 +21,7 @@ pub struct Column {
 impl Column {
     /// A column without rows.
     pub fn new(heading: Heading) -> Column {
-        Column { heading, values: vec![], text_cells: 0, first_text: None }
+        Column { heading, values: vec![], stamps: 0, text_cells: 0, first_text: None }
     }
 }
 

@@ -1,6 +1,6 @@
 //! The time column: which one it is, and how regularly it is sampled.
 
-use crate::headings::Quantity;
+use crate::headings::{Quantity, factor};
 use crate::table::{Column, Table};
 use std::fmt;
 use std::ops::Range;
@@ -21,7 +21,12 @@ const NAMES: &[&str] = &[
     "secs",
     "elapsed",
     "clock",
+    "datetime",
+    "uhrzeit",
+    "zeitstempel",
 ];
+/// Fewer stamps do not tell the rate of the rows.
+const MIN_STAMPS: usize = 3;
 /// Words that name a counter.
 const COUNTERS: &[&str] =
     &["index", "sample", "samples", "row", "count", "counter", "no", "nr", "id", "unnamed"];
@@ -43,10 +48,56 @@ pub struct TimeColumn {
     pub reversals: Vec<usize>,
     /// Neither name nor unit identifies the column as time.
     pub guessed: bool,
-    /// The file has no time column: rows are counted at 100 per second, which the user corrects.
+    /// Rows are counted: the file has no time column, or one that is coarser than the rows.
     pub counted: bool,
+    /// The rows per second if they are counted. Without a time column it is 100, which the user corrects.
+    pub rate: f64,
+    /// The time column that is coarser than the rows.
+    pub coarse: Option<Coarse>,
     /// The unit is derived from the step: a motion is not sampled in steps of a second or more.
     pub unit_guessed: bool,
+}
+
+/// A time column that repeats each stamp for several rows, such as full seconds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coarse {
+    /// Its heading.
+    pub heading: String,
+    /// Between two stamps, in the unit of the file.
+    pub step: f64,
+    /// Fewest and most rows of a stamp, without the first and the last one.
+    pub rows: (usize, usize),
+    /// Rows per second.
+    pub rate: f64,
+}
+
+impl Coarse {
+    /// The column as such a one; none if it is not named as time, or has a stamp for each row.
+    fn of(column: &Column) -> Option<Coarse> {
+        let named = column.heading.quantity == Quantity::Time || column.heading.has_word(NAMES);
+        let times = &column.values;
+        if !named || column.text_cells > 0 || times.windows(2).any(|w| w[1] < w[0] || !w[1].is_finite()) {
+            return None;
+        }
+        let changes: Vec<usize> = (1..times.len()).filter(|&k| times[k] > times[k - 1]).collect();
+        let mut rows: Vec<usize> = changes.windows(2).map(|w| w[1] - w[0]).collect();
+        rows.sort_unstable();
+        let (least, most) = (*rows.first()?, *rows.last()?);
+        let (first, last) = (changes[0], *changes.last()?);
+        // More than one row for most stamps, as evenly as a clock beside the sampling gives them. A stamp that
+        // stands twice here and there is a mistake of the logger.
+        let repeated = 2 * (last - first) > 3 * rows.len();
+        if rows.len() < MIN_STAMPS || !repeated || most > least + 1 + least / 10 {
+            return None;
+        }
+        let span = (times[last] - times[first]) * factor(column.heading.unit.as_deref());
+        let rate = (last - first) as f64 / span;
+        // The count is right within one row.
+        let rate = if (rate - rate.round()).abs() * span <= 1.0 { rate.round() } else { rate };
+        let step = (times[last] - times[first]) / rows.len() as f64;
+        let heading = column.heading.raw.clone();
+        (rate > 0.0 && rate.is_finite()).then_some(Coarse { heading, step, rows: (least, most), rate })
+    }
 }
 
 /// Why no column is time.
@@ -79,7 +130,7 @@ impl fmt::Display for NoTime {
 }
 
 /// Rows per second that are assumed for a file without time.
-pub(crate) const RATE: f64 = 100.0;
+const RATE: f64 = 100.0;
 
 impl TimeColumn {
     /// Finds the time column; adds one to a table without any.
@@ -92,13 +143,12 @@ impl TimeColumn {
             .iter()
             .any(|c| grows(c) || c.heading.quantity == Quantity::Time || c.heading.has_word(NAMES))
         {
-            let column = table.count_rows(RATE);
-            return Ok(TimeColumn {
-                counted: true,
-                ..TimeColumn::of(column, &table.columns[column].values, false)
-            });
+            return Ok(TimeColumn::counting(table, RATE));
         }
-
+        if let Some(coarse) = table.columns.iter().find_map(Coarse::of) {
+            let counted = TimeColumn::counting(table, coarse.rate);
+            return Ok(TimeColumn { coarse: Some(coarse), ..counted });
+        }
         let growing: Vec<bool> = table.columns.iter().map(grows).collect();
         let named = |c: &Column| c.heading.quantity == Quantity::Time || c.heading.has_word(NAMES);
         let counter = |c: &Column| c.heading.has_word(COUNTERS) && c.heading.quantity != Quantity::Time;
@@ -118,6 +168,12 @@ impl TimeColumn {
             Some(column) => Ok(TimeColumn::of(column, &table.columns[column].values, true)),
             None => Err(NoTime::NoneGrows),
         }
+    }
+
+    /// Rows counted at `rate` per second.
+    fn counting(table: &mut Table, rate: f64) -> TimeColumn {
+        let column = table.count_rows(rate);
+        TimeColumn { counted: true, rate, ..TimeColumn::of(column, &table.columns[column].values, false) }
     }
 
     fn of(column: usize, time: &[f64], guessed: bool) -> TimeColumn {
@@ -141,6 +197,8 @@ impl TimeColumn {
             reversals: after(reversals),
             guessed,
             counted: false,
+            rate: RATE,
+            coarse: None,
             unit_guessed: false,
         }
     }
@@ -169,7 +227,7 @@ pub(crate) fn is_counter(column: &Column) -> bool {
     let named = column.heading.quantity == Quantity::Time
         || column.heading.has_word(NAMES)
         || column.heading.has_word(COUNTERS);
-    grows(column) && (named || (is_whole(column) && even()))
+    (grows(column) && (named || (is_whole(column) && even()))) || Coarse::of(column).is_some()
 }
 
 /// Whether a column grows from nearly every row to the next, as time does.

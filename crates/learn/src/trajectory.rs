@@ -26,6 +26,7 @@ pub(crate) mod report;
 pub(crate) mod select;
 pub(crate) mod separability;
 pub(crate) mod slopes;
+pub(crate) mod sizes;
 pub(crate) mod tally;
 pub(crate) mod term_sizes;
 pub(crate) mod unknowns;

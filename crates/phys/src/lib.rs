@@ -24,7 +24,7 @@ pub use law::{
     BUILT_IN, Indistinguishable, Internal, Law, LawEntry, LawError, LawGraph, LawParameter, LawScreen, Need,
     Role as LawRole, Screen, Sketch,
 };
-pub use suspicion::{Suspicion, clipped, suspicions};
+pub use suspicion::{Suspicion, Wrap, clipped, suspicions, wraps};
 pub use system::check::{Case, check, check_names, takes_units};
 pub use system::constants::Value;
 pub use system::equations::{Contact, Input, Parameter, State, System, Term};

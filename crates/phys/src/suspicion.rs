@@ -14,16 +14,20 @@ mod repeats;
 mod scatter;
 mod spikes;
 mod words;
+mod wraps;
 
 pub use clipped::clipped;
 pub use words::Suspicion;
+pub use wraps::{Wrap, wraps};
 
 use crate::system::equations::System;
 use crate::system::record::Record;
 use balance::balance;
 use frozen::frozen;
 use jumps::jumps;
-use phisindy_signal::{Interpolation, Signal, bounds, noise_level, quantum, standard_deviation};
+use phisindy_signal::{
+    Interpolation, Signal, bounds, moves_by_jumps, noise_level, quantum, standard_deviation,
+};
 use rates::rates;
 use repeats::repeats;
 use spikes::spikes;
@@ -38,6 +42,8 @@ const COARSE_STEP: f64 = 0.2;
 const MIN_LEVELS: usize = 3;
 /// An interpolation error beyond this part of the standard deviation of an input changes the result.
 const INTERPOLATION_ERROR: f64 = 0.01;
+/// A smaller part of the largest jump of a switched input is noise.
+const LOW_JUMP: f64 = 0.1;
 /// Fewer samples of an input do not tell its interpolation error.
 const MIN_INPUT_SAMPLES: usize = 64;
 
@@ -49,7 +55,7 @@ pub fn suspicions(system: &System, record: &Record) -> Vec<Suspicion> {
     for (state, column) in system.states.iter().zip(&record.columns) {
         if let Some(column) = column {
             constant(&state.name, column, &mut found);
-            clipped_range(&state.name, column, &mut found);
+            clipped_range(&state.name, column, false, &mut found);
             let velocity = state.velocity.map(|v| record.columns[v].as_deref());
             // Every step of a coarsely quantised or repeated column would be reported as a jump.
             let few = quantised(&state.name, column, &mut found);
@@ -63,7 +69,7 @@ pub fn suspicions(system: &System, record: &Record) -> Vec<Suspicion> {
         // The samples of an input before they were smoothed for its derivative.
         let raw = record.derivations.iter().find(|d| d.of == k).map(|d| d.column.as_slice());
         let values = raw.unwrap_or(signal.values());
-        clipped_range(&input.name, values, &mut found);
+        clipped_range(&input.name, values, true, &mut found);
         let holds = repeated(&input.name, values, Some(signal.kind()), &mut found);
         // A derivative of a repeated input jumps from sample to sample; the input itself is reported.
         let derived = record.derivations.iter().any(|d| d.input == k && repeats(&d.column).is_some());
@@ -123,11 +129,11 @@ fn repeated(name: &str, column: &[f64], input: Option<Interpolation>, found: &mu
 }
 
 /// A column that is clipped at the end of its range.
-fn clipped_range(name: &str, column: &[f64], found: &mut Vec<Suspicion>) {
+fn clipped_range(name: &str, column: &[f64], input: bool, found: &mut Vec<Suspicion>) {
     let (min, max) = bounds(column);
     let samples = if min < max { clipped(column, min, max) } else { 0 };
     if samples > 0 {
-        found.push(Suspicion::Clipped { column: name.to_owned(), range: (min, max), samples });
+        found.push(Suspicion::Clipped { column: name.to_owned(), range: (min, max), samples, input });
     }
 }
 
@@ -147,6 +153,10 @@ fn undersampled(name: &str, signal: &Signal, found: &mut Vec<Suspicion>) {
     if values.len() < MIN_INPUT_SAMPLES {
         return;
     }
+    if moves_by_jumps(values) {
+        switched(name, values, found);
+        return;
+    }
     let every_second = |v: &[f64]| v.iter().copied().step_by(2).collect::<Vec<f64>>();
     let Ok(half) = Signal::new(every_second(time).into(), every_second(values), signal.kind()) else {
         return;
@@ -164,6 +174,20 @@ fn undersampled(name: &str, signal: &Signal, found: &mut Vec<Suspicion>) {
     }
 }
 
+/// An input that jumps where its interpolation goes straight. Across a step from one value to the next the
+/// mean square of the difference is a third of the square of the jump.
+fn switched(name: &str, values: &[f64], found: &mut Vec<Suspicion>) {
+    // The noise of the levels makes small steps.
+    let largest = values.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
+    let jumps = || values.windows(2).map(|w| w[1] - w[0]).filter(|d| d.abs() > LOW_JUMP * largest);
+    let square: f64 = jumps().map(|d| d * d).sum();
+    let error = (square / 3.0 / values.len() as f64).sqrt() / standard_deviation(values);
+    if error > INTERPOLATION_ERROR {
+        let jumps = jumps().count();
+        found.push(Suspicion::Switched { input: name.to_owned(), jumps, error });
+    }
+}
+
 /// Frozen samples, spikes and jumps of level. `velocity` is `Some` for a displacement, with the column of its
 /// velocity if that is measured.
 fn faulty_samples(
@@ -173,6 +197,13 @@ fn faulty_samples(
     velocity: Option<Option<&[f64]>>,
     found: &mut Vec<Suspicion>,
 ) {
+    if velocity.is_some()
+        && let Some(Wrap { period, first, count }) = wraps(column)
+    {
+        let (column, time) = (name.to_owned(), time[first]);
+        found.push(Suspicion::Wrapped { column, period, time, count });
+        return;
+    }
     let frozen = frozen(column);
     let whole = |k: usize| frozen.iter().all(|r| k + 1 < r.start || k > r.end);
     if let Some(first) = frozen.first() {
@@ -293,6 +324,21 @@ mod tests {
             told(12, Interpolation::Linear)
         );
         assert_eq!(told(12, Interpolation::Cubic), "");
+    }
+
+    #[test]
+    fn a_relay_is_to_be_held() {
+        let told = |kind: Interpolation| {
+            let time: Vec<f64> = (0..600).map(|i| 0.01 * f64::from(i)).collect();
+            let values = (0..600).map(|i| if i / 30 % 2 == 0 { 13.3 } else { -13.3 }).collect();
+            let mut found = vec![];
+            undersampled("u", &Signal::new(time.into(), values, kind).unwrap(), &mut found);
+            found.iter().map(Suspicion::to_string).collect::<Vec<_>>().join("; ")
+        };
+        // 19 jumps of 26.6 in 600 samples: 26.6/13.3*sqrt(19/600/3).
+        let said = told(Interpolation::Linear);
+        assert!(said.contains("(19 times)") && said.contains("20.5 %") && said.contains("Hold"), "{said}");
+        assert_eq!(told(Interpolation::Hold), "");
     }
 
     #[test]

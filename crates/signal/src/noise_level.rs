@@ -5,6 +5,7 @@ pub(crate) mod quantum;
 mod tests;
 
 use crate::fft::Forward;
+use crate::levels::holds_levels;
 use crate::statistics::median;
 use crate::trend::without_line;
 
@@ -19,7 +20,8 @@ const MIN_FLAT_PART: f64 = 0.2;
 /// below it. Its level is a mean without spectral lines. For short records, and where the spectrum has no flat
 /// part or shows leakage alone (data without noise), the smallest median of third and higher differences is
 /// used. The error is 1.5 % for 5000 samples; smooth data without noise give less than 1e-6 of the signal.
-/// Quantisation counts as noise of step/sqrt(12), also at rest.
+/// Quantisation counts as noise of step/sqrt(12), also at rest. A column that holds levels, such as a relay, has
+/// no noise: its jumps are no scatter from sample to sample.
 ///
 /// Fewer than 6 samples give 0, numbers that are not finite give NaN.
 ///
@@ -35,7 +37,7 @@ pub fn noise_level(values: &[f64]) -> f64 {
     if values.iter().any(|v| !v.is_finite()) {
         return f64::NAN;
     }
-    if n < 6 {
+    if n < 6 || holds_levels(values) {
         return 0.0;
     }
     let rounding = quantum::rounding_error(values);

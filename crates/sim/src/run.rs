@@ -191,7 +191,8 @@ impl Run<'_> {
     }
 
     fn check(&self) -> Result<(), SimError> {
-        let fits = |i: usize| self.x[i].abs() <= self.options.diverged * self.scale[i];
+        let reach = if self.options.reach.is_empty() { &self.scale } else { &self.options.reach };
+        let fits = |i: usize| self.x[i].abs() <= self.options.diverged * reach[i];
         match (0..self.x.len()).find(|&i| !fits(i)) {
             Some(i) => {
                 Err(SimError::Diverged { time: self.t, state: self.field.automaton.states[i].clone() })

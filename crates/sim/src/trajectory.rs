@@ -21,11 +21,14 @@ pub struct Options {
     /// The smallest size of each state that matters; empty means 1 for all. It also sets the speed scale of
     /// the contact rule.
     pub scale: Vec<f64>,
+    /// How far each state may be expected to go; empty means [`Options::scale`]. A body at rest has a small scale,
+    /// and a model may move it all the same.
+    pub reach: Vec<f64>,
     /// Indices of the parameters to differentiate by; `None` for no sensitivities.
     pub sensitivities: Option<Vec<usize>>,
     /// The run fails after this many steps.
     pub max_steps: usize,
-    /// A state beyond this many times its scale has diverged.
+    /// A state beyond this many times its reach has diverged.
     pub diverged: f64,
 }
 
@@ -34,6 +37,7 @@ impl Default for Options {
         Options {
             tolerance: DEFAULT_TOLERANCE,
             scale: vec![],
+            reach: vec![],
             sensitivities: None,
             max_steps: DEFAULT_MAX_STEPS,
             diverged: DEFAULT_DIVERGED,

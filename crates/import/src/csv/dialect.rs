@@ -1,5 +1,6 @@
 //! Separator and decimal mark of a text file.
 
+use crate::clock::is_stamp;
 use phisindy_phys::unit::Unit;
 use std::ops::Range;
 
@@ -108,9 +109,9 @@ fn trimmed(line: &str, range: Range<usize>) -> Range<usize> {
     start..(start + text.trim().len())
 }
 
-/// Whether a field is a number with decimal point or comma.
+/// Whether a field is a number with decimal point or comma, or a time of day.
 pub(crate) fn looks_like_number(text: &str) -> bool {
-    text.parse::<f64>().is_ok() || text.replacen(',', ".", 1).parse::<f64>().is_ok()
+    text.parse::<f64>().is_ok() || text.replacen(',', ".", 1).parse::<f64>().is_ok() || is_stamp(text)
 }
 
 /// Whether a line is a second heading that holds only units: `s;mm;N` or `[s];[mm];[N]`.

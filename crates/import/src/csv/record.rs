@@ -5,6 +5,7 @@ use super::dialect::Dialect;
 use super::header::Header;
 use super::lines::{Line, LineError, Lines};
 use super::mistakes::{Mistakes, TimeCell};
+use crate::clock::Clock;
 use crate::contradictions::{StatedColumn, swapped_columns, unit_contradiction};
 use crate::data_file::DataFile;
 use crate::selection::{FEWEST, Selection, SelectionError};
@@ -54,6 +55,7 @@ pub fn record(
         lines,
         selection: Selection::new(csv),
         values: Vec::with_capacity(csv.columns.len()),
+        clock: Clock::default(),
         last: None,
         shortest: usize::MAX,
         seen_point: None,
@@ -140,6 +142,8 @@ struct Reader<'a> {
     selection: Selection<'a>,
     /// Buffer for the numbers of a row.
     values: Vec<f64>,
+    /// For times of day in the column of time.
+    clock: Clock,
     /// Time of the last row inside the window.
     last: Option<TimeCell>,
     /// Length of the shortest last field so far, in bytes.
@@ -162,6 +166,11 @@ impl Reader<'_> {
             let d = self.mistakes.field_count(&line, fields.len(), self.names.len(), csv.header);
             return Err(Box::new(d));
         }
+        // Seconds from the first row of the file, whichever rows are selected.
+        let stamp = self.layout.time.and_then(|k| {
+            let text = &line.text[fields[k].clone()];
+            text.contains(':').then(|| self.clock.seconds(&self.dialect.unquoted(&line.text, &fields[k])))?
+        });
         for (j, (_, wanted)) in csv.rows.iter().enumerate() {
             let (x, _) = self.number(&line, &fields, self.layout.rows[j], Unit::ONE.scale())?;
             if (x - wanted.value).abs() > 1e-9 * wanted.value.abs() {
@@ -169,7 +178,10 @@ impl Reader<'_> {
             }
         }
         let (field, (time, seconds)) = match self.layout.time {
-            Some(k) => (fields[k].clone(), self.number(&line, &fields, k, self.time)?),
+            Some(k) => match stamp {
+                Some(seconds) => (fields[k].clone(), (seconds, seconds)),
+                None => (fields[k].clone(), self.number(&line, &fields, k, self.time)?),
+            },
             None => (0..0, (self.selection.counted_time(), self.selection.counted_time())),
         };
         self.check_line_end(&line, fields.last());

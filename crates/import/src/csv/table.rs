@@ -4,6 +4,7 @@ use super::dialect::{Dialect, is_units_row, looks_like_number};
 use super::header::Header;
 use super::lines::{Line, LineError, Lines};
 use super::mistakes::Mistakes;
+use crate::clock::Clock;
 use crate::data_file::{DataFile, unreadable};
 use crate::headings::Heading;
 use crate::table::{Column, Table};
@@ -44,6 +45,7 @@ pub fn table(
     let mut rows = Rows {
         dialect: &header.dialect,
         has_header: header.heading.is_some(),
+        clocks: vec![Clock::default(); headings.len()],
         columns: headings.into_iter().map(Column::new).collect(),
         numbers: vec![],
         comma: false,
@@ -63,6 +65,10 @@ pub fn table(
     if let Some((message, help)) = rows.defect() {
         return Err(Box::new(Diagnostic::error(message).at(at.0, at.1, "this file").help(help)));
     }
+    for column in rows.columns.iter_mut().filter(|c| c.stamps > 0) {
+        column.heading.unit = None;
+        column.heading = column.heading.clone().with_unit("s");
+    }
     let record_fields = record_fields(&header.dialect, rows.comma, rows.has_header, skip);
     Ok(Table { columns: rows.columns, row_numbers: rows.numbers, record_fields, fraction_read })
 }
@@ -72,6 +78,8 @@ struct Rows<'a> {
     dialect: &'a Dialect,
     has_header: bool,
     columns: Vec<Column>,
+    /// Of each column, for times of day.
+    clocks: Vec<Clock>,
     /// The line of each row.
     numbers: Vec<usize>,
     /// Whether a number with a decimal comma occurred, and one with a point.
@@ -92,7 +100,7 @@ impl Rows<'_> {
             return Err(Box::new(if preamble { d.help(help) } else { d }));
         }
         self.numbers.push(line.number);
-        for (field, column) in fields.iter().zip(&mut self.columns) {
+        for ((field, column), clock) in fields.iter().zip(&mut self.columns).zip(&mut self.clocks) {
             let text = dialect.unquoted(&line.text, field);
             let comma = dialect.separator != Some(',') && text.contains(',');
             let number = if comma { text.replacen(',', ".", 1).parse::<f64>() } else { text.parse::<f64>() };
@@ -100,6 +108,14 @@ impl Rows<'_> {
                 self.comma |= comma;
                 self.point |= text.contains('.');
                 column.values.push(if x.is_finite() { x } else { f64::NAN });
+                continue;
+            }
+            // A column of stamps holds nothing else.
+            if column.stamps == column.values.len()
+                && let Some(seconds) = clock.seconds(&text)
+            {
+                column.values.push(seconds);
+                column.stamps += 1;
                 continue;
             }
             column.values.push(f64::NAN);

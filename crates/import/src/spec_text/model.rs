@@ -6,6 +6,10 @@ use crate::draft::Draft;
 use crate::roles::Input;
 use std::fmt::Write;
 
+/// Bounds are this factor from a value that a regression told, and its square from one that nothing told: they
+/// keep a sign and an order of magnitude, not a guess.
+const WIDE: f64 = 100.0;
+
 /// Writes `constants`.
 pub(super) fn constants(draft: &Draft, notation: &Notation, text: &mut String) {
     let estimate = &draft.estimate;
@@ -18,16 +22,15 @@ pub(super) fn constants(draft: &Draft, notation: &Notation, text: &mut String) {
             "        \"{name}\": (value: {value:?}, unit: \"{unit}\", within: ({low:?}, {high:?})), // {comment}"
         );
     };
-    // The mass that the regression found, or 1 if it found none.
-    let mass = notation.inertia.map(|_| estimate.input_gain.filter(|b| *b > 0.0).map_or(1.0, |b| 1.0 / b));
+    // The mass that the regression found, or else the one that has about the measured acceleration.
+    let told = estimate.input_gain.filter(|b| *b > 0.0).map(|b| 1.0 / b);
+    let plausible = || draft.motion.plausible_inertia().unwrap_or(1.0);
+    let mass = notation.inertia.map(|_| told.unwrap_or_else(plausible));
     if let (Some((name, unit)), Some(mass)) = (notation.inertia, mass) {
-        let seen = if estimate.input_gain.is_some_and(|b| b > 0.0) {
-            "a first guess"
-        } else {
-            "not seen in the data"
-        };
+        let (seen, wide) =
+            if told.is_some() { ("a first guess", WIDE) } else { ("not seen in the data", WIDE * WIDE) };
         let comment = format!("EDIT: the inertia, {seen}; if you know it: \"{name}\": (1.23, \"{unit}\")");
-        add(name, mass, unit, (mass / 5.0, mass * 5.0), &comment);
+        add(name, mass, unit, (mass / wide, mass * wide), &comment);
     }
     let per = mass.unwrap_or(1.0);
     if let Some(k) = estimate.stiffness {
@@ -38,13 +41,15 @@ pub(super) fn constants(draft: &Draft, notation: &Notation, text: &mut String) {
             (false, true) => "stiffness",
         };
         let comment = format!("EDIT: {what}, from the data; narrow the bounds if you know better");
-        add("k", k * per, notation.spring_unit, (k * per / 4.0, k * per * 4.0), &comment);
+        add("k", k * per, notation.spring_unit, (k * per / WIDE, k * per * WIDE), &comment);
     }
     let damping =
         estimate.stiffness.map_or_else(|| 10.0 * estimate.damping.abs().max(0.1), |k| 2.0 * k.sqrt());
     let start = estimate.damping.clamp(0.005 * damping, 0.5 * damping);
     let what = if notation.inertia.is_some() { "viscous damping" } else { "viscous damping / mass" };
-    add("c", start * per, notation.damper_unit, (0.0, damping * per), &format!("EDIT: {what}"));
+    // Ten times critical damping, or as much as was found.
+    let most = 10.0 * damping.max(estimate.damping);
+    add("c", start * per, notation.damper_unit, (0.0, most * per), &format!("EDIT: {what}"));
     if let Input::Drive(_) = draft.roles.input {
         let gain = estimate.input_gain.filter(|b| *b != 0.0).unwrap_or(1.0);
         let size = 5.0 * gain.abs();

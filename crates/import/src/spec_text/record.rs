@@ -5,7 +5,6 @@ use super::notation::Notation;
 use crate::draft::Draft;
 use crate::records::RecordDraft;
 use crate::roles::Input;
-use crate::time_column::RATE;
 use std::fmt::Write;
 
 /// As `Csv(...)`.
@@ -26,6 +25,9 @@ pub(super) fn record(
     let mut fields = Vec::new();
     if let Input::Base(_) = draft.roles.input {
         fields.push("derive: { \"du\": Derivative(\"u\") }".to_owned());
+    }
+    if draft.is_held() {
+        fields.push("interpolate: { \"F\": Hold }".to_owned());
     }
     if !draft.table.record_fields.is_empty() {
         fields.push(draft.table.record_fields.join(", "));
@@ -64,7 +66,13 @@ fn column(draft: &Draft, c: usize) -> String {
 fn time(draft: &Draft) -> (String, &'static str) {
     let time = &draft.time;
     if time.counted {
-        return (format!("Rate({RATE:?})"), " // EDIT: no column is time: how many rows per second?");
+        let remark = match time.coarse {
+            Some(_) => {
+                " // EDIT: counted from the stamps, which are coarser than the rows: is this the exact rate?"
+            }
+            None => " // EDIT: no column is time: how many rows per second?",
+        };
+        return (format!("Rate({:?})", time.rate), remark);
     }
     let has_unit = draft.table.columns[time.column].heading.unit.is_some();
     let remark = match (time.guessed, has_unit) {

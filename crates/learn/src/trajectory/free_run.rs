@@ -302,7 +302,12 @@ fn continued(
 ) -> Result<Run, SimError> {
     let n = record.columns.len();
     let start = fit.run.as_ref().map_or(vec![0.0; n], |run| run.states[run.states.len() - n..].to_vec());
-    let options = Options { scale: problem.scale.clone(), diverged: DIVERGED_SIZE, ..Default::default() };
+    let options = Options {
+        scale: problem.scale.clone(),
+        reach: problem.reach.clone(),
+        diverged: DIVERGED_SIZE,
+        ..Default::default()
+    };
     // The run before ended at the last sample time of its columns.
     let samples = problem.delayed_samples(&problem.segments[0], x);
     let t0 = before.time[before.len() - 1] + (samples.first() - record.time[0]);

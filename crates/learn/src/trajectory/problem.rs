@@ -1,7 +1,7 @@
 //! The trajectory fit as a least-squares problem: simulations, predictions of the sensors, residuals, weights.
 //! [`super::layout`] says what the unknowns are, [`super::cost`] differentiates.
 
-use crate::decisions::{BASE_STEPS, DIVERGED_SIZE, SLOPE_STRETCHES, STEPS_PER_SAMPLE, TOLERANCE};
+use crate::decisions::{BASE_STEPS, DIVERGED_SIZE, STEPS_PER_SAMPLE, TOLERANCE};
 use crate::result::error::ModelError;
 use crate::trajectory::delayed_samples::{DelayedSamples, SampledRun};
 use crate::trajectory::input_sensors::InputSensors;
@@ -33,6 +33,8 @@ pub(crate) struct Problem<'a> {
     input_sensors: InputSensors,
     /// The size of each state, for the accuracy of the simulation.
     pub(crate) scale: Vec<f64>,
+    /// How far each state may go before it has diverged, without the factor.
+    pub(crate) reach: Vec<f64>,
     /// Standard deviation of each measured column, by record and state.
     pub(crate) deviations: Vec<Vec<f64>>,
     /// Soft continuity: by how much each state may jump from one segment to the next; `None` leaves the start
@@ -96,38 +98,15 @@ impl<'a> Problem<'a> {
             sensors,
             input_sensors,
             scale: vec![],
+            reach: vec![],
             deviations,
             continuity: None,
             budget: None,
             tolerance: TOLERANCE,
         };
         problem.scale = problem.scales();
+        problem.reach = problem.reaches();
         Ok(problem)
-    }
-
-    /// The size of each state: from its columns, or from the slope of the displacement whose velocity it is.
-    fn scales(&self) -> Vec<f64> {
-        (0..self.system.states.len())
-            .map(|k| {
-                let own = (0..self.records.len()).map(|r| self.deviations[r][k]).fold(0.0, f64::max);
-                if own > 0.0 {
-                    return own;
-                }
-                let mut slope = 0.0_f64;
-                for (x, _) in self.system.states.iter().enumerate().filter(|(_, s)| s.velocity == Some(k)) {
-                    for record in &self.records {
-                        let Some(column) = &record.columns[x] else { continue };
-                        // Over a stretch of a hundredth of the record, so that noise does not make it large.
-                        let far = (record.len() / SLOPE_STRETCHES).max(1);
-                        let pairs = (far..record.len())
-                            .map(|i| (column[i] - column[i - far]) / (record.time[i] - record.time[i - far]));
-                        let count = (record.len() - far).max(1) as f64;
-                        slope = slope.max((pairs.map(|s| s * s).sum::<f64>() / count).sqrt());
-                    }
-                }
-                if slope > 0.0 { slope } else { 1.0 }
-            })
-            .collect()
     }
 
     /// What each unknown is.
@@ -256,6 +235,7 @@ impl<'a> Problem<'a> {
         let options = Options {
             tolerance: self.tolerance,
             scale: self.scale.clone(),
+            reach: self.reach.clone(),
             sensitivities: derivatives.then_some(free),
             // A model that needs many more steps is wrong: fail early.
             max_steps: self.budget.unwrap_or(BASE_STEPS + STEPS_PER_SAMPLE * (last - first)),

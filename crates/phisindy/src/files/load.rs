@@ -251,8 +251,8 @@ impl Loader<'_> {
                 Err(why) => refusal = refusal.or(Some(why)),
             }
         }
-        link_continuations(&mut records, &plans);
-        for overlap in overlaps(&records, &plans) {
+        link_continuations(&case.system, &mut records, &plans);
+        for overlap in overlaps(&case.system, &records, &plans) {
             let help = "let the window of one begin where that of the other ends, or take another file to validate on";
             self.push(Diagnostic::warning(overlap.to_string()).help(help));
         }

@@ -1,6 +1,7 @@
 //! Frozen stretches: a logger repeats its last value.
 
-use phisindy_signal::{bounds, noise_level, rounding_error, standard_deviation};
+use super::scatter;
+use phisindy_signal::{bounds, noise_level, quantum, rounding_error, standard_deviation};
 use std::ops::Range;
 
 /// Fewer equal samples are not frozen.
@@ -9,6 +10,10 @@ const SHORTEST: usize = 5;
 const CHANCE: f64 = 1e6;
 /// A sensor whose noise is below this part of its motion may show a body at rest as one value.
 const OWN: f64 = 1e-3;
+/// The noise beside a stretch is taken over this many samples on either side ...
+const BESIDE: usize = 12;
+/// ... and is this many counts of the sensor: an encoder has none at rest or where it turns.
+const COUNTS: f64 = 3.0;
 /// A step of this many times those beside it returns to the motion.
 const CATCH_UP: f64 = 4.0;
 
@@ -27,16 +32,41 @@ pub(super) fn frozen(column: &[f64]) -> Vec<Range<usize>> {
     // The share of repeated values: large for a coarse sensor.
     let repeated = runs.iter().filter(|r| r.len() > 1).count();
     let often = (repeated + 1) as f64 / (runs.len() + 1) as f64;
-    let by_chance = (CHANCE * n as f64).ln() / -often.ln();
+    let by_chance = |r: &Range<usize>| (CHANCE * n as f64).ln() / -often.max(repeats_beside(column, r)).ln();
     let noise = noise_level(column);
-    let noisy = noise > 2.0 * rounding_error(column) && noise > OWN * standard_deviation(column);
+    let own = OWN * standard_deviation(column);
+    let noisy = noise > 2.0 * rounding_error(column) && noise > own;
+    let count = quantum(column, 2).unwrap_or(0.0);
     let frozen = |r: &Range<usize>| {
         let value = column[r.start];
-        let long = r.len() >= SHORTEST && (r.len() - 1) as f64 > by_chance;
+        let noisy = noisy && noise_beside(column, r) > own.max(COUNTS * count);
+        let long = r.len() >= SHORTEST && (r.len() - 1) as f64 > by_chance(r);
         // Clipped columns repeat their extremes. Noise that grows with the motion vanishes at zero.
         long && value != min && value != max && (noisy && value != 0.0 || catches_up(column, r))
     };
     runs.into_iter().filter(|r| r.len() < n && frozen(r)).collect()
+}
+
+/// The share of repeated values beside a stretch: a coarse sensor repeats them where the motion turns.
+fn repeats_beside(column: &[f64], stretch: &Range<usize>) -> f64 {
+    let reach = (3 * stretch.len()).max(BESIDE);
+    let before = stretch.start.saturating_sub(reach).max(1)..stretch.start;
+    let after = stretch.end + 1..(stretch.end + reach).min(column.len());
+    let (mut all, mut repeated) = (0_usize, 0_usize);
+    for k in before.chain(after) {
+        all += 1;
+        repeated += usize::from(column[k] == column[k - 1]);
+    }
+    repeated as f64 / all.max(1) as f64
+}
+
+/// Noise of the samples beside a stretch, on the side where there is less of it. A body that comes to rest has
+/// hardly any there, if its sensor shows none at rest.
+fn noise_beside(column: &[f64], stretch: &Range<usize>) -> f64 {
+    let before = stretch.start.saturating_sub(BESIDE)..stretch.start;
+    let after = stretch.end..(stretch.end + BESIDE).min(column.len());
+    let sides = [before, after].into_iter().filter(|side| side.len() == BESIDE);
+    sides.map(|side| scatter::within(column, side)).fold(f64::INFINITY, f64::min)
 }
 
 /// Whether the motion went on meanwhile: the step into the stretch or out of it is many times those beside it.
@@ -82,6 +112,25 @@ mod tests {
         let mut x = swing(0.02);
         x[700..706].fill(0.0);
         assert_eq!(frozen(&x), vec![700..706; 1]);
+    }
+
+    /// An encoder whose noise comes from its clock: none at rest, and few counts at a turning point.
+    #[test]
+    fn stops_and_turning_points_of_encoders_are_not_told() {
+        let noise = gaussian(6000, 4);
+        // Half a swing, then a rest as long as that.
+        let moved = |t: f64| {
+            let (half, rest) = ((t / 400.0).floor(), (t % 400.0 / 200.0).min(1.0));
+            let sign = if half % 2.0 == 0.0 { 1.0 } else { -1.0 };
+            0.7 * sign * (std::f64::consts::PI * rest).cos()
+        };
+        let late = |i: usize| (i as f64 + 0.6 * noise[i]).max(0.0);
+        let stick: Vec<f64> = (0..6000).map(|i| (moved(late(i)) / 1.5e-3).round() * 1.5e-3).collect();
+        assert_eq!(frozen(&stick), []);
+        // The difference quotient of an encoder in steps of 0.47, which flickers in motion.
+        let speed = |i: usize| 2.9 * (0.02 * i as f64).sin() * (1.0 - 1.5e-4 * i as f64) + 0.2 * noise[i];
+        let quotient: Vec<f64> = (0..6000).map(|i| (speed(i) / 0.47).round() * 0.47).collect();
+        assert_eq!(frozen(&quotient), []);
     }
 
     #[test]

@@ -6,8 +6,13 @@ use phisindy_signal::median;
 
 /// Without a velocity a jump is a step of this many times the scatter of the samples ...
 const JUMP: f64 = 10.0;
-/// ... and this many times the deviation of the steps beside it.
+/// ... and this many times the deviation of the steps beside it ...
 const ABRUPT: f64 = 4.0;
+/// ... and more than the motion covers in this many steps: less is a sample that was taken late or lost, which
+/// shifts the curve in time and not in level.
+const LATE: f64 = 2.0;
+/// More than one jump in this many samples, or a step that the motion does more often, is motion.
+const RARE: usize = 200;
 /// With a measured velocity the level is the median over this many samples on either side.
 pub(super) const LEVEL: usize = 20;
 /// A jump is this many times the scatter of the levels ...
@@ -20,7 +25,7 @@ pub(super) fn jumps(time: &[f64], x: &[f64], v: Option<&[f64]>) -> Vec<usize> {
     let n = x.len();
     let all = v.map_or_else(|| abrupt(time, x), |v| shifted(time, x, v));
     // Frequent jumps are a motion that is sampled too coarsely.
-    if all.len() * 200 <= n { all } else { vec![] }
+    if all.len() * RARE <= n { all } else { vec![] }
 }
 
 /// Steps far larger than those beside them.
@@ -29,14 +34,20 @@ fn abrupt(time: &[f64], x: &[f64]) -> Vec<usize> {
     let steps: Vec<f64> = x.windows(2).map(|w| w[1] - w[0]).collect();
     let lengths: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
     let usual = median(&mut lengths.clone());
-    let jump = |k: usize| {
+    let off = |k: usize| {
         let beside = [k - 3, k - 2, k - 1, k + 1, k + 2, k + 3].map(|j| steps[j]);
         let trend = median(&mut beside.clone());
-        let other = beside.iter().map(|s| (s - trend).abs()).fold(0.0, f64::max);
         let size = (steps[k] - trend).abs();
-        lengths[k] < 1.5 * usual && size > JUMP * least && size > ABRUPT * other
+        let largest = |of: &dyn Fn(f64) -> f64| beside.iter().map(|s| of(*s).abs()).fold(0.0, f64::max);
+        let jumps = lengths[k] < 1.5 * usual
+            && size > JUMP * least
+            && size > ABRUPT * largest(&|s| s - trend)
+            && size > LATE * largest(&|s| s);
+        (k, size, jumps)
     };
-    (3..steps.len().saturating_sub(3)).filter(|&k| jump(k)).collect()
+    let all: Vec<(usize, f64, bool)> = (3..steps.len().saturating_sub(3)).map(off).collect();
+    let usual = scatter::rarely(all.iter().map(|(_, size, _)| *size).collect(), RARE);
+    all.into_iter().filter(|(_, size, jumps)| *jumps && *size >= usual).map(|(k, ..)| k).collect()
 }
 
 /// Samples after which the level of `x` less the integral of `v` changes.
@@ -112,6 +123,22 @@ mod tests {
         assert_eq!(jumps(&time, &x, None), []);
         let told = jumps(&time, &x, Some(&v));
         assert!(told.len() == 1 && told[0].abs_diff(1233) < LEVEL, "{told:?}");
+    }
+
+    /// A laser whose samples are taken late now and then: each shifts the curve by a part of one step.
+    #[test]
+    fn late_samples_are_no_jumps() {
+        let (time, ..) = swing(0.0);
+        let late = |k: usize| if k % 97 == 40 { 0.009 } else { 0.0 };
+        let mut clock = 0.0;
+        let x: Vec<f64> = (0..3000)
+            .map(|k| {
+                clock += late(k);
+                (3.0 * (time[k] + clock)).sin()
+            })
+            .collect();
+        let noisy: Vec<f64> = x.iter().zip(gaussian(3000, 6)).map(|(x, e)| x + 2e-5 * e).collect();
+        assert_eq!((jumps(&time, &x, None), jumps(&time, &noisy, None)), (vec![], vec![]));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //! spikes.
 
 use phisindy_signal::{median, rounding_error};
+use std::ops::Range;
 
 /// Median of |normal|, times the standard deviation of `e1 - (e0 + e2)/2`.
 const UNIT: f64 = 0.674_489_750_196_081_7 * 1.224_744_871_391_589;
@@ -20,7 +21,20 @@ pub(super) fn of(column: &[f64]) -> f64 {
     median(&mut sizes) / UNIT + rounding_error(column)
 }
 
-/// The same over `round` samples before and after `k`, by the median or by the 90 % quantile, whichever is
+/// The same over a range of samples that is not looked beyond, without the rounding.
+pub(super) fn within(column: &[f64], range: Range<usize>) -> f64 {
+    let mut sizes: Vec<f64> =
+        (range.start + 1..range.end.max(1) - 1).map(|k| size(column, k).abs()).collect();
+    median(&mut sizes) / UNIT
+}
+
+/// The size that one in `rare` of these sizes exceeds.
+pub(super) fn rarely(mut sizes: Vec<f64>, rare: usize) -> f64 {
+    sizes.sort_by(f64::total_cmp);
+    sizes.get((sizes.len() - sizes.len() / rare).saturating_sub(1)).copied().unwrap_or(0.0)
+}
+
+/// Standard deviation of the samples about their neighbours over `round` samples before and after `k`, by the median or by the 90 % quantile, whichever is
 /// larger: noise may vary with the motion.
 pub(super) fn near(column: &[f64], k: usize, round: usize) -> f64 {
     let from = k.saturating_sub(round).max(1);

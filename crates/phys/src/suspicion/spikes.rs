@@ -9,11 +9,14 @@ const SPIKE: f64 = 7.0;
 const ROUND: usize = 40;
 /// More than one spike in this many samples is noise of the sensor.
 const RARE: usize = 50;
+/// A deviation that more than one of this many other samples has is none either: a fit weighs all samples of a
+/// column alike.
+const ELSEWHERE: usize = 200;
 
 /// The samples that are spikes; none if they are frequent.
 pub(super) fn spikes(column: &[f64]) -> Vec<usize> {
     let n = column.len();
-    let least = scatter::of(column);
+    let least = SPIKE * scatter::of(column);
     // On one side of both neighbours, which are close to theirs: steps, corners and pulses of several samples
     // are motion.
     let stands_alone = |k: usize, size: f64| {
@@ -26,9 +29,15 @@ pub(super) fn spikes(column: &[f64]) -> Vec<usize> {
     };
     let apart = |k: usize| {
         let size = scatter::size(column, k).abs();
-        size > SPIKE * least && stands_alone(k, size) && size > SPIKE * scatter::near(column, k, ROUND)
+        size > least && stands_alone(k, size) && size > SPIKE * scatter::near(column, k, ROUND)
     };
-    let all: Vec<usize> = (3..n.saturating_sub(3)).filter(|&k| apart(k)).collect();
+    let mut all: Vec<usize> = (3..n.saturating_sub(3)).filter(|&k| apart(k)).collect();
+    let mut others = vec![true; n];
+    all.iter().for_each(|&k| others[k - 1..=k + 1].fill(false));
+    let size = |k: usize| scatter::size(column, k).abs();
+    let elsewhere = (1..n.saturating_sub(1)).filter(|&k| others[k]).map(size).collect();
+    let usual = scatter::rarely(elsewhere, ELSEWHERE);
+    all.retain(|&k| size(k) > usual);
     if all.len() * RARE <= n { all } else { vec![] }
 }
 
@@ -67,8 +76,12 @@ mod tests {
         let bounce = |i: usize| (0.05 * i as f64).sin().abs();
         let decay = |i: usize| if i < 1000 { 0.0 } else { (-0.5 * (i - 1000) as f64).exp() };
         let noisy = |f: &dyn Fn(usize) -> f64| (0..3000).map(|i| f(i) + 0.01 * noise[i]).collect();
-        let columns: [Vec<f64>; 6] =
-            [swing(0.03), relative, noisy(&slips), noisy(&square), noisy(&bounce), noisy(&decay)];
+        // A small deviation in the quiet part of a column that is noisy in fast motion.
+        let mut quiet: Vec<f64> =
+            (0..3000).map(|i| (0.03 * i as f64).sin() * (1.0 + 0.1 * noise[i]) + 1e-4 * noise[i]).collect();
+        quiet[1047] += 0.02;
+        let columns: [Vec<f64>; 7] =
+            [swing(0.03), relative, noisy(&slips), noisy(&square), noisy(&bounce), noisy(&decay), quiet];
         for (k, column) in columns.iter().enumerate() {
             assert_eq!(spikes(column), [], "{k}");
         }

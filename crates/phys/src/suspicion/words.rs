@@ -58,6 +58,8 @@ pub enum Suspicion {
         range: (f64, f64),
         /// How many samples are cut off.
         samples: usize,
+        /// Whether it is an input, which may be limited itself.
+        input: bool,
     },
     /// An input that moves between its samples more than they tell.
     Undersampled {
@@ -67,6 +69,26 @@ pub enum Suspicion {
         error: f64,
         /// How it is interpolated.
         interpolation: Interpolation,
+    },
+    /// An input that holds levels and is interpolated as if it moved between them.
+    Switched {
+        /// The input.
+        input: String,
+        /// How many jumps it has.
+        jumps: usize,
+        /// Standard error of the interpolation, as a part of the standard deviation of the input.
+        error: f64,
+    },
+    /// A counter that overflows, or an angle that begins again after a turn.
+    Wrapped {
+        /// The column.
+        column: String,
+        /// By how much it jumps (SI).
+        period: f64,
+        /// The last time before the first jump.
+        time: f64,
+        /// How many jumps there are.
+        count: usize,
     },
     /// A stretch of equal values in a column that has noise or moves before and after it.
     Frozen {
@@ -194,7 +216,12 @@ impl fmt::Display for Suspicion {
                     write!(f, "keep only the rows in which it changes, one in {length}")
                 }
             }
-            Suspicion::Clipped { column, range: (min, max), samples } => write!(
+            Suspicion::Clipped { column, range: (min, max), samples, input: true } => write!(
+                f,
+                "`{column}` stays at {min:.6} or {max:.6} in {samples} samples, where it arrives in motion: is that what acted, or was \
+                 the sensor at the end of its range?"
+            ),
+            Suspicion::Clipped { column, range: (min, max), samples, input: false } => write!(
                 f,
                 "`{column}` is cut off at {min:.6} or {max:.6} in {samples} samples: the sensor was at the end of its range, and \
                  what it hides is fitted as if it were motion"
@@ -216,6 +243,20 @@ impl fmt::Display for Suspicion {
                     Interpolation::Cubic | Interpolation::Hold => f.write_str("sample it faster"),
                 }
             }
+            Suspicion::Switched { input, jumps, error } => write!(
+                f,
+                "`{input}` holds its value and jumps ({jumps} time{}), and is interpolated as if it moved from one value to the next: \
+                 {:.1} % of its size is wrong by that; say `interpolate: {{ \"{input}\": Hold }}`",
+                if *jumps == 1 { "" } else { "s" },
+                100.0 * error
+            ),
+            Suspicion::Wrapped { column, period, time, count } => write!(
+                f,
+                "`{column}` wraps: it jumps by {period} (SI) from one end of its range to the other, {count} time{}, first after \
+                 {time:.6} s: a counter that overflows, or an angle that begins again after a turn; write it unwrapped into the \
+                 file, as `numpy.unwrap(values, period=...)` does",
+                if *count == 1 { "" } else { "s" }
+            ),
             Suspicion::Frozen { column, value, samples, from_to: (from, to), count } => write!(
                 f,
                 "`{column}` is {value:.6} in {samples} samples from {from:.6} s to {to:.6} s{}, and moves or has noise before and \
@@ -282,7 +323,7 @@ impl fmt::Display for Suspicion {
             Suspicion::PartScaled { velocity, parts, factor, .. } if *factor < 0.0 => write!(
                 f,
                 "the model tells the acceleration in `{velocity}` once its part in {} has the other sign: look at the signs of the \
-                 equation, and at which way the sensors count",
+                 equation, and at which way and from where the sensors count",
                 quoted(parts)
             ),
             Suspicion::PartScaled { velocity, parts, factor, clock } => {
@@ -322,46 +363,4 @@ fn near_power_of_ten(factor: f64) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sentences_count_what_they_tell_of() {
-        let gap = |count| Suspicion::MissingSamples { from: 1.0, to: 2.5, steps: 150.0, count }.to_string();
-        assert!(gap(1).starts_with("no samples from 1.000000 s to 2.500000 s, 150 times the usual step: "));
-        assert!(gap(3).contains("the usual step (3 such holes): inputs are interpolated across it"));
-        let spike = |count| Suspicion::Spike { column: "x".into(), value: 3.0, time: 0.5, count }.to_string();
-        assert!(spike(1).starts_with("`x` jumps to 3.000000 and back in the sample at 0.500000 s: a spike"));
-        assert!(spike(4).contains("at 0.500000 s (and in 3 more): a spike"));
-        let frozen = |count| {
-            let (column, from_to) = ("x".to_owned(), (1.0, 2.0));
-            Suspicion::Frozen { column, value: 0.5, samples: 9, from_to, count }.to_string()
-        };
-        assert!(frozen(1).contains("to 2.000000 s, and moves"));
-        assert!(frozen(2).contains("to 2.000000 s (and in 1 more such stretches), and moves"));
-    }
-
-    #[test]
-    fn factors_near_powers_of_ten_are_told_as_such() {
-        let told = |factor| {
-            let (displacement, velocity) = ("x".to_owned(), "v".to_owned());
-            Suspicion::RateScaled { displacement, velocity, factor }.to_string()
-        };
-        assert!(told(1040.0).starts_with("`x` moves at 1000 times the rate that `v` gives"));
-        assert!(told(0.00098).starts_with("`x` moves at 1/1000 of the rate that `v` gives"));
-        assert!(told(4.2).starts_with("`x` moves at 4.200 times the rate that `v` gives"));
-    }
-
-    #[test]
-    fn parts_of_a_rate_are_named_in_the_right_number() {
-        let told = |parts: &[&str], factor, clock| {
-            let parts = parts.iter().map(|p| (*p).to_owned()).collect();
-            Suspicion::PartScaled { velocity: "v".into(), parts, factor, clock }.to_string()
-        };
-        assert!(told(&["k*x"], 1e3, false).contains("its part in `k*x` is 1000 times as large"));
-        let both = told(&["k*x", "F"], 1e-6, true);
-        assert!(both.contains("its parts in `k*x`, `F` are 1/1000000 times as large"), "{both}");
-        assert!(both.ends_with("measured motion, or of the time column"), "{both}");
-        assert!(told(&["F"], -1.0, false).contains("its part in `F` has the other sign"));
-    }
-}
+mod tests;

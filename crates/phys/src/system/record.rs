@@ -254,14 +254,24 @@ fn enough(csv: &CsvSpec, table: &Table, spec: SourceId) -> Result<(), Diagnostic
     Err(d)
 }
 
-/// Whether two records show the same run of the same file, whatever their windows.
-fn same_run(a: &CsvSpec, b: &CsvSpec) -> bool {
+/// Whether two records show the same run of the same file, whatever their windows: the same rows, and a state
+/// that both read from the same column. A file may hold one experiment beside the other, in columns.
+fn same_run(a: &CsvSpec, b: &CsvSpec, system: &System) -> bool {
     let rows = |csv: &'_ CsvSpec| -> Vec<(String, f64)> {
         csv.rows.iter().map(|(name, value)| (name.value.clone(), value.value)).collect()
     };
     let run = |csv: &CsvSpec| csv.run.as_ref().map(|run| run.value);
+    let column = |csv: &'_ CsvSpec, state: &str| -> Option<String> {
+        let (_, column) = csv.columns.iter().find(|(name, _)| name.value == state)?;
+        Some(column.header.value.clone())
+    };
+    let shared = |name: &String| column(a, name).is_some_and(|own| column(b, name) == Some(own));
     // The origin of arrays in memory is not known.
-    !a.in_memory && a.path.value == b.path.value && rows(a) == rows(b) && run(a) == run(b)
+    !a.in_memory
+        && system.states.iter().any(|state| shared(&state.name))
+        && a.path.value == b.path.value
+        && rows(a) == rows(b)
+        && run(a) == run(b)
 }
 
 /// A Validate record that holds samples of a Fit record: there it is no independent check.
@@ -291,7 +301,7 @@ impl fmt::Display for Overlap {
 }
 
 /// Validate records that hold samples of a Fit record.
-pub fn overlaps(records: &[Record], plans: &[RecordPlan]) -> Vec<Overlap> {
+pub fn overlaps(system: &System, records: &[Record], plans: &[RecordPlan]) -> Vec<Overlap> {
     let mut all = Vec::new();
     let name = |k: usize| {
         let alone = records.iter().filter(|r| r.name == records[k].name).count() == 1;
@@ -304,7 +314,7 @@ pub fn overlaps(records: &[Record], plans: &[RecordPlan]) -> Vec<Overlap> {
             let end = validate.time[validate.len() - 1].min(fit.time[fit.len() - 1]);
             let shared = validate.time.iter().filter(|t| (begin..=end).contains(t)).count();
             // Windows that touch share the sample between them.
-            if same_run(a, b) && shared > 2 {
+            if same_run(a, b, system) && shared > 2 {
                 let (validate, samples, fit) = (name(v), validate.len(), name(f));
                 all.push(Overlap { validate, fit, shared, samples, from_to: (begin, end) });
             }
@@ -315,14 +325,14 @@ pub fn overlaps(records: &[Record], plans: &[RecordPlan]) -> Vec<Overlap> {
 
 /// Marks Validate windows that continue a Fit window of the same file. Their start state is the end of that
 /// run.
-pub fn link_continuations(records: &mut [Record], plans: &[RecordPlan]) {
+pub fn link_continuations(system: &System, records: &mut [Record], plans: &[RecordPlan]) {
     for k in 0..records.len() {
         let before = (0..k).rev().find(|&j| {
             let (Origin::Csv(a), Origin::Csv(b)) = (&plans[j].origin, &plans[k].origin) else { return false };
             let gap = records[k].time[0] - records[j].time[records[j].len() - 1];
             let step =
                 (records[j].time[records[j].len() - 1] - records[j].time[0]) / (records[j].len() - 1) as f64;
-            same_run(a, b) && gap.abs() <= 2.5 * step
+            same_run(a, b, system) && gap.abs() <= 2.5 * step
         });
         if records[k].role == Role::Validate {
             records[k].continues = before.filter(|&j| records[j].role == Role::Fit);

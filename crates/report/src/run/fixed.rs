@@ -52,6 +52,10 @@ pub(crate) fn fixed_values(input: Input<'_>, found: &Identified) -> Vec<FixedVal
             };
             let value = |r: usize| {
                 let s = &records[r].sensors[k];
+                // A derived input has the sensor of the input that it is derived from, told there.
+                if s.follows.is_some() {
+                    return None;
+                }
                 let parameter = match part {
                     SensorPart::Offset => &s.offset,
                     SensorPart::Gain => &s.gain,

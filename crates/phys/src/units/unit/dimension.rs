@@ -79,20 +79,25 @@ impl Dimension {
         Some(Dimension(powers))
     }
 
-    /// The same in the named unit that reads best, and what is left beside it.
+    /// The same with a whole power of the named unit that reads best, and what is left beside it.
     fn named(self) -> (Option<(&'static str, i16)>, Dimension) {
         let [kg, _, s, a, _] = self.0;
-        let whole = kg.abs() == PARTS && s != 0;
-        let sign = kg.signum();
-        if whole && a == -kg {
-            let volts = if sign > 0 { Dimension::VOLT } else { Dimension::NONE.div(Dimension::VOLT) };
-            return (Some(("V", kg)), self.div(volts));
+        let unit = match a {
+            _ if kg == 0 || s == 0 || kg % PARTS != 0 => None,
+            a if a == -kg => Some(("V", Dimension::VOLT)),
+            0 => Some(("N", Dimension::NEWTON)),
+            _ => None,
+        };
+        let Some((name, one)) = unit else { return (None, self) };
+        let Some(rest) = one.pow(f64::from(kg / PARTS)).map(|power| self.div(power)) else {
+            return (None, self);
+        };
+        // A square of it only where that is shorter.
+        let length = |d: Dimension| d.0.iter().map(|power| power.abs()).sum::<i16>();
+        if kg.abs() > PARTS && kg.abs() + length(rest) >= length(self) {
+            return (None, self);
         }
-        if whole && a == 0 {
-            let newtons = if sign > 0 { Dimension::NEWTON } else { Dimension::NONE.div(Dimension::NEWTON) };
-            return (Some(("N", kg)), self.div(newtons));
-        }
-        (None, self)
+        (Some((name, kg)), rest)
     }
 }
 
@@ -134,4 +139,24 @@ fn exponent(twelfths: i16) -> String {
     }
     let common = [12, 6, 4, 3, 2].into_iter().find(|d| twelfths % d == 0 && PARTS % d == 0).unwrap_or(1);
     format!("^({}/{})", twelfths / common, PARTS / common)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::units::unit::Unit;
+
+    #[test]
+    fn powers_of_volt_and_newton_are_told_as_such() {
+        for (unit, told) in [
+            ("V/s^2/V^3", "1/(V^2*s^2)"),
+            ("V^3", "V^3"),
+            ("N/m/V", "s*A/m^2"),
+            ("N^2/m^2", "N^2/m^2"),
+            ("N*s/m", "N*s/m"),
+            ("1/N", "1/N"),
+            ("kg^2*m/s", "kg^2*m/s"),
+        ] {
+            assert_eq!(Unit::parse(unit).expect(unit).dimension.to_string(), told, "{unit}");
+        }
+    }
 }

@@ -1,0 +1,153 @@
+//! Times of day and dates in a time column, as seconds from the first row.
+
+/// Nanoseconds of a second and of a day.
+const SECOND: i64 = 1_000_000_000;
+const DAY: i64 = 86_400 * SECOND;
+
+/// Reads the stamps of a column in order: `2024-05-17T10:32:07.125Z`, `17.05.2024 10:32:07,125`, `10:32:07.125`.
+///
+/// A stamp without a date that is more than half a day before the last one belongs to the next day. Fractions
+/// are exact to a nanosecond, however late the date.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Clock {
+    /// The first stamp and the last one, in nanoseconds.
+    first_last: Option<(i64, i64)>,
+}
+
+impl Clock {
+    /// Seconds from the first stamp; none if the text is no stamp.
+    pub(crate) fn seconds(&mut self, text: &str) -> Option<f64> {
+        let (date, mut now) = stamp(text)?;
+        let (first, last) = self.first_last.unwrap_or((now, now));
+        if date.is_none() {
+            now += (last - now + DAY / 2).div_euclid(DAY).max(0) * DAY;
+        }
+        self.first_last = Some((first, now));
+        let apart = now - first;
+        Some((apart / SECOND) as f64 + (apart % SECOND) as f64 / SECOND as f64)
+    }
+}
+
+/// Whether a text is a time of day, with or without a date.
+pub(crate) fn is_stamp(text: &str) -> bool {
+    stamp(text).is_some()
+}
+
+/// The day (if there is a date) and the nanoseconds since day 0.
+fn stamp(text: &str) -> Option<(Option<i64>, i64)> {
+    // Quick: most cells are numbers.
+    text.contains(':').then_some(())?;
+    let text = text.trim();
+    let (date, time) = match text.split_once(['T', ' ']) {
+        Some((date, time)) => (Some(day(date)?), time.trim()),
+        None => (None, text),
+    };
+    let (time, zone) = zone(time)?;
+    let time = time_of_day(time)?;
+    Some((date, date.unwrap_or(0) * DAY + time - zone))
+}
+
+/// The time without its zone, and the zone's distance from Greenwich in nanoseconds.
+fn zone(text: &str) -> Option<(&str, i64)> {
+    if let Some(time) = text.strip_suffix(['Z', 'z']) {
+        return Some((time, 0));
+    }
+    let Some(at) = text.find(['+', '-']) else { return Some((text, 0)) };
+    let digits: String = text[at + 1..].chars().filter(|c| *c != ':').collect();
+    let minutes: i64 = match (digits.len(), digits.parse::<i64>().ok()?) {
+        (2, hours) => 60 * hours,
+        (4, both) => both / 100 * 60 + both % 100,
+        _ => return None,
+    };
+    let sign = if text[at..].starts_with('-') { -1 } else { 1 };
+    Some((text[..at].trim(), sign * minutes * 60 * SECOND))
+}
+
+/// `10:32:07.125` or `10:32`, in nanoseconds.
+fn time_of_day(text: &str) -> Option<i64> {
+    let mut parts = text.split(':');
+    let (hours, minutes) = (whole(parts.next()?, 2)?, whole(parts.next()?, 2)?);
+    let rest = parts.next().unwrap_or("0");
+    if parts.next().is_some() || hours > 24 || minutes > 59 {
+        return None;
+    }
+    let (seconds, fraction) = rest.split_once(['.', ',']).unwrap_or((rest, ""));
+    let seconds = whole(seconds, 2).filter(|s| *s <= 60)?;
+    let digits: String = fraction.chars().chain("000000000".chars()).take(9).collect();
+    let nano = if fraction.is_empty() { 0 } else { whole(&digits, 9)? };
+    Some(((hours * 60 + minutes) * 60 + seconds) * SECOND + nano)
+}
+
+/// The number of a day: year, month, day, or day, month, year with points. Of dates with slashes that begin with
+/// the day or the month none knows which.
+fn day(text: &str) -> Option<i64> {
+    let of = |mark: char| -> Option<[&str; 3]> { text.split(mark).collect::<Vec<_>>().try_into().ok() };
+    let (year, month, day) = match (of('-').or_else(|| of('/')), of('.')) {
+        (Some([y, m, d]), _) if y.len() == 4 => (y, m, d),
+        (_, Some([d, m, y])) if y.len() == 4 => (y, m, d),
+        _ => return None,
+    };
+    let (year, month, day) = (whole(year, 4)?, whole(month, 2)?, whole(day, 2)?);
+    ((1..=12).contains(&month) && (1..=31).contains(&day)).then(|| {
+        // Years that begin in March: the day of a leap year is the last one.
+        let (y, m) = if month > 2 { (year, month - 3) } else { (year - 1, month + 9) };
+        365 * y + y / 4 - y / 100 + y / 400 + (153 * m + 2) / 5 + day
+    })
+}
+
+/// Digits alone, not more than `most`.
+fn whole(text: &str, most: usize) -> Option<i64> {
+    let good = !text.is_empty() && text.len() <= most && text.bytes().all(|b| b.is_ascii_digit());
+    good.then(|| text.parse().ok()).flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seconds(stamps: &[&str]) -> Vec<f64> {
+        let mut clock = Clock::default();
+        stamps.iter().map(|s| clock.seconds(s).expect("a stamp")).collect()
+    }
+
+    #[test]
+    fn stamps_are_seconds_from_the_first() {
+        for stamps in [
+            ["2024-02-28T23:59:59.750", "2024-02-29T00:00:00.002", "2024-03-01T00:00:00.002"],
+            ["2024-02-28 23:59:59.750Z", "2024-02-29 00:00:00.002Z", "2024-03-01 02:00:00.002+02:00"],
+            ["28.02.2024 23:59:59,75", "29.02.2024 00:00:00,002", "01.03.2024 00:00:00,002"],
+            ["2024/02/28 23:59:59.75", "2024/02/29 00:00:00.002", "2024/03/01 00:00:00.002"],
+        ] {
+            assert_eq!(seconds(&stamps), [0.0, 0.252, 86400.252], "{stamps:?}");
+        }
+        // Over midnight, twice.
+        let days = ["23:59:59.9", "00:00:00.1", "12:00:00", "23:00:00", "01:00:00"];
+        assert_eq!(seconds(&days), [0.0, 0.2, 43200.1, 82800.1, 90000.1]);
+        assert_eq!(seconds(&["2025-12-31T23:59:59", "2026-01-01T00:00:00.000001"]), [0.0, 1.000001]);
+        // A logger that repeats or mixes up rows is not set to the next day.
+        assert_eq!(seconds(&["10:00:01", "10:00:01", "10:00:00"]), [0.0, 0.0, -1.0]);
+    }
+
+    #[test]
+    fn other_texts_are_none() {
+        for text in [
+            "",
+            ":",
+            "1:2:3:4",
+            "abc",
+            "12",
+            "1e3",
+            "10:61:00",
+            "10:00:61",
+            "05/06/2024 10:00:00",
+            "2024-13-01 10:00:00",
+            "10:-1:00",
+            "a:b",
+            "2024-01-01",
+            "é:é",
+            "10:00:0é",
+        ] {
+            assert!(!is_stamp(text), "{text}");
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! The sizes of the states of a problem: how much they move, and how far from zero they are.
+
+use super::problem::Problem;
+use crate::decisions::SLOPE_STRETCHES;
+
+impl Problem<'_> {
+    /// The size of each state: from its columns, or from the slope of the displacement whose velocity it is.
+    pub(super) fn scales(&self) -> Vec<f64> {
+        (0..self.system.states.len())
+            .map(|k| {
+                let own = (0..self.records.len()).map(|r| self.deviations[r][k]).fold(0.0, f64::max);
+                if own > 0.0 {
+                    return own;
+                }
+                let mut slope = 0.0_f64;
+                for (x, _) in self.system.states.iter().enumerate().filter(|(_, s)| s.velocity == Some(k)) {
+                    for record in &self.records {
+                        let Some(column) = &record.columns[x] else { continue };
+                        // Over a stretch of a hundredth of the record, so that noise does not make it large.
+                        let far = (record.len() / SLOPE_STRETCHES).max(1);
+                        let pairs = (far..record.len())
+                            .map(|i| (column[i] - column[i - far]) / (record.time[i] - record.time[i - far]));
+                        let count = (record.len() - far).max(1) as f64;
+                        slope = slope.max((pairs.map(|s| s * s).sum::<f64>() / count).sqrt());
+                    }
+                }
+                if slope > 0.0 { slope } else { 1.0 }
+            })
+            .collect()
+    }
+
+    /// How far each state may be expected to go: as far as its columns are from the zeros that their sensors may
+    /// have, if that is more than they move. A pendulum at rest moves by its noise alone, and the model of it
+    /// swings about a zero that the search has not found yet. A velocity without a column may be larger than its
+    /// scale by as much as its displacement.
+    pub(super) fn reaches(&self) -> Vec<f64> {
+        let from_zero = |k: usize| {
+            let of = |record: &&phisindy_phys::Record| {
+                let Some(column) = &record.columns[k] else { return 0.0 };
+                let (low, high) = phisindy_signal::bounds(column);
+                let offset = &record.sensors[k].offset;
+                let (least, most) = offset.within.unwrap_or((offset.start, offset.start));
+                (high - least).abs().max((low - most).abs())
+            };
+            self.records.iter().map(of).fold(0.0, f64::max)
+        };
+        let own: Vec<f64> = (0..self.scale.len()).map(|k| self.scale[k].max(from_zero(k))).collect();
+        let of = |k: usize| {
+            let displacements = self.system.states.iter().enumerate().filter(|(_, s)| s.velocity == Some(k));
+            displacements.map(|(x, _)| self.scale[k] * own[x] / self.scale[x]).fold(own[k], f64::max)
+        };
+        (0..own.len()).map(of).collect()
+    }
+}
