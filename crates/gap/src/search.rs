@@ -55,6 +55,8 @@ pub(crate) struct Searched {
     /// Largest number of effects that were available in a round.
     pub(crate) candidates: usize,
     pub(crate) stop: StopReason,
+    /// The effects without which a repeated search found nothing as good.
+    pub(crate) needed: Vec<PlacedLaw>,
 }
 
 /// State at the start of a round.
@@ -77,8 +79,9 @@ impl Start<'_> {
 
 impl Search<'_> {
     /// Runs the search, and repeats it without the laws that the records do not determine in the end, or that
-    /// evidence rules out: a simpler law may do nearly as well. A repeated search counts if it explains the
-    /// data; the laws that it leaves out are reported with its first round.
+    /// evidence rules out: another law may do as well. A repeated search counts if it explains the data as well;
+    /// the laws that it leaves out are reported with its first round. Otherwise the data need the law, whatever
+    /// the intervals of its parameters: these may depend on each other.
     pub(crate) fn run_until_determined(&mut self, base: TrialModel) -> Result<Searched, ModelError> {
         let mut catalogue = self.catalogue.to_vec();
         let mut found = self.run(base.clone())?;
@@ -95,13 +98,16 @@ impl Search<'_> {
                 break;
             }
             catalogue.retain(|entry| !doubted.iter().any(|v| v.law.law == entry.id));
-            out.extend(doubted);
             let mut observe = |part: f64, what: Activity| (self.observe)(part, what);
             let mut again = Search { catalogue: &catalogue, observe: &mut observe, ..*self };
             let other = again.run(base.clone())?;
-            if !other.last.score.explains() && !self.at_floor(&other.last) {
+            let candidates = found.candidates.max(other.candidates);
+            let done = other.last.score.explains() || self.at_floor(&other.last);
+            if !done || !self.as_good(&other.last, &found.last, candidates) {
+                found.needed = placed(&found.last.model);
                 break;
             }
+            out.extend(doubted);
             found = other;
             if let Some(round) = found.rounds.first_mut() {
                 round.vetoed.extend(out.iter().cloned());
@@ -168,7 +174,7 @@ impl Search<'_> {
                 }
             }
         }
-        Ok(Searched { base, last: now, rounds, candidates, stop })
+        Ok(Searched { base, last: now, rounds, candidates, stop, needed: vec![] })
     }
 
     /// The reason why the search ends after this number of rounds, `weak` of which were weak; `None` if it

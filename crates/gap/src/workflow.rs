@@ -16,7 +16,7 @@ use crate::repeat::{prediction, repeatability};
 use crate::result::verdict::{bent, helpful, refused, status};
 use crate::result::{
     Activity, Alternative, Cancelling, ColumnGap, ColumnRepeat, DataError, Gap, GapError, PlacedLaw,
-    RecordValue, Region, Rival, Simulated, Status, Step, StepParameter, StopReason, Warning, regions,
+    RecordValue, Region, Rival, Simulated, Status, Step, StepParameter, StopReason, Veto, Warning, regions,
 };
 use crate::search::{Round, Search, Searched, placed, refitted};
 use crate::sensor_curve::sensor_curve;
@@ -186,6 +186,8 @@ struct Ending<'s, 'a> {
     rounds: Vec<Round>,
     candidates: usize,
     stop: StopReason,
+    /// The effects without which nothing as good was found.
+    needed: Vec<PlacedLaw>,
     noise: Vec<Vec<f64>>,
     warnings: Vec<Warning>,
 }
@@ -198,7 +200,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         search: &'s mut Search<'a>,
         mut warnings: Vec<Warning>,
     ) -> Result<Self, GapError> {
-        let Searched { base, last, rounds, candidates, stop } = searched;
+        let Searched { base, last, rounds, candidates, stop, needed } = searched;
         // A white residual is the noise itself: a better estimate than the one from the columns.
         let noise = if last.score.is_white() { last.noise(search.noise) } else { search.noise.to_vec() };
         let (base, last) = (base.measured_by(&noise), last.measured_by(&noise));
@@ -218,7 +220,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         if !last.model.effects.is_empty() {
             path.push(last.clone());
         }
-        Ok(Ending { search, base, last, path, rounds, candidates, stop, noise, warnings })
+        Ok(Ending { search, base, last, path, rounds, candidates, stop, needed, noise, warnings })
     }
 
     /// The result.
@@ -319,7 +321,9 @@ impl<'s, 'a> Ending<'s, 'a> {
     /// of doubt.
     fn doubts(&mut self, status: Status) -> (Status, usize) {
         let all = self.last.model.effects.len();
-        let vetoed = vetoed(&self.last);
+        let mut vetoed = vetoed(&self.last);
+        // The data need a law that nothing replaces, although the intervals of its coefficients hold zero.
+        vetoed.retain(|(_, v)| !(matches!(v.why, Veto::Undetermined(_)) && self.needed.contains(&v.law)));
         let cancelling = cancelling(&self.last);
         let explained = status == Status::Explained && self.stop != StopReason::Interrupted;
         let curve = if explained { sensor_curve(&self.last, &self.noise) } else { None };
