@@ -211,5 +211,6 @@ fn a_cart_on_a_relay_is_drafted_without_a_spring() {
         said.out
     );
     let mass = said.out.split("\"m\": (value: ").nth(1).and_then(|rest| rest.split(',').next());
-    near(mass.and_then(|m| m.parse().ok()).expect("a mass"), 6.28, 0.15);
+    let mass: f64 = mass.and_then(|m| m.parse().ok()).expect("a mass");
+    assert!((5.5..7.2).contains(&mass), "{mass}");
 }

@@ -11,7 +11,7 @@ const CHANCE: f64 = 1e6;
 /// A sensor whose noise is below this part of its motion may show a body at rest as one value.
 const OWN: f64 = 1e-3;
 /// The noise beside a stretch is taken over this many samples on either side ...
-const BESIDE: usize = 12;
+const BESIDE: usize = 6;
 /// ... and is this many counts of the sensor: an encoder has none at rest or where it turns.
 const COUNTS: f64 = 3.0;
 /// A step of this many times those beside it returns to the motion.
@@ -118,15 +118,18 @@ mod tests {
     #[test]
     fn stops_and_turning_points_of_encoders_are_not_told() {
         let noise = gaussian(6000, 4);
-        // Half a swing, then a rest as long as that.
+        // Half a swing, then a rest as long as that, and so on to ever smaller swings.
         let moved = |t: f64| {
-            let (half, rest) = ((t / 400.0).floor(), (t % 400.0 / 200.0).min(1.0));
-            let sign = if half % 2.0 == 0.0 { 1.0 } else { -1.0 };
-            0.7 * sign * (std::f64::consts::PI * rest).cos()
+            let (half, part) = ((t / 400.0).floor(), (t % 400.0 / 200.0).min(1.0));
+            let end = |k: f64| 0.7 * (-0.9_f64).powi(k as i32);
+            let (from, to) = (end(half), end(half + 1.0));
+            0.5 * (from + to) + 0.5 * (from - to) * (std::f64::consts::PI * part).cos()
         };
         let late = |i: usize| (i as f64 + 0.6 * noise[i]).max(0.0);
-        let stick: Vec<f64> = (0..6000).map(|i| (moved(late(i)) / 1.5e-3).round() * 1.5e-3).collect();
-        assert_eq!(frozen(&stick), []);
+        for count in [1.5e-3, 1e-5] {
+            let stick: Vec<f64> = (0..6000).map(|i| (moved(late(i)) / count).round() * count).collect();
+            assert_eq!(frozen(&stick), [], "{count}");
+        }
         // The difference quotient of an encoder in steps of 0.47, which flickers in motion.
         let speed = |i: usize| 2.9 * (0.02 * i as f64).sin() * (1.0 - 1.5e-4 * i as f64) + 0.2 * noise[i];
         let quotient: Vec<f64> = (0..6000).map(|i| (speed(i) / 0.47).round() * 0.47).collect();

@@ -76,10 +76,10 @@ mod tests {
         let bounce = |i: usize| (0.05 * i as f64).sin().abs();
         let decay = |i: usize| if i < 1000 { 0.0 } else { (-0.5 * (i - 1000) as f64).exp() };
         let noisy = |f: &dyn Fn(usize) -> f64| (0..3000).map(|i| f(i) + 0.01 * noise[i]).collect();
-        // A small deviation in the quiet part of a column that is noisy in fast motion.
-        let mut quiet: Vec<f64> =
-            (0..3000).map(|i| (0.03 * i as f64).sin() * (1.0 + 0.1 * noise[i]) + 1e-4 * noise[i]).collect();
-        quiet[1047] += 0.02;
+        // A small deviation in the quiet part of a column that is a hundred times as noisy for a tenth of the time.
+        let level = |i: usize| if i < 2700 { 1e-3 } else { 0.1 };
+        let mut quiet: Vec<f64> = (0..3000).map(|i| (0.03 * i as f64).sin() + level(i) * noise[i]).collect();
+        quiet[1100] += 0.03;
         let columns: [Vec<f64>; 7] =
             [swing(0.03), relative, noisy(&slips), noisy(&square), noisy(&bounce), noisy(&decay), quiet];
         for (k, column) in columns.iter().enumerate() {
