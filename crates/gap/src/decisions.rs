@@ -49,6 +49,8 @@ decisions! {
     DRIVE_REPEATS: f64 = 0.05, "of its swing", BLIND;
     /// A spectral line of the drive has at least this fraction of the power of a rate.
     DRIVE_LINE: f64 = 0.05, "of the power", Basis::Judgement("noise has peaks too");
+    /// Records whose drives differ by less are driven at one frequency.
+    SAME_FREQUENCY: f64 = 0.05, "of the frequency", Basis::Judgement("stiffness and inertia need a wider spread to part");
     // Motion and rest.
 
     /// A smoothed velocity is at rest below this many standard errors ...

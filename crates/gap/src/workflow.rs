@@ -2,7 +2,7 @@
 
 use crate::alternative_constant::alternative_constant;
 use crate::data_mistakes::data_mistakes;
-use crate::decisions::{FEWEST_SAMPLES, MOSTLY_NOISE, REPEATS, SCATTERS, SUBSTANTIAL};
+use crate::decisions::{FEWEST_SAMPLES, MOSTLY_NOISE, REPEATS, SAME_FREQUENCY, SCATTERS, SUBSTANTIAL};
 use crate::doubts::{cancelling, vetoed};
 use crate::drive::Drive;
 use crate::drive_frequency::drive_frequency;
@@ -251,6 +251,9 @@ impl<'s, 'a> Ending<'s, 'a> {
                 self.warnings.push(warning);
             }
         }
+        if !self.last.model.effects.is_empty() {
+            self.warnings.extend(one_frequency(&self.base.model, &repeat).map(Warning::OneFrequency));
+        }
         let completed =
             text_with(text, &self.last.model, redrawn).map_err(|e| GapError::Numerics(e.into()))?;
         let Ending { base, last, stop, noise, warnings, .. } = self;
@@ -423,6 +426,19 @@ impl<'s, 'a> Ending<'s, 'a> {
             vetoed: round.map_or(vec![], |r| r.vetoed.clone()),
         }
     }
+}
+
+/// The frequency of the drive (rad/s), where every Fit record is a periodic motion at this one.
+fn one_frequency(base: &TrialModel, repeat: &[ColumnRepeat]) -> Option<f64> {
+    let mut all = Vec::new();
+    for record in base.records.iter().filter(|r| r.role == Role::Fit) {
+        repeat.iter().find(|of| of.record == record.name)?;
+        let mut lines = Drive::new(&base.system, record)?.lines();
+        all.append(&mut lines);
+        all.sort_by(f64::total_cmp);
+    }
+    let (first, last) = (*all.first()?, *all.last()?);
+    (last - first < SAME_FREQUENCY * first).then_some(0.5 * (first + last))
 }
 
 /// Whether a model is as good without its last effect.

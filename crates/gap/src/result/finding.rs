@@ -312,6 +312,8 @@ pub enum Warning {
     },
     /// A law that fits but that evidence rules out.
     Vetoed(Vetoed),
+    /// Every fitted record is a periodic motion at this one frequency of the drive (rad/s).
+    OneFrequency(f64),
     /// Two things are mixed up.
     MixedUp(MixedUp),
     /// A slightly bent scale of a sensor does as well as an effect.

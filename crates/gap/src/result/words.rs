@@ -255,6 +255,11 @@ impl Display for Warning {
                 laws.1,
                 100.0 * left
             ),
+            Warning::OneFrequency(frequency) => write!(
+                f,
+                "all fitted records are driven at one frequency ({frequency:.4} rad/s, {:.4} Hz), where a stiffness, a delay, drag, and friction that varies along the path change the motion in nearly the same way: a run at another frequency tells them apart",
+                frequency / TAU
+            ),
             Warning::MixedUp(MixedUp::Constants { names, gap }) => write!(
                 f,
                 "with the values of {} and {} exchanged the gap is {gap:.3}: are they mixed up in the spec?",
