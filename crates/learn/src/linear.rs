@@ -52,7 +52,7 @@ fn solve_in_envelope(m: &Mat<f64>, b: &[f64]) -> Option<Vec<f64>> {
             let both = row[from - first[i]..].iter().zip(&other[from - first[j]..]);
             let rest = at(i, j) - both.take(j - from).map(|(a, b)| a * b).sum::<f64>();
             let value = if j < i { rest / rows[j][j - first[j]] } else { rest.sqrt() };
-            if j == i && rest.is_nan() || j == i && rest <= 0.0 {
+            if j == i && (rest.is_nan() || rest <= 0.0) {
                 return None;
             }
             row.push(value);

@@ -97,7 +97,8 @@ fn failure(fit: &Fit<'_>) -> Option<FitFailure> {
     let felt = problem.meanings().into_iter().enumerate().filter(|(k, _)| fit.normal.matrix[(*k, *k)] > 0.0);
     let mut starts = felt.filter_map(|(k, meaning)| Some((start(&meaning)?, fit.x[k]))).peekable();
     let stands = starts.peek().is_some() && starts.all(|(start, x)| start == x);
-    if !blind && !(stands && misses()) {
+    let moved = !(stands && misses());
+    if moved && !blind {
         return None;
     }
     match problem.singularity(&fit.x) {
