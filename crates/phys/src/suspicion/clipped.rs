@@ -109,7 +109,7 @@ mod tests {
         let relay = |i: usize| {
             if i < 20 {
                 0.0
-            } else if i / 70 % 2 == 0 {
+            } else if (i / 70).is_multiple_of(2) {
                 13.3
             } else {
                 -13.3
