@@ -1,8 +1,8 @@
 //! Times of day and dates in a time column, as seconds from the first row.
 
 /// Nanoseconds of a second and of a day.
-const SECOND: i64 = 1_000_000_000;
-const DAY: i64 = 86_400 * SECOND;
+const SECOND: i128 = 1_000_000_000;
+const DAY: i128 = 86_400 * SECOND;
 
 /// Reads the stamps of a column in order: `2024-05-17T10:32:07.125Z`, `17.05.2024 10:32:07,125`, `10:32:07.125`.
 ///
@@ -11,7 +11,7 @@ const DAY: i64 = 86_400 * SECOND;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Clock {
     /// The first stamp and the last one, in nanoseconds.
-    first_last: Option<(i64, i64)>,
+    first_last: Option<(i128, i128)>,
 }
 
 impl Clock {
@@ -34,7 +34,7 @@ pub(crate) fn is_stamp(text: &str) -> bool {
 }
 
 /// The day (if there is a date) and the nanoseconds since day 0.
-fn stamp(text: &str) -> Option<(Option<i64>, i64)> {
+fn stamp(text: &str) -> Option<(Option<i128>, i128)> {
     // Quick: most cells are numbers.
     text.contains(':').then_some(())?;
     let text = text.trim();
@@ -48,13 +48,13 @@ fn stamp(text: &str) -> Option<(Option<i64>, i64)> {
 }
 
 /// The time without its zone, and the zone's distance from Greenwich in nanoseconds.
-fn zone(text: &str) -> Option<(&str, i64)> {
+fn zone(text: &str) -> Option<(&str, i128)> {
     if let Some(time) = text.strip_suffix(['Z', 'z']) {
         return Some((time, 0));
     }
     let Some(at) = text.find(['+', '-']) else { return Some((text, 0)) };
     let digits: String = text[at + 1..].chars().filter(|c| *c != ':').collect();
-    let minutes: i64 = match (digits.len(), digits.parse::<i64>().ok()?) {
+    let minutes: i128 = match (digits.len(), digits.parse::<i128>().ok()?) {
         (2, hours) => 60 * hours,
         (4, both) => both / 100 * 60 + both % 100,
         _ => return None,
@@ -64,7 +64,7 @@ fn zone(text: &str) -> Option<(&str, i64)> {
 }
 
 /// `10:32:07.125` or `10:32`, in nanoseconds.
-fn time_of_day(text: &str) -> Option<i64> {
+fn time_of_day(text: &str) -> Option<i128> {
     let mut parts = text.split(':');
     let (hours, minutes) = (whole(parts.next()?, 2)?, whole(parts.next()?, 2)?);
     let rest = parts.next().unwrap_or("0");
@@ -80,7 +80,7 @@ fn time_of_day(text: &str) -> Option<i64> {
 
 /// The number of a day: year, month, day, or day, month, year with points. Of dates with slashes that begin with
 /// the day or the month none knows which.
-fn day(text: &str) -> Option<i64> {
+fn day(text: &str) -> Option<i128> {
     let of = |mark: char| -> Option<[&str; 3]> { text.split(mark).collect::<Vec<_>>().try_into().ok() };
     let (year, month, day) = match (of('-').or_else(|| of('/')), of('.')) {
         (Some([y, m, d]), _) if y.len() == 4 => (y, m, d),
@@ -96,7 +96,7 @@ fn day(text: &str) -> Option<i64> {
 }
 
 /// Digits alone, not more than `most`.
-fn whole(text: &str, most: usize) -> Option<i64> {
+fn whole(text: &str, most: usize) -> Option<i128> {
     let good = !text.is_empty() && text.len() <= most && text.bytes().all(|b| b.is_ascii_digit());
     good.then(|| text.parse().ok()).flatten()
 }

@@ -248,7 +248,7 @@ fn started<'a>(
 
 /// The free run of a model without unknown part along a record from a start state: one column for each state, read
 /// by its sensor where the record has a column of it. Every number is as the system and the record start it. It
-/// is the very run that a fit which ended at these numbers is judged by. `scale` is the size of each state for a
+/// is the run that a fit which ended at these numbers is judged by, as accurate as a simulation. `scale` is the size of each state for a
 /// record that shows none.
 ///
 /// # Errors
@@ -263,7 +263,8 @@ pub fn predicted(
     let x = problem.guess(&[], None, std::slice::from_ref(record));
     let shows = record.columns.iter().any(Option::is_some);
     let scale = if shows { problem.scale.clone() } else { scale.to_vec() };
-    let tolerance = problem.tolerance;
+    // A fit may be coarser than what is asked for here.
+    let tolerance = problem.tolerance.min(Options::default().tolerance);
     let options = Options { tolerance, scale, diverged: DIVERGED_SIZE, ..Options::default() };
     let run = |times: &[f64]| problem.simulated(0, &x, (record.time[0], start), times, &options);
     let samples = problem.delayed_samples(&problem.segments[0], &x);
