@@ -10,7 +10,7 @@ use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::Effect;
 use crate::result::{AlternativeConstant, NamedValue, PlacedLaw};
 use crate::screen::screen;
-use crate::search::{placed, size};
+use crate::search::placed;
 use phisindy_learn::Effort;
 use phisindy_phys::LawEntry;
 use phisindy_phys::spec::{ConstantSpec, Movable, Number, Spec, Text};
@@ -95,7 +95,7 @@ pub(crate) fn alternative_constant(
 
 /// Whether the model with a free constant needs fewer parameters than `last`.
 fn simpler(free: &Fitted, last: &Fitted) -> bool {
-    size(&free.model) + 1 < size(&last.model)
+    free.model.size() + 1 < last.model.size()
 }
 
 /// Whether no evidence rules out any of its effects.
@@ -124,7 +124,7 @@ fn lowest_cost<'c>(
     let least = costed.iter().map(|(cost, ..)| *cost).fold(f64::INFINITY, f64::min);
     costed.retain(|(cost, ..)| *cost <= RACE * least);
     let promise = |(cost, _, m): &(f64, &Constant, TrialModel)| {
-        last.cal.samples as f64 * (1.0 + cost.ln()) + price * size(m) as f64
+        last.cal.samples as f64 * (1.0 + cost.ln()) + price * m.size() as f64
     };
     costed.sort_by(|a, b| promise(a).total_cmp(&promise(b)));
     costed.truncate(CONSTANTS_FITTED);

@@ -27,6 +27,10 @@ decisions! {
     SEARCHED_SAMPLES: usize = 6_000, "samples", Basis::Judgement("time of a search; more samples change no choice on the blind sets");
     // Repeatability.
 
+    /// Step of the grid on which a period is searched for before it is refined.
+    PERIOD_STEP: f64 = 1e-3, "of the period", Basis::Judgement("a record of some ten cycles tells the period better");
+    /// The same for the period that predicts the record that continues.
+    PERIOD_FINE_STEP: f64 = 2e-4, "of the period", Basis::Judgement("over twenty cycles it is a fortieth of a radian");
     /// A motion is periodic if its best periodic prediction has a smaller error.
     PERIODIC: f64 = 0.1, "of a standard deviation", BLIND;
     /// A larger ratio of the scatter in the two halves of a record means a transient.
@@ -173,7 +177,7 @@ decisions! {
     /// Effects are kept although something else is missing if they reduce the gap by this factor each.
     SUBSTANTIAL: f64 = 3.0, "factor", BLIND;
     /// Two constants, or two columns, are mixed up if the exchange leaves a smaller fraction of the gap.
-    MIXED_UP: f64 = 0.333_333_333_333_333_3, "of the gap", Basis::Judgement("nine tenths of the squared gap are then gone, without a new number");
+    EXCHANGED: f64 = 0.333_333_333_333_333_3, "of the gap", Basis::Judgement("nine tenths of the squared gap are then gone, without a new number");
     /// Two effects cancel each other if the rms of their sum is a smaller fraction of that of the smaller one.
     CANCELS: f64 = 0.5, "of a force", Basis::Judgement("the smaller one is then mostly taken up by the other");
     /// A sensor may bend its scale by this much.

@@ -125,8 +125,6 @@ fn multiple(frequency: f64, (low, high): (f64, f64), most: u32, apart: f64) -> O
 #[cfg(test)]
 mod tests {
     use super::*;
-    use phisindy_phys::{Origin, SourceId, check, spec};
-    use phisindy_sim::synthesize;
 
     /// An oscillator under a drive.
     fn driven(by: &str) -> (System, Record) {
@@ -134,12 +132,9 @@ mod tests {
             r#"(states: {{ "x": "m", "v": "m/s" }}, constants: {{ "k": (4.0, "1/s^2") }}, known: {{ "x": "v", "v": "-k*x + {by}" }}, unknown: {{}},
             data: [ Synthetic(truth: {{}}, start: {{ "x": 2.0, "v": 0.0 }}, duration: 120.0, step: 0.05, noise: Additive(0.02), seed: 1) ])"#
         );
-        let (spec, _) = spec::read(&text, SourceId(0)).expect("a spec");
-        let (case, _) = check(&spec, SourceId(0)).expect("a case");
-        let Origin::Synthetic(truth) = &case.records[0].origin else { panic!("a measured record") };
-        let found = synthesize(&case.records[0], truth, &case.system, None, &|_| Err("no files".into()));
-        let (record, _) = found.expect("a record");
-        (case.system, record)
+        let (model, _) = crate::test_models::model(&text);
+        let record = model.records[0].clone();
+        (model.system, record)
     }
 
     #[test]

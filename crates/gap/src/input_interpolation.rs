@@ -3,7 +3,7 @@
 //! may be drawn in several ways, and no effect smaller than their difference can be told.
 
 use crate::decisions::SIMPLER;
-use crate::model::{Fitted, Measure, TrialModel};
+use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::result::CoarseInput;
 use phisindy_learn::Effort;
 use phisindy_phys::Record;
@@ -33,10 +33,19 @@ pub(crate) fn redrawn(
     candidates: usize,
 ) -> Option<Redrawn> {
     let from = drawn(&last.model)?;
-    let trials: Vec<(Interpolation, &Fitted, TrialModel)> = KINDS
-        .into_iter()
-        .filter(|kind| *kind != from)
-        .flat_map(|kind| path.iter().filter_map(move |f| Some((kind, f, with_inputs(&f.settled(), kind)?))))
+    let plain = path.first()?;
+    let kinds = KINDS.into_iter().filter(|kind| *kind != from);
+    let bases: Vec<(Interpolation, TrialModel)> =
+        kinds.filter_map(|kind| Some((kind, with_inputs(&plain.settled(), kind)?))).collect();
+    let trials: Vec<(Interpolation, &Fitted, TrialModel)> = bases
+        .iter()
+        .flat_map(|(kind, base)| {
+            path.iter().filter_map(move |f| {
+                let mut model = base.with_all(&current(f)).ok()?;
+                f.starts(&mut model);
+                Some((*kind, f, model))
+            })
+        })
         .collect();
     let fitted = trials.into_par_iter().filter_map(|(kind, own, model)| {
         // A fit is worth its time where the same numbers do better.
@@ -54,7 +63,7 @@ pub(crate) fn redrawn(
     if !better && last.score.explains() {
         return None;
     }
-    let base = Fitted::new(with_inputs(&path.first()?.settled(), to)?, noise, Effort::Plain).ok()?;
+    let base = Fitted::new(best.model.without_effects(), noise, Effort::Plain).ok()?;
     Some(Redrawn { fitted: best, base, from, to })
 }
 
@@ -73,8 +82,8 @@ pub(crate) fn coarse_inputs(path: &[Fitted], noise: &[Vec<f64>]) -> Option<(usiz
     };
     let base = path.first()?;
     let redrawn = Fitted::new(with_inputs(&base.settled(), other)?, noise, Effort::Thorough).ok()?;
-    let open = difference(base, &redrawn, noise);
-    let moved = |k: usize| difference(&path[k - 1], &path[k], noise);
+    let open = base.difference(&redrawn, noise);
+    let moved = |k: usize| path[k - 1].difference(&path[k], noise);
     let (left, effect) = match (1..path.len()).find(|&k| moved(k) < open) {
         Some(first) => (first - 1, moved(first)),
         // Without effects the question is what the model leaves beyond the noise.
@@ -95,7 +104,7 @@ fn drawn(model: &TrialModel) -> Option<Interpolation> {
         .then_some(first)
 }
 
-/// The model with the inputs of all records drawn in this way.
+/// A model without effects with the inputs of all records drawn in this way.
 fn with_inputs(model: &TrialModel, kind: Interpolation) -> Option<TrialModel> {
     let mut out = model.clone();
     let change = |record: &mut Record| -> Option<()> {
@@ -107,17 +116,4 @@ fn with_inputs(model: &TrialModel, kind: Interpolation) -> Option<TrialModel> {
     Arc::make_mut(&mut out.records).iter_mut().try_for_each(change)?;
     Arc::make_mut(&mut out.smooth).iter_mut().try_for_each(change)?;
     Some(out)
-}
-
-/// Mean square difference of the residuals of two fits on the Fit records, in units of the noise.
-pub(crate) fn difference(one: &Fitted, other: &Fitted, noise: &[Vec<f64>]) -> f64 {
-    let (mut sum, mut count) = (0.0, 0usize);
-    let records = other.cal.records.iter().zip(&one.cal.records).zip(noise);
-    for ((other, own), noise) in records.filter(|((own, _), _)| own.role == Role::Fit) {
-        for ((a, b), noise) in other.residuals.iter().zip(&own.residuals).zip(noise) {
-            sum += a.iter().zip(b).map(|(a, b)| ((a - b) / noise).powi(2)).sum::<f64>();
-            count += a.len();
-        }
-    }
-    sum / count.max(1) as f64
 }

@@ -16,23 +16,24 @@ mod alternative_constant;
 mod constraint;
 mod data_mistakes;
 mod decisions;
-mod doubts;
 mod drive;
 mod drive_frequency;
+mod ending;
 mod evaluate;
 mod evidence;
 mod input_interpolation;
-mod mixed_up;
 mod model;
 mod motion;
 mod other_causes;
 mod place;
+mod plausibility;
 mod repeat;
 mod requested_laws;
 mod result;
 mod screen;
 mod search;
-mod sensor_curve;
+mod sensor_linearity;
+mod spec_mistakes;
 #[cfg(test)]
 mod test_models;
 mod whiteness;
@@ -45,8 +46,8 @@ pub use repeat::{Repeat, repeatability};
 pub use requested_laws::{WrittenLaw, WrittenOut, requested_laws, written_out};
 pub use result::{
     Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, ColumnGap, ColumnRepeat,
-    DataError, DataMistake, DriveFrequency, ForceHistory, Gap, GapError, InputNoise, Location, MixedUp,
-    ModelError, Named, NamedValue, PlacedLaw, RecordValue, Region, Rival, SensorCurve, Simulated, Status,
-    Step, StepParameter, StopReason, Veto, Vetoed, Warning, force_history,
+    DataError, DataMistake, DriveFrequency, ForceHistory, Gap, GapError, InputNoise, Location, ModelError,
+    Named, NamedValue, PlacedLaw, RecordValue, Region, Rival, SensorNonlinearity, Simulated, SpecMistake,
+    Status, Step, StepParameter, StopReason, Veto, Vetoed, Warning, force_history,
 };
 pub use workflow::gap;

@@ -2,7 +2,6 @@
 
 use crate::decisions::{EXPLAINED, INPUT_NOISE_DRAWS, INPUT_NOISE_PART, MOST_OF_RESIDUAL, ROUGH_INPUT};
 use crate::drive::Drive;
-use crate::input_interpolation::difference;
 use crate::model::{Fitted, TrialModel};
 use crate::result::{Cause, InputNoise, Named};
 use crate::whiteness::{lines, mean_step, share};
@@ -53,7 +52,7 @@ pub(crate) fn input_noise(last: &Fitted, noise: &[Vec<f64>]) -> Option<InputNois
     }
     let apart: Vec<f64> = draws
         .into_par_iter()
-        .filter_map(|model| Some(difference(last, &Fitted::new(model, noise, Effort::Thorough).ok()?, noise)))
+        .filter_map(|model| Some(last.difference(&Fitted::new(model, noise, Effort::Thorough).ok()?, noise)))
         .collect();
     // Mean square of the gap that input noise alone leaves, without the measurement noise.
     let made = apart.iter().sum::<f64>() / apart.len() as f64;

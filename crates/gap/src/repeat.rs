@@ -1,7 +1,7 @@
 //! Repeatability of a motion from cycle to cycle: the accuracy that no deterministic model of a rig can
 //! exceed.
 
-use crate::decisions::{PERIODIC, STEADY, TREND};
+use crate::decisions::{PERIOD_FINE_STEP, PERIOD_STEP, PERIODIC, STEADY, TREND};
 use crate::whiteness::{lines, mean_step};
 use phisindy_phys::Record;
 use phisindy_signal::standard_deviation;
@@ -35,7 +35,7 @@ pub fn repeatability(record: &Record, column: &[f64]) -> Option<Repeat> {
     let mut best = (f64::INFINITY, 0.0);
     for multiple in [1.0, 2.0, 3.0] {
         for k in -20..=20 {
-            let period = guess * multiple * (1.0 + COARSE * f64::from(k));
+            let period = guess * multiple * (1.0 + PERIOD_STEP * f64::from(k));
             let rms = miss(period);
             if rms < best.0 * 0.98 {
                 best = (rms, period);
@@ -46,7 +46,7 @@ pub fn repeatability(record: &Record, column: &[f64]) -> Option<Repeat> {
         return None;
     }
     // An error of the period counts as scatter, so the period is refined between its neighbours on the grid.
-    let period = least(&miss, best.1 * (1.0 - COARSE), best.1 * (1.0 + COARSE));
+    let period = least(&miss, best.1 * (1.0 - PERIOD_STEP), best.1 * (1.0 + PERIOD_STEP));
     // A transient decays; scatter is the same in both halves.
     let middle = n / 2;
     let (early, late) = (scatter(&column[..middle], period), scatter(&column[middle..], period));
@@ -104,16 +104,12 @@ pub(crate) fn prediction(
         let (own, continued) = errors(period);
         own.hypot(continued)
     };
-    let grid = (-10..=10).map(|k| own.period * (1.0 + FINE * f64::from(k)));
+    let grid = (-10..=10).map(|k| own.period * (1.0 + PERIOD_FINE_STEP * f64::from(k)));
     let coarse = grid.min_by(|a, b| miss(*a).total_cmp(&miss(*b)))?;
-    let period = least(&miss, coarse * (1.0 - FINE), coarse * (1.0 + FINE));
+    let period = least(&miss, coarse * (1.0 - PERIOD_FINE_STEP), coarse * (1.0 + PERIOD_FINE_STEP));
     let (_, rms) = errors(period);
     Some(Repeat { period, nrmse: rms / deviation, rms })
 }
-
-/// Step of the grid of periods, relative, on which the period is looked for, and that of the finer grid.
-const COARSE: f64 = 1e-3;
-const FINE: f64 = 2e-4;
 
 /// Where a function of one variable is least between two values, by golden section (Kiefer 1953,
 /// doi 10.1090/S0002-9939-1953-0055639-3).

@@ -6,7 +6,7 @@ mod proposals;
 mod refine;
 mod task;
 
-pub(crate) use compare::{label, placed, preferred, rank, size};
+pub(crate) use compare::{label, placed, preferred, rank};
 pub(crate) use proposals::neutral;
 pub(crate) use refine::refitted;
 pub(crate) use task::Search;
@@ -15,10 +15,10 @@ use crate::decisions::{
     FAMILY_ROUNDS, FAR_OFF, FITTED_IN_FULL, MORE_STARTS, MOST_EFFECTS, ON_THE_WAY, RACE, REPEATS, RICHER,
     RIVALS, SEARCHES_AGAIN, SHRINKS, SIMPLER, WEAK_ROUND, WORTH, WORTH_STARTS,
 };
-use crate::doubts::{may_be_undetermined, vetoed};
 use crate::evidence::against;
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::Effect;
+use crate::plausibility::{may_be_undetermined, vetoed};
 use crate::result::{Activity, ModelError, PlacedLaw, Rival, StopReason, Vetoed};
 use crate::screen::{Candidate, Screening, screen};
 use compare::{makes_progress, predicts_no_better};
@@ -275,8 +275,8 @@ impl Search<'_> {
         // Where one law explains the data, only pairs with no more parameters are of interest.
         if let Some(enough) = single.filter(|b| b.score.is_white()).map(|b| b.score.parameters) {
             let parameters =
-                |pair: &[Effect]| pair.iter().map(|e| e.entry.law.parameters.len()).sum::<usize>();
-            pairs.retain(|pair| size(model) + parameters(pair) <= enough);
+                |pair: &[Effect]| pair.iter().map(|e| e.size(model.fit_records())).sum::<usize>();
+            pairs.retain(|pair| model.size() + parameters(pair) <= enough);
         }
         let models = pairs.iter().filter_map(|list| model.with_all(list).ok()).collect();
         let mut pairs = self.fit_race(models, RACE, *candidates, vetoed);

@@ -1,9 +1,9 @@
 //! Start values of the constants, from a regression on smoothed derivatives.
 
-mod forced;
+mod weak_form;
 
-use forced::{CLEAR, Forced, forced};
 use phisindy_signal::{automatic, standard_deviation};
+use weak_form::{CLEAR, Forced, forced};
 
 /// Most rows of the regression: more do not improve a start value.
 const MOST: usize = 20_000;

@@ -3,10 +3,10 @@
 pub(crate) mod contribution;
 pub(crate) mod error;
 pub(crate) mod estimate;
-pub(crate) mod feeding;
 pub(crate) mod identified;
 pub(crate) mod parameter;
 pub(crate) mod passivity;
+pub(crate) mod passivity_violation;
 pub(crate) mod quantity;
 pub(crate) mod record_fit;
 pub(crate) mod requirements;

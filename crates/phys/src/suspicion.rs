@@ -14,11 +14,11 @@ mod repeats;
 mod scatter;
 mod spikes;
 mod words;
-mod wraps;
+mod wraparound;
 
 pub use clipped::clipped;
 pub use words::Suspicion;
-pub use wraps::{Wrap, wraps};
+pub use wraparound::{Wrap, wraps};
 
 use crate::system::equations::System;
 use crate::system::record::Record;

@@ -15,9 +15,9 @@ mod derivative;
 mod fft;
 mod grid;
 mod interpolate;
-mod levels;
 mod lines;
 mod noise_level;
+mod piecewise_constant;
 mod statistics;
 #[cfg(any(test, feature = "test-signals"))]
 #[allow(missing_docs)]
@@ -31,10 +31,10 @@ pub use blocks::Blocks;
 pub use derivative::{Differentiated, Differentiator, Smoothing, automatic, differentiate};
 pub use grid::mean_step;
 pub use interpolate::{Interpolation, Signal, SignalError};
-pub use levels::{holds_levels, moves_by_jumps};
 pub use lines::{Line, strongest_line, strongest_lines, tone_share};
 pub use noise_level::noise_level;
 pub use noise_level::quantum::{quantum, rounding_error};
+pub use piecewise_constant::{holds_levels, moves_by_jumps};
 pub use statistics::{bounds, median, standard_deviation};
 pub use trend::{Detrend, Trend};
 pub use whiteness::{whiteness_p_value, whiteness_score};

@@ -5,7 +5,7 @@ pub(crate) mod quantum;
 mod tests;
 
 use crate::fft::Forward;
-use crate::levels::holds_levels;
+use crate::piecewise_constant::holds_levels;
 use crate::statistics::median;
 use crate::trend::without_line;
 

@@ -30,7 +30,6 @@ impl Fitted {
         let (fit, validate) = gaps(&cal, noise);
         let whiteness = whiteness(&cal, &model.records, |_| true);
         let effects = || model.effects.iter().map(|a| &a.effect);
-        let fits = model.records.iter().filter(|r| r.role == Role::Fit).count();
         let score = Score {
             fit,
             validate,
@@ -39,7 +38,7 @@ impl Fitted {
             samples: cal.samples,
             effective: cal.effective,
             effects: model.effects.len(),
-            parameters: effects().map(|e| e.size(fits)).sum(),
+            parameters: model.size(),
             sensors: effects().filter(|e| e.entry.law.sensor.is_some()).count(),
             early: 0,
         };
@@ -112,6 +111,20 @@ impl Fitted {
             self.score.predictive = Some(((left + rise.max(0.0)) / samples.max(1) as f64).sqrt());
         }
         self
+    }
+
+    /// Mean square difference of the residuals of this model and another one on the Fit records, in units of the
+    /// noise.
+    pub(crate) fn difference(&self, other: &Fitted, noise: &[Vec<f64>]) -> f64 {
+        let (mut sum, mut count) = (0.0, 0usize);
+        let records = other.cal.records.iter().zip(&self.cal.records).zip(noise);
+        for ((other, own), noise) in records.filter(|((own, _), _)| own.role == Role::Fit) {
+            for ((a, b), noise) in other.residuals.iter().zip(&own.residuals).zip(noise) {
+                sum += a.iter().zip(b).map(|(a, b)| ((a - b) / noise).powi(2)).sum::<f64>();
+                count += a.len();
+            }
+        }
+        sum / count.max(1) as f64
     }
 
     /// Whether a run rests for more than one sample in `RESTS`.

@@ -1,7 +1,7 @@
 //! The model of a spec with effects added to its graph, and the records as that system sees them.
 
 use crate::place::{Effect, EffectError, Place, Site, places};
-use phisindy_phys::spec::{ConstantSpec, DataSpec, Spec};
+use phisindy_phys::spec::{ConstantSpec, DataSpec, Role, Spec};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{
     Case, Contact, Record, RecordPlan, Sensor, SensorParameter, SourceId, System, check_names, takes_units,
@@ -248,6 +248,16 @@ impl TrialModel {
     /// The same cost over one free run per record.
     pub(crate) fn free_run_cost(&self, noise: &[Vec<f64>]) -> Option<f64> {
         phisindy_learn::single_run_cost(&self.system, &self.records, &self.smooth, noise)
+    }
+
+    /// Number of Fit records.
+    pub(crate) fn fit_records(&self) -> usize {
+        self.records.iter().filter(|r| r.role == Role::Fit).count()
+    }
+
+    /// Number of parameters of all effects; one of which each record has its own counts once for each Fit record.
+    pub(crate) fn size(&self) -> usize {
+        self.effects.iter().map(|a| a.effect.size(self.fit_records())).sum()
     }
 
     /// Where laws can act.

@@ -224,7 +224,7 @@ pub struct Cancelling {
 
 /// Two things that a spec or a file may have mixed up, and the gap that is left with them put right.
 #[derive(Clone, Debug, PartialEq)]
-pub enum MixedUp {
+pub enum SpecMistake {
     /// Two constants have each other's value.
     Constants {
         /// Their names.
@@ -245,11 +245,11 @@ pub enum MixedUp {
     },
 }
 
-impl MixedUp {
+impl SpecMistake {
     /// The same finding with this gap.
-    pub(crate) fn with_gap(mut self, left: f64) -> MixedUp {
+    pub(crate) fn with_gap(mut self, left: f64) -> SpecMistake {
         match &mut self {
-            MixedUp::Constants { gap, .. } | MixedUp::Column { gap, .. } => *gap = left,
+            SpecMistake::Constants { gap, .. } | SpecMistake::Column { gap, .. } => *gap = left,
         }
         self
     }
@@ -257,7 +257,7 @@ impl MixedUp {
 
 /// A sensor whose scale would have to bend only a little to do what an effect does.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SensorCurve {
+pub struct SensorNonlinearity {
     /// The effect.
     pub law: PlacedLaw,
     /// The column that bends most.
@@ -315,9 +315,9 @@ pub enum Warning {
     /// Every fitted record is a periodic motion at this one frequency of the drive (rad/s).
     OneFrequency(f64),
     /// Two things are mixed up.
-    MixedUp(MixedUp),
+    Spec(SpecMistake),
     /// A slightly bent scale of a sensor does as well as an effect.
-    SensorCurve(SensorCurve),
+    SensorNonlinearity(SensorNonlinearity),
     /// Two effects cancel each other.
     Cancelling(Cancelling),
     /// The inputs explain the data when they are drawn in another way between their samples.

@@ -2,8 +2,8 @@
 
 use super::{
     Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, DataError, DataMistake,
-    DriveFrequency, GapError, InputNoise, Location, MixedUp, ModelError, Named, NamedValue, PlacedLaw, Rival,
-    SensorCurve, Veto, Vetoed, Warning,
+    DriveFrequency, GapError, InputNoise, Location, ModelError, Named, NamedValue, PlacedLaw, Rival,
+    SensorNonlinearity, SpecMistake, Veto, Vetoed, Warning,
 };
 use std::f64::consts::TAU;
 use std::fmt::{Display, Formatter, Result};
@@ -260,12 +260,12 @@ impl Display for Warning {
                 "all fitted records are driven at one frequency ({frequency:.4} rad/s, {:.4} Hz), where a stiffness, a delay, drag, and friction that varies along the path change the motion in nearly the same way: a run at another frequency tells them apart",
                 frequency / TAU
             ),
-            Warning::MixedUp(MixedUp::Constants { names, gap }) => write!(
+            Warning::Spec(SpecMistake::Constants { names, gap }) => write!(
                 f,
                 "with the values of {} and {} exchanged the gap is {gap:.3}: are they mixed up in the spec?",
                 names.0, names.1
             ),
-            Warning::MixedUp(MixedUp::Column { of, other, relative, gap }) => {
+            Warning::Spec(SpecMistake::Column { of, other, relative, gap }) => {
                 let (is, says) = if *relative {
                     ("relative to", "absolute")
                 } else {
@@ -277,7 +277,7 @@ impl Display for Warning {
                     of.column
                 )
             }
-            Warning::SensorCurve(SensorCurve { law, of, bend }) => write!(
+            Warning::SensorNonlinearity(SensorNonlinearity { law, of, bend }) => write!(
                 f,
                 "{law} bends the motion so little that a sensor would do the same: in {} the scale of {} would have to bend by {:.2} % of the motion; calibrate it, or measure at a larger amplitude",
                 of.record,

@@ -40,11 +40,6 @@ pub(crate) fn makes_progress(from: &Score, to: &Score) -> bool {
     to.fit > FAR_OFF && to.fit < ON_THE_WAY * from.fit
 }
 
-/// Parameters of all effects of a model.
-pub(crate) fn size(model: &TrialModel) -> usize {
-    model.effects.iter().map(|a| a.effect.entry.law.parameters.len()).sum()
-}
-
 /// Laws and places of all effects of a model.
 pub(crate) fn placed(model: &TrialModel) -> Vec<PlacedLaw> {
     label(model, 0)

@@ -6,7 +6,6 @@ use crate::model::{Fitted, TrialModel, current, values};
 use crate::place::{Effect, Place, Site, fits, is_force};
 use crate::screen::{Candidate, Screening, excludes, sibling_starts};
 use phisindy_phys::LawEntry;
-use phisindy_phys::spec::Role;
 use rayon::prelude::*;
 
 impl Search<'_> {
@@ -98,7 +97,7 @@ impl Search<'_> {
                 list[k] = relative(&effects[k], entry);
                 all.extend(base.with_all(&list).ok());
             }
-            let several = model.records.iter().filter(|r| r.role == Role::Fit).count() > 1;
+            let several = model.fit_records() > 1;
             if let Some(own) = effects[k].with_own_levels().filter(|_| several) {
                 let mut list = effects.clone();
                 list[k] = own;

@@ -75,6 +75,18 @@ impl Identified {
         self.stop_reason == StopReason::Interrupted
     }
 
+    /// The standard error of a number with these derivatives by what was estimated, in the order of the covariance;
+    /// `None` where the covariance of one that it depends on is not known.
+    pub(crate) fn standard_error(&self, slopes: &[f64]) -> Option<f64> {
+        let used: Vec<usize> = (0..slopes.len()).filter(|&k| slopes[k] != 0.0).collect();
+        if used.iter().any(|&k| self.covariance.get(k).is_none_or(|row| !row[k].is_finite())) {
+            return None;
+        }
+        let row =
+            |&i: &usize| used.iter().map(|&j| slopes[i] * self.covariance[i][j] * slopes[j]).sum::<f64>();
+        Some(used.iter().map(row).sum::<f64>().max(0.0).sqrt())
+    }
+
     /// The values of [`System::parameters`] in a record, as far as they were found; the others as the spec
     /// starts them. A Validate record has those that it was given of its own.
     pub fn parameters_of(&self, system: &System, record: usize) -> Vec<f64> {

@@ -8,11 +8,12 @@
 //! may feed it: that is what the model says.)
 
 use super::contribution::is_velocity;
-use super::feeding::Feeding;
 use super::identified::Identified;
+use super::passivity_violation::PassivityViolation;
 use super::verdict::{Rejection, Verdict};
 use super::warning::Warning;
 use crate::decisions::HALF_WIDTH_95;
+use crate::trajectory::jacobian::arguments_at;
 use phisindy_expr::{Graph, Id, Node, Scratch, Tape, Unary};
 use phisindy_phys::spec::Role;
 use phisindy_phys::unit::{Dimension, Unit};
@@ -67,8 +68,8 @@ impl<'a> Forces<'a> {
         (!fitted.is_empty()).then_some(Forces { system, found, fitted, model, smooth, dry })
     }
 
-    fn feeding(mut self) -> Vec<Feeding> {
-        let mut all: Vec<Feeding> = Vec::new();
+    fn feeding(mut self) -> Vec<PassivityViolation> {
+        let mut all: Vec<PassivityViolation> = Vec::new();
         for (w, rate) in self.dry.clone() {
             all.extend(self.dry_friction(w, rate));
         }
@@ -80,17 +81,18 @@ impl<'a> Forces<'a> {
     }
 
     /// Dry friction whose fitted part makes it push.
-    fn dry_friction(&mut self, w: Id, rate: Id) -> Option<Feeding> {
+    fn dry_friction(&mut self, w: Id, rate: Id) -> Option<PassivityViolation> {
         let parameters = self.estimated();
         let gradient = self.model.graph.gradient(rate, &parameters);
         let outputs: Vec<Id> = [w, rate].into_iter().chain(gradient).collect();
-        let tape = Tape::compile(&self.model.graph, &self.arguments(), &outputs).ok()?;
+        let tape = Tape::compile(&self.model.graph, &self.model.arguments(), &outputs).ok()?;
         let mut scratch = Scratch::<1>::new(&tape);
         let (mut speed, mut level) = (0.0, Derived { value: 0.0, slopes: vec![0.0; self.numbers()] });
         for &(r, record) in &self.fitted {
             let run = self.found.records[r].run.as_ref()?;
+            let parameters = self.parameters(r, record);
             for (i, states) in run.states.chunks_exact(run.n).take(record.len()).enumerate() {
-                scratch.at(self.row(r, record, i, states));
+                scratch.at(arguments_at(record, i, states, &parameters));
                 let size = scratch.output(0)[0].abs();
                 let push = |k: usize| -size * scratch.output(1 + k)[0];
                 if !push(0).is_finite() {
@@ -103,11 +105,11 @@ impl<'a> Forces<'a> {
         }
         level.value /= speed;
         level.slopes.iter_mut().for_each(|s| *s /= speed);
-        let error = self.error(&level)?;
+        let error = self.found.standard_error(&level.slopes)?;
         let ci95 = (level.value - HALF_WIDTH_95 * error, level.value + HALF_WIDTH_95 * error);
         let unit = self.system.states.iter().position(|s| self.model.graph.uses(&[w], &[s.node]));
         let unit = unit.map_or(String::new(), |k| per_second(&self.system.states[k].unit));
-        (error > 0.0 && ci95.1 < 0.0).then(|| Feeding::DryFriction {
+        (error > 0.0 && ci95.1 < 0.0).then(|| PassivityViolation::DryFriction {
             velocity: self.model.text(w),
             level: level.value,
             ci95,
@@ -116,7 +118,7 @@ impl<'a> Forces<'a> {
     }
 
     /// Linear damping of a velocity that feeds it, or that only a turned sign keeps from feeding it.
-    fn damping(&mut self, v: usize) -> Option<Feeding> {
+    fn damping(&mut self, v: usize) -> Option<PassivityViolation> {
         let (state, node) = (self.system.states[v].name.clone(), self.model.states[v]);
         let slope = self.model.graph.gradient(self.smooth[v], &[node])[0];
         let moving: Vec<Id> =
@@ -127,17 +129,19 @@ impl<'a> Forces<'a> {
         let parameters = self.estimated();
         let gradient = self.model.graph.gradient(slope, &parameters);
         let outputs: Vec<Id> = [slope].into_iter().chain(gradient.iter().copied()).collect();
-        let tape = Tape::compile(&self.model.graph, &self.arguments(), &outputs).ok()?;
+        let tape = Tape::compile(&self.model.graph, &self.model.arguments(), &outputs).ok()?;
         let mut scratch = Scratch::<1>::new(&tape);
         for &(r, record) in &self.fitted {
-            scratch.at(self.row(r, record, 0, &vec![0.0; self.system.states.len()]));
+            let still = vec![0.0; self.system.states.len()];
+            let parameters = self.parameters(r, record);
+            scratch.at(arguments_at(record, 0, &still, &parameters));
             let mut damping = Derived { value: scratch.output(0)[0], slopes: vec![0.0; self.numbers()] };
             self.each_slope(r, |to, from| damping.slopes[to] += scratch.output(1 + from)[0]);
-            let error = self.error(&damping)?;
+            let error = self.found.standard_error(&damping.slopes)?;
             let reach = HALF_WIDTH_95 * error;
             let ci95 = (damping.value - reach, damping.value + reach);
             if ci95.0 > 0.0 {
-                return Some(Feeding::Damping { state, slope: damping.value, ci95 });
+                return Some(PassivityViolation::Damping { state, slope: damping.value, ci95 });
             }
             // The share of each constant in which the damping is linear.
             for (k, p) in self.found.parameters.iter().enumerate().filter(|(_, p)| p.id.holds_in(r)) {
@@ -148,7 +152,7 @@ impl<'a> Forces<'a> {
                 let start = self.system.parameters[index].start;
                 let turned = p.estimate.ci95.1 < 0.0 && start >= 0.0 && share < 0.0;
                 if linear && turned && damping.value >= share * (1.0 + f64::EPSILON.sqrt()) {
-                    return Some(Feeding::TurnedSign {
+                    return Some(PassivityViolation::TurnedSign {
                         state,
                         constant: p.id.of.to_string(),
                         value: p.estimate.value,
@@ -183,31 +187,11 @@ impl<'a> Forces<'a> {
         }
     }
 
-    /// The standard error of a number; `None` where it is not known.
-    fn error(&self, of: &Derived) -> Option<f64> {
-        let used: Vec<usize> = (0..of.slopes.len()).filter(|&k| of.slopes[k] != 0.0).collect();
-        let covariance = &self.found.covariance;
-        if used.iter().any(|&k| covariance.get(k).is_none_or(|row| !row[k].is_finite())) {
-            return None;
-        }
-        let row =
-            |&i: &usize| used.iter().map(|&j| of.slopes[i] * covariance[i][j] * of.slopes[j]).sum::<f64>();
-        Some(used.iter().map(row).sum::<f64>().max(0.0).sqrt())
-    }
-
-    fn arguments(&self) -> Vec<Id> {
-        let of = &self.model;
-        let moving = [of.time].into_iter().chain(of.states.iter().copied()).chain(of.inputs.iter().copied());
-        moving.chain(of.parameters.iter().copied()).collect()
-    }
-
-    fn row(&self, r: usize, record: &Record, sample: usize, states: &[f64]) -> Vec<f64> {
-        let t = record.time[sample];
+    /// The parameters of the model in a record: the coefficients, the constants that move, those of the record.
+    fn parameters(&self, r: usize, record: &Record) -> Vec<f64> {
         let coefficients = self.found.terms.iter().map(|t| t.coefficient.value);
-        let inputs = record.inputs.iter().map(|u| u.value(t));
-        let moving = [t].into_iter().chain(states.iter().copied()).chain(inputs);
         let numbers = coefficients.chain(self.found.parameters_of(self.system, r));
-        moving.chain(numbers).chain(record.constants.iter().copied()).collect()
+        numbers.chain(record.constants.iter().copied()).collect()
     }
 }
 

@@ -1,6 +1,7 @@
 //! Whether laws that a spec names fulfil what their files ask for, with the constants that were found.
 
 use super::identified::Identified;
+use super::parameter::FoundParameter;
 use super::verdict::{Rejection, Unfulfilled, Verdict};
 use super::warning::Warning;
 use crate::decisions::HALF_WIDTH_95;
@@ -29,19 +30,21 @@ fn unfulfilled(case: &Case, required: &Requirement, found: &Identified) -> Optio
     let mut scratch = Scratch::<1>::new(&tape);
     scratch.at(found.parameters_of(system, 0));
     let value = scratch.output(0)[0];
-    let t = found.terms.len();
-    let slope = |k: usize| {
-        let index = found.parameters[k].id.constant().filter(|_| found.parameters[k].id.holds_in(0));
+    let slope = |p: &FoundParameter| {
+        let index = p.id.constant().filter(|_| p.id.holds_in(0));
         index.map_or(0.0, |index| scratch.output(1 + index)[0])
     };
-    let used: Vec<usize> = (0..found.parameters.len()).filter(|&k| slope(k) != 0.0).collect();
-    let covariance = |i: usize, j: usize| found.covariance.get(t + i).map_or(f64::NAN, |row| row[t + j]);
-    let row = |&i: &usize| used.iter().map(|&j| slope(i) * covariance(i, j) * slope(j)).sum::<f64>();
-    let error = used.iter().map(row).sum::<f64>().max(0.0).sqrt();
+    let of_terms = found.terms.iter().map(|_| 0.0);
+    let slopes: Vec<f64> = of_terms.chain(found.parameters.iter().map(slope)).collect();
+    let certain = match found.standard_error(&slopes) {
+        Some(error) => value + HALF_WIDTH_95 * error < 0.0,
+        // Without error bars the number stands for itself; one that the data do not tell is not certain.
+        None => found.covariance.is_empty(),
+    };
     (value < 0.0).then(|| Unfulfilled {
         law: required.law.clone(),
         because: required.because.clone(),
         simpler: required.simpler.clone(),
-        certain: value + HALF_WIDTH_95 * error < 0.0,
+        certain,
     })
 }

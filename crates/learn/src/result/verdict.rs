@@ -1,7 +1,7 @@
 //! Whether to believe a result. Texts are in [`super::words`].
 
 use super::error::ModelError;
-use super::feeding::Feeding;
+use super::passivity_violation::PassivityViolation;
 use super::record_fit::RecordFit;
 use super::term::FoundTerm;
 use crate::decisions::{COMPLETE, WORST_NRMSE};
@@ -74,7 +74,7 @@ pub enum Rejection {
     /// The constants of a law do not fulfil what its file asks for.
     Unfulfilled(Unfulfilled),
     /// A passive law was fitted so that it feeds the motion.
-    Feeds(Feeding),
+    Feeds(PassivityViolation),
     /// The model does no better with the identified part than without it.
     NoBetter,
 }

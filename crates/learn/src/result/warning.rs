@@ -1,7 +1,7 @@
 //! What a careful reader should know of a result, as data. Texts are in [`super::words`].
 
-use super::feeding::Feeding;
 use super::parameter::FoundParameter;
+use super::passivity_violation::PassivityViolation;
 use super::quantity::{Quantity, TermId};
 use super::record_fit::RecordFit;
 use super::verdict::Unfulfilled;
@@ -68,7 +68,7 @@ pub enum Warning {
     /// The constants of a law do not fulfil what its file asks for.
     Unfulfilled(Unfulfilled),
     /// A passive law feeds the motion.
-    Feeds(Feeding),
+    Feeds(PassivityViolation),
     /// The data say nothing about a number.
     Unseen {
         /// Which.

@@ -1,8 +1,8 @@
 //! Every sentence of this crate that a user reads.
 
 use super::error::{DataError, LearnError, ModelError, NumericsError, TruthError};
-use super::feeding::Feeding;
 use super::identified::NoiseModel;
+use super::passivity_violation::PassivityViolation;
 use super::quantity::{ParameterId, ParameterOf, Quantity, TermId};
 use super::verdict::{FitFailure, Rejection, Unfulfilled};
 use super::warning::Warning;
@@ -94,7 +94,7 @@ impl Display for Warning {
                     false => write!(f, "try {}, or let `phisindy gap` look for what describes the data", simpler.join(", ")),
                 }
             }
-            Warning::Feeds(feeding @ Feeding::TurnedSign { constant, .. }) => {
+            Warning::Feeds(feeding @ PassivityViolation::TurnedSign { constant, .. }) => {
                 write!(f, "{feeding}: turn the sign of the term with {constant} in `known`")
             }
             Warning::Feeds(feeding) => write!(
@@ -211,7 +211,7 @@ impl Display for FitFailure {
     }
 }
 
-impl Display for Feeding {
+impl Display for PassivityViolation {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let within = |(low, high): &(f64, f64)| {
             if low == high { String::new() } else { format!(" [{low:.4}, {high:.4}]") }
@@ -219,19 +219,19 @@ impl Display for Feeding {
         let unit =
             |unit: &str| if unit.is_empty() || unit == "1" { String::new() } else { format!(" {unit}") };
         match self {
-            Feeding::DryFriction { velocity, level, ci95, unit: u } => write!(
+            PassivityViolation::DryFriction { velocity, level, ci95, unit: u } => write!(
                 f,
                 "the dry friction of {velocity} is negative: {level:.4}{}{} in the mean along the motion, which it feeds; friction can only take energy out",
                 within(ci95),
                 unit(u)
             ),
-            Feeding::Damping { state, slope, ci95 } => write!(
+            PassivityViolation::Damping { state, slope, ci95 } => write!(
                 f,
                 "the damping of {state} is negative: {:.4}{} 1/s, and feeds every motion without end; a dashpot can only take energy out",
                 -slope,
                 within(&(-ci95.1, -ci95.0))
             ),
-            Feeding::TurnedSign { state, constant, value, ci95, unit: u } => write!(
+            PassivityViolation::TurnedSign { state, constant, value, ci95, unit: u } => write!(
                 f,
                 "{constant} is negative: {value:.4}{}{}; as `known` is written, it damps {state} only so, and a damper is positive",
                 within(ci95),

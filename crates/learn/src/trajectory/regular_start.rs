@@ -1,9 +1,9 @@
 //! Start states at which the rates have finite slopes. `sqrt(|h|)` has none at zero, where a state without a column
 //! would start: no sensitivity is finite then, and a fit cannot move.
 
+use crate::trajectory::jacobian::{Jacobian, Singular};
 use crate::trajectory::layout::Segment;
 use crate::trajectory::problem::Problem;
-use crate::trajectory::slopes::{Singular, Slopes};
 use phisindy_phys::Record;
 
 impl Problem<'_> {
@@ -13,7 +13,7 @@ impl Problem<'_> {
         let n = self.system.states.len();
         // Elementary functions that a model is made of are singular at zero.
         let zero = |x: &[f64]| self.segments.iter().any(|s| x[s.start..s.start + n].contains(&0.0));
-        let Some(slopes) = zero(x).then(|| Slopes::new(self)).flatten() else { return };
+        let Some(slopes) = zero(x).then(|| Jacobian::new(self)).flatten() else { return };
         for segment in &self.segments {
             let record = &filled[segment.record];
             let numbers = self.model_parameters(segment.record, x);
@@ -49,7 +49,7 @@ impl Problem<'_> {
             let (record, first) = (self.records[segment.record], segment.samples.0);
             let (states, numbers) =
                 (&x[segment.start..segment.start + n], self.model_parameters(segment.record, x));
-            let slopes = Slopes::new(self)?;
+            let slopes = Jacobian::new(self)?;
             let singular = !slopes.singular_states(record, first, states, &numbers).is_empty();
             singular.then(|| slopes.singular(record, first, states, &numbers)).flatten()
         };

@@ -63,6 +63,13 @@ impl Model {
         Ok(Model { graph, names, time, states, inputs, parameters, rates: roots })
     }
 
+    /// What the rates are functions of, in the order in which tapes take it: time, states, inputs, parameters.
+    pub fn arguments(&self) -> Vec<Id> {
+        let moving =
+            [self.time].into_iter().chain(self.states.iter().copied()).chain(self.inputs.iter().copied());
+        moving.chain(self.parameters.iter().copied()).collect()
+    }
+
     /// Name of the state with this index.
     pub fn state_name(&self, index: usize) -> &str {
         match self.graph.node(self.states[index]) {

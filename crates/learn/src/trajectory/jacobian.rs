@@ -15,20 +15,20 @@ pub(crate) struct Singular {
 }
 
 /// The slopes of the rates of a problem's model by its states.
-pub(crate) struct Slopes {
+pub(crate) struct Jacobian {
     model: Model,
     tape: Tape,
 }
 
-impl Slopes {
+impl Jacobian {
     /// Of the model of a problem; `None` if it cannot be compiled.
-    pub(crate) fn new(problem: &Problem<'_>) -> Option<Slopes> {
+    pub(crate) fn new(problem: &Problem<'_>) -> Option<Jacobian> {
         let mut model = problem.system.model(&problem.terms);
         let states = model.states.clone();
         let rates = model.rates.clone();
         let slopes: Vec<Id> = rates.iter().flat_map(|&rate| model.graph.gradient(rate, &states)).collect();
-        let tape = Tape::compile(&model.graph, &arguments(&model), &slopes).ok()?;
-        Some(Slopes { model, tape })
+        let tape = Tape::compile(&model.graph, &model.arguments(), &slopes).ok()?;
+        Some(Jacobian { model, tape })
     }
 
     /// The states by which some rate has no finite slope at a sample of a record.
@@ -41,7 +41,7 @@ impl Slopes {
     ) -> Vec<usize> {
         let n = states.len();
         let mut scratch = Scratch::<1>::new(&self.tape);
-        scratch.at(row(record, sample, states, numbers));
+        scratch.at(arguments_at(record, sample, states, numbers));
         (0..n).filter(|k| (0..n).any(|i| !scratch.output(i * n + k)[0].is_finite())).collect()
     }
 
@@ -53,7 +53,7 @@ impl Slopes {
         states: &[f64],
         numbers: &[f64],
     ) -> Option<Singular> {
-        let inputs = arguments(&self.model);
+        let inputs = self.model.arguments();
         for id in self.model.graph.reachable(&self.model.rates) {
             let graph = &mut self.model.graph;
             let of: Vec<Id> = operands(graph, id);
@@ -61,7 +61,7 @@ impl Slopes {
             outputs.extend(&of);
             let tape = Tape::compile(graph, &inputs, &outputs).ok()?;
             let mut scratch = Scratch::<1>::new(&tape);
-            scratch.at(row(record, sample, states, numbers));
+            scratch.at(arguments_at(record, sample, states, numbers));
             let finite = |k: usize| scratch.output(k)[0].is_finite();
             if (of.len()..outputs.len()).all(finite) && !(0..of.len()).all(finite) {
                 let state = (0..states.len()).find(|&k| graph.uses(&[id], &[self.model.states[k]]))?;
@@ -80,7 +80,7 @@ impl Slopes {
         let (mut sum, mut count) = (vec![0.0; n * n], 0.0);
         for i in 0..record.len() {
             let states: Vec<f64> = columns.iter().map(|c| c[i]).collect();
-            scratch.at(row(record, i, &states, numbers));
+            scratch.at(arguments_at(record, i, &states, numbers));
             if (0..n * n).all(|k| scratch.output(k)[0].is_finite()) {
                 count += 1.0;
                 sum.iter_mut().enumerate().for_each(|(k, s)| *s += scratch.output(k)[0]);
@@ -90,13 +90,8 @@ impl Slopes {
     }
 }
 
-fn arguments(model: &Model) -> Vec<Id> {
-    let moving =
-        [model.time].into_iter().chain(model.states.iter().copied()).chain(model.inputs.iter().copied());
-    moving.chain(model.parameters.iter().copied()).collect()
-}
-
-fn row<'r>(
+/// The arguments of a model at a sample, in the order of [`Model::arguments`]. `numbers` are all its parameters.
+pub(crate) fn arguments_at<'r>(
     record: &'r Record,
     sample: usize,
     states: &'r [f64],

@@ -4,7 +4,7 @@
 use crate::decisions::{SAME_GAP, SENSOR_LINEARITY};
 use crate::model::{Fitted, TrialModel, current};
 use crate::place::Effect;
-use crate::result::{Named, PlacedLaw, SensorCurve};
+use crate::result::{Named, PlacedLaw, SensorNonlinearity};
 use phisindy_learn::Effort;
 use phisindy_phys::spec::Role;
 use phisindy_signal::standard_deviation;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// The first effect of a model, by index, that a bent scale of the sensors would replace: without it the model is
 /// as good on columns from which a parabola and a cubic are taken, each no larger than the linearity of a good
 /// sensor.
-pub(crate) fn sensor_curve(last: &Fitted, noise: &[Vec<f64>]) -> Option<(usize, SensorCurve)> {
+pub(crate) fn sensor_nonlinearity(last: &Fitted, noise: &[Vec<f64>]) -> Option<(usize, SensorNonlinearity)> {
     let effects = current(last);
     let bends = |e: &Effect| e.entry.law.is_spring() && !e.entry.law.is_linear_spring();
     (0..effects.len()).filter(|&k| bends(&effects[k])).find_map(|k| {
@@ -25,7 +25,7 @@ pub(crate) fn sensor_curve(last: &Fitted, noise: &[Vec<f64>]) -> Option<(usize, 
         let (straight, of, bend) = straightened(&plain)?;
         let fitted = Fitted::new(straight, noise, Effort::Plain).ok()?;
         (fitted.score.gap() < SAME_GAP * last.score.gap())
-            .then(|| (k, SensorCurve { law: PlacedLaw::of(&effects[k]), of, bend }))
+            .then(|| (k, SensorNonlinearity { law: PlacedLaw::of(&effects[k]), of, bend }))
     })
 }
 
@@ -120,9 +120,10 @@ mod tests {
             let column = Arc::make_mut(records)[0].columns[0].as_mut().expect("a column");
             column.iter_mut().for_each(|x| *x += 0.004 * *x * *x);
         }
-        let found = sensor_curve(&at(&straight, &noise, 0.01), &noise).map(|(k, curve)| (k, curve.bend));
+        let found =
+            sensor_nonlinearity(&at(&straight, &noise, 0.01), &noise).map(|(k, curve)| (k, curve.bend));
         assert!(found.is_some_and(|(k, bend)| k == 0 && bend > 5e-4 && bend < SENSOR_LINEARITY), "{found:?}");
         let (soft, noise) = of(r#""v": "-0.6*x^2""#);
-        assert_eq!(sensor_curve(&at(&soft, &noise, 0.5), &noise), None);
+        assert_eq!(sensor_nonlinearity(&at(&soft, &noise, 0.5), &noise), None);
     }
 }

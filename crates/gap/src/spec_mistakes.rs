@@ -1,9 +1,9 @@
 //! What a spec may have mixed up: the values of two constants, such as two masses, or a column that is measured
 //! against another body and not against the ground (or the other way round).
 
-use crate::decisions::MIXED_UP;
+use crate::decisions::EXCHANGED;
 use crate::model::{Fitted, TrialModel, current};
-use crate::result::{MixedUp, Named};
+use crate::result::{Named, SpecMistake};
 use phisindy_learn::Effort;
 use phisindy_phys::Record;
 use phisindy_phys::spec::{ConstantSpec, Number, Spec};
@@ -12,18 +12,19 @@ use std::sync::Arc;
 
 /// The exchange that explains the data, or leaves a small part of the gap, without effects or with those of
 /// `last`; the best one, `None` if there is none.
-pub(crate) fn mixed_up(base: &Fitted, last: &Fitted, noise: &[Vec<f64>]) -> Option<MixedUp> {
+pub(crate) fn spec_mistake(base: &Fitted, last: &Fitted, noise: &[Vec<f64>]) -> Option<SpecMistake> {
     let effects = current(last);
     let plain = base.model.without_effects();
-    let changed: Vec<(MixedUp, TrialModel)> = exchanged(&plain).into_iter().chain(shifted(&plain)).collect();
+    let changed: Vec<(SpecMistake, TrialModel)> =
+        exchanged(&plain).into_iter().chain(shifted(&plain)).collect();
     let lists = if effects.is_empty() { vec![vec![]] } else { vec![vec![], effects] };
-    let trials: Vec<(&MixedUp, TrialModel)> = changed
+    let trials: Vec<(&SpecMistake, TrialModel)> = changed
         .iter()
         .flat_map(|(what, model)| {
             lists.iter().filter_map(move |list| Some((what, model.with_all(list).ok()?)))
         })
         .collect();
-    let limit = MIXED_UP * last.score.gap();
+    let limit = EXCHANGED * last.score.gap();
     let cost = last.settled().segment_cost(noise, 1)?;
     let fitted = trials.into_par_iter().filter_map(|(what, model)| {
         let promising = model.segment_cost(noise, 1)? < cost;
@@ -32,12 +33,12 @@ pub(crate) fn mixed_up(base: &Fitted, last: &Fitted, noise: &[Vec<f64>]) -> Opti
         let much_better = fitted.score.explains() && !last.score.explains() || gap < limit;
         (much_better && fitted.follows()).then_some((gap, what))
     });
-    let all: Vec<(f64, &MixedUp)> = fitted.collect();
+    let all: Vec<(f64, &SpecMistake)> = fitted.collect();
     all.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(gap, what)| what.clone().with_gap(gap))
 }
 
 /// The model with the values of each two fixed constants of one unit exchanged.
-fn exchanged(base: &TrialModel) -> Vec<(MixedUp, TrialModel)> {
+fn exchanged(base: &TrialModel) -> Vec<(SpecMistake, TrialModel)> {
     let spec = &base.given.spec;
     let fixed: Vec<(usize, &Number, Option<&str>)> = spec
         .constants
@@ -60,7 +61,9 @@ fn exchanged(base: &TrialModel) -> Vec<(MixedUp, TrialModel)> {
                 }
             }
             let names = (spec.constants[*a].0.value.clone(), spec.constants[*b].0.value.clone());
-            all.extend(base.variant(swapped).map(|model| (MixedUp::Constants { names, gap: 0.0 }, model)));
+            all.extend(
+                base.variant(swapped).map(|model| (SpecMistake::Constants { names, gap: 0.0 }, model)),
+            );
         }
     }
     all
@@ -68,7 +71,7 @@ fn exchanged(base: &TrialModel) -> Vec<(MixedUp, TrialModel)> {
 
 /// The model with each column plus or minus each other one of its unit: as if the column were measured against
 /// that body, or against the ground where the state is relative.
-fn shifted(base: &TrialModel) -> Vec<(MixedUp, TrialModel)> {
+fn shifted(base: &TrialModel) -> Vec<(SpecMistake, TrialModel)> {
     let states = &base.system.states;
     let mut all = Vec::new();
     for k in 0..states.len() {
@@ -88,7 +91,10 @@ fn shifted(base: &TrialModel) -> Vec<(MixedUp, TrialModel)> {
                     continue;
                 }
                 let of = Named { record: base.records[0].name.clone(), column: states[k].name.clone() };
-                all.push((MixedUp::Column { of, other: states[j].name.clone(), relative, gap: 0.0 }, model));
+                all.push((
+                    SpecMistake::Column { of, other: states[j].name.clone(), relative, gap: 0.0 },
+                    model,
+                ));
             }
         }
     }
@@ -115,7 +121,7 @@ mod tests {
     fn two_masses_that_are_exchanged_are_told() {
         let (right, noise) = chain(1.0, 2.5, "");
         let right = fitted(right, &noise);
-        assert_eq!(mixed_up(&right, &right, &noise), None);
+        assert_eq!(spec_mistake(&right, &right, &noise), None);
         // The rig has the masses 1 and 2.5, the spec 2.5 and 1.
         let (wrong, noise) = chain(
             2.5,
@@ -123,8 +129,8 @@ mod tests {
             r#""v1": "(-k*x1 + k*(x2-x1) + F*cos(3*t))*(1/1.0-1/2.5)", "v2": "-k*(x2-x1)*(1/2.5-1/1.0)""#,
         );
         let wrong = fitted(wrong, &noise);
-        let found = mixed_up(&wrong, &wrong, &noise);
-        let Some(MixedUp::Constants { names, gap }) = found else { panic!("{found:?}") };
+        let found = spec_mistake(&wrong, &wrong, &noise);
+        let Some(SpecMistake::Constants { names, gap }) = found else { panic!("{found:?}") };
         assert_eq!((names.0.as_str(), names.1.as_str()), ("m1", "m2"));
         assert!(gap < 1.2, "{gap}");
     }
@@ -139,8 +145,8 @@ mod tests {
             column.iter_mut().zip(ground).for_each(|(x2, x1)| *x2 -= x1);
         }
         let wrong = fitted(model, &noise);
-        let found = mixed_up(&wrong, &wrong, &noise);
-        let Some(MixedUp::Column { of, other, relative: true, .. }) = found else { panic!("{found:?}") };
+        let found = spec_mistake(&wrong, &wrong, &noise);
+        let Some(SpecMistake::Column { of, other, relative: true, .. }) = found else { panic!("{found:?}") };
         assert_eq!((of.column.as_str(), other.as_str()), ("x2", "x1"));
     }
 }

@@ -2,7 +2,7 @@
 
 /// A passive law that feeds the motion. Numbers are in SI.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Feeding {
+pub enum PassivityViolation {
     /// The dry friction at a velocity puts energy into the motion.
     DryFriction {
         /// The velocity, in the language of the specs.
@@ -39,9 +39,9 @@ pub enum Feeding {
     },
 }
 
-impl Feeding {
+impl PassivityViolation {
     /// Whether it was fitted. What the spec holds is what the user says.
     pub(crate) fn is_fitted(&self) -> bool {
-        !matches!(self, Feeding::Damping { ci95, .. } if ci95.0 == ci95.1)
+        !matches!(self, PassivityViolation::Damping { ci95, .. } if ci95.0 == ci95.1)
     }
 }

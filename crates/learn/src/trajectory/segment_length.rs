@@ -3,8 +3,8 @@
 use crate::decisions::{SHORTEST_STRETCH, STAGES};
 use crate::trajectory::error_bars::ErrorBars;
 use crate::trajectory::fit::{Context, Fit, transfer};
+use crate::trajectory::jacobian::Jacobian;
 use crate::trajectory::problem::{Meaning, Problem};
-use crate::trajectory::slopes::Slopes;
 use phisindy_phys::Record;
 use phisindy_phys::spec::SegmentsSpec;
 
@@ -15,7 +15,7 @@ impl<'a> Context<'a> {
     /// unknown force `f` moves a mass `m` by `f T^2/(2 m)`, and such a residual hangs together over the whole segment.
     /// Shorter segments drift less, but each has a start state to be found first. Their number is doubled as long as
     /// that shrinks the error bars, which know both: correlated samples count as few, and start states are unknowns.
-    pub(crate) fn recut(&self, mut fit: Fit<'a>) -> Fit<'a> {
+    pub(crate) fn resegmented(&self, mut fit: Fit<'a>) -> Fit<'a> {
         let single = fit.pieces.iter().all(|&p| p == 1);
         if self.segments != SegmentsSpec::Auto || single && fit.is_white() || !self.drifts(&fit) {
             return fit;
@@ -37,7 +37,7 @@ impl<'a> Context<'a> {
     /// Whether what disturbs the motion adds up over a record: a mode that neither swings nor fades within it, or one
     /// that grows. A carriage without a spring has one, an inverted pendulum too.
     fn drifts(&self, fit: &Fit<'a>) -> bool {
-        let Some(slopes) = Slopes::new(&fit.problem) else { return false };
+        let Some(slopes) = Jacobian::new(&fit.problem) else { return false };
         let drifts = |(r, record): (usize, &Record)| {
             let numbers = fit.problem.model_parameters(r, &fit.x);
             let modes = slopes.mean(record, &numbers).and_then(|mean| mean.eigenvalues().ok());

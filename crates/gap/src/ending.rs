@@ -1,0 +1,377 @@
+//! The end of the workflow: the verdict on the model of a search, doubts, other explanations, the result.
+
+use crate::alternative_constant::alternative_constant;
+use crate::data_mistakes::data_mistakes;
+use crate::decisions::{REPEATS, SAME_FREQUENCY, SUBSTANTIAL};
+use crate::drive::Drive;
+use crate::drive_frequency::drive_frequency;
+use crate::input_interpolation::{Redrawn, coarse_inputs, redrawn};
+use crate::model::{Applied, Fitted, Measure, TrialModel, current, expression, text_with};
+use crate::other_causes::{causes, input_noise};
+use crate::plausibility::{cancelling, vetoed};
+use crate::result::verdict::{bent, helpful, refused, status};
+use crate::result::{
+    Activity, Alternative, Cancelling, ColumnGap, ColumnRepeat, Gap, GapError, PlacedLaw, RecordValue,
+    Region, Rival, Simulated, Status, Step, StepParameter, StopReason, Veto, Warning, regions,
+};
+use crate::search::{Round, Search, Searched, placed, refitted};
+use crate::sensor_linearity::sensor_nonlinearity;
+use crate::spec_mistakes::spec_mistake;
+use phisindy_learn::{Effort, FoundParameter, at_bounds, sensitive_starts};
+use phisindy_phys::spec::Role;
+use phisindy_signal::Interpolation;
+
+/// The state after the search: the verdict, other explanations and the result follow from it.
+pub(crate) struct Ending<'s, 'a> {
+    search: &'s mut Search<'a>,
+    base: Fitted,
+    last: Fitted,
+    /// The models with no effect, the first effect, the first two, and so on.
+    path: Vec<Fitted>,
+    rounds: Vec<Round>,
+    candidates: usize,
+    stop: StopReason,
+    /// The effects without which nothing as good was found.
+    needed: Vec<PlacedLaw>,
+    noise: Vec<Vec<f64>>,
+    warnings: Vec<Warning>,
+}
+
+impl<'s, 'a> Ending<'s, 'a> {
+    /// Rescales all gaps to the noise that the best model leaves, drops needless effects and computes error
+    /// bars.
+    pub(crate) fn new(
+        searched: Searched,
+        search: &'s mut Search<'a>,
+        mut warnings: Vec<Warning>,
+    ) -> Result<Self, GapError> {
+        let Searched { base, last, rounds, candidates, stop, needed } = searched;
+        // A white residual is the noise itself: a better estimate than the one from the columns.
+        let noise = if last.score.is_white() { last.noise(search.noise) } else { search.noise.to_vec() };
+        let (base, last) = (base.measured_by(&noise), last.measured_by(&noise));
+        warnings.extend(data_mistakes(&base).into_iter().map(Warning::Data));
+        (search.observe)(0.92, Activity::ErrorBars);
+        let mut path = path(&base, &last, &noise);
+        let mut last = last;
+        // Drops the last effect while the model is as good without it.
+        while let [.., before] = &path[..]
+            && path.len() > 1
+            && needless(before, &last, candidates)
+        {
+            last = before.clone();
+            path.pop();
+        }
+        let last = with_errors(last, &noise)?;
+        if !last.model.effects.is_empty() {
+            path.push(last.clone());
+        }
+        Ok(Ending { search, base, last, path, rounds, candidates, stop, needed, noise, warnings })
+    }
+
+    /// The result.
+    pub(crate) fn finished(mut self, text: &str, repeat: Vec<ColumnRepeat>) -> Result<Gap, GapError> {
+        let redrawn = self.redraw_inputs()?;
+        let open = self.coarse_inputs()?;
+        let floor = self.search.floor.max(open);
+        let repeats = floor > 0.0 && self.last.score.gap() <= REPEATS * floor;
+        let (status, warning) = status(&self.last.score, repeats, bent(&self.last));
+        self.warnings.extend(warning);
+        let (status, determined) = self.doubts(status);
+        let (status, alternative) = self.other_explanations(status, repeats)?;
+        self.warnings.extend(alternative.clone().map(Warning::Alternative));
+        self.warnings.extend(at_bounds(&self.last.cal.parameters).into_iter().map(Warning::Fit));
+        self.warnings.extend(sensitive_starts(&self.last.cal.records).into_iter().map(Warning::Fit));
+        let steps: Vec<Step> = (0..self.last.model.effects.len()).map(|k| self.step(k)).collect();
+        let (mut steps, mut partial) =
+            if status == Status::Unexplained { split_substantial(steps) } else { (steps, vec![]) };
+        // An approximation is not named as what is missing.
+        if steps.len() > determined {
+            partial.splice(0..0, steps.drain(determined..));
+        }
+        for vetoed in self.rounds.iter().flat_map(|r| &r.vetoed) {
+            // Two rounds may differ in digits that nobody reads.
+            let warning = Warning::Vetoed(vetoed.clone());
+            let same = |w: &Warning| w.to_string() == warning.to_string();
+            if !self.warnings.iter().any(same) {
+                self.warnings.push(warning);
+            }
+        }
+        if !self.last.model.effects.is_empty() {
+            self.warnings.extend(one_frequency(&self.base.model, &repeat).map(Warning::OneFrequency));
+        }
+        let completed =
+            text_with(text, &self.last.model, redrawn).map_err(|e| GapError::Numerics(e.into()))?;
+        let Ending { base, last, stop, noise, warnings, .. } = self;
+        Ok(Gap {
+            status,
+            stop,
+            noise: column_noise(&base, &noise),
+            located: located(&base, &noise),
+            left: located(&last, &noise),
+            steps,
+            partial,
+            before: (base.score.fit, base.score.validate),
+            after: (last.score.fit, last.score.validate),
+            predictive: last.score.predictive,
+            alternative,
+            nrmse: nrmse(&base, &last),
+            repeat,
+            whiteness: (base.score.whiteness, last.score.whiteness),
+            parameters: last.cal.parameters.clone(),
+            completed,
+            initial: Simulated::of(base),
+            simulated: Simulated::of(last),
+            warnings,
+        })
+    }
+
+    /// Draws the inputs between their samples in the way that explains the data, if there is one; returns it.
+    fn redraw_inputs(&mut self) -> Result<Option<Interpolation>, GapError> {
+        let complete = self.last.score.explains() && self.last.model.effects.is_empty();
+        if complete || self.stop == StopReason::Interrupted {
+            return Ok(None);
+        }
+        let Some(found) = redrawn(&self.path, &self.last, &self.noise, self.candidates) else {
+            return Ok(None);
+        };
+        let Redrawn { fitted, base, from, to } = found;
+        self.path = path(&base, &fitted, &self.noise);
+        self.last = with_errors(fitted, &self.noise)?;
+        if !self.last.model.effects.is_empty() {
+            self.path.push(self.last.clone());
+        }
+        self.warnings.push(Warning::Redrawn { from, to });
+        Ok(Some(to))
+    }
+
+    /// Drops the effects that the drawing of the inputs between their samples leaves open, where the rest of the
+    /// model is as good as that drawing allows. Returns the gap that the drawing leaves.
+    fn coarse_inputs(&mut self) -> Result<f64, GapError> {
+        let complete = self.last.model.effects.is_empty() && self.last.score.explains();
+        let found = if complete || self.stop == StopReason::Interrupted {
+            None
+        } else {
+            coarse_inputs(&self.path, &self.noise)
+        };
+        let Some((left, coarse)) = found else { return Ok(0.0) };
+        let open = (1.0 + coarse.open.powi(2)).sqrt();
+        if self.path[left].score.gap() > REPEATS * open {
+            return Ok(0.0);
+        }
+        self.path.truncate(left + 1);
+        self.last = with_errors(self.path[left].clone(), &self.noise)?;
+        self.path[left] = self.last.clone();
+        self.warnings.push(Warning::CoarseInput(coarse));
+        Ok(open)
+    }
+
+    /// The status with the doubts about the effects, and the number of effects from the first on that are free
+    /// of doubt.
+    fn doubts(&mut self, status: Status) -> (Status, usize) {
+        let all = self.last.model.effects.len();
+        let mut vetoed = vetoed(&self.last);
+        // The data need a law that nothing replaces, although the intervals of its coefficients hold zero.
+        vetoed.retain(|(_, v)| !(matches!(v.why, Veto::Undetermined(_)) && self.needed.contains(&v.law)));
+        let cancelling = cancelling(&self.last);
+        let explained = status == Status::Explained && self.stop != StopReason::Interrupted;
+        let curve = if explained { sensor_nonlinearity(&self.last, &self.noise) } else { None };
+        if vetoed.is_empty() && cancelling.is_none() && curve.is_none() {
+            return (status, all);
+        }
+        let ruled_out = vetoed.iter().map(|(k, _)| *k).min().unwrap_or(all);
+        let own: Vec<PlacedLaw> = placed(&self.last.model);
+        let approximate = |c: &Cancelling| own.iter().position(|law| *law == c.laws.0).unwrap_or(all);
+        let bent = curve.as_ref().map_or(all, |(k, _)| *k);
+        let determined = cancelling.as_ref().map_or(all, approximate).min(ruled_out).min(bent);
+        self.warnings.extend(vetoed.into_iter().map(|(_, why)| Warning::Vetoed(why)));
+        self.warnings.extend(cancelling.map(Warning::Cancelling));
+        self.warnings.extend(curve.map(|(_, curve)| Warning::SensorNonlinearity(curve)));
+        (Status::Unexplained, determined)
+    }
+
+    /// Tests other explanations: fixed constants of the spec, a drive at another frequency, noise of inputs.
+    /// Drops the effects that do not help if the data remain unexplained.
+    fn other_explanations(
+        &mut self,
+        mut status: Status,
+        repeats: bool,
+    ) -> Result<(Status, Option<Alternative>), GapError> {
+        let whole = self.last.clone();
+        let interrupted = self.stop == StopReason::Interrupted;
+        let mut alternative = None;
+        if status != Status::NothingMissing && !repeats && !interrupted {
+            (self.search.observe)(0.95, Activity::Constants);
+            let catalogue = self.search.catalogue;
+            if let Some(found) = alternative_constant(&whole, catalogue, &self.noise, self.candidates) {
+                if found.much_better {
+                    status = Status::Unexplained;
+                }
+                alternative = Some(Alternative::Constant(found.constant));
+            }
+        }
+        if status != Status::Unexplained {
+            return Ok((status, alternative));
+        }
+        (self.search.observe)(0.97, Activity::OtherCauses);
+        let mixed = if interrupted { None } else { spec_mistake(&self.base, &whole, &self.noise) };
+        let drive = if alternative.is_none() && mixed.is_none() && !interrupted {
+            drive_frequency(&self.base, self.search)
+        } else {
+            None
+        };
+        let helps = match drive {
+            // With a drive at the wrong frequency the effects mean nothing.
+            Some(drive) if drive.explains => {
+                alternative = Some(Alternative::Drive(drive));
+                0
+            }
+            // Nor do they with constants or columns that are mixed up.
+            _ if mixed.is_some() => 0,
+            drive => {
+                let path: Vec<_> = self.path.iter().map(|f| (&f.score, f.follows())).collect();
+                let helps = helpful(&path);
+                self.warnings.extend(drive.map(Warning::Drive));
+                let rest = self.path[helps..].iter().skip(1).enumerate();
+                let kept = &self.path[helps];
+                self.warnings.extend(rest.filter_map(|(k, with)| refused(&whole, helps + k, kept, with)));
+                helps
+            }
+        };
+        self.warnings.extend(mixed.map(Warning::Spec));
+        if helps < whole.model.effects.len() {
+            self.path.truncate(helps + 1);
+            self.last = with_errors(self.path[helps].clone(), &self.noise)?;
+            self.path[helps] = self.last.clone();
+        }
+        if alternative.is_none() && !interrupted {
+            alternative = input_noise(&self.last, &self.noise).map(Alternative::InputNoise);
+        }
+        self.warnings.extend(causes(&self.base, &self.last).into_iter().map(Warning::Cause));
+        Ok((status, alternative))
+    }
+
+    /// The report of the `k`-th effect.
+    fn step(&self, k: usize) -> Step {
+        let applied = &self.last.model.effects[k];
+        let round = self.rounds.iter().rev().find(|r| r.before <= k);
+        let (a, b) = (&self.path[k].score, &self.path[k + 1].score);
+        let by = Measure::of([a, b], self.candidates);
+        let own = placed(&self.last.model);
+        // A law that the final model contains is no rival.
+        let other = |r: &&Rival| !r.laws.iter().all(|law| own.contains(law));
+        Step {
+            effect: applied.effect.clone(),
+            expression: expression(applied),
+            force: applied.force,
+            parameters: parameters(&self.last, applied),
+            fit: (a.fit, b.fit),
+            validate: a.validate.zip(b.validate),
+            delta_bic: by.criterion(a) - by.criterion(b),
+            rivals: round.map_or(vec![], |r| r.rivals.iter().filter(other).cloned().collect()),
+            vetoed: round.map_or(vec![], |r| r.vetoed.clone()),
+        }
+    }
+}
+
+/// The frequency of the drive (rad/s), where every Fit record is a periodic motion at this one.
+fn one_frequency(base: &TrialModel, repeat: &[ColumnRepeat]) -> Option<f64> {
+    let mut all = Vec::new();
+    for record in base.records.iter().filter(|r| r.role == Role::Fit) {
+        repeat.iter().find(|of| of.record == record.name)?;
+        let mut lines = Drive::new(&base.system, record)?.lines();
+        all.append(&mut lines);
+        all.sort_by(f64::total_cmp);
+    }
+    let (first, last) = (*all.first()?, *all.last()?);
+    (last - first < SAME_FREQUENCY * first).then_some(0.5 * (first + last))
+}
+
+/// Whether a model is as good without its last effect.
+fn needless(before: &Fitted, last: &Fitted, candidates: usize) -> bool {
+    let by = Measure::of([&before.score, &last.score], candidates);
+    by.criterion(&before.score) <= by.criterion(&last.score)
+        && (before.score.is_white() || !last.score.is_white())
+}
+
+/// Splits the steps into those that reduced the gap substantially, which are a finding whatever else is
+/// missing, and the others. Products of factors are compared, because the first of two stops helps little
+/// without the second.
+fn split_substantial(mut steps: Vec<Step>) -> (Vec<Step>, Vec<Step>) {
+    let gap = |s: &Step| s.validate.unwrap_or(s.fit);
+    let first = steps.first().map_or(1.0, |s| gap(s).0);
+    let far_down = |&k: &usize| {
+        let (before, after) = gap(&steps[k - 1]);
+        first > SUBSTANTIAL.powi(k as i32) * after && before > SUBSTANTIAL * after
+    };
+    let kept = (1..=steps.len()).rev().find(far_down).unwrap_or(0);
+    let partial = steps.split_off(kept);
+    (steps, partial)
+}
+
+/// Noise (standard deviation) of each measured column, over all records.
+fn column_noise(base: &Fitted, noise: &[Vec<f64>]) -> Vec<(String, f64)> {
+    let of = |k: usize| {
+        let measured = base.model.records.iter().zip(noise).filter(|(r, _)| r.columns[k].is_some());
+        let all: Vec<f64> = measured.map(|(_, n)| n[k]).collect();
+        let mean = (all.iter().map(|s| s * s).sum::<f64>() / all.len().max(1) as f64).sqrt();
+        (!all.is_empty()).then(|| (base.model.system.states[k].name.clone(), mean))
+    };
+    (0..base.model.system.states.len()).filter_map(of).collect()
+}
+
+fn located(fitted: &Fitted, noise: &[Vec<f64>]) -> Vec<Region> {
+    regions(&fitted.model.system, &fitted.model.records, &fitted.cal, noise)
+}
+
+/// NRMSE of every record and column in the initial and the final model.
+fn nrmse(base: &Fitted, last: &Fitted) -> Vec<ColumnGap> {
+    let mut all = Vec::new();
+    for (a, b) in last.cal.records.iter().zip(&base.cal.records) {
+        for ((column, after), (_, before)) in a.nrmse.iter().zip(&b.nrmse) {
+            let (record, column) = (a.name.clone(), column.clone());
+            all.push(ColumnGap { record, role: a.role, column, before: *before, after: *after });
+        }
+    }
+    all
+}
+
+/// Repeats a fit with the errors of its parameters.
+fn with_errors(last: Fitted, noise: &[Vec<f64>]) -> Result<Fitted, GapError> {
+    Ok(match Fitted::new(last.settled(), noise, Effort::Errors) {
+        Ok(fitted) if fitted.score.fit.is_finite() => fitted,
+        _ => last,
+    })
+}
+
+/// The models with no effect, the first effect, the first two, and so on, without the last model.
+fn path(base: &Fitted, last: &Fitted, noise: &[Vec<f64>]) -> Vec<Fitted> {
+    let mut path = vec![base.clone()];
+    let (plain, effects) = (last.model.without_effects(), current(last));
+    for k in 1..effects.len() {
+        let fitted = plain.with_all(&effects[..k]).ok().and_then(|m| refitted(m, last, noise));
+        let before = path[path.len() - 1].clone();
+        path.push(fitted.filter(|f| f.score.fit.is_finite()).unwrap_or(before));
+    }
+    path
+}
+
+/// The parameters of an effect in the final model.
+fn parameters(last: &Fitted, applied: &Applied) -> Vec<StepParameter> {
+    let own = applied.names.iter().zip(&applied.parameters).zip(applied.effect.labels());
+    let of = |((constant, k), name): ((&String, &usize), String)| {
+        let mut all = last.cal.parameters.iter().filter(|p| p.id.constant() == Some(*k));
+        let value = |p: &FoundParameter| {
+            let (f, e) = (p.factor, &p.estimate);
+            (e.value / f, (e.ci95.0 / f, e.ci95.1 / f))
+        };
+        let each = all.clone().filter_map(|p| {
+            let (value, ci95) = value(p);
+            Some(RecordValue { record: p.id.shown_record()?.to_owned(), value, ci95 })
+        });
+        let each = each.collect();
+        let found = all.next()?;
+        let (value, ci95) = value(found);
+        Some(StepParameter { name, constant: constant.clone(), value, ci95, unit: found.unit.clone(), each })
+    };
+    own.filter_map(of).collect()
+}
