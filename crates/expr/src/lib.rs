@@ -51,7 +51,7 @@ pub use graph::{Graph, Id, Node};
 pub use lower::UnknownName;
 pub use names::{Names, Symbol, nearest};
 pub use ops::{Binary, Unary};
-pub use parser::{ParseError, ParseErrorKind, parse};
+pub use parser::{ParseError, ParseErrorKind, parse, parse_with};
 pub use print::latex_name;
 pub use print::latex_number;
 pub use rename::rename;

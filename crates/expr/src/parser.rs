@@ -48,6 +48,8 @@ pub enum ParseErrorKind {
     FunctionWithoutArguments(String),
     /// A function with too few or too many arguments: name, expected number, given number.
     WrongArguments(String, usize, usize),
+    /// An accessor with something else than a name in its parentheses.
+    ExpectedName(String),
     /// A literal too large for a double.
     NumberTooLarge,
     /// Nested deeper than allowed.
@@ -93,6 +95,7 @@ impl ParseError {
             WrongArguments(name, due, _) => {
                 Some(format!("write `{name}({})`", ["a", "a, b"][usize::from(*due > 1)]))
             }
+            ExpectedName(word) => Some(format!("`{word}` takes one name, as in `{word}(v)`")),
             NumberTooLarge => Some("numbers go up to 1.7e308: choose a larger unit".into()),
         }
     }
@@ -113,6 +116,7 @@ impl fmt::Display for ParseError {
             WrongArguments(name, due, given) => {
                 write!(f, "`{name}` takes {due} argument{}, not {given}", if *due == 1 { "" } else { "s" })
             }
+            ExpectedName(word) => write!(f, "`{word}` takes a name"),
             NumberTooLarge => write!(f, "this number is too large"),
             TooDeep => write!(f, "nested more than {MAX_DEPTH} levels deep"),
             TooLong => write!(f, "the expression has more than {MAX_TOKENS} tokens"),
@@ -134,6 +138,21 @@ impl std::error::Error for ParseError {}
 /// assert_eq!((e.to_string().as_str(), e.span.start), ("an operator is missing before `x`", 1));
 /// ```
 pub fn parse(text: &str) -> Result<Ast, ParseError> {
+    parse_with(text, &[])
+}
+
+/// As [`parse`], where each of `accessors` may also stand before a name in parentheses: `rate(v)` is then the
+/// name `rate v`, which no text can write otherwise.
+///
+/// # Errors
+/// As [`parse`].
+///
+/// ```
+/// use phisindy_expr::parse_with;
+/// let ast = parse_with("m*rate(v)", &["rate"]).unwrap();
+/// assert_eq!(ast.names().map(|(name, _)| name).collect::<Vec<_>>(), ["m", "rate v"]);
+/// ```
+pub fn parse_with(text: &str, accessors: &[&str]) -> Result<Ast, ParseError> {
     let mut tokens = Vec::new();
     for (token, range) in Token::lexer(text).spanned() {
         let span = Span::new(range.start, range.end);
@@ -152,7 +171,8 @@ pub fn parse(text: &str) -> Result<Ast, ParseError> {
     if tokens.is_empty() {
         return Err(ParseError { kind: ParseErrorKind::Empty, span: Span::new(0, text.len()) });
     }
-    let mut parser = Parser { text, tokens: &tokens, next: 0, depth: 0, bars: 0, nodes: Vec::new() };
+    let mut parser =
+        Parser { text, accessors, tokens: &tokens, next: 0, depth: 0, bars: 0, nodes: Vec::new() };
     parser.expression(0)?;
     match parser.peek() {
         None => Ok(Ast { nodes: parser.nodes }),
@@ -171,6 +191,8 @@ fn clipped(text: &str) -> Cow<'_, str> {
 
 struct Parser<'a> {
     text: &'a str,
+    /// Words that take a name in parentheses.
+    accessors: &'a [&'a str],
     tokens: &'a [(Token, Span)],
     next: usize,
     depth: usize,
@@ -285,6 +307,9 @@ impl Parser<'_> {
     }
 
     fn call(&mut self, name: String, span: Span) -> Result<usize, ParseError> {
+        if self.accessors.contains(&name.as_str()) {
+            return self.access(name, span);
+        }
         let Some(function) = function(&name) else {
             let name = clipped(&name).into_owned();
             return Err(ParseError { kind: ParseErrorKind::UnknownFunction(name), span });
@@ -311,6 +336,19 @@ impl Parser<'_> {
             }
         };
         Ok(self.push(kind, span.to(end)))
+    }
+
+    /// The name in the parentheses of an accessor.
+    fn access(&mut self, word: String, span: Span) -> Result<usize, ParseError> {
+        let open = self.tokens[self.next].1;
+        self.next += 1;
+        let Some((Token::Name, of)) = self.peek() else {
+            return Err(ParseError { kind: ParseErrorKind::ExpectedName(word), span: self.token_text().1 });
+        };
+        self.next += 1;
+        let end = self.close(Token::Close, open, ParseErrorKind::UnclosedParenthesis)?;
+        let name = format!("{word} {}", &self.text[of.range()]);
+        Ok(self.push(AstKind::Name(name), span.to(end)))
     }
 
     /// The closing token, or an error that points at the opening one.

@@ -7,7 +7,7 @@ use phisindy_signal::{noise_level, standard_deviation};
 
 /// Mistakes that the records show when compared with a fitted model.
 pub(crate) fn data_mistakes(base: &Fitted) -> Vec<DataMistake> {
-    let states = &base.model.system.states;
+    let quantities: Vec<(&str, &str)> = base.model.system.quantities().collect();
     let mut mistakes = Vec::new();
     for (record, fit) in base.model.records.iter().zip(&base.cal.records) {
         let simulated = |k: usize| -> Option<Vec<f64>> {
@@ -16,11 +16,12 @@ pub(crate) fn data_mistakes(base: &Fitted) -> Vec<DataMistake> {
             (residual.len() == column.len())
                 .then(|| column.iter().zip(residual).map(|(y, e)| y - e).collect())
         };
-        let all: Vec<(usize, &Vec<f64>, Vec<f64>)> =
-            (0..states.len()).filter_map(|k| Some((k, record.columns[k].as_ref()?, simulated(k)?))).collect();
+        let all: Vec<(usize, &Vec<f64>, Vec<f64>)> = (0..record.columns.len())
+            .filter_map(|k| Some((k, record.columns[k].as_ref()?, simulated(k)?)))
+            .collect();
         for (i, (a, measured, own)) in all.iter().enumerate() {
             let (slope, alike) = agreement(own, measured);
-            let of = || Named { record: record.name.clone(), column: states[*a].name.clone() };
+            let of = || Named { record: record.name.clone(), column: quantities[*a].0.to_owned() };
             if alike > ONE_SHAPE && !(1.0 / WRONG_UNIT..WRONG_UNIT).contains(&slope) {
                 mistakes.push(DataMistake::Scale { of: of(), factor: slope });
             }
@@ -29,12 +30,13 @@ pub(crate) fn data_mistakes(base: &Fitted) -> Vec<DataMistake> {
             if alike <= ONE_SHAPE && far && standard_deviation(measured) > MOVES * noise_level(measured) {
                 mistakes.push(DataMistake::Proportion { of: of(), factor: larger });
             }
-            for (b, other, theirs) in all[i + 1..].iter().filter(|(b, ..)| states[*b].unit == states[*a].unit)
+            for (b, other, theirs) in
+                all[i + 1..].iter().filter(|(b, ..)| quantities[*b].1 == quantities[*a].1)
             {
                 let now = alike.min(agreement(theirs, other).1);
                 let swapped = agreement(own, other).1.min(agreement(theirs, measured).1);
                 if swapped > ONE_SHAPE && now < OTHER_SHAPE {
-                    mistakes.push(DataMistake::Swapped { of: of(), other: states[*b].name.clone() });
+                    mistakes.push(DataMistake::Swapped { of: of(), other: quantities[*b].0.to_owned() });
                 }
             }
         }

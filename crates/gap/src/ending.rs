@@ -310,13 +310,14 @@ fn split_substantial(mut steps: Vec<Step>) -> (Vec<Step>, Vec<Step>) {
 
 /// Noise (standard deviation) of each measured column, over all records.
 fn column_noise(base: &Fitted, noise: &[Vec<f64>]) -> Vec<(String, f64)> {
+    let system = &base.model.system;
     let of = |k: usize| {
         let measured = base.model.records.iter().zip(noise).filter(|(r, _)| r.columns[k].is_some());
-        let all: Vec<f64> = measured.map(|(_, n)| n[k]).collect();
+        let all: Vec<f64> = measured.map(|(r, n)| n[r.columns[..k].iter().flatten().count()]).collect();
         let mean = (all.iter().map(|s| s * s).sum::<f64>() / all.len().max(1) as f64).sqrt();
-        (!all.is_empty()).then(|| (base.model.system.states[k].name.clone(), mean))
+        (!all.is_empty()).then(|| (system.measured(k).0.to_owned(), mean))
     };
-    (0..base.model.system.states.len()).filter_map(of).collect()
+    (0..system.columns()).filter_map(of).collect()
 }
 
 fn located(fitted: &Fitted, noise: &[Vec<f64>]) -> Vec<Region> {

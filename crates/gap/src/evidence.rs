@@ -62,7 +62,7 @@ fn contact_is_rigid(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
                 // means.
                 let (a, b) = (i + (end - i) / 8, end - (end - i) / 8);
                 let mean = |f: &dyn Fn(usize) -> f64| (a..b).map(f).sum::<f64>() / (b - a) as f64;
-                let (law, real) = (|j: usize| run.states[j * n + x], |j: usize| motion.states[j * n + x]);
+                let (law, real) = (|j: usize| run.states[j * run.n + x], |j: usize| motion.states[j * n + x]);
                 let (ml, mr) = (mean(&law), mean(&real));
                 for j in a..b {
                     sxx += (law(j) - ml).powi(2);

@@ -19,7 +19,7 @@ pub(crate) struct Motion {
     pub(crate) slopes: Vec<f64>,
     /// The system's parameters, then the record's constants.
     pub(crate) numbers: Vec<f64>,
-    /// Gain and offset of each state's sensor.
+    /// Gain and offset of each column's sensor.
     pub(crate) sensors: Vec<(f64, f64)>,
     /// Period of the motion (s).
     pub(crate) period: f64,
@@ -39,7 +39,7 @@ impl Motion {
         let n = system.states.len();
         let mut numbers: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();
         let mut sensors: Vec<(f64, f64)> =
-            record.sensors[..n].iter().map(|s| (s.gain.start, s.offset.start)).collect();
+            record.sensors[..system.columns()].iter().map(|s| (s.gain.start, s.offset.start)).collect();
         for p in &fitted.parameters {
             if !p.id.holds_in(index) {
                 continue;
@@ -68,16 +68,20 @@ impl Motion {
         let samples = record.len();
         let mut states = vec![0.0; samples * n];
         let run = fitted.records.get(index).and_then(|r| r.run.as_ref());
+        // Outputs tell the states of the rig; a simulation tells those of the model.
+        let told = |k: usize| record.sizes.get(k).is_some_and(|size| *size > 0.0);
         for k in 0..n {
             let (gain, offset) = sensors[k];
             for i in 0..samples {
                 states[i * n + k] = match (&smooth.columns[k], run) {
                     // An unmeasured state comes from the simulation.
-                    (Some(_), Some(run)) if unmeasured(system, record, k) => run.states[i * n + k],
+                    (Some(_), Some(run)) if unmeasured(system, record, k) && !told(k) => {
+                        run.states[i * run.n + k]
+                    }
                     (Some(c), _) if unmeasured(system, record, k) => c[i],
                     (Some(c), _) if record.columns[k].is_some() => (c[i] - offset) / gain,
                     (Some(c), _) => c[i],
-                    (None, Some(run)) => run.states[i * n + k],
+                    (None, Some(run)) => run.states[i * run.n + k],
                     (None, None) => 0.0,
                 };
             }

@@ -21,16 +21,16 @@ pub(crate) fn causes(base: &Fitted, last: &Fitted) -> Vec<Cause> {
     let system = &last.model.system;
     let fitted = |(_, (r, _)): &(usize, (&Record, _))| r.role == Role::Fit;
     let was = |r: usize, name: &str| {
-        let state = base.model.system.state(name)?;
-        base.cal.records[r].residuals.get(state)
+        let column = base.model.system.column(name)?;
+        base.cal.records[r].residuals.get(column)
     };
     for (r, (record, fit)) in last.model.records.iter().zip(&last.cal.records).enumerate().filter(fitted) {
         let mut drive = Drive::new(system, record);
-        for ((state, residual), column) in system.states.iter().zip(&fit.residuals).zip(&record.columns) {
+        for (((name, _), residual), column) in system.quantities().zip(&fit.residuals).zip(&record.columns) {
             let Some(column) = column.as_ref().filter(|c| c.len() == residual.len()) else { continue };
-            let of = Named { record: record.name.clone(), column: state.name.clone() };
+            let of = Named { record: record.name.clone(), column: name.to_owned() };
             let drifts = |residual: &Vec<f64>| drift(&record.time, residual, column, &of);
-            told.extend(was(r, &state.name).and_then(drifts).or_else(|| drifts(residual)));
+            told.extend(was(r, name).and_then(drifts).or_else(|| drifts(residual)));
             told.extend(tone(record, residual, drive.as_mut(), &of));
         }
     }

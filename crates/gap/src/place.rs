@@ -39,11 +39,13 @@ pub enum Site {
         velocity: Quantity,
         /// States whose rates the force enters, with sign: -1 where the force is subtracted.
         acts: Vec<(usize, f64)>,
+        /// Outputs that the force enters, with sign: what a force cell under prescribed motion reads.
+        shows: Vec<(usize, f64)>,
         /// The velocity state whose units the force takes.
         state: usize,
     },
-    /// Sensors of these states.
-    Sensor(Vec<usize>),
+    /// Sensors of the columns with these names.
+    Sensor(Vec<String>),
 }
 
 impl Place {
@@ -92,6 +94,7 @@ pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
                 displacement: displacement(v).map(plain),
                 velocity: plain(v),
                 acts: vec![(v, -1.0)],
+                shows: vec![],
                 state: v,
             },
         });
@@ -108,6 +111,7 @@ pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
                     displacement: Some(difference(system, &plain(x), &plain(y))),
                     velocity: difference(system, &plain(a), &plain(b)),
                     acts: vec![(a, -1.0), (b, 1.0)],
+                    shows: vec![],
                     state: a,
                 },
             });
@@ -128,6 +132,7 @@ pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
                     displacement: Some(difference(system, &plain(x), &u)),
                     velocity: difference(system, &plain(v), &du),
                     acts: vec![(v, -1.0)],
+                    shows: vec![],
                     state: v,
                 },
             });
@@ -138,13 +143,17 @@ pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
         // that a spring could use.
         if !all.iter().any(|p: &Place| p.at == at) {
             let velocity = Quantity { text: format!("({at})"), node };
-            let site = Site::Force { displacement: None, velocity, acts: vec![(v, -1.0)], state: v };
+            let site =
+                Site::Force { displacement: None, velocity, acts: vec![(v, -1.0)], shows: vec![], state: v };
             all.push(Place { at, site });
         }
     }
-    let measured: Vec<usize> =
-        (0..states.len()).filter(|&k| plans.iter().any(|p| is_measured(p, &states[k].name, k))).collect();
-    all.extend(measured.iter().map(|&k| Place { at: states[k].name.clone(), site: Site::Sensor(vec![k]) }));
+    let names: Vec<String> = system.quantities().take(system.columns()).map(|(n, _)| n.to_owned()).collect();
+    let shown = |k: &usize| plans.iter().any(|p| is_measured(p, &names[*k], *k));
+    let measured: Vec<String> = (0..names.len()).filter(shown).map(|k| names[k].clone()).collect();
+    all.extend(
+        measured.iter().map(|name| Place { at: name.clone(), site: Site::Sensor(vec![name.clone()]) }),
+    );
     if measured.len() > 1 {
         all.push(Place { at: "motion".into(), site: Site::Sensor(measured) });
     }
@@ -175,10 +184,10 @@ fn belts(system: &System, bodies: &[usize]) -> Vec<(usize, String, Id)> {
     system.contacts.iter().filter_map(&mut of).collect()
 }
 
-fn is_measured(plan: &RecordPlan, name: &str, state: usize) -> bool {
+fn is_measured(plan: &RecordPlan, name: &str, column: usize) -> bool {
     match &plan.origin {
         phisindy_phys::Origin::Csv(csv) => csv.columns.iter().any(|(n, _)| n.value == name),
-        phisindy_phys::Origin::Synthetic(s) => s.measured_states[state],
+        phisindy_phys::Origin::Synthetic(s) => s.measured_columns[column],
     }
 }
 

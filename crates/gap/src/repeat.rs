@@ -168,6 +168,7 @@ mod tests {
             sensors: vec![],
             start: vec![],
             continues: None,
+            sizes: vec![],
             derivations: vec![],
             notes: vec![],
         }

@@ -4,6 +4,7 @@
 mod free_columns;
 mod gram;
 mod grid;
+mod readings;
 mod regression_data;
 mod regressors;
 mod response;
@@ -76,7 +77,10 @@ pub(crate) fn screen(
         .par_iter()
         .enumerate()
         .map(|(k, effect)| match &effect.place.site {
-            Site::Sensor(states) => (None, sensor_trials(k, effect, states, &data)),
+            Site::Sensor(names) => {
+                let columns: Vec<usize> = names.iter().filter_map(|name| system.column(name)).collect();
+                (None, sensor_trials(k, effect, &columns, &data))
+            }
             Site::Force { .. } => match Regressors::new(effect, system) {
                 Some(regressors) => {
                     let trials = force_trials(k, effect, &regressors, system, &data);

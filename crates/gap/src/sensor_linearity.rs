@@ -35,7 +35,7 @@ pub(crate) fn sensor_nonlinearity(last: &Fitted, noise: &[Vec<f64>]) -> Option<(
 fn straightened(of: &Fitted) -> Option<(TrialModel, Named, f64)> {
     let mut model = of.settled();
     let mut worst: Option<(f64, Named)> = None;
-    for (state, name) in of.model.system.states.iter().map(|s| s.name.clone()).enumerate() {
+    for (state, (name, _)) in of.model.system.quantities().take(of.model.system.columns()).enumerate() {
         // One sensor reads the column in all records: its bend is found on the Fit records.
         let (mut normal, mut right) = ([[0.0; 2]; 2], [0.0; 2]);
         let records = || of.model.records.iter().zip(&of.cal.records);
@@ -64,7 +64,7 @@ fn straightened(of: &Fitted) -> Option<(TrialModel, Named, f64)> {
                 return None;
             }
             if worst.as_ref().is_none_or(|(most, _)| size > *most) {
-                worst = Some((size, Named { record: record.name.clone(), column: name.clone() }));
+                worst = Some((size, Named { record: record.name.clone(), column: name.to_owned() }));
             }
             let mean = column.iter().sum::<f64>() / column.len().max(1) as f64;
             let bend = column.iter().map(|y| a * (y - mean).powi(2) + b * (y - mean).powi(3));

@@ -50,7 +50,7 @@ pub fn gap(
 ) -> Result<Gap, GapError> {
     suitable(&case.system, &records)?;
     let noise = noise_of(&records);
-    mostly_noise(&case.system, &records, &noise)?;
+    mostly_noise(&records, &noise)?;
     let unreadable = || GapError::Data(DataError::Spec(text.to_owned()));
     let (spec, _) = spec::read(text, SourceId(0)).map_err(|_| unreadable())?;
     let mut warnings = Vec::new();
@@ -94,10 +94,10 @@ fn suitable(system: &System, records: &[Record]) -> Result<(), GapError> {
 }
 
 /// Rejects a Fit record whose columns are all mostly noise: any model would leave noise.
-fn mostly_noise(system: &System, records: &[Record], noise: &[Vec<f64>]) -> Result<(), GapError> {
+fn mostly_noise(records: &[Record], noise: &[Vec<f64>]) -> Result<(), GapError> {
     for (record, noise) in records.iter().zip(noise).filter(|(r, _)| r.role == Role::Fit) {
-        let share = |k: usize| record.columns[k].as_ref().map(|c| noise[k] / standard_deviation(c));
-        let shares: Vec<f64> = (0..system.states.len()).filter_map(share).collect();
+        let columns = record.columns.iter().flatten();
+        let shares: Vec<f64> = columns.zip(noise).map(|(c, noise)| noise / standard_deviation(c)).collect();
         if shares.iter().all(|s| *s > MOSTLY_NOISE) {
             let share = shares.iter().copied().fold(1.0, f64::min);
             return Err(GapError::Data(DataError::MostlyNoise { record: record.name.clone(), share }));
@@ -127,8 +127,8 @@ fn floor(case: &Case, records: &[Record], noise: &[Vec<f64>]) -> (Vec<ColumnRepe
     let (mut sum, mut count) = (0.0, 0usize);
     let mut periodic = true;
     for (r, record) in records.iter().enumerate() {
-        for (k, column) in record.columns.iter().enumerate() {
-            let Some(column) = column else { continue };
+        let measured = record.columns.iter().enumerate().filter_map(|(k, c)| Some((k, c.as_ref()?)));
+        for ((k, column), noise) in measured.zip(&noise[r]) {
             let counts = !validates || record.role == Role::Validate;
             // The larger of the scatter within a record and the change from one half to the next.
             let own = repeatability(record, column).filter(|r| {
@@ -145,12 +145,12 @@ fn floor(case: &Case, records: &[Record], noise: &[Vec<f64>]) -> (Vec<ColumnRepe
             match larger {
                 Some(found) => {
                     if counts {
-                        sum += (found.rms / noise[r][k]).powi(2) * column.len() as f64;
+                        sum += (found.rms / noise).powi(2) * column.len() as f64;
                         count += column.len();
                     }
                     all.push(ColumnRepeat {
                         record: record.name.clone(),
-                        column: case.system.states[k].name.clone(),
+                        column: case.system.measured(k).0.to_owned(),
                         repeat: found,
                     });
                 }

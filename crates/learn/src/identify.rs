@@ -11,6 +11,7 @@ use crate::result::record_fit::RecordFit;
 use crate::result::requirements::requirements;
 use crate::result::warning::Warning;
 use crate::step::method::by_steps;
+use crate::trajectory::initial::sized;
 use crate::trajectory::method::by_trajectory;
 use phisindy_phys::spec::{Method, Role};
 use phisindy_phys::{Case, Record, System};
@@ -61,6 +62,8 @@ pub fn identify(
     for record in &fitted {
         suitable(&case.system, record)?;
     }
+    let sized = sized(&case.system, records);
+    let records = &sized[..];
     let mut found = match options.method.or(case.learn.method).unwrap_or(Method::Trajectory) {
         Method::Step => by_steps(case, records, observe),
         Method::Trajectory => by_trajectory(case, records, observe),
@@ -110,7 +113,7 @@ fn suitable(system: &System, record: &Record) -> Result<(), LearnError> {
 pub fn dead_column(system: &System, record: &Record) -> Option<DataError> {
     let still = |c: &Option<Vec<f64>>| c.as_ref().is_some_and(|c| c.iter().all(|v| *v == c[0]));
     let k = record.columns.iter().position(still)?;
-    let column = system.states[k].name.clone();
+    let column = system.measured(k).0.to_owned();
     Some(DataError::ConstantColumn { record: record.name.clone(), column })
 }
 

@@ -42,4 +42,4 @@ pub use trajectory::calibrate::{
     Calibration, Effort, RESTART_RANGE, calibrate, segment_cost, single_run_cost,
 };
 pub use trajectory::free_run::predicted;
-pub use trajectory::initial::smoothed;
+pub use trajectory::initial::{sized, smoothed};

@@ -136,7 +136,7 @@ pub fn bound(
             let start = match &runs[r] {
                 Some(run) if first > 0.0 => {
                     let row = (first / s.step).round() as usize;
-                    run.states[row * run.n..(row + 1) * run.n].to_vec()
+                    run.state_at(row).to_vec()
                 }
                 _ => s.start.clone(),
             };
@@ -148,7 +148,7 @@ pub fn bound(
         .iter()
         .enumerate()
         .map(|(i, &r)| {
-            (0..case.system.states.len())
+            (0..case.system.columns())
                 .map(|k| {
                     let d = problem.deviations[i][k];
                     let floor = NOISE_FLOOR * d;

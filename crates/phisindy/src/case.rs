@@ -79,7 +79,7 @@ impl Case {
     /// There is no time, a name is unknown or repeated, columns differ in length, a number is not finite, or
     /// the time does not grow.
     pub fn record<C: AsRef<[f64]>>(&self, columns: &[(&str, C)]) -> Result<Record, RecordError> {
-        let names: Vec<&str> = self.states().chain(self.inputs()).collect();
+        let names: Vec<&str> = self.checked.system.quantities().map(|(name, _)| name).collect();
         Record::measured(columns, &names)
     }
 

@@ -17,9 +17,9 @@ pub struct Motion {
     pub record: String,
     /// Seconds.
     pub time: Vec<f64>,
-    /// Names of the states and what would be measured of each: with its sensor where the record has a column
+    /// Names of the states and outputs, and what would be measured of each: with its sensor where the record has a column
     /// of it, else the state itself.
-    pub states: Vec<(String, Vec<f64>)>,
+    pub columns: Vec<(String, Vec<f64>)>,
     /// Whether a model predicts it; false for the truth of a synthetic record.
     pub predicted: bool,
 }
@@ -27,7 +27,7 @@ pub struct Motion {
 impl Motion {
     /// The samples of a state.
     pub fn state(&self, name: &str) -> Option<&[f64]> {
-        self.states.iter().find(|(n, _)| n == name).map(|(_, values)| values.as_slice())
+        self.columns.iter().find(|(n, _)| n == name).map(|(_, values)| values.as_slice())
     }
 }
 
@@ -76,10 +76,10 @@ impl Loaded {
                 _ => free_run(system, record)
                     .map_err(|error| Error::Simulate { record: record.name.clone(), error })?,
             };
-            let names = system.states.iter().map(|s| s.name.clone());
-            let states = names.zip::<Vec<Vec<f64>>>(columns).collect();
+            let names = system.quantities().map(|(name, _)| name.to_owned());
+            let columns = names.zip::<Vec<Vec<f64>>>(columns).collect();
             let (record, time) = (record.name.clone(), record.time.to_vec());
-            Ok(Motion { record, time, states, predicted: truth.is_none() })
+            Ok(Motion { record, time, columns, predicted: truth.is_none() })
         };
         self.records.iter().zip(&self.truths).zip(self.simulated()).map(one).collect()
     }
@@ -92,6 +92,12 @@ fn free_run(system: &System, record: &phys::Record) -> Result<Vec<Vec<f64>>, Sim
     let mut filled = record.clone();
     // A state that cannot be derived is asked for below, unless the spec states where it starts.
     let _ = filled.fill_velocities(system, Differentiator::default());
+    let told = phisindy_learn::smoothed(system, record).columns;
+    for (column, told) in filled.columns[..system.states.len()].iter_mut().zip(told) {
+        if column.is_none() {
+            *column = told;
+        }
+    }
     let start = system.states.iter().enumerate().map(|(k, state)| {
         let sensor = &record.sensors[k];
         let first = filled.columns[k].as_ref().map(|c| {

@@ -52,15 +52,19 @@ pub fn suspicions(system: &System, record: &Record) -> Vec<Suspicion> {
     let mut found = Vec::new();
     missing_samples(record, &mut found);
     let before = found.len();
-    for (state, column) in system.states.iter().zip(&record.columns) {
-        if let Some(column) = column {
-            constant(&state.name, column, &mut found);
-            clipped_range(&state.name, column, false, &mut found);
-            let velocity = state.velocity.map(|v| record.columns[v].as_deref());
+    for (k, (name, _)) in system.quantities().take(system.columns()).enumerate() {
+        if let Some(column) = &record.columns[k] {
+            constant(name, column, &mut found);
+            // What a sensor reads of a force or an acceleration may have a flat top where friction holds.
+            if k < system.states.len() {
+                clipped_range(name, column, false, &mut found);
+            }
+            let velocity =
+                system.states.get(k).and_then(|s| s.velocity).map(|v| record.columns[v].as_deref());
             // Every step of a coarsely quantised or repeated column would be reported as a jump.
-            let few = quantised(&state.name, column, &mut found);
-            if !repeated(&state.name, column, None, &mut found) && !few {
-                faulty_samples(&record.time, &state.name, column, velocity, &mut found);
+            let few = quantised(name, column, &mut found);
+            if !repeated(name, column, None, &mut found) && !few && k < system.states.len() {
+                faulty_samples(&record.time, name, column, velocity, &mut found);
             }
         }
     }

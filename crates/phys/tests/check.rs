@@ -66,7 +66,7 @@ fn each_mistake_is_told_with_what_to_do() {
             and(r#"interpolate: { "w": Hold }"#),
             "unknown input in `interpolate` `w` | known here: u, du",
         ),
-        (noise, and(r#"measure: ["u"]"#), "no state is measured, so there is nothing to fit | "),
+        (noise, and(r#"measure: ["u"]"#), "no state or output is measured, so there is nothing to fit | "),
         (
             noise,
             and(r#"measure: ["x", "z"]"#),

@@ -10,6 +10,7 @@
 //! ```
 
 mod autocorrelation;
+mod band;
 mod blocks;
 mod derivative;
 mod fft;
@@ -27,6 +28,7 @@ mod trend;
 mod whiteness;
 
 pub use autocorrelation::{autocorrelation, effective_samples};
+pub use band::lowest_frequency;
 pub use blocks::Blocks;
 pub use derivative::{Differentiated, Differentiator, Smoothing, automatic, differentiate};
 pub use grid::mean_step;

@@ -17,6 +17,8 @@ pub struct Automaton {
     pub inputs: usize,
     /// How many parameters.
     pub parameters: usize,
+    /// How many outputs.
+    pub outputs: usize,
     /// The surfaces.
     pub switches: Vec<Switch>,
     /// `dx/dt`: n outputs.
@@ -25,6 +27,9 @@ pub struct Automaton {
     pub(crate) surface: Tape,
     /// `w` (c), `dw/dx` (c x n): what keeps a contact at rest.
     pub(crate) rest: Tape,
+    /// `y` (q), its drift (q), `dy/dx` (q x n), `dy/ds` (q x c), `dy/dp` (q x p), then drift (c), `d/dx` (c x n)
+    /// and `d/dp` (c x p) of `dw/dt`: see [`crate::output`].
+    pub(crate) output: Tape,
     /// Derivatives, for sensitivities: see [`crate::sensitivity`].
     pub(crate) jacobian: Tape,
 }
@@ -67,7 +72,18 @@ impl Automaton {
 
         let rest: Vec<Id> = s.surfaces.iter().chain(&s.normals).copied().collect();
 
-        let Switched { graph, switches, modes, rates, surfaces, surface_rates, .. } = &mut switched;
+        let Switched {
+            graph,
+            switches,
+            modes,
+            rates,
+            surfaces,
+            surface_rates,
+            outputs,
+            output_drifts,
+            surface_drifts,
+            ..
+        } = &mut switched;
         let mut derivatives = Vec::new();
         for (of, wrt) in [
             (&*rates, &model.states),
@@ -79,14 +95,26 @@ impl Automaton {
         ] {
             of.iter().for_each(|&f| derivatives.extend(graph.gradient(f, wrt)));
         }
+        let mut read: Vec<Id> = outputs.iter().chain(output_drifts.iter()).copied().collect();
+        if !outputs.is_empty() {
+            for wrt in [&model.states, &*modes, &model.parameters] {
+                outputs.iter().for_each(|&y| read.extend(graph.gradient(y, wrt)));
+            }
+            read.extend(surface_drifts.iter());
+            for wrt in [&model.states, &model.parameters] {
+                surface_rates.iter().for_each(|&r| read.extend(graph.gradient(r, wrt)));
+            }
+        }
         Ok(Automaton {
             states: (0..model.states.len()).map(|k| model.state_name(k).to_owned()).collect(),
             inputs: model.inputs.len(),
             parameters: model.parameters.len(),
+            outputs: model.outputs.len(),
             switches: std::mem::take(switches),
             flow: Tape::compile(graph, &inputs, rates)?,
             surface: Tape::compile(graph, &inputs, &surface)?,
             rest: Tape::compile(graph, &inputs, &rest)?,
+            output: Tape::compile(graph, &inputs, &read)?,
             jacobian: Tape::compile(graph, &inputs, &derivatives)?,
         })
     }

@@ -7,7 +7,7 @@ use crate::decisions::{
 };
 use crate::dopri::{C, STAGES};
 use crate::state::Run;
-use crate::trajectory::SimError;
+use crate::trajectory::{Jump, SimError};
 
 /// The result of the search for an event in a step.
 pub(crate) enum Search {
@@ -170,6 +170,15 @@ impl Run<'_> {
         Ok(())
     }
 
+    /// The outputs at the present point in the present modes.
+    fn shown(&mut self) -> Vec<f64> {
+        if self.field.automaton.outputs == 0 {
+            return vec![];
+        }
+        self.field.evaluate_outputs(self.t, &self.x);
+        (0..self.field.automaton.outputs).map(|k| self.field.output(k)).collect()
+    }
+
     /// Whether a slipping switch is on its surface and about to cross it.
     fn is_due(&self, c: usize) -> bool {
         let (s, w, rate) = (self.field.modes[c], self.here.w[c], self.here.rate[c]);
@@ -194,10 +203,18 @@ impl Run<'_> {
             // The state is within rounding of the surface: project it exactly.
             self.field.project(c, &mut self.x);
             let old = self.rates.clone();
+            let shown = self.shown();
             self.field.resolve(&[c], self.t, &self.x);
             self.field.rates(self.t, &self.x, &mut self.rates);
+            let mut moves = vec![];
             if let (Some(s), Some(by_parameter)) = (&mut self.sensitivity, by_parameter) {
-                s.jump(&normal, &by_parameter, w_rate, &old[..n], &self.rates[..n]);
+                moves = s.time_of_event(&normal, &by_parameter, w_rate);
+                s.jump(&moves, &old[..n], &self.rates[..n]);
+            }
+            let by: Vec<f64> =
+                self.shown().iter().zip(&shown).map(|(after, before)| after - before).collect();
+            if by.iter().any(|jump| *jump != 0.0) {
+                self.out.jumps.push(Jump { time: self.t, by, moves });
             }
         }
         self.record(&before);

@@ -14,6 +14,7 @@ pub(crate) struct Field<'a> {
     flow: Scratch<1>,
     surface: Scratch<1>,
     rest: Scratch<1>,
+    output: Scratch<1>,
     jacobian: Option<Scratch<1>>,
     hints: Vec<usize>,
     /// Inputs are read just before this time at the latest: a step that ends where an input jumps must not
@@ -53,6 +54,7 @@ impl<'a> Field<'a> {
             flow: scratch(&automaton.flow),
             surface: scratch(&automaton.surface),
             rest: scratch(&automaton.rest),
+            output: scratch(&automaton.output),
             jacobian: sensitivities.then(|| scratch(&automaton.jacobian)),
             hints: vec![0; automaton.inputs],
             left_of: None,
@@ -77,6 +79,7 @@ impl<'a> Field<'a> {
             Which::Flow => &mut self.flow,
             Which::Surface => &mut self.surface,
             Which::Rest => &mut self.rest,
+            Which::Output => &mut self.output,
             Which::Jacobian => self.jacobian.as_mut().expect("made for a run with sensitivities"),
         };
         let (n, u, p) = (x.len(), self.automaton.inputs, self.automaton.parameters);
@@ -248,6 +251,73 @@ impl<'a> Field<'a> {
         (0..self.switches()).map(|c| self.sign(c)).collect()
     }
 
+    /// Evaluates the outputs and their derivatives at a point; returns the contacts that stick there.
+    pub(crate) fn evaluate_outputs(&mut self, t: f64, x: &[f64]) -> Vec<usize> {
+        let set: Vec<usize> = (0..self.switches()).filter(|&c| self.stuck[c]).collect();
+        if !set.is_empty() {
+            self.solve_stuck_modes(t, x);
+        }
+        self.write(Which::Output, t, x);
+        self.output.run();
+        set
+    }
+
+    fn output_at(&self, k: usize) -> f64 {
+        self.output.output(k)[0]
+    }
+
+    /// Numbers of outputs, states, switches and parameters.
+    fn sizes(&self) -> (usize, usize, usize, usize) {
+        let a = self.automaton;
+        (a.outputs, a.states.len(), self.switches(), a.parameters)
+    }
+
+    /// `y_k`, after [`Field::evaluate_outputs`].
+    pub(crate) fn output(&self, k: usize) -> f64 {
+        self.output_at(k)
+    }
+
+    /// The change of `y_k` with time, states and modes at rest.
+    pub(crate) fn output_by_time(&self, k: usize) -> f64 {
+        self.output_at(self.automaton.outputs + k)
+    }
+
+    /// d y_k / d x_j
+    pub(crate) fn output_by_state(&self, k: usize, j: usize) -> f64 {
+        let (q, n, ..) = self.sizes();
+        self.output_at(2 * q + k * n + j)
+    }
+
+    /// d y_k / d s_c
+    pub(crate) fn output_by_mode(&self, k: usize, c: usize) -> f64 {
+        let (q, n, m, _) = self.sizes();
+        self.output_at(q * (2 + n) + k * m + c)
+    }
+
+    /// d y_k / d p_j
+    pub(crate) fn output_by_parameter(&self, k: usize, j: usize) -> f64 {
+        let (q, n, m, p) = self.sizes();
+        self.output_at(q * (2 + n + m) + k * p + j)
+    }
+
+    /// The change of `dw_c/dt` with time, states and modes at rest.
+    pub(crate) fn rate_by_time(&self, c: usize) -> f64 {
+        let (q, n, m, p) = self.sizes();
+        self.output_at(q * (2 + n + m + p) + c)
+    }
+
+    /// d (dw_c/dt) / d x_j
+    pub(crate) fn rate_by_state(&self, c: usize, j: usize) -> f64 {
+        let (q, n, m, p) = self.sizes();
+        self.output_at(q * (2 + n + m + p) + m + c * n + j)
+    }
+
+    /// d (dw_c/dt) / d p_j
+    pub(crate) fn rate_by_parameter(&self, c: usize, j: usize) -> f64 {
+        let (q, n, m, p) = self.sizes();
+        self.output_at(q * (2 + n + m + p) + m * (1 + n) + c * p + j)
+    }
+
     /// All derivatives at a point in the present modes, after [`Field::solve_stuck_modes`] or
     /// [`Field::rates`] at this point.
     pub(crate) fn derivatives(&mut self, t: f64, x: &[f64]) -> Derivatives<'_> {
@@ -270,6 +340,7 @@ enum Which {
     Flow,
     Surface,
     Rest,
+    Output,
     Jacobian,
 }
 

@@ -69,6 +69,8 @@ impl Run<'_> {
                 let slope = s.slope(&mut self.field, self.t, &self.x);
                 self.out.sensitivities.extend(s.s.iter().zip(slope).map(|(s, f)| s + back * f));
             }
+            let (x, rates) = (self.x.clone(), self.rates[..n].to_vec());
+            self.sample_outputs(self.t, &x, &rates, back);
             self.out.modes.extend((0..self.field.switches()).map(|c| self.field.sign(c)));
             self.next += 1;
         }
@@ -185,6 +187,10 @@ impl Run<'_> {
         self.field.keep_at_rest(self.times[self.next], &mut self.out.states[at..]);
         if let Some(s) = &self.sensitivity {
             self.out.sensitivities.extend(s.dense.values(theta));
+        }
+        if self.field.automaton.outputs > 0 {
+            let (x, rates) = (self.out.states[at..].to_vec(), self.out.rates[at..].to_vec());
+            self.sample_outputs(self.times[self.next], &x, &rates, 0.0);
         }
         self.out.modes.extend((0..self.field.switches()).map(|c| self.field.sign(c)));
         self.next += 1;

@@ -15,7 +15,8 @@ use phisindy_expr::wide;
 /// The derivatives of all states. Columns are the start states, then the free parameters.
 pub(crate) struct Sensitivity {
     n: usize,
-    free: Vec<usize>,
+    /// The parameters to differentiate by.
+    pub(crate) free: Vec<usize>,
     /// Number of columns.
     pub(crate) m: usize,
     /// `S` at the present time, row-major n x m.
@@ -91,26 +92,25 @@ impl Sensitivity {
         self.dense.set(h, &self.start, &self.s, &self.k);
     }
 
-    /// Applies the jump at a switch on its surface, from the rates before and after and the rate of `w`
-    /// before.
-    pub(crate) fn jump(
-        &mut self,
-        normal: &[f64],
-        by_parameter: &[f64],
-        w_rate: f64,
-        before: &[f64],
-        after: &[f64],
-    ) {
-        self.fresh = false;
-        if w_rate == 0.0 || before.iter().zip(after).all(|(b, a)| b == a) {
-            return;
-        }
-        for j in 0..self.m {
+    /// The derivatives of the time of an event on the surface of a switch, from the rate of `w` before it.
+    pub(crate) fn time_of_event(&self, normal: &[f64], by_parameter: &[f64], w_rate: f64) -> Vec<f64> {
+        let of = |j: usize| {
             let mut dw: f64 = (0..self.n).map(|i| normal[i] * self.s[i * self.m + j]).sum();
             if j >= self.n {
                 dw += by_parameter[j - self.n];
             }
-            let dt = -dw / w_rate;
+            -dw / w_rate
+        };
+        if w_rate == 0.0 { vec![0.0; self.m] } else { (0..self.m).map(of).collect() }
+    }
+
+    /// Applies the jump at an event that moves by `times`, from the rates before and after.
+    pub(crate) fn jump(&mut self, times: &[f64], before: &[f64], after: &[f64]) {
+        self.fresh = false;
+        if before.iter().zip(after).all(|(b, a)| b == a) {
+            return;
+        }
+        for (j, dt) in times.iter().enumerate() {
             (0..self.n).for_each(|i| self.s[i * self.m + j] += (before[i] - after[i]) * dt);
         }
     }

@@ -76,10 +76,12 @@ impl<'a> Run<'a> {
         let m = sensitivity.as_ref().map_or(0, |s| s.m);
         let scale = if options.scale.is_empty() { vec![1.0; n] } else { options.scale.clone() };
         assert_eq!(scale.len(), n, "one scale for each state");
-        let mut out = Trajectory { n, m, ..Default::default() };
-        out.states.reserve(times.len() * n);
-        out.rates.reserve(times.len() * n);
-        out.sensitivities.reserve(times.len() * n * m);
+        let outputs = automaton.outputs;
+        let width = n + outputs;
+        let mut out = Trajectory { n: width, outputs, m, ..Default::default() };
+        out.states.reserve(times.len() * width);
+        out.rates.reserve(times.len() * width);
+        out.sensitivities.reserve(times.len() * width * m);
         let span = times.last().map_or(0.0, |end| end - t0).max(f64::MIN_POSITIVE);
         let mut longest = SAMPLES_PER_STEP * span / times.len().max(1) as f64;
         for signal in drive.inputs.iter().filter(|s| s.kind() == Interpolation::Cubic) {

@@ -51,6 +51,12 @@ pub struct Switched {
     pub influence: Vec<Id>,
     /// `dw/dx`, row by row.
     pub normals: Vec<Id>,
+    /// What is read beside the states.
+    pub outputs: Vec<Id>,
+    /// The change of each output with time, states and modes at rest.
+    pub output_drifts: Vec<Id>,
+    /// The same of `dw/dt`, apart from what changes the slope of an input.
+    pub surface_drifts: Vec<Id>,
 }
 
 impl Switched {
@@ -83,6 +89,7 @@ impl Switched {
         let sizes = sizes(&mut graph, &surfaces, &sides, &floors, &margins);
         let with = replacements(&mut graph, &surfaces, &modes, &sizes);
         let rates = graph.replace(&model.rates, &with);
+        let outputs = graph.replace(&model.outputs, &with);
 
         // dw/dt by the chain rule, through states, inputs and time.
         let mut flow_of = model.states.clone();
@@ -100,6 +107,21 @@ impl Switched {
             }
             surface_rates.push(sum);
         }
+        let given: Vec<Id> = model.inputs.iter().copied().chain([model.time]).collect();
+        let moves: Vec<Id> = slopes.iter().copied().chain([one]).collect();
+        let mut drifts = |of: &[Id]| -> Vec<Id> {
+            let mut drift = |&of: &Id| {
+                let gradient = graph.gradient(of, &given);
+                let zero = graph.constant(0.0);
+                gradient.into_iter().zip(&moves).fold(zero, |sum, (g, &v)| {
+                    let share = graph.mul(g, v);
+                    graph.add(sum, share)
+                })
+            };
+            of.iter().map(&mut drift).collect()
+        };
+        let output_drifts = drifts(&outputs);
+        let surface_drifts = if outputs.is_empty() { vec![] } else { drifts(&surface_rates) };
         let influence: Vec<Id> = surface_rates.iter().flat_map(|&r| graph.gradient(r, &modes)).collect();
 
         let switches = (0..surfaces.len()).map(|k| {
@@ -127,18 +149,22 @@ impl Switched {
             surface_rates,
             influence,
             normals,
+            outputs,
+            output_drifts,
+            surface_drifts,
         }
     }
 }
 
-/// Arguments of all signs and steps in the rates that can change during a run. An argument and its negative
+/// Arguments of all signs and steps in the rates and outputs that can change during a run. An argument and its negative
 /// are one surface.
 fn surfaces(graph: &mut Graph, model: &Model) -> Vec<Id> {
     let mut moving = model.states.clone();
     moving.extend(&model.inputs);
     moving.push(model.time);
     let mut surfaces: Vec<Id> = Vec::new();
-    for id in graph.reachable(&model.rates) {
+    let roots: Vec<Id> = model.rates.iter().chain(&model.outputs).copied().collect();
+    for id in graph.reachable(&roots) {
         if let Node::Unary(Unary::Sgn | Unary::Step, w) = graph.node(id) {
             let minus = graph.neg(w);
             if !surfaces.contains(&w) && !surfaces.contains(&minus) && graph.uses(&[w], &moving) {

@@ -74,9 +74,8 @@ pub fn synthesize(
     let run = simulate_truth(truth, &inputs, &constants, &time).map_err(SyntheticError::Simulation)?;
 
     let rows = window_rows(truth, &time)?;
-    let n = system.states.len();
     let sensors = Sensors { plan, truth, system, streams, time: &time, rows: &rows };
-    let columns = (0..n).map(|k| sensors.state(k, &run)).collect::<Result<_, _>>()?;
+    let columns = (0..system.columns()).map(|k| sensors.column(k, &run)).collect::<Result<_, _>>()?;
     let recorded_time: Arc<[f64]> = rows.iter().map(|&k| time[k]).collect();
     let mut recorded = sensors.inputs(exact_inputs, &recorded_time)?;
     let (notes, derivations) = derive_inputs(plan, truth, system, &recorded_time, &mut recorded)?;
@@ -92,8 +91,9 @@ pub fn synthesize(
         inputs,
         constants,
         sensors: plan.sensors.clone(),
-        start: vec![None; n],
+        start: vec![None; system.states.len()],
         continues: None,
+        sizes: vec![],
         derivations,
         notes,
     };
@@ -225,7 +225,7 @@ fn window_rows(truth: &Synthetic, time: &[f64]) -> Result<Vec<usize>, SyntheticE
     Ok(rows)
 }
 
-/// The sensors of a record: states first, then inputs.
+/// The sensors of a record: states first, then outputs, then inputs.
 struct Sensors<'a> {
     plan: &'a RecordPlan,
     truth: &'a Synthetic,
@@ -252,16 +252,16 @@ impl Sensors<'_> {
         values
     }
 
-    /// The column of a state; `None` if it is not measured.
-    fn state(&self, k: usize, run: &Trajectory) -> Result<Option<Vec<f64>>, SyntheticError> {
+    /// The column of a state or output; `None` if it is not measured.
+    fn column(&self, k: usize, run: &Trajectory) -> Result<Option<Vec<f64>>, SyntheticError> {
         let read = || self.read(run.column(k), k, Interpolation::Cubic);
-        let measured = self.truth.measured_states[k].then(read).transpose()?;
-        Ok(measured.map(|values| self.noisy(values, &self.system.states[k].name)))
+        let measured = self.truth.measured_columns[k].then(read).transpose()?;
+        Ok(measured.map(|values| self.noisy(values, self.system.measured(k).0)))
     }
 
     /// The columns of all inputs, with the known properties of their sensors removed again.
     fn inputs(&self, exact: Vec<Vec<f64>>, time: &Arc<[f64]>) -> Result<Vec<Vec<f64>>, SyntheticError> {
-        let (n, interpolation) = (self.system.states.len(), &self.plan.interpolation);
+        let (n, interpolation) = (self.system.columns(), &self.plan.interpolation);
         let mut columns: Vec<Vec<f64>> = Vec::new();
         for (k, values) in exact.into_iter().enumerate() {
             let values = self.read(values, n + k, interpolation[k])?;
@@ -332,7 +332,7 @@ fn simulate_truth(
         }
     }
     let (run, smallest) = tried?;
-    let largest = |k: usize| run.states.iter().skip(k).step_by(n).fold(0.0_f64, |m, x| m.max(x.abs()));
+    let largest = |k: usize| run.states.iter().skip(k).step_by(run.n).fold(0.0_f64, |m, x| m.max(x.abs()));
     let scale =
         (0..n).map(|k| if largest(k) > COARSE_TOLERANCE * smallest { largest(k) } else { 1.0 }).collect();
     let fine = Options { tolerance: TRUTH_TOLERANCE, scale, ..Default::default() };

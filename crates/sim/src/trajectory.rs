@@ -58,24 +58,39 @@ pub struct Event {
     pub to: i8,
 }
 
+/// A jump of outputs at an event.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Jump {
+    /// When.
+    pub time: f64,
+    /// By how much each output jumps.
+    pub by: Vec<f64>,
+    /// d time / d (start, parameter); empty without sensitivities.
+    pub moves: Vec<f64>,
+}
+
 /// A sampled run.
 #[derive(Clone, Debug, Default)]
 pub struct Trajectory {
-    /// Number of states.
+    /// Number of columns: the states, then the outputs.
     pub n: usize,
+    /// Number of outputs among them.
+    pub outputs: usize,
     /// Number of columns of the sensitivities: start states, then the free parameters; 0 without
     /// sensitivities.
     pub m: usize,
-    /// States, row-major samples x n.
+    /// States and outputs, row-major samples x n.
     pub states: Vec<f64>,
-    /// Their rates of change, row-major samples x n, from the interpolant of the steps.
+    /// Their rates of change, row-major samples x n; those of the states from the interpolant of the steps.
     pub rates: Vec<f64>,
-    /// d state / d (start, parameter), row-major samples x n x m.
+    /// d column / d (start, parameter), row-major samples x n x m.
     pub sensitivities: Vec<f64>,
     /// Mode of each switch, row-major samples x switches.
     pub modes: Vec<i8>,
     /// All changes of mode.
     pub events: Vec<Event>,
+    /// The events at which an output jumps.
+    pub jumps: Vec<Jump>,
     /// Steps that were accepted.
     pub steps: usize,
     /// Rejected steps.
@@ -85,9 +100,19 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// One state as a column.
-    pub fn column(&self, state: usize) -> Vec<f64> {
-        self.states.iter().skip(state).step_by(self.n.max(1)).copied().collect()
+    /// One state or output as a column.
+    pub fn column(&self, index: usize) -> Vec<f64> {
+        self.states.iter().skip(index).step_by(self.n.max(1)).copied().collect()
+    }
+
+    /// Number of samples.
+    pub fn samples(&self) -> usize {
+        self.states.len() / self.n.max(1)
+    }
+
+    /// The states at a sample.
+    pub fn state_at(&self, sample: usize) -> &[f64] {
+        &self.states[sample * self.n..][..self.n - self.outputs]
     }
 }
 

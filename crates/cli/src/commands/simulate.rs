@@ -50,9 +50,10 @@ pub(crate) fn simulate(spec: &Path, record: Option<&str>, options: &Options) -> 
 /// Writes all records of the case below one another; several are told apart by a first column.
 fn write(loaded: &Loaded, runs: &[Motion], out: &mut dyn Write) -> Result<()> {
     let system = &loaded.case.system;
-    let states = 0..system.states.len();
+    let names: Vec<&str> = system.quantities().take(system.columns()).map(|(name, _)| name).collect();
+    let columns = 0..names.len();
     let measured: Vec<usize> =
-        states.clone().filter(|&k| loaded.records.iter().any(|r| r.columns[k].is_some())).collect();
+        columns.clone().filter(|&k| loaded.records.iter().any(|r| r.columns[k].is_some())).collect();
     let several = loaded.records.len() > 1;
     let kinds: Vec<bool> =
         [false, true].into_iter().filter(|&kind| runs.iter().any(|r| r.predicted == kind)).collect();
@@ -62,10 +63,10 @@ fn write(loaded: &Loaded, runs: &[Motion], out: &mut dyn Write) -> Result<()> {
         header.push("record".to_owned());
     }
     header.push("t".to_owned());
-    header.extend(measured.iter().map(|&k| system.states[k].name.clone()));
+    header.extend(measured.iter().map(|&k| names[k].to_owned()));
     for &predicted in &kinds {
         let ending = if predicted { "model" } else { "true" };
-        header.extend(system.states.iter().map(|s| format!("{}_{ending}", s.name)));
+        header.extend(names.iter().map(|name| format!("{name}_{ending}")));
     }
     header.extend(system.inputs.iter().map(|u| u.name.clone()));
     writer.write_record(&header)?;
@@ -81,9 +82,9 @@ fn write(loaded: &Loaded, runs: &[Motion], out: &mut dyn Write) -> Result<()> {
             );
             for &predicted in &kinds {
                 let cell = |k: usize| {
-                    if run.predicted == predicted { number(run.states[k].1[i]) } else { String::new() }
+                    if run.predicted == predicted { number(run.columns[k].1[i]) } else { String::new() }
                 };
-                row.extend(states.clone().map(cell));
+                row.extend(columns.clone().map(cell));
             }
             row.extend(record.inputs.iter().map(|signal| number(signal.value(record.time[i]))));
             writer.write_record(&row)?;

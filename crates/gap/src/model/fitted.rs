@@ -87,15 +87,15 @@ impl Fitted {
         (rise < chance && whiteness < NOT_WHITE).then_some((cal, whiteness))
     }
 
-    /// Noise of every column from the residuals, by record and state. For a model with white residuals this
-    /// is better than the estimate from the columns, where the motion covers most of the spectrum.
+    /// Noise of every measured column from the residuals, by record. For a model with white residuals this is
+    /// better than the estimate from the columns, where the motion covers most of the spectrum.
     pub(crate) fn noise(&self, noise: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let of = |residual: &Vec<f64>, noise: f64| {
-            if residual.is_empty() { noise } else { noise_level(residual).max(f64::MIN_POSITIVE) }
+        let of = |(k, &own): (usize, &f64), residuals: &[&Vec<f64>]| {
+            residuals.get(k).map_or(own, |e| noise_level(e).max(f64::MIN_POSITIVE))
         };
         let record = |r: usize| {
-            let residuals = &self.cal.records[r].residuals;
-            noise[r].iter().enumerate().map(|(k, &s)| residuals.get(k).map_or(s, |e| of(e, s))).collect()
+            let residuals: Vec<&Vec<f64>> = measured(&self.cal.records[r]).collect();
+            noise[r].iter().enumerate().map(|own| of(own, &residuals)).collect()
         };
         (0..noise.len()).map(record).collect()
     }
@@ -119,7 +119,7 @@ impl Fitted {
         let (mut sum, mut count) = (0.0, 0usize);
         let records = other.cal.records.iter().zip(&self.cal.records).zip(noise);
         for ((other, own), noise) in records.filter(|((own, _), _)| own.role == Role::Fit) {
-            for ((a, b), noise) in other.residuals.iter().zip(&own.residuals).zip(noise) {
+            for ((a, b), noise) in measured(other).zip(measured(own)).zip(noise) {
                 sum += a.iter().zip(b).map(|(a, b)| ((a - b) / noise).powi(2)).sum::<f64>();
                 count += a.len();
             }
@@ -199,6 +199,11 @@ fn whiteness(cal: &Calibration, records: &[Record], of: impl Fn(&RecordFit) -> b
     worst
 }
 
+/// The residuals of the measured columns of a record; none where its run fails.
+pub(crate) fn measured(fit: &RecordFit) -> impl Iterator<Item = &Vec<f64>> {
+    fit.residuals.iter().filter(|residual| !residual.is_empty())
+}
+
 /// Indices of the records of one role.
 fn of(cal: &Calibration, role: Role) -> Vec<usize> {
     (0..cal.records.len()).filter(|&r| cal.records[r].role == role).collect()
@@ -211,7 +216,7 @@ fn power(cal: &Calibration, noise: &[Vec<f64>], of: &[usize]) -> (f64, usize) {
         if cal.records[r].run.is_none() {
             return (f64::INFINITY, 1);
         }
-        for (residual, noise) in cal.records[r].residuals.iter().zip(&noise[r]) {
+        for (residual, noise) in measured(&cal.records[r]).zip(&noise[r]) {
             sum += residual.iter().map(|e| (e / noise).powi(2)).sum::<f64>();
             count += residual.len();
         }

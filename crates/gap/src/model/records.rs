@@ -5,14 +5,10 @@ use phisindy_phys::Record;
 use phisindy_phys::spec::Role;
 use phisindy_signal::{noise_level, standard_deviation};
 
-/// Noise of every column by record and state, from the spectrum above the motion: it needs no model.
+/// Noise of every measured column by record, from the spectrum above the motion: it needs no model.
 pub(crate) fn noise_of(records: &[Record]) -> Vec<Vec<f64>> {
-    let of = |column: &Option<Vec<f64>>| {
-        column
-            .as_ref()
-            .map_or(1.0, |c| noise_level(c).max(CLEAN_COLUMN * standard_deviation(c)).max(f64::MIN_POSITIVE))
-    };
-    records.iter().map(|r| r.columns.iter().map(of).collect()).collect()
+    let of = |c: &Vec<f64>| noise_level(c).max(CLEAN_COLUMN * standard_deviation(c)).max(f64::MIN_POSITIVE);
+    records.iter().map(|r| r.columns.iter().flatten().map(of).collect()).collect()
 }
 
 /// Records cut to the length that the search uses; `None` if none is long.

@@ -66,21 +66,22 @@ pub(crate) fn text_with(
     // The rates, extended effect by effect.
     let mut rates: Vec<(String, String)> =
         spec.known.iter().map(|(name, rate)| (name.value.clone(), rate.value.clone())).collect();
+    let mut outputs: Vec<(String, String)> =
+        spec.outputs.iter().map(|(name, output)| (name.value.clone(), output.reads.value.clone())).collect();
     let mut contacts: Vec<String> = spec.contacts.iter().map(|c| c.value.clone()).collect();
     for applied in &model.effects {
         constants(&mut text, model, applied)?;
         match &applied.effect.place.site {
-            Site::Sensor(states) => {
+            Site::Sensor(columns) => {
                 let which = applied.effect.entry.law.sensor.as_deref().unwrap_or_default();
                 for record in 0..spec.data.len() {
-                    for &state in states {
-                        let name = &model.system.states[state].name;
+                    for name in columns {
                         let path = format!("data.{record}.sensors.{name}.{which}");
                         text.set(&path, &format!("\"{}\"", applied.names[0]))?;
                     }
                 }
             }
-            Site::Force { acts, .. } => {
+            Site::Force { acts, shows, .. } => {
                 internal(&mut text, model, applied)?;
                 let force = force_text(applied).unwrap_or_default();
                 for &(state, sign) in acts {
@@ -91,6 +92,13 @@ pub(crate) fn text_with(
                     let Some((_, rate)) = rates.iter_mut().find(|(n, _)| n == name) else { continue };
                     *rate = format!("{rate} {sign} ({force}){over}");
                     text.set(&format!("known.{name}"), &format!("\"{rate}\""))?;
+                }
+                for &(output, sign) in shows {
+                    let name = &model.system.outputs[output].name;
+                    let sign = if sign < 0.0 { '-' } else { '+' };
+                    let Some((_, reads)) = outputs.iter_mut().find(|(n, _)| n == name) else { continue };
+                    *reads = format!("{reads} {sign} ({force})");
+                    text.set(&format!("outputs.{name}.reads"), &format!("\"{reads}\""))?;
                 }
                 if applied.effect.entry.law.sticks() {
                     contact(&mut text, model, applied, &mut contacts)?;

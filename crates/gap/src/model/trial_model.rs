@@ -57,6 +57,7 @@ pub struct TrialModel {
 impl TrialModel {
     /// The model of a spec.
     pub fn base(spec: Spec, case: Case, records: Vec<Record>) -> TrialModel {
+        let records = phisindy_learn::sized(&case.system, &records);
         let smooth = records.iter().map(|r| phisindy_learn::smoothed(&case.system, r)).collect();
         TrialModel::of(spec, case, records, smooth)
     }
@@ -123,8 +124,8 @@ impl TrialModel {
         let mut applied =
             Applied { effect: effect.clone(), names, parameters, internal: vec![], force: None };
         match &effect.place.site {
-            Site::Sensor(states) => out.set_sensor_parameter(&applied, states)?,
-            Site::Force { acts, velocity, .. } => {
+            Site::Sensor(columns) => out.set_sensor_parameter(&applied, columns)?,
+            Site::Force { acts, shows, velocity, .. } => {
                 for (name, inner) in &law.internal {
                     let name = free(name, at, &mut taken);
                     let unit = effect.unit(&inner.unit, &out.system);
@@ -149,6 +150,14 @@ impl TrialModel {
                         system.graph.add(known, share)
                     };
                 }
+                for &(output, sign) in shows {
+                    let reads = system.outputs[output].node;
+                    system.outputs[output].node = if sign < 0.0 {
+                        system.graph.sub(reads, force)
+                    } else {
+                        system.graph.add(reads, force)
+                    };
+                }
                 applied.force = Some(force);
                 if law.sticks() {
                     let minus = system.graph.neg(velocity.node);
@@ -167,19 +176,19 @@ impl TrialModel {
     fn add_internal_state(&mut self, name: &str, unit: &str) {
         let n = self.system.add_state(name, unit);
         for record in Arc::make_mut(&mut self.records) {
-            record.columns.push(None);
+            record.columns.insert(n, None);
             record.start.push(None);
             record.sensors.insert(n, Sensor::default());
         }
         for record in Arc::make_mut(&mut self.smooth) {
-            record.columns.push(Some(vec![0.0; record.time.len()]));
+            record.columns.insert(n, Some(vec![0.0; record.time.len()]));
             record.start.push(None);
             record.sensors.insert(n, Sensor::default());
         }
     }
 
-    /// Makes the effect's parameter the offset, gain or delay of the sensors of these states.
-    fn set_sensor_parameter(&mut self, applied: &Applied, states: &[usize]) -> Result<(), EffectError> {
+    /// Makes the effect's parameter the offset, gain or delay of the sensors of these columns.
+    fn set_sensor_parameter(&mut self, applied: &Applied, columns: &[String]) -> Result<(), EffectError> {
         let entry = &applied.effect.entry;
         let which = entry.law.sensor.as_deref().ok_or_else(|| EffectError::NoSensor(entry.id.clone()))?;
         let k = applied.parameters[0];
@@ -188,8 +197,8 @@ impl TrialModel {
             SensorParameter { start: p.start, within: Some(p.within), sigma: None, shared: Some(k) };
         for records in [&mut self.records, &mut self.smooth] {
             for record in Arc::make_mut(records) {
-                for &state in states {
-                    let sensor = &mut record.sensors[state];
+                for column in columns.iter().filter_map(|name| self.system.column(name)) {
+                    let sensor = &mut record.sensors[column];
                     match which {
                         "offset" => sensor.offset = parameter.clone(),
                         "gain" => sensor.gain = parameter.clone(),

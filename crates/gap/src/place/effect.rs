@@ -163,9 +163,11 @@ impl Effect {
     pub fn unit(&self, unit: &str, system: &System) -> String {
         let Ok(parsed) = Unit::parse(unit) else { return String::new() };
         let Site::Force { state, .. } = &self.place.site else {
-            let Site::Sensor(states) = &self.place.site else { return String::new() };
+            let Site::Sensor(columns) = &self.place.site else { return String::new() };
             // An offset has the unit of its column.
-            return if unit == "m" { system.states[states[0]].unit.clone() } else { unit.to_owned() };
+            let own =
+                columns.first().and_then(|name| system.column(name)).map_or("", |k| system.measured(k).1);
+            return if unit == "m" { own.to_owned() } else { unit.to_owned() };
         };
         let [kg, m, s, ..] = parsed.dimension.powers();
         // Powers of newton, metre and second.
@@ -223,9 +225,9 @@ fn product(parts: &[(&str, f64)]) -> String {
 /// Whether a law can act at a place.
 pub(crate) fn fits(law: &Law, place: &Place) -> bool {
     match &place.site {
-        Site::Sensor(states) => match law.sensor.as_deref() {
+        Site::Sensor(columns) => match law.sensor.as_deref() {
             // Columns of different units have no common offset.
-            Some("offset") => states.len() == 1,
+            Some("offset") => columns.len() == 1,
             Some(_) => true,
             None => false,
         },

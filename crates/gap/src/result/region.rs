@@ -63,9 +63,8 @@ pub(crate) fn regions(
     fitted: &Calibration,
     noise: &[Vec<f64>],
 ) -> Vec<Region> {
-    let n = system.states.len();
     let mut all: Vec<(f64, Region)> = Vec::new();
-    for (k, state) in system.states.iter().enumerate() {
+    for (k, (column, _)) in system.quantities().take(system.columns()).enumerate() {
         let mut total = 0.0;
         let mut axes: Vec<Axis> = Vec::new();
         let mut power: Vec<f64> = Vec::new();
@@ -87,7 +86,7 @@ pub(crate) fn regions(
             let m = residual.len();
             put("time", "", 1.0, (0..m).map(|i| (record.time[i] - record.time[0]) / span).collect());
             for (s, other) in system.states.iter().enumerate() {
-                let values = (0..m).map(|i| run.states[i * n + s]).collect();
+                let values = (0..m).map(|i| run.states[i * run.n + s]).collect();
                 put(&other.name, &other.unit, other.factor, values);
             }
             for (u, input) in system.inputs.iter().enumerate() {
@@ -114,8 +113,9 @@ pub(crate) fn regions(
                     })
                     .collect(),
             );
-            power.extend(residual.iter().map(|e| (e / noise[r][k]).powi(2)));
-            total += residual.iter().map(|e| (e / noise[r][k]).powi(2)).sum::<f64>();
+            let noise = noise[r][record.columns[..k].iter().flatten().count()];
+            power.extend(residual.iter().map(|e| (e / noise).powi(2)));
+            total += residual.iter().map(|e| (e / noise).powi(2)).sum::<f64>();
         }
         if power.is_empty() {
             continue;
@@ -126,7 +126,7 @@ pub(crate) fn regions(
             Some(cut) if cut.surplus > SURPLUS => (cut.location, cut.power),
             _ => (Location::Everywhere, 1.0),
         };
-        all.push((total, Region { column: state.name.clone(), share: 0.0, location, power }));
+        all.push((total, Region { column: column.to_owned(), share: 0.0, location, power }));
     }
     let sum: f64 = all.iter().map(|(total, _)| total).sum();
     let share = |total: f64| total / sum.max(f64::MIN_POSITIVE);

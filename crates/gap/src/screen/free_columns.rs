@@ -30,13 +30,13 @@ impl FreeColumns {
         let total: usize = data.iter().map(RegressionData::height).sum();
         let mut target = Vec::with_capacity(total);
         for data in data {
-            let predicted = data.read(&data.known, true);
+            let predicted = data.predicted();
             target.extend(data.measured().iter().zip(&predicted).map(|(y, p)| y - p));
         }
         let mut columns = FreeColumns { all: vec![target], movable: vec![], total };
         columns.start_states(base.n, data);
         columns.parameters(base, model, of, data);
-        columns.sensors(base.n, model, of, data);
+        columns.sensors(model, of, data);
         columns
     }
 
@@ -55,7 +55,7 @@ impl FreeColumns {
             for k in 0..n {
                 let mut start = vec![0.0; n];
                 start[k] = 1.0;
-                self.push(before, &data.read(&data.linear.response(&zero, &start), false));
+                self.push(before, &data.response(&zero, &start));
             }
             before += data.height();
         }
@@ -72,9 +72,9 @@ impl FreeColumns {
                 let sensors = &model.records[of[r]].sensors;
                 for which in 0..3 {
                     let read = |k: &usize| slots(&sensors[*k])[which].shared == Some(p);
-                    let states: Vec<usize> = (0..base.n).filter(read).collect();
-                    if !states.is_empty() {
-                        let own = data.sensor(&states, which);
+                    let columns: Vec<usize> = (0..model.system.columns()).filter(read).collect();
+                    if !columns.is_empty() {
+                        let own = data.sensor(&columns, which);
                         rows.iter_mut().zip(own).for_each(|(a, b)| *a += b);
                     }
                 }
@@ -95,11 +95,11 @@ impl FreeColumns {
     }
 
     /// Adds the free sensor parameters of each record.
-    fn sensors(&mut self, n: usize, model: &TrialModel, of: &[usize], data: &[RegressionData]) {
+    fn sensors(&mut self, model: &TrialModel, of: &[usize], data: &[RegressionData]) {
         let mut before = 0;
         for (r, data) in data.iter().enumerate() {
-            for k in 0..n {
-                let measured = data.rows.iter().any(|(state, ..)| *state == k);
+            for k in 0..model.system.columns() {
+                let measured = data.rows.iter().any(|row| row.column == k);
                 for (which, p) in slots(&model.records[of[r]].sensors[k]).into_iter().enumerate() {
                     if p.within.is_some() && p.shared.is_none() && measured {
                         self.push(before, &data.sensor(&[k], which));
@@ -124,7 +124,9 @@ fn responses(base: &Base, data: &RegressionData) -> Vec<Vec<f64>> {
                 (0..samples).for_each(|i| g[i * n + row] = column[i]);
             }
             data.zero_at_rest(&mut g);
-            data.read(&data.linear.response(&g, &vec![0.0; n]), false)
+            let mut rows = data.response(&g, &vec![0.0; n]);
+            data.add_to_outputs(&mut rows, &|output| data.by_parameter(output, p));
+            rows
         })
         .collect()
 }

@@ -72,7 +72,7 @@ pub(super) fn grids(
 fn missing_tones(data: &RegressionData, state: usize, n: usize, factor: &[f64]) -> Vec<f64> {
     let step = mean_step(&data.motion.time);
     let missing: Vec<f64> = (0..data.motion.samples())
-        .map(|i| (data.slope(i, state, n) - data.rates[i * n + state]) * factor[i])
+        .map(|i| (data.acceleration(i, state, n) - data.rates[i * n + state]) * factor[i])
         .collect();
     let fine = data.resolution();
     // In a periodic motion any missing effect equals a sum of forces at multiples of its frequency, so these

@@ -1,6 +1,7 @@
 //! A record prepared for the regression: the measured motion, the linear system and its response, rest at
 //! each place.
 
+use super::readings::{OutputTape, Readings};
 use super::response::{Linear, shift};
 use crate::decisions::{FORGETS_PER_PERIOD, RESTS, SHORT_REST};
 use crate::drive::Drive;
@@ -20,13 +21,13 @@ pub(super) struct RegressionData {
     pub(super) linear: Linear,
     /// Rates minus A x, samples x n: the input of the linear system.
     pub(super) bracket: Vec<f64>,
-    /// Measured columns: state, value, weight.
-    pub(super) rows: Vec<(usize, Vec<f64>, f64)>,
+    /// The measured columns.
+    pub(super) rows: Vec<Row>,
+    /// How the outputs read states and rates; `None` where the system has none.
+    readings: Option<Readings>,
     /// Rate of every state at every sample. At rest, friction of the model balances the other forces.
     pub(super) rates: Vec<f64>,
     stride: usize,
-    /// The response to the known rates, samples x n.
-    pub(super) known: Vec<f64>,
     /// Rest at each place of a force.
     pub(super) still: Vec<PlaceAtRest>,
     /// The strongest spectral lines of the fitted model's residuals. In the smoothed motion noise of a few
@@ -34,6 +35,16 @@ pub(super) struct RegressionData {
     pub(super) left: Vec<f64>,
     /// Frequencies of the drive of the base model (rad/s).
     pub(super) drive: Vec<f64>,
+}
+
+/// A measured column of a record.
+pub(super) struct Row {
+    /// Its index among the columns of the system.
+    pub(super) column: usize,
+    values: Vec<f64>,
+    weight: f64,
+    /// What the known rates make of it, without its sensor.
+    known: Vec<f64>,
 }
 
 /// The samples at which the velocity of a place is at rest.
@@ -49,6 +60,7 @@ pub(super) struct Base {
     pub(super) tape: Tape,
     pub(super) n: usize,
     pub(super) parameters: usize,
+    outputs: Option<OutputTape>,
 }
 
 impl Base {
@@ -67,7 +79,8 @@ impl Base {
         let one = graph.constant(1.0);
         outputs.extend(system.inertia.iter().map(|m| m.unwrap_or(one)));
         let tape = Tape::compile(&graph, &system.arguments(), &outputs).ok()?;
-        Some(Base { tape, n, parameters: parameters.len() })
+        let outputs = if system.outputs.is_empty() { None } else { Some(OutputTape::new(system)?) };
+        Some(Base { tape, n, parameters: parameters.len(), outputs })
     }
 
     pub(super) fn data(
@@ -130,19 +143,32 @@ impl Base {
                 (0..n).map(move |row| rates[i * n + row] - (0..n).map(|k| a[row * n + k] * x[k]).sum::<f64>())
             })
             .collect();
-        let rows = (0..n)
-            .filter_map(|k| {
-                let column = data.columns[k].as_ref()?;
-                Some((k, column.clone(), 1.0 / noise[record][k]))
-            })
-            .collect();
         let linear = Linear::new(&a, n, &motion.time);
         let known = linear.response(&bracket, &motion.states[..n]);
+        let readings = self.outputs.as_ref().map(|tape| tape.readings(&motion, &rates, &a));
+        if readings.as_ref().is_some_and(|r| r.values.iter().flatten().any(|v| !v.is_finite())) {
+            return None;
+        }
+        let measured = (0..data.columns.len()).filter_map(|k| Some((k, data.columns[k].clone()?)));
+        let row = |((column, values), noise): ((usize, Vec<f64>), &f64)| {
+            let known = match column.checked_sub(n) {
+                None => (0..samples).map(|i| known[i * n + column]).collect(),
+                Some(output) => {
+                    let of = readings.as_ref().expect("the system has outputs");
+                    let apart = |i: usize, k: usize| known[i * n + k] - motion.states[i * n + k];
+                    (0..samples)
+                        .map(|i| of.values[output][i] + of.through(output, i, &|k| apart(i, k)))
+                        .collect()
+                }
+            };
+            Row { column, values, weight: 1.0 / noise, known }
+        };
+        let rows = measured.zip(&noise[record]).map(row).collect();
         let step = span / (samples - 1) as f64;
         let left = fitted.records[record].residuals.iter().flat_map(|e| lines(e, step, 4, 0)).collect();
         let bare = model.without_effects();
         let drive = Drive::new(&bare.system, &bare.records[record]).map_or(vec![], |mut d| d.lines());
-        Some(RegressionData { motion, linear, known, bracket, rows, rates, stride, still, left, drive })
+        Some(RegressionData { motion, linear, bracket, rows, readings, rates, stride, still, left, drive })
     }
 }
 
@@ -160,57 +186,92 @@ impl RegressionData {
 
     /// The measured columns as rows.
     pub(super) fn measured(&self) -> Vec<f64> {
-        let mut out = Vec::with_capacity(self.height());
-        for (_, column, weight) in &self.rows {
-            out.extend(column.iter().step_by(self.stride).map(|y| y * weight));
-        }
-        out
+        self.rows.iter().flat_map(|row| self.every(|i| row.weight * row.values[i])).collect()
     }
 
-    /// A response of all states (samples x n) as the sensors read it. With `whole` the sensor offsets are
-    /// included, which do not apply to the response of a single column.
-    pub(super) fn read(&self, states: &[f64], whole: bool) -> Vec<f64> {
-        let n = states.len() / self.motion.samples();
-        let mut out = Vec::with_capacity(self.height());
-        for (k, _, weight) in &self.rows {
-            let (gain, offset) = self.motion.sensors[*k];
-            let offset = if whole { offset } else { 0.0 };
-            out.extend(
-                (0..self.motion.samples())
-                    .step_by(self.stride)
-                    .map(|i| weight * (gain * states[i * n + k] + offset)),
-            );
-        }
-        out
+    /// What the known rates make of the measured columns, as the sensors read it.
+    pub(super) fn predicted(&self) -> Vec<f64> {
+        let of = |row: &Row| -> Vec<f64> {
+            let (gain, offset) = self.motion.sensors[row.column];
+            self.every(|i| row.weight * (gain * row.known[i] + offset))
+        };
+        self.rows.iter().flat_map(of).collect()
     }
 
-    /// The derivative of the readings by a sensor parameter of some states: 0 offset, 1 gain, 2 delay.
-    pub(super) fn sensor(&self, states: &[usize], which: usize) -> Vec<f64> {
-        let n = self.rates.len() / self.motion.samples();
-        let mut out = Vec::with_capacity(self.height());
-        for (k, _, weight) in &self.rows {
-            let on = states.contains(k);
-            let gain = self.motion.sensors[*k].0;
-            out.extend((0..self.motion.samples()).step_by(self.stride).map(|i| {
+    /// The response to rates `g` (samples x n) from a start state, as the sensors read it.
+    pub(super) fn response(&self, g: &[f64], start: &[f64]) -> Vec<f64> {
+        let n = start.len();
+        let states = self.linear.response(g, start);
+        let of = |row: &Row| -> Vec<f64> {
+            let factor = row.weight * self.motion.sensors[row.column].0;
+            match (row.column.checked_sub(n), &self.readings) {
+                (Some(output), Some(readings)) => self.every(|i| {
+                    let through = readings.through(output, i, &|k| states[i * n + k]);
+                    factor * (through + readings.directly(output, i, &|k| g[i * n + k]))
+                }),
+                _ => self.every(|i| factor * states[i * n + row.column]),
+            }
+        };
+        self.rows.iter().flat_map(of).collect()
+    }
+
+    /// Adds what enters the outputs themselves: `of` gives it for each output.
+    pub(super) fn add_to_outputs<'v>(&self, rows: &mut [f64], of: &dyn Fn(usize) -> Option<&'v [f64]>) {
+        let n = self.bracket.len() / self.motion.samples();
+        let each = self.motion.samples().div_ceil(self.stride);
+        for (row, out) in self.rows.iter().zip(rows.chunks_mut(each)) {
+            let Some(values) = row.column.checked_sub(n).and_then(of) else { continue };
+            let factor = row.weight * self.motion.sensors[row.column].0;
+            let values = values.iter().step_by(self.stride);
+            out.iter_mut().zip(values).for_each(|(o, v)| *o += if v.is_finite() { factor * v } else { 0.0 });
+        }
+    }
+
+    /// The derivative of what an output reads by a parameter, states and rates apart.
+    pub(super) fn by_parameter(&self, output: usize, parameter: usize) -> Option<&[f64]> {
+        Some(&self.readings.as_ref()?.by_parameter[output][parameter])
+    }
+
+    /// A value at every sample that counts.
+    fn every(&self, of: impl Fn(usize) -> f64) -> Vec<f64> {
+        (0..self.motion.samples()).step_by(self.stride).map(of).collect()
+    }
+
+    /// The derivative of the readings by a sensor parameter of some columns: 0 offset, 1 gain, 2 delay.
+    pub(super) fn sensor(&self, columns: &[usize], which: usize) -> Vec<f64> {
+        let of = |row: &Row| -> Vec<f64> {
+            let on = columns.contains(&row.column);
+            let gain = self.motion.sensors[row.column].0;
+            self.every(|i| {
                 let change = match which {
                     0 => 1.0,
                     // Proportional to the model's response; a column of the measured values themselves would
                     // explain everything.
-                    1 => self.known[i * n + k],
-                    _ => -gain * self.slope(i, *k, n),
+                    1 => row.known[i],
+                    _ => -gain * self.slope(i, row),
                 };
-                if on { weight * change } else { 0.0 }
-            }));
-        }
-        out
+                if on { row.weight * change } else { 0.0 }
+            })
+        };
+        self.rows.iter().flat_map(of).collect()
     }
 
-    /// Time derivative of a state by central differences, which serve every state; a smoothed velocity exists
-    /// for displacements only.
-    pub(super) fn slope(&self, i: usize, k: usize, n: usize) -> f64 {
+    /// Time derivative of a state by central differences.
+    pub(super) fn acceleration(&self, i: usize, k: usize, n: usize) -> f64 {
         let t = &self.motion.time;
         let (a, b) = (i.saturating_sub(1), (i + 1).min(t.len() - 1));
         (self.motion.states[b * n + k] - self.motion.states[a * n + k]) / (t[b] - t[a])
+    }
+
+    /// Time derivative of what a column measures by central differences, which serve every state; a smoothed
+    /// velocity exists for displacements only.
+    fn slope(&self, i: usize, row: &Row) -> f64 {
+        let t = &self.motion.time;
+        let n = self.bracket.len() / t.len();
+        let (a, b) = (i.saturating_sub(1), (i + 1).min(t.len() - 1));
+        let of =
+            |i: usize| if row.column < n { self.motion.states[i * n + row.column] } else { row.known[i] };
+        (of(b) - of(a)) / (t[b] - t[a])
     }
 
     /// Zeroes a force on bodies that rest in a contact of the model.

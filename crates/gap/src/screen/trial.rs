@@ -19,11 +19,11 @@ pub(super) struct Trial {
     pub(super) columns: Vec<Vec<f64>>,
 }
 
-/// Offset, gain or delay of the sensors of some states.
+/// Offset, gain or delay of the sensors of some columns.
 pub(super) fn sensor_trials(
     regressors: usize,
     effect: &Effect,
-    states: &[usize],
+    columns: &[usize],
     data: &[RegressionData],
 ) -> Vec<Trial> {
     let which = match effect.entry.law.sensor.as_deref() {
@@ -31,7 +31,7 @@ pub(super) fn sensor_trials(
         Some("gain") => 1,
         _ => 2,
     };
-    let column = data.iter().flat_map(|g| g.sensor(states, which)).collect();
+    let column = data.iter().flat_map(|g| g.sensor(columns, which)).collect();
     vec![Trial { regressors, effect: effect.clone(), grid: vec![], columns: vec![column] }]
 }
 
@@ -65,7 +65,7 @@ struct Program {
 
 impl Program {
     fn new(effect: &Effect, regressors: &Regressors, system: &System) -> Option<Program> {
-        let Site::Force { acts, .. } = &effect.place.site else { return None };
+        let Site::Force { acts, shows, .. } = &effect.place.site else { return None };
         let mut graph = regressors.graph.clone();
         let one = graph.constant(1.0);
         let mut outputs = Vec::new();
@@ -73,6 +73,9 @@ impl Program {
             for &(state, sign) in acts {
                 let over = graph.div(column, system.inertia[state].unwrap_or(one));
                 outputs.push(if sign < 0.0 { graph.neg(over) } else { over });
+            }
+            for &(_, sign) in shows {
+                outputs.push(if sign < 0.0 { graph.neg(column) } else { column });
             }
         }
         outputs.push(regressors.velocity);
@@ -95,8 +98,8 @@ impl Program {
         data: &[RegressionData],
         grid: &[f64],
     ) -> Vec<Vec<f64>> {
-        let Site::Force { acts, .. } = &effect.place.site else { return vec![] };
-        let (n, width) = (system.states.len(), acts.len());
+        let Site::Force { acts, shows, .. } = &effect.place.site else { return vec![] };
+        let (n, width) = (system.states.len(), acts.len() + shows.len());
         let sticks = effect.entry.law.sticks();
         let mut columns: Vec<Vec<f64>> = vec![vec![]; self.count];
         let mut holding: Vec<f64> = vec![];
@@ -117,14 +120,20 @@ impl Program {
                         .for_each(|i| g[i * n + state] = if force[i].is_finite() { force[i] } else { 0.0 });
                 }
                 data.zero_at_rest(&mut g);
-                column.extend(data.read(&data.linear.response(&g, &vec![0.0; n]), false));
+                let mut rows = data.response(&g, &vec![0.0; n]);
+                let shown = |output: usize| {
+                    let j = shows.iter().position(|(o, _)| *o == output)?;
+                    Some(values[c * width + acts.len() + j].as_slice())
+                };
+                data.add_to_outputs(&mut rows, &shown);
+                column.extend(rows);
             }
             if sticks {
                 let at_rest: Vec<usize> = (0..samples).filter(|&i| rests(i)).collect();
                 rested |= !at_rest.is_empty();
                 let unit = &values[self.count * width..];
                 let g = holding_rates(&at_rest, unit, acts, system, &effect.place, data);
-                holding.extend(data.read(&data.linear.response(&g, &vec![0.0; n]), false));
+                holding.extend(data.response(&g, &vec![0.0; n]));
             }
         }
         if rested {

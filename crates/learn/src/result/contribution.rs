@@ -48,7 +48,7 @@ pub(crate) fn contributions(system: &System, records: &[Record], found: &mut Ide
 /// Adds one record; `None` if its free run failed.
 fn add(system: &System, r: usize, record: &Record, found: &Identified, sums: &mut [Sums]) -> Option<()> {
     let run = found.records[r].run.as_ref()?;
-    let (n, terms) = (run.n, &found.terms);
+    let terms = &found.terms;
     let mut graph = system.graph.clone();
     let one = graph.constant(1.0);
     let values = terms.iter().map(|t| system.terms[t.term].value);
@@ -61,7 +61,7 @@ fn add(system: &System, r: usize, record: &Record, found: &Identified, sums: &mu
     let parameters = found.parameters_of(system, r);
     let mut before = vec![0.0; terms.len()];
     for i in 0..record.len() {
-        let states = &run.states[i * n..(i + 1) * n];
+        let states = run.state_at(i);
         scratch.at(record.arguments_at(i, states.iter().copied(), &parameters));
         let modes = &run.modes[i * switches..(i + 1) * switches];
         let force = |k: usize| {

@@ -91,7 +91,8 @@ impl<'a> Forces<'a> {
         for &(r, record) in &self.fitted {
             let run = self.found.records[r].run.as_ref()?;
             let parameters = self.parameters(r, record);
-            for (i, states) in run.states.chunks_exact(run.n).take(record.len()).enumerate() {
+            for i in 0..record.len() {
+                let states = run.state_at(i);
                 scratch.at(arguments_at(record, i, states, &parameters));
                 let size = scratch.output(0)[0].abs();
                 let push = |k: usize| -size * scratch.output(1 + k)[0];

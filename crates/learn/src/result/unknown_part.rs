@@ -151,7 +151,7 @@ impl<'a> Part<'a> {
             [t].into_iter().chain(states.iter().copied()).chain(inputs).chain(numbers.clone()).collect()
         };
         let every = record.len().div_ceil(ROWS).max(1);
-        run.states.chunks_exact(run.n).take(record.len()).enumerate().step_by(every).map(row).collect()
+        (0..record.len()).step_by(every).map(|i| row((i, run.state_at(i)))).collect()
     }
 
     /// The values of a node for such rows of arguments.

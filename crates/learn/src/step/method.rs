@@ -83,6 +83,8 @@ fn filled(case: &Case, records: &[Record]) -> Result<(Vec<Record>, Vec<Warning>)
     let mut notes = Vec::new();
     for record in &mut filled {
         let name = record.name.clone();
+        // The method predicts the next state: outputs have no part in it.
+        record.columns.truncate(case.system.states.len());
         match record.fill_velocities(&case.system, how) {
             Ok(done) => {
                 notes.extend(done.into_iter().map(|note| Warning::DataNote { record: name.clone(), note }));
@@ -115,6 +117,7 @@ fn derived_by(system: &System, records: &[Record], how: Differentiator) -> Optio
     measured.iter().find(derives)?;
     let other = |r: &&Record| {
         let mut r = r.rederived(how)?;
+        r.columns.truncate(system.states.len());
         r.fill_velocities(system, how).ok().map(|_| r)
     };
     measured.iter().map(other).collect()

@@ -21,6 +21,7 @@ use crate::trajectory::tally::{Tally, tally};
 use crate::trajectory::unknowns::Unknowns;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Record, System};
+use phisindy_signal::standard_deviation;
 
 /// A calibrated model.
 #[derive(Clone, Debug)]
@@ -42,7 +43,7 @@ pub struct Calibration {
 }
 
 /// Fits what may move in `system` (its parameters, sensors and start states; no dictionary) to the Fit records,
-/// each column weighted by its `noise` (standard deviation in SI, by record and state), and runs all records
+/// each column weighted by its `noise` (standard deviation in SI, by record and measured column), and runs all records
 /// freely. `smooth` are the records with smoothed samples of every state, to start from.
 ///
 /// With [`Effort::Errors`] the parameters come with 95 % intervals (sandwich covariance, stretched where
@@ -241,7 +242,10 @@ fn budget(problem: &Problem<'_>) -> usize {
 /// Local error of the simulations of a trial: small against the noise, even when it accumulates over a record.
 fn tolerance(problem: &Problem<'_>, noise: &Noise) -> f64 {
     let parts = problem.records.iter().zip(noise).flat_map(|(record, noise)| {
-        let of = |k: usize| record.columns[k].as_ref().map(|_| noise[k].additive / problem.scale[k]);
+        // An output is as accurate as the states that it reads.
+        let size =
+            |k: usize, c: &[f64]| problem.scale.get(k).copied().unwrap_or_else(|| standard_deviation(c));
+        let of = move |k: usize| record.columns[k].as_ref().map(|c| noise[k].additive / size(k, c));
         (0..noise.len()).filter_map(of)
     });
     (TRIAL_TOLERANCE[0] * parts.fold(f64::INFINITY, f64::min)).clamp(TOLERANCE, TRIAL_TOLERANCE[1])
@@ -285,7 +289,7 @@ fn try_start(
 fn on_the_data(problem: &Problem<'_>, x: &[f64], noise: &Noise, smooth: &[Record]) -> Option<Vec<f64>> {
     let (mut out, mut elsewhere) = (x.to_vec(), false);
     for segment in &problem.segments {
-        for (k, column) in smooth[segment.record].columns.iter().enumerate() {
+        for (k, column) in smooth[segment.record].columns[..problem.system.states.len()].iter().enumerate() {
             let Some([_, second, third, ..]) = column.as_deref() else { continue };
             let (at, start) = (segment.start + k, 2.0 * second - third);
             let measured = problem.records[segment.record].columns[k].is_some();
@@ -396,10 +400,18 @@ struct Setup<'a> {
 impl<'a> Setup<'a> {
     fn new(records: &'a [Record], smooth: &[Record], noise: &[Vec<f64>]) -> Setup<'a> {
         let of: Vec<usize> = (0..records.len()).filter(|&r| records[r].role == Role::Fit).collect();
-        let additive = |s: &f64| ColumnNoise { additive: s.max(f64::MIN_POSITIVE), relative: 0.0 };
+        let additive = |s: f64| ColumnNoise { additive: s.max(f64::MIN_POSITIVE), relative: 0.0 };
+        let row = |r: usize| {
+            let mut own = noise[r].iter();
+            // What has no column has no noise that matters.
+            let of = |column: &Option<Vec<f64>>| {
+                additive(column.as_ref().and_then(|_| own.next()).copied().unwrap_or(1.0))
+            };
+            records[r].columns.iter().map(of).collect()
+        };
         Setup {
             fitted: of.iter().map(|&r| &records[r]).collect(),
-            noise: of.iter().map(|&r| noise[r].iter().map(additive).collect()).collect(),
+            noise: of.iter().map(|&r| row(r)).collect(),
             smooth: of.iter().map(|&r| smooth[r].clone()).collect(),
         }
     }

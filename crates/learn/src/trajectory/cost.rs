@@ -2,6 +2,7 @@
 
 use crate::least_squares::{Limits, Normal, minimise};
 use crate::trajectory::delayed_samples::SampledRun;
+use crate::trajectory::jumps::Miss;
 use crate::trajectory::layout::{Segment, Source};
 use crate::trajectory::problem::Problem;
 use faer::Mat;
@@ -92,13 +93,20 @@ impl Problem<'_> {
         for (i, sample) in (first..last).enumerate() {
             for (&k, (column, weight)) in measured.iter().zip(&columns) {
                 let (prediction, _) = self.reading(segment.record, k, x, sampled.value(i, k).0);
-                misses.push(weight[sample].sqrt() * (prediction - column[sample]));
+                let (scale, miss) = (weight[sample].sqrt(), prediction - column[sample]);
+                match self.beside_jumps(segment, x, sampled, (sample, k), 1.0 / scale) {
+                    Some(beside) => {
+                        let Miss { amplitude, timing } = beside.miss(miss);
+                        misses.push(scale * amplitude);
+                        misses.extend(timing.map(|(_, late)| late));
+                    }
+                    None => misses.push(scale * miss),
+                }
             }
         }
         if let (Some(next), Some(tau)) = (self.next(segment), &self.continuity) {
-            let n = sampled.run.n;
-            let (states, rates) =
-                (&sampled.run.states[(last - first) * n..], &sampled.run.rates[(last - first) * n..]);
+            let (n, at) = (self.system.states.len(), (last - first) * sampled.run.n);
+            let (states, rates) = (&sampled.run.states[at..], &sampled.run.rates[at..]);
             let late = sampled.end - record.time[last];
             misses.extend((0..n).map(|k| joint(tau[k]) * (states[k] - late * rates[k] - x[next.start + k])));
         }
@@ -154,12 +162,13 @@ impl Problem<'_> {
     ) -> Result<Share, SimError> {
         let sampled = self.run(segment, x, true)?;
         let run = &sampled.run;
-        let (n, m, r) = (run.n, run.m, segment.record);
+        let (n, m, r) = (self.system.states.len(), run.m, segment.record);
         // Columns of the sensitivities: start states, then the unknown ones among the model's parameters.
         let mut at: Vec<usize> = (segment.start..segment.start + n).collect();
         at.extend(self.sources(r).filter_map(|s| if let Source::Unknown(k) = s { Some(k) } else { None }));
-        let mut sensor_slots = vec![[usize::MAX; 3]; n];
-        for (k, sensor) in self.sensors[r][..n].iter().enumerate() {
+        let columns = self.system.columns();
+        let mut sensor_slots = vec![[usize::MAX; 3]; columns];
+        for (k, sensor) in self.sensors[r][..columns].iter().enumerate() {
             for (which, source) in sensor.iter().enumerate() {
                 if let Source::Unknown(unknown) = *source {
                     sensor_slots[k][which] = at.iter().position(|&u| u == unknown).unwrap_or(at.len());
@@ -204,6 +213,23 @@ impl Problem<'_> {
                             row[delay_at] -= weight * gain * rate;
                         }
                         add_row(&row, e, meat, &mut matrix, &mut gradient);
+                        // Where the reading shows the other side of a jump, it tells the time of the event.
+                        let beside = self.beside_jumps(segment, x, &sampled, (sample, k), 1.0 / weight);
+                        let reading = self.records[r].columns[k].as_ref().map_or(0.0, |c| c[sample]);
+                        let (prediction, _) = self.reading(r, k, x, value);
+                        let timing =
+                            beside.and_then(|at| Some((at.step, at.miss(prediction - reading).timing?)));
+                        if let Some((step, (jump, _))) = timing {
+                            let e = of_samples.next().expect("one for each event that is told");
+                            let per_second = 12f64.sqrt() / step;
+                            row.fill(0.0);
+                            let moves = &run.jumps[jump].moves;
+                            row.iter_mut().zip(moves).for_each(|(j, s)| *j = per_second * s);
+                            if delay_at != usize::MAX {
+                                row[delay_at] += per_second;
+                            }
+                            add_row(&row, e, meat, &mut matrix, &mut gradient);
+                        }
                     }
                 }
             },
@@ -213,7 +239,7 @@ impl Problem<'_> {
             for (k, &e) in misses[misses.len() - n..].iter().enumerate() {
                 let weight = joint(tau[k]);
                 row.fill(0.0);
-                let s = &run.sensitivities[(i * n + k) * m..(i * n + k + 1) * m];
+                let s = &run.sensitivities[(i * run.n + k) * m..][..m];
                 row.iter_mut().zip(s).for_each(|(j, s)| *j = weight * s);
                 row[joints + k] = -weight;
                 add_row(&row, e, meat, &mut matrix, &mut gradient);

@@ -12,7 +12,7 @@ pub(crate) struct DelayedSamples {
     /// For each distinct delay, the indices of its samples in `times`. The first delay is that of the states
     /// themselves.
     at: Vec<Vec<usize>>,
-    /// For each state, the index of its delay.
+    /// For each column, the index of its delay.
     group: Vec<usize>,
 }
 

@@ -385,7 +385,7 @@ impl Fit<'_> {
     fn comes_to_rest(&self) -> bool {
         self.problem.segments.iter().filter(|s| self.pieces[s.record] == 1).any(|segment| {
             let Ok(sampled) = self.problem.trajectory(segment, &self.x) else { return false };
-            let contacts = sampled.run.modes.len() / (sampled.run.states.len() / sampled.run.n).max(1);
+            let contacts = sampled.run.modes.len() / sampled.run.samples().max(1);
             contacts > 0 && sampled.run.modes.iter().rev().take(contacts).all(|mode| *mode == 0)
         })
     }

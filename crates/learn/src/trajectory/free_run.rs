@@ -6,6 +6,7 @@ use crate::linear::covariance;
 use crate::result::error::ModelError;
 use crate::result::quantity::{ParameterId, ParameterOf, RecordId, SensorPart};
 use crate::result::record_fit::{Adapted, OwnValue, RecordFit};
+use crate::trajectory::delayed_samples::SampledRun;
 use crate::trajectory::problem::{Meaning, Problem};
 use faer::Mat;
 use phisindy_phys::spec::Role;
@@ -21,7 +22,7 @@ pub(crate) struct Solution {
     pub(crate) coefficients: Vec<f64>,
     /// Values of the system's parameters, for each record.
     pub(crate) parameters: Vec<Vec<f64>>,
-    /// Offset, gain and delay of each state's sensor, for each record.
+    /// Offset, gain and delay of each sensor, for each record.
     pub(crate) sensors: Vec<Vec<[f64; 3]>>,
     /// Start states, for each record, if fitted already.
     pub(crate) starts: Vec<Option<Vec<f64>>>,
@@ -110,10 +111,10 @@ fn one(
                 adapted(&problem, &x, record, r, took)
             });
             let sampled = problem.trajectory(&whole, &x);
-            sampled.map(|sampled| (problem.readings(0, &x, &sampled), x[whole.start..].to_vec(), sampled.run))
+            sampled.map(|sampled| (Read::new(&problem, &x, &sampled), x[whole.start..].to_vec(), sampled.run))
         })
     };
-    let (readings, start, run) = match run {
+    let (read, start, run) = match run {
         Ok(run) => run,
         Err(e) => {
             fit.failure = Some(e.into());
@@ -124,19 +125,46 @@ fn one(
     let scored = fit.scored();
     for (k, column) in record.columns.iter().enumerate() {
         let Some(column) = column else { continue };
-        let name = system.states[k].name.clone();
-        let residual: Vec<f64> = column.iter().zip(&readings[k]).map(|(y, p)| y - p).collect();
+        let name = system.measured(k).0.to_owned();
         let deviation = standard_deviation(&column[scored.clone()]);
-        let rms = (residual[scored.clone()].iter().map(|e| e * e).sum::<f64>() / scored.len() as f64).sqrt();
+        let missed = column.iter().zip(&read.readings[k]).map(|(y, p)| (y - p).powi(2));
+        let missed = missed.skip(scored.start).take(scored.len()).sum::<f64>();
+        let rms = (missed / scored.len() as f64).sqrt();
         fit.nrmse.push((name.clone(), if deviation > 0.0 { rms / deviation } else { f64::INFINITY }));
         fit.noise.push((name, noise_level(column)));
-        fit.residuals[k] = residual;
+        fit.residuals[k].clone_from(&read.residuals[k]);
     }
     fit.run = Some(run);
     fit
 }
 
-type Run = (Vec<Vec<f64>>, Vec<f64>, Trajectory);
+type Run = (Read, Vec<f64>, Trajectory);
+
+/// What the sensors read along a run, and what the record leaves, by column.
+struct Read {
+    readings: Vec<Vec<f64>>,
+    /// Readings beside a jump are compared with its nearer side, see [`super::jumps`].
+    residuals: Vec<Vec<f64>>,
+}
+
+impl Read {
+    /// Along a run of the only record of a problem.
+    fn new(problem: &Problem<'_>, x: &[f64], sampled: &SampledRun) -> Read {
+        let readings = problem.readings(0, x, sampled);
+        let record = problem.records[0];
+        let of = |(k, column): (usize, &Option<Vec<f64>>)| -> Vec<f64> {
+            let noise = problem.jump_noise[0][k];
+            let left = |(i, y): (usize, &f64)| {
+                let miss = readings[k][i] - y;
+                let beside = problem.beside_jumps(&problem.segments[0], x, sampled, (i, k), noise);
+                -beside.map_or(miss, |at| at.residual(miss))
+            };
+            column.iter().flatten().enumerate().map(left).collect()
+        };
+        let residuals = record.columns.iter().enumerate().map(of).collect();
+        Read { readings, residuals }
+    }
+}
 
 /// Whether a number is a Validate record's own.
 fn is_own(meaning: &Meaning) -> bool {
@@ -246,7 +274,8 @@ fn started<'a>(
     }
 }
 
-/// The free run of a model without unknown part along a record from a start state: one column for each state, read
+/// The free run of a model without unknown part along a record from a start state: one column for each state and
+/// output, read
 /// by its sensor where the record has a column of it. Every number is as the system and the record start it. It
 /// is the run that a fit which ended at these numbers is judged by, as accurate as a simulation. `scale` is the size of each state for a
 /// record that shows none.
@@ -301,8 +330,8 @@ fn continued(
     record: &Record,
     x: &[f64],
 ) -> Result<Run, SimError> {
-    let n = record.columns.len();
-    let start = fit.run.as_ref().map_or(vec![0.0; n], |run| run.states[run.states.len() - n..].to_vec());
+    let n = problem.system.states.len();
+    let start = fit.run.as_ref().map_or(vec![0.0; n], |run| run.state_at(run.samples() - 1).to_vec());
     let options = Options {
         scale: problem.scale.clone(),
         reach: problem.reach.clone(),
@@ -313,9 +342,10 @@ fn continued(
     let samples = problem.delayed_samples(&problem.segments[0], x);
     let t0 = before.time[before.len() - 1] + (samples.first() - record.time[0]);
     // Where the record begins: what is read there may be late.
-    let begin = problem.simulated(0, x, (t0, &start), &[record.time[0].max(t0)], &options)?.states;
+    let begin =
+        problem.simulated(0, x, (t0, &start), &[record.time[0].max(t0)], &options)?.state_at(0).to_vec();
     let sampled = samples.split(problem.simulated(0, x, (t0, &start), &samples.times, &options)?);
-    Ok((problem.readings(0, x, &sampled), begin, sampled.run))
+    Ok((Read::new(problem, x, &sampled), begin, sampled.run))
 }
 
 #[cfg(test)]

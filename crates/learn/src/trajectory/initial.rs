@@ -6,13 +6,24 @@
 
 use crate::decisions::{LONGEST_STRETCH, RIDGE, SHORTEST_STRETCH, SLOW_CONTACT};
 use crate::linear::{solve_damped, symmetric};
+use crate::trajectory::state_estimate::estimated_states;
 use phisindy_expr::{Id, Scratch, Tape, Unary};
 use phisindy_phys::{Record, System};
-use phisindy_signal::{Differentiator, differentiate};
+use phisindy_signal::{Differentiator, differentiate, standard_deviation};
 use rayon::prelude::*;
 
-/// The record with every column smoothed, and columns for velocities that have none. States that cannot be
-/// derived stay without.
+/// The records with the sizes of states that only outputs tell.
+pub fn sized(system: &System, records: &[Record]) -> Vec<Record> {
+    let of = |record: &Record| {
+        let states = estimated_states(system, record);
+        let sizes = states.map_or(vec![], |all| all.iter().map(|x| standard_deviation(x)).collect());
+        Record { sizes, ..record.clone() }
+    };
+    records.par_iter().map(of).collect()
+}
+
+/// The record with every column smoothed, and columns for velocities that have none and for states that only
+/// outputs tell. States that cannot be derived stay without.
 pub fn smoothed(system: &System, record: &Record) -> Record {
     let derived = record
         .columns
@@ -22,8 +33,14 @@ pub fn smoothed(system: &System, record: &Record) -> Record {
     let mut out = record.clone();
     for (k, d) in derived.into_iter().enumerate().filter_map(|(k, d)| Some((k, d?))) {
         out.columns[k] = Some(d.values);
-        if let Some(v) = system.states[k].velocity.filter(|&v| record.columns[v].is_none()) {
+        let state = system.states.get(k);
+        if let Some(v) = state.and_then(|s| s.velocity).filter(|&v| record.columns[v].is_none()) {
             out.columns[v] = Some(d.derivative);
+        }
+    }
+    if let Some(states) = estimated_states(system, record) {
+        for (column, state) in out.columns.iter_mut().zip(states).filter(|(column, _)| column.is_none()) {
+            *column = Some(state);
         }
     }
     out
@@ -196,7 +213,7 @@ fn evaluate(system: &System, terms: &[usize], record: &Record, parameters: &[f64
     let mut scratch = Scratch::<1>::new(&tape);
     let mut columns = vec![Vec::with_capacity(record.len()); outputs.len()];
     for i in 0..record.len() {
-        let states = record.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| c[i]));
+        let states = record.columns[..system.states.len()].iter().map(|c| c.as_ref().map_or(0.0, |c| c[i]));
         scratch.at(record.arguments_at(i, states, parameters));
         columns.iter_mut().enumerate().for_each(|(k, c)| c.push(scratch.output(k)[0]));
     }

@@ -18,13 +18,13 @@ pub(crate) struct InputSensors {
 }
 
 impl InputSensors {
-    /// For the inputs that have a sensor with something to find in one of the records; `states` precede them in
-    /// a record's sensors.
-    pub(crate) fn new(states: usize, records: &[&Record]) -> InputSensors {
+    /// For the inputs that have a sensor with something to find in one of the records; `columns` of states
+    /// and outputs precede them in a record's sensors.
+    pub(crate) fn new(columns: usize, records: &[&Record]) -> InputSensors {
         let count = records.first().map_or(0, |r| r.inputs.len());
         let finds = |&j: &usize| {
             let of = |r: &&Record| {
-                let sensor = &r.sensors[states + j];
+                let sensor = &r.sensors[columns + j];
                 [&sensor.offset, &sensor.gain, &sensor.delay].iter().any(|s| s.within.is_some())
             };
             records.iter().any(of)
@@ -34,7 +34,7 @@ impl InputSensors {
             Signal::new(of.time().clone(), values, kind).unwrap_or_else(|_| of.clone())
         };
         let column = |record: &Record, j: usize| {
-            let (own, sensor) = (&record.inputs[j], &record.sensors[states + j]);
+            let (own, sensor) = (&record.inputs[j], &record.sensors[columns + j]);
             let (offset, gain) = (sensor.offset.start, sensor.gain.start);
             through(own, own.values().iter().map(|u| offset + gain * u).collect(), own.kind())
         };
@@ -45,9 +45,9 @@ impl InputSensors {
             through(column, slopes, Interpolation::Cubic)
         };
         let of_record = |r: &&Record| inputs.iter().map(|&j| column(r, j)).collect();
-        let columns: Vec<Vec<Signal>> = records.iter().map(of_record).collect();
-        let slopes = columns.iter().map(|of| of.iter().map(slope).collect()).collect();
-        InputSensors { inputs, columns, slopes }
+        let read: Vec<Vec<Signal>> = records.iter().map(of_record).collect();
+        let slopes = read.iter().map(|of| of.iter().map(slope).collect()).collect();
+        InputSensors { inputs, columns: read, slopes }
     }
 
     /// The model with offset, gain and delay of each of these inputs among its parameters, in this order,
@@ -71,6 +71,7 @@ impl InputSensors {
             model.parameters.extend([offset, gain, delay]);
         }
         model.rates = model.graph.replace(&model.rates, &with);
+        model.outputs = model.graph.replace(&model.outputs, &with);
         model
     }
 

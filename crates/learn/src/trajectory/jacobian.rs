@@ -75,7 +75,8 @@ impl Jacobian {
     /// is not finite do not count.
     pub(crate) fn mean(&self, record: &Record, numbers: &[f64]) -> Option<Mat<f64>> {
         let n = self.model.states.len();
-        let columns: Vec<&Vec<f64>> = record.columns.iter().map(Option::as_ref).collect::<Option<_>>()?;
+        let columns: Vec<&Vec<f64>> =
+            record.columns[..n].iter().map(Option::as_ref).collect::<Option<_>>()?;
         let mut scratch = Scratch::<1>::new(&self.tape);
         let (mut sum, mut count) = (vec![0.0; n * n], 0.0);
         for i in 0..record.len() {

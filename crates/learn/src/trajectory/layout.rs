@@ -33,7 +33,7 @@ pub(crate) struct Layout {
     pub(crate) priors: Vec<(usize, f64, f64)>,
     /// For each record, the parameters of the model.
     pub(crate) model: Vec<Vec<Source>>,
-    /// For each record, offset, gain and delay of each state, then of each input.
+    /// For each record, offset, gain and delay of each state, each output, then each input.
     pub(crate) sensors: Vec<Vec<[Source; 3]>>,
     pub(crate) segments: Vec<Segment>,
 }
@@ -78,9 +78,9 @@ impl Layout {
         each.map(|(p, shared)| shared.unwrap_or_else(|| self.unknown(p.within, p.start, p.sigma))).collect()
     }
 
-    /// The sensors of a record: of its states, then of its inputs.
+    /// The sensors of a record: of its states, its outputs, then its inputs.
     fn sensors_of(&mut self, system: &System, parameters: &[Source], record: &Record) -> Vec<[Source; 3]> {
-        let n = system.states.len();
+        let n = system.columns();
         let mut of = |s: &SensorParameter, free: bool| match (s.shared, s.within) {
             (Some(p), _) => parameters[p],
             (None, Some(within)) if free => self.unknown(within, s.start, s.sigma),

@@ -1,14 +1,14 @@
 //! The trajectory fit as a least-squares problem: simulations, predictions of the sensors, residuals, weights.
 //! [`super::layout`] says what the unknowns are, [`super::cost`] differentiates.
 
-use crate::decisions::{BASE_STEPS, DIVERGED_SIZE, STEPS_PER_SAMPLE, TOLERANCE};
+use crate::decisions::{BASE_STEPS, DIVERGED_SIZE, NOISE_FLOOR, STEPS_PER_SAMPLE, TOLERANCE};
 use crate::result::error::ModelError;
 use crate::trajectory::delayed_samples::{DelayedSamples, SampledRun};
 use crate::trajectory::input_sensors::InputSensors;
 use crate::trajectory::layout::{DELAY, Layout, Segment, Source};
 use crate::trajectory::noise::ColumnNoise;
 use phisindy_phys::{Record, System};
-use phisindy_signal::standard_deviation;
+use phisindy_signal::{noise_level, standard_deviation};
 use phisindy_sim::{Automaton, Drive, Options, SimError, Trajectory, simulate};
 use rayon::prelude::*;
 
@@ -28,15 +28,18 @@ pub(crate) struct Problem<'a> {
     pub(crate) belief: f64,
     /// For each record, the parameters of the model.
     pub(crate) model: Vec<Vec<Source>>,
-    /// For each record, offset, gain and delay of each state, then of each input.
+    /// For each record, offset, gain and delay of each state, each output, then each input.
     pub(crate) sensors: Vec<Vec<[Source; 3]>>,
     input_sensors: InputSensors,
     /// The size of each state, for the accuracy of the simulation.
     pub(crate) scale: Vec<f64>,
     /// How far each state may go before it has diverged, without the factor.
     pub(crate) reach: Vec<f64>,
-    /// Standard deviation of each measured column, by record and state.
+    /// Standard deviation of each measured column, by record and column.
     pub(crate) deviations: Vec<Vec<f64>>,
+    /// Noise of each output's column from its spectrum, by record and column: how far a sample may be from
+    /// either side of a jump.
+    pub(crate) jump_noise: Vec<Vec<f64>>,
     /// Soft continuity: by how much each state may jump from one segment to the next; `None` leaves the start
     /// states free.
     pub(crate) continuity: Option<Vec<f64>>,
@@ -52,12 +55,12 @@ pub(crate) enum Meaning {
     Coefficient(usize),
     /// Index into the system's parameters; the record for those that each has.
     Parameter(usize, Option<usize>),
-    /// Record, state (or, beyond them, input), which of offset, gain, delay.
+    /// Record, column (or, beyond them, input), which of offset, gain, delay.
     Sensor(usize, usize, usize),
     Start,
 }
 
-/// Noise of each record and state.
+/// Noise of each record and column.
 pub(crate) type Noise = Vec<Vec<ColumnNoise>>;
 
 /// Residuals and predictions of one column of one record.
@@ -75,7 +78,7 @@ impl<'a> Problem<'a> {
         records: &[&'a Record],
         pieces: &[usize],
     ) -> Result<Problem<'a>, ModelError> {
-        let input_sensors = InputSensors::new(system.states.len(), records);
+        let input_sensors = InputSensors::new(system.columns(), records);
         let with_sensors = input_sensors.model(system.model(terms));
         let automaton =
             Automaton::new(&with_sensors).map_err(|e| ModelError::Unbound(e.message(&with_sensors.names)))?;
@@ -84,6 +87,12 @@ impl<'a> Problem<'a> {
             .iter()
             .map(|r| r.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| standard_deviation(c))).collect())
             .collect();
+        let states = system.states.len();
+        let level = |(k, c): (usize, &Option<Vec<f64>>)| match c {
+            Some(c) if k >= states => noise_level(c).max(NOISE_FLOOR * standard_deviation(c)),
+            _ => 1.0,
+        };
+        let jump_noise = records.iter().map(|r| r.columns.iter().enumerate().map(level).collect()).collect();
         let mut problem = Problem {
             system,
             terms: terms.to_vec(),
@@ -100,6 +109,7 @@ impl<'a> Problem<'a> {
             scale: vec![],
             reach: vec![],
             deviations,
+            jump_noise,
             continuity: None,
             budget: None,
             tolerance: TOLERANCE,
@@ -127,7 +137,7 @@ impl<'a> Problem<'a> {
                     if let Source::Unknown(k) = *source
                         && all[k] == Meaning::Start
                     {
-                        let n = self.system.states.len();
+                        let n = self.system.columns();
                         let own = self.records[r].sensors[state].follows.map_or(state, |of| n + of);
                         all[k] = Meaning::Sensor(r, own, which);
                     }
@@ -187,7 +197,7 @@ impl<'a> Problem<'a> {
 
     /// The delay of each input with a free sensor, less what the record has corrected already.
     fn delays(&self, record: usize, x: &[f64]) -> Vec<f64> {
-        let n = self.system.states.len();
+        let n = self.system.columns();
         let own = |&j: &usize| {
             let start = self.records[record].sensors[n + j].delay.start;
             Self::value(self.sensors[record][n + j][DELAY], x) - start
@@ -197,7 +207,7 @@ impl<'a> Problem<'a> {
 
     /// Where each parameter of a run comes from: those of the model, then those of the inputs' sensors.
     pub(crate) fn sources(&self, record: usize) -> impl Iterator<Item = Source> {
-        let n = self.system.states.len();
+        let n = self.system.columns();
         let sensors = self.input_sensors.inputs.iter().flat_map(move |j| self.sensors[record][n + j]);
         self.model[record].iter().copied().chain(sensors)
     }
@@ -270,7 +280,7 @@ impl<'a> Problem<'a> {
         for segment in &self.segments {
             let Some(next) = self.next(segment) else { continue };
             let run = self.run(segment, x, false)?.run;
-            let end = &run.states[run.states.len() - n..];
+            let end = run.state_at(run.samples() - 1);
             (0..n).for_each(|k| sums[k] += (end[k] - x[next.start + k]).powi(2));
             count += 1;
         }
@@ -281,18 +291,23 @@ impl<'a> Problem<'a> {
     /// The sample times of a segment's columns, each late by its own delay.
     pub(crate) fn delayed_samples(&self, segment: &Segment, x: &[f64]) -> DelayedSamples {
         let record = self.records[segment.record];
-        let sensors = &self.sensors[segment.record][..self.system.states.len()];
+        let sensors = &self.sensors[segment.record][..self.system.columns()];
         let delays: Vec<f64> = sensors.iter().map(|s| Self::value(s[DELAY], x)).collect();
         let first = record.columns.iter().position(Option::is_some).unwrap_or(0);
-        // A state without a column takes the delay of the first one that has a column.
+        // What has no column takes the delay of the first one that has.
         let delays: Vec<f64> =
             (0..delays.len()).map(|k| delays[if record.columns[k].is_some() { k } else { first }]).collect();
         DelayedSamples::new(&record.time[segment.samples.0..segment.samples.1], &delays, first)
     }
 
-    /// The prediction of a column from its state's value at the sample time, and its gain.
-    pub(crate) fn reading(&self, record: usize, state: usize, x: &[f64], value: f64) -> (f64, f64) {
-        let [offset, gain, _] = self.sensors[record][state].map(|s| Self::value(s, x));
+    /// Offset, gain or delay of a column's sensor.
+    pub(crate) fn sensor(&self, record: usize, column: usize, which: usize, x: &[f64]) -> f64 {
+        Self::value(self.sensors[record][column][which], x)
+    }
+
+    /// The prediction of a column from the value of what it measures at the sample time, and its gain.
+    pub(crate) fn reading(&self, record: usize, column: usize, x: &[f64], value: f64) -> (f64, f64) {
+        let [offset, gain, _] = self.sensors[record][column].map(|s| Self::value(s, x));
         (offset + gain * value, gain)
     }
 
@@ -309,14 +324,18 @@ impl<'a> Problem<'a> {
     pub(crate) fn residuals(&self, x: &[f64]) -> Result<Vec<Vec<ColumnResidual>>, SimError> {
         let runs: Vec<SampledRun> =
             self.segments.par_iter().map(|s| self.run(s, x, false)).collect::<Result<_, _>>()?;
-        let n = self.system.states.len();
-        let mut out = vec![vec![ColumnResidual::default(); n]; self.records.len()];
+        let columns = vec![ColumnResidual::default(); self.system.columns()];
+        let mut out = vec![columns; self.records.len()];
         for (segment, run) in self.segments.iter().zip(&runs) {
             for (i, sample) in (segment.samples.0..segment.samples.1).enumerate() {
                 for (k, column) in self.records[segment.record].columns.iter().enumerate() {
                     let Some(column) = column else { continue };
                     let (prediction, _) = self.reading(segment.record, k, x, run.value(i, k).0);
-                    out[segment.record][k].residual.push(column[sample] - prediction);
+                    let miss = prediction - column[sample];
+                    let noise = self.jump_noise[segment.record][k];
+                    let beside = self.beside_jumps(segment, x, run, (sample, k), noise);
+                    let left = beside.map_or(miss, |at| at.residual(miss));
+                    out[segment.record][k].residual.push(-left);
                     out[segment.record][k].prediction.push(prediction);
                 }
             }
@@ -329,11 +348,10 @@ impl<'a> Problem<'a> {
         self.run(segment, x, false)
     }
 
-    /// Readings of the sensors along a run of a record, by state.
+    /// Readings of the sensors along a run of a record, by column.
     pub(crate) fn readings(&self, record: usize, x: &[f64], sampled: &SampledRun) -> Vec<Vec<f64>> {
-        let n = self.system.states.len();
-        let samples = sampled.run.states.len() / n;
-        (0..n)
+        let samples = sampled.run.samples();
+        (0..self.system.columns())
             .map(|k| (0..samples).map(|i| self.reading(record, k, x, sampled.value(i, k).0).0).collect())
             .collect()
     }
@@ -346,7 +364,7 @@ impl<'a> Problem<'a> {
     ) -> Vec<Vec<Vec<f64>>> {
         (0..self.records.len())
             .map(|r| {
-                (0..self.system.states.len())
+                (0..self.system.columns())
                     .map(|k| {
                         let Some(column) = &self.records[r].columns[k] else { return vec![] };
                         let predictions = residuals.map(|all| &all[r][k].prediction);
@@ -365,7 +383,7 @@ impl<'a> Problem<'a> {
             let c = &residuals[r][k];
             ColumnNoise::estimate(&c.residual, &c.prediction, self.deviations[r][k])
         };
-        (0..self.records.len()).map(|r| (0..self.system.states.len()).map(|k| of(r, k)).collect()).collect()
+        (0..self.records.len()).map(|r| (0..self.system.columns()).map(|k| of(r, k)).collect()).collect()
     }
 }
 

@@ -181,10 +181,10 @@ fn with_nrmse<'r>(
 /// The noise of each measured column of a fitted record.
 fn noise_of(fit: &Fit<'_>, record: usize) -> Vec<(String, f64)> {
     let problem = &fit.problem;
-    let states = problem.system.states.iter().enumerate();
-    let measured = states.filter(|(k, _)| problem.records[record].columns[*k].is_some());
+    let columns = problem.records[record].columns.iter().enumerate();
     let noise = |k: usize| fit.noise[record][k].variance(problem.deviations[record][k]).sqrt();
-    measured.map(|(k, state)| (state.name.clone(), noise(k))).collect()
+    let named = |k: usize| (problem.system.measured(k).0.to_owned(), noise(k));
+    columns.filter_map(|(k, column)| column.as_ref().map(|_| named(k))).collect()
 }
 
 /// The form of the noise, if it is one for all columns.
@@ -192,7 +192,7 @@ fn noise_model(fit: &Fit<'_>) -> NoiseModel {
     let problem = &fit.problem;
     let of_record = |i: usize| {
         let measured =
-            (0..problem.system.states.len()).filter(move |&k| problem.records[i].columns[k].is_some());
+            (0..problem.system.columns()).filter(move |&k| problem.records[i].columns[k].is_some());
         measured.map(move |k| fit.noise[i][k].kind(problem.deviations[i][k]))
     };
     let mut kinds = (0..problem.records.len()).flat_map(of_record);

@@ -12,6 +12,10 @@ impl Problem<'_> {
                 if own > 0.0 {
                     return own;
                 }
+                let told = self.records.iter().filter_map(|r| r.sizes.get(k).copied()).fold(0.0, f64::max);
+                if told > 0.0 {
+                    return told;
+                }
                 let mut slope = 0.0_f64;
                 for (x, _) in self.system.states.iter().enumerate().filter(|(_, s)| s.velocity == Some(k)) {
                     for record in &self.records {

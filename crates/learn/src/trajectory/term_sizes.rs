@@ -12,7 +12,6 @@ pub(crate) fn term_sizes(fit: &Fit<'_>) -> Option<Vec<f64>> {
     let tape = Tape::compile(&system.graph, &system.arguments(), &outputs).ok()?;
     let mut scratch = Scratch::<1>::new(&tape);
     let (mut sums, mut count) = (vec![0.0; outputs.len()], 0usize);
-    let n = system.states.len();
     // Behind the coefficients; the constants of the record are the record's to add.
     let held = problem.terms.len()..problem.terms.len() + system.parameters.len();
     for segment in &problem.segments {
@@ -20,7 +19,7 @@ pub(crate) fn term_sizes(fit: &Fit<'_>) -> Option<Vec<f64>> {
         let record = problem.records[segment.record];
         let parameters = problem.model_parameters(segment.record, &fit.x);
         for (i, sample) in (segment.samples.0..segment.samples.1).enumerate() {
-            let states = run.states[i * n..(i + 1) * n].iter().copied();
+            let states = run.state_at(i).iter().copied();
             scratch.at(record.arguments_at(sample, states, &parameters[held.clone()]));
             for (k, sum) in sums.iter_mut().enumerate() {
                 *sum += (fit.x[k] * scratch.output(k)[0]).powi(2);

@@ -350,7 +350,7 @@ fn motion(system: &System, record: &Record, n: usize, stretch: usize) -> Vec<Opt
         without_mean(x)
     };
     let mut states: Vec<Option<Vec<f64>>> =
-        record.columns.iter().map(|c| c.as_ref().map(|c| c[..n].to_vec())).collect();
+        record.columns[..system.states.len()].iter().map(|c| c.as_ref().map(|c| c[..n].to_vec())).collect();
     for (x, v) in system.states.iter().enumerate().filter_map(|(x, s)| Some((x, s.velocity?))) {
         match (&record.columns[x], &record.columns[v]) {
             (Some(column), None) => states[v] = Some(slope(column)),

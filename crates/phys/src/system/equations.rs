@@ -34,6 +34,21 @@ pub struct Input {
     pub node: Id,
 }
 
+/// What a sensor reads that is neither a state nor an input.
+#[derive(Clone, Debug)]
+pub struct Output {
+    /// As in the spec.
+    pub name: String,
+    /// As in the spec.
+    pub unit: String,
+    /// Factor from `unit` to SI.
+    pub factor: f64,
+    /// As in the spec.
+    pub reads: String,
+    /// The same as a node, in which [`System::rate_symbols`] stand for the rates of states.
+    pub node: Id,
+}
+
 /// A candidate of the unknown part: the rate of `state` may contain `coefficient * value`.
 #[derive(Clone, Debug)]
 pub struct Term {
@@ -106,6 +121,10 @@ pub struct System {
     pub states: Vec<State>,
     /// In the order of the spec.
     pub inputs: Vec<Input>,
+    /// In the order of the spec.
+    pub outputs: Vec<Output>,
+    /// The states whose whole rate an output reads, and the symbol that stands for it there.
+    pub rate_symbols: Vec<(usize, Id)>,
     /// The known part of each rate; fixed constants are numbers.
     pub known: Vec<Id>,
     /// What turns a force into the rate of a state, where the spec says it.
@@ -152,6 +171,7 @@ impl System {
         }
         parameters.extend(self.parameters.iter().map(|p| p.node));
         parameters.extend(self.record_constants.iter().map(|&(_, node)| node));
+        let outputs = self.outputs_with(&mut graph, &rates);
         Model {
             graph,
             names,
@@ -160,7 +180,30 @@ impl System {
             inputs: self.inputs.iter().map(|u| u.node).collect(),
             parameters,
             rates,
+            outputs,
         }
+    }
+
+    /// The outputs, with these rates of the states in the place of their symbols.
+    pub fn outputs_with(&self, graph: &mut Graph, rates: &[Id]) -> Vec<Id> {
+        let map: HashMap<Id, Id> = self.rate_symbols.iter().map(|&(k, symbol)| (symbol, rates[k])).collect();
+        graph.replace(&self.outputs.iter().map(|output| output.node).collect::<Vec<_>>(), &map)
+    }
+
+    /// Number of columns that a record can have of what a run shows: the states, then the outputs.
+    pub fn columns(&self) -> usize {
+        self.states.len() + self.outputs.len()
+    }
+
+    /// Index of the column of a state or output.
+    pub fn column(&self, name: &str) -> Option<usize> {
+        let output = || self.outputs.iter().position(|o| o.name == name).map(|k| self.states.len() + k);
+        self.state(name).or_else(output)
+    }
+
+    /// Index of the sensor of a state, output or input.
+    pub fn sensor(&self, name: &str) -> Option<usize> {
+        self.column(name).or_else(|| self.input(name).map(|k| self.columns() + k))
     }
 
     /// Whether the known rates hold the sign of a contact's velocity: friction that the model has already.
@@ -246,15 +289,25 @@ impl System {
         self.inputs.iter().position(|u| u.name == name)
     }
 
-    /// Name and unit of what a sensor measures: the states, then the inputs.
+    /// Name and unit of what a sensor measures: the states, then the outputs, then the inputs.
     pub fn measured(&self, sensor: usize) -> (&str, &str) {
-        match self.states.get(sensor) {
-            Some(state) => (&state.name, &state.unit),
-            None => {
-                let input = &self.inputs[sensor - self.states.len()];
-                (&input.name, &input.unit)
-            }
-        }
+        self.quantities().nth(sensor).expect("one sensor for each quantity")
+    }
+
+    /// Factor from the unit of what a sensor measures to SI.
+    pub fn factor(&self, sensor: usize) -> f64 {
+        let states = self.states.iter().map(|s| s.factor);
+        let outputs = self.outputs.iter().map(|o| o.factor);
+        let mut all = states.chain(outputs).chain(self.inputs.iter().map(|u| u.factor));
+        all.nth(sensor).expect("one sensor for each quantity")
+    }
+
+    /// Name and unit of all that a sensor can measure, in this order: the states, the outputs, the inputs.
+    pub fn quantities(&self) -> impl Iterator<Item = (&str, &str)> {
+        let states = self.states.iter().map(|s| (s.name.as_str(), s.unit.as_str()));
+        let outputs = self.outputs.iter().map(|o| (o.name.as_str(), o.unit.as_str()));
+        let inputs = self.inputs.iter().map(|u| (u.name.as_str(), u.unit.as_str()));
+        states.chain(outputs).chain(inputs)
     }
 
     /// A node with numbers in the place of parameters, for printing.

@@ -26,6 +26,8 @@ pub struct Model {
     pub parameters: Vec<Id>,
     /// dx/dt for each state.
     pub rates: Vec<Id>,
+    /// What is read beside the states.
+    pub outputs: Vec<Id>,
 }
 
 impl Model {
@@ -60,7 +62,19 @@ impl Model {
         if roots.len() != states.len() {
             return Err(format!("{} states but {} rates", states.len(), roots.len()));
         }
-        Ok(Model { graph, names, time, states, inputs, parameters, rates: roots })
+        Ok(Model { graph, names, time, states, inputs, parameters, rates: roots, outputs: vec![] })
+    }
+
+    /// The model with an output more, for tests and examples.
+    ///
+    /// # Errors
+    /// As [`Model::build`].
+    pub fn reading(mut self, text: &str) -> Result<Model, String> {
+        let ast = phisindy_expr::parse(text).map_err(|e| format!("{e} in `{text}`"))?;
+        let names = &self.names;
+        let root = self.graph.lower(&ast, |name| names.get(name));
+        self.outputs.push(root.map_err(|e| format!("unknown name `{}` in `{text}`", e[0].name))?);
+        Ok(self)
     }
 
     /// What the rates are functions of, in the order in which tapes take it: time, states, inputs, parameters.

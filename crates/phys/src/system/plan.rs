@@ -17,7 +17,7 @@ pub struct RecordPlan {
     pub role: Role,
     /// One for each of [`crate::System::record_constants`].
     pub constants: Vec<Value>,
-    /// One for each state, then one for each input.
+    /// One for each state, then each output, then each input.
     pub sensors: Vec<Sensor>,
     /// For each input, the input whose derivative it is.
     pub derived: Vec<Option<usize>>,
@@ -60,8 +60,8 @@ pub struct Synthetic {
     pub noise: NoiseSpec,
     /// As in the spec.
     pub seed: u64,
-    /// Which states are recorded.
-    pub measured_states: Vec<bool>,
+    /// Which states, then which outputs, are recorded.
+    pub measured_columns: Vec<bool>,
     /// Which inputs are recorded with noise (others are known exactly).
     pub measured_inputs: Vec<bool>,
     /// The part of the run that the record shows.

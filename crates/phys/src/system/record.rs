@@ -21,16 +21,18 @@ pub struct Record {
     pub role: Role,
     /// Seconds, strictly increasing.
     pub time: Arc<[f64]>,
-    /// Samples of each state (SI); `None` without a column.
+    /// Samples of each state, then of each output (SI); `None` without a column.
     pub columns: Vec<Option<Vec<f64>>>,
     /// For each input, as a function of time (SI).
     pub inputs: Vec<Signal>,
     /// One number for each of [`System::record_constants`].
     pub constants: Vec<f64>,
-    /// One for each state, then one for each input.
+    /// One for each state, then each output, then each input.
     pub sensors: Vec<Sensor>,
     /// Start values that the spec states.
     pub start: Vec<Option<f64>>,
+    /// The size of each state that no column shows, as far as the outputs tell it; empty where they do not.
+    pub sizes: Vec<f64>,
     /// Index of the record whose run this one continues.
     pub continues: Option<usize>,
     /// The inputs that were derived from measured ones.
@@ -60,15 +62,14 @@ pub struct Units {
 }
 
 impl Units {
-    /// As the record states them. A column without a unit has that of its state or input.
+    /// As the record states them. A column without a unit has that of its state, output or input.
     pub fn of(csv: &CsvSpec, system: &System) -> Units {
-        let states = system.states.iter().map(|s| (&s.name, &s.unit));
-        let own: Vec<_> = states.chain(system.inputs.iter().map(|u| (&u.name, &u.unit))).collect();
+        let own: Vec<_> = system.quantities().collect();
         // The check refuses texts that are no unit.
         let unit = |text: &str| Unit::parse(text).unwrap_or(Unit::ONE);
         let column = |(name, column): &(Text, ColumnSpec)| match &column.unit {
             Some(stated) => unit(&stated.value),
-            None => own.iter().find(|(n, _)| **n == name.value).map_or(Unit::ONE, |(_, own)| unit(own)),
+            None => own.iter().find(|(n, _)| *n == name.value).map_or(Unit::ONE, |(_, own)| unit(own)),
         };
         Units {
             time: csv.time.unit.as_ref().map_or(Unit::ONE, |stated| unit(&stated.value)),
@@ -117,7 +118,7 @@ impl Record {
         [self.time[sample]].into_iter().chain(states).chain(inputs).chain(rest)
     }
 
-    /// Number of measured values: samples of all columns of states.
+    /// Number of measured values: samples of all columns of states and outputs.
     pub fn readings(&self) -> usize {
         self.len() * self.columns.iter().flatten().count()
     }
@@ -141,10 +142,10 @@ impl Record {
             let k = csv.columns.iter().position(|(n, _)| n.value == name)?;
             Some(table.columns[k].clone())
         };
-        let columns = system.states.iter().map(|s| column(&s.name)).collect();
+        let columns = system.quantities().take(system.columns()).map(|(name, _)| column(name)).collect();
         let mut raw: Vec<Option<Vec<f64>>> = Vec::new();
         for (k, input) in system.inputs.iter().enumerate() {
-            let sensor = &plan.sensors[system.states.len() + k];
+            let sensor = &plan.sensors[system.columns() + k];
             let seen = |values| sensor.corrected(&time, values, plan.interpolation[k]);
             raw.push(
                 column(&input.name).map(seen).transpose().map_err(|e| vec![no_signal(&input.name, &e)])?,
@@ -180,6 +181,7 @@ impl Record {
             sensors: plan.sensors.clone(),
             start: plan.start.clone(),
             continues: None,
+            sizes: vec![],
             derivations,
             notes,
         })
@@ -268,7 +270,7 @@ fn same_run(a: &CsvSpec, b: &CsvSpec, system: &System) -> bool {
     let shared = |name: &String| column(a, name).is_some_and(|own| column(b, name) == Some(own));
     // The origin of arrays in memory is not known.
     !a.in_memory
-        && system.states.iter().any(|state| shared(&state.name))
+        && system.quantities().take(system.columns()).any(|(name, _)| shared(&name.to_owned()))
         && a.path.value == b.path.value
         && rows(a) == rows(b)
         && run(a) == run(b)

@@ -43,6 +43,8 @@ pub struct Spec {
     pub states: Vec<(Text, Text)>,
     /// Inputs and their units.
     pub inputs: Vec<(Text, Text)>,
+    /// What sensors read that is neither a state nor an input.
+    pub outputs: Vec<(Text, OutputSpec)>,
     /// The known rate of each state.
     pub known: Vec<(Text, Text)>,
     /// What turns a force into the rate of a state; 1 where nothing is given.
@@ -55,6 +57,15 @@ pub struct Spec {
     pub data: Vec<DataSpec>,
     /// How to identify.
     pub learn: LearnSpec,
+}
+
+/// What a sensor reads: an expression of states, inputs, constants, time, and rates of states as `rate(v)`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutputSpec {
+    /// As in a state's declaration.
+    pub unit: Text,
+    /// The expression.
+    pub reads: Text,
 }
 
 /// A constant in any of its forms.
@@ -266,7 +277,7 @@ pub struct SyntheticSpec {
     pub derive: Vec<(Text, DeriveSpec)>,
     /// Imperfections of the sensors.
     pub sensors: Vec<(Text, SensorSpec)>,
-    /// What is recorded; None: all states.
+    /// What is recorded; None: all states, or all outputs where there are some.
     pub measure: Option<Vec<Text>>,
     /// Only samples between these times, in order.
     pub window: Option<(Number, Number)>,

@@ -17,7 +17,7 @@ use crate::text::spec::{
 };
 use crate::units::unit::{Dimension, Unit};
 use form::Form;
-use phisindy_expr::{Ast, parse};
+use phisindy_expr::{Ast, parse, parse_with};
 use quantity::{Conflict, Measure, Quantity, infer};
 use std::collections::{HashMap, HashSet};
 use unknowns::Unknowns;
@@ -80,13 +80,21 @@ impl<'s> Survey<'s> {
         let bare = spec.states.iter().all(|(_, unit)| unit.value.trim().is_empty());
         let time = if bare { self.declared(None) } else { Measure::Fixed(Form::known(Dimension::SECOND)) };
         self.names.insert("t", Quantity::varying(time));
-        for (name, unit) in spec.states.iter().chain(&spec.inputs) {
+        let outputs = spec.outputs.iter().map(|(name, output)| (name, &output.unit));
+        for (name, unit) in spec.states.iter().chain(&spec.inputs).map(|(n, u)| (n, u)).chain(outputs) {
             let measure = self.declared(Some(unit));
             self.names.insert(&name.value, Quantity::varying(measure));
         }
         self.constants();
         for (name, text) in &spec.known {
             self.rate(name, text, "its rate");
+        }
+        for (name, output) in &spec.outputs {
+            let found = self.quantity(&output.reads).measure;
+            if let Some((due, is)) = self.differ(&self.of(name), &found) {
+                let missing = self.suggestion(&due, &is);
+                self.mistakes.push(self.words.output(name, &output.reads, [&due, &is], missing));
+            }
         }
         for text in spec.inertia.iter().map(|(_, text)| text).chain(&spec.contacts) {
             self.measure(text);
@@ -313,10 +321,18 @@ impl<'s> Survey<'s> {
 
     /// What an expression measures; its own mistakes are noted.
     fn quantity(&mut self, text: &Text) -> Quantity {
-        let Ok(ast) = parse(&text.value) else { return Quantity::varying(Measure::Loose(None)) };
+        let Ok(ast) = parse_with(&text.value, &["rate"]) else {
+            return Quantity::varying(Measure::Loose(None));
+        };
         let mut conflicts = Vec::new();
         let names = &self.names;
-        let found = infer(&ast, |name| names.get(name).cloned(), &mut self.unknowns, &mut conflicts);
+        let second = Measure::Fixed(Form::known(Dimension::SECOND));
+        let rate = |name: &str| {
+            let state = names.get(name.strip_prefix("rate ")?)?;
+            Some(Quantity::varying(state.measure.times(&second, -1.0)))
+        };
+        let of = |name: &str| names.get(name).cloned().or_else(|| rate(name));
+        let found = infer(&ast, of, &mut self.unknowns, &mut conflicts);
         for conflict in conflicts {
             let missing = match &conflict {
                 Conflict::Operands { left: (_, due), right: (_, is), .. } => self.suggestion(due, is),

@@ -26,11 +26,11 @@ impl<'a> Model<'a> {
         Model { system, fits, contacts }
     }
 
-    /// Measured minus simulated values of a state in its unit; none without a column or a run.
-    pub(crate) fn residual(&self, record: usize, state: &str) -> Option<Vec<f64>> {
-        let k = self.system.state(state)?;
+    /// Measured minus simulated values of a column in its unit; none without samples or a run.
+    pub(crate) fn residual(&self, record: usize, column: &str) -> Option<Vec<f64>> {
+        let k = self.system.column(column)?;
         let residual = self.fits[record].residuals.get(k).filter(|r| !r.is_empty())?;
-        Some(residual.iter().map(|e| e / self.system.states[k].factor).collect())
+        Some(residual.iter().map(|e| e / self.system.factor(k)).collect())
     }
 
     /// NRMSE of a record's column.
@@ -79,13 +79,14 @@ impl Seen<'_> {
 
     /// The measured columns of a chain.
     pub(crate) fn columns(&self, chain: &[usize]) -> Vec<Column<'_>> {
-        let states = self.system.states.iter().enumerate();
-        let columns = states.map(|(k, state)| {
+        let quantities = self.system.quantities().take(self.system.columns()).enumerate();
+        let columns = quantities.map(|(k, (name, unit))| {
+            let factor = self.system.factor(k);
             let part = |&r: &usize| {
                 let column = self.records[r].columns[k].as_ref()?;
-                Some((r, column.iter().map(|v| v / state.factor).collect()))
+                Some((r, column.iter().map(|v| v / factor).collect()))
             };
-            Column { name: &state.name, unit: &state.unit, parts: chain.iter().filter_map(part).collect() }
+            Column { name, unit, parts: chain.iter().filter_map(part).collect() }
         });
         columns.filter(|c| !c.parts.is_empty()).collect()
     }

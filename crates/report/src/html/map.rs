@@ -61,7 +61,7 @@ fn chart(seen: &Seen<'_>, noise: &[(String, f64)], chain: &[usize], number: usiz
 fn cells(seen: &Seen<'_>, model: &Model<'_>, chain: &[usize], column: &str, sigma: f64) -> Vec<Cell> {
     let (from, to) = seen.span(chain);
     let length = (to - from) / CELLS as f64;
-    let factor = model.system.state(column).map_or(1.0, |k| model.system.states[k].factor);
+    let factor = model.system.column(column).map_or(1.0, |k| model.system.factor(k));
     let mut sums = vec![(0.0, 0usize); CELLS];
     for &r in chain {
         let Some(residual) = model.residual(r, column) else { continue };

@@ -66,7 +66,7 @@ fn over_time(
         points.extend(seen.records[*r].time.iter().copied().zip(residual.iter().copied()));
         points.push((f64::NAN, f64::NAN));
     }
-    let factor = model.system.state(column.name).map_or(1.0, |k| model.system.states[k].factor);
+    let factor = model.system.column(column.name).map_or(1.0, |k| model.system.factor(k));
     let noise = parts.iter().find_map(|(r, _)| {
         let found = model.fits[*r].noise.iter().find(|(name, _)| name == column.name);
         found.map(|(_, sigma)| REACH * sigma / factor).filter(|v| *v > 0.0)

@@ -116,8 +116,8 @@ fn records(report: &RunReport<'_>) -> Option<Element> {
             row([text("–"), text(format!("failed: {why}")), text("–"), text("–")]);
         }
         for ((column, nrmse), (_, noise)) in record.nrmse.iter().zip(&record.noise) {
-            let state = system.state(column).map(|k| &system.states[k]);
-            let (factor, unit) = state.map_or((1.0, ""), |s| (s.factor, s.unit.as_str()));
+            let index = system.column(column);
+            let (factor, unit) = index.map_or((1.0, ""), |k| (system.factor(k), system.measured(k).1));
             row([code(column), Cell::Number(*nrmse), Cell::Number(noise / factor), in_unit(unit)]);
         }
     }

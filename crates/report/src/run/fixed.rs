@@ -39,12 +39,7 @@ pub(crate) fn fixed_values(input: Input<'_>, found: &Identified) -> Vec<FixedVal
         };
         all.extend(of_records(name, input, &value));
     }
-    let columns = system
-        .states
-        .iter()
-        .map(|s| (&s.name, &s.unit))
-        .chain(system.inputs.iter().map(|u| (&u.name, &u.unit)));
-    for (k, (column, own)) in columns.enumerate() {
+    for (k, (column, own)) in system.quantities().enumerate() {
         for (part, idle) in SensorPart::ALL.into_iter().zip([0.0, 1.0, 0.0]) {
             let (name, unit) = (format!("{column}.{}", part.name()), part.unit(own));
             let moved = |r: usize| {

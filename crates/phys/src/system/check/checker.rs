@@ -4,7 +4,7 @@ use crate::system::constants::Constants;
 use crate::text::diagnostic::{Diagnostic, SourceId};
 use crate::text::spec::{Number, Text};
 use crate::units::unit::{Scale, Unit};
-use phisindy_expr::{Graph, Id, Names, Span, Symbol, nearest, ops, parse};
+use phisindy_expr::{Graph, Id, Names, Span, Symbol, nearest, ops, parse_with};
 use std::collections::HashSet;
 
 /// Most bytes of a name.
@@ -99,7 +99,17 @@ impl Checker {
     /// Parses and lowers an expression in which the `allowed` names (and constants) may stand; fixed constants
     /// become numbers.
     pub(super) fn expression(&mut self, text: &Text, allowed: &[&str]) -> Option<Id> {
-        let ast = match parse(&text.value) {
+        self.expression_with(text, allowed, &[])
+    }
+
+    /// As [`Checker::expression`], in which an accessor may stand before a name: see [`parse_with`].
+    pub(super) fn expression_with(
+        &mut self,
+        text: &Text,
+        allowed: &[&str],
+        accessors: &[&str],
+    ) -> Option<Id> {
+        let ast = match parse_with(&text.value, accessors) {
             Ok(ast) => ast,
             Err(e) => {
                 let hint = e.hint();
@@ -124,7 +134,18 @@ impl Checker {
                 all.extend(constants.iter().map(String::as_str));
                 let mut seen = HashSet::new();
                 for u in unknown.into_iter().filter(|u| seen.insert(u.name.clone())) {
-                    self.unknown_name(&u.name, u.span.shifted(text.span.start), "name", &all);
+                    let span = u.span.shifted(text.span.start);
+                    match u.name.strip_prefix("rate ") {
+                        Some(of) => {
+                            let states: Vec<&str> =
+                                all.iter().filter_map(|n| n.strip_prefix("rate ")).collect();
+                            self.unknown_name(of, span, "state in `rate(...)`", &states);
+                        }
+                        None => {
+                            let plain: Vec<&str> = all.iter().copied().filter(|n| !n.contains(' ')).collect();
+                            self.unknown_name(&u.name, span, "name", &plain);
+                        }
+                    }
                 }
                 None
             }

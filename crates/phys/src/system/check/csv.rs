@@ -24,36 +24,37 @@ impl Checker {
         let names = quantity_names(system);
         for (name, column) in &csv.columns {
             if !names.contains(&name.value.as_str()) {
-                self.unknown_name(&name.value, name.span, "state or input in `columns`", &names);
+                self.unknown_name(&name.value, name.span, "state, output or input in `columns`", &names);
                 continue;
             }
-            let own = system
-                .states
-                .iter()
-                .map(|s| (&s.name, &s.unit))
-                .chain(system.inputs.iter().map(|u| (&u.name, &u.unit)));
-            let own: HashMap<&String, &String> = own.collect();
+            let own: HashMap<&str, &str> = system.quantities().collect();
             if let Some(unit) = &column.unit {
                 let theirs = self.unit(unit);
-                let ours = Unit::parse(own[&name.value]).unwrap_or(Unit::ONE);
+                let ours = Unit::parse(own[name.value.as_str()]).unwrap_or(Unit::ONE);
                 if theirs.dimension != ours.dimension {
                     let message = format!(
                         "`{}` cannot be converted to `{}`, the unit of `{}`",
-                        unit.value, own[&name.value], name.value
+                        unit.value,
+                        own[name.value.as_str()],
+                        name.value
                     );
                     let help = format!(
                         "`(header, unit)` says in which unit the file's numbers stand: give one of `{}`, or another column",
-                        own[&name.value]
+                        own[name.value.as_str()]
                     );
                     self.error(message, unit.span, "").help.push(help);
                 }
             }
         }
         // Arrays of the inputs alone can drive a simulation.
-        if !csv.in_memory && !csv.columns.iter().any(|(n, _)| system.state(&n.value).is_some()) {
-            self.error("no column measures a state, so there is nothing to fit", csv.path.span, "")
-                .help
-                .push(format!("give at least one of {} a column", names[..system.states.len()].join(", ")));
+        if !csv.in_memory && !csv.columns.iter().any(|(n, _)| system.column(&n.value).is_some()) {
+            self.error(
+                "no column measures a state or an output, so there is nothing to fit",
+                csv.path.span,
+                "",
+            )
+            .help
+            .push(format!("give at least one of {} a column", names[..system.columns()].join(", ")));
         }
         let (derived, differentiators) = self.derived(&csv.derive, system);
         for (k, input) in system.inputs.iter().enumerate() {

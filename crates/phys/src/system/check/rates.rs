@@ -1,10 +1,13 @@
 //! Rates, terms and contacts: the fields of a spec that become a [`System`].
 
 use super::checker::Checker;
-use crate::system::equations::{Contact, Input, State, System, Term, contains_sign};
-use crate::text::spec::{Spec, Text, UnknownSpec};
+use crate::system::equations::{Contact, Input, Output, State, System, Term, contains_sign};
+use crate::text::spec::{OutputSpec, Spec, Text, UnknownSpec};
 use phisindy_expr::{Id, Span};
 use std::collections::HashMap;
+
+/// What an output calls the rate of a state by: `rate(v)`.
+pub(crate) const RATE: &str = "rate";
 
 impl Checker {
     /// The system that a spec describes.
@@ -31,6 +34,14 @@ impl Checker {
             let factor = self.unit(unit).factor;
             inputs.push(Input { name: name.value.clone(), unit: unit.value.clone(), factor, node });
         }
+        let outputs: Vec<_> = spec
+            .outputs
+            .iter()
+            .map(|(name, output)| {
+                self.declare(name, "output");
+                (name, output, self.unit(&output.unit).factor)
+            })
+            .collect();
         let parameters = self.gather_constants(spec);
         let mut allowed: Vec<&str> = vec!["t"];
         allowed.extend(spec.states.iter().map(|(n, _)| n.value.as_str()));
@@ -62,6 +73,7 @@ impl Checker {
         self.per_state("unknown", &entries, spec, |checker, k, unknown| {
             checker.terms(k, unknown, &allowed, &mut terms);
         });
+        let (rate_symbols, outputs) = self.outputs(outputs, &states, &allowed);
         let system_states: Vec<Id> = states.iter().map(|s: &State| s.node).collect();
         let contacts = self.contacts(spec, &allowed, &states, &system_states, &known, &terms);
         System {
@@ -71,6 +83,8 @@ impl Checker {
             time,
             states,
             inputs,
+            outputs,
+            rate_symbols,
             known,
             inertia,
             terms,
@@ -79,6 +93,33 @@ impl Checker {
             constants: self.constants.fixed(),
             contacts,
         }
+    }
+
+    /// The outputs, and the symbols of the rates that they read.
+    fn outputs(
+        &mut self,
+        declared: Vec<(&Text, &OutputSpec, f64)>,
+        states: &[State],
+        allowed: &[&str],
+    ) -> (Vec<(usize, Id)>, Vec<Output>) {
+        let rates: Vec<String> = states.iter().map(|s| format!("rate {}", s.name)).collect();
+        let symbols: Vec<Id> = rates
+            .iter()
+            .map(|name| {
+                let symbol = self.names.intern(name);
+                self.graph.symbol(symbol)
+            })
+            .collect();
+        let allowed: Vec<&str> = allowed.iter().copied().chain(rates.iter().map(String::as_str)).collect();
+        let mut outputs = Vec::new();
+        for (name, spec, factor) in declared {
+            let Some(node) = self.expression_with(&spec.reads, &allowed, &[RATE]) else { continue };
+            let (name, unit, reads) = (name.value.clone(), spec.unit.value.clone(), spec.reads.value.clone());
+            outputs.push(Output { name, unit, factor, reads, node });
+        }
+        let nodes: Vec<Id> = outputs.iter().map(|o| o.node).collect();
+        let used = |symbol: &Id| self.graph.uses(&nodes, &[*symbol]);
+        (symbols.into_iter().enumerate().filter(|(_, s)| used(s)).collect(), outputs)
     }
 
     /// Calls `each` for every entry of a map whose keys are states.

@@ -39,11 +39,9 @@ impl Checker {
         derived: &[Option<usize>],
         system: &System,
     ) -> Vec<Sensor> {
-        let mut all = vec![Sensor::default(); system.states.len() + system.inputs.len()];
+        let mut all = vec![Sensor::default(); system.columns() + system.inputs.len()];
         for (name, sensor) in sensors {
-            let index =
-                system.state(&name.value).or(system.input(&name.value).map(|u| u + system.states.len()));
-            let Some(index) = index else {
+            let Some(index) = system.sensor(&name.value) else {
                 self.unknown_name(&name.value, name.span, "column in `sensors`", &quantity_names(system));
                 continue;
             };
@@ -74,7 +72,7 @@ impl Checker {
                     .expect("three sensor parameters") = parameter;
             }
         }
-        let n = system.states.len();
+        let n = system.columns();
         for (k, of) in derived.iter().enumerate().filter_map(|(k, of)| Some((k, (*of)?))) {
             // A zero error has no derivative.
             all[n + k] =
@@ -158,12 +156,7 @@ impl Checker {
     }
 }
 
-/// The names of what a sensor can measure: the states, then the inputs.
+/// The names of what a sensor can measure: the states, the outputs, the inputs.
 pub(super) fn quantity_names(system: &System) -> Vec<&str> {
-    system
-        .states
-        .iter()
-        .map(|s| s.name.as_str())
-        .chain(system.inputs.iter().map(|u| u.name.as_str()))
-        .collect()
+    system.quantities().map(|(name, _)| name).collect()
 }

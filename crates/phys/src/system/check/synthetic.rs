@@ -58,7 +58,7 @@ impl Checker {
             });
         }
         let start = self.start(&data.start, system);
-        let (measured_states, measured_inputs) = self.measured(data, system);
+        let (measured_columns, measured_inputs) = self.measured(data, system);
         let title = Text { value: format!("record {index}"), span: data.span };
         let own = |k: usize| data.inputs.iter().any(|(n, _)| n.value == system.inputs[k].name);
         let unexcited: Vec<_> = derived.iter().enumerate().map(|(k, of)| of.filter(|_| !own(k))).collect();
@@ -83,7 +83,7 @@ impl Checker {
                 step: data.step.value,
                 noise: data.noise.clone(),
                 seed: data.seed.unwrap_or(0),
-                measured_states,
+                measured_columns,
                 measured_inputs,
                 window: data.window.as_ref().map(|w| (w.0.value, w.1.value)),
             })),
@@ -91,27 +91,31 @@ impl Checker {
         (self.diagnostics.iter().filter(|d| d.is_error()).count() == errors).then_some(plan)
     }
 
+    /// Which columns and which inputs are recorded: the outputs where there are some, else the states, unless
+    /// the record says it.
     fn measured(&mut self, data: &SyntheticSpec, system: &System) -> (Vec<bool>, Vec<bool>) {
+        let (n, columns) = (system.states.len(), system.columns());
         let Some(list) = &data.measure else {
-            return (vec![true; system.states.len()], vec![false; system.inputs.len()]);
+            let recorded = |k| if columns > n { k >= n } else { true };
+            return ((0..columns).map(recorded).collect(), vec![false; system.inputs.len()]);
         };
-        let (mut states, mut inputs) = (vec![false; system.states.len()], vec![false; system.inputs.len()]);
+        let (mut measured, mut inputs) = (vec![false; columns], vec![false; system.inputs.len()]);
         for name in list {
-            match (system.state(&name.value), system.input(&name.value)) {
-                (Some(k), _) => states[k] = true,
+            match (system.column(&name.value), system.input(&name.value)) {
+                (Some(k), _) => measured[k] = true,
                 (_, Some(k)) => inputs[k] = true,
                 _ => self.unknown_name(
                     &name.value,
                     name.span,
-                    "state or input in `measure`",
+                    "state, output or input in `measure`",
                     &quantity_names(system),
                 ),
             }
         }
-        if !states.contains(&true) {
-            self.error("no state is measured, so there is nothing to fit", data.span, "");
+        if !measured.contains(&true) {
+            self.error("no state or output is measured, so there is nothing to fit", data.span, "");
         }
-        (states, inputs)
+        (measured, inputs)
     }
 
     /// Known rates plus truth, formulas in the place of inputs, movable constants at their nominal values.
@@ -130,6 +134,10 @@ impl Checker {
         }
         let sums: Vec<Id> = system.known.iter().zip(extra).map(|(&g, &f)| self.graph.add(g, f)).collect();
         let rates = self.graph.replace(&sums, &with);
+        let outputs = self.graph.replace(&system.outputs.iter().map(|o| o.node).collect::<Vec<_>>(), &with);
+        let whole: HashMap<Id, Id> =
+            system.rate_symbols.iter().map(|&(k, symbol)| (symbol, rates[k])).collect();
+        let outputs = self.graph.replace(&outputs, &whole);
         Model {
             graph: self.graph.clone(),
             names: self.names.clone(),
@@ -138,6 +146,7 @@ impl Checker {
             inputs: system.inputs.iter().map(|u| u.node).collect(),
             parameters: system.record_constants.iter().map(|&(_, node)| node).collect(),
             rates,
+            outputs,
         }
     }
 

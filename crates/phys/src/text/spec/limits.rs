@@ -12,6 +12,8 @@ const CONSTANTS: usize = 1000;
 const STATES: usize = 100;
 /// Most inputs.
 const INPUTS: usize = 100;
+/// Most outputs.
+const OUTPUTS: usize = 100;
 /// Most candidates of all equations together.
 const CANDIDATES: usize = 1000;
 /// Most contacts.
@@ -45,6 +47,12 @@ impl Reader<'_> {
             spec.inputs.iter().map(|(n, _)| n.span),
             "leave out what the rates do not need",
         );
+        self.at_most(
+            "outputs",
+            OUTPUTS,
+            spec.outputs.iter().map(|(n, _)| n.span),
+            "leave out what no record holds",
+        );
         let candidates = spec.unknown.iter().flat_map(|(_, u)| &u.candidates);
         self.at_most(
             "candidates",
@@ -75,7 +83,7 @@ impl Reader<'_> {
 
     /// Simulated records that would not fit into memory, if only together.
     fn numbers(&mut self, spec: &Spec) {
-        let (width, mut sum) = ((spec.states.len() + spec.inputs.len()) as f64, 0.0);
+        let (width, mut sum) = ((spec.states.len() + spec.inputs.len() + spec.outputs.len()) as f64, 0.0);
         for data in &spec.data {
             let DataSpec::Synthetic(synthetic) = data else { continue };
             let samples = synthetic.duration.value / synthetic.step.value;
@@ -83,7 +91,7 @@ impl Reader<'_> {
             // A record that is too long by itself has been told of.
             if sum > NUMBERS && samples <= SAMPLES {
                 let message = format!(
-                    "the simulated records hold more than {NUMBERS:.0e} numbers (samples times states and inputs)"
+                    "the simulated records hold more than {NUMBERS:.0e} numbers (samples times states, inputs and outputs)"
                 );
                 let d =
                     Diagnostic::error(message).at(self.source, synthetic.duration.span, "with this record");

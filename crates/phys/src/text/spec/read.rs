@@ -1,7 +1,7 @@
 //! The whole spec.
 
 use super::reader::Reader;
-use super::{DataSpec, Spec, UnknownSpec};
+use super::{DataSpec, OutputSpec, Spec, UnknownSpec};
 use crate::text::diagnostic::{Diagnostic, SourceId};
 use crate::text::raw::{Node, Shape, parse};
 
@@ -65,6 +65,7 @@ impl Reader<'_> {
             "constants",
             "states",
             "inputs",
+            "outputs",
             "known",
             "inertia",
             "unknown",
@@ -80,6 +81,7 @@ impl Reader<'_> {
         let constants = self.pairs(&fields, "constants", Self::constant);
         let states = self.required(&fields, "states", |r, n| r.map(n, Self::unit));
         let inputs = self.pairs(&fields, "inputs", Self::unit);
+        let outputs = self.pairs(&fields, "outputs", Self::output);
         let known = self.required(&fields, "known", |r, n| r.map(n, Self::words));
         let inertia = self.pairs(&fields, "inertia", Self::words);
         let unknown = self.pairs(&fields, "unknown", Self::unknown);
@@ -97,6 +99,7 @@ impl Reader<'_> {
             constants,
             states: states?,
             inputs,
+            outputs,
             known: known?,
             inertia,
             unknown,
@@ -106,6 +109,14 @@ impl Reader<'_> {
         };
         self.limits(&spec);
         Some(spec)
+    }
+
+    /// `(unit: "m/s^2", reads: "rate(v)")`
+    fn output(&mut self, node: &Node) -> Option<OutputSpec> {
+        let fields = self.fields(node, "an output", &["unit", "reads"])?;
+        let unit = self.required(&fields, "unit", Self::unit);
+        let reads = self.required(&fields, "reads", Self::words);
+        Some(OutputSpec { unit: unit?, reads: reads? })
     }
 
     fn unknown(&mut self, node: &Node) -> Option<UnknownSpec> {

@@ -89,6 +89,20 @@ impl Words {
             .help(missing.map_or_else(|| bridge(due, is), |m| asked(&m)))
     }
 
+    pub(super) fn output(
+        &self,
+        output: &Text,
+        text: &Text,
+        [due, is]: [&Form; 2],
+        missing: Option<String>,
+    ) -> Diagnostic {
+        let message =
+            format!("output `{}` is {}, but what it reads is {}", output.value, in_unit(due), in_unit(is));
+        Diagnostic::error(message)
+            .at(self.source, text.span, is_in(is))
+            .help(missing.map_or_else(|| bridge(due, is), |m| asked(&m)))
+    }
+
     pub(super) fn derivative(
         &self,
         input: &Text,
