@@ -86,6 +86,20 @@ pub(crate) struct HiddenArgs {
     /// Hide this law only (or nothing, two, outside)
     #[arg(long, value_name = "LAW")]
     pub(crate) only: Option<String>,
+    /// What the sensors measure
+    #[arg(long, value_enum, default_value_t = Sensors::Mixed)]
+    pub(crate) sensors: Sensors,
+}
+
+/// What the sensors of all sets measure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Sensors {
+    /// Displacements, in three of four sets velocities too
+    Mixed,
+    /// Displacements alone
+    Displacement,
+    /// Accelerations alone
+    Acceleration,
 }
 
 /// Which sets to score.

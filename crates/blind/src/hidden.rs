@@ -52,7 +52,8 @@ pub(crate) fn make(args: &HiddenArgs, options: &Options) -> Result<bool> {
         if interrupt::requested() {
             return Ok(());
         }
-        let wish = wish::wish(args.seed, index, args.only.as_deref()).map_err(|why| anyhow!(why))?;
+        let wish =
+            wish::wish(args.seed, index, args.only.as_deref(), args.sensors).map_err(|why| anyhow!(why))?;
         let mut dice = Dice::new(args.seed, &format!("set {index}"));
         let made = made::made(&wish, &mut dice).map_err(|why| anyhow!("set {index}: {why}"))?;
         write::write(&Folder::create(&args.out.join(format!("{index:03}")))?, index, &made, &mut dice)?;

@@ -7,7 +7,8 @@ pub use effect::{Effect, EffectError};
 pub(crate) use effect::{bindings, fits, is_force};
 
 use phisindy_expr::Id;
-use phisindy_phys::{Contact, RecordPlan, System};
+use phisindy_phys::unit::{Dimension, Unit};
+use phisindy_phys::{Contact, Output, RecordPlan, System};
 
 /// A place where a law can act.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,8 +42,8 @@ pub enum Site {
         acts: Vec<(usize, f64)>,
         /// Outputs that the force enters, with sign: what a force cell under prescribed motion reads.
         shows: Vec<(usize, f64)>,
-        /// The velocity state whose units the force takes.
-        state: usize,
+        /// The velocity state whose units the force takes; `None` where the motion is prescribed.
+        state: Option<usize>,
     },
     /// Sensors of the columns with these names.
     Sensor(Vec<String>),
@@ -95,7 +96,7 @@ pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
                 velocity: plain(v),
                 acts: vec![(v, -1.0)],
                 shows: vec![],
-                state: v,
+                state: Some(v),
             },
         });
     }
@@ -112,7 +113,7 @@ pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
                     velocity: difference(system, &plain(a), &plain(b)),
                     acts: vec![(a, -1.0), (b, 1.0)],
                     shows: vec![],
-                    state: a,
+                    state: Some(a),
                 },
             });
         }
@@ -133,7 +134,7 @@ pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
                     velocity: difference(system, &plain(v), &du),
                     acts: vec![(v, -1.0)],
                     shows: vec![],
-                    state: v,
+                    state: Some(v),
                 },
             });
         }
@@ -143,11 +144,17 @@ pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
         // that a spring could use.
         if !all.iter().any(|p: &Place| p.at == at) {
             let velocity = Quantity { text: format!("({at})"), node };
-            let site =
-                Site::Force { displacement: None, velocity, acts: vec![(v, -1.0)], shows: vec![], state: v };
+            let site = Site::Force {
+                displacement: None,
+                velocity,
+                acts: vec![(v, -1.0)],
+                shows: vec![],
+                state: Some(v),
+            };
             all.push(Place { at, site });
         }
     }
+    all.extend(prescribed(system, plans));
     let names: Vec<String> = system.quantities().take(system.columns()).map(|(n, _)| n.to_owned()).collect();
     let shown = |k: &usize| plans.iter().any(|p| is_measured(p, &names[*k], *k));
     let measured: Vec<String> = (0..names.len()).filter(shown).map(|k| names[k].clone()).collect();
@@ -156,6 +163,35 @@ pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
     );
     if measured.len() > 1 {
         all.push(Place { at: "motion".into(), site: Site::Sensor(measured) });
+    }
+    all
+}
+
+/// Prescribed motions with force cells: a law between the moving part and the ground enters what they read.
+fn prescribed(system: &System, plans: &[RecordPlan]) -> Vec<Place> {
+    let force = Unit::parse("N").map_or(Dimension::NONE, |u| u.dimension);
+    let is_force = |o: &Output| Unit::parse(&o.unit).is_ok_and(|u| u.dimension == force);
+    let reads = |o: &Output, input: usize| {
+        let symbols: Vec<Id> = system.states.iter().map(|s| s.node).collect();
+        is_force(o) && !system.graph.uses(&[o.node], &symbols) && system.inputs.len() > input
+    };
+    let mut all = Vec::new();
+    for (u, du) in bases(system, plans) {
+        let shows: Vec<(usize, f64)> =
+            (0..system.outputs.len()).filter(|&k| reads(&system.outputs[k], du)).map(|k| (k, 1.0)).collect();
+        let plain = |k: usize| Quantity { text: system.inputs[k].name.clone(), node: system.inputs[k].node };
+        if !shows.is_empty() {
+            all.push(Place {
+                at: system.inputs[du].name.clone(),
+                site: Site::Force {
+                    displacement: Some(plain(u)),
+                    velocity: plain(du),
+                    acts: vec![],
+                    shows,
+                    state: None,
+                },
+            });
+        }
     }
     all
 }

@@ -5,6 +5,10 @@ use super::rig::Rig;
 /// The known part, discretised for forces that are linear between samples.
 pub(super) struct Linear {
     n: usize,
+    masses: usize,
+    /// Derivatives of the rates by the states, row-major, and one over each mass.
+    rates: Vec<f64>,
+    mobility: Vec<f64>,
     /// One step of the states, row-major.
     step: Vec<f64>,
     /// For each mass: the response to the force at the beginning of a step, and to its change.
@@ -31,7 +35,8 @@ impl Linear {
             }
         }
         (0..masses).for_each(|i| rates[i * n + masses + i] = 1.0);
-        let mut linear = Linear { n, step: vec![], force: vec![] };
+        let mobility = rig.mass.iter().map(|m| 1.0 / m).collect();
+        let mut linear = Linear { n, masses, rates: rates.clone(), mobility, step: vec![], force: vec![] };
         for mass in 0..masses {
             // The force and its slope as two more states.
             let m = n + 2;
@@ -47,7 +52,7 @@ impl Linear {
         linear
     }
 
-    /// The response at rest to forces on masses: columns of the states.
+    /// The response at rest to forces on masses: columns of the states, then the accelerations.
     pub(super) fn response(&self, forces: &[(usize, f64)], values: &[f64]) -> Vec<Vec<f64>> {
         self.run(vec![0.0; self.n], forces, values)
     }
@@ -68,10 +73,16 @@ impl Linear {
                 change[i] += sign * self.force[mass].1[i];
             }
         }
-        let mut out = vec![Vec::with_capacity(values.len()); n];
+        let mut out = vec![Vec::with_capacity(values.len()); n + self.masses];
         let mut next = vec![0.0; n];
         for (k, f) in values.iter().enumerate() {
             out.iter_mut().zip(&x).for_each(|(column, x)| column.push(*x));
+            for mass in 0..self.masses {
+                let row = &self.rates[(self.masses + mass) * n..][..n];
+                let pulled: f64 = row.iter().zip(&x).map(|(a, x)| a * x).sum();
+                let pushed: f64 = forces.iter().filter(|(m, _)| *m == mass).map(|(_, sign)| sign * f).sum();
+                out[n + mass].push(pulled + pushed * self.mobility[mass]);
+            }
             let d = values.get(k + 1).unwrap_or(f) - f;
             for i in 0..n {
                 let row = &self.step[i * n..(i + 1) * n];

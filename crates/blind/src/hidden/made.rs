@@ -3,7 +3,7 @@
 use super::effect::{Effect, Scales, draw, draw_sensor};
 use super::experiment::{experiments, first_part, first_part_of_motion};
 use super::fair::{steady, visible};
-use super::motion::{Experiment, Motion, earlier, motion};
+use super::motion::{ACCELERATION, Experiment, Motion, earlier, motion};
 use super::outside;
 use super::place::{Place, places};
 use super::rig::{Constant, Drive, Extra, Line, Rig};
@@ -11,6 +11,7 @@ use super::rivals::{Judgement, Seen, judge, largest, place_motion};
 use super::told::{alternatives, described, hidden};
 use super::truth::{Gaps, Truth};
 use super::wish::{HOLDING, Kind, Wish};
+use crate::args::Sensors;
 use crate::dice::{Dice, rounded};
 use phisindy_signal::standard_deviation;
 use phisindy_sim::{Noise, Streams, add_noise};
@@ -92,12 +93,26 @@ fn attempt(wish: &Wish, dice: &mut Dice) -> Result<Made, &'static str> {
         base = run(&[], before)?;
     }
     let stuck_share = check_sticking(wish, friction, &motions)?;
-    let with_velocity = dice.chance(0.75);
+    let with_velocity = dice.chance(0.75) && wish.sensors == Sensors::Mixed;
     let states = if with_velocity { 2 * rig.count() } else { rig.count() };
-    let measured: Vec<(usize, String)> =
-        rig.x.iter().chain(&rig.v).cloned().enumerate().take(states).collect();
-    let Noisy { records, sigma, gaps } =
-        add_sensor_noise(wish, &measured, &experiments, &motions, &base, split, Streams(dice.seed()))?;
+    let measured: Vec<(usize, String)> = match wish.sensors {
+        Sensors::Acceleration => {
+            let several = rig.count() > 1;
+            let name = |k: usize| if several { format!("a{}", k + 1) } else { "a".to_owned() };
+            (0..rig.count()).map(|k| (ACCELERATION + k, name(k))).collect()
+        }
+        _ => rig.x.iter().chain(&rig.v).cloned().enumerate().take(states).collect(),
+    };
+    let Noisy { records, sigma, gaps } = add_sensor_noise(
+        wish,
+        rig.count(),
+        &measured,
+        &experiments,
+        &motions,
+        &base,
+        split,
+        Streams(dice.seed()),
+    )?;
     let drawn = Drawn { rig, effects, experiments, motions, base, measured, split };
     let judgement = drawn.judgement(wish, gaps, &sigma)?;
     if !steady(&drawn.rig, &drawn.effects, &drawn.experiments, &drawn.motions, before, wish.noise) {
@@ -154,8 +169,10 @@ struct Noisy {
 ///
 /// # Errors
 /// A column does not move.
+#[expect(clippy::too_many_arguments, reason = "what a record is made of")]
 fn add_sensor_noise(
     wish: &Wish,
+    masses: usize,
     measured: &[(usize, String)],
     experiments: &[Experiment],
     motions: &[Motion],
@@ -169,7 +186,7 @@ fn add_sensor_noise(
     for (r, (experiment, motion)) in experiments.iter().zip(motions).enumerate() {
         let mut columns = Vec::new();
         for (state, name) in measured {
-            let exact = &motion.readings[*state];
+            let exact = motion.reading(*state, masses);
             let deviation = wish.noise * standard_deviation(exact);
             if deviation <= 0.0 || !deviation.is_finite() {
                 return Err("nothing moves");
@@ -181,7 +198,7 @@ fn add_sensor_noise(
                 sigma.push(deviation);
             }
             for (i, y) in noisy.iter().enumerate() {
-                let e = (y - base[r].states[*state][i]) / deviation;
+                let e = (y - base[r].quantity(*state, masses)[i]) / deviation;
                 let sum = if r == 0 && i < split { &mut fit } else { &mut validate };
                 *sum = (sum.0 + e * e, sum.1 + 1);
             }

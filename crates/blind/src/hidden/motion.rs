@@ -35,6 +35,24 @@ pub(super) struct Motion {
     pub(super) readings: Vec<Vec<f64>>,
 }
 
+/// The index of the acceleration of mass 0 among what can be measured; below it are displacements and velocities.
+pub(super) const ACCELERATION: usize = 100;
+
+impl Motion {
+    /// A displacement, velocity or acceleration of a rig of so many masses.
+    pub(super) fn quantity(&self, k: usize, masses: usize) -> &Vec<f64> {
+        match k.checked_sub(ACCELERATION) {
+            Some(mass) => &self.rates[masses + mass],
+            None => &self.states[k],
+        }
+    }
+
+    /// What its sensor reads.
+    pub(super) fn reading(&self, k: usize, masses: usize) -> &Vec<f64> {
+        if k < ACCELERATION { &self.readings[k] } else { self.quantity(k, masses) }
+    }
+}
+
 /// How long before a record the motion must begin: a delayed sensor shows the past.
 pub(super) fn earlier(effects: &[Effect]) -> f64 {
     let late = effects.iter().filter_map(|e| match e.action {

@@ -6,7 +6,7 @@
 
 use super::effect::{Action, Effect, Property};
 use super::linear::Linear;
-use super::motion::{Experiment, Motion};
+use super::motion::{ACCELERATION, Experiment, Motion};
 use super::place::{Place, places};
 use super::rig::Rig;
 use std::collections::BTreeSet;
@@ -147,7 +147,8 @@ impl Comparison<'_> {
     }
 
     fn states(&self, states: &[Vec<f64>]) -> Vec<f64> {
-        self.rows(&|k| Some(states[k].clone()))
+        let n = 2 * self.seen.rig.count();
+        self.rows(&|k| Some(states[k.checked_sub(ACCELERATION).map_or(k, |mass| n + mass)].clone()))
     }
 
     /// The response to a force at a place. A mass that sticks does not respond.
@@ -201,8 +202,10 @@ impl Comparison<'_> {
             let known = rig.acceleration(&state, Rig::drive_at(&seen.experiment.lines, t));
             (0..masses).for_each(|m| missing[m].push((motion.rates[masses + m][i] - known[m]) * rig.mass[m]));
         }
-        let mut target = self
-            .rows(&|k| Some(motion.readings[k].iter().zip(&motion.states[k]).map(|(y, x)| y - x).collect()));
+        let mut target = self.rows(&|k| {
+            let (read, exact) = (motion.reading(k, masses), motion.quantity(k, masses));
+            Some(read.iter().zip(exact).map(|(y, x)| y - x).collect())
+        });
         for (mass, values) in missing.iter().enumerate() {
             let rows = self.force(&[(mass, 1.0)], values);
             target.iter_mut().zip(&rows).for_each(|(t, r)| *t += r);
@@ -317,15 +320,28 @@ impl Comparison<'_> {
         let (motion, base) = (self.seen.motion, self.seen.base);
         let names: Vec<(usize, String)> = self.seen.columns.iter().map(|(k, n, _)| (*k, n.clone())).collect();
         let mut all: Vec<(&'static str, String, Vec<f64>)> = Vec::new();
-        let slope = |k: usize| motion.rates[k].iter().map(|r| -r).collect::<Vec<f64>>();
+        let (masses, times) = (self.seen.rig.count(), &self.seen.experiment.times);
+        let slope = |k: usize| -> Vec<f64> {
+            if k < ACCELERATION {
+                return motion.rates[k].iter().map(|r| -r).collect();
+            }
+            let a = motion.quantity(k, masses);
+            let last = a.len() - 1;
+            let ends = |i: usize| (i.saturating_sub(1), (i + 1).min(last));
+            (0..=last).map(ends).map(|(i, j)| -(a[j] - a[i]) / (times[j] - times[i])).collect()
+        };
         for (own, name) in &names {
             let one = |f: &dyn Fn(usize) -> Vec<f64>| self.rows(&|k| (k == *own).then(|| f(k)));
             all.push(("sensor-delay", name.clone(), one(&slope)));
-            all.push(("sensor-gain", name.clone(), one(&|k| base.states[k].clone())));
-            all.push(("sensor-offset", name.clone(), one(&|k| vec![1.0; motion.states[k].len()])));
+            all.push(("sensor-gain", name.clone(), one(&|k| base.quantity(k, masses).clone())));
+            all.push(("sensor-offset", name.clone(), one(&|k| vec![1.0; motion.quantity(k, masses).len()])));
         }
         all.push(("sensor-delay", "motion".to_owned(), self.rows(&|k| Some(slope(k)))));
-        all.push(("sensor-gain", "motion".to_owned(), self.rows(&|k| Some(base.states[k].clone()))));
+        all.push((
+            "sensor-gain",
+            "motion".to_owned(),
+            self.rows(&|k| Some(base.quantity(k, masses).clone())),
+        ));
         for (law, at, column) in all {
             self.rivals.push(Rival {
                 law,

@@ -1,6 +1,7 @@
 //! The requirements of a set: a shuffled deck of wishes, which every few dozen sets go through once.
 
 use super::outside;
+use crate::args::Sensors;
 use crate::dice::Dice;
 
 /// What is hidden.
@@ -21,7 +22,12 @@ pub(super) struct Wish {
     pub(super) two_masses: bool,
     /// Whether a friction is to hold a mass at rest somewhere.
     pub(super) holds: bool,
+    pub(super) sensors: Sensors,
 }
+
+/// Laws that an accelerometer does not show: a constant force, which is also what makes friction asymmetric, and
+/// what is wrong with a sensor that is not there.
+const UNSEEN: &[&str] = &["offset", "asymmetric-coulomb", "sensor-delay", "sensor-gain", "sensor-offset"];
 
 /// Every law of the catalogue.
 pub(super) const LAWS: &[&str] = &[
@@ -82,7 +88,7 @@ const TWO: usize = 7;
 ///
 /// # Errors
 /// There is no such law.
-pub(super) fn wish(seed: u64, index: usize, only: Option<&str>) -> Result<Wish, String> {
+pub(super) fn wish(seed: u64, index: usize, only: Option<&str>, sensors: Sensors) -> Result<Wish, String> {
     let (block, place) = (index / DECK, index % DECK);
     let mut deck: Vec<usize> = (0..DECK).collect();
     let mut shuffle = Dice::new(seed, &format!("deck {block}"));
@@ -115,6 +121,15 @@ pub(super) fn wish(seed: u64, index: usize, only: Option<&str>) -> Result<Wish, 
         (None, k) if k < singles + NOTHING + TWO => pair(&mut dice),
         (None, _) => beyond(&mut dice),
     };
+    let seen = |law: &&'static str| sensors != Sensors::Acceleration || !UNSEEN.contains(law);
+    let kind = match kind {
+        // Another law in the place of one that nobody could see.
+        Kind::Laws(laws) if !laws.iter().all(|l| seen(l)) => {
+            let others: Vec<&'static str> = LAWS.iter().copied().filter(seen).collect();
+            Kind::Laws(vec![*dice.pick(&others)])
+        }
+        kind => kind,
+    };
     let twice = matches!(&kind, Kind::Laws(laws) if laws.len() == 2 && laws[0] == laws[1]);
     let holds = match (&kind, only) {
         (Kind::Laws(laws), None) if laws.len() == 1 && HOLDING.contains(&laws[0]) => {
@@ -122,7 +137,13 @@ pub(super) fn wish(seed: u64, index: usize, only: Option<&str>) -> Result<Wish, 
         }
         _ => dice.chance(0.5),
     };
-    Ok(Wish { kind, noise: *dice.pick(&[0.01, 0.02, 0.05]), two_masses: twice || dice.chance(0.4), holds })
+    Ok(Wish {
+        kind,
+        noise: *dice.pick(&[0.01, 0.02, 0.05]),
+        two_masses: twice || dice.chance(0.4),
+        holds,
+        sensors,
+    })
 }
 
 #[cfg(test)]
@@ -131,12 +152,13 @@ mod tests {
 
     #[test]
     fn a_deck_holds_every_law_once_and_a_fifth_of_nothing() {
-        let kinds: Vec<Kind> = (0..DECK).map(|k| wish(5, k, None).expect("a wish").kind).collect();
+        let kinds: Vec<Kind> =
+            (0..DECK).map(|k| wish(5, k, None, Sensors::Mixed).expect("a wish").kind).collect();
         for law in LAWS {
             let times = 1 + usize::from(HOLDING.contains(law));
             assert_eq!(kinds.iter().filter(|k| **k == Kind::Laws(vec![law])).count(), times, "{law}");
         }
         assert!(kinds.iter().filter(|k| **k == Kind::Nothing).count() * 5 >= DECK);
-        assert!(wish(0, 0, Some("nonsense")).is_err());
+        assert!(wish(0, 0, Some("nonsense"), Sensors::Mixed).is_err());
     }
 }

@@ -1,6 +1,7 @@
 //! The files of a set: the incomplete model and its data, without anything hidden.
 
 use super::made::{Made, Shown};
+use super::motion::ACCELERATION;
 use super::rig::{Drive, Extra, Line, Rig};
 use crate::dice::Dice;
 use crate::folder::Folder;
@@ -62,7 +63,12 @@ fn columns(made: &Made, style: &Style) -> Vec<(String, String, String, f64)> {
     let rig = &made.rig;
     let mut all: Vec<(String, &str)> = Vec::new();
     for (state, name) in &made.measured {
-        all.push((name.clone(), if *state < rig.count() { "m" } else { "m/s" }));
+        let unit = match *state {
+            k if k >= ACCELERATION => "m/s^2",
+            k if k < rig.count() => "m",
+            _ => "m/s",
+        };
+        all.push((name.clone(), unit));
     }
     all.extend(
         inputs(rig)
@@ -167,6 +173,14 @@ fn spec(index: usize, made: &Made, files: &[&str], style: &Style) -> String {
         text += "    inputs: {},\n";
     } else {
         let _ = writeln!(text, "    inputs: {{ {} }},", pairs(&inputs));
+    }
+    let reads = |(k, name): &(usize, String)| {
+        let mass = k.checked_sub(ACCELERATION)?;
+        Some(format!("\"{name}\": (unit: \"m/s^2\", reads: \"rate({})\")", rig.v[mass]))
+    };
+    let outputs: Vec<String> = made.measured.iter().filter_map(reads).collect();
+    if !outputs.is_empty() {
+        let _ = writeln!(text, "    outputs: {{ {} }},", outputs.join(", "));
     }
     let drive = if matches!(rig.drive, Drive::Force(_)) { "F".to_owned() } else { force(&rig.lines) };
     text += "    known: {\n";

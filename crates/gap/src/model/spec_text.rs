@@ -100,7 +100,7 @@ pub(crate) fn text_with(
                     *reads = format!("{reads} {sign} ({force})");
                     text.set(&format!("outputs.{name}.reads"), &format!("\"{reads}\""))?;
                 }
-                if applied.effect.entry.law.sticks() {
+                if applied.effect.entry.law.sticks() && !acts.is_empty() {
                     contact(&mut text, model, applied, &mut contacts)?;
                 }
             }

@@ -159,7 +159,8 @@ impl TrialModel {
                     };
                 }
                 applied.force = Some(force);
-                if law.sticks() {
+                // A prescribed motion does not stick.
+                if law.sticks() && !acts.is_empty() {
                     let minus = system.graph.neg(velocity.node);
                     let own = |c: &Contact| c.node == velocity.node || c.node == minus;
                     if !system.contacts.iter().any(own) {

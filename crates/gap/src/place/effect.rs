@@ -173,6 +173,8 @@ impl Effect {
         // Powers of newton, metre and second.
         let (force, length, time) = (kg, m - kg, s + 2.0 * kg);
         let force = if self.scales(unit) { force - 1.0 } else { force };
+        // A force cell under prescribed motion: the law's own units.
+        let Some(state) = state else { return unit.to_owned() };
         let v = &system.states[*state];
         let x = system.states.iter().find(|x| x.velocity == Some(*state));
         let x_unit = x.map_or("", |x| x.unit.as_str());

@@ -63,7 +63,8 @@ pub fn force_history(found: &Gap, step: &Step, records: &[Record]) -> Option<For
         let numbers = numbers(found, record, r);
         let every = record.len().div_ceil(PICTURE_SAMPLES).max(1);
         let mut points = Vec::new();
-        for (i, states) in run.states.chunks_exact(run.n).take(record.len()).enumerate().step_by(every) {
+        for i in (0..record.len()).step_by(every) {
+            let states = run.state_at(i);
             let t = record.time[i];
             let inputs = record.inputs.iter().map(|u| u.value(t));
             scratch.at([t]
@@ -91,7 +92,7 @@ pub fn force_history(found: &Gap, step: &Step, records: &[Record]) -> Option<For
         over_unit,
         unit,
         push: law.push.is_some(),
-        force: system.inertia[*state].is_some(),
+        force: state.is_none_or(|state| system.inertia[state].is_some()),
         function,
         records: out,
     })

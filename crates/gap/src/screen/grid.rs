@@ -52,7 +52,7 @@ pub(super) fn grids(
         let values = evaluated(tape, &data.motion, &vec![0.0; regressors.grid.len()], &series);
         speeds.extend(values[outputs - 2].iter().map(|v| v.abs()));
         places.extend(values[outputs - 1].iter().copied());
-        if let (true, Site::Force { state, .. }) = (oscillates, &effect.place.site) {
+        if let (true, Site::Force { state: Some(state), .. }) = (oscillates, &effect.place.site) {
             frequencies.extend(missing_tones(data, *state, system.states.len(), &values[0]));
         }
     }

@@ -24,11 +24,15 @@ impl Checker {
         allowed.extend(system.inputs.iter().map(|u| u.name.as_str()));
         let zero = self.graph.constant(0.0);
         let mut extra = vec![zero; system.states.len()];
-        let state_names: Vec<&str> = system.states.iter().map(|s| s.name.as_str()).collect();
+        let mut shown = vec![zero; system.outputs.len()];
+        let names: Vec<&str> = system.quantities().take(system.columns()).map(|(name, _)| name).collect();
         for (name, text) in &data.truth {
-            match system.state(&name.value) {
-                Some(k) => extra[k] = self.expression(text, &allowed).unwrap_or(zero),
-                None => self.unknown_name(&name.value, name.span, "state in `truth`", &state_names),
+            let part =
+                system.column(&name.value).map(|k| (k, self.expression(text, &allowed).unwrap_or(zero)));
+            match part {
+                Some((k, part)) if k < extra.len() => extra[k] = part,
+                Some((k, part)) => shown[k - extra.len()] = part,
+                None => self.unknown_name(&name.value, name.span, "state or output in `truth`", &names),
             }
         }
         let (derived, differentiators) = self.derived(&data.derive, system);
@@ -64,7 +68,7 @@ impl Checker {
         let unexcited: Vec<_> = derived.iter().enumerate().map(|(k, of)| of.filter(|_| !own(k))).collect();
         let constants =
             self.record_constants(&DataSpec::Synthetic(Box::new(data.clone())), spec, system, &title);
-        let truth = self.truth_model(system, &extra, &inputs);
+        let truth = self.truth_model(system, &extra, &shown, &inputs);
         let plan = RecordPlan {
             name: data.name.as_ref().map_or(format!("synthetic {index}"), |n| n.value.clone()),
             role: data.role,
@@ -118,8 +122,15 @@ impl Checker {
         (measured, inputs)
     }
 
-    /// Known rates plus truth, formulas in the place of inputs, movable constants at their nominal values.
-    fn truth_model(&mut self, system: &System, extra: &[Id], inputs: &[SyntheticInput]) -> Model {
+    /// Known rates and outputs plus truth, formulas in the place of inputs, movable constants at their nominal
+    /// values.
+    fn truth_model(
+        &mut self,
+        system: &System,
+        extra: &[Id],
+        shown: &[Id],
+        inputs: &[SyntheticInput],
+    ) -> Model {
         let mut with: HashMap<Id, Id> = HashMap::new();
         for parameter in &system.parameters {
             let value = self.graph.constant(parameter.start);
@@ -134,7 +145,9 @@ impl Checker {
         }
         let sums: Vec<Id> = system.known.iter().zip(extra).map(|(&g, &f)| self.graph.add(g, f)).collect();
         let rates = self.graph.replace(&sums, &with);
-        let outputs = self.graph.replace(&system.outputs.iter().map(|o| o.node).collect::<Vec<_>>(), &with);
+        let read: Vec<Id> =
+            system.outputs.iter().zip(shown).map(|(o, &part)| self.graph.add(o.node, part)).collect();
+        let outputs = self.graph.replace(&read, &with);
         let whole: HashMap<Id, Id> =
             system.rate_symbols.iter().map(|&(k, symbol)| (symbol, rates[k])).collect();
         let outputs = self.graph.replace(&outputs, &whole);

@@ -1,0 +1,132 @@
+//! What sensors read that is no state: accelerometers and force cells, from `run` and `gap` to the completed spec.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("a folder for the test");
+    folder
+}
+
+fn phisindy(folder: &Path, command: &str, spec: &str, arguments: &[&str]) -> Output {
+    let path = folder.join("spec.ron");
+    std::fs::write(&path, spec).expect("the spec can be written");
+    let mut program = Command::new(env!("CARGO_BIN_EXE_phisindy"));
+    program
+        .current_dir(folder)
+        .arg(command)
+        .args(arguments)
+        .arg("spec.ron")
+        .output()
+        .expect("the program runs")
+}
+
+fn json(out: &Output) -> Value {
+    let text = String::from_utf8_lossy(&out.stdout);
+    serde_json::from_str(&text)
+        .unwrap_or_else(|e| panic!("{e}: {text}{}", String::from_utf8_lossy(&out.stderr)))
+}
+
+/// A mass on a spring, pushed by a measured force, seen by an accelerometer alone.
+fn accelerometer(unknown: &str, seed: u32) -> String {
+    format!(
+        r#"(states: {{ "x": "m", "v": "m/s" }}, inputs: {{ "f": "N" }},
+            outputs: {{ "a": (unit: "m/s^2", reads: "rate(v)") }},
+            constants: {{ "m": (1.0, "kg"), "k": (value: 380.0, unit: "N/m", within: (200.0, 800.0)), "c": (value: 2.0, unit: "N*s/m", within: (0.0, 20.0)) }},
+            known: {{ "x": "v", "v": "(f - k*x - c*v)/m" }}, inertia: {{ "v": "m" }}, {unknown}
+            data: [ Synthetic(truth: {{ "v": "(-1.5*sgn(v) - 20*x + 1.0*v)/m" }}, start: {{}}, duration: 8.0, step: 0.005, noise: Additive(0.01), seed: {seed},
+                inputs: {{ "f": Multisine(amplitude: 8.0, band: (0.5, 6.0)) }}) ])"#
+    )
+}
+
+fn interval(value: &Value) -> (f64, f64, f64) {
+    let of = |v: &Value| v.as_f64().unwrap_or(f64::NAN);
+    let ci = &value["ci95"];
+    (of(&value["value"]), of(&ci[0]), of(&ci[1]))
+}
+
+#[test]
+fn an_accelerometer_alone_tells_friction_with_intervals_that_cover() {
+    let unknown =
+        r#"unknown: { "v": (factor: "-sgn(v)/m", candidates: ["1", "|x|", "v^2"]) }, contacts: ["v"],"#;
+    let out = phisindy(&folder("outputs-run"), "run", &accelerometer(unknown, 5), &["--format", "json"]);
+    assert_eq!(out.status.code(), Some(0), "{}", String::from_utf8_lossy(&out.stderr));
+    let found = json(&out);
+    let terms = found["equations"][0]["terms"].as_array().expect("terms");
+    assert_eq!(terms.len(), 1, "{terms:?}");
+    assert_eq!(terms[0]["candidate"], "1");
+    let (value, ci) = (&terms[0]["coefficient"], &terms[0]["ci95"]);
+    let [low, high] = [&ci[0], &ci[1]].map(|v| v.as_f64().unwrap_or(f64::NAN));
+    assert!(low <= 1.5 && 1.5 <= high && high - low < 0.1, "{value} {ci}");
+}
+
+#[test]
+fn gap_names_a_friction_that_only_an_accelerometer_sees() {
+    let folder = folder("outputs-gap");
+    let out =
+        phisindy(&folder, "gap", &accelerometer("unknown: {},", 6), &["--format", "json", "--out", "out"]);
+    let found = json(&out);
+    assert_eq!((found["status"].as_str(), out.status.code()), (Some("explained"), Some(0)), "{found}");
+    let step = &found["steps"][0];
+    assert_eq!((step["law"].as_str(), step["at"].as_str()), (Some("coulomb"), Some("v")), "{step}");
+    let (value, low, high) = interval(&step["parameters"]["Fc"]);
+    assert!(low <= 1.5 && 1.5 <= high && high - low < 0.1, "{value} [{low}, {high}]");
+    let completed = std::fs::read_to_string(folder.join("out/completed.ron")).expect("the completed spec");
+    assert!(completed.contains(r#"reads: "rate(v)""#), "{completed}");
+}
+
+/// A force cell under a prescribed motion: no state at all.
+#[test]
+fn gap_names_the_friction_of_a_tester_without_a_state() {
+    let text = r#"(states: {}, inputs: { "x": "mm", "dx": "mm/s" },
+        outputs: { "R": (unit: "N", reads: "c*dx") }, constants: { "c": (value: 30.0, unit: "N*s/m", within: (0.0, 200.0)) },
+        known: {}, unknown: {},
+        data: [ Synthetic(truth: { "R": "(30+20*exp(-(dx/0.005)^2))*sgn(dx) - 10*dx" }, start: {}, duration: 20.0, step: 0.005, noise: Additive(0.02),
+            seed: 8, inputs: { "x": Formula("10e-3*sin(2*t)+4e-3*sin(5*t)"), "dx": Formula("20e-3*cos(2*t)+20e-3*cos(5*t)") }) ])"#;
+    let folder = folder("outputs-tester");
+    let out = phisindy(&folder, "gap", text, &["--format", "json", "--out", "out"]);
+    let found = json(&out);
+    assert_eq!((found["status"].as_str(), out.status.code()), (Some("explained"), Some(0)), "{found}");
+    let step = &found["steps"][0];
+    assert_eq!((step["law"].as_str(), step["at"].as_str()), (Some("stribeck"), Some("dx")), "{step}");
+    for (name, truth) in [("Fc", 30.0), ("Fs", 50.0), ("vs", 0.005)] {
+        let (value, ..) = interval(&step["parameters"][name]);
+        assert!((value / truth - 1.0).abs() < 0.02, "{name}: {value}");
+    }
+    let completed = std::fs::read_to_string(folder.join("out/completed.ron")).expect("the completed spec");
+    let checked = phisindy(&folder, "check", &completed, &[]);
+    assert_eq!(checked.status.code(), Some(0), "{completed}{}", String::from_utf8_lossy(&checked.stderr));
+}
+
+#[test]
+fn mistakes_in_outputs_are_told_with_their_place() {
+    let folder = folder("outputs-mistakes");
+    let with = |output: &str| {
+        format!(
+            r#"(states: {{ "x": "m", "v": "m/s" }}, outputs: {{ {output} }}, constants: {{ "k": (4.0, "1/s^2") }},
+                known: {{ "x": "v", "v": "-k*x" }}, unknown: {{}},
+                data: [Synthetic(truth: {{}}, start: {{ "x": 1.0 }}, duration: 5.0, step: 0.01, noise: None)])"#
+        )
+    };
+    for (output, told) in [
+        (r#""a": (unit: "m/s^2", reads: "rate(w)")"#, "unknown state in `rate(...)` `w`"),
+        (r#""a": (unit: "m/s", reads: "rate(v)")"#, "output `a` is"),
+        (r#""a": (unit: "m/s^2", reads: "rate(2*v)")"#, "`rate` takes a name"),
+        (r#""a": (unit: "m/s^2", read: "rate(v)")"#, "did you mean `reads`"),
+        (r#""x": (unit: "m", reads: "2*x")"#, "`x` is declared twice"),
+        (r#""a": (unit: "m/s^2", reads: "-k*y")"#, "unknown name `y`"),
+    ] {
+        let out = phisindy(&folder, "check", &with(output), &[]);
+        let text = String::from_utf8_lossy(&out.stderr);
+        assert_eq!(out.status.code(), Some(2), "{output}: {text}");
+        assert!(text.contains(told), "{output}: {text}");
+    }
+    // The rate stands in outputs alone.
+    let known = with(r#""a": (unit: "m/s^2", reads: "rate(v)")"#)
+        .replace("-k*x\" }, unknown", "-k*rate(v)\" }, unknown");
+    let out = phisindy(&folder, "check", &known, &[]);
+    assert_eq!(out.status.code(), Some(2), "{}", String::from_utf8_lossy(&out.stderr));
+}
