@@ -20,7 +20,7 @@ pub fn csv(input: &[u8]) {
     let [DataSpec::Csv(csv)] = spec.data.as_slice() else { return };
     let units = Units { time: Unit::ONE, columns: vec![Unit::ONE; csv.columns.len()] };
     let file = DataFile::of_bytes("a.csv", file);
-    match phisindy_import::csv::record(csv, &units, file, source, &mut sources) {
+    match phisindy_import::record(csv, &units, file, source, &mut sources) {
         Ok((table, said)) => {
             said.iter().for_each(|d| told_well(d, &sources));
             assert_eq!(table.lines.len(), table.time.len());
