@@ -11,9 +11,9 @@ import subprocess
 import sys
 
 TOP = pathlib.Path(__file__).resolve().parent.parent
-TARGETS = ["expression", "spec", "check", "csv", "splice", "law"]
+TARGETS = ["expression", "spec", "check", "csv", "format", "splice", "law"]
 TOKENS = """( ) [ ] { } , : . | ^ * / + - " ' // /* */ \\0 \\x0a r#" "# 1e308 -1e308 1e-320 0.0 1 NaN inf true
-Csv( Synthetic( Find( Relative( Additive( Sensor( Derivative( Formula( Jonswap( Multisine( File( MaxAbs( Rate( Fit Validate Positive Spline
+Csv( Table( sheet: Synthetic( Find( Relative( Additive( Sensor( Derivative( Formula( Jonswap( Multisine( File( MaxAbs( Rate( Fit Validate Positive Spline
 title: constants: states: inputs: known: inertia: unknown: contacts: data: learn: factor: candidates: within: laws: value: unit: start: sigma: each:
 path: time: columns: derive: sensors: offset: gain: delay: window: role: rows: skip: run: separator: decimal: header: interpolate: decimate: detrend:
 truth: duration: step: noise: seed: measure: epochs: rates: cutoff: selection: horizon: segments: "m" "m/s" "N" "kg" "s"
@@ -33,12 +33,14 @@ def corpus(target: str) -> pathlib.Path:
     tables = [p.read_bytes()[:1500] for p in sorted((TOP / "specs/wrong").glob("*.csv"))]
     fields = ['time: "time_s", columns: { "x": "x_m" }', 'time: ("t", "ms"), columns: { "x": ("x", "mm") }, skip: 2, decimal: \',\'',
               'time: Rate(100.0), columns: { "x": "2" }, header: false, decimate: 2', 'time: "t", columns: { "x": "x" }, rows: { "n": 1.0 }, window: (0.0, 9.0), run: 1']
+    fixtures = [p.read_bytes() for p in sorted((TOP / "crates/import/tests/fixtures").glob("*.*")) if p.suffix not in (".py", ".xlsx", ".xls", ".ods")]
     sets = [("learn.cutoff", "0.1"), ("data.0.noise", "Additive(0.02)"), ("contacts", "[]"), ("unknown.y.candidates", '["1"]'), ('constants."a.b"', "(1.0, \"kg\")")]
     seeds = {
         "expression": [t.encode() for t in quoted],
         "spec": [t.encode() for t in bare],
         "check": [t.encode() for t in bare],
         "csv": [f.encode() + b"\0" + t for f in fields for t in tables],
+        "format": fixtures,
         "splice": [f"{p}\0{v}\0{t}".encode() for p, v in sets for t in bare[:12]],
         "law": [re.sub(r"//[^\n]*|\s*\n\s*", " ", t).encode() for t in laws],
     }[target]

@@ -45,6 +45,7 @@ fn every_field_is_in_the_reference_and_no_other() {
         ("Find", case("\"k\": Find(wrong: 1)", "", "", "")),
         ("an unknown part", case("", "\"x\": (wrong: 1)", "", "")),
         ("Csv", case("", "", "Csv(wrong: 1)", "")),
+        ("Table", case("", "", "Table(wrong: 1)", "")),
         ("Arrays", case("", "", "Arrays(wrong: 1)", "")),
         ("Synthetic", record("wrong: 1")),
         ("a sensor", record("sensors: { \"x\": (wrong: 1) }")),

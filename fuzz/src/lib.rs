@@ -7,7 +7,7 @@
 mod datafile;
 mod meter;
 
-pub use datafile::csv;
+pub use datafile::{csv, format};
 pub use meter::measured;
 
 use phisindy_expr::{Graph, Names, Scratch, Span, Symbol, Tape, parse};

@@ -207,9 +207,12 @@ Examples:
 /// For which file to write a spec.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct NewArgs {
-    /// Data file: rows of numbers, with any separator
-    #[arg(value_name = "DATA.csv")]
+    /// Data file: text with any separator, a workbook, MATLAB, NumPy, TDMS, universal file
+    #[arg(value_name = "DATA")]
     pub(crate) path: PathBuf,
+    /// Sheet of a workbook, or variable, structure, group of another file
+    #[arg(long, value_name = "NAME")]
+    pub(crate) sheet: Option<String>,
     /// Replace the file of --out if there is one
     #[arg(long)]
     pub(crate) force: bool,

@@ -6,7 +6,7 @@
 #![allow(clippy::print_stdout)]
 
 use phisindy_expr::Span;
-use phisindy_import::{DataFile, Draft, csv, spec_text};
+use phisindy_import::{DataFile, Draft, spec_text, table};
 use phisindy_phys::{Diagnostic, Sources};
 use std::fmt::Write;
 
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<Diagnostic>> {
     // Diagnostics point to the place where the user named the file.
     let mut sources = Sources::default();
     let at = (sources.add("command line", name), Span::new(0, name.len()));
-    let table = csv::table(DataFile::of_bytes(name, text.as_bytes()), at, &mut sources)?;
+    let table = table(DataFile::of_bytes(name, text.as_bytes()), None, at, &mut sources)?;
     println!("{} rows, {}", table.rows(), table.record_fields.join(", "));
     for column in &table.columns {
         let heading = &column.heading;

@@ -33,6 +33,22 @@ pub(crate) fn is_stamp(text: &str) -> bool {
     stamp(text).is_some()
 }
 
+/// Nanoseconds since the start of 1970 as a stamp that [`Clock`] reads.
+pub(crate) fn stamp_text(nanoseconds: i128) -> String {
+    let (days, time) = (nanoseconds.div_euclid(DAY), nanoseconds.rem_euclid(DAY));
+    // Eras of 400 years, whose years begin in March.
+    let from_march = days + 719_468;
+    let (era, day) = (from_march.div_euclid(146_097), from_march.rem_euclid(146_097));
+    let year = (day - day / 1_460 + day / 36_524 - day / 146_096) / 365;
+    let day = day - (365 * year + year / 4 - year / 100);
+    let month = (5 * day + 2) / 153;
+    let (day, month) = (day - (153 * month + 2) / 5 + 1, if month < 10 { month + 3 } else { month - 9 });
+    let year = year + 400 * era + i128::from(month < 3);
+    let (seconds, fraction) = (time / SECOND, time % SECOND);
+    let (hour, minute, second) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
+    format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}.{fraction:09}")
+}
+
 /// The day (if there is a date) and the nanoseconds since day 0.
 fn stamp(text: &str) -> Option<(Option<i128>, i128)> {
     // Quick: most cells are numbers.
@@ -126,6 +142,23 @@ mod tests {
         assert_eq!(seconds(&["2025-12-31T23:59:59", "2026-01-01T00:00:00.000001"]), [0.0, 1.000001]);
         // A logger that repeats or mixes up rows is not set to the next day.
         assert_eq!(seconds(&["10:00:01", "10:00:01", "10:00:00"]), [0.0, 0.0, -1.0]);
+    }
+
+    #[test]
+    fn a_stamp_is_written_as_it_is_read() {
+        for (nanoseconds, text) in [
+            (0, "1970-01-01T00:00:00.000000000"),
+            (951_782_400 * SECOND + 5, "2000-02-29T00:00:00.000000005"),
+            (-1, "1969-12-31T23:59:59.999999999"),
+            (1_735_689_599 * SECOND, "2024-12-31T23:59:59.000000000"),
+        ] {
+            assert_eq!(stamp_text(nanoseconds), text);
+        }
+        let mut clock = Clock::default();
+        let times = [0, DAY, 60 * DAY, 1000 * DAY + 7 * SECOND, 200_000 * DAY];
+        for time in times {
+            assert_eq!(clock.seconds(&stamp_text(time)), Some((time / SECOND) as f64));
+        }
     }
 
     #[test]

@@ -2,7 +2,12 @@
 
 use phisindy_expr::Span;
 use phisindy_phys::{Diagnostic, SourceId};
-use std::io::{self, Cursor, Read, Seek};
+use std::io::{self, Cursor, Read, Seek, SeekFrom};
+
+/// Bytes at the start of a file that tell its format: HDF5 may begin after 512 bytes of another program.
+const START: u64 = 1024;
+/// Most bytes of a file that is read as a whole: it is held in memory beside its numbers.
+const MOST_BYTES: u64 = 2 << 30;
 
 /// Seekable bytes, such as a file or a slice in memory.
 pub trait ReadSeek: Read + Seek {}
@@ -27,6 +32,24 @@ impl<'a> DataFile<'a> {
     /// A file in memory.
     pub fn of_bytes(name: &'a str, bytes: &'a [u8]) -> DataFile<'a> {
         DataFile::new(name, Cursor::new(bytes), bytes.len() as u64)
+    }
+
+    /// The first bytes.
+    pub(crate) fn start(&mut self) -> io::Result<Vec<u8>> {
+        self.part(START)
+    }
+
+    /// All bytes; none of a file that is too large.
+    pub(crate) fn whole(&mut self) -> io::Result<Option<Vec<u8>>> {
+        let bytes = self.part(MOST_BYTES + 1)?;
+        Ok((bytes.len() as u64 <= MOST_BYTES).then_some(bytes))
+    }
+
+    fn part(&mut self, most: u64) -> io::Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        self.bytes.seek(SeekFrom::Start(0))?;
+        (&mut self.bytes).take(most).read_to_end(&mut bytes)?;
+        Ok(bytes)
     }
 }
 

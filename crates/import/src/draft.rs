@@ -6,7 +6,7 @@ use crate::remarks::Remark;
 use crate::roles::{Evidence, Input, NoMotion, Roles};
 use crate::start_values::{Estimate, Motion};
 use crate::statistics::{Statistics, Stops, stops};
-use crate::table::Table;
+use crate::table::{Column, Table};
 use crate::time_column::{NoTime, TimeColumn};
 use crate::usage::Usage;
 use phisindy_expr::Span;
@@ -53,13 +53,27 @@ impl Draft {
     ///
     /// # Errors
     /// No column can be time or motion, or a column that a model may need holds text.
-    pub fn of(mut table: Table) -> Result<Draft, NoDraft> {
+    pub fn of(table: Table) -> Result<Draft, NoDraft> {
+        Draft::with_progress(table, &|_| {})
+    }
+
+    /// The same, and tells how much of the work is done, from 0 to 1.
+    ///
+    /// # Errors
+    /// As [`Draft::of`].
+    pub fn with_progress(mut table: Table, tell: &dyn Fn(f64)) -> Result<Draft, NoDraft> {
         let time = TimeColumn::find(&mut table).map_err(NoDraft::Time)?.with_guessed_unit(&mut table);
         let runs = time.runs(table.rows());
         let longest = runs.iter().max_by_key(|r| r.len()).cloned().unwrap_or(0..table.rows());
         let times = &table.columns[time.column].values;
-        let statistics: Vec<Statistics> =
-            table.columns.iter().map(|c| Statistics::of(times, &c.values, longest.clone())).collect();
+        // The statistics of all columns are about half of the work.
+        let steps = (2 * table.columns.len()).max(1) as f64;
+        let of = |(k, c): (usize, &Column)| {
+            tell(k as f64 / steps);
+            Statistics::of(times, &c.values, longest.clone())
+        };
+        let statistics: Vec<Statistics> = table.columns.iter().enumerate().map(of).collect();
+        tell(0.5);
         if let Some(mistake) = blocking(&table, &statistics) {
             return Err(NoDraft::Text(Box::new(mistake)));
         }
@@ -84,6 +98,7 @@ impl Draft {
         };
         draft.remarks = draft
             .shared_headings()
+            .chain(draft.of_the_file())
             .chain(draft.guessed_unit())
             .chain(draft.coarse_time())
             .chain(draft.wrapped(&longest_run))
@@ -126,6 +141,13 @@ impl Draft {
         let shared = |name: &str| (0..self.table.columns.len()).filter(|&k| self.raw(k) == name).count() > 1;
         let needed = self.roles.used().chain([self.time.column]).map(|c| self.raw(c));
         needed.filter(move |name| shared(name)).map(|name| Remark::SharedHeading(name.to_owned()))
+    }
+
+    /// Remarks on other sheets and on channels with a rate of their own.
+    fn of_the_file(&self) -> Vec<Remark> {
+        let (sheets, notes) = (&self.table.other_sheets, &self.table.notes);
+        let sheets = (!sheets.is_empty()).then(|| Remark::OtherSheets(sheets.clone()));
+        sheets.into_iter().chain(notes.iter().cloned().map(Remark::OtherRate)).collect()
     }
 
     /// A remark if the unit of the time is a guess.

@@ -1,25 +1,28 @@
 //! Data files to tables, to the records of a spec, and to drafts of specs.
 //!
 //! ```text
-//! DataFile --csv::record, Selection--> phisindy_phys::Table: the columns and rows of a record, in SI
+//! DataFile --record, Selection--> phisindy_phys::Table: the columns and rows of a record, in SI
 //!    |
-//!    +--csv::table--> Table --TimeColumn, Statistics--> Roles --> Draft --spec_text--> a spec with comments
+//!    +--table--> Table --TimeColumn, Statistics--> Roles --> Draft --spec_text--> a spec with comments
 //! ```
 //!
-//! This crate opens no files: the caller passes the bytes and a name for messages. Each format has one module,
-//! which delivers a [`Table`] or the columns of a record. Everything else is independent of the format.
+//! This crate opens no files: the caller passes the bytes and a name for messages. Each format has one module in
+//! `format`, which delivers cells or channels. Everything else is independent of the format.
 
-pub mod csv;
-
+mod bytes;
+mod channels;
 mod clock;
 mod contradictions;
 mod data_file;
 mod draft;
+mod format;
 mod headings;
 mod records;
 mod remarks;
 mod roles;
+mod rows;
 mod selection;
+mod sheet;
 mod spec_text;
 mod start_values;
 mod statistics;
@@ -33,6 +36,7 @@ pub use headings::{Heading, Quantity};
 pub use records::RecordDraft;
 pub use remarks::Remark;
 pub use roles::{Doubt, Input, NoMotion, Roles, Selector};
+pub use rows::{record, table};
 pub use spec_text::{accepted, spec_text, summary};
 pub use start_values::{Estimate, Motion};
 pub use statistics::{Statistics, Stops};

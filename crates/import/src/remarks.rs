@@ -28,6 +28,10 @@ pub enum Remark {
         /// The first line after a jump.
         line: usize,
     },
+    /// Sheets of the file that hold numbers too.
+    OtherSheets(Vec<String>),
+    /// Channels that have a rate of their own, and what was done to them.
+    OtherRate(String),
     /// Two columns share a heading that the model needs.
     SharedHeading(String),
     /// Time goes back, and no column counts the runs.
@@ -59,7 +63,7 @@ pub enum Remark {
 impl Remark {
     /// Whether the user has to check or correct something before a run.
     pub fn needs_edit(&self) -> bool {
-        !matches!(self, Remark::MoreTrials { .. })
+        !matches!(self, Remark::MoreTrials { .. } | Remark::OtherSheets(_) | Remark::OtherRate(_))
     }
 }
 
@@ -81,6 +85,14 @@ impl fmt::Display for Remark {
                  file, in Python with `numpy.unwrap(values, period={period})`",
                 if *count == 1 { "" } else { "s" }
             ),
+            Remark::OtherSheets(names) => {
+                let list = names.join("`, `");
+                write!(
+                    f,
+                    "the file has other sheets with numbers: `{list}` (name one with `phisindy new --sheet`)"
+                )
+            }
+            Remark::OtherRate(what) => f.write_str(what),
             Remark::SharedHeading(name) => write!(
                 f,
                 "two columns are called `{name}`: rename one of them in the file before you run this"

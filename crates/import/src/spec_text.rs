@@ -7,7 +7,7 @@ mod overview;
 mod record;
 
 use crate::draft::Draft;
-use literals::quoted;
+pub(crate) use literals::quoted;
 use notation::Notation;
 pub use overview::summary;
 use phisindy_phys::{Diagnostic, SourceId};

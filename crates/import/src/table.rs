@@ -36,6 +36,26 @@ pub struct Table {
     pub record_fields: Vec<String>,
     /// The fraction of the file that was read, 1 for all of it.
     pub fraction_read: f64,
+    /// Whether the file is text.
+    pub is_text: bool,
+    /// Sheets of the file that were not read and hold numbers.
+    pub other_sheets: Vec<String>,
+    /// What was done to channels with a rate of their own.
+    pub notes: Vec<String>,
+}
+
+impl Default for Table {
+    fn default() -> Self {
+        Table {
+            columns: vec![],
+            row_numbers: vec![],
+            record_fields: vec![],
+            fraction_read: 1.0,
+            is_text: true,
+            other_sheets: vec![],
+            notes: vec![],
+        }
+    }
 }
 
 impl Table {

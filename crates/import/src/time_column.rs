@@ -1,6 +1,6 @@
 //! The time column: which one it is, and how regularly it is sampled.
 
-use crate::headings::{Quantity, factor};
+use crate::headings::{Heading, Quantity, factor};
 use crate::table::{Column, Table};
 use std::fmt;
 use std::ops::Range;
@@ -219,6 +219,11 @@ impl TimeColumn {
         let starts = [0].into_iter().chain(self.reversals.iter().copied());
         starts.zip(ends).map(|(a, b)| a..b).collect()
     }
+}
+
+/// Whether a heading names the time.
+pub(crate) fn is_named_time(heading: &Heading) -> bool {
+    heading.quantity == Quantity::Time || heading.has_word(NAMES)
 }
 
 /// Whether a column counts rows or holds time, and thus no motion.

@@ -225,7 +225,7 @@ fn each_mistake_is_named() {
     check("candidates: [\"1\"]", "candidates: []", "[]", "neither candidates nor laws");
     check("(factor: \"-sgn(y)\", candidates: [\"1\"])", "[\"1\"]", "[\"1\"]", "expected fields");
     check("candidates: [\"1\"]", "candidates: [1]", "1", "expected a text in quotes, found a number");
-    check("Synthetic(", "Simulated(", "Simulated", "allowed: Csv, Synthetic");
+    check("Synthetic(", "Simulated(", "Simulated", "allowed: Csv, Table, Synthetic");
     check("(cutoff: 0.05)", "(0.05)", "0.05", "expected a field with its name");
     check("(cutoff: 0.05)", "(epochs: [1, 2], rates: [0.1])", "[0.1]", "1 learning rates for 2 stages");
     check("(cutoff: 0.05)", "(epochs: [0])", "0", "from 1 to");

@@ -1,13 +1,17 @@
 //! `phisindy new`: writes a commented spec for a data file.
 
 use crate::args::{NewArgs, Options};
+use crate::progress::Progress;
 use crate::terminal::{INPUT, print, remark};
 use crate::{draw, outdir};
 use anyhow::{Result, anyhow};
 use phisindy::files;
 use phisindy_expr::Span;
-use phisindy_import::{Draft, accepted, csv, spec_text, summary};
+use phisindy_import::{DataFile, Draft, accepted, spec_text, summary, table, unreadable};
 use phisindy_phys::{Diagnostic, Sources};
+use std::cell::RefCell;
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 /// Writes a spec for a data file and returns the exit code.
@@ -27,7 +31,7 @@ pub(crate) fn command(args: &NewArgs, options: &Options) -> Result<u8> {
         outdir::unless_there(out, args.force)?;
     }
     let mut sources = Sources::default();
-    let draft = match drafted(args, &mut sources) {
+    let draft = match drafted(args, options.quiet, &mut sources) {
         Ok(draft) => draft,
         Err(d) => {
             draw::show([&*d], &sources);
@@ -56,12 +60,45 @@ pub(crate) fn command(args: &NewArgs, options: &Options) -> Result<u8> {
     Ok(0)
 }
 
-fn drafted(args: &NewArgs, sources: &mut Sources) -> Result<Draft, Box<Diagnostic>> {
+fn drafted(args: &NewArgs, quiet: bool, sources: &mut Sources) -> Result<Draft, Box<Diagnostic>> {
     let name = args.path.display().to_string();
     let words = format!("phisindy new {name}");
     let at = (sources.add("command line", words.clone()), Span::new(words.len() - name.len(), words.len()));
-    let table = csv::table(files::opened(&args.path, &name, at)?, at, sources)?;
-    Draft::of(table).map_err(|why| why.diagnostic(&name, at))
+    let progress = RefCell::new(Progress::new("reading", quiet));
+    let opened = files::open_plain_file(&args.path).and_then(|file| Ok((file.metadata()?.len(), file)));
+    let (size, file) = opened.map_err(|e| Box::new(unreadable(&name, at, &e)))?;
+    let bytes = Told { bytes: file, read: 0, size, progress: &progress };
+    let table = table(DataFile::new(&name, bytes, size), args.sheet.as_deref(), at, sources)?;
+    progress.borrow_mut().doing("looking at the columns");
+    let tell = |done: f64| progress.borrow_mut().at(READING + (1.0 - READING) * done);
+    Draft::with_progress(table, &tell).map_err(|why| why.diagnostic(&name, at))
+}
+
+/// The part of the work that is reading, as far as a bar needs it.
+const READING: f64 = 0.3;
+
+/// A file that tells how much of it was read.
+struct Told<'p> {
+    bytes: File,
+    read: u64,
+    size: u64,
+    progress: &'p RefCell<Progress>,
+}
+
+impl Read for Told<'_> {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        let count = self.bytes.read(out)?;
+        self.read += count as u64;
+        self.progress.borrow_mut().at(READING * self.read as f64 / self.size.max(1) as f64);
+        Ok(count)
+    }
+}
+
+impl Seek for Told<'_> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.read = self.bytes.seek(to)?;
+        Ok(self.read)
+    }
 }
 
 /// The next command, as arguments of `run`.

@@ -1,7 +1,7 @@
 //! Strings and numbers in specs.
 
 /// A RON string without escapes, so that names appear in the spec unchanged.
-pub(super) fn quoted(text: &str) -> String {
+pub(crate) fn quoted(text: &str) -> String {
     if text.contains(['"', '\\']) { format!("r#\"{text}\"#") } else { format!("\"{text}\"") }
 }
 

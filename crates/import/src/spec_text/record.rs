@@ -7,7 +7,7 @@ use crate::records::RecordDraft;
 use crate::roles::Input;
 use std::fmt::Write;
 
-/// As `Csv(...)`.
+/// As `Csv(...)`, or `Table(...)` of another format.
 pub(super) fn record(
     draft: &Draft,
     notation: &Notation,
@@ -17,10 +17,11 @@ pub(super) fn record(
 ) {
     let (path, name) = (quoted(file), quoted(&record.name));
     let (time, remark) = time(draft);
+    let form = if draft.table.is_text { "Csv" } else { "Table" };
     let columns = columns(draft, notation).join(", ");
     let _ = writeln!(
         text,
-        "        Csv(path: {path}, name: {name}, time: {time}, columns: {{ {columns} }},{remark}"
+        "        {form}(path: {path}, name: {name}, time: {time}, columns: {{ {columns} }},{remark}"
     );
     let mut fields = Vec::new();
     if let Input::Base(_) = draft.roles.input {

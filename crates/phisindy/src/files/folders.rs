@@ -3,7 +3,7 @@
 
 use super::Request;
 use phisindy_expr::Span;
-use phisindy_import::{DataFile, csv, unreadable};
+use phisindy_import::{DataFile, record, unreadable};
 use phisindy_phys::spec::CsvSpec;
 use phisindy_phys::{Diagnostic, SourceId, Sources, Table, Units};
 use std::fs::File;
@@ -41,7 +41,7 @@ pub fn opened<'a>(path: &Path, name: &'a str, at: (SourceId, Span)) -> Result<Da
 /// Reads the columns of the record `csv` from the file at `path`. Returns the table and warnings.
 ///
 /// # Errors
-/// As [`open_plain_file`], and as [`csv::record`].
+/// As [`open_plain_file`], and as [`record`].
 pub(crate) fn read(
     csv: &CsvSpec,
     units: &Units,
@@ -51,7 +51,7 @@ pub(crate) fn read(
 ) -> Result<(Table, Vec<Diagnostic>), Vec<Diagnostic>> {
     let name = path.display().to_string();
     let file = opened(path, &name, (spec, csv.path.span)).map_err(|d| vec![*d])?;
-    csv::record(csv, units, file, spec, sources)
+    record(csv, units, file, spec, sources)
 }
 
 /// Folders of data files, in the order in which they are searched.

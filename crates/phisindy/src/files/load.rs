@@ -431,6 +431,8 @@ fn column_of(path: &Text, time: &ColumnSpec, column: &ColumnSpec) -> CsvSpec {
     CsvSpec {
         path: path.clone(),
         in_memory: false,
+        any_format: true,
+        sheet: None,
         name: None,
         time: time.clone(),
         rate: None,

@@ -12,8 +12,8 @@ pub(crate) struct Trends {
     found: Vec<(Key, Trend)>,
 }
 
-/// A column of a file: its path, its selected rows, its heading, and the kind of its trend.
-type Key = (String, Vec<(String, f64)>, String, Detrend);
+/// A column of a file: its path and sheet, its selected rows, its heading, and the kind of its trend.
+type Key = ((String, Option<String>), Vec<(String, f64)>, String, Detrend);
 
 impl Trends {
     /// Takes off what the record asks for; returns what was done.
@@ -24,7 +24,8 @@ impl Trends {
             let Some(k) = csv.columns.iter().position(|(n, _)| n.value == name.value) else { continue };
             let run = csv.run.iter().map(|run| ("run".to_owned(), run.value as f64));
             let rows = csv.rows.iter().map(|(n, v)| (n.value.clone(), v.value)).chain(run).collect();
-            let key = (csv.path.value.clone(), rows, csv.columns[k].1.header.value.clone(), *kind);
+            let sheet = csv.sheet.as_ref().map(|sheet| sheet.value.clone());
+            let key = ((csv.path.value.clone(), sheet), rows, csv.columns[k].1.header.value.clone(), *kind);
             let values = &mut table.columns[k];
             let known = self.found.iter().find(|(other, _)| *other == key).map(|(_, trend)| *trend);
             let trend = known.unwrap_or_else(|| Trend::of(&table.time, values, *kind));

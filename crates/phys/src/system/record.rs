@@ -263,6 +263,7 @@ fn same_run(a: &CsvSpec, b: &CsvSpec, system: &System) -> bool {
         csv.rows.iter().map(|(name, value)| (name.value.clone(), value.value)).collect()
     };
     let run = |csv: &CsvSpec| csv.run.as_ref().map(|run| run.value);
+    let sheet = |csv: &CsvSpec| csv.sheet.as_ref().map(|sheet| sheet.value.clone());
     let column = |csv: &'_ CsvSpec, state: &str| -> Option<String> {
         let (_, column) = csv.columns.iter().find(|(name, _)| name.value == state)?;
         Some(column.header.value.clone())
@@ -272,6 +273,7 @@ fn same_run(a: &CsvSpec, b: &CsvSpec, system: &System) -> bool {
     !a.in_memory
         && system.quantities().take(system.columns()).any(|(name, _)| shared(&name.to_owned()))
         && a.path.value == b.path.value
+        && sheet(a) == sheet(b)
         && rows(a) == rows(b)
         && run(a) == run(b)
 }

@@ -182,6 +182,10 @@ pub struct CsvSpec {
     pub path: Text,
     /// Whether a program holds the numbers in memory, and there is no file.
     pub in_memory: bool,
+    /// Whether the file may be of any format that is known (`Table`); otherwise it is text (`Csv`).
+    pub any_format: bool,
+    /// The sheet of a workbook, or the variable, structure, group or array of the file.
+    pub sheet: Option<Text>,
     /// What the record is called in reports.
     pub name: Option<Text>,
     /// The column of time; its heading is empty where a rate is given.

@@ -156,10 +156,13 @@ impl Reader<'_> {
 
     fn record(&mut self, node: &Node) -> Option<DataSpec> {
         match (self.variant(node), node.name) {
-            (Some("Csv"), Some(_)) => self.csv(node).map(|r| DataSpec::Csv(Box::new(r))),
+            (Some("Csv"), Some(_)) => self.csv(node, false).map(|r| DataSpec::Csv(Box::new(r))),
+            (Some("Table"), Some(_)) => self.csv(node, true).map(|r| DataSpec::Csv(Box::new(r))),
             (Some("Synthetic"), Some(_)) => self.synthetic(node).map(|r| DataSpec::Synthetic(Box::new(r))),
             (Some("Arrays"), Some(_)) => self.arrays(node).map(|r| DataSpec::Csv(Box::new(r))),
-            (Some(_), Some(name)) => self.unknown_name("kind of record", name, &["Csv", "Synthetic"]),
+            (Some(_), Some(name)) => {
+                self.unknown_name("kind of record", name, &["Csv", "Table", "Synthetic"])
+            }
             _ => self.expected(node, "a record, `Csv(...)` or `Synthetic(...)`", ""),
         }
     }

@@ -7,8 +7,10 @@ use crate::text::raw::{Node, Shape};
 use phisindy_signal::{Detrend, Differentiator, Interpolation};
 
 impl Reader<'_> {
-    pub(super) fn csv(&mut self, node: &Node) -> Option<CsvSpec> {
+    /// `Csv(path: "run.csv", ...)`, and `Table(path: "run.xlsx", sheet: "1", ...)` with one field more.
+    pub(super) fn csv(&mut self, node: &Node, any_format: bool) -> Option<CsvSpec> {
         const FIELDS: &[&str] = &[
+            "sheet",
             "path",
             "name",
             "time",
@@ -29,8 +31,12 @@ impl Reader<'_> {
             "decimate",
             "detrend",
         ];
-        let fields = self.fields(node, "`Csv`", FIELDS)?;
+        let fields = match any_format {
+            true => self.fields(node, "`Table`", FIELDS)?,
+            false => self.fields(node, "`Csv`", &FIELDS[1..])?,
+        };
         let path = self.required(&fields, "path", Self::words);
+        let sheet = if any_format { self.optional(&fields, "sheet", Self::prose) } else { None };
         let time = self.required(&fields, "time", Self::time);
         let columns = self.required(&fields, "columns", |r, n| r.map(n, Self::column));
         let separator = self.optional(&fields, "separator", Self::character);
@@ -55,6 +61,8 @@ impl Reader<'_> {
         Some(CsvSpec {
             path: path?,
             in_memory: false,
+            any_format,
+            sheet,
             name,
             time,
             rate,
@@ -96,6 +104,8 @@ impl Reader<'_> {
         Some(CsvSpec {
             path: name.clone().unwrap_or_else(|| here("record")),
             in_memory: true,
+            any_format: false,
+            sheet: None,
             name,
             time: ColumnSpec { header: here("t"), unit: None },
             rate: None,

@@ -2,6 +2,7 @@
 
 use super::dialect::{Dialect, is_units_row, looks_like_number};
 use super::lines::{Line, LineError, Lines};
+use crate::sheet::SEPARATOR;
 use std::ops::Range;
 
 /// The content of the first two lines.
@@ -29,6 +30,11 @@ impl Header {
         decimal: Option<char>,
         header: Option<bool>,
     ) -> Result<Option<Header>, LineError> {
+        // Other formats than text say what is a cell and, most of them, what is a heading.
+        let (separator, header) = match lines.sheet() {
+            Some(sheet) => (Some(SEPARATOR), sheet.heading().or(header)),
+            None => (separator, header),
+        };
         let Some(first) = lines.next()? else { return Ok(None) };
         let second = lines.next()?;
         let dialect =

@@ -6,7 +6,10 @@ use super::lines::{Line, LineError, Lines};
 use super::mistakes::Mistakes;
 use crate::clock::Clock;
 use crate::data_file::{DataFile, unreadable};
+use crate::format::Wanted;
 use crate::headings::Heading;
+use crate::sheet::SEPARATOR;
+use crate::spec_text::quoted;
 use crate::table::{Column, Table};
 use phisindy_expr::Span;
 use phisindy_phys::{Diagnostic, SourceId, Sources};
@@ -18,20 +21,26 @@ const MOST_ROWS: usize = 1_000_000;
 /// Fewest rows of a table.
 const FEWEST: usize = 20;
 
-/// Reads all columns of a file, up to a million rows; `at` is where the user named it.
+/// Reads all columns of a file, up to a million rows; `at` is where the user named it. Of a file with several
+/// sheets it reads the one called `sheet`, or the one with most rows of numbers.
 ///
 /// # Errors
 /// The first mistake in the file.
 pub fn table(
     file: DataFile<'_>,
+    sheet: Option<&str>,
     at: (SourceId, Span),
     sources: &mut Sources,
 ) -> Result<Table, Box<Diagnostic>> {
     let name = file.name;
-    let mut lines = Lines::of(file, 0);
+    let mut mistakes = Mistakes { name, line: "line", spec: at.0, sources };
+    let mut lines =
+        Lines::of(file, 0, &Wanted::All { sheet }).map_err(|e| mistakes.unreadable_line(at.1, &e))?;
+    if lines.sheet().is_some() {
+        mistakes.line = "row";
+    }
     let skip = preamble(&mut lines);
     let mut lines = lines.restarted(skip).map_err(|e| unreadable(name, at, &e))?;
-    let mut mistakes = Mistakes { name, spec: at.0, sources };
     let header = match Header::read(&mut lines, None, None, None) {
         Ok(Some(header)) => header,
         Ok(None) => return Err(Box::new(mistakes.empty(at.1))),
@@ -69,8 +78,22 @@ pub fn table(
         column.heading.unit = None;
         column.heading = column.heading.clone().with_unit("s");
     }
-    let record_fields = record_fields(&header.dialect, rows.comma, rows.has_header, skip);
-    Ok(Table { columns: rows.columns, row_numbers: rows.numbers, record_fields, fraction_read })
+    let (columns, row_numbers) = (rows.columns, rows.numbers);
+    let table = Table { columns, row_numbers, fraction_read, ..Table::default() };
+    Ok(match lines.sheet() {
+        None => {
+            let record_fields = record_fields(&header.dialect, rows.comma, rows.has_header, skip);
+            Table { record_fields, ..table }
+        }
+        Some(sheet) => {
+            let name = sheet.name.as_ref().map(|name| format!("sheet: {}", quoted(name)));
+            let skip = (skip > 0).then(|| format!("skip: {skip}"));
+            let header = (sheet.heading().is_none() && !rows.has_header).then(|| "header: false".to_owned());
+            let record_fields = [name, header, skip].into_iter().flatten().collect();
+            let (other_sheets, notes) = (sheet.others.clone(), sheet.notes.clone());
+            Table { is_text: false, other_sheets, notes, record_fields, ..table }
+        }
+    })
 }
 
 /// The rows read so far.
@@ -182,12 +205,18 @@ const START: usize = 100;
 
 /// Number of lines before the heading, which is the last line of words above the first rows of numbers.
 fn preamble(lines: &mut Lines<'_>) -> usize {
+    let separator = match lines.sheet() {
+        // Nothing stands before the names of columns that are stored one by one.
+        Some(sheet) if sheet.heading().is_some() => return 0,
+        Some(_) => Some(SEPARATOR),
+        None => None,
+    };
     let mut start: Vec<Line> = Vec::new();
     while let (true, Ok(Some(line))) = (start.len() < START, lines.next()) {
         start.push(line);
     }
     let [.., before, last] = start.as_slice() else { return 0 };
-    let dialect = Dialect::guess(None, None, &before.text, Some(&last.text));
+    let dialect = Dialect::guess(separator, None, &before.text, Some(&last.text));
     let width = dialect.fields(&last.text).len();
     let numbers = |line: &Line| {
         let fields = dialect.fields(&line.text);

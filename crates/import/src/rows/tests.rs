@@ -113,9 +113,15 @@ fn mistakes_name_the_line_and_say_what_to_do() {
         ("", format!("t,x\n{good}5,1\n").into(), &["goes back from 11 to 5 in line 14", "rows:"]),
         ("", format!("t,x,x\n{}", rows(|k| format!("{k},{k},1\n"))).into(), &["two columns `x`"]),
         ("", format!("time,x_mm\n{good}").into(), &["no column `t`", "no column `x`"]),
-        ("", [b"t,x\n".as_slice(), good.as_bytes(), b"12,\xff\n"].concat(), &["not UTF-8"]),
-        ("", b"\xff\xfet\0,\0x\0".to_vec(), &["UTF-16", "UTF-8"]),
-        ("", b"t,x\n1,2\0\n".to_vec(), &["not UTF-8 text"]),
+        (
+            "",
+            [b"t,x\n".as_slice(), good.as_bytes(), b"12,\xff\n"].concat(),
+            &["holds the text `ÿ`", "line 14"],
+        ),
+        ("", b"\xff\xfet\0,\0x\0".to_vec(), &["no row of numbers"]),
+        ("", b"t,x\n1,2\0\n".to_vec(), &["neither text nor a format that is known"]),
+        ("", b"\x1f\x8b\x08\0\0".to_vec(), &["gzip", "gunzip -k a.csv"]),
+        ("", b"\x93NUMPY\x01\0".to_vec(), &["NumPy", "write `Table(` in the place of `Csv(`"]),
         (
             ", separator: ';'",
             format!("t;x\n{}1.5;0\n", rows(|k| format!("{k};{k},5\n"))).into(),

@@ -8,6 +8,7 @@ use super::mistakes::{Mistakes, TimeCell};
 use crate::clock::Clock;
 use crate::contradictions::{StatedColumn, swapped_columns, unit_contradiction};
 use crate::data_file::DataFile;
+use crate::format::Wanted;
 use crate::selection::{FEWEST, Selection, SelectionError};
 use phisindy_phys::spec::{CsvSpec, Spanned, Text};
 use phisindy_phys::unit::{Scale, Unit};
@@ -29,8 +30,14 @@ pub fn record(
     spec: SourceId,
     sources: &mut Sources,
 ) -> Result<(Table, Vec<Diagnostic>), Vec<Diagnostic>> {
-    let mut mistakes = Mistakes { name: file.name, spec, sources };
-    let mut lines = Lines::of(file, csv.skip);
+    let mut mistakes = Mistakes { name: file.name, line: "line", spec, sources };
+    let mut lines = Lines::of(file, csv.skip, &Wanted::Record(csv)).map_err(|e| {
+        let sheet = csv.sheet.as_ref().filter(|_| e.is_of_sheet());
+        vec![mistakes.unreadable_line(sheet.map_or(csv.path.span, |s| s.span), &e)]
+    })?;
+    if lines.sheet().is_some() {
+        mistakes.line = "row";
+    }
     let character = |c: &Option<Spanned<char>>| c.as_ref().map(|c| c.value);
     let (separator, decimal) = (character(&csv.separator), character(&csv.decimal));
     let header = match Header::read(&mut lines, separator, decimal, csv.header) {
@@ -43,6 +50,7 @@ pub fn record(
         Some(_) => contradictions(csv, units, &header, &layout, spec),
         None => vec![],
     };
+    let warnings = warnings.into_iter().chain(slower(csv, &lines, spec)).collect();
     let mut reader = Reader {
         csv,
         time: units.time.scale(),
@@ -125,6 +133,16 @@ fn contradictions(
         unit_contradiction(&stated, &header.names[k], unit, spec)
     });
     units_differ.chain(swapped_columns(csv, spec)).collect()
+}
+
+/// Warnings for channels of the file that are slower than the rows.
+fn slower(csv: &CsvSpec, lines: &Lines<'_>, spec: SourceId) -> Vec<Diagnostic> {
+    let notes = lines.sheet().map_or(&[][..], |sheet| &sheet.notes);
+    let warning = |note: &String| {
+        let d = Diagnostic::warning(note.clone()).at(spec, csv.time.header.span, "the times of the rows");
+        d.help("let `time` name the times of the slowest state: of faster channels those between two samples are left out")
+    };
+    notes.iter().map(warning).collect()
 }
 
 struct Reader<'a> {

@@ -15,6 +15,8 @@ const WIDEST: usize = 160;
 pub(crate) struct Mistakes<'a> {
     /// Name of the file in messages.
     pub(crate) name: &'a str,
+    /// What a message calls a line: text has lines, other formats rows.
+    pub(crate) line: &'static str,
     /// The spec that names the file.
     pub(crate) spec: SourceId,
     /// Receives copies of the offending lines.
@@ -70,9 +72,10 @@ impl Mistakes<'_> {
     pub(crate) fn unreadable_line(&mut self, at: Span, error: &LineError) -> Diagnostic {
         match error {
             LineError::Io(e) => unreadable(self.name, (self.spec, at), e),
-            LineError::Utf16 => self
-                .in_spec(format!("`{}` is UTF-16 text, not UTF-8", self.name), at)
-                .help("save the file as CSV in UTF-8"),
+            LineError::Format(refusal) => {
+                let d = self.in_spec(refusal.message.clone(), at);
+                refusal.help.iter().fold(d, |d, help| d.help(help.clone()))
+            }
             LineError::TooLong(number) => self
                 .in_spec(format!("line {number} of `{}` does not end: this is no table", self.name), at)
                 .help("a data file is text, one row of numbers on each line"),
@@ -83,12 +86,12 @@ impl Mistakes<'_> {
                 let line = Line { text: good.clone(), number: *number, ended: true };
                 let end = good.len();
                 self.in_line(
-                    format!("`{}` is not UTF-8 text", self.name),
+                    format!("`{}` is neither text nor a format that is known", self.name),
                     &line,
                     &(end..end),
-                    "a byte that is no character follows here",
+                    "a zero byte follows here",
                 )
-                .help("save the file as CSV in UTF-8")
+                .help("export the data as text, or in a format that the reference lists under `Table`")
             }
         }
     }
@@ -185,9 +188,9 @@ impl Mistakes<'_> {
         dialect: &Dialect,
     ) -> Diagnostic {
         let message = if text.is_empty() {
-            format!("column `{column}` has no value in line {}", line.number)
+            format!("column `{column}` has no value in {} {}", self.line, line.number)
         } else {
-            format!("column `{column}` holds the text `{text}` in line {}", line.number)
+            format!("column `{column}` holds the text `{text}` in {} {}", self.line, line.number)
         };
         let mut d = self.in_line(message, line, &field, "not a number");
         if text.contains(',') && dialect.decimal != Some(',') {
@@ -207,7 +210,7 @@ impl Mistakes<'_> {
         column: &str,
         text: &str,
     ) -> Diagnostic {
-        self.in_line(format!("column `{column}` is `{text}` in line {}", line.number), line, &field, "not a finite number")
+        self.in_line(format!("column `{column}` is `{text}` in {} {}", self.line, line.number), line, &field, "not a finite number")
             .help("delete the line, or leave it out with `window` or `rows`: a gap in time does no harm, an invented value does")
     }
 
@@ -233,11 +236,12 @@ impl Mistakes<'_> {
         let (line, other) = (&now.line, &before.line);
         let message = if time == earlier {
             format!(
-                "the time {time} stands twice in `{}`, in lines {} and {}",
-                self.name, other.number, line.number
+                "the time {time} stands twice in `{}`, in {}s {} and {}",
+                self.name, self.line, other.number, line.number
             )
         } else {
-            format!("the time goes back from {earlier} to {time} in line {} of `{}`", line.number, self.name)
+            let place = format!("{} {} of `{}`", self.line, line.number, self.name);
+            format!("the time goes back from {earlier} to {time} in {place}")
         };
         let mut d = if other.number + 1 == line.number && other.text.len() + line.text.len() < WIDEST {
             let text = format!("{}\n{}", other.text, line.text);

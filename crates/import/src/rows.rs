@@ -1,4 +1,4 @@
-//! Text files with one row of numbers on each line.
+//! Rows of numbers: the lines of a text file, and what other formats give as lines.
 //!
 //! ```text
 //! bytes --Lines--> lines --Dialect--> cells --Header--> headings --record--> the columns and rows of a record
@@ -7,11 +7,13 @@
 //! ```
 
 mod dialect;
+mod encoding;
 mod header;
 mod lines;
 mod mistakes;
 mod record;
 mod table;
 
+pub(crate) use lines::{Line, LineError};
 pub use record::record;
 pub use table::table;

@@ -1,0 +1,249 @@
+//! The formats of data files, recognised by their first bytes. What none of them knows is text.
+//!
+//! ```text
+//! bytes --recognized--> Format --Cells or Channels--> Sheet: rows, which go the way of lines of text
+//!                          +-----Convert------------> Refusal with the command that converts the file
+//! ```
+
+mod archive;
+mod matlab;
+mod numpy;
+mod tdms;
+mod universal;
+mod workbook;
+
+use crate::channels::{Channel, sheet};
+use crate::data_file::DataFile;
+use crate::rows::LineError;
+use crate::sheet::Sheet;
+use phisindy_phys::spec::CsvSpec;
+
+/// What is asked of a file.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Wanted<'r> {
+    /// The columns of a record.
+    Record(&'r CsvSpec),
+    /// All columns, of a sheet if one is named.
+    All { sheet: Option<&'r str> },
+}
+
+impl Wanted<'_> {
+    /// The sheet, variable or group that is asked for.
+    pub(crate) fn sheet(&self) -> Option<&str> {
+        match self {
+            Wanted::Record(csv) => csv.sheet.as_ref().map(|s| s.value.as_str()),
+            Wanted::All { sheet } => *sheet,
+        }
+    }
+}
+
+/// Why a file of a known format gives no table.
+#[derive(Clone, Debug)]
+pub(crate) struct Refusal {
+    /// What is wrong, as `the file: what`.
+    pub(crate) message: String,
+    /// What to do.
+    pub(crate) help: Vec<String>,
+    /// Whether the name of the sheet is to blame.
+    pub(crate) of_sheet: bool,
+}
+
+impl Refusal {
+    /// Something is wrong with the file.
+    pub(crate) fn file(message: impl Into<String>, help: &str) -> Refusal {
+        Refusal { message: message.into(), help: vec![help.to_owned()], of_sheet: false }
+    }
+
+    /// The file ends early, or its bytes break the rules of the format.
+    pub(crate) fn broken(format: &str, at: impl Into<String>) -> Refusal {
+        let help = "the file was cut off or damaged: copy it again, or export it again";
+        Refusal::file(format!("it is no whole {format} file: {}", at.into()), help)
+    }
+
+    /// There is no such sheet.
+    pub(crate) fn missing_sheet(wanted: &str, all: &[String]) -> Refusal {
+        let mut help = vec![];
+        help.extend(
+            phisindy_expr::nearest(wanted, all.iter().map(String::as_str))
+                .map(|n| format!("did you mean `{n}`?")),
+        );
+        let list: Vec<&str> = all.iter().take(20).map(String::as_str).collect();
+        help.push(match list.as_slice() {
+            [] => "the file has no parts with names: leave `sheet` out".to_owned(),
+            list => format!("there is: {}{}", list.join(", "), if all.len() > 20 { ", ..." } else { "" }),
+        });
+        Refusal { message: format!("it has no sheet, variable or group `{wanted}`"), help, of_sheet: true }
+    }
+
+    /// Text has no sheets.
+    pub(crate) fn no_sheets(name: &str, wanted: &str) -> Refusal {
+        let message = format!("`{name}` is text, which has no sheet `{wanted}`");
+        Refusal { message, help: vec!["leave `sheet` out".to_owned()], of_sheet: true }
+    }
+}
+
+/// What is done with a format.
+#[derive(Clone, Copy)]
+enum Read {
+    /// Read as rows of cells.
+    Cells(fn(&[u8], &Wanted<'_>) -> Result<Sheet, Refusal>),
+    /// Read as channels.
+    Channels(fn(&[u8]) -> Result<Vec<Channel>, Refusal>),
+    /// Not read: the command that converts `FILE`.
+    Convert(&'static str),
+}
+
+/// A format that is no text.
+pub(crate) struct Format {
+    /// What a message calls it.
+    name: &'static str,
+    /// Whether a file begins as its files do.
+    begins: fn(&[u8]) -> bool,
+    read: Read,
+}
+
+const HDF5: &str = "python3 -c \"import h5py, numpy; f = h5py.File('FILE'); numpy.savez('FILE.npz', **{k: numpy.squeeze(v[()]) for k, v in f.items() \
+    if isinstance(v, h5py.Dataset)})\"";
+
+/// All formats; the first that fits is taken.
+const FORMATS: &[Format] = &[
+    Format {
+        name: "Excel (XLS)",
+        begins: |b| b.starts_with(b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"),
+        read: Read::Cells(workbook::xls),
+    },
+    Format { name: "ZIP", begins: |b| b.starts_with(b"PK\x03\x04"), read: Read::Cells(archive::sheet) },
+    Format {
+        name: "MATLAB 7.3 (HDF5)",
+        begins: |b| b.starts_with(b"MATLAB 7.3 MAT-file"),
+        read: Read::Convert(HDF5),
+    },
+    Format {
+        name: "HDF5",
+        begins: |b| {
+            [0, 512].iter().any(|&at| b.get(at..).is_some_and(|b| b.starts_with(b"\x89HDF\r\n\x1a\n")))
+        },
+        read: Read::Convert(HDF5),
+    },
+    Format {
+        name: "MATLAB 5",
+        begins: |b| {
+            b.starts_with(b"MATLAB 5.0 MAT-file")
+                || matches!(b.get(124..128), Some(b"\0\x01IM" | b"\x01\0MI"))
+        },
+        read: Read::Channels(matlab::channels),
+    },
+    Format { name: "NumPy", begins: |b| b.starts_with(b"\x93NUMPY"), read: Read::Channels(numpy::channels) },
+    Format { name: "TDMS", begins: |b| b.starts_with(b"TDSm"), read: Read::Channels(tdms::channels) },
+    Format {
+        name: "universal file (UFF)",
+        begins: universal::begins,
+        read: Read::Channels(universal::channels),
+    },
+    Format {
+        name: "Parquet",
+        begins: |b| b.starts_with(b"PAR1"),
+        read: Read::Convert(
+            "python3 -c \"import pandas; pandas.read_parquet('FILE').to_csv('FILE.csv', index=False)\"",
+        ),
+    },
+    Format {
+        name: "Arrow (Feather)",
+        begins: |b| b.starts_with(b"ARROW1") || b.starts_with(b"FEA1"),
+        read: Read::Convert(
+            "python3 -c \"import pandas; pandas.read_feather('FILE').to_csv('FILE.csv', index=False)\"",
+        ),
+    },
+    Format {
+        name: "MATLAB 4",
+        begins: |b| {
+            matches!(b, [0..=52, 0 | 4, 0, 0, _, _, _, 0, _, _, _, 0, 0 | 1, 0, 0, 0, 1..=255, 0, 0, 0, ..])
+        },
+        read: Read::Convert(
+            "python3 -c \"import scipy.io as s; s.savemat('FILE.5.mat', {k: v for k, v in s.loadmat('FILE').items() if k[0] != '_'})\"",
+        ),
+    },
+    Format {
+        name: "MDF",
+        begins: |b| b.starts_with(b"MDF     ") || b.starts_with(b"UnFinMF "),
+        read: Read::Convert("python3 -c \"import asammdf; asammdf.MDF('FILE').export('csv', 'FILE.csv')\""),
+    },
+    Format {
+        name: "WAV",
+        begins: |b| b.starts_with(b"RIFF") && b.get(8..12) == Some(b"WAVE"),
+        read: Read::Convert(
+            "python3 -c \"import numpy, scipy.io.wavfile as w; r, x = w.read('FILE'); numpy.savez('FILE.npz', time=numpy.arange(len(x))/r, x=x)\"",
+        ),
+    },
+    Format {
+        name: "SQLite",
+        begins: |b| b.starts_with(b"SQLite format 3\0"),
+        read: Read::Convert("sqlite3 -header -csv FILE 'select * from TABLE' > FILE.csv"),
+    },
+    Format {
+        name: "pickle",
+        begins: |b| matches!(b, [0x80, 2..=5, ..]) && !b.starts_with(b"\x80\x02PK"),
+        read: Read::Convert(
+            "python3 -c \"import pandas; pandas.read_pickle('FILE').to_csv('FILE.csv', index=False)\"",
+        ),
+    },
+    Format { name: "gzip", begins: |b| b.starts_with(b"\x1F\x8B"), read: Read::Convert("gunzip -k FILE") },
+    Format { name: "bzip2", begins: |b| b.starts_with(b"BZh"), read: Read::Convert("bunzip2 -k FILE") },
+    Format { name: "xz", begins: |b| b.starts_with(b"\xFD7zXZ\0"), read: Read::Convert("unxz -k FILE") },
+    Format {
+        name: "zstd",
+        begins: |b| b.starts_with(b"\x28\xB5\x2F\xFD"),
+        read: Read::Convert("unzstd FILE"),
+    },
+    Format { name: "7z", begins: |b| b.starts_with(b"7z\xBC\xAF\x27\x1C"), read: Read::Convert("7z x FILE") },
+    Format {
+        name: "PDF",
+        begins: |b| b.starts_with(b"%PDF-"),
+        read: Read::Convert("pdftotext -layout FILE"),
+    },
+];
+
+/// The format of a file that begins with these bytes; none of text.
+pub(crate) fn recognized(start: &[u8]) -> Option<&'static Format> {
+    FORMATS.iter().find(|format| (format.begins)(start))
+}
+
+impl Format {
+    /// The table in a file.
+    ///
+    /// # Errors
+    /// The file cannot be read, is not of this format, or not to be read; or a record asks for text.
+    pub(crate) fn sheet(&self, mut file: DataFile<'_>, wanted: &Wanted<'_>) -> Result<Sheet, LineError> {
+        let name = file.name;
+        let refused = |refusal: Refusal| {
+            LineError::Format(Refusal {
+                message: format!("`{name}` is a file of {}: {}", self.name, refusal.message),
+                ..refusal
+            })
+        };
+        if let Read::Convert(command) = self.read {
+            let help = format!("convert it: {}", command.replace("FILE", name));
+            return Err(refused(Refusal::file("that format is not read", &help)));
+        }
+        if let Wanted::Record(csv) = wanted
+            && !csv.any_format
+        {
+            return Err(refused(Refusal::file("no text", "write `Table(` in the place of `Csv(`")));
+        }
+        let Some(bytes) = file.whole().map_err(LineError::Io)? else {
+            return Err(refused(Refusal::file(
+                "it has more than 2 GB, and would be held in memory",
+                "write the time, the motion and the inputs to a file of their own, or export text",
+            )));
+        };
+        if bytes.len() as u64 != file.size {
+            return Err(LineError::Changed);
+        }
+        match self.read {
+            Read::Cells(read) => read(&bytes, wanted),
+            Read::Channels(read) => read(&bytes).and_then(|channels| sheet(channels, wanted)),
+            Read::Convert(_) => Err(Refusal::broken(self.name, "not read")),
+        }
+        .map_err(refused)
+    }
+}

@@ -1,0 +1,159 @@
+//! Numbered lines of a data file, without comments, empty lines and the byte order mark.
+
+use super::encoding::{Decoded, is_utf16, text};
+use crate::data_file::DataFile;
+use crate::format::{Refusal, Wanted, recognized};
+use crate::sheet::Sheet;
+use std::io::{self, BufRead, BufReader, Read};
+
+/// Most bytes of a line; longer ones belong to no table.
+const LONGEST: usize = 1 << 20;
+
+/// A line with content.
+#[derive(Clone, Debug)]
+pub(crate) struct Line {
+    /// The text without line end.
+    pub(crate) text: String,
+    /// Its number, counted from 1; 0 for headings that are no row of the file.
+    pub(crate) number: usize,
+    /// Whether a line end follows; it may be missing at the end of a file.
+    pub(crate) ended: bool,
+}
+
+/// Why a line cannot be read.
+#[derive(Debug)]
+pub(crate) enum LineError {
+    /// Reading failed.
+    Io(io::Error),
+    /// The format is not read, or the file breaks its rules.
+    Format(Refusal),
+    /// No text: what stands before, and the number of the line.
+    NotText(String, usize),
+    /// The line with this number is too long.
+    TooLong(usize),
+    /// The file has more or fewer bytes than when it was opened.
+    Changed,
+}
+
+impl LineError {
+    /// Whether the name of a sheet is to blame.
+    pub(crate) fn is_of_sheet(&self) -> bool {
+        matches!(self, LineError::Format(refusal) if refusal.of_sheet)
+    }
+}
+
+/// Reads the lines of a file in order.
+pub(crate) struct Lines<'a> {
+    input: Input<'a>,
+    buffer: Vec<u8>,
+    number: usize,
+    /// Number of lines at the start to skip.
+    skip: usize,
+    /// Bytes of the text so far, and of the whole file.
+    read: u64,
+    size: u64,
+}
+
+enum Input<'a> {
+    Text(BufReader<Decoded<'a>>),
+    /// The rows of another format, and how many of them were read.
+    Sheet(Box<Sheet>, usize),
+}
+
+impl<'a> Lines<'a> {
+    /// The lines of a file after the first `skip`.
+    pub(crate) fn of(
+        mut file: DataFile<'a>,
+        skip: usize,
+        wanted: &Wanted<'_>,
+    ) -> Result<Lines<'a>, LineError> {
+        let size = file.size;
+        let start = file.start().map_err(LineError::Io)?;
+        let input = match recognized(&start) {
+            Some(format) => Input::Sheet(Box::new(format.sheet(file, wanted)?), 0),
+            None => {
+                if let Some(sheet) = wanted.sheet() {
+                    return Err(LineError::Format(Refusal::no_sheets(file.name, sheet)));
+                }
+                let decoded = Decoded::new(file.bytes, is_utf16(&start)).map_err(LineError::Io)?;
+                Input::Text(BufReader::with_capacity(1 << 16, decoded))
+            }
+        };
+        Ok(Lines { input, buffer: vec![], number: 0, skip, read: 0, size })
+    }
+
+    /// Starts again, after the first `skip` lines.
+    pub(crate) fn restarted(self, skip: usize) -> io::Result<Lines<'a>> {
+        let input = match self.input {
+            Input::Text(text) => {
+                Input::Text(BufReader::with_capacity(1 << 16, text.into_inner().restarted()?))
+            }
+            Input::Sheet(sheet, _) => Input::Sheet(sheet, 0),
+        };
+        Ok(Lines { input, number: 0, skip, read: 0, ..self })
+    }
+
+    /// The table in the file, if that is no text.
+    pub(crate) fn sheet(&self) -> Option<&Sheet> {
+        match &self.input {
+            Input::Text(_) => None,
+            Input::Sheet(sheet, _) => Some(sheet),
+        }
+    }
+
+    /// The fraction of the file that was read, from 0 to 1.
+    pub(crate) fn fraction_read(&self) -> f64 {
+        let (read, all) = match &self.input {
+            Input::Text(_) => (self.read as f64, self.size as f64),
+            Input::Sheet(sheet, read) => (*read as f64, sheet.lines() as f64),
+        };
+        (read / all.max(1.0)).clamp(0.0, 1.0)
+    }
+
+    /// The next line that is neither empty nor a comment.
+    pub(crate) fn next(&mut self) -> Result<Option<Line>, LineError> {
+        loop {
+            let input = match &mut self.input {
+                Input::Text(input) => input,
+                Input::Sheet(sheet, read) => {
+                    let Some(line) = sheet.line(*read) else { return Ok(None) };
+                    *read += 1;
+                    if line.number > 0 && (line.number <= self.skip || line.text.starts_with(['#', '%'])) {
+                        continue;
+                    }
+                    return Ok(Some(line));
+                }
+            };
+            self.buffer.clear();
+            let mut limited = Read::take(&mut *input, LONGEST as u64);
+            if limited.read_until(b'\n', &mut self.buffer).map_err(LineError::Io)? == 0 {
+                let whole = input.get_ref().taken() == self.size;
+                return if whole { Ok(None) } else { Err(LineError::Changed) };
+            }
+            self.number += 1;
+            self.read = input.get_ref().taken();
+            if self.number == 1 && self.buffer.starts_with(b"\xEF\xBB\xBF") {
+                self.buffer.drain(..3);
+            }
+            if self.number <= self.skip {
+                continue;
+            }
+            let ended = self.buffer.last() == Some(&b'\n');
+            if !ended && self.buffer.len() == LONGEST {
+                return Err(LineError::TooLong(self.number));
+            }
+            while matches!(self.buffer.last(), Some(b'\n' | b'\r')) {
+                self.buffer.pop();
+            }
+            let first = self.buffer.iter().find(|b| !b.is_ascii_whitespace());
+            if matches!(first, None | Some(b'#' | b'%')) {
+                continue;
+            }
+            if let Some(zero) = self.buffer.iter().position(|b| *b == 0) {
+                return Err(LineError::NotText(text(&self.buffer[..zero]).into_owned(), self.number));
+            }
+            let text = text(&self.buffer).into_owned();
+            return Ok(Some(Line { text, number: self.number, ended }));
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! A table of a file that is no text. Its rows are written as lines of text, with numbers as the shortest text
+//! that reads back as the same number: so every format takes the one way that text takes, to the same bits.
+
+use crate::channels::Columns;
+use crate::rows::Line;
+use std::fmt::Write;
+
+/// Between the cells of a row.
+pub(crate) const SEPARATOR: char = '\t';
+
+/// A cell.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Cell {
+    /// Nothing stands there.
+    Empty,
+    /// A number.
+    Number(f64),
+    /// Anything else: words, a time of day.
+    Word(Box<str>),
+}
+
+/// A table.
+#[derive(Debug)]
+pub(crate) struct Sheet {
+    /// Its name, if the file has several or the user must name it.
+    pub(crate) name: Option<String>,
+    /// The other sheets of the file.
+    pub(crate) others: Vec<String>,
+    /// What was done to channels of other rates, for the user.
+    pub(crate) notes: Vec<String>,
+    /// The rows.
+    pub(crate) rows: Rows,
+}
+
+/// The rows of a sheet.
+#[derive(Debug)]
+pub(crate) enum Rows {
+    /// Of a workbook: numbers of the rows from 1, and their cells. Heading and remarks stand among them.
+    Cells(Vec<(usize, Vec<Cell>)>),
+    /// Columns with a name each.
+    Columns(Columns),
+}
+
+impl Sheet {
+    /// Whether the first line is a heading; none if that is to be found out.
+    pub(crate) fn heading(&self) -> Option<bool> {
+        match &self.rows {
+            Rows::Cells(_) => None,
+            Rows::Columns(columns) => Some(columns.has_names()),
+        }
+    }
+
+    /// Number of lines.
+    pub(crate) fn lines(&self) -> usize {
+        match &self.rows {
+            Rows::Cells(rows) => rows.len(),
+            Rows::Columns(columns) => columns.lines(),
+        }
+    }
+
+    /// A line.
+    pub(crate) fn line(&self, k: usize) -> Option<Line> {
+        match &self.rows {
+            Rows::Cells(rows) => {
+                let (number, cells) = rows.get(k)?;
+                let mut text = String::with_capacity(12 * cells.len());
+                cells.iter().for_each(|cell| push(&mut text, cell));
+                Some(Line { text, number: *number, ended: true })
+            }
+            Rows::Columns(columns) => columns.line(k),
+        }
+    }
+}
+
+/// Adds a cell to the text of a row.
+pub(crate) fn push(text: &mut String, cell: &Cell) {
+    if !text.is_empty() {
+        text.push(SEPARATOR);
+    }
+    match cell {
+        // Something stands even at the end of a line, where a separator alone adds no field.
+        Cell::Empty => text.push_str("\"\""),
+        Cell::Number(x) => push_number(text, *x),
+        Cell::Word(word) => push_word(text, word),
+    }
+}
+
+/// Adds a number as the shortest text that reads back as it.
+pub(crate) fn push_number(text: &mut String, x: f64) {
+    // Writing to a string does not fail.
+    let _ = write!(text, "{x:?}");
+}
+
+/// Adds words, without what would end their cell.
+pub(crate) fn push_word(text: &mut String, word: &str) {
+    let word = word.trim();
+    if word.is_empty() {
+        text.push_str("\"\"");
+    }
+    text.extend(word.chars().map(|c| match c {
+        '"' => '\'',
+        c if c.is_control() => ' ',
+        c => c,
+    }));
+}

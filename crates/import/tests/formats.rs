@@ -1,0 +1,253 @@
+//! Every format gives the bits of the text file with the same numbers. The files are made by other programs: `fixtures/make.py`.
+#![allow(missing_docs)]
+
+use phisindy_expr::Span;
+use phisindy_import::{DataFile, Draft, record, spec_text, table};
+use phisindy_phys::spec::{self, DataSpec};
+use phisindy_phys::unit::Unit;
+use phisindy_phys::{SourceId, Sources, Table, Units};
+
+fn fixture(name: &str) -> Vec<u8> {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures").join(name);
+    std::fs::read(&path).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+/// Reads columns `x` and `F`; or all messages.
+fn read(file: &str, bytes: &[u8], record_text: &str) -> Result<(Table, Vec<String>), String> {
+    let text = format!(
+        "(states: {{ \"x\": \"m\" }}, inputs: {{ \"F\": \"N\" }}, known: {{ \"x\": \"F\" }}, data: [{}])",
+        record_text.replace("FILE", file)
+    );
+    let mut sources = Sources::default();
+    let source = sources.add("case.ron", text.clone());
+    let (spec, _) = spec::read(&text, source).map_err(|e| format!("{e:?}"))?;
+    let DataSpec::Csv(csv) = &spec.data[0] else { panic!("a record of a file") };
+    let unit =
+        |c: &spec::ColumnSpec| c.unit.as_ref().map_or(Unit::ONE, |u| Unit::parse(&u.value).expect("a unit"));
+    let units = Units { time: unit(&csv.time), columns: csv.columns.iter().map(|(_, c)| unit(c)).collect() };
+    let read = record(csv, &units, DataFile::of_bytes(file, bytes), source, &mut sources);
+    let words = |d: &phisindy_phys::Diagnostic| format!("{} | {}", d.message, d.help.join(" | "));
+    match read {
+        Ok((table, said)) => Ok((table, said.iter().map(words).collect())),
+        Err(said) => Err(said.iter().map(words).collect::<Vec<_>>().join("\n")),
+    }
+}
+
+fn bits(column: &[f64]) -> Vec<u64> {
+    column.iter().map(|x| x.to_bits()).collect()
+}
+
+const PLAIN: &str = "time: \"t\", columns: { \"x\": (\"x\", \"mm\"), \"F\": \"F\" }";
+
+fn reference() -> Table {
+    read("run.csv", &fixture("run.csv"), &format!("Csv(path: \"FILE\", {PLAIN})")).expect("the text").0
+}
+
+/// How each file is asked for.
+const FILES: &[(&str, &str)] = &[
+    ("run.csv", PLAIN),
+    ("run_1252.csv", "time: \"t\", columns: { \"x\": (\"x\", \"mm\"), \"F\": \"Kraft µN\" }"),
+    ("run_utf16.csv", "time: \"t\", columns: { \"x\": (\"x\", \"mm\"), \"F\": \"Kraft µN\" }"),
+    (
+        "run.xlsx",
+        "sheet: \"Messung\", skip: 2, time: \"t\", columns: { \"x\": (\"x\", \"mm\"), \"F\": \"F\" }",
+    ),
+    ("run.ods", "sheet: \"Messung\", time: \"t\", columns: { \"x\": (\"x\", \"mm\"), \"F\": \"F\" }"),
+    ("run.xls", PLAIN),
+    ("run.mat", PLAIN),
+    ("parts.mat", "sheet: \"run\", time: \"t\", columns: { \"x\": (\"x\", \"mm\"), \"F\": \"F\" }"),
+    ("parts.mat", "sheet: \"table\", time: \"1\", columns: { \"x\": (\"2\", \"mm\"), \"F\": \"3\" }"),
+    ("parts.mat", "time: \"run.t\", columns: { \"x\": (\"run.x\", \"mm\"), \"F\": \"table.3\" }"),
+    ("run.npz", PLAIN),
+    ("packed.npz", PLAIN),
+    ("run.npy", PLAIN),
+    ("matrix.npy", "time: \"1\", columns: { \"x\": (\"2\", \"mm\"), \"F\": \"3\" }"),
+    (
+        "run.uff",
+        "time: (\"time\", \"s\"), columns: { \"x\": (\"displacement 1Z+\", \"mm\"), \"F\": (\"force 2Z+\", \"N\") }",
+    ),
+    (
+        "binary.uff",
+        "time: (\"time\", \"s\"), columns: { \"x\": (\"displacement 1Z+\", \"mm\"), \"F\": (\"force 2Z+\", \"N\") }",
+    ),
+    ("run.tdms", "time: (\"time\", \"s\"), columns: { \"x\": (\"x\", \"mm\"), \"F\": (\"F\", \"N\") }"),
+];
+
+#[test]
+fn every_format_gives_the_bits_of_the_text() {
+    let text = reference();
+    assert_eq!(text.time.len(), 60);
+    for (file, fields) in FILES {
+        let record = format!("Table(path: \"FILE\", {fields})");
+        let (table, said) = read(file, &fixture(file), &record).unwrap_or_else(|e| panic!("{file}: {e}"));
+        assert_eq!(said, Vec::<String>::new(), "{file}");
+        assert_eq!(bits(&table.time), bits(&text.time), "{file}, time");
+        for k in 0..2 {
+            assert_eq!(bits(&table.columns[k]), bits(&text.columns[k]), "{file}, column {k}");
+        }
+    }
+}
+
+#[test]
+fn a_window_and_a_mean_of_rows_are_those_of_the_text() {
+    let more = "window: (0.1, 0.5), decimate: 2";
+    let text = read("run.csv", &fixture("run.csv"), &format!("Csv(path: \"FILE\", {PLAIN}, {more})"))
+        .expect("text")
+        .0;
+    for file in ["run.xls", "run.mat", "run.npz"] {
+        let table =
+            read(file, &fixture(file), &format!("Table(path: \"FILE\", {PLAIN}, {more})")).expect(file).0;
+        assert_eq!(
+            (bits(&table.time), bits(&table.columns[0])),
+            (bits(&text.time), bits(&text.columns[0])),
+            "{file}"
+        );
+    }
+}
+
+#[test]
+fn channels_with_rates_of_their_own_come_to_the_time_that_is_named() {
+    let text = reference();
+    let fields = |time: &str| {
+        format!(
+            "Table(path: \"FILE\", time: (\"{time}\", \"s\"), columns: {{ \"x\": (\"x\", \"mm\"), \"F\": (\"F\", \"N\") }})"
+        )
+    };
+    // The slow one as it is, the fast one at its times.
+    let (slow, said) = read("rates.tdms", &fixture("rates.tdms"), &fields("time of x")).expect("a record");
+    assert_eq!((slow.time.len(), said.len()), (30, 0));
+    for (k, column) in text.columns.iter().enumerate() {
+        assert_eq!(bits(&slow.columns[k]), bits(&column.iter().copied().step_by(2).collect::<Vec<_>>()));
+    }
+    // The other way round numbers would be invented: that is told.
+    let (fast, said) = read("rates.tdms", &fixture("rates.tdms"), &fields("time of F")).expect("a record");
+    assert!(said.len() == 1 && said[0].contains("`x`: slower than the rows"), "{said:?}");
+    // The slow one ends a sample earlier.
+    assert_eq!((fast.time.len(), bits(&fast.columns[1])), (59, bits(&text.columns[1][..59])));
+    assert!((fast.columns[0][1] - 0.5 * (text.columns[0][0] + text.columns[0][2])).abs() < 1e-15);
+    // Variables of one file, by the times that stand beside them.
+    let fields = "time: \"t2\", columns: { \"x\": (\"run.x\", \"mm\"), \"F\": \"slow\" }";
+    let (own, said) = read("parts.mat", &fixture("parts.mat"), &format!("Table(path: \"FILE\", {fields})"))
+        .expect("a record");
+    assert_eq!(
+        (bits(&own.columns[0]), bits(&own.columns[1]), said.len()),
+        (bits(&slow.columns[0]), bits(&slow.columns[1]), 0)
+    );
+}
+
+#[test]
+fn a_draft_is_accepted_and_reads_its_file() {
+    for (file, parts) in [
+        ("run.xlsx", &["Table(path: \"run.xlsx\"", "sheet: \"Messung", "time: \"t\""][..]),
+        ("run.ods", &["Table(", "sheet: \"Messung"]),
+        ("run.xls", &["Table(", "time: \"t\""]),
+        ("run.mat", &["Table(", "time: \"t\""]),
+        ("run.npz", &["Table(", "time: \"t\""]),
+        ("run.npy", &["Table(", "time: \"t\""]),
+        (
+            "run.uff",
+            &["Table(", "time: (\"time\", \"s\")", "\"displacement 1Z+\", \"mm\"", "\"force 2Z+\", \"N\""],
+        ),
+        ("run.tdms", &["Table(", "time: (\"time\", \"s\")", "(\"x\", \"mm\")", "(\"F\", \"N\")"]),
+        (
+            "rates.tdms",
+            &["Table(", "time: (\"time of x\", \"s\")", "(\"F\", \"N\")", "taken at the times of the rows"],
+        ),
+        ("run_utf16.csv", &["Csv(", "separator: ';'", "decimal: ','"]),
+    ] {
+        let mut sources = Sources::default();
+        let at = (sources.add("command line", file), Span::new(0, file.len()));
+        let bytes = fixture(file);
+        let table = table(DataFile::of_bytes(file, &bytes), None, at, &mut sources)
+            .unwrap_or_else(|d| panic!("{file}: {d:?}"));
+        let draft = Draft::of(table).unwrap_or_else(|e| panic!("{file}: {e:?}"));
+        let text = spec_text(&draft, file, "rig.ron");
+        parts.iter().for_each(|part| assert!(text.contains(part), "{file}: expected {part:?} in\n{text}"));
+        phisindy_import::accepted(&text).unwrap_or_else(|e| panic!("{file}: {e}\n{text}"));
+        let (spec, _) = spec::read(&text, SourceId(0)).expect("accepted");
+        let DataSpec::Csv(csv) = &spec.data[0] else { panic!("a record of a file") };
+        let units = Units { time: Unit::ONE, columns: vec![Unit::ONE; csv.columns.len()] };
+        let read = record(csv, &units, DataFile::of_bytes(file, &bytes), SourceId(0), &mut sources);
+        assert!(read.is_ok(), "{file}: {:?}\n{text}", read.err());
+    }
+}
+
+#[test]
+fn what_is_wrong_is_told_with_what_to_do() {
+    let cases: &[(&str, &str, &[&str])] = &[
+        ("run.xlsx", PLAIN, &["several sheets hold numbers", "sheet: \"...\"", "Messung, Messung 2"]),
+        (
+            "run.xlsx",
+            "sheet: \"Mesung\", time: \"t\", columns: { \"x\": \"x\" }",
+            &["no sheet, variable or group `Mesung`", "did you mean `Messung`?"],
+        ),
+        ("run.mat", "sheet: \"s\", time: \"t\", columns: { \"x\": \"x\" }", &["`s`", "leave `sheet` out"]),
+        (
+            "run.csv",
+            "sheet: \"s\", time: \"t\", columns: { \"x\": \"x\" }",
+            &["is text, which has no sheet `s`"],
+        ),
+        (
+            "run.npz",
+            "time: \"time\", columns: { \"x\": \"x\" }",
+            &["no column `time`", "columns of the file: t, x, F"],
+        ),
+        ("parts.mat", "time: \"run.t\", columns: { \"x\": \"text\" }", &["no column `text`"]),
+    ];
+    for (file, fields, parts) in cases {
+        let said = read(file, &fixture(file), &format!("Table(path: \"FILE\", {fields})")).expect_err(file);
+        parts.iter().for_each(|part| assert!(said.contains(part), "{file}: expected {part:?} in {said:?}"));
+    }
+    let converted: &[(&[u8], &str)] = &[
+        (b"\x89HDF\r\n\x1a\n.......", "h5py"),
+        (b"MATLAB 7.3 MAT-file, Platform", "h5py"),
+        (b"PAR1....", "read_parquet('a.bin')"),
+        (b"ARROW1..", "read_feather"),
+        (b"MDF     4.10", "asammdf"),
+        (b"\x1f\x8b\x08\0", "gunzip -k a.bin"),
+        (b"7z\xBC\xAF\x27\x1C", "7z x"),
+    ];
+    for (bytes, part) in converted {
+        let said = read("a.bin", bytes, &format!("Table(path: \"FILE\", {PLAIN})")).expect_err(part);
+        assert!(said.contains("not read") && said.contains(part), "{said}");
+    }
+}
+
+#[test]
+fn a_cell_without_a_number_is_told_with_its_row() {
+    let mut bytes = fixture("run.npz");
+    // The last number of F, in the last bytes before the directory of the archive, is made no number; its sum is not looked at
+    // in a member that is stored: so the array alone is taken.
+    let at = bytes.windows(6).rposition(|w| w == b"\x93NUMPY").expect("an array");
+    let end = bytes[at..].windows(4).position(|w| w == b"PK\x01\x02" || w == b"PK\x03\x04").expect("an end");
+    bytes = bytes[at..at + end].to_vec();
+    let last = bytes.len() - 8;
+    bytes[last..].copy_from_slice(&f64::NAN.to_le_bytes());
+    let record = "Table(path: \"FILE\", time: Rate(100.0), columns: { \"x\": \"1\" })";
+    let said = read("a.npy", &bytes, record).expect_err("no number");
+    assert!(said.contains("column `1` is `NaN` in row 60"), "{said}");
+}
+
+/// No damage makes a reader panic, hang or ask for absurd memory; what is refused is refused with a reason.
+#[test]
+fn damaged_files_are_refused_or_read() {
+    for (file, fields) in FILES {
+        let (good, record) = (fixture(file), format!("Table(path: \"FILE\", {fields})"));
+        let step = (good.len() / 150).max(1);
+        for cut in (0..good.len()).step_by(step) {
+            if let Err(said) = read(file, &good[..cut], &record) {
+                assert!(said.len() > 20, "{file} cut at {cut}: {said}");
+            }
+        }
+        let mut state = 12345_u64;
+        for _ in 0..300 {
+            let mut bad = good.clone();
+            for _ in 0..3 {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                let at = (state >> 33) as usize % bad.len();
+                bad[at] = [0, 0xFF, 0x7F, (state >> 20) as u8][(state >> 60) as usize % 4];
+            }
+            let _ = read(file, &bad, &record);
+        }
+    }
+}
