@@ -126,7 +126,7 @@ fn one(
         let Some(column) = column else { continue };
         let name = system.states[k].name.clone();
         let residual: Vec<f64> = column.iter().zip(&readings[k]).map(|(y, p)| y - p).collect();
-        let deviation = standard_deviation(&column[scored.clone()]);
+        let deviation = size_of_motion(&column[scored.clone()], k, records);
         let rms = (residual[scored.clone()].iter().map(|e| e * e).sum::<f64>() / scored.len() as f64).sqrt();
         fit.nrmse.push((name.clone(), if deviation > 0.0 { rms / deviation } else { f64::INFINITY }));
         fit.noise.push((name, noise_level(column)));
@@ -134,6 +134,17 @@ fn one(
     }
     fit.run = Some(run);
     fit
+}
+
+/// The standard deviation of some samples of a state; where they stand still, that of the state in the record in which
+/// it moves most: what rests has no size of its own to compare a miss with.
+fn size_of_motion(samples: &[f64], state: usize, records: &[Record]) -> f64 {
+    let own = standard_deviation(samples);
+    if samples.iter().any(|s| *s != samples[0]) {
+        return own;
+    }
+    let columns = records.iter().filter_map(|r| r.columns[state].as_ref());
+    columns.map(|c| standard_deviation(c)).fold(0.0, f64::max)
 }
 
 type Run = (Vec<Vec<f64>>, Vec<f64>, Trajectory);
