@@ -210,3 +210,41 @@ fn a_law_that_run_fits_fulfils_what_its_file_asks_for() {
     let (result, text) = run("falling", &spec("-(0.3 + 0.3*exp(-(y/0.1)^2))*sgn(y)/m"), &[]);
     assert_eq!(result["verdict"], "identified", "{text}");
 }
+
+/// A driven mass on a spring for which a law is asked for.
+fn asked_for(law: &str, truth: &str) -> String {
+    format!(
+        "(constants: {{ \"d\": (0.2, \"1/s\"), \"k\": (2.0, \"1/s^2\"), \"F\": (1.0, \"m/s^2\") }}, states: {{ \"x\": \"m\", \"y\": \"m/s\" }},\n\
+         known: {{ \"x\": \"y\", \"y\": \"-d*y - k*x + F*cos(1.1*t) + 0.6*F*cos(0.37*t)\" }},\n\
+         unknown: {{ \"y\": (candidates: [], laws: [\"{law}\"]) }}, contacts: [\"y\"],\n\
+         data: [Synthetic(truth: {{ {truth} }}, start: {{ \"x\": 0.1, \"y\": 0.0 }}, duration: 40.0, step: 0.02, noise: Additive(0.01), seed: 9)])"
+    )
+}
+
+/// A law whose level is nothing, or that is at its end while something is left, is not in the data.
+#[test]
+fn a_law_that_vanished_is_rejected() {
+    for (name, law, truth, why) in [
+        (
+            "vanished",
+            "coulomb",
+            "0.2*sgn(y)",
+            "the model does no better with the identified part than without it",
+        ),
+        ("at_its_end", "asymmetric-coulomb", "-0.3*sgn(y) - 0.4", "Fm ended at 0 m/s^2, where its law ends"),
+    ] {
+        let (result, text) = run(name, &asked_for(law, &format!("\"y\": \"{truth}\"")), &[]);
+        assert!(text.contains(&format!("rejected: {why}")), "{result} {text}");
+    }
+    let (_, text) = run("stays", &asked_for("coulomb", "\"y\": \"-0.2*sgn(y)\""), &[]);
+    assert!(text.contains("\nidentified (") || text.contains("% identified ("), "{text}");
+}
+
+/// The best of many frequencies lowers the misfit of noise, too.
+#[test]
+fn a_frequency_that_follows_the_noise_is_rejected() {
+    let (_, text) = run("tone", &asked_for("harmonic-force", ""), &[]);
+    assert!(text.contains("rejected: the known part is complete"), "{text}");
+    let (_, text) = run("true_tone", &asked_for("harmonic-force", "\"y\": \"0.2*cos(2.3*t + 0.4)\""), &[]);
+    assert!(text.contains("identified ("), "{text}");
+}

@@ -523,3 +523,15 @@ fn a_counter_that_wraps_is_told() {
     let said = phisindy(&["check", &scratch.path("rig.ron")]);
     assert!(said.err.contains("wraps") && !said.err.contains("slipped"), "{}{text}", said.err);
 }
+
+/// Numbers that are missing in every few rows leave no stretch to estimate start values from: what is there must do.
+#[test]
+fn gaps_every_few_rows_leave_no_nan_in_the_spec() {
+    let rows = ring_down(400, 0.02);
+    let row = |k: usize, x: f64| {
+        if k % 4 == 0 { format!("{},nan\n", rows[k].0) } else { format!("{},{x}\n", rows[k].0) }
+    };
+    let content: String = rows.iter().enumerate().map(|(k, (_, x))| row(k, *x)).collect();
+    let (_, text, said) = made("gaps_in_rows", format!("t_s,x_m\n{content}").as_bytes());
+    assert!(!text.contains("NaN") && !said.err.contains("please report"), "{text}");
+}

@@ -17,6 +17,12 @@ decisions! {
 
     /// Smallest noise of a column that is assumed.
     CLEAN_COLUMN: f64 = 1e-5, "of a standard deviation", Basis::Derived("the local error of the simulation, added up along a record");
+    /// Order of the differences that show whether the noise grows with the signal; odd.
+    NOISE_ORDER: usize = 9, "differences", Basis::Derived("of a motion with twenty samples in a period they keep a millionth");
+    /// Groups of samples by the size of the signal, in each of which the noise is measured.
+    NOISE_GROUPS: usize = 8, "groups", Basis::Judgement("more would scatter, fewer would not show a form");
+    /// Levels of noise within this factor of a form are described by it; the groups must differ by the square of it.
+    NOISE_FORM: f64 = 1.5, "factor", Basis::Derived("five standard errors of a median of a hundred correlated samples");
     /// A residual with a larger whiteness score is more than noise.
     NOT_WHITE: f64 = 6.0, "standard deviations", Basis::Convention("six sigma; white residuals stay below 4 in simulation");
     /// A column with a larger fraction of noise shows no motion to explain.

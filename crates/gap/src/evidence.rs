@@ -11,6 +11,7 @@ use crate::place::{Effect, Site};
 use crate::result::Veto;
 use phisindy_expr::Tape;
 use phisindy_phys::spec::Role;
+use phisindy_phys::unit::Unit;
 use phisindy_phys::{LawParameter, LawRole, Record};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -100,7 +101,10 @@ fn parameter_at_bound(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     // A phase may take any value.
     let ends = |((_, p), v): &(&(String, LawParameter), f64)| !p.each && *v > NO_END * p.within.1;
     let ((name, p), _) = law.parameters.iter().zip(numbers(fitted, effect)?).find(ends)?;
-    Some(Veto::ParameterAtEnd { name: name.clone(), bound: p.within.1, unit: p.unit.clone() })
+    // The law's file speaks of forces and lengths, the model perhaps of accelerations and angles.
+    let unit = effect.unit(&p.unit, &fitted.model.system);
+    let factor = Unit::parse(&unit).map_or(1.0, |u| u.factor);
+    Some(Veto::ParameterAtEnd { name: name.clone(), bound: p.within.1 / factor, unit })
 }
 
 /// An elastic contact that never slips acts as a spring about the position where the record begins.
@@ -288,6 +292,21 @@ mod tests {
         let why = said(truth, "dead-zone", &law, &[0.8, 0.3]);
         assert!(matches!(why, Some(Veto::ParameterAtEnd { .. })), "{why:?}");
         assert_eq!(said(truth, "dead-zone", DEAD_ZONE, &[0.8, 0.3]), None);
+    }
+
+    /// The bound is told in the unit of the model, not in that of the law's file: here a clearance is an angle.
+    #[test]
+    fn the_bound_of_a_law_is_told_in_the_unit_of_the_model() {
+        let (base, noise) = model(
+            r#"(states: { "x": "rad", "v": "rad/s" }, constants: { "k": (1.0, "1/s^2"), "c": (0.1, "1/s"), "F0": (1.0, "1/s^2"), "W": (0.7, "rad/s") },
+            known: { "x": "v", "v": "-k*x - c*v + F0*cos(W*t)" }, unknown: {},
+            data: [ Synthetic(truth: { "v": "-0.8*(max(x-0.3, 0) + min(x+0.3, 0) - x)" }, start: { "x": 1.0, "v": 0.0 }, duration: 40.0, step: 0.05, noise: Additive(0.02), seed: 1) ])"#,
+        );
+        let law = DEAD_ZONE.replace("within: (0.0, 10.0)", "within: (0.0, 0.5)");
+        let contact = effect(&base, "dead-zone", &law, "v", &[0.8, 0.3]);
+        let last = fitted_model(base.with(&contact).expect("a model"), &noise);
+        let why = parameter_at_bound(&last, &contact);
+        assert!(matches!(&why, Some(Veto::ParameterAtEnd { unit, .. }) if unit == "rad"), "{why:?}");
     }
 
     /// Less than half a period in a record is a trend; one and a half periods are a tone.

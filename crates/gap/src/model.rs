@@ -1,6 +1,7 @@
 //! Models under test: the model of the spec with laws added to its graph, fitted to the records.
 
 mod fitted;
+mod noise_form;
 mod records;
 mod score;
 mod spec_text;

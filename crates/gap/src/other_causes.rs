@@ -29,7 +29,12 @@ pub(crate) fn causes(base: &Fitted, last: &Fitted) -> Vec<Cause> {
         for (((name, _), residual), column) in system.quantities().zip(&fit.residuals).zip(&record.columns) {
             let Some(column) = column.as_ref().filter(|c| c.len() == residual.len()) else { continue };
             let of = Named { record: record.name.clone(), column: name.to_owned() };
-            let drifts = |residual: &Vec<f64>| drift(&record.time, residual, column, &of);
+            // What no force pulls back drifts by itself: its line in time says nothing of a sensor.
+            let pulled_back =
+                system.state(name).is_none_or(|k| system.graph.uses(&system.known, &[system.states[k].node]));
+            let drifts = |residual: &Vec<f64>| {
+                pulled_back.then(|| drift(&record.time, residual, column, &of)).flatten()
+            };
             told.extend(was(r, name).and_then(drifts).or_else(|| drifts(residual)));
             told.extend(tone(record, residual, drive.as_mut(), &of));
         }
@@ -91,7 +96,10 @@ fn tone(record: &Record, residual: &[f64], drive: Option<&mut Drive<'_>>, of: &N
     if part <= MOST_OF_RESIDUAL || line * span < TAU {
         return None;
     }
-    let driven = drive.is_some_and(|d| d.lines().iter().any(|own| (own - line).abs() * span < TAU));
+    // A nonlinear rig answers at the multiples of its drive, too.
+    let driven = drive.is_some_and(|d| {
+        d.lines().iter().any(|own| (own - line).abs() * span < TAU) || d.multiple_at(line).is_some()
+    });
     (!driven).then(|| Cause::Tone { of: of.clone(), share: part, frequency: line })
 }
 

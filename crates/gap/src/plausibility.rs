@@ -27,8 +27,8 @@ pub(crate) fn may_be_undetermined(applied: &Applied) -> bool {
     applied.effect.entry.law.parameters.len() > 1
 }
 
-/// A law is determined if none of its parameters ends at a bound, where the data want to go beyond it, and the
-/// interval of one of its coefficients excludes zero. A law that contains a simpler one has the level of that one
+/// A law is determined if none of its parameters ends at a bound, where the data want to go beyond it, or has an
+/// interval from bound to bound, and the interval of one of its coefficients excludes zero. A law that contains a simpler one has the level of that one
 /// as its first coefficient; of the others at least one must exclude zero.
 fn undetermined(last: &Fitted, applied: &Applied) -> Option<Veto> {
     let law = &applied.effect.entry.law;
@@ -47,6 +47,12 @@ fn undetermined(last: &Fitted, applied: &Applied) -> Option<Veto> {
     });
     if at_end.is_some() {
         return at_end;
+    }
+    // An interval from one bound to the other is what was known before.
+    let open =
+        |&k: &usize| !law.parameters[k].1.each && found(k).is_some_and(FoundParameter::reaches_both_bounds);
+    if let Some(k) = (0..law.parameters.len()).find(open) {
+        return Some(Veto::NotSeen(law.parameters[k].0.clone()));
     }
     let estimate = |k: usize| found(k).map(|p| &p.estimate);
     let linear: Vec<usize> =

@@ -178,9 +178,13 @@ impl Draft {
     /// Estimates the start values from the first record: from its good rows, and of these from the rows in
     /// motion.
     fn estimate_start(&mut self, good: Range<usize>, moving: Range<usize>) {
+        // A stretch without gaps may be too short to tell anything: then the rows that have all numbers must do.
+        let used: Vec<usize> = self.roles.used().chain([self.time.column]).collect();
+        let whole = |r: &usize| used.iter().all(|&c| self.values(c)[*r].is_finite());
+        let rows: Vec<usize> = moving.filter(whole).collect();
         let column = |c: usize| {
-            let unit = self.factor(c);
-            self.values(c)[moving.clone()].iter().map(|x| x * unit).collect::<Vec<f64>>()
+            let (unit, values) = (self.factor(c), self.values(c));
+            rows.iter().map(|&r| values[r] * unit).collect::<Vec<f64>>()
         };
         let mut time = column(self.time.column);
         let displacement = match (self.roles.displacement, self.roles.velocity) {

@@ -220,6 +220,8 @@ decisions! {
     PROFILE_DAMPING: f64 = 1e-9, "part of the diagonal", NUMERICS;
     /// Iterations and gain of the fit of all others at a point of a profile.
     PROFILE_MINIMUM: [f64; 2] = [5.0, 1e-6], "iterations, part of the cost", NUMERICS;
+    /// How often that fit goes on while the others have yet to arrive.
+    PROFILE_FITS: usize = 4, "fits", NUMERICS;
     /// Correlations beyond this are told ...
     CORRELATED: f64 = 0.95, "1", Basis::Derived("the error of the sum or difference is a sixth of theirs");
     /// ... if one of the two is known worse than to this part of itself.

@@ -15,6 +15,7 @@ use crate::trajectory::initial::sized;
 use crate::trajectory::method::by_trajectory;
 use phisindy_phys::spec::{Method, Role};
 use phisindy_phys::{Case, Record, System};
+use phisindy_signal::standard_deviation;
 use std::ops::ControlFlow;
 
 /// What the caller decides; the rest is in the spec.
@@ -62,6 +63,9 @@ pub fn identify(
     for record in &fitted {
         suitable(&case.system, record)?;
     }
+    if let Some(wrong) = records.iter().find_map(|r| column_out_of_range(&case.system, r)) {
+        return Err(wrong.into());
+    }
     let sized = sized(&case.system, records);
     let records = &sized[..];
     let mut found = match options.method.or(case.learn.method).unwrap_or(Method::Trajectory) {
@@ -101,7 +105,10 @@ fn remarks(system: &System, found: &mut Identified) {
 }
 
 /// Refuses a record from which nothing can be learned.
-fn suitable(system: &System, record: &Record) -> Result<(), LearnError> {
+///
+/// # Errors
+/// It has too few samples, or a column that does not move or is out of range.
+pub fn suitable(system: &System, record: &Record) -> Result<(), LearnError> {
     if record.len() < FEWEST_SAMPLES {
         let (record, samples) = (record.name.clone(), record.len());
         return Err(DataError::TooFewSamples { record, samples }.into());
@@ -109,8 +116,25 @@ fn suitable(system: &System, record: &Record) -> Result<(), LearnError> {
     dead_column(system, record).map_or(Ok(()), |dead| Err(dead.into()))
 }
 
-/// What is wrong with a record in which a measured column does not move.
+/// What is wrong with a record in which the squares of a moving column are no numbers, or all zero: nothing can be
+/// said of how well it is met.
+fn column_out_of_range(system: &System, record: &Record) -> Option<DataError> {
+    let out = |c: &Option<Vec<f64>>| {
+        let moves = |c: &&Vec<f64>| c.iter().any(|v| *v != c[0]);
+        c.as_ref()
+            .filter(moves)
+            .is_some_and(|c| !(c.len() as f64 * standard_deviation(c).powi(2)).is_normal())
+    };
+    let k = record.columns.iter().position(out)?;
+    let column = system.measured(k).0.to_owned();
+    Some(DataError::OutOfRange { record: record.name.clone(), column })
+}
+
+/// What is wrong with a record in which a measured column does not move, or is beyond what can be computed with.
 pub fn dead_column(system: &System, record: &Record) -> Option<DataError> {
+    if let Some(wrong) = column_out_of_range(system, record) {
+        return Some(wrong);
+    }
     let still = |c: &Option<Vec<f64>>| c.as_ref().is_some_and(|c| c.iter().all(|v| *v == c[0]));
     let k = record.columns.iter().position(still)?;
     let column = system.measured(k).0.to_owned();

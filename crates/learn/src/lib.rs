@@ -23,7 +23,7 @@ mod sweep;
 mod trajectory;
 
 pub use decisions::decisions;
-pub use identify::{LearnOptions, dead_column, identify};
+pub use identify::{LearnOptions, dead_column, identify, suitable};
 pub use result::error::{DataError, LearnError, ModelError, NumericsError, TruthError};
 pub use result::estimate::Estimate;
 pub use result::identified::{Identified, NoiseModel, PathPoint, StopReason};

@@ -32,3 +32,4 @@ pub(crate) mod state_scale;
 pub(crate) mod tally;
 pub(crate) mod term_sizes;
 pub(crate) mod unknowns;
+pub(crate) mod worth_of_laws;

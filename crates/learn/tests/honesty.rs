@@ -443,6 +443,10 @@ fn dry_friction_that_feeds_the_motion_is_rejected() {
     assert!(why.to_string().starts_with("the dry friction of v is negative: -0.0"), "{why}");
     let told = found.warnings.iter().any(|w| w.to_string().contains("`phisindy gap` looks for it"));
     assert!(told, "{:?}", found.warnings);
+    // Written as a polynomial of the speed under one sign the damper hides the push: the mean dissipates.
+    let found = free(r#"(factor: "-sgn(v)", candidates: ["1", "|v|"])"#, "0.02*sgn(v) - 0.12*v");
+    let Verdict::Rejected(why) = &found.verdict else { panic!("{:?} {:?}", found.terms, found.warnings) };
+    assert!(why.to_string().starts_with("the dry friction of v is negative: -0.0"), "{why}");
     for (unknown, truth) in [
         (both, "-0.03*v - 0.01*sgn(v)"),
         // The level falls with the speed, and stays above zero.

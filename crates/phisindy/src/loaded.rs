@@ -6,6 +6,7 @@ use phisindy_phys::spec::Spec;
 use phisindy_phys::{Case, Diagnostic, LawEntry, Origin, Record, RecordPlan, Requirement, SourceId, Sources};
 use phisindy_report::Input;
 use phisindy_sim::Trajectory;
+use std::sync::Arc;
 
 /// A checked spec with its records, from memory or from files: what [`crate::identify`], [`crate::gap`] and
 /// [`crate::simulate`] work on.
@@ -122,6 +123,7 @@ impl Laws {
         found: &mut Vec<Diagnostic>,
     ) -> Result<Loaded, NotWritten> {
         let laws = loaded.case.laws.clone();
+        let without_laws = Some(Arc::new(loaded.case.system.clone()));
         let draft = written_out(&loaded.text, loaded.case, records, &self.effects, &self.catalogue);
         let draft = draft.map_err(|why| {
             found.push(Diagnostic::error(format!(
@@ -145,7 +147,7 @@ impl Laws {
             case.requirements.extend(required);
         }
         let (text, records) = (draft.text, draft.records);
-        Ok(Loaded { text, parsed, case: Case { laws, ..case }, records, ..loaded })
+        Ok(Loaded { text, parsed, case: Case { laws, without_laws, ..case }, records, ..loaded })
     }
 }
 

@@ -25,8 +25,8 @@ const BINS_PER_SAMPLE: f64 = 1.94;
 
 /// The probability that white noise departs from a flat spectrum as far as this residual does.
 ///
-/// Tested are the strongest single frequency (R. A. Fisher, Proc. R. Soc. A 125 (1929) 54-59) and the power in
-/// bands from zero up, each against the median of the spectrum. The smallest probability is multiplied by the
+/// Tested are the strongest single frequency (R. A. Fisher, Proc. R. Soc. A 125 (1929) 54-59), the power in
+/// bands from zero up, and the mean, each against the median of the spectrum. The smallest probability is multiplied by the
 /// number of tests (Bonferroni), so the result is an upper bound. Fewer than 64 samples and a residual of zeros
 /// give 1; numbers that are not finite give 0.
 ///
@@ -44,7 +44,7 @@ pub fn whiteness_p_value(residual: &[f64]) -> f64 {
         return 1.0;
     }
     let spectrum = power(&mut residual.to_vec());
-    // Without the mean, and without the last bin of an even length, which has one degree of freedom only.
+    // The mean has a test of its own; the last bin of an even length, with one degree of freedom only, none.
     let power = &spectrum[1..n.div_ceil(2)];
     let level = median(&mut power.to_vec()) / std::f64::consts::LN_2;
     if level <= 0.0 {
@@ -56,7 +56,9 @@ pub fn whiteness_p_value(residual: &[f64]) -> f64 {
     let widths: Vec<usize> =
         std::iter::successors(Some(NARROWEST_BAND), |w| Some(2 * w)).take_while(|w| *w <= bins / 4).collect();
     let band = |&width: &usize| widths.len() as f64 * upper_tail(&power[..width], level);
-    (widths.iter().map(band).fold(line, f64::min) * 2.0).min(1.0)
+    // The power at zero is a chi square with one degree of freedom.
+    let mean = (-0.5 * spectrum[0] / level).exp();
+    (widths.iter().map(band).fold(line.min(mean), f64::min) * 3.0).min(1.0)
 }
 
 /// The probability of at least this power in a band, a chi square with two degrees of freedom for each bin (E.
@@ -166,6 +168,8 @@ mod tests {
         // A quarter of the noise: the rms rises by a thirtieth.
         assert!(with(&|i| 0.35 * (2.0 * i).sin()) < 1e-6);
         assert!(with(&|i| 0.9 * (i / 1500.0 - 0.5)) < 1e-4);
+        // Neither line nor slow: a constant misfit of a quarter of the noise.
+        assert!(with(&|_| 0.25) < 1e-6);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::score::Score;
 use super::trial_model::TrialModel;
 use crate::decisions::{CHOW, LITTLE_LEFT, NOT_WHITE, RESTS, STANDS_STILL};
+use crate::model::noise_form::growing_noise;
 use crate::place::Effect;
 use crate::result::ModelError;
 use crate::whiteness::score;
@@ -90,12 +91,16 @@ impl Fitted {
     /// Noise of every measured column from the residuals, by record. For a model with white residuals this is
     /// better than the estimate from the columns, where the motion covers most of the spectrum.
     pub(crate) fn noise(&self, noise: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let of = |(k, &own): (usize, &f64), residuals: &[&Vec<f64>]| {
-            residuals.get(k).map_or(own, |e| noise_level(e).max(f64::MIN_POSITIVE))
+        let of = |own: f64, residual: &Vec<f64>, column: &Vec<f64>| {
+            let growing = growing_noise(residual, column).unwrap_or(0.0);
+            if residual.is_empty() { own } else { growing.max(noise_level(residual)).max(f64::MIN_POSITIVE) }
         };
+        let none = vec![];
         let record = |r: usize| {
-            let residuals: Vec<&Vec<f64>> = measured(&self.cal.records[r]).collect();
-            noise[r].iter().enumerate().map(|own| of(own, &residuals)).collect()
+            let columns = self.model.records[r].columns.iter().flatten();
+            // A run that failed leaves no residuals.
+            let residuals = measured(&self.cal.records[r]).chain(std::iter::repeat(&none));
+            noise[r].iter().zip(residuals).zip(columns).map(|((&own, e), c)| of(own, e, c)).collect()
         };
         (0..noise.len()).map(record).collect()
     }

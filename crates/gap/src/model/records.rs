@@ -1,13 +1,18 @@
 //! Preparation of records for a search: their noise, and shorter versions of long ones.
 
 use crate::decisions::{CLEAN_COLUMN, SEARCHED_SAMPLES};
+use crate::model::noise_form::growing_noise;
 use phisindy_phys::Record;
 use phisindy_phys::spec::Role;
 use phisindy_signal::{noise_level, standard_deviation};
 
-/// Noise of every measured column by record, from the spectrum above the motion: it needs no model.
+/// Noise of every measured column by record, from the spectrum above the motion: it needs no model. Of noise that
+/// grows with the signal it is the root mean square along the record.
 pub(crate) fn noise_of(records: &[Record]) -> Vec<Vec<f64>> {
-    let of = |c: &Vec<f64>| noise_level(c).max(CLEAN_COLUMN * standard_deviation(c)).max(f64::MIN_POSITIVE);
+    let of = |c: &Vec<f64>| {
+        let level = growing_noise(c, c).unwrap_or(0.0).max(noise_level(c));
+        level.max(CLEAN_COLUMN * standard_deviation(c)).max(f64::MIN_POSITIVE)
+    };
     records.iter().map(|r| r.columns.iter().flatten().map(of).collect()).collect()
 }
 

@@ -55,6 +55,8 @@ pub enum Veto {
         /// Its unit.
         unit: String,
     },
+    /// A parameter whose interval is all that the law allows.
+    NotSeen(String),
     /// An elastic contact that never slips.
     NeverSlips,
     /// Friction that would add energy to the motion in places.

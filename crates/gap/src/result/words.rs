@@ -67,6 +67,12 @@ impl Display for Veto {
             Veto::ParameterAtEnd { name, bound, unit } => {
                 write!(f, "its {name} runs to the end of what the law allows ({bound:e} {unit})")
             }
+            Veto::NotSeen(name) => {
+                write!(
+                    f,
+                    "the records say nothing about its {name}: any value that the law allows does as well"
+                )
+            }
             Veto::NeverSlips => f.write_str("its contact never slips: it stands for a spring"),
             Veto::Pushes => f.write_str("in places it would push instead of brake"),
             Veto::SlowTone(period) => write!(f, "no record lasts half of one of its periods ({period:.0} s)"),

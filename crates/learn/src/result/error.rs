@@ -75,6 +75,13 @@ pub enum DataError {
         /// Name of the column's state.
         column: String,
     },
+    /// The squares of a measured column leave the range of numbers.
+    OutOfRange {
+        /// Name of the record.
+        record: String,
+        /// Name of the column's state.
+        column: String,
+    },
     /// Method step lacks samples of states that cannot be derived from a column.
     MissingStates {
         /// Name of the record.

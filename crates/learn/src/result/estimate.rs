@@ -24,4 +24,13 @@ impl Estimate {
         let reach = HALF_WIDTH_95 * std_error;
         Estimate { value, std_error, ci95: (value - reach, value + reach) }
     }
+
+    /// Widens both by another variance, that between records.
+    pub(crate) fn widen(&mut self, variance: f64) {
+        if variance > 0.0 {
+            let wide = Estimate::normal(self.value, (self.std_error.powi(2) + variance).sqrt());
+            self.std_error = wide.std_error;
+            self.ci95 = (self.ci95.0.min(wide.ci95.0), self.ci95.1.max(wide.ci95.1));
+        }
+    }
 }

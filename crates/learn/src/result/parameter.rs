@@ -21,6 +21,13 @@ pub struct FoundParameter {
     pub at_bound: bool,
 }
 
+impl FoundParameter {
+    /// Whether its interval is all that the spec or its law allows: the data do not determine it.
+    pub fn reaches_both_bounds(&self) -> bool {
+        self.estimate.ci95.0 <= self.bounds.0 && self.estimate.ci95.1 >= self.bounds.1
+    }
+}
+
 /// The values (SI) of [`System::parameters`] in a record, as far as they were found; the others as the spec starts them.
 pub fn parameter_values(parameters: &[FoundParameter], system: &System, record: usize) -> Vec<f64> {
     let mut values: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();

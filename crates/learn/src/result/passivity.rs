@@ -2,8 +2,10 @@
 //! puts energy in stands for something else, however well the model follows the data.
 //!
 //! The rates are linear in the sign `s` of each sliding velocity `w`: `r = a + s b`. The power of the dry friction at
-//! `w` is `s b w = b |w|` with `b = dw/dx . b`, per unit of inertia: negative where it dissipates. With all signs
-//! replaced by their mean, `da/dv` is the linear damping of the velocity `v` wherever it depends on no motion; then
+//! `w` is `s b w = b |w|` with `b = dw/dx . b`, per unit of inertia: negative where it dissipates. Its level is asked
+//! for in the mean along the motion and near rest: `b` of `s (1 - |w|)` is both dry friction and, written with a
+//! sign, a damper, and near rest, where `w = 0`, only the friction is left of it. With the rates of both
+//! directions averaged, `da/dv` is the linear damping of the velocity `v` wherever it depends on no motion; then
 //! nothing bounds a motion that it feeds. (Damping that depends on the motion, as that of van der Pol's oscillator,
 //! may feed it: that is what the model says.)
 
@@ -71,7 +73,8 @@ impl<'a> Forces<'a> {
     fn feeding(mut self) -> Vec<PassivityViolation> {
         let mut all: Vec<PassivityViolation> = Vec::new();
         for (w, rate) in self.dry.clone() {
-            all.extend(self.dry_friction(w, rate));
+            let mut pushes = |near_rest| self.dry_friction(w, rate, near_rest);
+            all.extend(pushes(false).or_else(|| pushes(true)));
         }
         let velocities = (0..self.system.states.len()).filter(|&k| is_velocity(self.system, k));
         for v in velocities.collect::<Vec<_>>() {
@@ -80,11 +83,18 @@ impl<'a> Forces<'a> {
         all
     }
 
-    /// Dry friction whose fitted part makes it push.
-    fn dry_friction(&mut self, w: Id, rate: Id) -> Option<PassivityViolation> {
+    /// Dry friction whose fitted part makes it push: in the mean along the motion, or in the same mean with every
+    /// sample brought to rest, each velocity by as much as it has of `w`.
+    fn dry_friction(&mut self, w: Id, rate: Id, near_rest: bool) -> Option<PassivityViolation> {
         let parameters = self.estimated();
         let gradient = self.model.graph.gradient(rate, &parameters);
         let outputs: Vec<Id> = [w, rate].into_iter().chain(gradient).collect();
+        let slopes = self.model.graph.gradient(w, &self.model.states.clone());
+        let slopes: Vec<f64> = slopes.iter().map(|s| self.model.graph.value(*s).unwrap_or(0.0)).collect();
+        let steep: f64 = slopes.iter().map(|s| s * s).sum();
+        if near_rest && steep == 0.0 {
+            return None;
+        }
         let tape = Tape::compile(&self.model.graph, &self.model.arguments(), &outputs).ok()?;
         let mut scratch = Scratch::<1>::new(&tape);
         let (mut speed, mut level) = (0.0, Derived { value: 0.0, slopes: vec![0.0; self.numbers()] });
@@ -94,7 +104,12 @@ impl<'a> Forces<'a> {
             for i in 0..record.len() {
                 let states = run.state_at(i);
                 scratch.at(arguments_at(record, i, states, &parameters));
-                let size = scratch.output(0)[0].abs();
+                let speed_of_sample = scratch.output(0)[0];
+                let size = speed_of_sample.abs();
+                if near_rest {
+                    let rest = states.iter().zip(&slopes).map(|(v, s)| v - speed_of_sample * s / steep);
+                    scratch.at(arguments_at(record, i, &rest.collect::<Vec<_>>(), &parameters));
+                }
                 let push = |k: usize| -size * scratch.output(1 + k)[0];
                 if !push(0).is_finite() {
                     continue;
@@ -114,6 +129,7 @@ impl<'a> Forces<'a> {
             velocity: self.model.text(w),
             level: level.value,
             ci95,
+            near_rest,
             unit,
         })
     }

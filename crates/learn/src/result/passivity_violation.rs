@@ -11,6 +11,8 @@ pub enum PassivityViolation {
         level: f64,
         /// Its 95 % interval.
         ci95: (f64, f64),
+        /// Whether it is the level near rest, where what falls with the speed has no part in it.
+        near_rest: bool,
         /// Its unit; empty if the spec does not determine it.
         unit: String,
     },

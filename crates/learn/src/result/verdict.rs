@@ -2,6 +2,7 @@
 
 use super::error::ModelError;
 use super::passivity_violation::PassivityViolation;
+use super::quantity::ParameterId;
 use super::record_fit::RecordFit;
 use super::term::FoundTerm;
 use crate::decisions::{COMPLETE, WORST_NRMSE};
@@ -77,6 +78,17 @@ pub enum Rejection {
     Feeds(PassivityViolation),
     /// The model does no better with the identified part than without it.
     NoBetter,
+    /// The known part alone leaves nothing but noise, and laws that were asked for follow the noise.
+    NothingMissing,
+    /// A number of a law ended at the end of what the law allows, and something is left.
+    LawAtBound {
+        /// Which.
+        number: ParameterId,
+        /// Where it ended, in `unit`.
+        value: f64,
+        /// As in the spec.
+        unit: String,
+    },
 }
 
 /// Rejected when nothing survives although something is missing, a free run fails or misses, or the identified

@@ -26,6 +26,11 @@ pub enum Warning {
         /// The bound, in the unit of the spec.
         value: f64,
     },
+    /// The interval of a number reaches from bound to bound: the intervals of others end where it does.
+    BoundToBound {
+        /// Which.
+        number: Quantity,
+    },
     /// The interval of a coefficient holds zero.
     MayBeZero {
         /// Of which term.
@@ -38,15 +43,15 @@ pub enum Warning {
         /// Worst NRMSE of the Validate records.
         validate: f64,
     },
-    /// The coefficients of the fit do not describe a Validate record.
+    /// The numbers of the fit do not describe a Validate record.
     Disagreement {
-        /// The term whose coefficients differ most, in units of their standard errors.
-        term: TermId,
+        /// The number that differs most, in units of its standard error.
+        number: Quantity,
         /// Name of the Validate record.
         record: String,
-        /// The coefficient by that record alone.
+        /// The number by that record alone, in the unit of the spec.
         alone: f64,
-        /// The coefficient of the fit.
+        /// That of the fit.
         fitted: f64,
         /// Their distance in standard errors.
         errors: f64,
@@ -149,13 +154,19 @@ impl Warning {
     }
 }
 
-/// A warning for every parameter that ended at a bound.
+/// A warning for every parameter that ended at a bound, and for every one whose interval reaches both.
 pub fn at_bounds(parameters: &[FoundParameter]) -> Vec<Warning> {
-    let warning = |p: &FoundParameter| Warning::AtBound {
-        number: Quantity::Parameter(p.id.clone()),
-        value: p.estimate.value / p.factor,
+    let warning = |p: &FoundParameter| {
+        let number = || Quantity::Parameter(p.id.clone());
+        // A phase may take any value, and an infinite error is told as such.
+        let open = p.id.owner.is_none() && p.estimate.std_error.is_finite() && p.reaches_both_bounds();
+        match (p.at_bound, open) {
+            (true, _) => Some(Warning::AtBound { number: number(), value: p.estimate.value / p.factor }),
+            (false, true) => Some(Warning::BoundToBound { number: number() }),
+            _ => None,
+        }
     };
-    parameters.iter().filter(|p| p.at_bound).map(warning).collect()
+    parameters.iter().filter_map(warning).collect()
 }
 
 /// A warning for every Validate record whose motion hangs on its start.

@@ -55,6 +55,10 @@ impl Display for Warning {
                 }
                 write!(f, " ended at its bound {value}: the data want to go beyond it")
             }
+            Warning::BoundToBound { number } => write!(
+                f,
+                "the data do not determine {number}: its interval reaches from bound to bound, and intervals of numbers that go with it end where its bounds do"
+            ),
             Warning::MayBeZero { term } => write!(
                 f,
                 "{} of {}' may as well be zero: its interval holds it",
@@ -66,10 +70,10 @@ impl Display for Warning {
                  be wrong",
                 validate / fit
             ),
-            Warning::Disagreement { term, record, alone, fitted, errors } => write!(
+            Warning::Disagreement { number, record, alone, fitted, errors } => write!(
                 f,
-                "{term} is {alone:.4} by {record} alone and {fitted:.4} by what was fitted, {errors:.0} standard errors apart: the coefficients do not \
-                 carry over; the known part may be wrong, or a term is missing, and the intervals may miss"
+                "{number} is {alone:.4} by {record} alone and {fitted:.4} by what was fitted, {errors:.0} standard errors apart: the numbers do not \
+                 carry over; the known part may be wrong, or a term is missing; the intervals are widened by what the records differ by"
             ),
             Warning::Alternative { term, other, worse } => write!(
                 f,
@@ -185,6 +189,16 @@ impl Display for Rejection {
             Rejection::NoBetter => {
                 f.write_str("the model does no better with the identified part than without it")
             }
+            Rejection::NothingMissing => f.write_str(
+                "the known part is complete: alone it describes the records as well, and what was found of the laws is what fits the noise by chance",
+            ),
+            Rejection::LawAtBound { number, value, unit } => {
+                let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+                write!(
+                    f,
+                    "{number} ended at {value}{unit}, where its law ends, and what is left is not noise: the data want a law that goes beyond it"
+                )
+            }
         }
     }
 }
@@ -219,11 +233,16 @@ impl Display for PassivityViolation {
         let unit =
             |unit: &str| if unit.is_empty() || unit == "1" { String::new() } else { format!(" {unit}") };
         match self {
-            PassivityViolation::DryFriction { velocity, level, ci95, unit: u } => write!(
+            PassivityViolation::DryFriction { velocity, level, ci95, near_rest, unit: u } => write!(
                 f,
-                "the dry friction of {velocity} is negative: {level:.4}{}{} in the mean along the motion, which it feeds; friction can only take energy out",
+                "the dry friction of {velocity} is negative: {level:.4}{}{} {}; friction can only take energy out",
                 within(ci95),
-                unit(u)
+                unit(u),
+                if *near_rest {
+                    "near rest, where it feeds the motion"
+                } else {
+                    "in the mean along the motion, which it feeds"
+                }
             ),
             PassivityViolation::Damping { state, slope, ci95 } => write!(
                 f,
@@ -273,6 +292,11 @@ impl Display for DataError {
                 f,
                 "{record}: the column of {column} is constant: nothing moved, or the sensor is dead; leave the column out, or take a window in which it \
                  moves"
+            ),
+            DataError::OutOfRange { record, column } => write!(
+                f,
+                "{record}: the numbers of the column of {column} are too large or too small to compute with, their squares leave the range of numbers: \
+                 state its unit, or mend the file"
             ),
             DataError::MissingStates { record, states } => write!(
                 f,

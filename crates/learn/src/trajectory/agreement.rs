@@ -1,10 +1,12 @@
-//! Agreement of records. The terms of a fit are fitted again to each Validate record alone. A wrong model puts
-//! its error into the coefficients, so another motion gives other coefficients.
+//! Agreement of records. The coefficients and shared constants of a fit are fitted again to each Validate record
+//! alone. A wrong model puts its error into these numbers, so another motion gives other numbers. What they differ by
+//! beyond their errors is the scatter between records (R. DerSimonian and N. Laird, Controlled Clinical Trials 7
+//! (1986) 177-188): an error that no fit to one record shows.
 
 use crate::decisions::{AGREEMENT_DAMPING, AGREEMENT_MINIMUM, DENSE, RARE};
-use crate::least_squares::Limits;
+use crate::least_squares::{Limits, Normal};
 use crate::linear::{covariance, inverse_block, solve_damped};
-use crate::result::quantity::TermId;
+use crate::result::quantity::{ParameterId, ParameterOf, Quantity, TermId};
 use crate::result::record_fit::RecordFit;
 use crate::result::warning::Warning;
 use crate::trajectory::fit::Fit;
@@ -12,11 +14,29 @@ use crate::trajectory::free_run::Solution;
 use crate::trajectory::problem::{Meaning, Problem};
 use crate::trajectory::tally::{inflation, tally};
 use faer::Mat;
-use phisindy_phys::Record;
 use phisindy_phys::spec::Role;
+use phisindy_phys::unit::Unit;
+use phisindy_phys::{Record, System};
 
-/// Compares the coefficients of the fit with those of each Validate record: one warning for each record that
-/// differs by more than chance. `cov` is the covariance of the unknowns of the fit.
+/// What the Validate records say of the numbers of a fit.
+#[derive(Debug, Default, PartialEq)]
+pub(crate) struct Agreement {
+    /// One for each record that differs by more than chance.
+    pub(crate) warnings: Vec<Warning>,
+    /// For the first unknowns of the fit, coefficients and shared constants, the variance between records where any
+    /// differs by more than chance; empty where none does.
+    pub(crate) scatter: Vec<f64>,
+}
+
+/// A Validate record beside the fit.
+struct Compared {
+    /// Of each number, what the record alone puts it off by, and the variance of that.
+    apart: Vec<(f64, f64)>,
+    warning: Option<Warning>,
+}
+
+/// Compares the numbers of the fit with those of each Validate record. `cov` is the covariance of the unknowns of
+/// the fit.
 pub(crate) fn disagreements(
     fit: &Fit<'_>,
     cov: &Mat<f64>,
@@ -24,15 +44,26 @@ pub(crate) fn disagreements(
     records: &[Record],
     filled: &[Record],
     runs: &[RecordFit],
-) -> Vec<Warning> {
+) -> Agreement {
     let validated =
         (0..records.len()).filter(|&r| records[r].role == Role::Validate && runs[r].run.is_some());
-    validated
-        .filter_map(|r| disagreement(fit, cov, solution, &records[r], &filled[r..=r], &runs[r], r))
-        .collect()
+    let all: Vec<Compared> = validated
+        .filter_map(|r| compared(fit, cov, solution, &records[r], &filled[r..=r], &runs[r], r))
+        .collect();
+    if all.iter().all(|c| c.warning.is_none()) {
+        return Agreement::default();
+    }
+    // The variance of two numbers round their mean is half of their squared distance.
+    let between = |k: usize| {
+        let excess = |c: &Compared| c.apart.get(k).map_or(0.0, |(d, v)| 0.5 * (d * d - v));
+        (all.iter().map(excess).sum::<f64>() / all.len() as f64).max(0.0)
+    };
+    let numbers = all.iter().map(|c| c.apart.len()).max().unwrap_or(0);
+    let scatter = (0..numbers).map(between).collect();
+    Agreement { warnings: all.into_iter().filter_map(|c| c.warning).collect(), scatter }
 }
 
-fn disagreement(
+fn compared(
     fit: &Fit<'_>,
     cov: &Mat<f64>,
     solution: &Solution,
@@ -40,9 +71,10 @@ fn disagreement(
     filled: &[Record],
     run: &RecordFit,
     r: usize,
-) -> Option<Warning> {
+) -> Option<Compared> {
     let (system, terms) = (fit.problem.system, &fit.problem.terms);
-    let t = terms.len();
+    // Coefficients and shared constants come first in both.
+    let t = terms.len() + system.parameters.iter().filter(|p| !p.each).count();
     if t == 0 {
         return None;
     }
@@ -54,47 +86,80 @@ fn disagreement(
     let mut x = problem.guess(&solution.coefficients, Some(&solution.parameters[r]), filled);
     let start = problem.segments[0].start;
     x[start..start + run.start.len()].copy_from_slice(&run.start);
-    // Coefficients and the start state move; everything else is fixed.
-    let mut moving: Vec<usize> = Vec::new();
     for (k, meaning) in problem.meanings().into_iter().enumerate() {
-        match meaning {
-            Meaning::Coefficient(_) | Meaning::Start => moving.push(k),
-            Meaning::Sensor(_, state, which) => x[k] = solution.sensors[r][state][which],
-            Meaning::Parameter(..) => {}
-        }
-        if moving.last() != Some(&k) {
-            problem.bounds[k] = (x[k], x[k]);
+        if let Meaning::Sensor(_, state, which) = meaning {
+            x[k] = solution.sensors[r][state][which];
         }
     }
     let noise = vec![fit.noise.first()?.clone()];
     let weights = problem.weights(&noise, problem.residuals(&x).ok().as_deref());
+    // The numbers that both records see and the start state move; everything else is fixed.
+    let seen = |k: usize, normal: &Normal| {
+        cov[(k, k)].is_finite() && normal.matrix[(k, k)] > 0.0 && problem.bounds[k].0 < problem.bounds[k].1
+    };
+    let here = problem.normal(&x, &weights).ok()?;
+    let meanings = problem.meanings();
+    let moves = |k: &usize| match meanings[*k] {
+        Meaning::Coefficient(_) | Meaning::Parameter(_, None) => seen(*k, &here),
+        Meaning::Start => true,
+        Meaning::Sensor(..) | Meaning::Parameter(_, Some(_)) => false,
+    };
+    let moving: Vec<usize> = (0..x.len()).filter(moves).collect();
+    let compared = moving.iter().filter(|k| **k < t).count();
+    if compared == 0 {
+        return None;
+    }
+    for k in (0..x.len()).filter(|k| !moving.contains(k)) {
+        problem.bounds[k] = (x[k], x[k]);
+    }
     let normal = problem.minimise(&mut x, &weights, Limits::of(AGREEMENT_MINIMUM)).ok()?;
     let told = tally(&noise, &problem.residuals(&x).ok()?);
     let inflation = inflation(told.samples, told.effective);
     let curvature = Mat::from_fn(moving.len(), moving.len(), |i, j| normal.matrix[(moving[i], moving[j])]);
-    let own = if moving.len() > DENSE { inverse_block(&curvature, t)? } else { covariance(&curvature) };
-    // The coefficients are the first unknowns of both.
-    let both = Mat::from_fn(t, t, |i, j| cov[(i, j)] * fit.inflation() + own[(i, j)] * inflation);
-    if (0..t).any(|k| !both[(k, k)].is_finite()) {
+    let own =
+        if moving.len() > DENSE { inverse_block(&curvature, compared)? } else { covariance(&curvature) };
+    let both = Mat::from_fn(compared, compared, |i, j| {
+        cov[(moving[i], moving[j])] * fit.inflation() + own[(i, j)] * inflation
+    });
+    if (0..compared).any(|k| !both[(k, k)].is_finite()) {
         return None;
     }
-    let apart: Vec<f64> = (0..t).map(|k| x[k] - fit.x[k]).collect();
+    let apart: Vec<f64> = moving[..compared].iter().map(|&k| x[k] - fit.x[k]).collect();
     let distance: f64 =
         solve_damped(&both, &apart, AGREEMENT_DAMPING)?.iter().zip(&apart).map(|(a, b)| a * b).sum();
     // Wilson and Hilferty's quantile of chi square.
-    let spread = 2.0 / (9.0 * t as f64);
-    if distance <= t as f64 * (1.0 - spread + RARE * spread.sqrt()).powi(3) {
-        return None;
-    }
+    let degrees = compared as f64;
+    let spread = 2.0 / (9.0 * degrees);
+    let chance = distance <= degrees * (1.0 - spread + RARE * spread.sqrt()).powi(3);
     let errors = |k: usize| apart[k].abs() / both[(k, k)].sqrt();
-    let worst = (0..t).max_by(|&a, &b| errors(a).total_cmp(&errors(b)))?;
-    Some(Warning::Disagreement {
-        term: TermId::new(system, terms[worst]),
-        record: record.name.clone(),
-        alone: x[worst],
-        fitted: fit.x[worst],
-        errors: errors(worst),
-    })
+    let worst = (0..compared).max_by(|&a, &b| errors(a).total_cmp(&errors(b)))?;
+    let number = || match meanings[moving[worst]] {
+        Meaning::Parameter(index, _) => {
+            let of = ParameterOf::Constant { index, name: system.parameters[index].name.clone() };
+            (Quantity::Parameter(ParameterId { of, owner: None }), factor(system, index))
+        }
+        _ => (Quantity::Coefficient(TermId::new(system, terms[moving[worst]])), 1.0),
+    };
+    let warning = (!chance).then(|| {
+        let (number, factor) = number();
+        Warning::Disagreement {
+            number,
+            record: record.name.clone(),
+            alone: x[moving[worst]] / factor,
+            fitted: fit.x[moving[worst]] / factor,
+            errors: errors(worst),
+        }
+    });
+    let mut all = vec![(0.0, 0.0); t];
+    for (i, &k) in moving[..compared].iter().enumerate() {
+        all[k] = (apart[i], both[(i, i)]);
+    }
+    Some(Compared { apart: all, warning })
+}
+
+/// Factor from the unit of a constant to SI.
+fn factor(system: &System, parameter: usize) -> f64 {
+    Unit::parse(&system.parameters[parameter].unit).map_or(1.0, |u| u.factor)
 }
 
 #[cfg(test)]

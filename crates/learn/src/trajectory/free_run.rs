@@ -126,7 +126,7 @@ fn one(
     for (k, column) in record.columns.iter().enumerate() {
         let Some(column) = column else { continue };
         let name = system.measured(k).0.to_owned();
-        let deviation = standard_deviation(&column[scored.clone()]);
+        let deviation = size_of_motion(&column[scored.clone()], k, records);
         let missed = column.iter().zip(&read.readings[k]).map(|(y, p)| (y - p).powi(2));
         let missed = missed.skip(scored.start).take(scored.len()).sum::<f64>();
         let rms = (missed / scored.len() as f64).sqrt();
@@ -136,6 +136,17 @@ fn one(
     }
     fit.run = Some(run);
     fit
+}
+
+/// The standard deviation of some samples of a column; where they stand still, that of the column in the record in which
+/// it moves most: what rests has no size of its own to compare a miss with.
+fn size_of_motion(samples: &[f64], column: usize, records: &[Record]) -> f64 {
+    let own = standard_deviation(samples);
+    if samples.iter().any(|s| *s != samples[0]) {
+        return own;
+    }
+    let columns = records.iter().filter_map(|r| r.columns[column].as_ref());
+    columns.map(|c| standard_deviation(c)).fold(0.0, f64::max)
 }
 
 type Run = (Read, Vec<f64>, Trajectory);

@@ -52,7 +52,7 @@ pub(crate) fn by_trajectory(
         near.first().and_then(|(terms, worse)| alternative(system, &fit.problem.terms, terms, *worse));
     let stop_reason = if stopped { StopReason::Interrupted } else { StopReason::Finished };
     let fit = context.resegmented(fit);
-    let mut found = report(system, records, &filled, &fit, path, stop_reason);
+    let mut found = report(case, records, &filled, &fit, path, stop_reason);
     found.warnings.extend(alternative);
     let singular = |&k: &usize| Warning::SingularCandidate { term: TermId::new(system, k) };
     found.warnings.extend(regression.singular.iter().map(singular));

@@ -3,10 +3,10 @@
 //! refitted, and the interval ends where the cost has risen by the quantile of chi^2.
 
 use crate::decisions::{
-    HALF_WIDTH_95, PROFILE_DAMPING, PROFILE_END, PROFILE_MINIMUM, PROFILE_QUADRATIC, PROFILE_STEPS,
-    PROFILE_STRETCH, RISE_95,
+    HALF_WIDTH_95, PROFILE_DAMPING, PROFILE_END, PROFILE_FITS, PROFILE_MINIMUM, PROFILE_QUADRATIC,
+    PROFILE_STEPS, PROFILE_STRETCH, RISE_95,
 };
-use crate::least_squares::Limits;
+use crate::least_squares::{Limits, Normal};
 use crate::trajectory::fit::Fit;
 
 /// The 95 % interval of unknown `k`, whose quadratic one has the standard error `error`; never beyond the
@@ -33,7 +33,7 @@ fn end(fit: &Fit<'_>, k: usize, quadratic: f64, target: f64) -> f64 {
     let mut z = quadratic;
     for step in 0..PROFILE_STEPS {
         z = z.clamp(low, high);
-        let Some(rise) = rise(fit, k, z) else { return z };
+        let Some(rise) = rise(fit, k, z, target) else { return z };
         let miss = rise / target;
         // The interval ends at a bound, or near enough to the target.
         let at_bound = (z == low || z == high) && miss < 1.0;
@@ -47,15 +47,37 @@ fn end(fit: &Fit<'_>, k: usize, quadratic: f64, target: f64) -> f64 {
     z.clamp(low, high)
 }
 
-/// The rise of the cost if unknown `k` is fixed at `z` and all others are refitted; `None` where the model
-/// cannot be simulated.
-fn rise(fit: &Fit<'_>, k: usize, z: f64) -> Option<f64> {
+/// The rise of the cost if unknown `k` is fixed at `z` and all others are refitted, to a part of `target`; `None`
+/// where the model cannot be simulated, or the others creep along a valley and do not arrive: what they still have to
+/// gain would count as a rise, and the interval would end too early.
+fn rise(fit: &Fit<'_>, k: usize, z: f64, target: f64) -> Option<f64> {
     let mut bounds = fit.problem.bounds.clone();
     bounds[k] = (z, z);
     let mut x = followed(fit, k, z);
     let limits = Limits::of(PROFILE_MINIMUM);
-    let there = fit.problem.minimise_within(&bounds, &mut x, &fit.weights, limits).ok()?;
-    Some((there.cost - fit.normal.cost).max(0.0))
+    for _ in 0..PROFILE_FITS {
+        let there = fit.problem.minimise_within(&bounds, &mut x, &fit.weights, limits).ok()?;
+        let rise = (there.cost - fit.normal.cost).max(0.0);
+        // A rise below the target only falls, and the end lies farther out in any case.
+        if rise <= target || still_to_gain(&there, &x, &bounds) < PROFILE_QUADRATIC * rise {
+            return Some(rise);
+        }
+    }
+    None
+}
+
+/// By how much the quadratic model promises to lower the cost yet, with what is held at a bound left there.
+fn still_to_gain(there: &Normal, x: &[f64], bounds: &[(f64, f64)]) -> f64 {
+    let n = x.len();
+    let out = |i: usize| {
+        let (low, high) = bounds[i];
+        low >= high || (x[i] <= low && there.gradient[i] > 0.0) || (x[i] >= high && there.gradient[i] < 0.0)
+    };
+    let free: Vec<bool> = (0..n).map(|i| !out(i)).collect();
+    let matrix = faer::Mat::from_fn(n, n, |i, j| if free[i] && free[j] { there.matrix[(i, j)] } else { 0.0 });
+    let right: Vec<f64> = (0..n).map(|i| if free[i] { -there.gradient[i] } else { 0.0 }).collect();
+    let step = crate::linear::solve_damped(&matrix, &right, PROFILE_DAMPING);
+    step.map_or(f64::INFINITY, |step| step.iter().zip(&right).map(|(s, r)| s * r).sum())
 }
 
 /// Unknown `k` at `z`, and all others where the quadratic model puts them then.

@@ -9,7 +9,7 @@ use crate::result::record_fit::RecordFit;
 use crate::result::term::FoundTerm;
 use crate::result::verdict::{FitFailure, Rejection, Verdict, verdict};
 use crate::result::warning::{Warning, at_bounds, sensitive_starts};
-use crate::trajectory::agreement::disagreements;
+use crate::trajectory::agreement::{Agreement, disagreements};
 use crate::trajectory::error_bars::ErrorBars;
 use crate::trajectory::fit::{Fit, misfit};
 use crate::trajectory::free_run::{Solution, free_runs};
@@ -17,27 +17,29 @@ use crate::trajectory::jacobian::Singular;
 use crate::trajectory::problem::{Meaning, Problem};
 use crate::trajectory::separability::inseparable;
 use crate::trajectory::unknowns::Unknowns;
+use crate::trajectory::worth_of_laws::against_laws;
 use phisindy_phys::spec::Method;
-use phisindy_phys::{Note, Record, System};
+use phisindy_phys::{Case, Note, Record, System};
 use phisindy_signal::Differentiator;
 use rayon::prelude::*;
 
 /// The result of a fit to the Fit records of `records`. `filled` are the records with smoothed samples of every
 /// state; `path` is the path of the selection.
 pub(crate) fn report(
-    system: &System,
+    case: &Case,
     records: &[Record],
     filled: &[Record],
     fit: &Fit<'_>,
     path: Vec<PathPoint>,
     stop_reason: StopReason,
 ) -> Identified {
+    let system = &case.system;
     let unknowns = Unknowns::new(system, records, fit);
     let bars = ErrorBars::new(fit);
-    let terms = coefficients(fit, &bars);
+    let mut terms = coefficients(fit, &bars);
     let moved = unknowns.parameters(|k| bars.estimate(k));
     let named = named(system, fit, &moved);
-    let parameters: Vec<FoundParameter> = moved.into_iter().map(|(_, p)| p).collect();
+    let (places, mut parameters): (Vec<usize>, Vec<FoundParameter>) = moved.into_iter().unzip();
 
     let mut warnings: Vec<Warning> = notes(records).collect();
     warnings.extend(at_bounds(&parameters));
@@ -56,15 +58,28 @@ pub(crate) fn report(
     let mut solution = unknowns.solution();
     let mut fits = free_runs(system, records, filled, &mut solution);
     warnings.extend(sensitive_starts(&fits));
-    warnings.extend(disagreements(fit, &bars.sandwich, &solution, records, filled, &fits));
+    let Agreement { warnings: apart, scatter } =
+        disagreements(fit, &bars.sandwich, &solution, records, filled, &fits);
+    warnings.extend(apart);
+    let variance = |k: usize| scatter.get(k).copied().unwrap_or(0.0);
+    terms.iter_mut().enumerate().for_each(|(k, term)| term.coefficient.widen(variance(k)));
+    for (p, &k) in parameters.iter_mut().zip(&places) {
+        p.estimate.widen(variance(k));
+        p.estimate.ci95 = (p.estimate.ci95.0.max(p.bounds.0), p.estimate.ci95.1.min(p.bounds.1));
+    }
     let without = free_runs(system, records, filled, &mut known_part(solution, records));
     let verdict = match (verdict(system, &terms, &fits, &without, only_noise), failure) {
         (Verdict::Rejected(_), Some(failure)) => Verdict::Rejected(Rejection::FitFailed(failure)),
+        (Verdict::Identified, _) => {
+            let against = |without| against_laws(without, fit, &parameters, &fits, only_noise);
+            case.without_laws.as_deref().and_then(against).map_or(Verdict::Identified, Verdict::Rejected)
+        }
         (verdict, _) => verdict,
     };
     for (i, &r) in unknowns.fitted.iter().enumerate() {
         fits[r].noise = noise_of(fit, i);
     }
+    let numbers: Vec<usize> = named.iter().map(|(k, _)| *k).collect();
     Identified {
         method: Method::Trajectory,
         selection: with_nrmse(path, terms.len(), unknowns.fitted.iter().map(|&r| &fits[r])),
@@ -72,7 +87,7 @@ pub(crate) fn report(
         parameters,
         records: fits,
         noise_model: noise_model(fit),
-        covariance: bars.covariance(&named.iter().map(|(k, _)| *k).collect::<Vec<_>>()),
+        covariance: with_scatter(bars.covariance(&numbers), &numbers, variance),
         warnings,
         verdict,
         stop_reason,
@@ -142,6 +157,16 @@ fn differentiated_by(fit: &Fit<'_>, how: Differentiator) -> Option<crate::least_
     let mut other = Problem::new(problem.system, &problem.terms, &records, &fit.pieces).ok()?;
     (other.continuity, other.belief) = (problem.continuity.clone(), problem.belief);
     other.normal(&fit.x, &fit.weights).ok()
+}
+
+/// A covariance of these unknowns with the variance between records on its diagonal.
+fn with_scatter(
+    mut covariance: Vec<Vec<f64>>,
+    of: &[usize],
+    variance: impl Fn(usize) -> f64,
+) -> Vec<Vec<f64>> {
+    covariance.iter_mut().zip(of).enumerate().for_each(|(i, (row, &k))| row[i] += variance(k));
+    covariance
 }
 
 /// A residual that is more than noise.

@@ -14,6 +14,7 @@ use crate::text::diagnostic::{Diagnostic, Severity, SourceId};
 use crate::text::spec::{ConstantSpec, DataSpec, LearnSpec, Spec, Text};
 use crate::units::dimensions::dimensions;
 use checker::Checker;
+use std::sync::Arc;
 
 /// A checked spec: the system, what its records will be, and how to learn.
 #[derive(Clone, Debug)]
@@ -29,6 +30,8 @@ pub struct Case {
     pub laws: Vec<(usize, Text)>,
     /// What must hold of the constants of laws that were written out.
     pub requirements: Vec<Requirement>,
+    /// The system without the laws that were written out; `None` where none were.
+    pub without_laws: Option<Arc<System>>,
 }
 
 impl Case {
@@ -120,7 +123,10 @@ fn checked(
         return Err(diagnostics);
     }
     let laws = checker.laws;
-    Ok((Case { system, records, learn: spec.learn.clone(), laws, requirements: vec![] }, diagnostics))
+    Ok((
+        Case { system, records, learn: spec.learn.clone(), laws, requirements: vec![], without_laws: None },
+        diagnostics,
+    ))
 }
 
 /// Plans every record of a spec.

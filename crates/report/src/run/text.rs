@@ -7,7 +7,7 @@ use super::report::RunReport;
 use crate::equation::{Equation, names_of_records};
 use crate::format::{method_name as method, role_name as role};
 use crate::table::{aligned, interval, short};
-use phisindy_learn::{Estimate, Verdict};
+use phisindy_learn::{Estimate, Verdict, Warning};
 
 /// Equations as LaTeX, all else as comments.
 pub(crate) fn latex(report: &RunReport<'_>) -> String {
@@ -38,7 +38,12 @@ fn details(report: &RunReport<'_>) -> Vec<String> {
     });
     let verdict = match &found.verdict {
         Verdict::Identified if found.terms.is_empty() && !report.input.case.system.terms.is_empty() => {
-            "identified: the known part is complete, no term of the dictionary is missing".to_owned()
+            // What is left may be small and yet no noise.
+            match found.warnings.iter().any(Warning::doubts_residual) {
+                true => "identified: no term of the dictionary lessens the little that the known part leaves",
+                false => "identified: the known part is complete, no term of the dictionary is missing",
+            }
+            .to_owned()
         }
         Verdict::Identified => "identified".to_owned(),
         Verdict::Rejected(why) => format!("rejected: {why}"),

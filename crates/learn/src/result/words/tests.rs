@@ -59,6 +59,10 @@ fn warnings() {
             Warning::AtBound { number: k(), value: 1.3 },
             "k ended at its bound 1.3: the data want to go beyond it",
         ),
+        (
+            Warning::BoundToBound { number: k() },
+            "the data do not determine k: its interval reaches from bound to bound, and intervals of numbers that go with it end where its bounds do",
+        ),
         (Warning::MayBeZero { term: term("x^2") }, "x^2 of v' may as well be zero: its interval holds it"),
         (
             Warning::ValidationWorse { fit: 0.01, validate: 0.06 },
@@ -66,13 +70,13 @@ fn warnings() {
         ),
         (
             Warning::Disagreement {
-                term: term("1"),
+                number: coefficient("1"),
                 record: "r2".into(),
                 alone: 0.3,
                 fitted: 0.25,
                 errors: 5.6,
             },
-            "1 in v' is 0.3000 by r2 alone and 0.2500 by what was fitted, 6 standard errors apart: the coefficients do not carry over; the known part may be wrong, or a term is missing, and the intervals may miss",
+            "1 in v' is 0.3000 by r2 alone and 0.2500 by what was fitted, 6 standard errors apart: the numbers do not carry over; the known part may be wrong, or a term is missing; the intervals are widened by what the records differ by",
         ),
         (
             Warning::Alternative { term: term("1"), other: term("x"), worse: 1.26 },
@@ -129,7 +133,7 @@ fn warnings() {
 #[test]
 fn rejections_and_errors() {
     let diverged = || ModelError::Simulation(SimError::Diverged { time: 1.5, state: "x".into() });
-    let all: [(&dyn Display, &str); 15] = [
+    let all: [(&dyn Display, &str); 17] = [
         (
             &Rejection::NoTerms { known: vec![("a".into(), 0.25), ("b".into(), 1.0)] },
             "no term of the dictionary survives: nothing is missing that it could name (NRMSE of the known part alone: a 0.250, b 1.000)",
@@ -143,6 +147,14 @@ fn rejections_and_errors() {
             "the free run of a misses the data: NRMSE 0.51",
         ),
         (&Rejection::NoBetter, "the model does no better with the identified part than without it"),
+        (
+            &Rejection::NothingMissing,
+            "the known part is complete: alone it describes the records as well, and what was found of the laws is what fits the noise by chance",
+        ),
+        (
+            &Rejection::LawAtBound { number: constant(None), value: 0.0, unit: "N".into() },
+            "k ended at 0 N, where its law ends, and what is left is not noise: the data want a law that goes beyond it",
+        ),
         (
             &LearnError::Data(DataError::NothingToFit),
             "no record has the role Fit, so there is nothing to identify from: take `role: Validate` off one of them",

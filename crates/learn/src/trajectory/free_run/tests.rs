@@ -77,6 +77,18 @@ fn a_column_at_rest_is_never_met() {
     assert_eq!(fits[0].nrmse[0].1, f64::INFINITY);
 }
 
+/// A record at rest is met to a part of what the state does elsewhere.
+#[test]
+fn a_column_that_rests_in_one_record_is_scored_by_its_motion_in_another() {
+    let moves: Vec<f64> = (0..50).map(|i| f64::from(i % 2)).collect();
+    let (case, records) = records(LINE, &[(Role::Fit, moves), (Role::Validate, vec![3.0; 50])]);
+    let fits = assessed(&case, &records, &[0.0]);
+    assert!(fits[1].nrmse[0].1 < 1e-6, "{:?}", fits[1].nrmse);
+    // Two rows of half a unit: as far off as the other record scatters.
+    let fits = assessed(&case, &records, &[1.0]);
+    assert!(fits[1].nrmse[0].1 > 1.0 && fits[1].nrmse[0].1.is_finite(), "{:?}", fits[1].nrmse);
+}
+
 /// A sensor's gain moves with the start where the record is only predicted, and is held where it was fitted.
 #[test]
 fn a_sensor_is_found_anew_on_a_validate_record_alone() {

@@ -1,0 +1,113 @@
+//! Noise that grows with the signal. Its level is no number of the column: a spectrum over the whole record tells
+//! that of the middle, a median that of most samples, and where a motion dies away both are far below what the first
+//! seconds have. The gap needs the root mean square along the record.
+//!
+//! Differences of an odd, high order hold hardly any motion, and what they hold of an oscillation is out of phase with
+//! it. Their sizes are compared with the signal: `variance = a^2 + (s x)^2`.
+
+use crate::decisions::{NOISE_FORM, NOISE_GROUPS, NOISE_ORDER};
+use phisindy_signal::median;
+
+/// Median of the square of a normal number.
+const MEDIAN_SQUARE: f64 = 0.454_936_423_119_572_8;
+
+/// The root mean square along the record of noise in `values` that grows with `signal`; `None` where one number
+/// describes its level, or the two do not.
+pub(crate) fn growing_noise(values: &[f64], signal: &[f64]) -> Option<f64> {
+    let weights = weights();
+    let reach = weights.len();
+    if values.len() != signal.len() || values.len() < NOISE_GROUPS * reach * reach {
+        return None;
+    }
+    let gain: f64 = weights.iter().map(|w| w * w).sum();
+    // For each difference its square, and the mean square of the signal that its noise would come from.
+    let of = |from: usize| {
+        let difference: f64 = weights.iter().zip(&values[from..]).map(|(w, v)| w * v).sum();
+        let size: f64 = weights.iter().zip(&signal[from..]).map(|(w, x)| w * w * x * x).sum();
+        (size / gain, difference * difference / gain)
+    };
+    let mut all: Vec<(f64, f64)> = (0..=values.len() - reach).map(of).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let groups: Vec<(f64, f64)> = all
+        .chunks(all.len().div_ceil(NOISE_GROUPS))
+        .map(|group| {
+            let middle = |of: fn(&(f64, f64)) -> f64| median(&mut group.iter().map(of).collect::<Vec<_>>());
+            (middle(|g| g.0), middle(|g| g.1) / MEDIAN_SQUARE)
+        })
+        .collect();
+    let (additive, relative) = form(&groups)?;
+    let most = NOISE_FORM * NOISE_FORM;
+    let near = |(size, variance): &(f64, f64)| {
+        let ratio = variance / (additive + relative * size);
+        (1.0 / most..=most).contains(&ratio)
+    };
+    let (least, largest) = groups.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), g| (a.min(g.1), b.max(g.1)));
+    let one_number = largest <= most * most * least;
+    let mean = signal.iter().map(|x| x * x).sum::<f64>() / signal.len() as f64;
+    (!one_number && groups.iter().all(near)).then(|| (additive + relative * mean).sqrt())
+}
+
+/// Both variances, from the level of each group, by least squares relative to the levels; `None` where the noise does
+/// not grow.
+fn form(groups: &[(f64, f64)]) -> Option<(f64, f64)> {
+    if groups.iter().any(|g| g.1 <= 0.0 || !g.1.is_finite() || !g.0.is_finite()) {
+        return None;
+    }
+    let sum = |f: &dyn Fn(f64, f64) -> f64| groups.iter().map(|g| f(1.0 / g.1, g.0 / g.1)).sum::<f64>();
+    let (aa, ab, bb) = (sum(&|a, _| a * a), sum(&|a, b| a * b), sum(&|_, b| b * b));
+    let (a, b) = (sum(&|a, _| a), sum(&|_, b| b));
+    let determinant = aa * bb - ab * ab;
+    let (additive, relative) = ((bb * a - ab * b) / determinant, (aa * b - ab * a) / determinant);
+    let (additive, relative) = if additive < 0.0 { (0.0, b / bb) } else { (additive, relative) };
+    (relative > 0.0 && relative.is_finite()).then_some((additive, relative))
+}
+
+/// The weights of the samples in a difference.
+fn weights() -> Vec<f64> {
+    let mut weights = vec![1.0];
+    for _ in 0..NOISE_ORDER {
+        weights = (0..=weights.len())
+            .map(|i| {
+                let before = if i > 0 { weights[i - 1] } else { 0.0 };
+                before - weights.get(i).copied().unwrap_or(0.0)
+            })
+            .collect();
+    }
+    weights
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use phisindy_sim::{Noise, Streams, add_noise};
+
+    /// A swing that dies away, with this noise.
+    fn swing(noise: Noise, seed: u64) -> (Vec<f64>, Vec<f64>) {
+        let clean: Vec<f64> =
+            (0..3000).map(|i| (-0.002 * f64::from(i)).exp() * (0.03 * f64::from(i)).cos()).collect();
+        let mut noisy = clean.clone();
+        add_noise(&mut noisy, noise, &mut Streams(seed).stream("x"));
+        (clean, noisy)
+    }
+
+    #[test]
+    fn noise_that_dies_away_with_the_motion_has_its_root_mean_square() {
+        for seed in 1..20 {
+            let (clean, noisy) = swing(Noise::Relative(0.01), seed);
+            let due = (clean.iter().map(|x| (0.01 * x).powi(2)).sum::<f64>() / 3000.0).sqrt();
+            let found = growing_noise(&noisy, &noisy).unwrap_or(0.0);
+            assert!((found / due - 1.0).abs() < 0.15, "{found}, not {due}");
+        }
+    }
+
+    /// One number is one number, with hardly any noise, too.
+    #[test]
+    fn noise_of_a_sensor_does_not_grow() {
+        for noise in [Noise::Additive(0.01), Noise::Sensor(1e-7)] {
+            for seed in 1..20 {
+                let (_, noisy) = swing(noise, seed);
+                assert_eq!(growing_noise(&noisy, &noisy), None, "{noise:?}");
+            }
+        }
+    }
+}
