@@ -330,11 +330,6 @@ fn bad_files_are_refused_with_the_place_and_what_to_do() {
             &["no column of motion", "displacement"],
         ),
         (
-            "only-acceleration",
-            table("time_s,a [m/s^2]", 50, |_, t| format!("{t},{}", (9.0 * t).sin())).into(),
-            &["is an acceleration"],
-        ),
-        (
             "marks",
             table("t;x", 50, |k, t| {
                 if k == 9 { "0,09;1.5".into() } else { format!("{t:.2};{k}").replace('.', ",") }
@@ -534,4 +529,38 @@ fn gaps_every_few_rows_leave_no_nan_in_the_spec() {
     let content: String = rows.iter().enumerate().map(|(k, (_, x))| row(k, *x)).collect();
     let (_, text, said) = made("gaps_in_rows", format!("t_s,x_m\n{content}").as_bytes());
     assert!(!text.contains("NaN") && !said.err.contains("please report"), "{text}");
+}
+
+/// Neither displacement nor velocity: the spec reads the rate of a state, and runs. The sensor is in g and stands
+/// upright.
+#[test]
+fn an_accelerometer_alone_is_drafted_and_identified() {
+    let scratch = Scratch::new("new-accelerometer");
+    let truth = r#"(states: { "x": "m", "v": "m/s" }, inputs: { "f": "N" }, outputs: { "a": (unit: "gn", reads: "rate(v)") },
+        constants: { "m": (2.0, "kg"), "k": (700.0, "N/m"), "c": (3.0, "N*s/m") },
+        known: { "x": "v", "v": "(f - k*x - c*v)/m" }, inertia: { "v": "m" }, unknown: {},
+        data: [ Synthetic(truth: { "v": "-2.5*sgn(v)/m" }, start: {}, duration: 10.0, step: 0.005, noise: Additive(0.01), seed: 12,
+            inputs: { "f": Multisine(amplitude: 15.0, band: (0.5, 6.0)) }, sensors: { "a": (offset: 9.80665) }) ])"#;
+    let case = scratch.path("truth.ron");
+    std::fs::write(&case, truth).expect("a spec");
+    let simulated = phisindy(&["simulate", &case]).out;
+    // The column of the sensor, in g, and the force.
+    let mut text = String::from("time_s,acc_g,force_N\n");
+    for line in simulated.lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let reading: f64 = cells[1].parse::<f64>().expect("a number") / 9.80665;
+        text += &format!("{},{reading:.7},{}\n", cells[0], cells[cells.len() - 1]);
+    }
+    std::fs::write(scratch.path("run.csv"), text).expect("a file");
+    let spec = scratch.path("run.ron");
+    let new = phisindy(&["new", &scratch.path("run.csv"), "--out", &spec]);
+    assert_eq!(new.code, 0, "{}", new.err);
+    let run = phisindy(&["run", &spec]);
+    assert_eq!(run.code, 0, "{}{}", run.out, run.err);
+    let value = |name: &str| -> f64 {
+        let line = run.out.lines().find(|l| l.starts_with(&format!("% {name} "))).expect(name);
+        line.split_whitespace().nth(3).and_then(|v| v.parse().ok()).unwrap_or(f64::NAN)
+    };
+    assert!((value("m") / 2.0 - 1.0).abs() < 0.02 && (value("k") / 700.0 - 1.0).abs() < 0.02, "{}", run.out);
+    assert!((value("a.offset") - 9.80665).abs() < 0.05, "{}", run.out);
 }

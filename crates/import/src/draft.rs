@@ -11,7 +11,7 @@ use crate::time_column::{NoTime, TimeColumn};
 use crate::usage::Usage;
 use phisindy_expr::Span;
 use phisindy_phys::{Diagnostic, SourceId, Wrap, wraps};
-use phisindy_signal::{moves_by_jumps, strongest_line};
+use phisindy_signal::{moves_by_jumps, strongest_line, twice_integrated};
 use std::ops::Range;
 
 /// Samples of a record beyond which a fit takes longer and hardly improves.
@@ -121,7 +121,7 @@ impl Draft {
         self.values(self.time.column)
     }
 
-    /// The column of the motion: displacement, or else velocity.
+    /// The column of the motion: displacement, or else velocity, or else acceleration.
     pub(crate) fn moving(&self) -> usize {
         self.roles.moving().unwrap_or(self.time.column)
     }
@@ -190,8 +190,9 @@ impl Draft {
         let displacement = match (self.roles.displacement, self.roles.velocity) {
             (Some(c), _) => column(c),
             (None, Some(c)) => integral(&time, &column(c)),
-            (None, None) => vec![],
+            (None, None) => self.roles.acceleration.map_or(vec![], |c| twice_integrated(&time, &column(c))),
         };
+        let acceleration = self.roles.acceleration.map(column);
         let (base, force) = match self.roles.input {
             Input::None => (None, None),
             Input::Base(c) => (Some(column(c)), None),
@@ -209,8 +210,15 @@ impl Draft {
         self.stops = stops(&self.times()[good.clone()], &self.values(self.moving())[good], frequency);
         self.extent =
             displacement.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
-        self.motion =
-            Motion { time, displacement, base, force, is_pendulum, frequency: line.map(|l| l.frequency) };
+        self.motion = Motion {
+            time,
+            displacement,
+            acceleration,
+            base,
+            force,
+            is_pendulum,
+            frequency: line.map(|l| l.frequency),
+        };
         self.estimate = self.motion.estimate();
     }
 

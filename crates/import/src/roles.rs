@@ -75,8 +75,6 @@ impl fmt::Display for Doubt {
 pub enum NoMotion {
     /// No column varies and holds numbers only.
     NoSignal,
-    /// An acceleration is measured, but neither displacement nor velocity.
-    Acceleration(String),
 }
 
 impl fmt::Display for NoMotion {
@@ -84,9 +82,6 @@ impl fmt::Display for NoMotion {
         match self {
             NoMotion::NoSignal => {
                 f.write_str("no column of motion is left: none varies and holds numbers only")
-            }
-            NoMotion::Acceleration(heading) => {
-                write!(f, "`{heading}` is an acceleration, and no displacement or velocity is measured")
             }
         }
     }
@@ -99,6 +94,8 @@ pub struct Roles {
     pub displacement: Option<usize>,
     /// Velocity, if no displacement is measured.
     pub velocity: Option<usize>,
+    /// Acceleration, if neither is measured.
+    pub acceleration: Option<usize>,
     /// The input.
     pub input: Input,
     /// Whether the motion is an angle.
@@ -116,14 +113,14 @@ pub struct Roles {
 }
 
 impl Roles {
-    /// The displacement, or else the velocity.
+    /// The displacement, or else the velocity, or else the acceleration.
     pub(crate) fn moving(&self) -> Option<usize> {
-        self.displacement.or(self.velocity)
+        self.displacement.or(self.velocity).or(self.acceleration)
     }
 
     /// The columns that the model reads.
     pub fn used(&self) -> impl Iterator<Item = usize> {
-        self.displacement.into_iter().chain(self.velocity).chain(self.input.column())
+        self.moving().into_iter().chain(self.input.column())
     }
 
     /// Guesses the roles.
@@ -170,7 +167,8 @@ impl Guess<'_> {
             self.quantity(k) == Quantity::Acceleration || (self.is_unclear(k) && self.named(k, ACCELERATIONS))
         });
         let rest = self.signals(|k| !velocities.contains(&k) && !accelerations.contains(&k));
-        let (mut displacements, doubt) = self.displacements(&rest, !velocities.is_empty());
+        let told = !velocities.is_empty() || !accelerations.is_empty();
+        let (mut displacements, doubt) = self.displacements(&rest, told);
         // A column that equals the derivative of a displacement is a velocity.
         let derivatives = self.signals(|k| {
             rest.contains(&k)
@@ -184,10 +182,10 @@ impl Guess<'_> {
         // Beside a displacement a velocity adds nothing: it was usually computed from it, with delay and
         // smoothing.
         let velocity = displacement.is_none().then(|| velocities.first().copied()).flatten();
-        if displacement.is_none() && velocity.is_none() {
-            return Err(accelerations
-                .first()
-                .map_or(NoMotion::NoSignal, |&k| NoMotion::Acceleration(raw(k))));
+        let moves = displacement.is_some() || velocity.is_some();
+        let acceleration = (!moves).then(|| accelerations.first().copied()).flatten();
+        if !moves && acceleration.is_none() {
+            return Err(NoMotion::NoSignal);
         }
         let force = self.force(displacement, base, &velocities, &accelerations);
         let mut input = match (base, force) {
@@ -211,6 +209,7 @@ impl Guess<'_> {
         Ok(Roles {
             displacement,
             velocity,
+            acceleration,
             input,
             is_angle,
             selector,
@@ -222,8 +221,8 @@ impl Guess<'_> {
     }
 
     /// Displacements by unit, or else by name. `rest` are the columns that are neither velocities nor
-    /// accelerations.
-    fn displacements(&self, rest: &[usize], any_velocity: bool) -> (Vec<usize>, Option<Doubt>) {
+    /// accelerations; `told` says whether there are any of these.
+    fn displacements(&self, rest: &[usize], told: bool) -> (Vec<usize>, Option<Doubt>) {
         let command = |k: usize| self.named(k, COMMANDS);
         let by_unit = |k: usize| matches!(self.quantity(k), Quantity::Length | Quantity::Angle);
         let displacements: Vec<usize> = rest.iter().copied().filter(|&k| by_unit(k) && !command(k)).collect();
@@ -237,7 +236,7 @@ impl Guess<'_> {
             .iter()
             .find(|&&k| self.named(k, OUTPUTS) || self.named(k, DISPLACEMENTS))
             .or_else(|| candidates.iter().find(|&&k| !self.named(k, FORCES)))
-            .or_else(|| (!any_velocity).then(|| candidates.first()).flatten())
+            .or_else(|| (!told).then(|| candidates.first()).flatten())
             .copied();
         let Some(best) = best else { return (vec![], None) };
         // A second column without unit may be the base.

@@ -15,6 +15,8 @@ pub struct Motion {
     pub time: Vec<f64>,
     /// Displacement or angle; the integral where only the velocity is measured.
     pub displacement: Vec<f64>,
+    /// What an accelerometer reads, if the motion is known from that alone.
+    pub acceleration: Option<Vec<f64>>,
     /// Motion of the base.
     pub base: Option<Vec<f64>>,
     /// Force or drive.
@@ -71,12 +73,14 @@ impl Motion {
         let friction = column(&|k| -v[k].signum());
         let one = column(&|_| 1.0);
         let force = self.force.as_ref().map(|f| column(&|k| f[k]));
-        let target = column(&|k| rate.derivative[k]);
+        let measured = self.acceleration.as_ref();
+        let target = column(&|k| measured.map_or(rate.derivative[k], |a| a[k]));
         let turns = rows.windows(2).any(|w| v[w[0]] * v[w[1]] < 0.0);
         if self.force.is_none() && self.base.is_none() && !self.is_pendulum && !turns {
             return coasting(damper, one, spring, &target, mean);
         }
-        let driven = forced(self, n);
+        // The weak form integrates a displacement; here that is an integral already.
+        let driven = if measured.is_some() { None } else { forced(self, n) };
         if let Some(Forced { stiffness: None, damping, gain }) = driven
             && !self.is_pendulum
         {

@@ -43,6 +43,8 @@ pub enum Usage {
     Selector,
     /// A velocity beside the displacement.
     UnusedVelocity,
+    /// The acceleration of the model.
+    Accelerometer,
     /// An acceleration.
     Acceleration,
     /// Could select rows.
@@ -62,6 +64,7 @@ impl fmt::Display for Usage {
             Usage::Angle => "the angle, state theta",
             Usage::Displacement => "the displacement, state x",
             Usage::Velocity => "the velocity",
+            Usage::Accelerometer => "the acceleration, output a",
             Usage::Base => "the motion of the base, input u",
             Usage::Force => "the force, input F",
             Usage::Drive => "the drive, input F",
@@ -139,6 +142,9 @@ impl Usage {
         }
         if Some(k) == roles.velocity {
             return Some(Usage::Velocity);
+        }
+        if Some(k) == roles.acceleration {
+            return Some(Usage::Accelerometer);
         }
         match roles.input {
             Input::Base(b) if b == k => Some(Usage::Base),

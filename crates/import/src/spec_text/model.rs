@@ -63,6 +63,7 @@ pub(super) fn constants(draft: &Draft, notation: &Notation, text: &mut String) {
 pub(super) fn model(draft: &Draft, notation: &Notation, text: &mut String) {
     states(draft, notation, text);
     inputs(draft, notation, text);
+    outputs(draft, notation, text);
     known(draft, notation, text);
     inertia(draft, notation, text);
     unknown(draft, notation, text);
@@ -93,6 +94,17 @@ fn inputs(draft: &Draft, notation: &Notation, text: &mut String) {
         }
         Input::Force(_) | Input::Drive(_) => writeln!(text, "    inputs: {{ \"F\": \"{unit}\" }},{doubt}"),
     };
+}
+
+fn outputs(draft: &Draft, notation: &Notation, text: &mut String) {
+    if draft.roles.acceleration.is_some() {
+        let (unit, velocity) = (notation.acceleration_unit(), notation.velocity);
+        let _ = writeln!(
+            text,
+            "    // The sensor reads the rate of {velocity}. It does not show a constant force, which shifts the rest as a zero error does, nor a slow drift.\n    \
+             outputs: {{ \"a\": (unit: \"{unit}\", reads: \"rate({velocity})\") }},"
+        );
+    }
 }
 
 /// Whether the base moves: springs and dampers then act on the relative motion.

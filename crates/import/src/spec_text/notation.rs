@@ -22,6 +22,11 @@ pub(super) struct Notation {
 }
 
 impl Notation {
+    /// The unit of what an accelerometer reads.
+    pub(super) fn acceleration_unit(&self) -> String {
+        format!("{}/s^2", self.displacement_unit)
+    }
+
     pub(super) fn of(draft: &Draft) -> Notation {
         let heading = |c: usize| &draft.table.columns[c].heading;
         let own = heading(draft.moving());

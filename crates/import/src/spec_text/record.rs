@@ -40,6 +40,17 @@ pub(super) fn record(
             "sensors: {{ \"{displacement}\": (offset: Find(start: {start:?}, unit: \"{unit}\", within: ({low:?}, {high:?}))) }}"
         ));
     }
+    if let Some(c) = draft.roles.acceleration {
+        // The sensor may count from anywhere: gravity is in it, or a zero error.
+        let numbers = &draft.statistics[c];
+        let factor = draft.factor(c);
+        let [low, high] = [numbers.min, numbers.max].map(|x| three_digits(x * factor));
+        let start = three_digits(0.5 * (low + high));
+        fields.push(format!(
+            "sensors: {{ \"a\": (offset: Find(start: {start:?}, unit: \"{}\", within: ({low:?}, {high:?}))) }}",
+            notation.acceleration_unit()
+        ));
+    }
     if !record.rows.is_empty() {
         let rows: Vec<String> =
             record.rows.iter().map(|(name, value)| format!("{}: {value:?}", quoted(name))).collect();
@@ -93,12 +104,13 @@ fn columns(draft: &Draft, notation: &Notation) -> Vec<String> {
     let named = |name: &str, c: usize| format!("\"{name}\": {}", column(draft, c));
     let displacement = roles.displacement.map(|c| named(notation.displacement, c));
     let velocity = roles.velocity.map(|c| named(notation.velocity, c));
+    let acceleration = roles.acceleration.map(|c| named("a", c));
     let input = match roles.input {
         Input::None => None,
         Input::Base(c) => Some(named("u", c)),
         Input::Force(c) | Input::Drive(c) => Some(named("F", c)),
     };
-    [displacement, velocity, input].into_iter().flatten().collect()
+    [displacement, velocity, acceleration, input].into_iter().flatten().collect()
 }
 
 /// Start value and bounds of the sensor offset, in SI.
