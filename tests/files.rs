@@ -8,7 +8,18 @@ use common::{Scratch, phisindy, top};
 
 /// The fixtures that are no plain text, made by other programs.
 const FILES: &[&str] = &[
-    "run.xlsx", "run.ods", "run.xls", "run.mat", "run.npz", "packed.npz", "run.npy", "run.uff", "binary.uff", "run.tdms", "rates.tdms", "run_utf16.csv",
+    "run.xlsx",
+    "run.ods",
+    "run.xls",
+    "run.mat",
+    "run.npz",
+    "packed.npz",
+    "run.npy",
+    "run.uff",
+    "binary.uff",
+    "run.tdms",
+    "rates.tdms",
+    "run_utf16.csv",
     "run_1252.csv",
 ];
 
@@ -38,7 +49,11 @@ fn bad_files_end_with_a_reason() {
         std::fs::write(&data, &good[..good.len() / 2]).expect("a file");
         let said = phisindy(&["new", &data]);
         assert_eq!((said.code, said.out.as_str()), (2, ""), "{name}: {}", said.err);
-        assert!(said.err.contains("error") && said.err.contains(name) && !said.err.contains("panicked"), "{name}: {}", said.err);
+        assert!(
+            said.err.contains("error") && said.err.contains(name) && !said.err.contains("panicked"),
+            "{name}: {}",
+            said.err
+        );
         std::fs::write(&data, &good).expect("a file");
         let said = phisindy(&["new", &data, "--sheet", "no such sheet"]);
         assert_eq!(said.code, 2, "{name}: {}", said.err);
