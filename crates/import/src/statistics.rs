@@ -6,6 +6,11 @@ use std::ops::Range;
 
 /// Most rows for the estimates of noise and stops.
 const LONGEST: usize = 200_000;
+/// Periods that a stop lasts at least, and samples.
+const SHORTEST: f64 = 0.03;
+const LEAST: f64 = 5.0;
+/// Fewer samples are not averaged: there is nothing to gain.
+const FEWEST: usize = 10_000;
 /// Most distinct values of a column that selects rows.
 const MOST_VALUES: usize = 12;
 
@@ -90,6 +95,22 @@ pub struct Stops {
 /// below three standard errors (at most five per cent), for longer than a turning point takes.
 pub(crate) fn stops(time: &[f64], values: &[f64], frequency: Option<f64>) -> Stops {
     let n = time.len().min(values.len()).min(LONGEST);
+    if n == 0 {
+        return Stops::default();
+    }
+    let block = frequency.map_or(1, |f| {
+        let step = (time[n - 1] - time[0]) / (n - 1).max(1) as f64;
+        // The work of the derivative grows with the samples: the shortest stop keeps five.
+        (SHORTEST / f / step / LEAST) as usize
+    });
+    if block > 1 && n / block > FEWEST {
+        let mean = |x: &[f64]| {
+            x.chunks_exact(block).map(|c| c.iter().sum::<f64>() / block as f64).collect::<Vec<_>>()
+        };
+        let coarse = stops(&mean(&time[..n]), &mean(&values[..n]), frequency);
+        let stretches = coarse.stretches.iter().map(|s| s.start * block..s.end * block).collect();
+        return Stops { stretches, ..coarse };
+    }
     let Ok(smooth) = automatic(&time[..n], &values[..n]) else { return Stops::default() };
     let speeds: Vec<f64> = smooth.derivative.iter().map(|v| v.abs()).collect();
     let mut sorted = speeds.clone();
@@ -99,7 +120,7 @@ pub(crate) fn stops(time: &[f64], values: &[f64], frequency: Option<f64>) -> Sto
     let step = (time[n - 1] - time[0]) / (n - 1) as f64;
     // A sine is slower than two per cent of its greatest speed for 1.3 per cent of a period, half of it at
     // each turning point.
-    let least = frequency.map_or(8.0, |f| 0.03 / f / step).max(5.0) as usize;
+    let least = frequency.map_or(8.0, |f| SHORTEST / f / step).max(LEAST) as usize;
     let mut stretches = Vec::new();
     let mut k = 0;
     while k < n {

@@ -1,4 +1,5 @@
-//! Every format gives the bits of the text file with the same numbers. The files are made by other programs: `fixtures/make.py`.
+//! Every format gives the bits of the text file with the same numbers. Other programs made the files:
+//! `fixtures/make.py`.
 #![allow(missing_docs)]
 
 use phisindy_expr::Span;

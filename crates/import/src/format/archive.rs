@@ -39,8 +39,8 @@ pub(super) fn sheet(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal>
     npz(archive, &arrays).and_then(|all| channels::sheet(all, wanted))
 }
 
-/// Reads every member once: its sum must be right, and all together must not be too large. Readers of workbooks
-/// rely on both.
+/// Reads every member once: its sum must be right, and all together must not be too large.
+/// Readers of workbooks rely on both.
 fn checked(archive: &mut ZipArchive<Cursor<&[u8]>>) -> Result<(), Refusal> {
     let mut left = MOST_BYTES;
     for k in 0..archive.len() {

@@ -16,7 +16,7 @@ const DAY: f64 = 86_400e6;
 /// From the end of 1899, where Excel counts days from, to 1970.
 const EPOCH: i128 = 25_569;
 
-/// Runs a reader of `calamine`, which trusts what it reads here and there: where it gives up, the file is broken.
+/// Runs a reader of `calamine`, which trusts what it reads here and there: where it panics, the file is broken.
 fn guarded(format: &str, read: impl FnOnce() -> Result<Sheet, Refusal>) -> Result<Sheet, Refusal> {
     // Nothing outlives a reader that gave up.
     let done = catch_unwind(AssertUnwindSafe(read));
@@ -86,8 +86,8 @@ fn read_ods(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal> {
     whole(book, "ODS", wanted)
 }
 
-/// The rows of a sheet that is declared larger than the format allows (65 536 rows of 256 cells): the reader would ask
-/// for memory for all of them.
+/// The rows of a sheet that is declared larger than the format allows (65 536 rows of 256 cells): the reader would
+/// ask for memory for all of them.
 fn too_large(bytes: &[u8]) -> Option<u32> {
     // The record of the dimensions: its type, its length; rows and columns from, to; two bytes of nothing.
     bytes.windows(18).filter(|w| matches!(w[..4], [0, 2, 14 | 16, 0])).find_map(|w| {

@@ -2,6 +2,7 @@
 
 use crate::clock::is_stamp;
 use phisindy_phys::unit::Unit;
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// Separator and decimal mark.
@@ -87,19 +88,19 @@ impl Dialect {
 
     /// The contents of all fields.
     pub(crate) fn cells(&self, line: &str) -> Vec<String> {
-        self.fields(line).iter().map(|f| self.unquoted(line, f)).collect()
+        self.fields(line).iter().map(|f| self.unquoted(line, f).into_owned()).collect()
     }
 
     /// The content of a field, unquoted by the rules of the csv crate.
-    pub(crate) fn unquoted(&self, line: &str, field: &Range<usize>) -> String {
+    pub(crate) fn unquoted<'t>(&self, line: &'t str, field: &Range<usize>) -> Cow<'t, str> {
         let text = &line[field.clone()];
         if !text.starts_with('"') {
-            return text.to_owned();
+            return Cow::Borrowed(text);
         }
         let mut reader =
             csv::ReaderBuilder::new().has_headers(false).delimiter(0).from_reader(text.as_bytes());
         let record = reader.records().next().and_then(Result::ok);
-        record.and_then(|r| r.get(0).map(|f| f.trim().to_owned())).unwrap_or_else(|| text.to_owned())
+        record.and_then(|r| r.get(0).map(|f| Cow::Owned(f.trim().to_owned()))).unwrap_or(Cow::Borrowed(text))
     }
 }
 

@@ -251,7 +251,7 @@ impl Reader<'_> {
             (true, _) if text.contains('.') || dialect.separator == Some(',') => None,
             (true, _) => Some(Cow::from(text.replacen(',', ".", 1))),
             (false, Some(',')) if text.contains('.') => None,
-            (false, _) => Some(Cow::from(&text)),
+            (false, _) => Some(Cow::from(&*text)),
         };
         let parsed = plain.and_then(|plain| {
             let x = plain.parse::<f64>().ok()?;
@@ -274,7 +274,7 @@ impl Reader<'_> {
         if dialect.decimal.is_none() && (comma || text.contains('.')) {
             let seen = if comma { &mut self.seen_comma } else { &mut self.seen_point };
             if seen.is_none() {
-                *seen = Some(text.clone());
+                *seen = Some(text.to_string());
             }
             if let (Some(a), Some(b)) = (&self.seen_point, &self.seen_comma) {
                 return Err(Box::new(self.mistakes.mixed_decimal_marks(line, field.clone(), a, b)));
