@@ -16,7 +16,7 @@ const MEDIAN_SQUARE: f64 = 0.454_936_423_119_572_8;
 pub(crate) fn growing_noise(values: &[f64], signal: &[f64]) -> Option<f64> {
     let weights = weights();
     let reach = weights.len();
-    if values.len() != signal.len() || values.len() < NOISE_GROUPS * reach * reach {
+    if values.len() != signal.len() || values.len() < reach {
         return None;
     }
     let gain: f64 = weights.iter().map(|w| w * w).sum();
@@ -26,10 +26,17 @@ pub(crate) fn growing_noise(values: &[f64], signal: &[f64]) -> Option<f64> {
         let size: f64 = weights.iter().zip(&signal[from..]).map(|(w, x)| w * w * x * x).sum();
         (size / gain, difference * difference / gain)
     };
-    let mut all: Vec<(f64, f64)> = (0..=values.len() - reach).map(of).collect();
+    // Where a column rests at zero such noise says nothing.
+    let mut all: Vec<(f64, f64)> =
+        (0..=values.len() - reach).map(of).filter(|(size, _)| *size > 0.0).collect();
+    // Neighbouring differences share their samples.
+    let count = (all.len() / (reach * reach)).min(NOISE_GROUPS);
+    if count < 3 {
+        return None;
+    }
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     let groups: Vec<(f64, f64)> = all
-        .chunks(all.len().div_ceil(NOISE_GROUPS))
+        .chunks(all.len().div_ceil(count))
         .map(|group| {
             let middle = |of: fn(&(f64, f64)) -> f64| median(&mut group.iter().map(of).collect::<Vec<_>>());
             (middle(|g| g.0), middle(|g| g.1) / MEDIAN_SQUARE)
@@ -44,7 +51,11 @@ pub(crate) fn growing_noise(values: &[f64], signal: &[f64]) -> Option<f64> {
     let (least, largest) = groups.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), g| (a.min(g.1), b.max(g.1)));
     let one_number = largest <= most * most * least;
     let mean = signal.iter().map(|x| x * x).sum::<f64>() / signal.len() as f64;
-    (!one_number && groups.iter().all(near)).then(|| (additive + relative * mean).sqrt())
+    // The median of a group in which the signal spans much is not that of its middle: the scale is that of single
+    // differences, where the signal is large.
+    let upper = all[all.len() / 2..].iter().map(|(size, square)| square / (additive + relative * size));
+    let scale = median(&mut upper.collect::<Vec<_>>()) / MEDIAN_SQUARE;
+    (!one_number && groups.iter().all(near)).then(|| (scale * (additive + relative * mean)).sqrt())
 }
 
 /// Both variances, from the level of each group, by least squares relative to the levels; `None` where the noise does
@@ -98,6 +109,17 @@ mod tests {
             let found = growing_noise(&noisy, &noisy).unwrap_or(0.0);
             assert!((found / due - 1.0).abs() < 0.15, "{found}, not {due}");
         }
+    }
+
+    /// A body that comes to rest at zero has no such noise there.
+    #[test]
+    fn noise_that_ends_with_the_motion_is_that_of_the_motion() {
+        let (mut clean, mut noisy) = swing(Noise::Relative(0.01), 5);
+        clean[600..].fill(0.0);
+        noisy[600..].fill(0.0);
+        let due = (clean.iter().map(|x| (0.01 * x).powi(2)).sum::<f64>() / 3000.0).sqrt();
+        let found = growing_noise(&noisy, &noisy).unwrap_or(0.0);
+        assert!((found / due - 1.0).abs() < 0.2, "{found}, not {due}");
     }
 
     /// One number is one number, with hardly any noise, too.

@@ -68,10 +68,7 @@ impl Display for Veto {
                 write!(f, "its {name} runs to the end of what the law allows ({bound:e} {unit})")
             }
             Veto::NotSeen(name) => {
-                write!(
-                    f,
-                    "the records say nothing about its {name}: any value that the law allows does as well"
-                )
+                write!(f, "the records do not determine its {name}: the interval is all that the law allows")
             }
             Veto::NeverSlips => f.write_str("its contact never slips: it stands for a spring"),
             Veto::Pushes => f.write_str("in places it would push instead of brake"),
