@@ -312,7 +312,11 @@ fn bad_files_are_refused_with_the_place_and_what_to_do() {
         ("column", table("x", 50, |_, t| format!("{t}")).into(), &["only one column"]),
         ("words", table("a,b", 50, |_, _| "one,two".into()).into(), &["holds no numbers"]),
         ("few", b"t,x\n0,1\n1,2\n".to_vec(), &["2 rows", "at least 20"]),
-        ("binary", [b"t,x\n0,1\n".as_slice(), &[0, 159, 146, 150, 10]].concat(), &["not UTF-8"]),
+        (
+            "binary",
+            [b"t,x\n0,1\n".as_slice(), &[0, 159, 146, 150, 10]].concat(),
+            &["neither text nor a format that is known"],
+        ),
         ("cut", format!("{good}90.0").into(), &["ends in the middle of line 9002", "cut off"]),
         (
             "text",

@@ -447,7 +447,7 @@ fn bad_files_are_told_what_where_and_what_to_do() {
             "(\"x\", \"N\")",
             ["`N` cannot be converted to `m`, the unit of `x`", "case.ron:", "columns"],
         ),
-        ("binary", [0, 159, 146, 150, 10].repeat(40), x, ["not UTF-8", "a.csv", "help"]),
+        ("binary", [0, 159, 146, 150, 10].repeat(40), x, ["neither text nor a format", "a.csv", "help"]),
     ];
     for (name, content, column, expected) in cases {
         let said = refused(name, &content, column);

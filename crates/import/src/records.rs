@@ -148,7 +148,7 @@ impl Rows<'_> {
         RecordDraft { name, rows: run.selected_by.clone(), run: run.number, window, fit }
     }
 
-    /// Two records of a single run: the first half is fitted, the second validates.
+    /// Two records of a single run: the first half is fitted, the second validates. A short run is one record.
     fn halves(&self, run: &Run) -> Vec<RecordDraft> {
         let moving = self.in_motion(run.good.clone());
         let (start, end) = self.span(&moving);
@@ -160,6 +160,9 @@ impl Rows<'_> {
             window: Some(window),
             fit,
         };
+        if moving.len() < 2 * FEWEST {
+            return vec![record("whole run", (start, end), true)];
+        }
         vec![record("first half", (start, middle), true), record("second half", (middle, end), false)]
     }
 
