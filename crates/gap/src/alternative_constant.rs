@@ -27,7 +27,7 @@ struct Constant {
 /// A constant that explains the data in place of effects.
 pub(crate) struct Instead {
     pub(crate) constant: AlternativeConstant,
-    /// Whether the data prefer it: the model needs fewer parameters and its criterion is lower.
+    /// Whether the data prefer it clearly.
     pub(crate) much_better: bool,
 }
 
@@ -76,8 +76,8 @@ pub(crate) fn alternative_constant(
     let without = |a: &[PlacedLaw], b: &[PlacedLaw]| -> Vec<PlacedLaw> {
         a.iter().filter(|law| !b.contains(law)).cloned().collect()
     };
-    // Trading one parameter for another only renames the same force.
-    let much_better = simpler(&best, last) && worse < -WORTH;
+    // Another name for the same force is no better than it.
+    let much_better = worse < -WORTH;
     let constant = AlternativeConstant {
         constant: NamedValue {
             name: constant.name.clone(),

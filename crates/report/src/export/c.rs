@@ -26,9 +26,10 @@ pub(crate) fn written(subject: &Subject) -> String {
     let contacts = &subject.switched.switches;
     let _ = writeln!(
         out,
-        "#define STATES {}\n#define INPUTS {}\n#define CONTACTS {}\n",
+        "#define STATES {}\n#define INPUTS {}\n#define OUTPUTS {}\n#define CONTACTS {}\n",
         subject.states.len(),
         subject.inputs.len(),
+        subject.outputs.len(),
         contacts.len()
     );
     out += "/* Constants: change them here, or give a copy to the functions. */\ntypedef struct {\n";
@@ -57,6 +58,7 @@ pub(crate) fn written(subject: &Subject) -> String {
     out += "\n#ifdef PHISINDY_MAIN\n";
     array(&mut out, "char *STATE_NAMES", subject.states.iter().map(|q| quoted(&q.name)), "\"\"");
     array(&mut out, "char *INPUT_NAMES", subject.inputs.iter().map(|q| quoted(&q.name)), "\"\"");
+    array(&mut out, "char *OUTPUT_NAMES", subject.outputs.iter().map(|q| quoted(&q.name)), "\"\"");
     let kinds = subject.interpolation.iter().map(|i| match kind(*i) {
         "hold" => "0".to_owned(),
         "linear" => "1".to_owned(),
@@ -76,6 +78,14 @@ pub(crate) fn written(subject: &Subject) -> String {
         "surfaces",
         "Of all contacts: w, dw/dt, how dw/dt changes with each mode, dw/dx.",
         &functions.surfaces,
+        subject,
+        &functions,
+    );
+    define(
+        &mut out,
+        "outputs",
+        "What sensors read beside the states, in the given modes.",
+        &functions.outputs,
         subject,
         &functions,
     );

@@ -1,5 +1,5 @@
-//! The two functions of every exported model: the rates in given modes, and the surfaces with the derivatives
-//! that the contact rule needs.
+//! The functions of every exported model: the rates in given modes, the surfaces with the derivatives that the
+//! contact rule needs, and what sensors read.
 
 use super::identifier::Identifiers;
 use super::subject::Subject;
@@ -21,17 +21,19 @@ pub(crate) enum Read {
     Constant(usize),
 }
 
-/// Both functions and their identifiers.
+/// The functions and their identifiers.
 pub(crate) struct Functions {
     pub(crate) identifiers: Identifiers,
     /// `dx/dt`.
     pub(crate) flow: Function,
     /// `w`, `dw/dt`, `d(dw/dt)/ds`, `dw/dx`.
     pub(crate) surfaces: Function,
+    /// The outputs.
+    pub(crate) outputs: Function,
 }
 
 impl Functions {
-    /// Both functions in a language.
+    /// The functions in a language.
     pub(crate) fn new(subject: &Subject, language: Language) -> Functions {
         let mut identifiers = Identifiers::new(language, subject.names());
         let s = &subject.switched;
@@ -83,8 +85,8 @@ impl Functions {
             .flatten()
             .copied()
             .collect();
-        let (flow, surfaces) = (function(&s.rates), function(&all));
-        Functions { identifiers, flow, surfaces }
+        let (flow, surfaces, outputs) = (function(&s.rates), function(&all), function(&s.outputs));
+        Functions { identifiers, flow, surfaces, outputs }
     }
 }
 

@@ -20,6 +20,7 @@ struct ModelOut<'a> {
     contacts: Vec<ContactOut<'a>>,
     inputs: Vec<InputOut<'a>>,
     operations: BTreeMap<&'a str, &'a str>,
+    outputs: Vec<OutputOut<'a>>,
     rates: Vec<RateOut<'a>>,
     record: usize,
     records: Vec<RecordOut<'a>>,
@@ -58,6 +59,15 @@ struct ContactOut<'a> {
 struct InputOut<'a> {
     interpolation: &'a str,
     name: &'a str,
+    unit: &'a str,
+}
+
+#[derive(Serialize)]
+struct OutputOut<'a> {
+    latex: String,
+    name: &'a str,
+    text: String,
+    tree: Vec<NodeOut<'a>>,
     unit: &'a str,
 }
 
@@ -120,6 +130,7 @@ fn model(subject: &Subject) -> ModelOut<'_> {
             .map(|(q, i)| InputOut { interpolation: kind(*i), name: &q.name, unit: &q.unit })
             .collect(),
         operations: unary.chain(BINARY.iter().map(|r| (r.name, r.about))).collect(),
+        outputs: subject.outputs.iter().map(|q| output(subject, q)).collect(),
         rates: rates
             .map(|(q, &rate)| RateOut {
                 latex: subject.model.graph.latex(rate, &subject.model.names),
@@ -138,6 +149,17 @@ fn model(subject: &Subject) -> ModelOut<'_> {
         time: QuantityOut { name: "t", unit: "s" },
         title: &subject.title,
         version: env!("CARGO_PKG_VERSION"),
+    }
+}
+
+fn output<'a>(subject: &'a Subject, q: &'a Quantity) -> OutputOut<'a> {
+    let (graph, names) = (&subject.model.graph, &subject.model.names);
+    OutputOut {
+        latex: graph.latex(q.node, names),
+        name: &q.name,
+        text: subject.model.text(q.node),
+        tree: tree(graph, names, q.node),
+        unit: &q.unit,
     }
 }
 

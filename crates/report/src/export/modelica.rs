@@ -49,8 +49,12 @@ pub(crate) fn written(subject: &Subject, name: &str) -> String {
     }
     let (rates, surfaces) = code.roots.split_at(subject.states.len());
     let (surfaces, surface_rates) = surfaces.split_at(switches.len());
+    let (surface_rates, outputs) = surface_rates.split_at(switches.len());
     for (q, rate) in subject.states.iter().zip(rates) {
         let _ = writeln!(out, "  der({}) = {rate};", identifiers.of(&q.name));
+    }
+    for (q, reads) in subject.outputs.iter().zip(outputs) {
+        let _ = writeln!(out, "  {} = {reads};", identifiers.of(&q.name));
     }
     for (k, (switch, contact)) in switches.iter().zip(&contacts).enumerate() {
         write_contact(&mut out, switch, contact, &surfaces[k], &surface_rates[k]);
@@ -121,7 +125,9 @@ fn code(subject: &Subject, identifiers: &Identifiers, contacts: &[ContactNames])
     let moving = subject.moving();
     let naming =
         Naming { symbol: &|s| words[&s].clone(), temporary: &|k| format!("{stem}{k}"), moving: &moving };
-    let roots: Vec<Id> = [&rates, &surfaces, &surface_rates].into_iter().flatten().copied().collect();
+    let outputs = graph.replace(&s.outputs, &without);
+    let roots: Vec<Id> =
+        [&rates, &surfaces, &surface_rates, &outputs].into_iter().flatten().copied().collect();
     graph.code(&roots, Language::Modelica, &naming)
 }
 
@@ -143,6 +149,9 @@ fn declare_quantities(out: &mut String, subject: &Subject, identifiers: &Identif
     }
     for q in &subject.inputs {
         let _ = writeln!(out, "  input Real {}{};", identifiers.of(&q.name), unit(&q.unit));
+    }
+    for q in &subject.outputs {
+        let _ = writeln!(out, "  output Real {}{};", identifiers.of(&q.name), unit(&q.unit));
     }
 }
 

@@ -31,6 +31,9 @@ pub(crate) fn written(subject: &Subject) -> String {
         "INPUTS",
         inputs.map(|(q, i)| format!("({}, {}, \"{}\")", quoted(&q.name), quoted(&q.unit), kind(*i))),
     );
+    out += "# Name and unit of what sensors read beside the states.\n";
+    let outputs = subject.outputs.iter();
+    list(&mut out, "OUTPUTS", outputs.map(|q| format!("({}, {})", quoted(&q.name), quoted(&q.unit))));
     out +=
         "# Each velocity that rubs: whether it can stick, and whether its friction has a shape near rest.\n";
     let truth = |yes: bool| if yes { "True" } else { "False" };
@@ -58,6 +61,13 @@ pub(crate) fn written(subject: &Subject) -> String {
         "_surfaces",
         "Of all contacts: w, dw/dt, how dw/dt changes with each mode, dw/dx.",
         &functions.surfaces,
+        subject,
+    );
+    define(
+        &mut out,
+        "_outputs",
+        "What sensors read beside the states, in the given modes.",
+        &functions.outputs,
         subject,
     );
     out += "\n\n";

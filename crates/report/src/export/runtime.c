@@ -33,6 +33,7 @@ typedef struct {
     int break_count;
     void (*event)(double t, int contact, int from, int to, void *context); /* told of every change of mode; NULL for nobody */
     void *context;
+    double *outputs; /* what sensors read: room for count rows of OUTPUTS numbers; NULL: not wanted */
 } Options;
 
 /* Why a run ended early. */
@@ -40,7 +41,7 @@ typedef enum { FINE, NO_MEMORY, TOO_MANY_STEPS, STEP_COLLAPSED, NO_BOUND, FLUTTE
 
 Options model_options(void)
 {
-    Options usual = {1e-10, NULL, NULL, 0, NULL, NULL};
+    Options usual = {1e-10, NULL, NULL, 0, NULL, NULL, NULL};
     return usual;
 }
 
@@ -246,6 +247,14 @@ static void field_rates(Field *f, double t, const double *x, double *out)
     evaluate(f, flow, t, x, out);
     for (int c = 0; c < CONTACTS; c++)
         out[STATES + c] = f->stuck[c] ? f->modes[c] : 0.0;
+}
+
+/* What sensors read beside the states. */
+static void field_outputs(Field *f, double t, const double *x, double *out)
+{
+    if (any_stuck(f))
+        field_hold(f, t, x);
+    evaluate(f, outputs, t, x, out);
 }
 
 static double friction_at(Field *f, int c, double floor, double t, const double *x)
@@ -747,6 +756,8 @@ static double run_overshoot(const Run *r)
 
 static void run_write(Run *r, const double *x)
 {
+    if (OUTPUTS > 0 && r->options->outputs != NULL)
+        field_outputs(&r->field, r->times[r->next], x, r->options->outputs + (size_t)r->next*OUTPUTS);
     memcpy(r->states + (size_t)r->next*STATES, x, STATES*sizeof *x);
     for (int c = 0; c < CONTACTS; c++)
         r->modes[(size_t)r->next*CONTACTS + c] = field_sign(&r->field, c);
@@ -965,7 +976,7 @@ Status model_simulate(const double *times, int count, const double *start, doubl
     p = p != NULL ? p : &PARAMETERS;
     if (count <= 0)
         return FINE;
-    coarse = *options, coarse.event = NULL;
+    coarse = *options, coarse.event = NULL, coarse.outputs = NULL;
     if (options->scale != NULL) {
         memcpy(scale, options->scale, STATES*sizeof *scale);
     } else {
@@ -1096,12 +1107,15 @@ int main(void)
     }
     if (count == 0)
         return fail("no rows on standard input", "");
-    /* Columns: time, values and slopes of each input, room for the spline, the states. */
-    double *columns = malloc((size_t)count*(2 + 2*INPUTS + STATES)*sizeof *columns);
+    /* Columns: time, values and slopes of each input, room for the spline, the states, the outputs. */
+    double *columns = malloc((size_t)count*(2 + 2*INPUTS + STATES + OUTPUTS)*sizeof *columns);
     int *modes = malloc((size_t)count*ROOM(CONTACTS)*sizeof *modes);
     if (columns == NULL || modes == NULL)
         return fail(statuses[NO_MEMORY], "");
     double *times = columns, *above = columns + (size_t)count*(1 + 2*INPUTS), *states = above + count;
+    double *shown = states + (size_t)count*STATES;
+    Options options = model_options();
+    options.outputs = shown;
     for (int i = 0; i < count; i++)
         times[i] = rows[(size_t)i*(1 + INPUTS)];
     for (int i = 1; i < count; i++)
@@ -1120,18 +1134,22 @@ int main(void)
     for (int j = 0; j < STATES; j++)
         if (isnan(START[j]))
             return fail("START has no number for ", STATE_NAMES[j]);
-    Status status = model_simulate(times, count, START, isnan(START_TIME) ? times[0] : START_TIME, inputs, NULL, NULL, states, modes);
+    Status status = model_simulate(times, count, START, isnan(START_TIME) ? times[0] : START_TIME, inputs, NULL, &options, states, modes);
     if (status != FINE)
         return fail(statuses[status], "");
     printf("t");
     for (int j = 0; j < STATES; j++)
         printf(",%s", STATE_NAMES[j]);
+    for (int j = 0; j < OUTPUTS; j++)
+        printf(",%s", OUTPUT_NAMES[j]);
     for (int c = 0; c < CONTACTS; c++)
         printf(",mode %s", CONTACT_NAMES[c]);
     for (int i = 0; i < count; i++) {
         printf("\n%.17g", times[i]);
         for (int j = 0; j < STATES; j++)
             printf(",%.17g", states[(size_t)i*STATES + j]);
+        for (int j = 0; j < OUTPUTS; j++)
+            printf(",%.17g", shown[(size_t)i*OUTPUTS + j]);
         for (int c = 0; c < CONTACTS; c++)
             printf(",%d", modes[(size_t)i*CONTACTS + c]);
     }

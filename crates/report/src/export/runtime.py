@@ -136,6 +136,12 @@ class Field:
         loads = [mode if stuck else 0.0 for mode, stuck in zip(self.modes, self.stuck)]
         return _flow(*self.arguments(t, x)) + loads
 
+    def outputs(self, t, x):
+        """What sensors read beside the states."""
+        if any(self.stuck):
+            self.hold(t, x)
+        return _outputs(*self.arguments(t, x))
+
     def look(self, t, x, held=True):
         """Evaluates the surfaces, with contacts that stick held at rest if asked for."""
         if held and any(self.stuck):
@@ -318,10 +324,10 @@ D = [-12715105075.0/11282082432.0, 0.0, 87487479700.0/32700410799.0, -1069076397
 
 
 class Motion:
-    """What simulate returns: states and modes at the times, and all changes of mode as (time, contact, from, to)."""
+    """What simulate returns: states, outputs and modes at the times, and all changes of mode as (time, contact, from, to)."""
 
     def __init__(self):
-        self.states, self.modes, self.events = [], [], []
+        self.states, self.outputs, self.modes, self.events = [], [], [], []
 
 
 def simulate(times, start=None, inputs=(), p=None, t0=None, tolerance=1e-10, scale=None):
@@ -387,6 +393,8 @@ class _Run:
 
     def write(self, x):
         self.out.states.append(x)
+        if OUTPUTS:
+            self.out.outputs.append(self.field.outputs(self.times[self.next], x))
         self.out.modes.append(self.field.signs())
         self.next += 1
 
@@ -671,9 +679,9 @@ def main():
     inputs = [Sampled(times, [row[name] for row in rows], kind) for name, _, kind in INPUTS]
     motion = simulate(times, inputs=inputs, t0=START_TIME)
     out = csv.writer(sys.stdout, lineterminator="\n")
-    out.writerow(["t"] + [name for name, _ in STATES] + ["mode " + name for name, _, _ in CONTACTS])
-    for t, x, signs in zip(times, motion.states, motion.modes):
-        out.writerow([repr(t)] + [repr(v) for v in x] + signs)
+    out.writerow(["t"] + [name for name, _ in STATES + OUTPUTS] + ["mode " + name for name, _, _ in CONTACTS])
+    for t, x, y, signs in zip(times, motion.states, motion.outputs or [[]]*len(times), motion.modes):
+        out.writerow([repr(t)] + [repr(v) for v in x + y] + signs)
 
 
 if __name__ == "__main__":

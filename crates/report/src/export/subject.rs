@@ -8,7 +8,7 @@ use phisindy_signal::Interpolation;
 use phisindy_sim::Switched;
 use std::collections::HashSet;
 
-/// A state or an input.
+/// A state, an input or an output.
 pub(crate) struct Quantity {
     pub(crate) name: String,
     /// SI.
@@ -47,6 +47,8 @@ pub struct Subject {
     pub(crate) spec: String,
     pub(crate) states: Vec<Quantity>,
     pub(crate) inputs: Vec<Quantity>,
+    /// What sensors read beside the states; the nodes are those of the model.
+    pub(crate) outputs: Vec<Quantity>,
     /// One for each input.
     pub(crate) interpolation: Vec<Interpolation>,
     pub(crate) constants: Vec<Constant>,
@@ -84,12 +86,15 @@ impl Subject {
         let switched = Switched::new(&model);
         let states = system.states.iter().map(|s| quantity(&s.name, &s.unit, s.node)).collect();
         let inputs = system.inputs.iter().map(|u| quantity(&u.name, &u.unit, u.node)).collect();
+        let read = system.outputs.iter().zip(&model.outputs);
+        let outputs = read.map(|(o, &node)| quantity(&o.name, &o.unit, node)).collect();
         let title = system.title;
         Ok(Subject {
             title,
             spec: name.to_owned(),
             states,
             inputs,
+            outputs,
             interpolation,
             constants,
             model,
@@ -106,7 +111,7 @@ impl Subject {
 
     /// Every name that an exported text may contain.
     pub(crate) fn names(&self) -> impl Iterator<Item = &str> + Clone {
-        let quantities = self.states.iter().chain(&self.inputs).map(|q| q.name.as_str());
+        let quantities = self.states.iter().chain(&self.inputs).chain(&self.outputs).map(|q| q.name.as_str());
         quantities.chain(self.constants.iter().map(|c| c.name.as_str()))
     }
 
@@ -239,5 +244,6 @@ fn constants(system: &System, model: &Model, record: &RecordNote, spec: &Spec) -
     let own = system.record_constants.iter().zip(&record.constants).map(|((name, node), (_, value))| {
         Constant { name: name.clone(), value: *value, unit: unit_of(name, spec), node: *node }
     });
-    movable.chain(own).filter(|c| model.graph.uses(&model.rates, &[c.node])).collect()
+    let roots: Vec<Id> = model.rates.iter().chain(&model.outputs).copied().collect();
+    movable.chain(own).filter(|c| model.graph.uses(&roots, &[c.node])).collect()
 }

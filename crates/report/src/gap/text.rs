@@ -2,7 +2,7 @@
 
 use super::report::GapReport;
 use crate::table::{interval, short};
-use phisindy_gap::{Gap, Rival, Status, Step};
+use phisindy_gap::{Gap, Rival, Status, Step, Warning};
 use phisindy_phys::LawEntry;
 use phisindy_phys::spec::Role;
 
@@ -100,12 +100,15 @@ pub(crate) fn outcome(found: &Gap) -> String {
     let (before, last) = (shown(found.before), shown(found.after));
     match found.status {
         Status::NothingMissing => {
-            format!("the model explains the data to their noise (gap {}{})", short(last), sensitivity(found))
+            let sensitive = sensitivity(found);
+            let noise = last <= NOISE || !sensitive.is_empty();
+            let to = if noise { " to their noise" } else { limit(found) };
+            format!("the model explains the data{to} (gap {}{sensitive})", short(last))
         }
         Status::Explained => {
             let why = match sensitivity(found) {
                 words if !words.is_empty() => words,
-                _ if last > NOISE => ", which is about what the motion itself repeats to".into(),
+                _ if last > NOISE => limit(found).to_owned(),
                 _ => String::new(),
             };
             format!("the gap {} went from {} to {}{why}", basis(found), short(before), short(last))
@@ -122,6 +125,15 @@ pub(crate) fn outcome(found: &Gap) -> String {
                 short(last)
             )
         }
+    }
+}
+
+/// Why no model can come nearer than a gap above the noise.
+fn limit(found: &Gap) -> &'static str {
+    if found.warnings.iter().any(|w| matches!(w, Warning::CoarseInput(_))) {
+        ", as near as the few samples of its input allow"
+    } else {
+        ", which is about what the motion itself repeats to"
     }
 }
 
