@@ -130,3 +130,36 @@ fn mistakes_in_outputs_are_told_with_their_place() {
     let out = phisindy(&folder, "check", &known, &[]);
     assert_eq!(out.status.code(), Some(2), "{}", String::from_utf8_lossy(&out.stderr));
 }
+
+/// The exported model shows what the sensor reads, while it sticks too.
+#[test]
+fn an_exported_model_reads_its_sensors() {
+    let text = r#"(states: { "x": "m", "v": "m/s" }, inputs: { "u": "N" },
+        outputs: { "a": (unit: "m/s^2", reads: "rate(v)"), "R": (unit: "N", reads: "c*v + F*sgn(v)") },
+        constants: { "m": (1.2, "kg"), "k": (30.0, "N/m"), "c": (0.4, "N*s/m"), "F": (1.1, "N") },
+        known: { "x": "v", "v": "(u - k*x - c*v - F*sgn(v))/m" }, inertia: { "v": "m" }, unknown: {}, contacts: ["v"],
+        data: [ Synthetic(truth: {}, start: { "v": 0.4 }, duration: 4.0, step: 0.01, noise: None, seed: 1,
+            inputs: { "u": Formula("3*sin(2*t)+1.5*sin(5*t)") }) ])"#;
+    let folder = folder("outputs-export");
+    let simulated = phisindy(&folder, "simulate", text, &[]).stdout;
+    std::fs::write(folder.join("in.csv"), &simulated).expect("a file");
+    let exported = phisindy(&folder, "export", text, &["--to", "python", "--out", "model.py"]);
+    assert_eq!(exported.status.code(), Some(0), "{}", String::from_utf8_lossy(&exported.stderr));
+    let input = std::fs::File::open(folder.join("in.csv")).expect("a file");
+    let python = Command::new("python3").current_dir(&folder).arg("model.py").stdin(input).output();
+    let column = |text: &str, name: &str| -> Vec<f64> {
+        let k = text.lines().next().unwrap_or("").split(',').position(|h| h == name).expect(name);
+        text.lines()
+            .skip(1)
+            .map(|l| l.split(',').nth(k).and_then(|c| c.parse().ok()).unwrap_or(f64::NAN))
+            .collect()
+    };
+    let theirs = String::from_utf8(python.expect("python3 runs").stdout).expect("text");
+    let ours = String::from_utf8(simulated).expect("text");
+    for name in ["a", "R"] {
+        let apart = column(&theirs, name).into_iter().zip(column(&ours, &format!("{name}_true")));
+        let worst = apart.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(worst < 1e-3, "{name}: {worst}");
+    }
+    assert!(column(&theirs, "mode v").contains(&0.0), "it sticks somewhere");
+}
