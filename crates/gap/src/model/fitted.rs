@@ -3,7 +3,7 @@
 use super::score::Score;
 use super::trial_model::TrialModel;
 use crate::decisions::{CHOW, LITTLE_LEFT, NOT_WHITE, RESTS, STANDS_STILL};
-use crate::model::noise_form::growing_noise;
+use crate::model::records::growing_noise;
 use crate::place::Effect;
 use crate::result::ModelError;
 use crate::whiteness::score;
@@ -91,18 +91,21 @@ impl Fitted {
     /// Noise of every column from the residuals, by record and state. For a model with white residuals this
     /// is better than the estimate from the columns, where the motion covers most of the spectrum.
     pub(crate) fn noise(&self, noise: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let of = |residual: &Vec<f64>, column: Option<&Vec<f64>>, noise: f64| {
+        let residual = |r: usize, k: usize| self.cal.records[r].residuals.get(k).map(Vec::as_slice);
+        let growing = growing_noise(&self.model.records, residual);
+        let of = |k: usize, residual: &Vec<f64>, column: Option<&Vec<f64>>, noise: f64| {
             if residual.is_empty() {
                 return noise;
             }
-            let growing = column.and_then(|column| growing_noise(residual, column));
-            growing.unwrap_or(0.0).max(noise_level(residual)).max(f64::MIN_POSITIVE)
+            let grown =
+                growing.get(k).copied().flatten().zip(column).map(|(form, column)| form.along(column));
+            grown.unwrap_or(0.0).max(noise_level(residual)).max(f64::MIN_POSITIVE)
         };
         let record = |r: usize| {
             let residuals = &self.cal.records[r].residuals;
             let column = |k: usize| self.model.records[r].columns.get(k).and_then(Option::as_ref);
             let levels = noise[r].iter().enumerate();
-            levels.map(|(k, &s)| residuals.get(k).map_or(s, |e| of(e, column(k), s))).collect()
+            levels.map(|(k, &s)| residuals.get(k).map_or(s, |e| of(k, e, column(k), s))).collect()
         };
         (0..noise.len()).map(record).collect()
     }
