@@ -22,7 +22,7 @@ decisions! {
     /// Groups of samples by the size of the signal, in each of which the noise is measured.
     NOISE_GROUPS: usize = 8, "groups", Basis::Judgement("more would scatter, fewer would not show a form");
     /// Levels of noise within this factor of a form are described by it; the groups must differ by the square of it.
-    NOISE_FORM: f64 = 1.5, "factor", Basis::Derived("five standard errors of a median of a hundred correlated samples");
+    NOISE_FORM: f64 = 1.5, "factor", Basis::Derived("two and a half standard errors of a median of a hundred differences that share samples");
     /// A residual with a larger whiteness score is more than noise.
     NOT_WHITE: f64 = 6.0, "standard deviations", Basis::Convention("six sigma; white residuals stay below 4 in simulation");
     /// A column with a larger fraction of noise shows no motion to explain.

@@ -3,7 +3,7 @@
 use super::score::Score;
 use super::trial_model::TrialModel;
 use crate::decisions::{CHOW, LITTLE_LEFT, NOT_WHITE, RESTS, STANDS_STILL};
-use crate::model::noise_form::growing_noise;
+use crate::model::records::growing_noise;
 use crate::place::Effect;
 use crate::result::ModelError;
 use crate::whiteness::score;
@@ -91,13 +91,16 @@ impl Fitted {
     /// Noise of every measured column from the residuals, by record. For a model with white residuals this is
     /// better than the estimate from the columns, where the motion covers most of the spectrum.
     pub(crate) fn noise(&self, noise: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let of = |own: f64, residual: &Vec<f64>, column: &Vec<f64>| {
-            let growing = growing_noise(residual, column).unwrap_or(0.0);
-            if residual.is_empty() { own } else { growing.max(noise_level(residual)).max(f64::MIN_POSITIVE) }
+        let residual = |r: usize, k: usize| self.cal.records[r].residuals.get(k).map(Vec::as_slice);
+        let growing = growing_noise(&self.model.records, residual);
+        let of = |own: f64, residual: &Vec<f64>, (k, column): (usize, &Vec<f64>)| {
+            let grown = growing.get(k).copied().flatten().map_or(0.0, |form| form.along(column));
+            if residual.is_empty() { own } else { grown.max(noise_level(residual)).max(f64::MIN_POSITIVE) }
         };
         let none = vec![];
         let record = |r: usize| {
-            let columns = self.model.records[r].columns.iter().flatten();
+            let columns = self.model.records[r].columns.iter().enumerate();
+            let columns = columns.filter_map(|(k, column)| Some((k, column.as_ref()?)));
             // A run that failed leaves no residuals.
             let residuals = measured(&self.cal.records[r]).chain(std::iter::repeat(&none));
             noise[r].iter().zip(residuals).zip(columns).map(|((&own, e), c)| of(own, e, c)).collect()

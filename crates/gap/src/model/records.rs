@@ -1,7 +1,7 @@
 //! Preparation of records for a search: their noise, and shorter versions of long ones.
 
 use crate::decisions::{CLEAN_COLUMN, SEARCHED_SAMPLES};
-use crate::model::noise_form::growing_noise;
+use crate::model::noise_form::GrowingNoise;
 use phisindy_phys::Record;
 use phisindy_phys::spec::Role;
 use phisindy_signal::{noise_level, standard_deviation};
@@ -9,11 +9,24 @@ use phisindy_signal::{noise_level, standard_deviation};
 /// Noise of every measured column by record, from the spectrum above the motion: it needs no model. Of noise that
 /// grows with the signal it is the root mean square along the record.
 pub(crate) fn noise_of(records: &[Record]) -> Vec<Vec<f64>> {
-    let of = |c: &Vec<f64>| {
-        let level = growing_noise(c, c).unwrap_or(0.0).max(noise_level(c));
-        level.max(CLEAN_COLUMN * standard_deviation(c)).max(f64::MIN_POSITIVE)
+    let growing = growing_noise(records, |r, k| records[r].columns[k].as_deref());
+    let of = |(k, column): (usize, &Option<Vec<f64>>)| {
+        let c = column.as_ref()?;
+        let level = growing[k].map_or(0.0, |form| form.along(c)).max(noise_level(c));
+        Some(level.max(CLEAN_COLUMN * standard_deviation(c)).max(f64::MIN_POSITIVE))
     };
-    records.iter().map(|r| r.columns.iter().flatten().map(of).collect()).collect()
+    records.iter().map(|r| r.columns.iter().enumerate().filter_map(of).collect()).collect()
+}
+
+/// For each column how the noise of its sensor grows with the signal, by the first record that shows it; `values` are
+/// the column or what a model leaves of it. One that is short, or mostly at rest, does not show it.
+pub(crate) fn growing_noise<'a>(
+    records: &[Record],
+    values: impl Fn(usize, usize) -> Option<&'a [f64]>,
+) -> Vec<Option<GrowingNoise>> {
+    let columns = records.first().map_or(0, |r| r.columns.len());
+    let shown = |r: usize, k: usize| GrowingNoise::of(values(r, k)?, records[r].columns[k].as_deref()?);
+    (0..columns).map(|k| (0..records.len()).find_map(|r| shown(r, k))).collect()
 }
 
 /// Records cut to the length that the search uses; `None` if none is long.
