@@ -163,3 +163,30 @@ fn an_exported_model_reads_its_sensors() {
     }
     assert!(column(&theirs, "mode v").contains(&0.0), "it sticks somewhere");
 }
+
+/// A measured force with 5 % of noise: the noise passes through the plant, and the error bars count it.
+#[test]
+fn noise_of_an_input_enters_the_error_bars() {
+    let text = |noise: &str| {
+        format!(
+            r#"(states: {{ "x": "m", "v": "m/s" }}, inputs: {{ "f": "N" }},
+                constants: {{ "m": (1.0, "kg"), "k": (value: 390.0, unit: "N/m", within: (200.0, 800.0)), "c": (value: 1.2, unit: "N*s/m", within: (0.0, 20.0)) }},
+                known: {{ "x": "v", "v": "(f - k*x - c*v)/m" }}, inertia: {{ "v": "m" }},
+                unknown: {{ "v": (factor: "-sgn(v)/m", candidates: ["1"]) }}, contacts: ["v"],
+                data: [ Synthetic(truth: {{ "v": "(-1.5*sgn(v) - 10*x + 0.2*v)/m" }}, start: {{}}, duration: 10.0, step: 0.005,
+                    noise: Sensor({{ "x": (2e-4, "m"), {noise} }}), seed: 5, inputs: {{ "f": Multisine(amplitude: 8.0, band: (0.5, 6.0)) }},
+                    measure: ["x", "f"]) ])"#
+        )
+    };
+    let folder = folder("outputs-input-noise");
+    let run = |noise: &str| -> (f64, f64) {
+        let found = json(&phisindy(&folder, "run", &text(noise), &["--format", "json"]));
+        let term = &found["equations"][0]["terms"][0];
+        let of = |key: &str| term[key].as_f64().unwrap_or(f64::NAN);
+        (of("coefficient"), of("std_error"))
+    };
+    let (value, error) = run(r#""f": (0.4, "N")"#);
+    let (_, exact) = run("");
+    assert!((value - 1.5).abs() < 3.0 * error, "{value} +- {error}");
+    assert!(error > 2.0 * exact, "{error} beside {exact} without the noise");
+}

@@ -216,8 +216,6 @@ decisions! {
     INPUT_NOISE_PART: f64 = 0.25, "of the gap", BLIND;
     /// Number of noise draws: a rig that swings at one frequency responds differently to each.
     INPUT_NOISE_DRAWS: usize = 4, "draws", Basis::Judgement("cost");
-    /// An input with larger changes from sample to sample is rough by itself.
-    ROUGH_INPUT: f64 = 0.2, "of a standard deviation", BLIND;
     /// A column with the shape of the model's, but larger or smaller by this factor, has a wrong unit.
     WRONG_UNIT: f64 = 5.0, "factor", BLIND;
     /// If model and rig differ by more in size, a unit is wrong and no effect is missing.

@@ -1,15 +1,14 @@
 //! Causes of a gap that no force law explains: a tone, a drift, noise of the measured inputs.
 
-use crate::decisions::{EXPLAINED, INPUT_NOISE_DRAWS, INPUT_NOISE_PART, MOST_OF_RESIDUAL, ROUGH_INPUT};
+use crate::decisions::{EXPLAINED, INPUT_NOISE_DRAWS, INPUT_NOISE_PART, MOST_OF_RESIDUAL};
 use crate::drive::Drive;
 use crate::model::{Fitted, TrialModel};
 use crate::result::{Cause, InputNoise, Named};
 use crate::whiteness::{lines, mean_step, share};
-use phisindy_learn::Effort;
+use phisindy_learn::{Effort, noisier};
 use phisindy_phys::Record;
 use phisindy_phys::spec::Role;
-use phisindy_signal::{Differentiator, Interpolation, Signal, noise_level, standard_deviation};
-use phisindy_sim::{Noise, Streams, add_noise};
+use phisindy_signal::noise_level;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -116,33 +115,4 @@ fn disturbed(model: &TrialModel, draw: usize) -> Option<(TrialModel, Vec<usize>)
     all.sort_unstable();
     all.dedup();
     Some((out, all))
-}
-
-/// A record with as much noise once more on its measured inputs, and their indices. Inputs derived from them
-/// are derived again.
-fn noisier(record: &Record, how: &[Differentiator], draw: usize) -> Option<(Record, Vec<usize>)> {
-    let (mut out, mut of) = (record.clone(), Vec::new());
-    let mut disturb = |k: usize, values: &mut Vec<f64>| {
-        let sigma = noise_level(values);
-        if sigma > 0.0 && sigma < ROUGH_INPUT * standard_deviation(values) {
-            let mut stream = Streams(draw as u64).stream(&format!("noise of input {k} in {}", record.name));
-            add_noise(values, Noise::Sensor(sigma), &mut stream);
-            of.push(k);
-        }
-    };
-    for derivation in &mut out.derivations {
-        disturb(derivation.of, &mut derivation.column);
-    }
-    if let Some(derivation) = out.derivations.first() {
-        out = out.rederived(how[derivation.input])?;
-    }
-    let derived = |k: usize| out.derivations.iter().any(|d| d.of == k || d.input == k);
-    let measured = |k: &usize| !derived(*k) && out.inputs[*k].kind() != Interpolation::Hold;
-    let own: Vec<usize> = (0..out.inputs.len()).filter(measured).collect();
-    for k in own {
-        let mut values = out.inputs[k].values().to_vec();
-        disturb(k, &mut values);
-        out.inputs[k] = Signal::new(out.inputs[k].time().clone(), values, out.inputs[k].kind()).ok()?;
-    }
-    Some((out, of))
 }

@@ -295,6 +295,13 @@ decisions! {
     /// Iterations and gain of a quick score in single runs.
     QUICK_SINGLE: [f64; 2] = [4.0, 1e-3], "iterations, part of the cost", BLIND;
 
+    // Noise of inputs.
+
+    /// An input with larger changes from sample to sample is rough by itself.
+    ROUGH_INPUT: f64 = 0.2, "of a standard deviation", BLIND;
+    /// Draws of as much noise once more: their mean tells a bias of a standard error from its scatter.
+    BIAS_DRAWS: usize = 16, "draws", Basis::Judgement("cost; a standard deviation is then known to a sixth");
+
     // Truth of synthetic cases.
 
     /// Random points at which the truth is projected on the dictionary.

@@ -13,6 +13,7 @@
 mod decisions;
 mod differentiator_dependence;
 mod identify;
+mod input_noise;
 mod least_squares;
 #[cfg(test)]
 mod line_models;
@@ -24,6 +25,7 @@ mod trajectory;
 
 pub use decisions::decisions;
 pub use identify::{LearnOptions, dead_column, identify, suitable};
+pub use input_noise::{Bias, noisier};
 pub use result::error::{DataError, LearnError, ModelError, NumericsError, TruthError};
 pub use result::estimate::Estimate;
 pub use result::identified::{Identified, NoiseModel, PathPoint, StopReason};

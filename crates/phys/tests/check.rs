@@ -70,7 +70,7 @@ fn each_mistake_is_told_with_what_to_do() {
         (
             noise,
             and(r#"measure: ["x", "z"]"#),
-            "unknown state or input in `measure` `z` | known here: x, y, u, du",
+            "unknown state, output or input in `measure` `z` | known here: x, y, u, du",
         ),
         (
             r#"contacts: ["y"]"#,

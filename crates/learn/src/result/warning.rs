@@ -5,6 +5,7 @@ use super::passivity_violation::PassivityViolation;
 use super::quantity::{Quantity, TermId};
 use super::record_fit::RecordFit;
 use super::verdict::Unfulfilled;
+use crate::input_noise::Bias;
 use phisindy_phys::Note;
 use phisindy_phys::spec::Optimiser;
 use phisindy_signal::Differentiator;
@@ -55,6 +56,13 @@ pub enum Warning {
         fitted: f64,
         /// Their distance in standard errors.
         errors: f64,
+    },
+    /// Noise of measured inputs moves numbers by more than their standard errors.
+    InputNoise {
+        /// Names of the inputs.
+        inputs: Vec<String>,
+        /// What it moves.
+        moved: Vec<Bias>,
     },
     /// Another term in the place of one describes the data nearly as well.
     Alternative {

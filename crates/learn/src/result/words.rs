@@ -7,6 +7,7 @@ use super::quantity::{ParameterId, ParameterOf, Quantity, TermId};
 use super::verdict::{FitFailure, Rejection, Unfulfilled};
 use super::warning::Warning;
 use crate::decisions::{FEWEST_SAMPLES, RIVAL};
+use crate::input_noise::Bias;
 use std::fmt::{Display, Formatter, Result};
 
 /// `1 in v'`.
@@ -75,6 +76,17 @@ impl Display for Warning {
                 "{number} is {alone:.4} by {record} alone and {fitted:.4} by what was fitted, {errors:.0} standard errors apart: the numbers do not \
                  carry over; the known part may be wrong, or a term is missing; the intervals are widened by what the records differ by"
             ),
+            Warning::InputNoise { inputs, moved } => {
+                let of = |b: &Bias| {
+                    format!("{} by {:+.2} % ({:.1} standard errors)", b.number, 100.0 * b.part, b.errors.abs())
+                };
+                write!(
+                    f,
+                    "the noise of {} pulls numbers to one side: {}; measure it with less noise",
+                    inputs.join(", "),
+                    moved.iter().map(of).collect::<Vec<_>>().join(", ")
+                )
+            }
             Warning::Alternative { term, other, worse } => write!(
                 f,
                 "{} in the place of {term} describes the data as well (criterion {worse:.1} higher, below {:.0} is no evidence): the intervals hold only \

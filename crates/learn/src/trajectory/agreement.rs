@@ -48,7 +48,11 @@ pub(crate) fn disagreements(
     let validated =
         (0..records.len()).filter(|&r| records[r].role == Role::Validate && runs[r].run.is_some());
     let all: Vec<Compared> = validated
-        .filter_map(|r| compared(fit, cov, solution, &records[r], &filled[r..=r], &runs[r], r))
+        .filter_map(|r| {
+            // A record that continues another one has its sensors and its own numbers.
+            let owner = records[r].continues.filter(|&j| runs[j].run.is_some()).unwrap_or(r);
+            compared(fit, cov, solution, &records[r], &filled[r..=r], &runs[r], owner)
+        })
         .collect();
     if all.iter().all(|c| c.warning.is_none()) {
         return Agreement::default();
@@ -70,7 +74,7 @@ fn compared(
     record: &Record,
     filled: &[Record],
     run: &RecordFit,
-    r: usize,
+    owner: usize,
 ) -> Option<Compared> {
     let (system, terms) = (fit.problem.system, &fit.problem.terms);
     // Coefficients and shared constants come first in both.
@@ -83,12 +87,12 @@ fn compared(
     let pieces =
         if fit.most_pieces() == 1 { 1 } else { (fit.problem.segments.len() * record.len()).div_ceil(fitted) };
     let mut problem = Problem::new(system, terms, &[record], &[pieces]).ok()?;
-    let mut x = problem.guess(&solution.coefficients, Some(&solution.parameters[r]), filled);
+    let mut x = problem.guess(&solution.coefficients, Some(&solution.parameters[owner]), filled);
     let start = problem.segments[0].start;
     x[start..start + run.start.len()].copy_from_slice(&run.start);
     for (k, meaning) in problem.meanings().into_iter().enumerate() {
         if let Meaning::Sensor(_, state, which) = meaning {
-            x[k] = solution.sensors[r][state][which];
+            x[k] = solution.sensors[owner][state][which];
         }
     }
     let noise = vec![fit.noise.first()?.clone()];

@@ -2,6 +2,7 @@
 
 use crate::decisions::{CHANCE_OF_NOISE, COLOURED_PART, PROFILED_TERMS, WORST_NRMSE};
 use crate::differentiator_dependence::{Number, dependence};
+use crate::input_noise::{self, InputNoiseEffect};
 use crate::result::identified::{Identified, NoiseModel, PathPoint, StopReason};
 use crate::result::parameter::FoundParameter;
 use crate::result::quantity::{Quantity, TermId};
@@ -44,11 +45,14 @@ pub(crate) fn report(
     let mut warnings: Vec<Warning> = notes(records).collect();
     warnings.extend(at_bounds(&parameters));
     let failure = failure(fit);
+    let mut input_noise = InputNoiseEffect::default();
     // Where the fit has not moved its covariance says nothing of the data.
     if failure.is_none() {
         warnings.extend(inseparable(&bars.sandwich, &named, &fit.x));
         let numbers: Vec<Number> = named.iter().map(|(k, name)| (*k, name.clone(), bars.error(*k))).collect();
         warnings.extend(dependence(&numbers, &fit.normal, |how| differentiated_by(fit, how)));
+        input_noise = input_noise::effect(fit, &numbers);
+        warnings.extend(input_noise.warning.take());
     }
     let colour = coloured(fit);
     let only_noise = colour.is_none();
@@ -61,7 +65,8 @@ pub(crate) fn report(
     let Agreement { warnings: apart, scatter } =
         disagreements(fit, &bars.sandwich, &solution, records, filled, &fits);
     warnings.extend(apart);
-    let variance = |k: usize| scatter.get(k).copied().unwrap_or(0.0);
+    let of = |all: &[f64], k: usize| all.get(k).copied().unwrap_or(0.0);
+    let variance = |k: usize| of(&scatter, k) + of(&input_noise.variance, k);
     terms.iter_mut().enumerate().for_each(|(k, term)| term.coefficient.widen(variance(k)));
     for (p, &k) in parameters.iter_mut().zip(&places) {
         p.estimate.widen(variance(k));

@@ -59,7 +59,7 @@ fn gain(without: &System, fit: &Fit<'_>) -> Option<(f64, usize)> {
                 let name = &without.parameters[p].name;
                 Meaning::Parameter(of.parameters.iter().position(|q| q.name == *name)?, record)
             }
-            // Internal states of laws stand between the states and the inputs.
+            // Internal states of laws stand between the states and the outputs.
             Meaning::Sensor(r, k, which) if k >= n => Meaning::Sensor(r, k - n + of.states.len(), which),
             Meaning::Start => continue,
             other => other,
@@ -69,18 +69,20 @@ fn gain(without: &System, fit: &Fit<'_>) -> Option<(f64, usize)> {
     for (to, from) in problem.segments.iter().zip(&with.segments) {
         x[to.start..to.start + n].copy_from_slice(&fit.x[from.start..from.start + n]);
     }
-    let weights: Vec<Vec<Vec<f64>>> = fit.weights.iter().map(|w| w[..n].to_vec()).collect();
+    let all = of.states.len();
+    let shared = |w: &Vec<Vec<f64>>| w[..n].iter().chain(&w[all..]).cloned().collect();
+    let weights: Vec<Vec<Vec<f64>>> = fit.weights.iter().map(shared).collect();
     let alone = problem.minimise(&mut x, &weights, Limits::of(FINE_MINIMUM)).ok()?;
     let moved = |all: Vec<Meaning>| all.into_iter().filter(|m| matches!(m, Meaning::Parameter(..))).count();
     let numbers = moved(meanings).saturating_sub(moved(problem.meanings()));
     Some((alone.cost - fit.normal.cost, numbers))
 }
 
-/// A record without the internal states of laws, which stand behind the others.
+/// A record without the internal states of laws, which stand behind the other states.
 fn of_system(record: &Record, without: &System, with: &System) -> Record {
     let (n, all) = (without.states.len(), with.states.len());
     let mut record = record.clone();
-    record.columns.truncate(n);
+    record.columns.drain(n..all);
     record.start.truncate(n);
     record.sensors.drain(n..all);
     record

@@ -1,0 +1,125 @@
+//! Noise of measured inputs. A fit takes an input for exact. Noise in it passes through the plant like a force, so it
+//! scatters the numbers, and it may pull them to one side, as in any regression on a noisy column.
+//!
+//! By how much is told by doing it again: as much noise once more moves the numbers about as far again (simulation
+//! and extrapolation, Cook and Stefanski, J. Am. Stat. Assoc. 89 (1994) 1314-1328). One Gauss-Newton step for each
+//! draw gives the motion. Its scatter enters the error bars; its mean is told where it is larger than they.
+
+use crate::decisions::{BIAS_DRAWS, DIFFERENTIATOR_DAMPING, HALF_WIDTH_95, ROUGH_INPUT};
+use crate::differentiator_dependence::Number;
+use crate::linear::solve_damped;
+use crate::result::quantity::Quantity;
+use crate::result::warning::Warning;
+use crate::trajectory::fit::Fit;
+use crate::trajectory::problem::Problem;
+use phisindy_phys::Record;
+use phisindy_signal::{Differentiator, Interpolation, Signal, noise_level, standard_deviation};
+use phisindy_sim::{Noise, Streams, add_noise};
+use rayon::prelude::*;
+
+/// A number that noise of inputs moves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bias {
+    /// Which.
+    pub number: Quantity,
+    /// By which part of itself.
+    pub part: f64,
+    /// In standard errors.
+    pub errors: f64,
+}
+
+/// A record with as much noise once more on its measured inputs, and their indices. Inputs derived from them are
+/// derived again, as `how` says for each input. `None` where that fails.
+pub fn noisier(record: &Record, how: &[Differentiator], draw: usize) -> Option<(Record, Vec<usize>)> {
+    let (mut out, mut of) = (record.clone(), Vec::new());
+    let mut disturb = |k: usize, values: &mut Vec<f64>| {
+        let sigma = noise_level(values);
+        if sigma > 0.0 && sigma < ROUGH_INPUT * standard_deviation(values) {
+            let mut stream = Streams(draw as u64).stream(&format!("noise of input {k} in {}", record.name));
+            add_noise(values, Noise::Sensor(sigma), &mut stream);
+            of.push(k);
+        }
+    };
+    for derivation in &mut out.derivations {
+        disturb(derivation.of, &mut derivation.column);
+    }
+    if let Some(derivation) = out.derivations.first() {
+        out = out.rederived(how.get(derivation.input).copied().unwrap_or_default())?;
+    }
+    let derived = |k: usize| out.derivations.iter().any(|d| d.of == k || d.input == k);
+    let measured = |k: &usize| !derived(*k) && out.inputs[*k].kind() != Interpolation::Hold;
+    let own: Vec<usize> = (0..out.inputs.len()).filter(measured).collect();
+    for k in own {
+        let mut values = out.inputs[k].values().to_vec();
+        disturb(k, &mut values);
+        out.inputs[k] = Signal::new(out.inputs[k].time().clone(), values, out.inputs[k].kind()).ok()?;
+    }
+    Some((out, of))
+}
+
+/// What noise of inputs does to a fit.
+#[derive(Default)]
+pub(crate) struct InputNoiseEffect {
+    /// The variance that it adds to each unknown; empty where no input has noise.
+    pub(crate) variance: Vec<f64>,
+    /// The warning of numbers that it moves by more than their error bars.
+    pub(crate) warning: Option<Warning>,
+}
+
+/// What noise of its inputs does to the numbers of a fit.
+pub(crate) fn effect(fit: &Fit<'_>, numbers: &[Number]) -> InputNoiseEffect {
+    let Some(inputs) = inputs(fit) else { return InputNoiseEffect::default() };
+    let Some(steps) = steps(fit).filter(|steps| steps.len() > 1) else { return InputNoiseEffect::default() };
+    let count = steps.len() as f64;
+    let mean = |k: usize| steps.iter().map(|s| s[k]).sum::<f64>() / count;
+    let variance = |k: usize| steps.iter().map(|s| (s[k] - mean(k)).powi(2)).sum::<f64>() / (count - 1.0);
+    let told = |(k, number, error): &Number| {
+        let (mean, scatter) = (mean(*k), variance(*k));
+        let error = error.hypot(scatter.sqrt());
+        // What the draws differ by is no bias.
+        let clear = mean.abs() > HALF_WIDTH_95 * (scatter / count).sqrt();
+        let moved = mean.abs() > error && clear && error.is_finite();
+        moved.then(|| Bias { number: number.clone(), part: mean / fit.x[*k], errors: mean / error })
+    };
+    let moved: Vec<Bias> = numbers.iter().filter_map(told).collect();
+    let warning = (!moved.is_empty()).then_some(Warning::InputNoise { inputs, moved });
+    InputNoiseEffect { variance: (0..fit.x.len()).map(variance).collect(), warning }
+}
+
+/// How each draw of as much noise once more moves the unknowns.
+fn steps(fit: &Fit<'_>) -> Option<Vec<Vec<f64>>> {
+    let problem = &fit.problem;
+    let normal = |records: &[Record]| {
+        let records: Vec<&Record> = records.iter().collect();
+        let mut other = Problem::new(problem.system, &problem.terms, &records, &fit.pieces).ok()?;
+        (other.continuity, other.belief) = (problem.continuity.clone(), problem.belief);
+        other.normal(&fit.x, &fit.weights).ok()
+    };
+    let at = |draw: Option<usize>| {
+        let of = |r: &&Record| match draw {
+            Some(draw) => noisier(r, &[], draw).map(|(record, _)| record),
+            // Derived in the same way, so that nothing but the noise differs.
+            None if r.derivations.is_empty() => Some((*r).clone()),
+            None => r.rederived(Differentiator::default()),
+        };
+        normal(&problem.records.iter().map(of).collect::<Option<Vec<Record>>>()?)
+    };
+    let here = at(None)?;
+    let step = |draw: usize| {
+        let there = at(Some(draw))?;
+        let right: Vec<f64> = here.gradient.iter().zip(&there.gradient).map(|(a, b)| a - b).collect();
+        solve_damped(&there.matrix, &right, DIFFERENTIATOR_DAMPING)
+    };
+    Some((0..BIAS_DRAWS).into_par_iter().filter_map(step).collect())
+}
+
+/// Names of the measured inputs with noise; `None` if there are none.
+fn inputs(fit: &Fit<'_>) -> Option<Vec<String>> {
+    let problem = &fit.problem;
+    let mut all: Vec<usize> =
+        problem.records.iter().filter_map(|r| noisier(r, &[], 0)).flat_map(|(_, of)| of).collect();
+    all.sort_unstable();
+    all.dedup();
+    let names: Vec<String> = all.iter().map(|&k| problem.system.inputs[k].name.clone()).collect();
+    (!names.is_empty()).then_some(names)
+}
