@@ -28,9 +28,11 @@ impl Estimate {
     /// Widens both by another variance, that between records.
     pub(crate) fn widen(&mut self, variance: f64) {
         if variance > 0.0 {
-            let wide = Estimate::normal(self.value, (self.std_error.powi(2) + variance).sqrt());
-            self.std_error = wide.std_error;
-            self.ci95 = (self.ci95.0.min(wide.ci95.0), self.ci95.1.max(wide.ci95.1));
+            self.std_error = (self.std_error.powi(2) + variance).sqrt();
+            // Each side of the interval keeps its shape.
+            let more = HALF_WIDTH_95 * variance.sqrt();
+            let (below, above) = (self.value - self.ci95.0, self.ci95.1 - self.value);
+            self.ci95 = (self.value - below.hypot(more), self.value + above.hypot(more));
         }
     }
 }
