@@ -528,7 +528,7 @@ fn a_counter_that_wraps_is_told() {
 fn gaps_every_few_rows_leave_no_nan_in_the_spec() {
     let rows = ring_down(400, 0.02);
     let row = |k: usize, x: f64| {
-        if k % 4 == 0 { format!("{},nan\n", rows[k].0) } else { format!("{},{x}\n", rows[k].0) }
+        if k.is_multiple_of(4) { format!("{},nan\n", rows[k].0) } else { format!("{},{x}\n", rows[k].0) }
     };
     let content: String = rows.iter().enumerate().map(|(k, (_, x))| row(k, *x)).collect();
     let (_, text, said) = made("gaps_in_rows", format!("t_s,x_m\n{content}").as_bytes());
