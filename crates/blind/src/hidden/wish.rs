@@ -124,7 +124,7 @@ pub(super) fn wish(seed: u64, index: usize, only: Option<&str>, sensors: Sensors
     let seen = |law: &&'static str| sensors != Sensors::Acceleration || !UNSEEN.contains(law);
     let kind = match kind {
         // Another law in the place of one that nobody could see.
-        Kind::Laws(laws) if !laws.iter().all(|l| seen(l)) => {
+        Kind::Laws(laws) if !laws.iter().all(&seen) => {
             let others: Vec<&'static str> = LAWS.iter().copied().filter(seen).collect();
             Kind::Laws(vec![*dice.pick(&others)])
         }
