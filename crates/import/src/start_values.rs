@@ -111,9 +111,10 @@ impl Motion {
 
     /// The inertia that the size of force and acceleration suggest, where no regression tells it.
     pub(crate) fn plausible_inertia(&self) -> Option<f64> {
-        let size = standard_deviation(self.force.as_ref()?);
-        let speed = automatic(&self.time, &self.displacement).ok()?;
-        let rate = automatic(&self.time, &speed.derivative).ok()?;
+        let n = self.time.len().min(MOST);
+        let size = standard_deviation(&self.force.as_ref()?[..n]);
+        let speed = automatic(&self.time[..n], &self.displacement[..n]).ok()?;
+        let rate = automatic(&self.time[..n], &speed.derivative).ok()?;
         let inertia = size / standard_deviation(&rate.derivative);
         (inertia.is_finite() && inertia > 0.0).then_some(inertia)
     }
