@@ -11,7 +11,7 @@ use crate::time_column::{NoTime, TimeColumn};
 use crate::usage::Usage;
 use phisindy_expr::Span;
 use phisindy_phys::{Diagnostic, SourceId, Wrap, wraps};
-use phisindy_signal::{moves_by_jumps, strongest_line, twice_integrated};
+use phisindy_signal::{integral, moves_by_jumps, strongest_line, twice_integrated};
 use std::ops::Range;
 
 /// Samples of a record beyond which a fit takes longer and hardly improves.
@@ -279,16 +279,6 @@ impl NoDraft {
         };
         Box::new(Diagnostic::error(format!("`{name}`: {message}")).at(source, at, "this file").help(help))
     }
-}
-
-/// Integral over time by the trapezoidal rule.
-fn integral(time: &[f64], rate: &[f64]) -> Vec<f64> {
-    let mut sum = 0.0;
-    let steps = time.windows(2).zip(rate.windows(2)).map(|(t, v)| {
-        sum += 0.5 * (v[0] + v[1]) * (t[1] - t[0]);
-        sum
-    });
-    [0.0].into_iter().chain(steps).take(rate.len()).collect()
 }
 
 /// The first text in a column that a model may need and that otherwise holds numbers: a run would stop there.

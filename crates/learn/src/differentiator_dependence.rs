@@ -36,7 +36,7 @@ pub(crate) fn dependence(
 }
 
 /// The step from one minimum to the other.
-fn step(here: &Normal, there: &Normal) -> Option<Vec<f64>> {
+pub(crate) fn step(here: &Normal, there: &Normal) -> Option<Vec<f64>> {
     let right: Vec<f64> = here.gradient.iter().zip(&there.gradient).map(|(a, b)| a - b).collect();
     solve_damped(&there.matrix, &right, DIFFERENTIATOR_DAMPING)
 }

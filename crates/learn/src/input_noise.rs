@@ -5,13 +5,11 @@
 //! and extrapolation, Cook and Stefanski, J. Am. Stat. Assoc. 89 (1994) 1314-1328). One Gauss-Newton step for each
 //! draw gives the motion. Its scatter enters the error bars; its mean is told where it is larger than they.
 
-use crate::decisions::{BIAS_DRAWS, DIFFERENTIATOR_DAMPING, HALF_WIDTH_95, ROUGH_INPUT};
-use crate::differentiator_dependence::Number;
-use crate::linear::solve_damped;
+use crate::decisions::{BIAS_DRAWS, HALF_WIDTH_95, ROUGH_INPUT};
+use crate::differentiator_dependence::{Number, step};
 use crate::result::quantity::Quantity;
 use crate::result::warning::Warning;
 use crate::trajectory::fit::Fit;
-use crate::trajectory::problem::Problem;
 use phisindy_phys::Record;
 use phisindy_signal::{Differentiator, Interpolation, Signal, noise_level, standard_deviation};
 use phisindy_sim::{Noise, Streams, add_noise};
@@ -88,29 +86,17 @@ pub(crate) fn effect(fit: &Fit<'_>, numbers: &[Number]) -> InputNoiseEffect {
 
 /// How each draw of as much noise once more moves the unknowns.
 fn steps(fit: &Fit<'_>) -> Option<Vec<Vec<f64>>> {
-    let problem = &fit.problem;
-    let normal = |records: &[Record]| {
-        let records: Vec<&Record> = records.iter().collect();
-        let mut other = Problem::new(problem.system, &problem.terms, &records, &fit.pieces).ok()?;
-        (other.continuity, other.belief) = (problem.continuity.clone(), problem.belief);
-        other.normal(&fit.x, &fit.weights).ok()
+    let of = |r: &&Record, draw: Option<usize>| match draw {
+        Some(draw) => noisier(r, &[], draw).map(|(record, _)| record),
+        // Derived in the same way, so that nothing but the noise differs.
+        None => r.rederived(Differentiator::default()),
     };
     let at = |draw: Option<usize>| {
-        let of = |r: &&Record| match draw {
-            Some(draw) => noisier(r, &[], draw).map(|(record, _)| record),
-            // Derived in the same way, so that nothing but the noise differs.
-            None if r.derivations.is_empty() => Some((*r).clone()),
-            None => r.rederived(Differentiator::default()),
-        };
-        normal(&problem.records.iter().map(of).collect::<Option<Vec<Record>>>()?)
+        let records: Option<Vec<Record>> = fit.problem.records.iter().map(|r| of(r, draw)).collect();
+        fit.normal_of(&records?)
     };
     let here = at(None)?;
-    let step = |draw: usize| {
-        let there = at(Some(draw))?;
-        let right: Vec<f64> = here.gradient.iter().zip(&there.gradient).map(|(a, b)| a - b).collect();
-        solve_damped(&there.matrix, &right, DIFFERENTIATOR_DAMPING)
-    };
-    Some((0..BIAS_DRAWS).into_par_iter().filter_map(step).collect())
+    Some((0..BIAS_DRAWS).into_par_iter().filter_map(|draw| step(&here, &at(Some(draw))?)).collect())
 }
 
 /// Names of the measured inputs with noise; `None` if there are none.

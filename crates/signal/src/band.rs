@@ -57,8 +57,8 @@ pub fn twice_integrated(time: &[f64], values: &[f64]) -> Vec<f64> {
     without_drift(&integral(time, &velocity), half)
 }
 
-/// The integral from the first sample, by trapezia.
-fn integral(time: &[f64], rate: &[f64]) -> Vec<f64> {
+/// The integral from the first sample, by the trapezoidal rule.
+pub fn integral(time: &[f64], rate: &[f64]) -> Vec<f64> {
     let mut sum = 0.0;
     let step = |i: usize| {
         if i > 0 {

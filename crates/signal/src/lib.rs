@@ -28,7 +28,7 @@ mod trend;
 mod whiteness;
 
 pub use autocorrelation::{autocorrelation, effective_samples};
-pub use band::{lowest_frequency, twice_integrated};
+pub use band::{integral, lowest_frequency, twice_integrated};
 pub use blocks::Blocks;
 pub use derivative::{Differentiated, Differentiator, Smoothing, automatic, differentiate};
 pub use grid::mean_step;

@@ -176,7 +176,7 @@ impl Run<'_> {
             return vec![];
         }
         self.field.evaluate_outputs(self.t, &self.x);
-        (0..self.field.automaton.outputs).map(|k| self.field.output(k)).collect()
+        (0..self.field.automaton.outputs).map(|k| self.field.output_at(k)).collect()
     }
 
     /// Whether a slipping switch is on its surface and about to cross it.

@@ -262,7 +262,8 @@ impl<'a> Field<'a> {
         set
     }
 
-    fn output_at(&self, k: usize) -> f64 {
+    /// Entry of the output tape, after [`Field::evaluate_outputs`]; the first ones are `y`.
+    pub(crate) fn output_at(&self, k: usize) -> f64 {
         self.output.output(k)[0]
     }
 
@@ -270,11 +271,6 @@ impl<'a> Field<'a> {
     fn sizes(&self) -> (usize, usize, usize, usize) {
         let a = self.automaton;
         (a.outputs, a.states.len(), self.switches(), a.parameters)
-    }
-
-    /// `y_k`, after [`Field::evaluate_outputs`].
-    pub(crate) fn output(&self, k: usize) -> f64 {
-        self.output_at(k)
     }
 
     /// The change of `y_k` with time, states and modes at rest.

@@ -17,16 +17,17 @@ impl Run<'_> {
             return;
         }
         let m = self.out.m;
-        let slopes = self.field.outputs(t, x, rates);
+        let set = self.field.evaluate_outputs(t, x);
+        let slopes = self.field.output_rates(&set, rates);
         let count = self.field.automaton.outputs;
         for (k, slope) in slopes.iter().enumerate() {
-            self.out.states.push(self.field.output(k) + back * slope);
+            self.out.states.push(self.field.output_at(k) + back * slope);
         }
         self.out.rates.extend(&slopes);
         let Some(sensitivity) = &self.sensitivity else { return };
         let first = self.out.sensitivities.len() - x.len() * m;
         let s = self.out.sensitivities[first..].to_vec();
-        let by = self.field.output_derivatives(t, x, &sensitivity.free);
+        let by = self.field.output_derivatives(&set, x.len(), &sensitivity.free);
         let width = x.len() + sensitivity.free.len();
         for row in by.chunks(width).take(count) {
             let at = self.out.sensitivities.len();
@@ -41,13 +42,13 @@ impl Run<'_> {
 }
 
 impl Field<'_> {
-    /// Evaluates the outputs at a point in the present modes; returns their rates of change along `rates`.
-    pub(crate) fn outputs(&mut self, t: f64, x: &[f64], rates: &[f64]) -> Vec<f64> {
-        let set = self.evaluate_outputs(t, x);
+    /// The rates of change of the outputs along `rates`, after [`Field::evaluate_outputs`] with these contacts at
+    /// rest.
+    fn output_rates(&self, set: &[usize], rates: &[f64]) -> Vec<f64> {
         let along =
             |row: &dyn Fn(usize) -> f64| -> f64 { rates.iter().enumerate().map(|(j, f)| row(j) * f).sum() };
         let right = |f: &Field<'_>, c: usize| vec![f.rate_by_time(c) + along(&|j| f.rate_by_state(c, j))];
-        let moved = self.mode_changes(&set, 1, right);
+        let moved = self.mode_changes(set, 1, right);
         let slope = |k: usize| {
             let modes: f64 = set.iter().zip(&moved).map(|(&c, d)| self.output_by_mode(k, c) * d[0]).sum();
             self.output_by_time(k) + along(&|j| self.output_by_state(k, j)) + modes
@@ -55,15 +56,14 @@ impl Field<'_> {
         (0..self.automaton.outputs).map(slope).collect()
     }
 
-    /// Derivatives of the outputs by the states, then by the parameters `free`; row-major.
-    pub(crate) fn output_derivatives(&mut self, t: f64, x: &[f64], free: &[usize]) -> Vec<f64> {
-        let set = self.evaluate_outputs(t, x);
-        let n = x.len();
+    /// Derivatives of the outputs by the `n` states, then by the parameters `free`, row-major, after
+    /// [`Field::evaluate_outputs`].
+    fn output_derivatives(&self, set: &[usize], n: usize, free: &[usize]) -> Vec<f64> {
         let right = |f: &Field<'_>, c: usize| -> Vec<f64> {
             let states = (0..n).map(|j| f.rate_by_state(c, j));
             states.chain(free.iter().map(|&p| f.rate_by_parameter(c, p))).collect()
         };
-        let moved = self.mode_changes(&set, n + free.len(), right);
+        let moved = self.mode_changes(set, n + free.len(), right);
         let mut out = Vec::with_capacity(self.automaton.outputs * (n + free.len()));
         for k in 0..self.automaton.outputs {
             let first = out.len();

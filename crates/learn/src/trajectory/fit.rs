@@ -401,6 +401,14 @@ impl Fit<'_> {
         self.pieces.iter().copied().max().unwrap_or(1)
     }
 
+    /// The normal equations at the solution, of other records in the place of its own.
+    pub(crate) fn normal_of(&self, records: &[Record]) -> Option<Normal> {
+        let (own, records) = (&self.problem, records.iter().collect::<Vec<_>>());
+        let mut other = Problem::new(own.system, &own.terms, &records, &self.pieces).ok()?;
+        (other.continuity, other.belief) = (own.continuity.clone(), own.belief);
+        other.normal(&self.x, &self.weights).ok()
+    }
+
     /// Factor on variances for correlated residuals: 1 for white noise.
     pub(crate) fn inflation(&self) -> f64 {
         inflation(self.samples, self.effective)

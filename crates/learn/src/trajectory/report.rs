@@ -15,7 +15,7 @@ use crate::trajectory::error_bars::ErrorBars;
 use crate::trajectory::fit::{Fit, misfit};
 use crate::trajectory::free_run::{Solution, free_runs};
 use crate::trajectory::jacobian::Singular;
-use crate::trajectory::problem::{Meaning, Problem};
+use crate::trajectory::problem::Meaning;
 use crate::trajectory::separability::inseparable;
 use crate::trajectory::unknowns::Unknowns;
 use crate::trajectory::worth_of_laws::against_laws;
@@ -158,10 +158,7 @@ fn differentiated_by(fit: &Fit<'_>, how: Differentiator) -> Option<crate::least_
         return None;
     }
     let records: Vec<Record> = problem.records.iter().map(|r| r.rederived(how)).collect::<Option<_>>()?;
-    let records: Vec<&Record> = records.iter().collect();
-    let mut other = Problem::new(problem.system, &problem.terms, &records, &fit.pieces).ok()?;
-    (other.continuity, other.belief) = (problem.continuity.clone(), problem.belief);
-    other.normal(&fit.x, &fit.weights).ok()
+    fit.normal_of(&records)
 }
 
 /// A covariance of these unknowns with the variance between records on its diagonal.

@@ -93,7 +93,13 @@ impl<'s> Survey<'s> {
             let found = self.quantity(&output.reads).measure;
             if let Some((due, is)) = self.differ(&self.of(name), &found) {
                 let missing = self.suggestion(&due, &is);
-                self.mistakes.push(self.words.output(name, &output.reads, [&due, &is], missing));
+                self.mistakes.push(self.words.assigned(
+                    ("output", "what it reads"),
+                    name,
+                    &output.reads,
+                    [&due, &is],
+                    missing,
+                ));
             }
         }
         for text in spec.inertia.iter().map(|(_, text)| text).chain(&spec.contacts) {
@@ -246,7 +252,13 @@ impl<'s> Survey<'s> {
                 let found = self.measure(text);
                 if let Some((due, is)) = self.differ(&self.of(name), &found) {
                     let missing = self.suggestion(&due, &is);
-                    self.mistakes.push(self.words.formula(name, text, [&due, &is], missing));
+                    self.mistakes.push(self.words.assigned(
+                        ("input", "its formula"),
+                        name,
+                        text,
+                        [&due, &is],
+                        missing,
+                    ));
                 }
             }
         }

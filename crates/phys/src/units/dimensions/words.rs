@@ -75,29 +75,16 @@ impl Words {
         d.help(missing.map_or_else(|| bridge(due, is), |m| asked(&m)))
     }
 
-    pub(super) fn formula(
+    /// An input or output whose expression has another dimension; `what` names it, `said` its expression.
+    pub(super) fn assigned(
         &self,
-        input: &Text,
+        (what, said): (&str, &str),
+        name: &Text,
         text: &Text,
         [due, is]: [&Form; 2],
         missing: Option<String>,
     ) -> Diagnostic {
-        let message =
-            format!("input `{}` is {}, but its formula is {}", input.value, in_unit(due), in_unit(is));
-        Diagnostic::error(message)
-            .at(self.source, text.span, is_in(is))
-            .help(missing.map_or_else(|| bridge(due, is), |m| asked(&m)))
-    }
-
-    pub(super) fn output(
-        &self,
-        output: &Text,
-        text: &Text,
-        [due, is]: [&Form; 2],
-        missing: Option<String>,
-    ) -> Diagnostic {
-        let message =
-            format!("output `{}` is {}, but what it reads is {}", output.value, in_unit(due), in_unit(is));
+        let message = format!("{what} `{}` is {}, but {said} is {}", name.value, in_unit(due), in_unit(is));
         Diagnostic::error(message)
             .at(self.source, text.span, is_in(is))
             .help(missing.map_or_else(|| bridge(due, is), |m| asked(&m)))
