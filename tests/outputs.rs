@@ -190,3 +190,32 @@ fn noise_of_an_input_enters_the_error_bars() {
     assert!((value - 1.5).abs() < 3.0 * error, "{value} +- {error}");
     assert!(error > 2.0 * exact, "{error} beside {exact} without the noise");
 }
+
+#[test]
+fn a_cutoff_is_found_beside_the_friction_and_its_spec_runs_again() {
+    let spec = r#"(states: { "x": "m", "v": "m/s" }, inputs: { "f": "N" },
+        outputs: { "a": (unit: "m/s^2", reads: "rate(v)") },
+        constants: { "m": (2.0, "kg"), "k": (800.0, "N/m"), "c": (1.0, "N*s/m") },
+        known: { "x": "v", "v": "(f - k*x - c*v)/m" }, contacts: ["v"],
+        unknown: { "v": (factor: "-sgn(v)/m", candidates: ["1", "v^2"]) },
+        data: [ Synthetic(truth: { "v": "-1.5*sgn(v)/m" }, start: {}, duration: 5.0, step: 0.004, noise: Additive(0.01), seed: 8,
+            sensors: { "a": (lowpass: (order: 2, cutoff: Find(start: 30.0, unit: "Hz", within: (5.0, 100.0))), highpass: (order: 1, cutoff: (0.5, "Hz"))) },
+            inputs: { "f": Multisine(amplitude: 8.0, band: (0.5, 6.0)) }) ])"#;
+    let folder = folder("outputs-filter");
+    let out = phisindy(&folder, "run", spec, &["--format", "json", "--out", "found"]);
+    assert_eq!(out.status.code(), Some(0), "{}", String::from_utf8_lossy(&out.stderr));
+    let found = json(&out);
+    let term = &found["equations"][0]["terms"][0];
+    let (_, low, high) = interval(term);
+    let force = &term["coefficient"];
+    assert!(low < 1.5 && 1.5 < high && high - low < 0.1, "{force} [{low}, {high}]");
+    let cutoff = &found["parameters"][0];
+    assert_eq!(cutoff["name"], "a.lowpass.cutoff [synthetic 0]", "{cutoff}");
+    let (value, low, high) = interval(cutoff);
+    assert!(low < 30.0 && 30.0 < high && high - low < 3.0, "{value} [{low}, {high}]");
+    let identified = std::fs::read_to_string(folder.join("found/identified.ron")).expect("identified.ron");
+    assert!(identified.contains(&format!(r#"cutoff: ({value:?}, "Hz")"#)), "{identified}");
+    let again = phisindy(&folder, "simulate", &identified, &[]);
+    let header = String::from_utf8_lossy(&again.stdout).lines().next().map(str::to_owned);
+    assert_eq!(header.as_deref(), Some("t,a,x_true,v_true,a_true,f"));
+}

@@ -85,7 +85,8 @@ impl Place {
 pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
     let states = system.states.clone();
     let displacement = |v: usize| (0..states.len()).find(|&x| states[x].velocity == Some(v));
-    let bodies: Vec<usize> = (0..states.len()).filter(|&k| states[k].velocity.is_none()).collect();
+    let bodies: Vec<usize> =
+        (0..states.len()).filter(|&k| states[k].velocity.is_none() && !states[k].of_sensor).collect();
     let plain = |k: usize| Quantity { text: states[k].name.clone(), node: states[k].node };
     let mut all = Vec::new();
     for &v in &bodies {
@@ -156,7 +157,9 @@ pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
     }
     all.extend(prescribed(system, plans));
     let names: Vec<String> = system.quantities().take(system.columns()).map(|(n, _)| n.to_owned()).collect();
-    let shown = |k: &usize| plans.iter().any(|p| is_measured(p, &names[*k], *k));
+    // A filtered state shows its output alone.
+    let own = |k: usize| system.column(&names[k]) == Some(k);
+    let shown = |k: &usize| own(*k) && plans.iter().any(|p| is_measured(p, &names[*k], *k));
     let measured: Vec<String> = (0..names.len()).filter(shown).map(|k| names[k].clone()).collect();
     all.extend(
         measured.iter().map(|name| Place { at: name.clone(), site: Site::Sensor(vec![name.clone()]) }),

@@ -76,8 +76,9 @@ impl Loaded {
                 _ => free_run(system, record)
                     .map_err(|error| Error::Simulate { record: record.name.clone(), error })?,
             };
-            let names = system.quantities().map(|(name, _)| name.to_owned());
-            let columns = names.zip::<Vec<Vec<f64>>>(columns).collect();
+            let names = (0..system.columns()).map(|k| system.motion_column(k));
+            let named = names.zip::<Vec<Vec<f64>>>(columns);
+            let columns = named.filter_map(|(name, column)| Some((name?, column))).collect();
             let (record, time) = (record.name.clone(), record.time.to_vec());
             Ok(Motion { record, time, columns, predicted: truth.is_none() })
         };

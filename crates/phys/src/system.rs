@@ -8,6 +8,7 @@
 pub(crate) mod check;
 pub(crate) mod constants;
 pub(crate) mod equations;
+pub(crate) mod filter;
 pub(crate) mod model;
 pub(crate) mod note;
 pub(crate) mod plan;

@@ -27,7 +27,10 @@ pub fn equations(case: &Case, terms: &[FoundTerm], parameters: &[FoundParameter]
         (0..system.states.len()).map(|k| system.terms.iter().any(|t| t.state == k)).collect();
     // A law may add a state.
     if !shown.contains(&true) || !case.laws.is_empty() {
-        shown.iter_mut().zip(&system.states).for_each(|(shown, s)| *shown |= s.velocity.is_none());
+        shown
+            .iter_mut()
+            .zip(&system.states)
+            .for_each(|(shown, s)| *shown |= s.velocity.is_none() && !s.of_sensor);
     }
     let mut writer = Writer::new(case, parameters);
     (0..system.states.len()).filter(|&k| shown[k]).map(|k| writer.equation(system, k, terms)).collect()

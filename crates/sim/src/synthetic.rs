@@ -71,7 +71,9 @@ pub fn synthesize(
     let excitations = Excitations::new(truth, system, streams, samples)?;
     let constants = record_constants(plan, truth, &excitations)?;
     let (inputs, exact_inputs) = exact_inputs(truth, &excitations, &constants, &time, file)?;
-    let run = simulate_truth(truth, &inputs, &constants, &time).map_err(SyntheticError::Simulation)?;
+    let start = settled_start(truth, &inputs, &constants)?;
+    let run =
+        simulate_truth(truth, &start, &inputs, &constants, &time).map_err(SyntheticError::Simulation)?;
 
     let rows = window_rows(truth, &time)?;
     let sensors = Sensors { plan, truth, system, streams, time: &time, rows: &rows };
@@ -301,10 +303,30 @@ fn derive_inputs(
     Ok((notes, derivations))
 }
 
+/// The start state, in which filters have settled on what they read.
+fn settled_start(
+    truth: &Synthetic,
+    inputs: &[Signal],
+    constants: &[f64],
+) -> Result<Vec<f64>, SyntheticError> {
+    let mut start = truth.start.clone();
+    let model = &truth.truth;
+    for &(state, settled) in &truth.settled {
+        let tape = Tape::compile(&model.graph, &model.arguments(), &[settled])
+            .map_err(|e| SyntheticError::Other(e.message(&model.names)))?;
+        let mut scratch = Scratch::<1>::new(&tape);
+        let given = start.iter().copied().chain(inputs.iter().map(|u| u.value(0.0)));
+        scratch.at([0.0].into_iter().chain(given).chain(constants.iter().copied()));
+        start[state] = scratch.output(0)[0];
+    }
+    Ok(start)
+}
+
 /// The truth at the sample times. A first, coarse run finds the size of each state, which defines the
 /// tolerance of the second run.
 fn simulate_truth(
     truth: &Synthetic,
+    start: &[f64],
     inputs: &[Signal],
     parameters: &[f64],
     time: &[f64],
@@ -312,7 +334,7 @@ fn simulate_truth(
     let automaton = Automaton::new(&truth.truth)
         .map_err(|e| SimError::NotFinite { time: 0.0, state: e.message(&truth.truth.names) })?;
     let drive = Drive { inputs, parameters };
-    let n = truth.start.len();
+    let n = start.len();
     let first = |smallest: f64| {
         let options = Options {
             tolerance: COARSE_TOLERANCE,
@@ -320,7 +342,7 @@ fn simulate_truth(
             diverged: COARSE_DIVERGED,
             ..Default::default()
         };
-        Ok((simulate(&automaton, &drive, 0.0, &truth.start, time, &options)?, smallest))
+        Ok((simulate(&automaton, &drive, 0.0, start, time, &options)?, smallest))
     };
     let steep = |r: &Result<_, SimError>| {
         matches!(r, Err(SimError::TooManySteps { .. } | SimError::TooManyEvents { .. }))
@@ -336,7 +358,7 @@ fn simulate_truth(
     let scale =
         (0..n).map(|k| if largest(k) > COARSE_TOLERANCE * smallest { largest(k) } else { 1.0 }).collect();
     let fine = Options { tolerance: TRUTH_TOLERANCE, scale, ..Default::default() };
-    simulate(&automaton, &drive, 0.0, &truth.start, time, &fine)
+    simulate(&automaton, &drive, 0.0, start, time, &fine)
 }
 
 fn multisine(input: &SyntheticInput, seed: u64) -> Result<Option<Multisine>, ExcitationError> {

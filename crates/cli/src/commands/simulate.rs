@@ -50,10 +50,11 @@ pub(crate) fn simulate(spec: &Path, record: Option<&str>, options: &Options) -> 
 /// Writes all records of the case below one another; several are told apart by a first column.
 fn write(loaded: &Loaded, runs: &[Motion], out: &mut dyn Write) -> Result<()> {
     let system = &loaded.case.system;
-    let names: Vec<&str> = system.quantities().take(system.columns()).map(|(name, _)| name).collect();
-    let columns = 0..names.len();
+    let columns = 0..system.columns();
     let measured: Vec<usize> =
         columns.clone().filter(|&k| loaded.records.iter().any(|r| r.columns[k].is_some())).collect();
+    // A motion leaves columns out: see `System::motion_column`.
+    let names: Vec<String> = columns.filter_map(|k| system.motion_column(k)).collect();
     let several = loaded.records.len() > 1;
     let kinds: Vec<bool> =
         [false, true].into_iter().filter(|&kind| runs.iter().any(|r| r.predicted == kind)).collect();
@@ -63,7 +64,7 @@ fn write(loaded: &Loaded, runs: &[Motion], out: &mut dyn Write) -> Result<()> {
         header.push("record".to_owned());
     }
     header.push("t".to_owned());
-    header.extend(measured.iter().map(|&k| names[k].to_owned()));
+    header.extend(measured.iter().map(|&k| system.measured(k).0.to_owned()));
     for &predicted in &kinds {
         let ending = if predicted { "model" } else { "true" };
         header.extend(names.iter().map(|name| format!("{name}_{ending}")));
@@ -84,7 +85,7 @@ fn write(loaded: &Loaded, runs: &[Motion], out: &mut dyn Write) -> Result<()> {
                 let cell = |k: usize| {
                     if run.predicted == predicted { number(run.columns[k].1[i]) } else { String::new() }
                 };
-                row.extend(columns.clone().map(cell));
+                row.extend((0..names.len()).map(cell));
             }
             row.extend(record.inputs.iter().map(|signal| number(signal.value(record.time[i]))));
             writer.write_record(&row)?;

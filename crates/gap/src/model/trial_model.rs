@@ -151,13 +151,15 @@ impl TrialModel {
                     };
                 }
                 for &(output, sign) in shows {
-                    let reads = system.outputs[output].node;
-                    system.outputs[output].node = if sign < 0.0 {
+                    let reads = system.outputs[output].reading;
+                    system.outputs[output].reading = if sign < 0.0 {
                         system.graph.sub(reads, force)
                     } else {
                         system.graph.add(reads, force)
                     };
                 }
+                // A force is no rate, so what could be filtered still can.
+                let _ = system.connect_filters();
                 applied.force = Some(force);
                 // A prescribed motion does not stick.
                 if law.sticks() && !acts.is_empty() {

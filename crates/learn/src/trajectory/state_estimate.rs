@@ -94,7 +94,8 @@ impl<'a> Filter<'a> {
         let mut graph = system.graph.clone();
         let mut names = system.names.clone();
         let n = system.states.len();
-        let forced: Vec<usize> = (0..n).filter(|&k| system.states[k].velocity.is_none()).collect();
+        let forced: Vec<usize> =
+            (0..n).filter(|&k| system.states[k].velocity.is_none() && !system.states[k].of_sensor).collect();
         let mut rates = without_signs(&mut graph, &system.known);
         // Each force is a walk, less its slow part, less the slow part of what is left: three states of the filter.
         let mut inner: [Vec<Id>; STAGES] = Default::default();

@@ -3,6 +3,7 @@
 mod checker;
 mod constants;
 mod csv;
+mod filters;
 mod rates;
 mod record;
 mod synthetic;

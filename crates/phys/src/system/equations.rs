@@ -1,6 +1,7 @@
 //! A checked system: known rates, unknown terms, parameters, contacts. It exists only if every name in the spec
 //! resolved.
 
+use crate::system::filter::Filter;
 use crate::system::model::Model;
 use crate::units::unit::{Dimension, Unit};
 use phisindy_expr::{Graph, Id, Names, Node, Unary};
@@ -19,6 +20,8 @@ pub struct State {
     pub node: Id,
     /// If its known rate is exactly another state: that state, its velocity.
     pub velocity: Option<usize>,
+    /// Whether it is of a sensor's filter and not of the rig: nothing acts on it.
+    pub of_sensor: bool,
 }
 
 /// A given function of time.
@@ -46,6 +49,8 @@ pub struct Output {
     /// As in the spec.
     pub reads: String,
     /// The same as a node, in which [`System::rate_symbols`] stand for the rates of states.
+    pub reading: Id,
+    /// What its column shows: the reading behind [`System::filters`].
     pub node: Id,
 }
 
@@ -123,6 +128,8 @@ pub struct System {
     pub inputs: Vec<Input>,
     /// In the order of the spec.
     pub outputs: Vec<Output>,
+    /// What stands between outputs and their columns, in the order of the signal.
+    pub filters: Vec<Filter>,
     /// The states whose whole rate an output reads, and the symbol that stands for it there.
     pub rate_symbols: Vec<(usize, Id)>,
     /// The known part of each rate; fixed constants are numbers.
@@ -198,7 +205,19 @@ impl System {
     /// Index of the column of a state or output.
     pub fn column(&self, name: &str) -> Option<usize> {
         let output = || self.outputs.iter().position(|o| o.name == name).map(|k| self.states.len() + k);
-        self.state(name).or_else(output)
+        // A filtered column of a state is an output with the name of the state.
+        output().or_else(|| self.state(name))
+    }
+
+    /// What a column is called where states and what sensors show of them stand side by side: the filtered column
+    /// of a state has a name of its own. None for a state of a filter, which is of no interest.
+    pub fn motion_column(&self, k: usize) -> Option<String> {
+        let name = self.measured(k).0;
+        match k.checked_sub(self.states.len()) {
+            None => (!self.states[k].of_sensor).then(|| name.to_owned()),
+            Some(_) if self.state(name).is_some() => Some(format!("{name}_filtered")),
+            Some(_) => Some(name.to_owned()),
+        }
     }
 
     /// Index of the sensor of a state, output or input.
@@ -260,6 +279,7 @@ impl System {
             factor,
             node,
             velocity: None,
+            of_sensor: false,
         });
         self.known.push(self.graph.constant(0.0));
         self.inertia.push(None);

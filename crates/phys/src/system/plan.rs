@@ -52,6 +52,8 @@ pub struct Synthetic {
     pub inputs: Vec<SyntheticInput>,
     /// Start state (SI).
     pub start: Vec<f64>,
+    /// States of filters whose start follows from the others, in the order in which they follow.
+    pub settled: Vec<(usize, Id)>,
     /// Seconds.
     pub duration: f64,
     /// Seconds between samples.

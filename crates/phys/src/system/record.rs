@@ -142,7 +142,9 @@ impl Record {
             let k = csv.columns.iter().position(|(n, _)| n.value == name)?;
             Some(table.columns[k].clone())
         };
-        let columns = system.quantities().take(system.columns()).map(|(name, _)| column(name)).collect();
+        let own =
+            |(k, (name, _)): (usize, (&str, &str))| column(name).filter(|_| system.column(name) == Some(k));
+        let columns = system.quantities().take(system.columns()).enumerate().map(own).collect();
         let mut raw: Vec<Option<Vec<f64>>> = Vec::new();
         for (k, input) in system.inputs.iter().enumerate() {
             let sensor = &plan.sensors[system.columns() + k];

@@ -245,6 +245,21 @@ pub struct SensorSpec {
     pub gain: Option<SensorValue>,
     /// How late the column is, in seconds unless a unit is given.
     pub delay: Option<SensorValue>,
+    /// What takes the high frequencies off the column.
+    pub lowpass: Option<FilterSpec>,
+    /// What takes the constant part and the low frequencies off the column.
+    pub highpass: Option<FilterSpec>,
+}
+
+/// A Butterworth filter between a sensor and its column.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FilterSpec {
+    /// Number of its poles, at least 1.
+    pub order: Spanned<u32>,
+    /// The frequency at which it halves the power, and the unit that is written beside it; none: Hz.
+    pub cutoff: (SensorValue, Option<Text>),
+    /// The whole form.
+    pub span: Span,
 }
 
 /// A parameter of a sensor.

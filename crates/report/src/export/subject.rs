@@ -78,6 +78,7 @@ impl Subject {
         let records = notes(case, record_constants);
         let interpolation = case.records[record].interpolation.clone();
         freed(&mut spec);
+        without_filters(&mut spec);
         // The caller has checked the dimensions with the constants as written.
         let (case, _) = check_names(&spec, SourceId(0))?;
         let system = case.system;
@@ -167,6 +168,19 @@ fn freed(spec: &mut Spec) {
                 span: value.span,
             });
         }
+    }
+}
+
+/// Takes the filters of sensors out: the exported model is that of the rig, and tells what outputs read.
+fn without_filters(spec: &mut Spec) {
+    let states: Vec<String> = spec.states.iter().map(|(name, _)| name.value.clone()).collect();
+    for data in &mut spec.data {
+        let (sensors, start) = match data {
+            DataSpec::Csv(csv) => (&mut csv.sensors, &mut csv.start),
+            DataSpec::Synthetic(synthetic) => (&mut synthetic.sensors, &mut synthetic.start),
+        };
+        sensors.iter_mut().for_each(|(_, sensor)| (sensor.lowpass, sensor.highpass) = (None, None));
+        start.retain(|(name, _)| states.contains(&name.value));
     }
 }
 

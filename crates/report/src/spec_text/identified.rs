@@ -25,9 +25,10 @@ pub fn identified(input: Input<'_>, found: &Identified) -> Result<String, String
     for (r, record) in found.records.iter().enumerate() {
         for own in record.adapted.iter().flat_map(|a| &a.values) {
             match &own.id.of {
-                ParameterOf::Constant { name, .. } => {
-                    of_data(&mut text, r, name, own.value / own.factor, &own.unit)?;
-                }
+                ParameterOf::Constant { index, name } => match filter_of(input, *index) {
+                    Some((column, kind)) => cutoff(&mut text, r, column, kind, own.value)?,
+                    None => of_data(&mut text, r, name, own.value / own.factor, &own.unit)?,
+                },
                 // Plain numbers of sensors are in SI units.
                 ParameterOf::Sensor { name, part, .. } => {
                     text.set(&["data", &r.to_string(), "sensors", name, part.name()], &number(own.value))?
@@ -175,7 +176,14 @@ fn parameters(text: &mut Text, spec: &Spec, input: Input<'_>, found: &Identified
         let value = p.estimate.value / p.factor;
         match (&p.id.of, p.id.record()) {
             (ParameterOf::Constant { name, .. }, None) => constant(text, spec, name, value)?,
-            (ParameterOf::Constant { name, .. }, Some(r)) => of_record(text, spec, input, name, r, p)?,
+            (ParameterOf::Constant { index, name }, Some(r)) => match filter_of(input, *index) {
+                Some((column, kind)) => {
+                    for r in records_of(input, r) {
+                        cutoff(text, r, column, kind, p.estimate.value)?;
+                    }
+                }
+                None => of_record(text, spec, input, name, r, p)?,
+            },
             (ParameterOf::Sensor { .. }, Some(r)) => sensor(text, input, r, p)?,
             (ParameterOf::Sensor { .. }, None) => {}
         }
@@ -218,6 +226,19 @@ fn of_record(
 /// The constant of one record.
 fn of_data(text: &mut Text, record: usize, name: &str, value: f64, unit: &str) -> Result<(), String> {
     text.set(&["data", &record.to_string(), "constants", name], &with_unit(value, unit))
+}
+
+/// The filter whose cutoff a parameter is: its column and the field of the sensor.
+fn filter_of(input: Input<'_>, parameter: usize) -> Option<(&str, &'static str)> {
+    let system = &input.case.system;
+    let filter = system.filters.iter().find(|f| f.own_parameter == Some(parameter))?;
+    Some((&system.outputs[filter.output].name, filter.kind.name()))
+}
+
+/// The cutoff of a record's filter in Hz.
+fn cutoff(text: &mut Text, record: usize, column: &str, kind: &str, value: f64) -> Result<(), String> {
+    let path = ["data", &record.to_string(), "sensors", column, kind, "cutoff"];
+    text.set(&path, &with_unit(value, "Hz"))
 }
 
 /// A number as a spec writes it.

@@ -46,6 +46,7 @@ impl Checker {
                 }
             }
         }
+        let shown: Vec<&str> = names.iter().copied().filter(|n| system.column(n).is_some()).collect();
         // Arrays of the inputs alone can drive a simulation.
         if !csv.in_memory && !csv.columns.iter().any(|(n, _)| system.column(&n.value).is_some()) {
             self.error(
@@ -54,7 +55,7 @@ impl Checker {
                 "",
             )
             .help
-            .push(format!("give at least one of {} a column", names[..system.columns()].join(", ")));
+            .push(format!("give at least one of {} a column", shown.join(", ")));
         }
         let (derived, differentiators) = self.derived(&csv.derive, system);
         for (k, input) in system.inputs.iter().enumerate() {

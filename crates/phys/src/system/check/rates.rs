@@ -25,6 +25,7 @@ impl Checker {
                 factor,
                 node,
                 velocity: None,
+                of_sensor: false,
             });
         }
         let mut inputs = Vec::new();
@@ -76,7 +77,7 @@ impl Checker {
         let (rate_symbols, outputs) = self.outputs(outputs, &states, &allowed);
         let system_states: Vec<Id> = states.iter().map(|s: &State| s.node).collect();
         let contacts = self.contacts(spec, &allowed, &states, &system_states, &known, &terms);
-        System {
+        let mut system = System {
             title: spec.title.as_ref().map_or(String::new(), |t| t.value.clone()),
             graph: self.graph.clone(),
             names: self.names.clone(),
@@ -84,6 +85,7 @@ impl Checker {
             states,
             inputs,
             outputs,
+            filters: vec![],
             rate_symbols,
             known,
             inertia,
@@ -92,7 +94,9 @@ impl Checker {
             record_constants: self.constants.of_records(),
             constants: self.constants.fixed(),
             contacts,
-        }
+        };
+        self.filters(spec, &mut system);
+        system
     }
 
     /// The outputs, and the symbols of the rates that they read.
@@ -115,7 +119,7 @@ impl Checker {
         for (name, spec, factor) in declared {
             let Some(node) = self.expression_with(&spec.reads, &allowed, &[RATE]) else { continue };
             let (name, unit, reads) = (name.value.clone(), spec.unit.value.clone(), spec.reads.value.clone());
-            outputs.push(Output { name, unit, factor, reads, node });
+            outputs.push(Output { name, unit, factor, reads, reading: node, node });
         }
         let nodes: Vec<Id> = outputs.iter().map(|o| o.node).collect();
         let used = |symbol: &Id| self.graph.uses(&nodes, &[*symbol]);

@@ -158,5 +158,7 @@ impl Checker {
 
 /// The names of what a sensor can measure: the states, the outputs, the inputs.
 pub(super) fn quantity_names(system: &System) -> Vec<&str> {
-    system.quantities().map(|(name, _)| name).collect()
+    let own =
+        |(k, (name, _)): (usize, (&'_ str, &'_ str))| system.sensor(name) == Some(k) && !name.contains(' ');
+    system.quantities().enumerate().filter(|&q| own(q)).map(|(_, (name, _))| name).collect()
 }

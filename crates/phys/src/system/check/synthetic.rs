@@ -27,8 +27,10 @@ impl Checker {
         let mut shown = vec![zero; system.outputs.len()];
         let names: Vec<&str> = system.quantities().take(system.columns()).map(|(name, _)| name).collect();
         for (name, text) in &data.truth {
-            let part =
-                system.column(&name.value).map(|k| (k, self.expression(text, &allowed).unwrap_or(zero)));
+            let part = system
+                .state(&name.value)
+                .or_else(|| system.column(&name.value))
+                .map(|k| (k, self.expression(text, &allowed).unwrap_or(zero)));
             match part {
                 Some((k, part)) if k < extra.len() => extra[k] = part,
                 Some((k, part)) => shown[k - extra.len()] = part,
@@ -68,7 +70,8 @@ impl Checker {
         let unexcited: Vec<_> = derived.iter().enumerate().map(|(k, of)| of.filter(|_| !own(k))).collect();
         let constants =
             self.record_constants(&DataSpec::Synthetic(Box::new(data.clone())), spec, system, &title);
-        let truth = self.truth_model(system, &extra, &shown, &inputs);
+        let (truth, settled) = self.truth_model(system, &extra, &shown, &inputs);
+        let settled = settled.into_iter().filter(|&(k, _)| start[k].is_none()).collect();
         let plan = RecordPlan {
             name: data.name.as_ref().map_or(format!("synthetic {index}"), |n| n.value.clone()),
             role: data.role,
@@ -83,6 +86,7 @@ impl Checker {
                 extra,
                 inputs,
                 start: start.into_iter().map(|x| x.unwrap_or(0.0)).collect(),
+                settled,
                 duration: data.duration.value,
                 step: data.step.value,
                 noise: data.noise.clone(),
@@ -100,7 +104,10 @@ impl Checker {
     fn measured(&mut self, data: &SyntheticSpec, system: &System) -> (Vec<bool>, Vec<bool>) {
         let (n, columns) = (system.states.len(), system.columns());
         let Some(list) = &data.measure else {
-            let recorded = |k| if columns > n { k >= n } else { true };
+            let declared = system.outputs.iter().any(|o| system.state(&o.name).is_none());
+            let own =
+                |k: usize| system.column(&system.states[k].name) == Some(k) && !system.states[k].of_sensor;
+            let recorded = |k| k >= n || (!declared && own(k));
             return ((0..columns).map(recorded).collect(), vec![false; system.inputs.len()]);
         };
         let (mut measured, mut inputs) = (vec![false; columns], vec![false; system.inputs.len()]);
@@ -123,14 +130,14 @@ impl Checker {
     }
 
     /// Known rates and outputs plus truth, formulas in the place of inputs, movable constants at their nominal
-    /// values.
+    /// values; and where the states of filters start, after the system has been at its start for long.
     fn truth_model(
         &mut self,
         system: &System,
         extra: &[Id],
         shown: &[Id],
         inputs: &[SyntheticInput],
-    ) -> Model {
+    ) -> (Model, Vec<(usize, Id)>) {
         let mut with: HashMap<Id, Id> = HashMap::new();
         for parameter in &system.parameters {
             let value = self.graph.constant(parameter.start);
@@ -143,15 +150,27 @@ impl Checker {
                 with.insert(input.node, formula);
             }
         }
-        let sums: Vec<Id> = system.known.iter().zip(extra).map(|(&g, &f)| self.graph.add(g, f)).collect();
+        let mut truth = System { graph: self.graph.clone(), ..system.clone() };
+        for (output, &part) in truth.outputs.iter_mut().zip(shown) {
+            output.reading = truth.graph.add(output.reading, part);
+        }
+        // What a force adds to a reading is no rate, so the reading stays as linear as it was.
+        let _ = truth.connect_filters();
+        self.graph = truth.graph;
+        let sums: Vec<Id> = truth.known.iter().zip(extra).map(|(&g, &f)| self.graph.add(g, f)).collect();
         let rates = self.graph.replace(&sums, &with);
-        let read: Vec<Id> =
-            system.outputs.iter().zip(shown).map(|(o, &part)| self.graph.add(o.node, part)).collect();
+        let read: Vec<Id> = truth.outputs.iter().map(|o| o.node).collect();
         let outputs = self.graph.replace(&read, &with);
         let whole: HashMap<Id, Id> =
             system.rate_symbols.iter().map(|&(k, symbol)| (symbol, rates[k])).collect();
         let outputs = self.graph.replace(&outputs, &whole);
-        Model {
+        let mut settled = Vec::new();
+        for filter in &truth.filters {
+            let known = self.graph.replace(&filter.settled, &with);
+            let starts = self.graph.replace(&known, &whole);
+            settled.extend(starts.into_iter().enumerate().map(|(k, id)| (filter.first + k, id)));
+        }
+        let model = Model {
             graph: self.graph.clone(),
             names: self.names.clone(),
             time: system.time,
@@ -160,7 +179,8 @@ impl Checker {
             parameters: system.record_constants.iter().map(|&(_, node)| node).collect(),
             rates,
             outputs,
-        }
+        };
+        (model, settled)
     }
 
     /// The expression of an input, or of the derivative of one, if it has one.

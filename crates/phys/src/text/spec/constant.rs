@@ -1,7 +1,7 @@
 //! Constants, and whatever else is a number that may move.
 
 use super::reader::Reader;
-use super::{ConstantSpec, Find, Movable, Number, SensorSpec, SensorValue, Text};
+use super::{ConstantSpec, FilterSpec, Find, Movable, Number, SensorSpec, SensorValue, Text};
 use crate::text::diagnostic::Diagnostic;
 use crate::text::raw::{Node, Shape};
 
@@ -83,13 +83,30 @@ impl Reader<'_> {
         self.note(diagnostic);
     }
 
-    /// Offset, gain and delay of a column.
+    /// Offset, gain, delay and filters of a column.
     pub(super) fn sensor(&mut self, node: &Node) -> Option<SensorSpec> {
-        let fields = self.fields(node, "a sensor", &["offset", "gain", "delay"])?;
+        let fields = self.fields(node, "a sensor", &["offset", "gain", "delay", "lowpass", "highpass"])?;
         let offset = self.optional(&fields, "offset", Self::sensor_value);
         let gain = self.optional(&fields, "gain", Self::sensor_value);
         let delay = self.optional(&fields, "delay", Self::sensor_value);
-        Some(SensorSpec { offset, gain, delay })
+        let lowpass = self.optional(&fields, "lowpass", Self::filter);
+        let highpass = self.optional(&fields, "highpass", Self::filter);
+        Some(SensorSpec { offset, gain, delay, lowpass, highpass })
+    }
+
+    /// `(order: 2, cutoff: (500.0, "Hz"))`
+    fn filter(&mut self, node: &Node) -> Option<FilterSpec> {
+        let fields = self.fields(node, "a filter", &["order", "cutoff"])?;
+        let order = self.required(&fields, "order", Self::count);
+        let cutoff =
+            self.required(&fields, "cutoff", |reader, node| match (node.shape, reader.variant(node)) {
+                (Shape::Group, None) => {
+                    let (value, unit) = reader.quantity(node)?;
+                    Some((SensorValue::Number(value), unit))
+                }
+                _ => Some((reader.sensor_value(node)?, None)),
+            });
+        Some(FilterSpec { order: order?, cutoff: cutoff?, span: node.span })
     }
 
     fn sensor_value(&mut self, node: &Node) -> Option<SensorValue> {
