@@ -295,6 +295,19 @@ decisions! {
     /// Iterations and gain of a quick score in single runs.
     QUICK_SINGLE: [f64; 2] = [4.0, 1e-3], "iterations, part of the cost", BLIND;
 
+    // States that only outputs tell.
+
+    /// Powers of ten of the power of an unknown force (SI), least and largest ...
+    WALK_DECADES: [i32; 2] = [-12, 12], "power of ten per second", Basis::Derived("from a rig of micrometres to one of tonnes; the likelihood chooses");
+    /// ... and parts of the record that it remembers.
+    WALK_MEMORIES: [f64; 3] = [0.3, 0.03, 0.003], "of the record", Basis::Judgement("a decade apart; the likelihood chooses");
+    /// Samples whose likelihood chooses them.
+    LIKELIHOOD_SAMPLES: usize = 2_000, "samples", Basis::Derived("enough to tell a decade of a variance");
+    /// Standard deviation of a state at its start.
+    DIFFUSE: f64 = 1e3, "SI", Basis::Derived("far above the motion of any rig");
+    /// The largest and the smallest part of a covariance that keeps it from being singular.
+    COVARIANCE_RIDGE: [f64; 2] = [1e-14, 1e-6], "of the largest variance, of its own", NUMERICS;
+
     // Noise of inputs.
 
     /// An input with larger changes from sample to sample is rough by itself.

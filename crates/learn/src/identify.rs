@@ -11,11 +11,12 @@ use crate::result::record_fit::RecordFit;
 use crate::result::requirements::requirements;
 use crate::result::warning::Warning;
 use crate::step::method::by_steps;
-use crate::trajectory::initial::sized;
+use crate::trajectory::initial::{sized, smoothed};
 use crate::trajectory::method::by_trajectory;
 use phisindy_phys::spec::{Method, Role};
 use phisindy_phys::{Case, Record, System};
 use phisindy_signal::standard_deviation;
+use rayon::prelude::*;
 use std::ops::ControlFlow;
 
 /// What the caller decides; the rest is in the spec.
@@ -66,12 +67,15 @@ pub fn identify(
     if let Some(wrong) = records.iter().find_map(|r| column_out_of_range(&case.system, r)) {
         return Err(wrong.into());
     }
-    let sized = sized(&case.system, records);
-    let records = &sized[..];
-    let mut found = match options.method.or(case.learn.method).unwrap_or(Method::Trajectory) {
-        Method::Step => by_steps(case, records, observe),
-        Method::Trajectory => by_trajectory(case, records, observe),
-    }?;
+    let with_sizes;
+    let (records, mut found) = match options.method.or(case.learn.method).unwrap_or(Method::Trajectory) {
+        Method::Step => (records, by_steps(case, records, observe)?),
+        Method::Trajectory => {
+            let smooth: Vec<Record> = records.par_iter().map(|r| smoothed(&case.system, r)).collect();
+            with_sizes = sized(&case.system, records, &smooth);
+            (&with_sizes[..], by_trajectory(case, &with_sizes, &smooth, observe)?)
+        }
+    };
     contributions(&case.system, records, &mut found);
     remarks(&case.system, &mut found);
     passivity(&case.system, records, &mut found);

@@ -6,6 +6,7 @@ use phisindy_phys::unit::Unit;
 use phisindy_phys::{
     Case, Contact, Record, RecordPlan, Sensor, SensorParameter, SourceId, System, check_names, takes_units,
 };
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// An effect that was added to a model.
@@ -57,8 +58,9 @@ pub struct TrialModel {
 impl TrialModel {
     /// The model of a spec.
     pub fn base(spec: Spec, case: Case, records: Vec<Record>) -> TrialModel {
-        let records = phisindy_learn::sized(&case.system, &records);
-        let smooth = records.iter().map(|r| phisindy_learn::smoothed(&case.system, r)).collect();
+        let smooth: Vec<Record> =
+            records.par_iter().map(|r| phisindy_learn::smoothed(&case.system, r)).collect();
+        let records = phisindy_learn::sized(&case.system, &records, &smooth);
         TrialModel::of(spec, case, records, smooth)
     }
 

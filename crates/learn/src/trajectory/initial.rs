@@ -6,20 +6,20 @@
 
 use crate::decisions::{LONGEST_STRETCH, RIDGE, SHORTEST_STRETCH, SLOW_CONTACT};
 use crate::linear::{solve_damped, symmetric};
-use crate::trajectory::state_estimate::estimated_states;
+use crate::trajectory::kalman_smoother::{estimated_states, reads_outputs};
 use phisindy_expr::{Id, Scratch, Tape, Unary};
 use phisindy_phys::{Record, System};
 use phisindy_signal::{Differentiator, differentiate, standard_deviation};
 use rayon::prelude::*;
 
-/// The records with the sizes of states that only outputs tell.
-pub fn sized(system: &System, records: &[Record]) -> Vec<Record> {
-    let of = |record: &Record| {
-        let states = estimated_states(system, record);
-        let sizes = states.map_or(vec![], |all| all.iter().map(|x| standard_deviation(x)).collect());
-        Record { sizes, ..record.clone() }
+/// The records with the sizes of states that only outputs tell, from what [`smoothed`] makes of them.
+pub fn sized(system: &System, records: &[Record], smooth: &[Record]) -> Vec<Record> {
+    let size = |column: &Option<Vec<f64>>| column.as_ref().map_or(0.0, |x| standard_deviation(x));
+    let of = |(record, smooth): (&Record, &Record)| {
+        let told = if reads_outputs(system, record) { system.states.len() } else { 0 };
+        Record { sizes: smooth.columns[..told].iter().map(size).collect(), ..record.clone() }
     };
-    records.par_iter().map(of).collect()
+    records.iter().zip(smooth).map(of).collect()
 }
 
 /// The record with every column smoothed, and columns for velocities that have none and for states that only

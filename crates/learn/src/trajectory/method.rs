@@ -14,15 +14,15 @@ use phisindy_phys::spec::{Role, SegmentsSpec, SelectionSpec};
 use phisindy_phys::{Case, Record, System};
 use std::ops::ControlFlow;
 
-/// Identifies by the trajectory method.
+/// Identifies by the trajectory method. `filled` is what [`super::initial::smoothed`] makes of the records.
 pub(crate) fn by_trajectory(
     case: &Case,
     records: &[Record],
+    filled: &[Record],
     observe: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Identified, LearnError> {
     let system = &case.system;
     let fitted: Vec<&Record> = records.iter().filter(|r| r.role == Role::Fit).collect();
-    let filled: Vec<Record> = records.iter().map(|r| smoothed(system, r)).collect();
     let smooth: Vec<Record> = filled.iter().filter(|r| r.role == Role::Fit).cloned().collect();
     let context = Context {
         system,
@@ -52,7 +52,7 @@ pub(crate) fn by_trajectory(
         near.first().and_then(|(terms, worse)| alternative(system, &fit.problem.terms, terms, *worse));
     let stop_reason = if stopped { StopReason::Interrupted } else { StopReason::Finished };
     let fit = context.resegmented(fit);
-    let mut found = report(case, records, &filled, &fit, path, stop_reason);
+    let mut found = report(case, records, filled, &fit, path, stop_reason);
     found.warnings.extend(alternative);
     let singular = |&k: &usize| Warning::SingularCandidate { term: TermId::new(system, k) };
     found.warnings.extend(regression.singular.iter().map(singular));

@@ -3,12 +3,13 @@
 //!
 //! The known rates hold but for an unknown force on every state that is not driven by another state alone. The
 //! force is a random walk that returns to zero, so it takes the shape of whatever the model lacks. Where no state
-//! is measured it has nothing below the lowest frequency of the outputs: an accelerometer does not show a slow
-//! drift of a displacement, and a force that causes one is not taken for what is missing. Friction of the model counts as such a
-//! force, for its sign jumps where the estimate is uncertain. States and forces follow from an extended Kalman
-//! filter and the smoother of Rauch, Tung and Striebel (AIAA J. 3 (1965) 1445-1450). Strength and memory of the
-//! walk are those of the largest likelihood.
+//! is measured it may have nothing below the lowest frequency of the outputs: an accelerometer hardly shows a slow
+//! drift of a displacement. Friction of the model counts as such a force, for its sign jumps where the estimate is
+//! uncertain. States and forces follow from an extended Kalman filter and the smoother of Rauch, Tung and Striebel
+//! (AIAA J. 3 (1965) 1445-1450). Strength, memory and lowest frequency of the walk are those of the largest
+//! likelihood.
 
+use crate::decisions::{COVARIANCE_RIDGE, DIFFUSE, LIKELIHOOD_SAMPLES, WALK_DECADES, WALK_MEMORIES};
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use phisindy_expr::{Graph, Id, Node, Scratch, Tape, Unary};
@@ -19,49 +20,62 @@ use std::collections::HashMap;
 
 /// Samples of each state. `None` where the known rates are not finite along the record, or it has no outputs.
 pub(crate) fn estimated_states(system: &System, record: &Record) -> Option<Vec<Vec<f64>>> {
-    let shown = (system.states.len()..system.columns()).any(|k| record.columns[k].is_some());
-    if !shown || system.states.is_empty() {
+    if !reads_outputs(system, record) {
         return None;
     }
     let filter = Filter::new(system, record)?;
     let span = record.time[record.len() - 1] - record.time[0];
     // A few decades of strength, three by three and then one by one; memories of a third of the record down to a
     // thousandth.
-    let walk = |decade: i32, part: f64| Walk { power: 10f64.powi(decade), memory: span * part };
-    let best = |trials: Vec<(i32, f64)>| {
-        let likelihood = |(decade, part): (i32, f64)| {
-            let run = filter.forward(walk(decade, part), LIKELIHOOD_SAMPLES);
-            (run.map_or(f64::NEG_INFINITY, |f| f.likelihood), decade, part)
+    let best = |trials: Vec<Walk>| -> Option<(f64, Walk)> {
+        let likelihood = |walk: Walk| {
+            let run = filter.forward(walk, LIKELIHOOD_SAMPLES);
+            (run.map_or(f64::NEG_INFINITY, |f| f.likelihood), walk)
         };
-        let all: Vec<(f64, i32, f64)> = trials.into_par_iter().map(likelihood).collect();
-        let best = all.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
-        best.filter(|b| b.0.is_finite()).map(|(_, decade, part)| (decade, part))
+        let all: Vec<(f64, Walk)> = trials.into_par_iter().map(likelihood).collect();
+        all.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).filter(|b| b.0.is_finite())
     };
-    let memories = [0.3, 0.03, 0.003];
-    let coarse = (-12..=12).step_by(3).flat_map(|d| memories.map(|part| (d, part))).collect();
-    let (near, memory) = best(coarse)?;
-    let (decade, memory) = best((near - 2..=near + 2).map(|d| (d, memory)).collect())?;
-    let forward = filter.forward(walk(decade, memory), usize::MAX)?;
+    let [least, most] = WALK_DECADES;
+    let likeliest = |lowest: f64| {
+        let walk = |decade: i32, memory: f64| Walk { decade, memory, lowest };
+        let coarse =
+            (least..=most).step_by(3).flat_map(|d| WALK_MEMORIES.map(|part| walk(d, span * part))).collect();
+        let (_, near) = best(coarse)?;
+        best((near.decade - 2..=near.decade + 2).map(|d| walk(d, near.memory)).collect())
+    };
+    // Whether a slow force is among what the outputs show is for the likelihood to say as well.
+    let slowest = if filter.lowest > 0.0 { vec![filter.lowest, 0.0] } else { vec![0.0] };
+    let all = slowest.into_iter().filter_map(likeliest);
+    let (_, walk) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let forward = filter.forward(walk, usize::MAX)?;
     let smooth = filter.backward(&forward)?;
     let n = system.states.len();
     let columns: Vec<Vec<f64>> = (0..n).map(|k| smooth.iter().map(|x| x[(k, 0)]).collect()).collect();
     columns.iter().flatten().all(|x| x.is_finite()).then_some(columns)
 }
 
-/// Samples whose likelihood chooses the strength of the unknown forces: enough for a decade.
-const LIKELIHOOD_SAMPLES: usize = 2_000;
+/// Whether a record has states of which outputs tell.
+pub(crate) fn reads_outputs(system: &System, record: &Record) -> bool {
+    !system.states.is_empty() && (system.states.len()..system.columns()).any(|k| record.columns[k].is_some())
+}
 
 /// States of the filter for each unknown force.
 const STAGES: usize = 3;
 
-/// Standard deviation of what is not known at the start (SI): far above the motion of any rig.
-const DIFFUSE: f64 = 1e3;
-
 /// The unknown forces: a random walk with this power per second that forgets within a memory (s).
 #[derive(Clone, Copy)]
 struct Walk {
-    power: f64,
+    /// Power of ten of its power per second.
+    decade: i32,
     memory: f64,
+    /// Below this frequency (rad/s) the forces have nothing.
+    lowest: f64,
+}
+
+impl Walk {
+    fn power(&self) -> f64 {
+        10f64.powi(self.decade)
+    }
 }
 
 /// The filter of one record.
@@ -157,7 +171,7 @@ impl<'a> Filter<'a> {
         let mut x = Mat::<f64>::zeros(w, 1);
         let start = |k: usize| match (k.checked_sub(n), k < n + self.forces) {
             (None, _) => DIFFUSE * DIFFUSE,
-            (_, true) => 0.5 * walk.power * walk.memory,
+            (_, true) => 0.5 * walk.power() * walk.memory,
             _ => 0.0,
         };
         let mut p = Mat::from_fn(w, w, |i, j| if i == j { start(i) } else { 0.0 });
@@ -211,7 +225,7 @@ impl<'a> Filter<'a> {
             x = there;
             p = &step * &p * step.transpose();
             for k in n..n + self.forces {
-                p[(k, k)] += walk.power * h;
+                p[(k, k)] += walk.power() * h;
             }
             out.steps.push(step);
         }
@@ -224,8 +238,8 @@ impl<'a> Filter<'a> {
         let Some(from) = c.checked_sub(self.n).filter(|c| c % self.forces == own) else { return 0.0 };
         match (stage, from / self.forces) {
             (0, 0) => -1.0 / walk.memory,
-            (1, 0) | (2, 0) => self.lowest,
-            (1, 1) | (2, 1 | 2) => -self.lowest,
+            (1, 0) | (2, 0) => walk.lowest,
+            (1, 1) | (2, 1 | 2) => -walk.lowest,
             _ => 0.0,
         }
     }
@@ -239,10 +253,10 @@ impl<'a> Filter<'a> {
             let ((x, p), (next, ahead)) = (&forward.updated[i], &forward.predicted[i + 1]);
             let cross = &forward.steps[i] * p;
             // Rounding of the diffuse start must not make the covariance singular.
-            let ridge = 1e-14 * (0..self.width).map(|k| ahead[(k, k)]).fold(0.0, f64::max);
+            let ridge = COVARIANCE_RIDGE[0] * (0..self.width).map(|k| ahead[(k, k)]).fold(0.0, f64::max);
             let ahead = Mat::from_fn(self.width, self.width, |a, b| {
                 0.5 * (ahead[(a, b)] + ahead[(b, a)])
-                    + if a == b { ridge.min(1e-6 * ahead[(a, a)]) } else { 0.0 }
+                    + if a == b { ridge.min(COVARIANCE_RIDGE[1] * ahead[(a, a)]) } else { 0.0 }
             });
             let gain = ahead.partial_piv_lu().solve(&cross);
             all[i] = x + gain.transpose() * (&all[i + 1] - next);
