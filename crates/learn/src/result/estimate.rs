@@ -25,7 +25,7 @@ impl Estimate {
         Estimate { value, std_error, ci95: (value - reach, value + reach) }
     }
 
-    /// Widens both by another variance, that between records.
+    /// Widens both by another variance: that between records, or that of a noisy input.
     pub(crate) fn widen(&mut self, variance: f64) {
         if variance > 0.0 {
             self.std_error = (self.std_error.powi(2) + variance).sqrt();
