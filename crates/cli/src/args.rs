@@ -303,6 +303,9 @@ pub(crate) struct Options {
     /// Change a field of the spec, as in learn.cutoff=0.1 or data.0.noise=Additive(0.02); repeatable
     #[arg(long = "set", global = true, value_name = "PATH=VALUE", value_parser = assignment)]
     pub(crate) sets: Vec<Assignment>,
+    /// The words of the command line after the name of the program.
+    #[arg(skip)]
+    pub(crate) line: Vec<String>,
 }
 
 impl Options {
@@ -315,6 +318,7 @@ impl Options {
             further_data: environment.map(PathBuf::from),
             laws: self.laws.clone(),
             seed: self.seed,
+            tables: vec![],
         }
     }
 }

@@ -11,7 +11,7 @@ use std::fmt;
 pub struct Case {
     pub(crate) text: String,
     pub(crate) spec: Spec,
-    checked: phys::Case,
+    pub(crate) checked: phys::Case,
     warnings: Vec<Diagnostic>,
     sources: Sources,
 }
@@ -54,6 +54,11 @@ impl Case {
     /// The title; empty where the text has none.
     pub fn title(&self) -> &str {
         &self.checked.system.title
+    }
+
+    /// Whether it has records that files hold, or tables in their place ([`crate::files::Request::tables`]).
+    pub fn has_files(&self) -> bool {
+        self.spec.data.iter().any(|data| matches!(data, DataSpec::Csv(csv) if !csv.in_memory))
     }
 
     /// Names of the states.

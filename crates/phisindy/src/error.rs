@@ -136,6 +136,11 @@ impl SpecError {
         SpecError { diagnostics, sources }
     }
 
+    /// The texts that the mistakes stand in.
+    pub fn sources(&self) -> &Sources {
+        &self.sources
+    }
+
     /// The mistakes, without the warnings beside them.
     pub fn mistakes(&self) -> impl Iterator<Item = &Diagnostic> {
         self.diagnostics.iter().filter(|d| d.is_error())

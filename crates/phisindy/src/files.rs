@@ -14,14 +14,16 @@
 //! # Ok::<(), phisindy::Error>(())
 //! ```
 
+mod columns;
 mod folders;
 mod laws;
 mod load;
 mod trends;
 
+pub use columns::Columns;
 pub use folders::{open_plain_file, opened};
 pub use laws::{LawFolderError, beside, catalogue};
-pub use load::{Purpose, Refusal, load, load_text, open, spec_text, start_of, with_assignments};
+pub use load::{Purpose, Refusal, load, load_text, open, open_text, spec_text, start_of, with_assignments};
 
 use std::path::PathBuf;
 
@@ -38,6 +40,8 @@ pub struct Request {
     pub laws: Option<PathBuf>,
     /// Seed of synthetic data, in place of the spec's.
     pub seed: Option<u64>,
+    /// Tables in the place of the files of the measured records, in their order; empty: the files are read.
+    pub tables: Vec<Columns>,
 }
 
 /// A field of a spec and its new value, `PATH=VALUE`.

@@ -7,6 +7,7 @@ use crate::loaded::Loaded;
 use crate::options::Options;
 use crate::record::Record;
 use phisindy_gap::{self as workflow, Activity, Status, Step};
+use phisindy_report::{Ending, Folder, Format, GapReport, Invocation, StopReason};
 
 /// Finds where a model and its records disagree, names the laws of the catalogue that are missing, and adds
 /// them. Candidates and laws in `unknown` are
@@ -29,15 +30,17 @@ impl Loaded {
         let laws = options.laws.cloned().unwrap_or_else(Catalogue::built_in);
         let mut observe =
             |fraction: f64, activity: Activity| options.progress(fraction, &activity.to_string());
-        let result = workflow::gap(&self.text, self.case, self.records, laws.laws(), &mut observe)?;
-        Ok(Gap { result, doubts: self.doubts })
+        let (case, records) = (self.case.clone(), self.records.clone());
+        let result = workflow::gap(&self.text, case, records, laws.laws(), &mut observe)?;
+        Ok(Gap { result, loaded: self, laws })
     }
 }
 
 /// What the search found. A gap is the rms of the residual of a free run in units of the noise: 1 is perfect.
 pub struct Gap {
     result: workflow::Gap,
-    doubts: Vec<String>,
+    loaded: Loaded,
+    laws: Catalogue,
 }
 
 impl Gap {
@@ -69,12 +72,28 @@ impl Gap {
     /// What a careful reader should know of the text, the records and the result.
     pub fn warnings(&self) -> Vec<String> {
         let found = self.result.warnings.iter().map(ToString::to_string);
-        self.doubts.iter().cloned().chain(found).collect()
+        self.loaded.doubts.iter().cloned().chain(found).collect()
     }
 
     /// Whether the observer stopped the work before its end.
     pub fn stopped(&self) -> bool {
         self.result.interrupted()
+    }
+
+    /// The result as `phisindy gap` prints it; the work took so many seconds.
+    pub fn written(&self, format: Format, seconds: f64) -> String {
+        self.report(seconds).written(format)
+    }
+
+    /// The files that `phisindy gap --out` keeps.
+    pub fn folder(&self, seconds: f64) -> Folder {
+        Folder::of_gap(&self.report(seconds), &Invocation::default())
+    }
+
+    fn report(&self, seconds: f64) -> GapReport<'_> {
+        let stopped = self.stopped().then_some(StopReason::Interrupt);
+        let ending = Ending { seconds, stopped };
+        GapReport { input: self.loaded.input(), gap: &self.result, catalogue: self.laws.laws(), ending }
     }
 
     /// The model with the laws written into it.

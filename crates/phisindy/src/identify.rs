@@ -8,7 +8,7 @@ use crate::options::Options;
 use crate::record::Record;
 use phisindy_learn::{self as learn, Estimate, FoundParameter, LearnOptions, RecordFit, Verdict};
 use phisindy_phys::Sources;
-use phisindy_report::{equations, spec_text};
+use phisindy_report::{Ending, Folder, Format, Invocation, RunReport, StopReason, equations, spec_text};
 
 /// Identifies the unknown part of a case from its records.
 ///
@@ -147,6 +147,21 @@ impl Identified {
     /// Whether the observer stopped the work before its end.
     pub fn stopped(&self) -> bool {
         self.result.interrupted()
+    }
+
+    /// The result as `phisindy run` prints it; the work took so many seconds.
+    pub fn written(&self, format: Format, seconds: f64) -> String {
+        self.report(seconds).written(format)
+    }
+
+    /// The files that `phisindy run --out` keeps.
+    pub fn folder(&self, seconds: f64) -> Folder {
+        Folder::of_run(&self.report(seconds), self.loaded.input(), &self.result, &Invocation::default())
+    }
+
+    fn report(&self, seconds: f64) -> RunReport<'_> {
+        let stopped = self.stopped().then_some(StopReason::Interrupt);
+        RunReport::new(self.loaded.input(), &self.result, Ending { seconds, stopped })
     }
 
     /// The identified model as a case: the terms stand in its known part, so that [`crate::simulate`]

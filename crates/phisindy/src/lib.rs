@@ -48,6 +48,7 @@ mod identify;
 mod laws;
 mod loaded;
 mod options;
+mod rates;
 mod record;
 mod simulate;
 
@@ -61,8 +62,9 @@ pub use options::{Observer, Options, Progress};
 pub use record::{Record, RecordError};
 pub use simulate::{Motion, SimulationError, simulate};
 
-pub use phisindy_gap::{Rival, Status, Step, StepParameter};
-pub use phisindy_learn::{Estimate, FoundParameter, RecordFit, Verdict};
-pub use phisindy_phys::Diagnostic;
+pub use phisindy_gap::{GapError, Rival, Status, Step, StepParameter};
+pub use phisindy_learn::{Estimate, FoundParameter, LearnError, RecordFit, Verdict};
 pub use phisindy_phys::LawEntry;
 pub use phisindy_phys::spec::{Method, Role};
+pub use phisindy_phys::{Diagnostic, Sources};
+pub use phisindy_report::{Folder, Format};

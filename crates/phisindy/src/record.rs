@@ -125,6 +125,8 @@ pub enum RecordError {
         /// All names of the case.
         names: Vec<String>,
     },
+    /// A state or an input has no column.
+    Missing(String),
     /// Two columns have this name.
     Repeated(String),
     /// A column is longer or shorter than the time.
@@ -158,7 +160,7 @@ pub enum RecordError {
 }
 
 impl RecordError {
-    fn unknown(column: &str, names: &[&str]) -> RecordError {
+    pub(crate) fn unknown(column: &str, names: &[&str]) -> RecordError {
         let nearest = phisindy_expr::nearest(column, names.iter().copied()).map(str::to_owned);
         let names = names.iter().map(|&n| n.to_owned()).collect();
         RecordError::UnknownColumn { column: column.to_owned(), nearest, names }
@@ -176,6 +178,7 @@ impl fmt::Display for RecordError {
                     None => write!(f, "there is: {}", names.join(", ")),
                 }
             }
+            RecordError::Missing(column) => write!(f, "there is no column `{column}`"),
             RecordError::Repeated(column) => write!(f, "the column `{column}` is given twice"),
             RecordError::Length { column, rows, times } => {
                 write!(f, "the column `{column}` has {rows} rows, the time `t` has {times}")

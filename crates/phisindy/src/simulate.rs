@@ -109,12 +109,29 @@ fn free_run(system: &System, record: &phys::Record) -> Result<Vec<Vec<f64>>, Sim
     let start: Vec<f64> = start.collect::<Result<_, _>>()?;
     let size = |k: usize| filled.columns[k].as_ref().map_or(0.0, |column| standard_deviation(column));
     let scale = start.iter().enumerate().map(|(k, x)| size(k).max(x.abs()));
-    let scale: Vec<f64> = scale.map(|s| if s > 0.0 { s } else { 1.0 }).collect();
-    phisindy_learn::predicted(system, record, &start, &scale).map_err(|e| match e {
+    let mut scale: Vec<f64> = scale.map(|s| if s > 0.0 { s } else { 1.0 }).collect();
+    // A state without a column may become far larger than where it starts, and that is no lack of bounds.
+    for _ in 0..LARGER {
+        let run = phisindy_learn::predicted(system, record, &start, &scale);
+        if !run.as_ref().is_err_and(|e| matches!(e, ModelError::Simulation(SimError::Diverged { .. }))) {
+            return run.map_err(failed);
+        }
+        let unknown = |k: &usize| size(*k) == 0.0;
+        (0..scale.len()).filter(unknown).for_each(|k| scale[k] *= LARGER_BY);
+    }
+    phisindy_learn::predicted(system, record, &start, &scale).map_err(failed)
+}
+
+fn failed(error: ModelError) -> SimulationError {
+    match error {
         ModelError::Unbound(reason) => SimulationError::Model(reason),
         ModelError::Simulation(error) => SimulationError::Run(error),
-    })
+    }
 }
+
+/// How often, and by how much, a state without a column is allowed to be larger than was thought.
+const LARGER: usize = 4;
+const LARGER_BY: f64 = 1e3;
 
 /// Why a model has no free run along a record.
 #[derive(Clone, Debug, PartialEq)]

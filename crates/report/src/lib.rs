@@ -8,12 +8,14 @@
 //! Identified --> identified spec                             (spec_text)
 //! runs of a sweep --> Statistics --> table, JSON             (sweep)
 //! a model without unknown part --> Python, C, Modelica, JSON (export)
+//! RunReport, GapReport --> Folder: the files of `--out`
 //! laws --> list, gallery, pictures                           (laws)
 //! ```
 
 mod chart;
 mod equation;
 pub mod export;
+mod folder;
 mod format;
 pub mod gap;
 pub mod html;
@@ -26,6 +28,7 @@ pub mod sweep;
 pub mod table;
 
 pub use equation::{Equation, equations};
+pub use folder::Folder;
 pub use format::Format;
 pub use gap::GapReport;
 pub use html::HtmlReport;

@@ -1,16 +1,16 @@
 //! `phisindy gap`.
 
-use super::spec_file::{failed, invocation, keep_failure, loaded, write_html};
+use super::spec_file::{failed, invocation, keep, keep_failure, loaded};
 use crate::args::Options;
 use crate::interrupt;
-use crate::outdir::{self, OutDir};
+use crate::outdir;
 use crate::progress::Progress;
-use crate::terminal::{INPUT, NUMERICS, REJECTED, complain, print, remark};
+use crate::terminal::{INPUT, NUMERICS, REJECTED, print, remark};
 use anyhow::Result;
 use phisindy::files::{Purpose, beside};
 use phisindy_gap::{GapError, Status};
-use phisindy_report::spec_text::{COMPLETED, IDENTIFIED, completed};
-use phisindy_report::{Ending, GapReport, html};
+use phisindy_report::spec_text::IDENTIFIED;
+use phisindy_report::{Ending, Folder, GapReport};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
@@ -61,7 +61,8 @@ pub(crate) fn gap(spec: &Path, options: &Options) -> Result<u8> {
     if !options.quiet {
         report.notes().for_each(|w| remark(&format!("note: {w}")));
     }
-    let kept = folder.as_ref().map_or(Ok(()), |folder| keep(&report, options, folder));
+    let kept =
+        folder.as_ref().map_or(Ok(()), |folder| keep(&Folder::of_gap(&report, &invocation(options)), folder));
     // A full disk must not lose the result, so it is printed first.
     print(&report.written(options.format.into()))?;
     kept?;
@@ -73,16 +74,4 @@ pub(crate) fn gap(spec: &Path, options: &Options) -> Result<u8> {
         (false, Status::Unexplained) => REJECTED,
         (false, _) => 0,
     })
-}
-
-/// Writes the files of a result.
-fn keep(report: &GapReport<'_>, options: &Options, folder: &OutDir) -> Result<()> {
-    folder.write("result.json", &report.json_lines())?;
-    folder.write("gap.txt", &report.text_with_remarks())?;
-    let (text, lacks) = completed(report);
-    if let Some(why) = lacks {
-        complain(&format!("{COMPLETED} has no start states and sensors: {why}"));
-    }
-    folder.write(COMPLETED, &text)?;
-    write_html(&html::gap(report, &invocation(options)), folder)
 }

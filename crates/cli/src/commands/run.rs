@@ -1,18 +1,18 @@
 //! `phisindy run`.
 
-use super::spec_file::{failed, invocation, keep_failure, loaded, write_html};
+use super::spec_file::{failed, invocation, keep, keep_failure, loaded};
 use crate::args::{Format, Options};
 use crate::outdir::{self, OutDir};
 use crate::progress::Progress;
-use crate::terminal::{INPUT, NUMERICS, REJECTED, complain, print, remark};
+use crate::terminal::{INPUT, NUMERICS, REJECTED, print, remark};
 use crate::{draw, interrupt};
 use anyhow::Result;
 use phisindy::Loaded;
 use phisindy::files::Purpose;
 use phisindy_learn::{Identified, LearnError, LearnOptions, Verdict, identify};
 use phisindy_phys::{Diagnostic, Sources};
-use phisindy_report::spec_text::{COMPLETED, IDENTIFIED, identified};
-use phisindy_report::{Ending, RunReport, html};
+use phisindy_report::spec_text::COMPLETED;
+use phisindy_report::{Ending, Folder, RunReport};
 use std::io::{self, IsTerminal};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -65,7 +65,9 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
     if !options.quiet {
         caution(&report, options.format);
     }
-    let kept = folder.map_or(Ok(()), |folder| keep(&report, &loaded, &found, options, folder));
+    let kept = folder.map_or(Ok(()), |folder| {
+        keep(&Folder::of_run(&report, loaded.input(), &found, &invocation(options)), folder)
+    });
     // A full disk must not lose the result, so it is printed first.
     let blank = if follows && options.format != Format::Json { "\n" } else { "" };
     print(&format!("{blank}{}", report.written(options.format.into())))?;
@@ -78,23 +80,6 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
         (false, Verdict::Identified) => 0,
         (false, Verdict::Rejected(_)) => REJECTED,
     })
-}
-
-/// Writes the files of a run.
-fn keep(
-    report: &RunReport<'_>,
-    loaded: &Loaded,
-    found: &Identified,
-    options: &Options,
-    folder: &OutDir,
-) -> Result<()> {
-    folder.write("result.json", &report.written(phisindy_report::Format::Json))?;
-    folder.write("equation.tex", &report.written(phisindy_report::Format::Latex))?;
-    match identified(loaded.input(), found) {
-        Ok(text) => folder.write(IDENTIFIED, &text)?,
-        Err(why) => complain(&format!("identified.ron cannot be written: {why}")),
-    }
-    write_html(&html::run(report, &invocation(options)), folder)
 }
 
 /// Notes and warnings on standard error; warnings not twice if the result goes to the same terminal.

@@ -9,7 +9,7 @@ use phisindy::Loaded;
 use phisindy::files::{Purpose, Refusal, load};
 use phisindy_phys::{Diagnostic, Sources};
 use phisindy_report::html::{self, HtmlReport};
-use phisindy_report::{Input, Invocation};
+use phisindy_report::{Folder, Input, Invocation};
 use std::path::Path;
 
 /// Reads a spec and shows its diagnostics; mistakes also go into the report of a folder.
@@ -76,7 +76,7 @@ pub(super) fn keep_failure(
 }
 
 /// Writes a report and its figures.
-pub(super) fn write_html(report: &HtmlReport, folder: &OutDir) -> Result<()> {
+fn write_html(report: &HtmlReport, folder: &OutDir) -> Result<()> {
     if !report.figures.is_empty() {
         let figures = OutDir::create(&folder.path().join("figures"))?;
         for (name, svg) in &report.figures {
@@ -86,11 +86,23 @@ pub(super) fn write_html(report: &HtmlReport, folder: &OutDir) -> Result<()> {
     folder.write("report.html", &report.page)
 }
 
+/// Writes the files of a result.
+pub(super) fn keep(files: &Folder, folder: &OutDir) -> Result<()> {
+    if let Some(why) = &files.lacks {
+        complain(why);
+    }
+    let figures = files.files.iter().any(|(path, _)| path.starts_with("figures/"));
+    let inner = figures.then(|| OutDir::create(&folder.path().join("figures"))).transpose()?;
+    for (path, text) in &files.files {
+        match (path.strip_prefix("figures/"), &inner) {
+            (Some(name), Some(inner)) => inner.write(name, text)?,
+            _ => folder.write(path, text)?,
+        }
+    }
+    Ok(())
+}
+
 /// How the program was called.
 pub(super) fn invocation(options: &Options) -> Invocation {
-    Invocation {
-        arguments: std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect(),
-        assigned: !options.sets.is_empty(),
-        seed: options.seed,
-    }
+    Invocation { arguments: options.line.clone(), assigned: !options.sets.is_empty(), seed: options.seed }
 }

@@ -6,7 +6,7 @@ use crate::result::identified::{Identified, PathPoint, StopReason};
 use crate::result::quantity::TermId;
 use crate::result::warning::Warning;
 use crate::trajectory::fit::{Context, Fit};
-use crate::trajectory::initial::{Regression, smoothed};
+use crate::trajectory::initial::Regression;
 use crate::trajectory::problem::Problem;
 use crate::trajectory::report::report;
 use crate::trajectory::select::{Selection, rivals, select};

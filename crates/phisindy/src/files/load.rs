@@ -1,5 +1,6 @@
 //! From a spec file to a checked case with its records.
 
+use super::columns::Columns;
 use super::folders::{self, Folders, Missing};
 use super::laws;
 use super::trends::Trends;
@@ -139,6 +140,26 @@ pub fn open(path: &Path, request: &Request) -> Result<Loaded, Error> {
     }
 }
 
+/// As [`open`], of a text that was read before, or that is no file: `path` names it in messages, and its data files
+/// are looked for beside it.
+///
+/// # Errors
+/// The text or one of its files is wrong.
+pub fn open_text(text: &str, path: &Path, request: &Request, purpose: Purpose) -> Result<Loaded, Error> {
+    let (mut sources, mut found) = (Sources::default(), Vec::new());
+    let loaded = match with_assignments(text.to_owned(), &request.assignments, &mut sources) {
+        Ok(text) => load_text(path, text, request, purpose, &mut sources, &mut found),
+        Err(d) => {
+            found.push(d);
+            Err(Refusal::Input)
+        }
+    };
+    match loaded {
+        Ok(loaded) => Ok(Loaded { doubts: found.into_iter().map(|d| d.message).collect(), ..loaded }),
+        Err(Refusal::Input | Refusal::Numerics) => Err(SpecError::new(found, sources).into()),
+    }
+}
+
 /// The text of the spec.
 pub fn spec_text(path: &Path) -> Result<String, Diagnostic> {
     let shown = path.display();
@@ -226,17 +247,18 @@ impl Suspected {
 
 type Records = (Vec<Record>, Vec<Option<Trajectory>>);
 
-impl Loader<'_> {
+impl<'r> Loader<'r> {
     fn records(&mut self, case: &Case, purpose: Purpose) -> Result<Records, Refusal> {
         let (mut records, mut truths, mut plans) = (vec![], vec![], vec![]);
         let mut refusal = None;
+        let tables = self.tables(case)?;
         for (index, plan) in case.records.iter().enumerate() {
             let made = match (&plan.origin, purpose) {
                 (Origin::Csv(_), Purpose::Simulate) if case.is_open() => continue,
                 (Origin::Synthetic(_), Purpose::Check) => continue,
-                (Origin::Csv(csv), _) => {
-                    self.measured(plan, csv, case, purpose).map(|record| record.map(|r| (r, None)))
-                }
+                (Origin::Csv(csv), _) => self
+                    .measured(plan, csv, tables[index], case, purpose)
+                    .map(|record| record.map(|r| (r, None))),
                 (Origin::Synthetic(_), _) => {
                     self.synthetic(index, plan, case).map(|(r, truth)| Some((r, Some(truth))))
                 }
@@ -264,6 +286,39 @@ impl Loader<'_> {
             refusal = refusal.or(Some(Refusal::Input));
         }
         refusal.map_or(Ok((records, truths)), Err)
+    }
+
+    /// For each record the table in the place of its file: one for each measured record, or one for each file.
+    fn tables(&mut self, case: &Case) -> Result<Vec<Option<&'r Columns>>, Refusal> {
+        let given = &self.request.tables;
+        let mut files: Vec<&str> = Vec::new();
+        let mut all = vec![None; case.records.len()];
+        let mut measured = 0;
+        for (place, plan) in all.iter_mut().zip(&case.records) {
+            let Origin::Csv(csv) = &plan.origin else { continue };
+            let path = csv.path.value.as_str();
+            let file = files.iter().position(|f| *f == path).unwrap_or_else(|| {
+                files.push(path);
+                files.len() - 1
+            });
+            *place = Some((measured, file));
+            measured += 1;
+        }
+        if !given.is_empty() && given.len() != measured && given.len() != files.len() {
+            let message = format!(
+                "{} tables are given for {measured} measured records of {} files",
+                given.len(),
+                files.len()
+            );
+            let d = Diagnostic::error(message);
+            self.push(
+                d.help("give a table for each record with a file, or one for each file, in their order"),
+            );
+            return Err(Refusal::Input);
+        }
+        let by_record = given.len() == measured;
+        let table = |(record, file): (usize, usize)| given.get(if by_record { record } else { file });
+        Ok(all.into_iter().map(|place| place.and_then(table)).collect())
     }
 
     /// Warns of something odd about a record; what several records share is one warning.
@@ -294,6 +349,7 @@ impl Loader<'_> {
         &mut self,
         plan: &RecordPlan,
         csv: &CsvSpec,
+        table: Option<&Columns>,
         case: &Case,
         purpose: Purpose,
     ) -> Result<Option<Record>, Refusal> {
@@ -303,20 +359,20 @@ impl Loader<'_> {
             self.push(d.help("name a file: `Csv(path: \"run.csv\", ...)`"));
             return Err(Refusal::Input);
         }
-        let path = match self.folders.find(&csv.path.value, self.source, csv.path.span) {
-            Ok(path) => path,
-            Err(Missing::Nowhere(mut d)) if purpose == Purpose::Check && !self.folders.given => {
+        let units = Units::of(csv, &case.system);
+        let read = match (table, self.folders.find(&csv.path.value, self.source, csv.path.span)) {
+            (Some(table), _) => table.read(csv, &units, self.source, self.sources),
+            (None, Ok(path)) => folders::read(csv, &units, &path, self.source, self.sources),
+            (None, Err(Missing::Nowhere(mut d))) if purpose == Purpose::Check && !self.folders.given => {
                 d.severity = Severity::Warning;
                 self.push(d);
                 return Ok(None);
             }
-            Err(missing) => {
+            (None, Err(missing)) => {
                 self.push(missing.diagnostic());
                 return Err(Refusal::Input);
             }
         };
-        let units = Units::of(csv, &case.system);
-        let read = folders::read(csv, &units, &path, self.source, self.sources);
         let record = read.and_then(|(mut table, warnings)| {
             warnings.into_iter().chain(beyond_the_end(csv, &table, self.source)).for_each(|d| self.push(d));
             let done = self.trends.take_off(csv, &units, &mut table);

@@ -26,7 +26,7 @@ pub struct Source {
 
 impl Source {
     /// Line and column of a byte, counted from 1; columns are characters.
-    fn line_and_column(&self, byte: usize) -> (usize, usize) {
+    pub fn line_and_column(&self, byte: usize) -> (usize, usize) {
         let mut at = byte.min(self.text.len());
         while !self.text.is_char_boundary(at) {
             at -= 1;

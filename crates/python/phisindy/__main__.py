@@ -1,0 +1,5 @@
+"""``python -m phisindy``: the command ``phisindy``."""
+
+from ._program import main
+
+main()

@@ -1,0 +1,81 @@
+"""A case: the text of a spec."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from . import _native
+from ._errors import DataError
+
+
+class Case:
+    """A checked spec (see the reference: states, known rates, what is unknown).
+
+    ``text`` is the spec in RON. Data files that it names are looked for in ``folder``.
+    Raises ``SpecError`` with all mistakes, each with its line.
+    """
+
+    def __init__(self, text: str, *, folder: str | os.PathLike[str] = "") -> None:
+        self._path = Path(folder) / "spec"
+        self._native = _native.Case(text, self._path)
+
+    @classmethod
+    def from_file(cls, path: str | os.PathLike[str]) -> Case:
+        """The case in a file; its data files are looked for beside it."""
+        path = Path(path)
+        try:
+            text = path.read_text(encoding="utf-8-sig")
+        except (OSError, UnicodeDecodeError) as error:
+            raise DataError(f"cannot read the spec `{path}`: {error}") from error
+        return _made(text, path)
+
+    def set(self, path: str, value: str | float | bool) -> Case:
+        """The case with one field changed or added, as ``--set`` of the command does.
+
+        ``path`` is made of fields, keys and indices (``"data.0.noise"``); ``value`` is RON (``"Additive(0.02)"``)
+        or a number. This case stays as it is.
+        """
+        text = value if isinstance(value, str) else repr(value).lower() if isinstance(value, bool) else repr(value)
+        other = Case.__new__(Case)
+        other._path = self._path
+        other._native = getattr(self._native, "with")(path, text)
+        return other
+
+    def check(self) -> list[str]:
+        """What is odd about the text, with its place. Mistakes are raised when a case is made."""
+        return self._native.warnings
+
+    @property
+    def text(self) -> str:
+        """The spec."""
+        return self._native.text
+
+    @property
+    def title(self) -> str:
+        """Its title."""
+        return self._native.title
+
+    @property
+    def states(self) -> list[str]:
+        """Names of the states."""
+        return self._native.states
+
+    @property
+    def inputs(self) -> list[str]:
+        """Names of the inputs."""
+        return self._native.inputs
+
+    def __repr__(self) -> str:
+        title = f"{self.title!r}, " if self.title else ""
+        return f"Case({title}states {', '.join(self.states)})"
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return (_made, (self.text, self._path))
+
+
+def _made(text: str, path: Path) -> Case:
+    case = Case.__new__(Case)
+    case._path = path
+    case._native = _native.Case(text, path)
+    return case

@@ -1,0 +1,76 @@
+"""Types of the compiled module."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ._tables import Column, Columns
+
+__version__: str
+
+class PhisindyError(Exception):
+    """Anything that phisindy refuses."""
+
+class SpecError(PhisindyError):
+    """A mistake in a spec: the text shows each with its line; ``mistakes`` has them as dicts."""
+
+    mistakes: list[dict[str, Any]]
+
+class DataError(PhisindyError):
+    """Data that make no sense with the case."""
+
+class NumericsError(PhisindyError):
+    """A computation that failed."""
+
+class Case:
+    def __init__(self, text: str, path: Path) -> None: ...
+    @property
+    def text(self) -> str: ...
+    @property
+    def title(self) -> str: ...
+    @property
+    def states(self) -> list[str]: ...
+    @property
+    def inputs(self) -> list[str]: ...
+    @property
+    def warnings(self) -> list[str]: ...
+
+class Run:
+    def __init__(
+        self,
+        case: Case,
+        tables: list[Columns],
+        *,
+        seed: int | None = None,
+        method_name: str | None = None,
+        jobs: int | None = None,
+        progress: Callable[[float, str], object] | None = None,
+        laws: Path | None = None,
+    ) -> None: ...
+    def json(self) -> str: ...
+    def written(self, latex: bool) -> str: ...
+    def latex(self) -> str: ...
+    def files(self) -> list[tuple[str, str]]: ...
+    def model(self) -> str: ...
+
+class Gap:
+    def __init__(
+        self,
+        case: Case,
+        tables: list[Columns],
+        *,
+        seed: int | None = None,
+        jobs: int | None = None,
+        progress: Callable[[float, str], object] | None = None,
+        laws: Path | None = None,
+    ) -> None: ...
+    def json(self) -> str: ...
+    def written(self) -> str: ...
+    def files(self) -> list[tuple[str, str]]: ...
+    def model(self) -> str: ...
+
+def program(line: list[str]) -> int: ...
+def laws(folder: Path | None = None) -> list[tuple[str, str, str, str, str]]: ...
+def motions(case: Case, tables: list[Columns], seed: int | None = None) -> list[dict[str, Any]]: ...
+def motion(case: Case, table: Columns, start: str) -> dict[str, Any]: ...
+def rates(case: Case, table: Columns) -> list[tuple[str, Column]]: ...

@@ -1,0 +1,201 @@
+"""Results: what the command prints as JSON, as attributes."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _native
+from ._tables import table
+
+if TYPE_CHECKING:
+    from ._case import Case
+
+Array = npt.NDArray[np.float64]
+
+
+class Motion(Mapping[str, Array]):
+    """Arrays by name: ``t`` in seconds, then states and outputs in SI. ``record`` is the name of the record."""
+
+    def __init__(self, columns: dict[str, Any]) -> None:
+        self.record: str = columns.pop("record")
+        self._columns: dict[str, Array] = columns
+
+    def __getitem__(self, name: str) -> Array:
+        return self._columns[name]
+
+    def __iter__(self) -> Any:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        return len(self._columns)
+
+    def __repr__(self) -> str:
+        return f"Motion({self.record!r}: {', '.join(self)})"
+
+
+class _Result:
+    """What results of ``run`` and ``gap`` share."""
+
+    _native: Any
+
+    @cached_property
+    def _dict(self) -> dict[str, Any]:
+        found: dict[str, Any] = json.loads(self._native.json())
+        return found
+
+    @cached_property
+    def _files(self) -> dict[str, str]:
+        return dict(self._native.files())
+
+    @cached_property
+    def case(self) -> Case:
+        """The completed model as a case without unknown part."""
+        from ._case import Case
+
+        return Case(self._native.model())
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a careful reader should know."""
+        return list(self._dict["warnings"])
+
+    @property
+    def records(self) -> list[dict[str, Any]]:
+        """How the model runs along each record."""
+        return list(self._dict["records"])
+
+    @property
+    def parameters(self) -> list[dict[str, Any]]:
+        """Constants and sensors that were fitted: name, value, unit, standard error, 95 % interval."""
+        return list(self._dict["parameters"])
+
+    def to_dict(self) -> dict[str, Any]:
+        """The JSON of the command."""
+        found: dict[str, Any] = json.loads(self._native.json())
+        return found
+
+    def save(self, folder: str | os.PathLike[str]) -> Path:
+        """Writes the folder that ``--out`` of the command writes: report.html, result.json, the model."""
+        folder = Path(folder)
+        for name, text in self._files.items():
+            path = folder / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+        return folder
+
+    def simulate(
+        self, t: Any, inputs: Mapping[str, Any] | None = None, start: Mapping[str, float] | None = None
+    ) -> Motion:
+        """The motion at the times ``t`` from ``start`` (a value for each state, zero if absent), driven by ``inputs``.
+
+        Times in seconds, inputs and start in the units of the spec; the motion is in SI.
+        """
+        begin = {name: 0.0 for name in self.case.states} | dict(start or {})
+        text = ", ".join(f"{json.dumps(name)}: {float(value)!r}" for name, value in begin.items())
+        columns = table({"t": t, **(inputs or {})})
+        return Motion(_native.motion(self.case._native, columns, f"{{ {text} }}"))
+
+    def rates(self, t: Any, x: Mapping[str, Any], u: Mapping[str, Any] | None = None) -> dict[str, Array]:
+        """The rates of the states at rows of time, states ``x`` and inputs ``u``, in the units of the spec per second."""
+        columns = table({"t": t, **x, **(u or {})})
+        return dict(_native.rates(self.case._native, columns))
+
+    def _repr_html_(self) -> str:
+        page = html.escape(self._files["report.html"])
+        return f'<iframe srcdoc="{page}" style="width: 100%; height: 900px; border: 0"></iframe>'
+
+
+class Identified(_Result):
+    """What ``run`` found."""
+
+    def __init__(self, native: _native.Run) -> None:
+        self._native = native
+
+    @property
+    def verdict(self) -> str:
+        """``identified`` or ``rejected``."""
+        return str(self._dict["verdict"])
+
+    @property
+    def status(self) -> str:
+        """The same as ``verdict``."""
+        return self.verdict
+
+    @cached_property
+    def latex(self) -> str:
+        """The equations in LaTeX, a line for each."""
+        return str(self._native.latex())
+
+    @property
+    def equations(self) -> list[dict[str, Any]]:
+        """The equations with their terms."""
+        return list(self._dict["equations"])
+
+    @property
+    def terms(self) -> list[dict[str, Any]]:
+        """The terms of all equations: state, candidate, coefficient, unit, standard error, 95 % interval."""
+        return [{"state": one["state"], **term} for one in self.equations for term in one["terms"]]
+
+    @property
+    def steps(self) -> list[dict[str, Any]]:
+        """Laws that were added: none, ``run`` adds no laws."""
+        return []
+
+    def _repr_latex_(self) -> str:
+        return "\n".join(f"$\\displaystyle {line}$\n" for line in self.latex.splitlines())
+
+    def __repr__(self) -> str:
+        return str(self._native.written(False))
+
+
+class Gap(_Result):
+    """What ``gap`` found."""
+
+    def __init__(self, native: _native.Gap) -> None:
+        self._native = native
+
+    @property
+    def status(self) -> str:
+        """``explained``, ``described``, ``nothing-missing`` or ``unexplained``."""
+        return str(self._dict["status"])
+
+    @property
+    def verdict(self) -> str:
+        """The same as ``status``."""
+        return self.status
+
+    @property
+    def steps(self) -> list[dict[str, Any]]:
+        """The laws that were added, in their order."""
+        return list(self._dict["steps"])
+
+    @property
+    def terms(self) -> list[dict[str, Any]]:
+        """The same as ``steps``."""
+        return self.steps
+
+    @property
+    def equations(self) -> list[dict[str, Any]]:
+        """The forces that were added."""
+        keys = ("law", "at", "expression")
+        return [{key: step.get(key) for key in keys} for step in self.steps]
+
+    @property
+    def latex(self) -> str:
+        """The forces that were added in LaTeX, a line for each."""
+        return "\n".join(str(step.get("latex", step["expression"])) for step in self.steps)
+
+    def _repr_latex_(self) -> str:
+        return "\n".join(f"$\\displaystyle {line}$\n" for line in self.latex.splitlines())
+
+    def __repr__(self) -> str:
+        return str(self._native.written())

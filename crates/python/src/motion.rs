@@ -1,0 +1,60 @@
+//! Motions and rates of a model without unknown part.
+
+use crate::errors::{DataError, raised};
+use crate::fit::NativeCase;
+use crate::table::{Table, slices};
+use numpy::{PyArray1, ToPyArray};
+use phisindy::files::Purpose;
+use phisindy::{Motion, simulate};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+pub(crate) fn add(m: &Bound<'_, PyModule>) -> PyResult<()> {
+    m.add_function(wrap_pyfunction!(motions, m)?)?;
+    m.add_function(wrap_pyfunction!(motion, m)?)?;
+    m.add_function(wrap_pyfunction!(rates, m)?)
+}
+
+/// The motion along each record: a dict of arrays each, with `t` and `record`.
+#[pyfunction]
+#[pyo3(signature = (case, tables, seed=None))]
+fn motions(
+    py: Python<'_>,
+    case: &NativeCase,
+    tables: Vec<Table<'_>>,
+    seed: Option<u64>,
+) -> PyResult<Vec<Py<PyDict>>> {
+    let loaded = case.loaded(py, &tables, seed, Purpose::Simulate)?;
+    let all = py.detach(|| loaded.simulate()).map_err(|e| raised(py, e))?;
+    all.iter().map(|motion| dict(py, motion)).collect()
+}
+
+/// The motion from a start (in the language of specs), driven by the inputs of a table with the time `t`.
+#[pyfunction]
+fn motion(py: Python<'_>, case: &NativeCase, table: Table<'_>, start: &str) -> PyResult<Py<PyDict>> {
+    let record = case.case().record(&slices(&table)?).map_err(|e| DataError::new_err(e.to_string()))?;
+    let record = record.with("start", start);
+    let all = py.detach(|| simulate(case.case(), &[record])).map_err(|e| raised(py, e))?;
+    dict(py, &all[0])
+}
+
+/// The rates of the states at rows of time, states and inputs; the table has a column for each.
+#[pyfunction]
+fn rates<'py>(
+    py: Python<'py>,
+    case: &NativeCase,
+    table: Table<'_>,
+) -> PyResult<Vec<(String, Bound<'py, PyArray1<f64>>)>> {
+    let all = case.case().rates(&slices(&table)?).map_err(|e| raised(py, e))?;
+    Ok(all.into_iter().map(|(name, values)| (name, values.to_pyarray(py))).collect())
+}
+
+fn dict(py: Python<'_>, motion: &Motion) -> PyResult<Py<PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("record", &motion.record)?;
+    dict.set_item("t", motion.time.to_pyarray(py))?;
+    for (name, values) in &motion.columns {
+        dict.set_item(name, values.to_pyarray(py))?;
+    }
+    Ok(dict.unbind())
+}
