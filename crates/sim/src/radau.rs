@@ -524,5 +524,10 @@ mod tests {
             &[1e-8],
             &mut Alone(|t, _| if t > 0.0 { f64::NAN } else { 1.0 }, |_, _| 0.0)
         ));
+        // Only the point between two stages is no number.
+        let hole = |t: f64, _: f64| if (t - BETWEEN).abs() < 0.01 { f64::NAN } else { 1.0 };
+        let mut errors = [0.0; 2];
+        self::step((0.0, 1.0), 0.0, hole, |_, _| 0.0).errors(&mut errors);
+        assert!(errors[0].is_nan());
     }
 }

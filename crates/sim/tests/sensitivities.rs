@@ -309,6 +309,17 @@ fn stick_slip_of_a_stiff_slider() {
     check_stiff("slider", &case, 20.0, 1e-6);
 }
 
+/// The fast mode becomes slow, without an event, and the steps are explicit again.
+#[test]
+fn stiffness_that_fades() {
+    let rate = "-(b + L*exp(-5*t))*(x - A*sin(w*t))";
+    let parameters = [("b", 1.0), ("L", 1e6), ("A", 2.0), ("w", 20.0)];
+    let case = Case::new(&[("x", 0.3, rate)], &parameters);
+    let run = case.clone().tolerance(1e-12).run(&grid(6.0, 37));
+    assert!(run.steps - run.implicit > 200, "{} of {}", run.implicit, run.steps);
+    check_stiff("fading", &case, 6.0, 1e-6);
+}
+
 /// Bristles: stick, creep and slip without a switch. Where the velocity changes its sign the rates have a kink,
 /// which differences see a little late.
 #[test]
