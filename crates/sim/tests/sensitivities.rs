@@ -314,7 +314,8 @@ fn stick_slip_of_a_stiff_slider() {
 fn stiffness_that_fades() {
     let rate = "-(b + L*exp(-5*t))*(x - A*sin(w*t))";
     let parameters = [("b", 1.0), ("L", 1e6), ("A", 2.0), ("w", 20.0)];
-    let case = Case::new(&[("x", 0.3, rate)], &parameters);
+    // The second state keeps what the first one forgets.
+    let case = Case::new(&[("x", 0.3, rate), ("y", 0.0, "x + 0.1*x*y")], &parameters);
     let run = case.clone().tolerance(1e-12).run(&grid(6.0, 37));
     assert!(run.steps - run.implicit > 200, "{} of {}", run.implicit, run.steps);
     check_stiff("fading", &case, 6.0, 1e-6);

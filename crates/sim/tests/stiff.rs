@@ -189,13 +189,13 @@ fn explicit_steps_come_back() {
     assert!(run.implicit < 100 && after > 1_000, "{} implicit, {after} explicit", run.implicit);
 }
 
-/// A mode at the border, where an implicit step never pays: the tries are few.
+/// The samples are so dense that no step is long: an implicit one never pays, and the tries are few.
 #[test]
 fn tries_that_do_not_pay_are_few() {
-    let case = Case::new(&[("x", 1.0, "-60*(x - sin(7*t))")], &[]).tolerance(1e-7);
-    let run = case.run(&grid(200.0, 20_000));
+    let case = Case::new(&[("x", 1.0, "-100*(x - sin(t))")], &[]).tolerance(1e-7);
+    let run = case.run(&grid(100.0, 64_000));
     let part = run.implicit as f64 / run.steps as f64;
-    assert!(part < 0.1, "{} of {}", run.implicit, run.steps);
+    assert!(run.implicit > 0 && part < 0.1, "{} of {}", run.implicit, run.steps);
 }
 
 /// Forty bodies in a stiff chain.
