@@ -323,18 +323,6 @@ impl Radau {
         true
     }
 
-    /// The estimate of a step that seems bad, made once more: where the rates are very stiff the first one is too
-    /// large (IV.8, eq. (8.20)).
-    pub(crate) fn doubt(&mut self, (t, h): (f64, f64), x: &[f64], flow: &mut impl Flow) {
-        let n = self.n;
-        self.point.iter_mut().zip(x).zip(&self.errors).for_each(|((at, x), e)| *at = x + e);
-        flow.rates(t, &self.point, &mut self.rates);
-        for (i, error) in self.errors[..n].iter_mut().enumerate() {
-            *error = self.rates[i] + defect(&self.z[i * STAGES..], h);
-        }
-        self.filter.solve(&mut self.errors[..n], 1);
-    }
-
     /// The estimated errors of the states, followed by those of the mean loads.
     pub(crate) fn errors(&self, out: &mut [f64]) {
         out.copy_from_slice(&self.errors);

@@ -120,19 +120,7 @@ impl Step {
         }
     }
 
-    /// Estimates the errors of the states once more, if the method has a better estimate for a step that seems
-    /// bad.
-    pub(crate) fn doubt(&mut self, flow: &mut impl Flow) -> bool {
-        match (self.method, &mut self.radau) {
-            (Method::Implicit, Some(radau)) => {
-                radau.doubt((self.t, self.h), &self.x[0], flow);
-                true
-            }
-            _ => false,
-        }
-    }
-
-    /// One part of this power of the error is a change of the step length.
+    /// The estimated error of a step grows with this power of its length.
     pub(crate) fn order(&self) -> f64 {
         match self.method {
             Method::Explicit => dopri::ORDER,

@@ -91,18 +91,8 @@ impl Run<'_> {
 
     /// The largest scaled error of the trial step; the step is good if it is at most 1.
     pub(crate) fn error(&mut self) -> f64 {
-        self.step.errors(&mut self.buffer);
-        let error = self.scaled();
-        if error > 1.0 && self.step.doubt(&mut self.field) {
-            self.step.errors(&mut self.buffer);
-            return self.scaled();
-        }
-        error
-    }
-
-    /// The largest of the errors in the buffer, each as a part of what is permitted.
-    fn scaled(&self) -> f64 {
         let n = self.x.len();
+        self.step.errors(&mut self.buffer);
         let (states, loads) = self.buffer.split_at(n);
         let tolerance = self.options.tolerance;
         let mut worst = 0.0_f64;
