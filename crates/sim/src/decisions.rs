@@ -94,6 +94,36 @@ decisions! {
     /// A shorter step cannot advance time.
     SHORTEST_STEP: f64 = 1e-15, "part of the time", Basis::Derived("a few units in the last place");
 
+    // Stiff rates.
+
+    /// Beyond this the last two stages of an explicit step tell of a mode that takes no part in the motion and
+    /// limits the step all the same.
+    STIFF: f64 = 1.0, "step length times eigenvalue", Basis::Derived("a mode that takes part is resolved with less: the error estimate of a step is 0.0008 (h lambda)^5, which is a tolerance of 1e-4 at 0.6");
+    /// The border of the domain of stability of explicit steps.
+    STABLE: f64 = 3.25, "step length times eigenvalue", Basis::Convention("Hairer, Wanner, Solving Ordinary Differential Equations II, IV.2");
+    /// So many steps that the other method would make better are a reason to change the method ...
+    CHANGE_STEPS: usize = 15, "steps", Basis::Convention("Hairer, Wanner, Solving Ordinary Differential Equations II, IV.2");
+    /// ... unless so many others in a row lie between them.
+    CALM_STEPS: usize = 6, "steps", Basis::Convention("Hairer, Wanner, Solving Ordinary Differential Equations II, IV.2");
+    /// What an implicit step costs.
+    IMPLICIT_COST: f64 = 4.0, "explicit steps", Basis::SetOn("LuGre friction (`crates/sim/tests/stiff.rs`): 25 evaluations of the rates and a matrix against 6; 3 with sensitivities");
+    /// Implicit steps that did not pay double the steps before the next try, up to this many times.
+    MOST_DOUBLINGS: u32 = 5, "doublings", Basis::Judgement("a try costs a few per cent of the steps between then");
+    /// Products with the derivative of the rates that find its dominant eigenvalue; the second half counts.
+    POWERS: usize = 8, "products", Basis::Judgement("the fastest of modes that lie a factor of two apart, to a few per cent");
+    /// Newton's method starts on the interpolant of the step before, if the step is at most this much longer.
+    EXTRAPOLATION: f64 = 2.0, "steps", Basis::Judgement("further away a polynomial of the fifth degree leads astray");
+    /// The permitted error of the stages of an implicit step.
+    NEWTON_ERROR: f64 = 1e-3, "permitted errors of the step", Basis::Judgement("far below the error of the step");
+    /// A smaller change of a state is rounding.
+    NEWTON_ROUNDING: f64 = 1e-14, "part of the state", Basis::Derived("some units in the last place");
+    /// Newton's method that reduces its change by less than this factor gets derivatives at the stages.
+    NEWTON_SLOW: f64 = 0.1, "factor", Basis::Judgement("two more iterations cost as much as the derivatives");
+    /// Iterations of Newton's method at most.
+    NEWTON_ITERATIONS: usize = 10, "iterations", Basis::Convention("Hairer, Wanner, Solving Ordinary Differential Equations II, IV.8: 7; a few more after new derivatives");
+    /// The change of the step length where Newton's method fails.
+    NEWTON_SHORTENING: f64 = 0.5, "factor", Basis::Convention("Hairer, Wanner, Solving Ordinary Differential Equations II, IV.8");
+
     // Defaults of the options.
 
     /// Default of the local error of a step.

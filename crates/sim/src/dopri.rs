@@ -1,6 +1,9 @@
 //! One step of Dormand and Prince's Runge-Kutta pair 5(4) with its dense output (J. Comput. Appl. Math. 6
 //! (1980) 19-26; Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.5 and II.6).
 
+use crate::dense::Dense;
+use crate::step::Flow;
+
 /// Number of stages; the last one is the first of the next step.
 pub(crate) const STAGES: usize = 7;
 
@@ -30,132 +33,83 @@ const D: [f64; STAGES] = [
     69997945.0 / 29380423.0,
 ];
 
-/// The memory of one step.
-pub(crate) struct Step {
-    /// Start of the step.
-    pub(crate) t: f64,
-    /// Length of the step.
-    pub(crate) h: f64,
-    /// State at the stages; the first is the start, the last the end.
-    pub(crate) x: [Vec<f64>; STAGES],
-    /// Rates at the stages, followed by the loads of the sticking contacts, which are not integrated but
-    /// must be resolved too.
-    pub(crate) k: [Vec<f64>; STAGES],
-    dense: Dense,
-    interpolated: bool,
+/// The error of the step grows with this power of its length.
+pub(crate) const ORDER: f64 = 5.0;
+
+/// Makes a step of length `h` at time `t` from the state `x[0]` with the rates `k[0]`.
+pub(crate) fn advance(
+    (t, h): (f64, f64),
+    x: &mut [Vec<f64>; STAGES],
+    k: &mut [Vec<f64>; STAGES],
+    flow: &mut impl Flow,
+) {
+    for stage in 1..STAGES {
+        for i in 0..x[0].len() {
+            let sum: f64 = (0..stage).map(|j| A[stage - 1][j] * k[j][i]).sum();
+            x[stage][i] = x[0][i] + h * sum;
+        }
+        flow.rates(t + C[stage] * h, &x[stage], &mut k[stage]);
+    }
 }
 
-impl Step {
-    pub(crate) fn new(n: usize, loads: usize) -> Self {
-        let columns = |size: usize| std::array::from_fn(|_| vec![0.0; size]);
-        let (x, k) = (columns(n), columns(n + loads));
-        Step { t: 0.0, h: 0.0, x, k, dense: Dense::default(), interpolated: false }
-    }
-
-    /// Starts at a point whose rates are known.
-    pub(crate) fn start(&mut self, t: f64, x: &[f64], rates: &[f64]) {
-        self.t = t;
-        self.x[0].copy_from_slice(x);
-        self.k[0].copy_from_slice(rates);
-    }
-
-    /// Makes a step of length `h` from the start.
-    pub(crate) fn advance(&mut self, h: f64, mut rates: impl FnMut(f64, &[f64], &mut [f64])) {
-        self.h = h;
-        self.interpolated = false;
-        let n = self.x[0].len();
-        for stage in 1..STAGES {
-            for i in 0..n {
-                let sum: f64 = (0..stage).map(|j| A[stage - 1][j] * self.k[j][i]).sum();
-                self.x[stage][i] = self.x[0][i] + h * sum;
-            }
-            rates(self.t + C[stage] * h, &self.x[stage], &mut self.k[stage]);
+/// The estimated errors of the `n` states, followed by those of the mean loads.
+pub(crate) fn errors(h: f64, k: &[Vec<f64>; STAGES], n: usize, out: &mut [f64]) {
+    for (i, e) in out[..k[0].len()].iter_mut().enumerate() {
+        *e = (0..STAGES).map(|j| E[j] * k[j][i]).sum();
+        if i < n {
+            *e *= h;
         }
-    }
-
-    /// The state at the end.
-    pub(crate) fn end(&self) -> &[f64] {
-        &self.x[STAGES - 1]
-    }
-
-    /// The estimated errors of the states, followed by those of the mean loads.
-    pub(crate) fn errors(&self, out: &mut [f64]) {
-        let n = self.x[0].len();
-        for (i, e) in out[..self.k[0].len()].iter_mut().enumerate() {
-            *e = (0..STAGES).map(|j| E[j] * self.k[j][i]).sum();
-            if i < n {
-                *e *= self.h;
-            }
-        }
-    }
-
-    /// The interpolant of the step.
-    pub(crate) fn dense(&mut self) -> &Dense {
-        if !self.interpolated {
-            self.interpolated = true;
-            self.dense.set(self.h, &self.x[0], &self.x[STAGES - 1], &self.k);
-        }
-        &self.dense
     }
 }
 
 /// Hairer's fourth-order interpolant of a step, from the values at both ends and the rates at the stages.
-/// It serves states and sensitivities alike.
-#[derive(Default)]
-pub(crate) struct Dense {
-    h: f64,
-    /// Five coefficients for each component.
-    c: Vec<[f64; 5]>,
+pub(crate) fn interpolate(dense: &mut Dense, h: f64, start: &[f64], end: &[f64], k: &[Vec<f64>; STAGES]) {
+    dense.h = h;
+    dense.c.clear();
+    dense.c.extend(start.iter().zip(end).enumerate().map(|(i, (&start, &end))| {
+        let difference = end - start;
+        let bend = h * k[0][i] - difference;
+        let fourth = difference - h * k[STAGES - 1][i] - bend;
+        let fifth = h * k.iter().zip(&D).map(|(k, d)| d * k[i]).sum::<f64>();
+        [start, difference, bend, fourth, fifth, 0.0]
+    }));
 }
 
-impl Dense {
-    pub(crate) fn set(&mut self, h: f64, start: &[f64], end: &[f64], k: &[Vec<f64>; STAGES]) {
-        self.h = h;
-        self.c.clear();
-        self.c.extend(start.iter().zip(end).enumerate().map(|(i, (&start, &end))| {
-            let difference = end - start;
-            let bend = h * k[0][i] - difference;
-            let fourth = difference - h * k[STAGES - 1][i] - bend;
-            let fifth = h * k.iter().zip(&D).map(|(k, d)| d * k[i]).sum::<f64>();
-            [start, difference, bend, fourth, fifth]
-        }));
-    }
-
-    /// The values at the fraction `theta` of the step.
-    pub(crate) fn values(&self, theta: f64) -> impl Iterator<Item = f64> {
-        let back = 1.0 - theta;
-        self.c.iter().map(move |[start, difference, bend, fourth, fifth]| {
-            start + theta * (difference + back * (bend + theta * (fourth + back * fifth)))
-        })
-    }
-
-    /// Writes the values at the fraction `theta` to `out`.
-    pub(crate) fn value(&self, theta: f64, out: &mut [f64]) {
-        out.iter_mut().zip(self.values(theta)).for_each(|(out, value)| *out = value);
-    }
-
-    /// Writes the rates of change at the fraction `theta` to `out`.
-    pub(crate) fn slope(&self, theta: f64, out: &mut [f64]) {
-        let back = 1.0 - theta;
-        for (out, [_, difference, bend, fourth, fifth]) in out.iter_mut().zip(&self.c) {
-            let third = fourth + back * fifth;
-            let second = bend + theta * third;
-            let first = difference + back * second;
-            *out = (first + theta * (back * (third - theta * fifth) - second)) / self.h;
-        }
-    }
+/// `h |lambda|` of the dominant eigenvalue, from the last two stages: both are at the end of the step, and they
+/// differ by what is hardly damped (E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.2, eq.
+/// (2.26)). `size` weighs the states; `None` if nothing moves.
+pub(crate) fn stiffness(h: f64, x: &[Vec<f64>; STAGES], k: &[Vec<f64>; STAGES], size: &[f64]) -> Option<f64> {
+    let norm = |of: &[Vec<f64>; STAGES]| -> f64 {
+        let apart = of[STAGES - 1].iter().zip(&of[STAGES - 2]).zip(size);
+        apart.map(|((a, b), size)| ((a - b) / size).powi(2)).sum::<f64>().sqrt()
+    };
+    let apart = norm(x);
+    (apart > 0.0).then(|| h * norm(k) / apart)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::step::Step;
     use approx::{assert_abs_diff_eq, assert_relative_eq};
+
+    /// The rate of one state.
+    struct Alone<F>(F);
+
+    impl<F: Fn(f64, f64) -> f64> Flow for Alone<F> {
+        fn rates(&mut self, t: f64, x: &[f64], out: &mut [f64]) {
+            out.fill((self.0)(t, x[0]));
+        }
+        fn by_state(&mut self, _: f64, _: &[f64], _: &mut [f64]) {
+            panic!("an explicit step needs no derivative");
+        }
+    }
 
     /// One step of one state; the load equals its rate.
     fn step(t: f64, h: f64, x: f64, rate: impl Fn(f64, f64) -> f64) -> Step {
         let mut step = Step::new(1, 1);
         step.start(t, &[x], &[rate(t, x); 2]);
-        step.advance(h, |t, x, out| out.fill(rate(t, x[0])));
+        assert!(step.advance(h, &[1.0], &mut Alone(rate)));
         step
     }
 

@@ -5,7 +5,6 @@ use crate::decisions::{
     CHATTER_EVENTS, CHATTER_SPAN, LOCATION_CHANGE, LOCATION_ITERATIONS, ON_SURFACE, OVERLOAD,
     PEAK_ITERATIONS, ROOT_ITERATIONS, ROOT_WIDTH, SHORTEST_RETURN,
 };
-use crate::dopri::{C, STAGES};
 use crate::state::Run;
 use crate::trajectory::{Jump, SimError};
 
@@ -67,16 +66,17 @@ impl Run<'_> {
     /// Where in the step a sticking contact is overloaded. The step contains its load at the stages.
     fn overload(&mut self, c: usize) -> Search {
         let load = self.x.len() + c;
-        let reserve: [f64; STAGES] = std::array::from_fn(|i| 1.0 - self.step.k[i][load].abs() + OVERLOAD);
-        // The last two stages are both at the end of the step.
-        let stages = 0..STAGES - 1;
-        let mut bracket = stages.clone().skip(1).find(|&i| reserve[i] < 0.0).map(|i| (C[i - 1], C[i]));
-        let least = stages.clone().min_by(|&i, &j| reserve[i].total_cmp(&reserve[j])).unwrap_or(0);
+        let nodes = self.step.nodes();
+        let reserve = |i: usize| 1.0 - self.step.k[i][load].abs() + OVERLOAD;
+        let stages = 0..nodes.len();
+        let mut bracket =
+            stages.clone().skip(1).find(|&i| reserve(i) < 0.0).map(|i| (nodes[i - 1], nodes[i]));
+        let least = stages.clone().min_by(|&i, &j| reserve(i).total_cmp(&reserve(j))).unwrap_or(0);
         if bracket.is_none() && least > 0 && least + 1 < stages.end {
             // The load may have a peak between the stages.
-            let peak = golden(C[least - 1], C[least + 1], |theta| self.guard_inside(c, theta));
+            let peak = golden(nodes[least - 1], nodes[least + 1], |theta| self.guard_inside(c, theta));
             if self.guard_inside(c, peak) < 0.0 {
-                bracket = Some((C[least - 1], peak));
+                bracket = Some((nodes[least - 1], peak));
             }
         }
         match bracket {
@@ -122,15 +122,17 @@ impl Run<'_> {
     }
 
     /// Repeats the step so that it ends on the surface: Newton's method on the step length, starting at the
-    /// root of the dense output.
-    pub(crate) fn locate(&mut self, c: usize, theta: f64) {
+    /// root of the dense output. Returns whether every step could be made.
+    pub(crate) fn locate(&mut self, c: usize, theta: f64) -> bool {
         let (h, stuck) = (self.step.h, self.field.stuck[c]);
         let size = if stuck { OVERLOAD } else { ON_SURFACE * self.field.speed[c] };
         let delta = 1e-4_f64.min(0.5 * theta);
         let mut slope = (self.guard_inside(c, theta) - self.guard_inside(c, theta - delta)) / (delta * h);
         let mut length = theta * h;
         for _ in 0..LOCATION_ITERATIONS {
-            self.step.advance(length, |t, x, out| self.field.rates(t, x, out));
+            if !self.step.advance(length, &self.allowed, &mut self.field) {
+                return false;
+            }
             let g = self.guard_at_end(c);
             if !stuck {
                 slope = self.field.modes[c] * self.field.w_rate(c);
@@ -146,6 +148,7 @@ impl Run<'_> {
             length = (length + change).min(h);
         }
         self.there.evaluate(&mut self.field, self.t + self.step.h, self.step.end());
+        true
     }
 
     /// Processes the event at the present point, and all others that are due at the same instant: new

@@ -4,8 +4,10 @@
 use crate::automaton::Automaton;
 use crate::decisions::{LEAST_SPEED, OFF_SURFACE};
 use crate::elimination::solve_in_place;
+use crate::linearisation::Linearisation;
+use crate::step::Flow;
 use crate::trajectory::Drive;
-use phisindy_expr::Scratch;
+use phisindy_expr::{Scratch, Tape};
 
 /// The automaton with its scratch memory, the drive, and the present modes.
 pub(crate) struct Field<'a> {
@@ -37,17 +39,14 @@ pub(crate) struct Field<'a> {
     /// Which contacts stick, and the linear system for their loads: memory of [`Field::solve_stuck_modes`].
     stuck_set: Vec<usize>,
     system: Vec<f64>,
+    /// Memory of [`Flow::by_state`].
+    linear: Linearisation,
 }
 
 impl<'a> Field<'a> {
-    pub(crate) fn new(automaton: &'a Automaton, drive: &'a Drive<'a>, sensitivities: bool) -> Self {
+    pub(crate) fn new(automaton: &'a Automaton, drive: &'a Drive<'a>) -> Self {
         let c = automaton.switches.len();
-        let scratch = |tape| {
-            let mut scratch = Scratch::new(tape);
-            let first = 1 + automaton.states.len() + 2 * automaton.inputs;
-            drive.parameters.iter().enumerate().for_each(|(k, &p)| scratch.input(first + k)[0] = p);
-            scratch
-        };
+        let scratch = |tape| prepared(automaton, drive, tape);
         Field {
             automaton,
             drive,
@@ -55,7 +54,7 @@ impl<'a> Field<'a> {
             surface: scratch(&automaton.surface),
             rest: scratch(&automaton.rest),
             output: scratch(&automaton.output),
-            jacobian: sensitivities.then(|| scratch(&automaton.jacobian)),
+            jacobian: None,
             hints: vec![0; automaton.inputs],
             left_of: None,
             modes: vec![0.0; c],
@@ -67,6 +66,7 @@ impl<'a> Field<'a> {
             evaluations: 0,
             stuck_set: Vec::with_capacity(c),
             system: Vec::with_capacity(c * (c + 1)),
+            linear: Linearisation::default(),
         }
     }
 
@@ -80,7 +80,10 @@ impl<'a> Field<'a> {
             Which::Surface => &mut self.surface,
             Which::Rest => &mut self.rest,
             Which::Output => &mut self.output,
-            Which::Jacobian => self.jacobian.as_mut().expect("made for a run with sensitivities"),
+            Which::Jacobian => {
+                let (automaton, drive) = (self.automaton, self.drive);
+                self.jacobian.get_or_insert_with(|| prepared(automaton, drive, &automaton.jacobian))
+            }
         };
         let (n, u, p) = (x.len(), self.automaton.inputs, self.automaton.parameters);
         scratch.input(0)[0] = t;
@@ -318,10 +321,31 @@ impl<'a> Field<'a> {
     /// [`Field::rates`] at this point.
     pub(crate) fn derivatives(&mut self, t: f64, x: &[f64]) -> Derivatives<'_> {
         self.write(Which::Jacobian, t, x);
-        let scratch = self.jacobian.as_mut().expect("made for a run with sensitivities");
+        let scratch = self.jacobian.as_mut().expect("written just now");
         scratch.run();
         Derivatives { scratch, n: x.len(), p: self.automaton.parameters, c: self.modes.len() }
     }
+}
+
+impl Flow for Field<'_> {
+    fn rates(&mut self, t: f64, x: &[f64], out: &mut [f64]) {
+        Field::rates(self, t, x, out);
+    }
+
+    fn by_state(&mut self, t: f64, x: &[f64], out: &mut [f64]) {
+        let mut linear = std::mem::take(&mut self.linear);
+        linear.evaluate(self, &[], t, x);
+        out.copy_from_slice(&linear.by_state);
+        self.linear = linear;
+    }
+}
+
+/// Memory for a tape of the automaton. The parameters do not change during a run.
+fn prepared(automaton: &Automaton, drive: &Drive<'_>, tape: &Tape) -> Scratch<1> {
+    let mut scratch = Scratch::new(tape);
+    let first = 1 + automaton.states.len() + 2 * automaton.inputs;
+    drive.parameters.iter().enumerate().for_each(|(k, &p)| scratch.input(first + k)[0] = p);
+    scratch
 }
 
 /// Moves a point with this `w` onto the surface along the normal.

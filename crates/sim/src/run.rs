@@ -1,10 +1,10 @@
 //! The simulation: adaptive steps from event to event, and the samples within them.
 
 use crate::automaton::Automaton;
-use crate::decisions::{SHORTEST_STEP, STEP_GROWTH, STEP_REDUCTION, STEP_REMAINDER, STEP_SAFETY};
-use crate::dopri::STAGES;
+use crate::decisions::{NEWTON_SHORTENING, SHORTEST_STEP, STEP_GROWTH, STEP_REDUCTION, STEP_REMAINDER};
 use crate::events::Search;
 use crate::state::Run;
+use crate::step::Method;
 use crate::trajectory::{Drive, Options, SimError, Trajectory};
 
 /// Runs the automaton from `start` at time `t0` and samples it at `times` (not decreasing). A time before
@@ -46,6 +46,7 @@ pub fn simulate(
         run.step()?;
     }
     run.out.evaluations = run.field.evaluations;
+    run.out.factorisations = run.step.factorisations();
     Ok(run.out)
 }
 
@@ -83,6 +84,7 @@ impl Run<'_> {
         let target = self.breakpoints.last().map_or(end, |b| b.min(end));
         let tiny = SHORTEST_STEP * self.t.abs().max(end.abs()).max(self.span);
         self.step.start(self.t, &self.x, &self.rates);
+        self.measure();
         loop {
             if self.out.steps + self.out.rejected > self.options.max_steps {
                 return Err(SimError::TooManySteps { time: self.t });
@@ -92,55 +94,70 @@ impl Run<'_> {
             if target - self.t - h < STEP_REMAINDER * h {
                 h = target - self.t;
             }
-            self.step.advance(h, |t, x, out| self.field.rates(t, x, out));
-            self.there.evaluate(&mut self.field, self.t + h, self.step.end());
-            let error = self.error();
-            if let Some(shorter) = (error <= 1.0).then(|| self.shape_limit()).flatten() {
-                self.h = shorter;
-            } else if error <= 1.0 {
-                match self.first_event() {
-                    Search::None => {
-                        let growth = if error > 0.0 {
-                            (STEP_SAFETY * error.powf(-0.2)).clamp(STEP_GROWTH[0], STEP_GROWTH[1])
-                        } else {
-                            STEP_GROWTH[1]
-                        };
-                        // A step that a breakpoint shortens is no reason to shorten the next one.
-                        self.h = (h * growth).max(if h < self.h { self.h } else { 0.0 });
-                        self.accept();
-                        self.pass_breakpoint();
-                        return self.check();
-                    }
-                    Search::At(event, theta) => {
-                        if theta > 0.0 {
-                            self.locate(event, theta);
-                            self.accept();
-                            self.check()?;
-                        }
-                        self.pass(event)?;
-                        self.pass_breakpoint();
-                        self.h = self.first_step();
-                        return Ok(());
-                    }
-                    Search::Shorter => self.h = 0.5 * h,
-                }
-            } else {
-                let shrink = if error.is_finite() {
-                    (STEP_SAFETY * error.powf(-0.2)).clamp(STEP_REDUCTION[0], STEP_REDUCTION[1])
-                } else {
-                    STEP_REDUCTION[0]
-                };
-                self.h = h * shrink;
-                if let Some(reach) = self.time_to_surface() {
-                    // Friction with a steep shape near zero speed spoils a step across zero: stop short of
-                    // it first.
-                    self.h = self.h.max(0.5 * h.min(reach)).min(0.9 * h);
-                }
+            if self.attempt(h)? {
+                return Ok(());
             }
             self.out.rejected += 1;
             if self.h <= tiny {
                 return Err(self.collapsed());
             }
+        }
+    }
+
+    /// Tries a step of length `h`; returns whether it, or the part of it up to an event, was accepted. Otherwise
+    /// the length of the next trial is set.
+    fn attempt(&mut self, h: f64) -> Result<bool, SimError> {
+        if !self.step.advance(h, &self.allowed, &mut self.field) {
+            self.h = NEWTON_SHORTENING * h;
+            return Ok(false);
+        }
+        self.there.evaluate(&mut self.field, self.t + h, self.step.end());
+        let error = self.error();
+        if error > 1.0 {
+            self.refuse(h, error);
+            return Ok(false);
+        }
+        if let Some(shorter) = self.shape_limit() {
+            self.h = shorter;
+            return Ok(false);
+        }
+        match self.first_event() {
+            Search::None => {
+                let growth = if error > 0.0 { self.rescale(error, STEP_GROWTH) } else { STEP_GROWTH[1] };
+                // A step that a breakpoint shortens is no reason to shorten the next one.
+                self.h = (h * growth).max(if h < self.h { self.h } else { 0.0 });
+                self.accept();
+                self.pass_breakpoint();
+                self.check().map(|()| true)
+            }
+            Search::At(event, theta) => {
+                if theta > 0.0 {
+                    if !self.locate(event, theta) {
+                        self.h = NEWTON_SHORTENING * h;
+                        return Ok(false);
+                    }
+                    self.accept();
+                    self.check()?;
+                }
+                self.pass(event)?;
+                self.pass_breakpoint();
+                self.h = self.first_step();
+                Ok(true)
+            }
+            Search::Shorter => {
+                self.h = 0.5 * h;
+                Ok(false)
+            }
+        }
+    }
+
+    /// Shortens a step with too large an error.
+    fn refuse(&mut self, h: f64, error: f64) {
+        let shrink = if error.is_finite() { self.rescale(error, STEP_REDUCTION) } else { STEP_REDUCTION[0] };
+        self.h = h * shrink;
+        if let Some(reach) = self.time_to_surface() {
+            // Friction with a steep shape near zero speed spoils a step across zero: stop short of it first.
+            self.h = self.h.max(0.5 * h.min(reach)).min(0.9 * h);
         }
     }
 
@@ -162,14 +179,17 @@ impl Run<'_> {
         let from = self.next;
         while self.next < self.times.len() && self.times[self.next] <= t1 {
             if let Some(s) = self.sensitivity.as_mut().filter(|_| self.next == from) {
-                s.interpolate(h);
+                s.interpolate(&self.step);
             }
             self.sample((self.times[self.next] - self.t) / h);
         }
         self.t = t1;
         self.x.copy_from_slice(self.step.end());
-        self.rates.copy_from_slice(&self.step.k[STAGES - 1]);
+        self.rates.copy_from_slice(self.step.end_rates());
         self.out.steps += 1;
+        self.out.implicit += usize::from(self.step.method() == Method::Implicit);
+        self.step.accept();
+        self.choose_method();
         std::mem::swap(&mut self.here, &mut self.there);
         self.field.note_speeds(&self.here.w);
         self.field.keep_at_rest(self.t, &mut self.x);

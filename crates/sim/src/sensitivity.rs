@@ -2,14 +2,18 @@
 //! accepted steps, and the jump of its solution at each switch.
 //!
 //! Between events `dS/dt = (df/dx) S + df/dp` is advanced with the stages of the state's step, so that `S`
-//! is the derivative of the computed trajectory. At an event on `w = 0` the event time moves by `dt =
+//! is the derivative of the computed trajectory, also where the step is implicit. At an event on `w = 0` the event time moves by `dt =
 //! -(dw/dx S + dw/dp) / (dw/dt)` and `S` jumps by `(f- - f+) dt` (saltation; Leine and Nijmeijer, Dynamics
 //! and Bifurcations of Non-Smooth Mechanical Systems, 2004, ch. 7). When a contact is released the rates
 //! are continuous and `S` does not jump.
 
-use crate::dopri::{A, C, Dense, STAGES, Step};
-use crate::elimination::solve_in_place;
+use crate::dense::Dense;
+use crate::dopri::{self, A, C, STAGES};
+use crate::factors::Factors;
 use crate::field::Field;
+use crate::linearisation::Linearisation;
+use crate::radau;
+use crate::step::{Method, Step};
 use phisindy_expr::wide;
 
 /// The derivatives of all states. Columns are the start states, then the free parameters.
@@ -28,8 +32,11 @@ pub(crate) struct Sensitivity {
     pub(crate) dense: Dense,
     /// Whether the last stage is the first stage of the next step.
     fresh: bool,
-    a: Vec<f64>,
-    b: Vec<f64>,
+    linear: Linearisation,
+    /// Memory of an implicit step: `df/dx` at its stages, their equations, and the right-hand sides.
+    slopes: [Vec<f64>; radau::STAGES],
+    equations: Option<Factors>,
+    right: Vec<f64>,
 }
 
 impl Sensitivity {
@@ -47,13 +54,22 @@ impl Sensitivity {
             dense: Dense::default(),
             s,
             fresh: false,
-            a: vec![0.0; n * n],
-            b: vec![0.0; n * free.len()],
+            linear: Linearisation::default(),
+            slopes: Default::default(),
+            equations: None,
+            right: vec![],
         }
     }
 
     /// Advances over an accepted step of the state.
     pub(crate) fn advance(&mut self, field: &mut Field<'_>, step: &Step) {
+        match step.method() {
+            Method::Explicit => self.advance_explicit(field, step),
+            Method::Implicit => self.advance_implicit(field, step),
+        }
+    }
+
+    fn advance_explicit(&mut self, field: &mut Field<'_>, step: &Step) {
         let (n, m) = (self.n, self.m);
         self.start.copy_from_slice(&self.s);
         for stage in 0..STAGES {
@@ -61,7 +77,7 @@ impl Sensitivity {
                 self.k.swap(0, STAGES - 1);
                 continue;
             }
-            self.linearise(field, step.t + C[stage] * step.h, &step.x[stage]);
+            self.linear.evaluate(field, &self.free, step.t + C[stage] * step.h, &step.x[stage]);
             self.stage.copy_from_slice(&self.start);
             let (before, after) = self.k.split_at_mut(stage);
             wide(
@@ -70,7 +86,7 @@ impl Sensitivity {
                     for (a, k) in A[stage.max(1) - 1].iter().zip(&*before).filter(|(a, _)| **a != 0.0) {
                         self.stage.iter_mut().zip(k).for_each(|(s, k)| *s += step.h * a * k);
                     }
-                    multiply_add(&self.a, &self.b, &self.stage, n, m, &mut after[0]);
+                    multiply_add(&self.linear, &self.stage, n, m, &mut after[0]);
                 },
             );
         }
@@ -81,15 +97,54 @@ impl Sensitivity {
 
     /// `dS/dt` at the present point.
     pub(crate) fn slope(&mut self, field: &mut Field<'_>, t: f64, x: &[f64]) -> Vec<f64> {
-        self.linearise(field, t, x);
+        self.linear.evaluate(field, &self.free, t, x);
         let mut out = vec![0.0; self.s.len()];
-        multiply_add(&self.a, &self.b, &self.s, self.n, self.m, &mut out);
+        multiply_add(&self.linear, &self.s, self.n, self.m, &mut out);
         out
     }
 
+    /// The stages of an implicit step are what solves its equations, so their derivatives `S + D` follow from
+    /// those of the equations at the solution: `sum_j W_ij D_j / h - J_i D_i = J_i S + (df/dp)_i`.
+    fn advance_implicit(&mut self, field: &mut Field<'_>, step: &Step) {
+        const STAGES: usize = radau::STAGES;
+        let (n, m) = (self.n, self.m);
+        self.start.copy_from_slice(&self.s);
+        self.right.resize(STAGES * n * m, 0.0);
+        for stage in 0..STAGES {
+            let at = stage + 1;
+            self.linear.evaluate(field, &self.free, step.t + radau::C[at] * step.h, &step.x[at]);
+            self.slopes[stage].clone_from(&self.linear.by_state);
+            multiply_add(&self.linear, &self.start, n, m, &mut self.stage);
+            for (i, row) in self.stage.chunks_exact(m).enumerate() {
+                self.right[(i * STAGES + stage) * m..][..m].copy_from_slice(row);
+            }
+        }
+        let equations = self.equations.get_or_insert_with(|| Factors::new(STAGES * n));
+        radau::matrix(step.h, n, |stage| &self.slopes[stage], &mut equations.a);
+        // Newton's method has solved nearly the same equations: they have a solution.
+        equations.factor();
+        equations.solve(&mut self.right, m);
+        for (i, rows) in self.right.chunks_exact(STAGES * m).enumerate() {
+            for (stage, row) in rows.chunks_exact(m).enumerate() {
+                let start = &self.start[i * m..(i + 1) * m];
+                let out = &mut self.k[stage + 1][i * m..(i + 1) * m];
+                out.iter_mut().zip(start).zip(row).for_each(|((out, s), d)| *out = s + d);
+            }
+        }
+        self.s.copy_from_slice(&self.k[STAGES]);
+        self.fresh = false;
+    }
+
     /// Prepares the interpolation within the last step.
-    pub(crate) fn interpolate(&mut self, h: f64) {
-        self.dense.set(h, &self.start, &self.s, &self.k);
+    pub(crate) fn interpolate(&mut self, step: &Step) {
+        match step.method() {
+            Method::Explicit => dopri::interpolate(&mut self.dense, step.h, &self.start, &self.s, &self.k),
+            Method::Implicit => {
+                // The first place holds a rate in explicit steps, and is the start here.
+                self.k[0].copy_from_slice(&self.start);
+                radau::interpolate(&mut self.dense, step.h, &self.k);
+            }
+        }
     }
 
     /// The derivatives of the time of an event on the surface of a switch, from the rate of `w` before it.
@@ -125,52 +180,12 @@ impl Sensitivity {
         let d = field.derivatives(t, x);
         self.free.iter().map(|&p| d.w_p(c, p)).collect()
     }
-
-    /// `df/dx` and `df/dp` in the present modes. The modes of sticking contacts depend on the state: `ds =
-    /// -M^-1 (d(dw/dt)/dx dx + d(dw/dt)/dp dp)`.
-    fn linearise(&mut self, field: &mut Field<'_>, t: f64, x: &[f64]) {
-        let (n, f) = (self.n, self.free.len());
-        let set: Vec<usize> = (0..field.switches()).filter(|&c| field.stuck[c]).collect();
-        let mut influence = Vec::new();
-        if !set.is_empty() {
-            field.solve_stuck_modes(t, x);
-            influence = set
-                .iter()
-                .map(|&c| set.iter().map(|&k| field.influence(c, k)).collect::<Vec<f64>>())
-                .collect();
-        }
-        let d = field.derivatives(t, x);
-        for i in 0..n {
-            (0..n).for_each(|j| self.a[i * n + j] = d.rate_x(i, j));
-            (0..f).for_each(|j| self.b[i * f + j] = d.rate_p(i, self.free[j]));
-        }
-        if set.is_empty() {
-            return;
-        }
-        let (m, width) = (set.len(), set.len() + n + f);
-        let mut y = Vec::with_capacity(m * width);
-        for (row, &c) in influence.iter().zip(&set) {
-            y.extend(row);
-            y.extend((0..n).map(|j| d.w_rate_x(c, j)));
-            y.extend(self.free.iter().map(|&p| d.w_rate_p(c, p)));
-        }
-        solve_in_place(&mut y, m, n + f);
-        for (r, &c) in set.iter().enumerate() {
-            let y = &y[r * width + m..(r + 1) * width];
-            for i in 0..n {
-                let by_mode = d.rate_s(i, c);
-                if by_mode != 0.0 {
-                    (0..n).for_each(|j| self.a[i * n + j] -= by_mode * y[j]);
-                    (0..f).for_each(|j| self.b[i * f + j] -= by_mode * y[n + j]);
-                }
-            }
-        }
-    }
 }
 
-/// `dS/dt = a S + b`, where `b` has no columns for the start states.
+/// `dS/dt = (df/dx) S + df/dp`, where `df/dp` has no columns for the start states.
 #[inline(always)]
-fn multiply_add(a: &[f64], b: &[f64], s: &[f64], n: usize, m: usize, out: &mut [f64]) {
+fn multiply_add(linear: &Linearisation, s: &[f64], n: usize, m: usize, out: &mut [f64]) {
+    let Linearisation { by_state: a, by_parameter: b } = linear;
     for i in 0..n {
         let row = &mut out[i * m..(i + 1) * m];
         row[..n].fill(0.0);

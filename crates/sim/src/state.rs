@@ -2,9 +2,10 @@
 
 use crate::automaton::Automaton;
 use crate::decisions::{KNOTS_PER_STEP, SAMPLES_PER_STEP};
-use crate::dopri::Step;
 use crate::field::Field;
 use crate::sensitivity::Sensitivity;
+use crate::step::Step;
+use crate::stiffness::Watch;
 use crate::trajectory::{Drive, Event, Options, Trajectory};
 use phisindy_signal::Interpolation;
 
@@ -40,6 +41,11 @@ pub(crate) struct Run<'a> {
     /// Rates at the present point, followed by the loads of the sticking contacts.
     pub(crate) rates: Vec<f64>,
     pub(crate) step: Step,
+    /// What the last steps say about the method of the next one.
+    pub(crate) watch: Watch,
+    /// The size of each state, and the permitted error of the step.
+    pub(crate) size: Vec<f64>,
+    pub(crate) allowed: Vec<f64>,
     /// The surfaces at the present point, and at the end of the trial step.
     pub(crate) here: Surfaces,
     pub(crate) there: Surfaces,
@@ -92,7 +98,7 @@ impl<'a> Run<'a> {
             }
         }
         Run {
-            field: Field::new(automaton, drive, sensitivity.is_some()),
+            field: Field::new(automaton, drive),
             times,
             options,
             scale,
@@ -100,6 +106,9 @@ impl<'a> Run<'a> {
             x: start.to_vec(),
             rates: vec![0.0; n + c],
             step: Step::new(n, c),
+            watch: Watch::default(),
+            size: vec![0.0; n],
+            allowed: vec![0.0; n],
             here: Surfaces::default(),
             there: Surfaces::default(),
             h: 0.0,

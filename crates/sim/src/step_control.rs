@@ -2,6 +2,7 @@
 
 use crate::decisions::{
     LOAD_RESOLUTION, SHAPE_MATTERS, SHAPE_RESOLUTION, SHAPE_SHORTENING, SPEED_RATIO, SPEED_RATIO_SLACK,
+    STEP_SAFETY,
 };
 use crate::state::Run;
 
@@ -73,6 +74,19 @@ impl Run<'_> {
                 }
             })
             .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Sets the size of each state and the error that the next step may make.
+    pub(crate) fn measure(&mut self) {
+        for (i, (size, allowed)) in self.size.iter_mut().zip(&mut self.allowed).enumerate() {
+            *size = self.scale[i].max(self.x[i].abs());
+            *allowed = self.options.tolerance * *size;
+        }
+    }
+
+    /// The factor by which this error changes the step length, within limits.
+    pub(crate) fn rescale(&self, error: f64, within: [f64; 2]) -> f64 {
+        (STEP_SAFETY * error.powf(-1.0 / self.step.order())).clamp(within[0], within[1])
     }
 
     /// The largest scaled error of the trial step; the step is good if it is at most 1.

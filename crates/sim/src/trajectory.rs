@@ -97,6 +97,10 @@ pub struct Trajectory {
     pub rejected: usize,
     /// Evaluations of the rates.
     pub evaluations: usize,
+    /// Accepted steps that are implicit, because the rates are stiff.
+    pub implicit: usize,
+    /// Matrices decomposed for them.
+    pub factorisations: usize,
 }
 
 impl Trajectory {

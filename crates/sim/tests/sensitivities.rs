@@ -266,3 +266,80 @@ fn a_belt_whose_speed_is_a_parameter_moves_its_own_mass_alone() {
         }
     }
 }
+
+/// The same check for runs with implicit steps.
+#[track_caller]
+fn check_stiff(name: &str, case: &Case, end: f64, accuracy: f64) {
+    let run = case.clone().tolerance(1e-12).run_with_sensitivities(&grid(end, 37));
+    assert!(run.implicit > 20, "{name}: {} implicit steps", run.implicit);
+    check(name, case, end, accuracy);
+}
+
+#[test]
+fn stiff_smooth_motion() {
+    let states = [("x", 0.5, "v"), ("v", 0.2, "-k*x - c*v + F"), ("F", 0.1, "L*(A*cos(w*t) - b*F^3 - F)")];
+    let parameters = [("k", 1.0), ("c", 0.2), ("L", 1e6), ("A", 2.0), ("w", 1.3), ("b", 0.4)];
+    check_stiff("actuator", &Case::new(&states, &parameters), 10.0, 1e-6);
+}
+
+#[test]
+fn stop_stick_and_departure_behind_a_stiff_actuator() {
+    let states = [
+        ("x", 0.1, "v"),
+        ("v", 0.1, "(F - c*v - k*x - mu*sgn(v))/m"),
+        ("F", 1.0, "L*(A*cos(w*t) - F - b*v)"),
+    ];
+    let parameters =
+        [("m", 1.0), ("c", 0.1), ("k", 1.0), ("mu", 0.5), ("L", 1e6), ("A", 1.0), ("w", 0.3), ("b", 0.2)];
+    let case = Case::new(&states, &parameters);
+    let events = case.run(&[20.0]).events;
+    assert!(events.iter().any(|e| e.to == 0) && events.iter().any(|e| e.from == 0), "{events:?}");
+    check_stiff("actuator with friction", &case, 20.0, 1e-6);
+}
+
+/// Next to no mass on a belt: the slip is stiff, the stick is not.
+#[test]
+fn stick_slip_of_a_stiff_slider() {
+    let friction = "(Fc + (Fs - Fc)*exp(-((v - vb)/vs)^2))*sgn(v - vb)";
+    let rate = format!("(-k*x - c*v - {friction})/m");
+    let states = [("x", 0.5, "v"), ("v", -0.3, &*rate)];
+    let parameters =
+        [("k", 1.0), ("c", 20.0), ("Fc", 1.0), ("Fs", 1.2), ("vs", 0.5), ("vb", 0.1), ("m", 1e-3)];
+    let case = Case::new(&states, &parameters);
+    check_stiff("slider", &case, 20.0, 1e-6);
+}
+
+/// The fast mode becomes slow, without an event, and the steps are explicit again.
+#[test]
+fn stiffness_that_fades() {
+    let rate = "-(b + L*exp(-5*t))*(x - A*sin(w*t))";
+    let parameters = [("b", 1.0), ("L", 1e6), ("A", 2.0), ("w", 20.0)];
+    // The second state keeps what the first one forgets.
+    let case = Case::new(&[("x", 0.3, rate), ("y", 0.0, "x + 0.1*x*y")], &parameters);
+    let run = case.clone().tolerance(1e-12).run(&grid(6.0, 37));
+    assert!(run.steps - run.implicit > 200, "{} of {}", run.implicit, run.steps);
+    check_stiff("fading", &case, 6.0, 1e-6);
+}
+
+/// Bristles: stick, creep and slip without a switch. Where the velocity changes its sign the rates have a kink,
+/// which differences see a little late.
+#[test]
+fn stiff_bristles() {
+    let slip = "v - s0*abs(v)*z/(Fc + (Fs - Fc)*exp(-(v/vs)^2))";
+    let force = format!("(A*sin(6*t) - k*x - s0*z - s1*({slip}) - s2*v)/m");
+    let states = [("x", 5e-4, "v"), ("v", 0.01, &*force), ("z", 5e-6, slip)];
+    let parameters = [
+        ("m", 1.0),
+        ("k", 300.0),
+        ("s0", 1e5),
+        ("s1", 300.0),
+        ("s2", 0.4),
+        ("Fc", 1.0),
+        ("Fs", 1.5),
+        ("vs", 0.02),
+        ("A", 6.0),
+    ];
+    let mut case = Case::new(&states, &parameters);
+    case.options.scale = vec![0.01, 0.1, 1e-5];
+    check_stiff("bristles", &case, 2.0, 1e-5);
+}
