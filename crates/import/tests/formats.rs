@@ -72,6 +72,34 @@ const FILES: &[(&str, &str)] = &[
         "time: (\"time\", \"s\"), columns: { \"x\": (\"displacement 1Z+\", \"mm\"), \"F\": (\"force 2Z+\", \"N\") }",
     ),
     ("run.tdms", "time: (\"time\", \"s\"), columns: { \"x\": (\"x\", \"mm\"), \"F\": (\"F\", \"N\") }"),
+    #[cfg(feature = "hdf5")]
+    ("run.h5", PLAIN),
+    #[cfg(feature = "hdf5")]
+    ("parts.h5", "sheet: \"a.run\", time: \"t\", columns: { \"x\": (\"x\", \"mm\"), \"F\": \"F\" }"),
+    #[cfg(feature = "hdf5")]
+    ("parts.h5", "sheet: \"table\", time: \"1\", columns: { \"x\": (\"2\", \"mm\"), \"F\": \"3\" }"),
+    #[cfg(feature = "hdf5")]
+    ("parts.h5", "time: \"records.t\", columns: { \"x\": (\"many.c11\", \"mm\"), \"F\": \"rows.3\" }"),
+    #[cfg(feature = "hdf5")]
+    ("pandas.h5", PLAIN),
+    #[cfg(feature = "hdf5")]
+    (
+        "fixed.h5",
+        "sheet: \"run.block0_values\", time: \"1\", columns: { \"x\": (\"2\", \"mm\"), \"F\": \"3\" }",
+    ),
+    #[cfg(feature = "hdf5")]
+    ("run73.mat", PLAIN),
+    #[cfg(feature = "hdf5")]
+    (
+        "run73.mat",
+        "time: \"scope.time\", columns: { \"x\": (\"many(1).values\", \"mm\"), \"F\": \"scope.signals.values.2\" }",
+    ),
+    #[cfg(feature = "hdf5")]
+    ("run73.mat", "time: \"t\", columns: { \"x\": (\"table.2\", \"mm\"), \"F\": \"many(2).values\" }"),
+    #[cfg(feature = "parquet")]
+    ("run.parquet", PLAIN),
+    #[cfg(feature = "parquet")]
+    ("packed.parquet", PLAIN),
 ];
 
 #[test]
@@ -154,6 +182,14 @@ fn a_draft_is_accepted_and_reads_its_file() {
             "rates.tdms",
             &["Table(", "time: (\"time of x\", \"s\")", "(\"F\", \"N\")", "taken at the times of the rows"],
         ),
+        #[cfg(feature = "hdf5")]
+        ("run.h5", &["Table(", "time: \"t\"", "(\"x\", \"mm\")", "(\"F\", \"N\")"]),
+        #[cfg(feature = "hdf5")]
+        ("pandas.h5", &["Table(", "time: \"t\""]),
+        #[cfg(feature = "hdf5")]
+        ("run73.mat", &["Table(", "time: \"t\""]),
+        #[cfg(feature = "parquet")]
+        ("run.parquet", &["Table(", "time: \"t\""]),
         ("run_utf16.csv", &["Csv(", "separator: ';'", "decimal: ','"]),
     ] {
         let mut sources = Sources::default();
@@ -194,15 +230,38 @@ fn what_is_wrong_is_told_with_what_to_do() {
             &["no column `time`", "columns of the file: t, x, F"],
         ),
         ("parts.mat", "time: \"run.t\", columns: { \"x\": \"text\" }", &["no column `text`"]),
+        #[cfg(feature = "hdf5")]
+        (
+            "parts.h5",
+            "sheet: \"run\", time: \"t\", columns: { \"x\": \"x\" }",
+            &["no sheet, variable or group `run`", "there is: records, rows, table, a.run"],
+        ),
+        #[cfg(feature = "hdf5")]
+        ("parts.h5", "time: \"records.t\", columns: { \"x\": \"label\" }", &["no column `label`"]),
+        #[cfg(feature = "hdf5")]
+        ("run73.mat", "time: \"t\", columns: { \"x\": \"title\" }", &["no column `title`"]),
+        #[cfg(feature = "parquet")]
+        ("gaps.parquet", PLAIN, &["column `x` is `NaN` in row 4"]),
+        #[cfg(feature = "parquet")]
+        (
+            "zstd.parquet",
+            PLAIN,
+            &["the column `t` is packed in a way that is not read", "compression='snappy'"],
+        ),
     ];
     for (file, fields, parts) in cases {
         let said = read(file, &fixture(file), &format!("Table(path: \"FILE\", {fields})")).expect_err(file);
         parts.iter().for_each(|part| assert!(said.contains(part), "{file}: expected {part:?} in {said:?}"));
     }
     let converted: &[(&[u8], &str)] = &[
+        #[cfg(not(feature = "hdf5"))]
         (b"\x89HDF\r\n\x1a\n.......", "h5py"),
-        (b"MATLAB 7.3 MAT-file, Platform", "h5py"),
+        #[cfg(not(feature = "hdf5"))]
+        (b"MATLAB 7.3 MAT-file, Platform", "--features hdf5"),
+        #[cfg(not(feature = "parquet"))]
         (b"PAR1....", "read_parquet('a.bin')"),
+        #[cfg(not(feature = "parquet"))]
+        (b"PAR1....", "--features parquet"),
         (b"ARROW1..", "read_feather"),
         (b"MDF     4.10", "asammdf"),
         (b"\x1f\x8b\x08\0", "gunzip -k a.bin"),
