@@ -39,7 +39,7 @@ pub use remarks::Remark;
 pub use roles::{Doubt, Input, NoMotion, Roles, Selector};
 pub use rows::{record, table};
 pub use spec_text::{accepted, spec_text, summary};
-pub use start_values::{Estimate, Motion};
+pub use start_values::{Drive, Estimate, Motion};
 pub use statistics::{Statistics, Stops};
 pub use table::{Column, Table};
 pub use time_column::{Coarse, NoTime, TimeColumn};

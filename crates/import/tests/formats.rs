@@ -237,6 +237,8 @@ fn what_is_wrong_is_told_with_what_to_do() {
             &["no sheet, variable or group `run`", "there is: records, rows, table, a.run"],
         ),
         #[cfg(feature = "hdf5")]
+        ("blosc.h5", PLAIN, &["is packed in a way that is not read", "h5repack -f NONE"]),
+        #[cfg(feature = "hdf5")]
         ("parts.h5", "time: \"records.t\", columns: { \"x\": \"label\" }", &["no column `label`"]),
         #[cfg(feature = "hdf5")]
         ("run73.mat", "time: \"t\", columns: { \"x\": \"title\" }", &["no column `title`"]),
@@ -289,8 +291,10 @@ fn a_cell_without_a_number_is_told_with_its_row() {
 }
 
 /// No damage makes a reader panic, hang or ask for absurd memory; what is refused is refused with a reason.
+/// `PHISINDY_MUTATIONS=100000` makes it long.
 #[test]
 fn damaged_files_are_refused_or_read() {
+    let mutations = std::env::var("PHISINDY_MUTATIONS").ok().and_then(|n| n.parse().ok()).unwrap_or(300);
     for (file, fields) in FILES {
         let (good, record) = (fixture(file), format!("Table(path: \"FILE\", {fields})"));
         let step = (good.len() / 150).max(1);
@@ -300,7 +304,7 @@ fn damaged_files_are_refused_or_read() {
             }
         }
         let mut state = 12345_u64;
-        for _ in 0..300 {
+        for _ in 0..mutations {
             let mut bad = good.clone();
             for _ in 0..3 {
                 state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

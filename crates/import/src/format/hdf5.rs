@@ -179,9 +179,23 @@ impl Found {
     fn raw(&mut self, dataset: &Dataset) -> Result<Vec<u8>, Refusal> {
         let named = |e: &dyn std::fmt::Display| broken(format!("the dataset `{}`: {e}", dataset.name()));
         let size = dataset.raw_byte_len().map_err(|e| named(&e))?;
-        let too_large = || named(&"it should hold more numbers than a file of this size can");
+        let too_large = || {
+            Refusal::file(
+                format!(
+                    "with `{}` its data unpack to more than 2 GB, or than a file of this size can hold",
+                    dataset.name()
+                ),
+                "write the time, the motion and the inputs to a file of their own; if it is small, copy or export it again",
+            )
+        };
         self.left = self.left.checked_sub(size).ok_or_else(too_large)?;
-        dataset.read_raw_bytes().map_err(|e| named(&e))
+        dataset.read_raw_bytes().map_err(|e| match e.to_string() {
+            words if words.to_lowercase().contains("unsupported") => Refusal::file(
+                format!("the dataset `{}` is packed in a way that is not read ({words})", dataset.name()),
+                "write it plainly: h5repack -f NONE FILE plain.h5",
+            ),
+            words => named(&words),
+        })
     }
 }
 

@@ -14,6 +14,9 @@ use parquet::schema::types::ColumnDescriptor;
 const FORMAT: &str = "Parquet";
 /// Most numbers of a file: 2 GB in memory.
 const MOST_NUMBERS: usize = 1 << 28;
+/// Most numbers for each byte of a file: as many as fit into what deflate unpacks from it (1032 bytes). Values that
+/// repeat take no room at all, but no table holds nothing else.
+const MOST_PACKED: usize = 1032 / 8;
 /// Rows that are read at a time.
 const BATCH: usize = 8192;
 
@@ -34,7 +37,7 @@ fn read(bytes: &[u8]) -> Result<Vec<Channel>, Refusal> {
             "save the time, the motion and the inputs in a file of their own",
         ));
     }
-    let mut left = MOST_NUMBERS;
+    let mut left = bytes.len().saturating_mul(MOST_PACKED).min(MOST_NUMBERS);
     let mut all: Vec<Cells> = wanted.iter().map(|(_, kind)| Cells::of(*kind)).collect();
     for group in 0..file.num_row_groups() {
         let group = file.get_row_group(group).map_err(broken)?;
@@ -209,7 +212,8 @@ fn cells<T: DataType>(
         if rows == 0 {
             return Ok(());
         }
-        let too_large = || ParquetError::General("it holds more than 268 million numbers".to_owned());
+        let too_large =
+            || ParquetError::General("it should hold more numbers than a file of this size can".to_owned());
         *left = left.checked_sub(rows).ok_or_else(too_large)?;
         let mut values = values.into_iter();
         if level == 0 {
