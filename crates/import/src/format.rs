@@ -18,6 +18,7 @@ mod workbook;
 
 use crate::channels::{Channel, sheet};
 use crate::data_file::DataFile;
+use crate::listing;
 use crate::rows::LineError;
 use crate::sheet::Sheet;
 use phisindy_phys::spec::CsvSpec;
@@ -70,12 +71,11 @@ impl Refusal {
         let mut help = vec![];
         help.extend(
             phisindy_expr::nearest(wanted, all.iter().map(String::as_str))
-                .map(|n| format!("did you mean `{n}`?")),
+                .map(|n| format!("did you mean `{}`?", listing::name(n))),
         );
-        let list: Vec<&str> = all.iter().take(20).map(String::as_str).collect();
-        help.push(match list.as_slice() {
+        help.push(match all {
             [] => "the file has no parts with names: leave `sheet` out".to_owned(),
-            list => format!("there is: {}{}", list.join(", "), if all.len() > 20 { ", ..." } else { "" }),
+            all => format!("there is: {}", listing::listing(all)),
         });
         Refusal { message: format!("it has no sheet, variable or group `{wanted}`"), help, of_sheet: true }
     }

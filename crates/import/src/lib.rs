@@ -17,6 +17,7 @@ mod data_file;
 mod draft;
 mod format;
 mod headings;
+mod listing;
 mod matrix;
 mod records;
 mod remarks;

@@ -2,6 +2,7 @@
 
 use super::{Refusal, Wanted, guarded};
 use crate::clock::stamp_text;
+use crate::listing::listing;
 use crate::sheet::{Cell, Rows, Sheet};
 use calamine::{Data, DataRef, ExcelDateTime, Ods, Reader, Xls, Xlsb, Xlsx};
 use std::fmt::Display;
@@ -126,7 +127,7 @@ fn chosen(
     }
     let listed: Vec<String> = found.iter().map(|(name, _)| (*name).clone()).collect();
     if let (Wanted::Record(_), [_, _, ..]) = (wanted, listed.as_slice()) {
-        let help = format!("say which: `sheet: \"...\"`; there is: {}", listed.join(", "));
+        let help = format!("say which: `sheet: \"...\"`; there is: {}", listing(&listed));
         return Err(Refusal::file("several sheets hold numbers", &help));
     }
     let Some((name, grid)) =
