@@ -290,6 +290,17 @@ fn a_cell_without_a_number_is_told_with_its_row() {
     assert!(said.contains("column `1` is `NaN` in row 60"), "{said}");
 }
 
+/// Found by the fuzz target `format`: the name of a member was cut out of the text a byte behind the bracket.
+#[test]
+fn a_structure_whose_names_do_not_begin_behind_the_bracket_is_no_panic() {
+    let mut bytes = fixture("run.npy");
+    let at = bytes.windows(5).position(|w| w == b"('t',").expect("the first member");
+    // Three bytes of one character, which is no mark.
+    bytes[at + 1..at + 4].copy_from_slice("\u{fffd}".as_bytes());
+    let said = read("run.npy", &bytes, &format!("Table(path: \"FILE\", {PLAIN})")).expect_err("no name");
+    assert!(said.len() > 20, "{said}");
+}
+
 /// No damage makes a reader panic, hang or ask for absurd memory; what is refused is refused with a reason.
 /// `PHISINDY_MUTATIONS=100000` makes it long.
 #[test]

@@ -7,8 +7,11 @@
 use super::weak_form::weak;
 use super::{Motion, least_squares};
 
-/// Dry friction is seen in the force if its sign takes this part of the force (mean squares) beyond spring and damper.
+/// Friction is seen in the force if its sign takes this part of the force (mean squares) beyond spring and damper, or
+/// if inertia, spring and damper together leave it: friction that slips late has no sharp sign.
 const DRY: f64 = 0.05;
+/// A force of which spring, damper and friction leave more than this part (mean squares) is not what resists a motion.
+const EXPLAINED: f64 = 0.5;
 /// A body is driven if its inertia takes this part of what spring, damper and friction leave of the force (mean
 /// squares): of a tester it takes what it has in common with the shape of the friction, of a body all but the noise.
 const INERT: f64 = 0.5;
@@ -42,20 +45,24 @@ impl Motion {
             let [damper, friction, one, force, spring] = columns.as_slice() else { return None };
             let mut resisting = vec![one.clone(), spring.clone()];
             // A motion of two speeds does not tell a damper from dry friction; what is alike stands once.
-            if alike(damper, friction) < ALIKE {
+            if cosine(damper, friction) < ALIKE {
                 resisting.push(damper.clone());
             }
             let dry = [&[friction.clone()], &resisting[..]].concat();
-            let inert = [&[acceleration], &dry[..]].concat();
+            let acceleration = std::slice::from_ref(&acceleration);
+            let inert = [acceleration, &dry[..]].concat();
             let (_, whole) = least_squares(std::slice::from_ref(one), force)?;
             let (_, smooth) = least_squares(&resisting, force)?;
             let (parts, rough) = least_squares(&dry, force)?;
             // With an acceleration that is in proportion to the displacement the inertia takes nothing.
             let (inertia, left) = least_squares(&inert, force).map_or((0.0, rough), |(c, left)| (c[0], left));
-            // The columns of spring and damper have the sign of their forces on a body.
-            let is_dry = smooth - rough > DRY * whole && parts[0] < 0.0;
+            let linear = [acceleration, &resisting[..]].concat();
+            let bent = least_squares(&linear, force).map_or(smooth, |(_, left)| left);
+            // What resists takes power, and the column of the damper has the sign of its force on a body.
+            let resists = cosine(damper, force) < 0.0 && rough < EXPLAINED * whole;
+            let is_dry = (smooth - rough).max(bent) > DRY * whole;
             let is_body = inertia > 0.0 && rough - left > INERT * rough;
-            Some(match (is_body, is_dry) {
+            Some(match (is_body, resists && is_dry) {
                 (true, _) => Drive::Body,
                 (false, true) => Drive::Tester { stiffness: (-parts[2]).max(0.0), mean: parts[1] },
                 (false, false) => Drive::Open,
@@ -66,7 +73,7 @@ impl Motion {
 }
 
 /// The cosine between two columns.
-fn alike(a: &[f64], b: &[f64]) -> f64 {
+fn cosine(a: &[f64], b: &[f64]) -> f64 {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     dot(a, b) / (dot(a, a) * dot(b, b)).sqrt()
 }
