@@ -48,7 +48,7 @@ impl Motion {
             if cosine(damper, friction) < ALIKE {
                 resisting.push(damper.clone());
             }
-            let dry = [&[friction.clone()], &resisting[..]].concat();
+            let dry = [std::slice::from_ref(friction), &resisting[..]].concat();
             let acceleration = std::slice::from_ref(&acceleration);
             let inert = [acceleration, &dry[..]].concat();
             let (_, whole) = least_squares(std::slice::from_ref(one), force)?;
