@@ -207,7 +207,7 @@ Examples:
 /// For which file to write a spec.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct NewArgs {
-    /// Data file: text with any separator, a workbook, MATLAB, NumPy, TDMS, universal file
+    /// Data file: text with any separator, a workbook, MATLAB, NumPy, TDMS, universal file, HDF5, Parquet
     #[arg(value_name = "DATA")]
     pub(crate) path: PathBuf,
     /// Sheet of a workbook, or variable, structure, group of another file

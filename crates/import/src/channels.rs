@@ -2,6 +2,7 @@
 
 use crate::format::{Refusal, Wanted};
 use crate::headings::{Heading, Quantity};
+use crate::listing::marked;
 use crate::rows::Line;
 use crate::sheet::{Rows, SEPARATOR, Sheet, push_number, push_word};
 use crate::time_column::is_named_time;
@@ -288,8 +289,8 @@ fn joined(mut rates: Vec<Rate>, base: usize, wanted: &Wanted<'_>) -> Result<(Col
         if asked.is_empty() {
             continue;
         }
-        let names: Vec<String> = asked.iter().map(|k| format!("`{}`", rate.columns[*k].name)).collect();
-        let names = names.join(", ");
+        let names: Vec<String> = asked.iter().map(|k| rate.columns[*k].name.clone()).collect();
+        let names = marked(&names);
         let (Some(to), Some(from)) = (own.times(), rate.times()) else {
             if matches!(wanted, Wanted::All { .. }) {
                 notes.push(format!("{names}: {} rows with no times of their own, left out", rate.length));

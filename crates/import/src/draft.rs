@@ -4,7 +4,7 @@ use crate::headings::{Quantity, factor};
 use crate::records::{RecordDraft, Records};
 use crate::remarks::Remark;
 use crate::roles::{Evidence, Input, NoMotion, Roles};
-use crate::start_values::{Estimate, Motion};
+use crate::start_values::{Drive, Estimate, Motion};
 use crate::statistics::{Statistics, Stops, stops};
 use crate::table::{Column, Table};
 use crate::time_column::{NoTime, TimeColumn};
@@ -40,6 +40,8 @@ pub struct Draft {
     pub motion: Motion,
     /// Start values.
     pub estimate: Estimate,
+    /// Whether a measured force drives the motion.
+    pub drive: Drive,
     /// Where the motion of the first record is at rest.
     pub stops: Stops,
     /// Smallest and greatest displacement of the first record, in SI.
@@ -80,17 +82,17 @@ impl Draft {
         let longest_run = longest.clone();
         let evidence = Evidence { table: &table, time: &time, statistics: &statistics, run: &longest };
         let roles = Roles::guess(&evidence).map_err(NoDraft::Motion)?;
-        let usages = (0..table.columns.len()).map(|k| Usage::of(k, &evidence, &roles)).collect();
         let Records { records, first, longest, remarks } = Records::of(&table, &time, &roles, &runs);
         let mut draft = Draft {
             time,
             statistics,
             roles,
-            usages,
+            usages: vec![],
             records,
             decimate: 1,
             motion: Motion::default(),
             estimate: Estimate { stiffness: None, damping: 0.0, input_gain: None, rest: 0.0 },
+            drive: Drive::Body,
             stops: Stops::default(),
             extent: (0.0, 0.0),
             remarks: vec![],
@@ -108,7 +110,15 @@ impl Draft {
             draft.estimate_start(good, moving);
             draft.decimate = draft.decimation(longest);
         }
+        // A tester is known by its numbers alone.
+        draft.usages = draft.usages(&longest_run);
         Ok(draft)
+    }
+
+    /// The use of each column; `run` is the longest range of rows in which time does not go back.
+    fn usages(&self, run: &Range<usize>) -> Vec<Usage> {
+        let evidence = Evidence { table: &self.table, time: &self.time, statistics: &self.statistics, run };
+        (0..self.table.columns.len()).map(|k| Usage::of(k, &evidence, &self.roles)).collect()
     }
 
     /// The values of a column.
@@ -196,7 +206,7 @@ impl Draft {
         let (base, force) = match self.roles.input {
             Input::None => (None, None),
             Input::Base(c) => (Some(column(c)), None),
-            Input::Force(c) | Input::Drive(c) => (None, Some(column(c))),
+            Input::Force(c) | Input::Drive(c) | Input::Reaction(c) => (None, Some(column(c))),
         };
         let whole = self.displacement_range();
         let is_pendulum = self.roles.is_angle
@@ -220,6 +230,14 @@ impl Draft {
             frequency: line.map(|l| l.frequency),
         };
         self.estimate = self.motion.estimate();
+        if let (Input::Force(c), Some(_), false) =
+            (self.roles.input, self.roles.displacement, self.roles.is_angle)
+        {
+            self.drive = self.motion.drive();
+            if let Drive::Tester { .. } = self.drive {
+                self.roles.input = Input::Reaction(c);
+            }
+        }
     }
 
     fn displacement_range(&self) -> (f64, f64) {

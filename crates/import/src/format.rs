@@ -6,17 +6,23 @@
 //! ```
 
 mod archive;
+#[cfg(feature = "hdf5")]
+mod hdf5;
 mod matlab;
 mod numpy;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod tdms;
 mod universal;
 mod workbook;
 
 use crate::channels::{Channel, sheet};
 use crate::data_file::DataFile;
+use crate::listing;
 use crate::rows::LineError;
 use crate::sheet::Sheet;
 use phisindy_phys::spec::CsvSpec;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// What is asked of a file.
 #[derive(Clone, Copy, Debug)]
@@ -65,12 +71,11 @@ impl Refusal {
         let mut help = vec![];
         help.extend(
             phisindy_expr::nearest(wanted, all.iter().map(String::as_str))
-                .map(|n| format!("did you mean `{n}`?")),
+                .map(|n| format!("did you mean `{}`?", listing::name(n))),
         );
-        let list: Vec<&str> = all.iter().take(20).map(String::as_str).collect();
-        help.push(match list.as_slice() {
+        help.push(match all {
             [] => "the file has no parts with names: leave `sheet` out".to_owned(),
-            list => format!("there is: {}{}", list.join(", "), if all.len() > 20 { ", ..." } else { "" }),
+            all => format!("there is: {}", listing::listing(all)),
         });
         Refusal { message: format!("it has no sheet, variable or group `{wanted}`"), help, of_sheet: true }
     }
@@ -82,6 +87,21 @@ impl Refusal {
     }
 }
 
+/// Runs a reader that is not ours and trusts what it reads here and there: where it panics, the file is broken.
+fn guarded<T>(format: &str, read: impl FnOnce() -> Result<T, Refusal>) -> Result<T, Refusal> {
+    // Nothing outlives a reader that gave up.
+    let done = catch_unwind(AssertUnwindSafe(read));
+    done.unwrap_or_else(|_| Err(Refusal::broken(format, "its inside contradicts itself")))
+}
+
+/// A file of MATLAB holds nothing but objects.
+fn matlab_objects() -> Refusal {
+    Refusal::file(
+        "its data are objects (`table`, `timeseries`, ...) that MATLAB alone can read",
+        "in MATLAB: s = table2struct(T, 'ToScalar', true); save('run.mat', '-struct', 's')",
+    )
+}
+
 /// What is done with a format.
 #[derive(Clone, Copy)]
 enum Read {
@@ -91,6 +111,9 @@ enum Read {
     Channels(fn(&[u8]) -> Result<Vec<Channel>, Refusal>),
     /// Not read: the command that converts `FILE`.
     Convert(&'static str),
+    /// Read by a program that is built with this feature; the command that converts `FILE` for others.
+    #[cfg_attr(all(feature = "hdf5", feature = "parquet"), allow(dead_code))]
+    Feature(&'static str, &'static str),
 }
 
 /// A format that is no text.
@@ -102,8 +125,22 @@ pub(crate) struct Format {
     read: Read,
 }
 
+#[cfg(not(feature = "hdf5"))]
 const HDF5: &str = "python3 -c \"import h5py, numpy; f = h5py.File('FILE'); numpy.savez('FILE.npz', **{k: numpy.squeeze(v[()]) for k, v in f.items() \
     if isinstance(v, h5py.Dataset)})\"";
+#[cfg(not(feature = "parquet"))]
+const PARQUET: &str =
+    "python3 -c \"import pandas; pandas.read_parquet('FILE').to_csv('FILE.csv', index=False)\"";
+
+// Their readers cost more build time than all other formats together, so they are features.
+#[cfg(feature = "hdf5")]
+const READ_HDF5: Read = Read::Channels(hdf5::channels);
+#[cfg(not(feature = "hdf5"))]
+const READ_HDF5: Read = Read::Feature("hdf5", HDF5);
+#[cfg(feature = "parquet")]
+const READ_PARQUET: Read = Read::Channels(parquet::channels);
+#[cfg(not(feature = "parquet"))]
+const READ_PARQUET: Read = Read::Feature("parquet", PARQUET);
 
 /// All formats; the first that fits is taken.
 const FORMATS: &[Format] = &[
@@ -113,17 +150,13 @@ const FORMATS: &[Format] = &[
         read: Read::Cells(workbook::xls),
     },
     Format { name: "ZIP", begins: |b| b.starts_with(b"PK\x03\x04"), read: Read::Cells(archive::sheet) },
-    Format {
-        name: "MATLAB 7.3 (HDF5)",
-        begins: |b| b.starts_with(b"MATLAB 7.3 MAT-file"),
-        read: Read::Convert(HDF5),
-    },
+    Format { name: "MATLAB 7.3 (HDF5)", begins: |b| b.starts_with(b"MATLAB 7.3 MAT-file"), read: READ_HDF5 },
     Format {
         name: "HDF5",
         begins: |b| {
             [0, 512].iter().any(|&at| b.get(at..).is_some_and(|b| b.starts_with(b"\x89HDF\r\n\x1a\n")))
         },
-        read: Read::Convert(HDF5),
+        read: READ_HDF5,
     },
     Format {
         name: "MATLAB 5",
@@ -140,13 +173,7 @@ const FORMATS: &[Format] = &[
         begins: universal::begins,
         read: Read::Channels(universal::channels),
     },
-    Format {
-        name: "Parquet",
-        begins: |b| b.starts_with(b"PAR1"),
-        read: Read::Convert(
-            "python3 -c \"import pandas; pandas.read_parquet('FILE').to_csv('FILE.csv', index=False)\"",
-        ),
-    },
+    Format { name: "Parquet", begins: |b| b.starts_with(b"PAR1"), read: READ_PARQUET },
     Format {
         name: "Arrow (Feather)",
         begins: |b| b.starts_with(b"ARROW1") || b.starts_with(b"FEA1"),
@@ -221,9 +248,20 @@ impl Format {
                 ..refusal
             })
         };
-        if let Read::Convert(command) = self.read {
-            let help = format!("convert it: {}", command.replace("FILE", name));
-            return Err(refused(Refusal::file("that format is not read", &help)));
+        let convert = |command: &str| format!("convert it: {}", command.replace("FILE", name));
+        match self.read {
+            Read::Convert(command) => {
+                return Err(refused(Refusal::file("that format is not read", &convert(command))));
+            }
+            Read::Feature(feature, command) => {
+                let message = "that format is not read by this build of the program";
+                let mut refusal = Refusal::file(message, &convert(command));
+                refusal.help.push(format!(
+                    "or build a program that reads it: cargo build --release --features {feature}"
+                ));
+                return Err(refused(refusal));
+            }
+            Read::Cells(_) | Read::Channels(_) => {}
         }
         if let Wanted::Record(csv) = wanted
             && !csv.any_format
@@ -242,7 +280,7 @@ impl Format {
         match self.read {
             Read::Cells(read) => read(&bytes, wanted),
             Read::Channels(read) => read(&bytes).and_then(|channels| sheet(channels, wanted)),
-            Read::Convert(_) => Err(Refusal::broken(self.name, "not read")),
+            Read::Convert(_) | Read::Feature(..) => Err(Refusal::broken(self.name, "not read")),
         }
         .map_err(refused)
     }

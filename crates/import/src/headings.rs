@@ -122,6 +122,9 @@ pub(crate) const VELOCITIES: &[&str] = &[
 /// Words that name an acceleration.
 const ACCELERATIONS: &[&str] = &["a", "acc", "accel", "acceleration", "beschleunigung"];
 
+/// Most bytes of a unit in a heading: each end of a heading of thousands of bytes would be read as a unit otherwise.
+const LONGEST_UNIT: usize = 60;
+
 /// A name and its unit.
 type Split<'t> = Option<(&'t str, Option<String>)>;
 
@@ -152,7 +155,8 @@ fn after_blank(text: &str) -> Split<'_> {
 }
 
 fn suffixed(text: &str) -> Split<'_> {
-    text.match_indices('_').filter(|(at, _)| *at > 0).find_map(|(at, _)| {
+    let may_be = |at: usize| at > 0 && text.len() - at <= LONGEST_UNIT;
+    text.match_indices('_').filter(|(at, _)| may_be(*at)).find_map(|(at, _)| {
         let tail = text[at + 1..].replace("_per_", "/");
         let unit = bare_unit(&tail).or_else(|| bare_unit(&tail.replace('_', "/")))?;
         Some((&text[..at], Some(unit)))
@@ -183,6 +187,9 @@ fn bare_unit(text: &str) -> Option<String> {
 
 /// The unit as specs spell it, if it is known.
 fn normalized(text: &str) -> Option<String> {
+    if text.len() > LONGEST_UNIT {
+        return None;
+    }
     let text = text.trim().replace('²', "^2").replace("**", "^").replace('·', "*").replace(" per ", "/");
     let word = match text.to_lowercase().as_str() {
         "sec" | "secs" | "second" | "seconds" | "sek" | "sekunden" => "s",
@@ -239,6 +246,13 @@ fn quantity(unit: &str) -> Quantity {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Found by the fuzz target `format`: every end of it was read as a unit, which took a second for 400 bytes.
+    #[test]
+    fn a_heading_of_thousands_of_bytes_is_read_at_once() {
+        let heading = Heading::parse(&"KA_".repeat(10_000));
+        assert_eq!((heading.unit, heading.quantity), (None, Quantity::Unknown));
+    }
 
     #[test]
     fn units_stand_in_many_forms() {

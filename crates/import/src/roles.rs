@@ -20,6 +20,8 @@ pub enum Input {
     Force(usize),
     /// A signal in proportion to a force, such as a voltage.
     Drive(usize),
+    /// The force that a prescribed motion meets: the motion is the input, the force an output.
+    Reaction(usize),
 }
 
 impl Input {
@@ -27,7 +29,7 @@ impl Input {
     pub fn column(self) -> Option<usize> {
         match self {
             Input::None => None,
-            Input::Base(k) | Input::Force(k) | Input::Drive(k) => Some(k),
+            Input::Base(k) | Input::Force(k) | Input::Drive(k) | Input::Reaction(k) => Some(k),
         }
     }
 }

@@ -5,6 +5,7 @@ mod model;
 mod notation;
 mod overview;
 mod record;
+mod tester;
 
 use crate::draft::Draft;
 pub(crate) use literals::quoted;
@@ -22,8 +23,12 @@ pub fn spec_text(draft: &Draft, file: &str, next: &str) -> String {
     }
     let notation = Notation::of(draft);
     let _ = writeln!(text, "(\n    title: {}, // EDIT: what is it?", quoted(file));
-    model::constants(draft, &notation, &mut text);
-    model::model(draft, &notation, &mut text);
+    if let Some(tester) = tester::of(draft) {
+        tester.write(&mut text);
+    } else {
+        model::constants(draft, &notation, &mut text);
+        model::model(draft, &notation, &mut text);
+    }
     text.push_str("    data: [\n");
     for part in &draft.records {
         record::record(draft, &notation, part, file, &mut text);

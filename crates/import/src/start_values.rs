@@ -1,8 +1,10 @@
 //! Start values of the constants, from a regression on smoothed derivatives.
 
+mod tester;
 mod weak_form;
 
 use phisindy_signal::{automatic, standard_deviation};
+pub use tester::Drive;
 use weak_form::{CLEAR, Forced, forced};
 
 /// Most rows of the regression: more do not improve a start value.

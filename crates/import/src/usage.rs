@@ -25,6 +25,10 @@ pub enum Usage {
     Force,
     /// The drive, an input.
     Drive,
+    /// The motion that is prescribed, an input.
+    Prescribed,
+    /// The force that it meets, an output.
+    Reaction,
     /// No cell has a value.
     Empty,
     /// More than half of it is missing.
@@ -68,6 +72,8 @@ impl fmt::Display for Usage {
             Usage::Base => "the motion of the base, input u",
             Usage::Force => "the force, input F",
             Usage::Drive => "the drive, input F",
+            Usage::Prescribed => "the motion that is prescribed, input x",
+            Usage::Reaction => "the force that it meets, output F",
             Usage::Empty => "empty",
             Usage::Missing => "not used: more than half of it is missing",
             Usage::Constant => "constant, not used",
@@ -138,6 +144,9 @@ impl Usage {
     /// The use of a column that the model reads.
     fn in_model(k: usize, roles: &Roles) -> Option<Usage> {
         if Some(k) == roles.displacement {
+            if let Input::Reaction(_) = roles.input {
+                return Some(Usage::Prescribed);
+            }
             return Some(if roles.is_angle { Usage::Angle } else { Usage::Displacement });
         }
         if Some(k) == roles.velocity {
@@ -150,6 +159,7 @@ impl Usage {
             Input::Base(b) if b == k => Some(Usage::Base),
             Input::Force(b) if b == k => Some(Usage::Force),
             Input::Drive(b) if b == k => Some(Usage::Drive),
+            Input::Reaction(b) if b == k => Some(Usage::Reaction),
             _ => None,
         }
     }

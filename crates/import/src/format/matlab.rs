@@ -2,7 +2,8 @@
 
 use super::Refusal;
 use crate::bytes::{Bytes, Kind};
-use crate::channels::{Channel, MOST_CHANNELS, Values};
+use crate::channels::{Channel, MOST_CHANNELS};
+use crate::matrix;
 use flate2::read::ZlibDecoder;
 use std::io::Read;
 
@@ -45,10 +46,7 @@ pub(super) fn channels(bytes: &[u8]) -> Result<Vec<Channel>, Refusal> {
         }
     }
     match found {
-        Found { channels, opaque } if channels.is_empty() && opaque => Err(Refusal::file(
-            "its data are objects (`table`, `timeseries`, ...) that MATLAB alone can read",
-            "in MATLAB: s = table2struct(T, 'ToScalar', true); save('run.mat', '-struct', 's')",
-        )),
+        Found { channels, opaque } if channels.is_empty() && opaque => Err(super::matlab_objects()),
         Found { channels, .. } => Ok(channels),
     }
 }
@@ -140,31 +138,7 @@ impl Found {
         let (kind, data) = element(&mut bytes, true)?;
         let count = rows.checked_mul(columns)?;
         let all = storage(kind)?.read_many(&mut Bytes::new(data, big), count)?;
-        let mut push = |group: &str, name: &str, values| {
-            let (group, name) = (group.to_owned(), name.to_owned());
-            self.channels.push(Channel {
-                group,
-                name,
-                unit: None,
-                values: Values::Numbers(values),
-                clock: None,
-            });
-        };
-        let inner = if group.is_empty() { name.to_owned() } else { format!("{group}.{name}") };
-        match (rows, columns) {
-            (1, _) | (_, 1) => push(group, name, all),
-            // The longer side counts the samples.
-            _ if rows.min(columns) > MOST_CHANNELS => {}
-            _ if rows >= columns => {
-                all.chunks_exact(rows)
-                    .enumerate()
-                    .for_each(|(k, column)| push(&inner, &(k + 1).to_string(), column.to_vec()));
-            }
-            _ => {
-                let row = |k: usize| all.iter().skip(k).step_by(rows).copied().collect();
-                (0..rows).for_each(|k| push(&inner, &(k + 1).to_string(), row(k)));
-            }
-        }
+        self.channels.extend(matrix::channels(group, name, (rows, columns), false, all));
         Some(())
     }
 
@@ -186,7 +160,7 @@ impl Found {
         let text = |name: &[u8]| String::from_utf8_lossy(name).trim_end_matches('\0').to_owned();
         let names: Vec<String> = names.chunks_exact(width).map(text).collect();
         let count = sides.iter().try_fold(1_usize, |all, side| all.checked_mul(*side))?;
-        let inner = if group.is_empty() { name.to_owned() } else { format!("{group}.{name}") };
+        let inner = matrix::inner(group, name);
         if names.is_empty() {
             return Some(());
         }

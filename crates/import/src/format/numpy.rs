@@ -102,11 +102,11 @@ pub(super) fn array(bytes: &[u8], name: &str) -> Result<Vec<Channel>, Refusal> {
 /// Names and types of the members of a structure, such as `[('t', '<f8'), ('x', '<f4')]`; none if one of them is
 /// no number.
 fn members(text: &str) -> Option<Vec<(&str, Element)>> {
-    let member = |text: &'_ str| -> Option<(usize, Element)> {
+    fn member(text: &str) -> Option<(&str, Element)> {
         let mut words = text.split('\'').skip(1).step_by(2);
-        Some((words.next()?.len(), Element::of(words.next()?)?))
-    };
-    text.split('(').skip(1).map(|text| member(text).map(|(n, element)| (&text[1..=n], element))).collect()
+        Some((words.next()?, Element::of(words.next()?)?))
+    }
+    text.split('(').skip(1).map(member).collect()
 }
 
 /// The columns of an array of structures; none if the file is too short.

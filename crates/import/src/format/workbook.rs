@@ -1,12 +1,12 @@
 //! Workbooks: XLSX, XLSB, XLS and ODS.
 
-use super::{Refusal, Wanted};
+use super::{Refusal, Wanted, guarded};
 use crate::clock::stamp_text;
+use crate::listing::listing;
 use crate::sheet::{Cell, Rows, Sheet};
 use calamine::{Data, DataRef, ExcelDateTime, Ods, Reader, Xls, Xlsb, Xlsx};
 use std::fmt::Display;
 use std::io::Cursor;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Most cells of a sheet: 300 MB in memory.
 const MOST_CELLS: usize = 20_000_000;
@@ -16,11 +16,9 @@ const DAY: f64 = 86_400e6;
 /// From the end of 1899, where Excel counts days from, to 1970.
 const EPOCH: i128 = 25_569;
 
-/// Runs a reader of `calamine`, which trusts what it reads here and there: where it panics, the file is broken.
-fn guarded(format: &str, read: impl FnOnce() -> Result<Sheet, Refusal>) -> Result<Sheet, Refusal> {
-    // Nothing outlives a reader that gave up.
-    let done = catch_unwind(AssertUnwindSafe(read));
-    done.unwrap_or_else(|_| Err(Refusal::broken(format, "its inside contradicts itself")))
+/// The refusal that holds the words of a reader.
+fn broken<E: Display>(format: &str) -> impl Fn(E) -> Refusal {
+    move |e| Refusal::broken(format, e.to_string())
 }
 
 /// The wanted sheet of an XLSX file.
@@ -29,17 +27,10 @@ pub(super) fn xlsx(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal> 
 }
 
 fn read_xlsx(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal> {
-    let broken = |e: &dyn Display| Refusal::broken("XLSX", e.to_string());
-    let mut book = Xlsx::new(Cursor::new(bytes)).map_err(|e| broken(&e))?;
-    let names = book.sheet_names();
-    chosen(&names, wanted, |name| {
-        let mut grid = Grid::default();
-        let mut cells = book.worksheet_cells_reader(name).map_err(|e| broken(&e))?;
-        while let Some(cell) = cells.next_cell().map_err(|e| broken(&e))? {
-            let (row, column) = cell.get_position();
-            grid.put(row, column, of_ref(cell.get_value()))?;
-        }
-        Ok(grid)
+    let mut book = Xlsx::new(Cursor::new(bytes)).map_err(broken("XLSX"))?;
+    chosen(&book.sheet_names(), wanted, |name| {
+        let mut cells = book.worksheet_cells_reader(name).map_err(broken("XLSX"))?;
+        Grid::of(|| cells.next_cell().map_err(broken("XLSX")))
     })
 }
 
@@ -49,17 +40,10 @@ pub(super) fn xlsb(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal> 
 }
 
 fn read_xlsb(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal> {
-    let broken = |e: &dyn Display| Refusal::broken("XLSB", e.to_string());
-    let mut book = Xlsb::new(Cursor::new(bytes)).map_err(|e| broken(&e))?;
-    let names = book.sheet_names();
-    chosen(&names, wanted, |name| {
-        let mut grid = Grid::default();
-        let mut cells = book.worksheet_cells_reader(name).map_err(|e| broken(&e))?;
-        while let Some(cell) = cells.next_cell().map_err(|e| broken(&e))? {
-            let (row, column) = cell.get_position();
-            grid.put(row, column, of_ref(cell.get_value()))?;
-        }
-        Ok(grid)
+    let mut book = Xlsb::new(Cursor::new(bytes)).map_err(broken("XLSB"))?;
+    chosen(&book.sheet_names(), wanted, |name| {
+        let mut cells = book.worksheet_cells_reader(name).map_err(broken("XLSB"))?;
+        Grid::of(|| cells.next_cell().map_err(broken("XLSB")))
     })
 }
 
@@ -72,7 +56,7 @@ fn read_xls(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal> {
     if let Some(rows) = too_large(bytes) {
         return Err(Refusal::broken("XLS", format!("a sheet should have {rows} rows or too many columns")));
     }
-    let book: Xls<_> = Xls::new(Cursor::new(bytes)).map_err(|e| Refusal::broken("XLS", e.to_string()))?;
+    let book: Xls<_> = Xls::new(Cursor::new(bytes)).map_err(broken("XLS"))?;
     whole(book, "XLS", wanted)
 }
 
@@ -82,7 +66,7 @@ pub(super) fn ods(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal> {
 }
 
 fn read_ods(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal> {
-    let book: Ods<_> = Ods::new(Cursor::new(bytes)).map_err(|e| Refusal::broken("ODS", e.to_string()))?;
+    let book: Ods<_> = Ods::new(Cursor::new(bytes)).map_err(broken("ODS"))?;
     whole(book, "ODS", wanted)
 }
 
@@ -108,7 +92,7 @@ where
 {
     let names = book.sheet_names();
     chosen(&names, wanted, |name| {
-        let range = book.worksheet_range(name).map_err(|e| Refusal::broken(format, e.to_string()))?;
+        let range = book.worksheet_range(name).map_err(broken(format))?;
         let (top, left) = range.start().unwrap_or((0, 0));
         let mut grid = Grid::default();
         for (row, column, value) in range.used_cells() {
@@ -143,7 +127,7 @@ fn chosen(
     }
     let listed: Vec<String> = found.iter().map(|(name, _)| (*name).clone()).collect();
     if let (Wanted::Record(_), [_, _, ..]) = (wanted, listed.as_slice()) {
-        let help = format!("say which: `sheet: \"...\"`; there is: {}", listed.join(", "));
+        let help = format!("say which: `sheet: \"...\"`; there is: {}", listing(&listed));
         return Err(Refusal::file("several sheets hold numbers", &help));
     }
     let Some((name, grid)) =
@@ -170,6 +154,18 @@ struct Grid {
 }
 
 impl Grid {
+    /// The cells that a reader gives one after the other.
+    fn of<'c>(
+        mut next: impl FnMut() -> Result<Option<calamine::Cell<DataRef<'c>>>, Refusal>,
+    ) -> Result<Grid, Refusal> {
+        let mut grid = Grid::default();
+        while let Some(cell) = next()? {
+            let (row, column) = cell.get_position();
+            grid.put(row, column, of_ref(cell.get_value()))?;
+        }
+        Ok(grid)
+    }
+
     fn put(&mut self, row: u32, column: u32, cell: Cell) -> Result<(), Refusal> {
         if cell == Cell::Empty {
             return Ok(());

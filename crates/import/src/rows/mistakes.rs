@@ -3,6 +3,7 @@
 use super::dialect::Dialect;
 use super::lines::{Line, LineError};
 use crate::data_file::unreadable;
+use crate::listing;
 use phisindy_expr::{Span, nearest};
 use phisindy_phys::spec::Text;
 use phisindy_phys::{Diagnostic, Severity, SourceId, Sources};
@@ -121,11 +122,9 @@ impl Mistakes<'_> {
             d = d.also(source, at, words);
         }
         if let Some(near) = near {
-            d = d.help(format!("did you mean `{near}`?"));
+            d = d.help(format!("did you mean `{}`?", listing::name(near)));
         }
-        let list: Vec<&str> = names.iter().take(20).map(String::as_str).collect();
-        let more = if names.len() > 20 { format!(" and {} more", names.len() - 20) } else { String::new() };
-        d = d.help(format!("columns of the file: {}{more}", list.join(", ")));
+        d = d.help(format!("columns of the file: {}", listing::listing(names)));
         if header.is_none() {
             d = d.help("the file has no heading line, so its columns are called 1, 2, ...; if it has one, say `header: true`");
         } else if names.len() == 1 {

@@ -4,11 +4,18 @@ use super::literals::three_digits;
 use super::notation::Notation;
 use crate::draft::Draft;
 use crate::roles::Input;
+use crate::start_values::Drive;
 use std::fmt::Write;
 
 /// Bounds are this factor from a value that a regression told, and its square from one that nothing told: they
 /// keep a sign and an order of magnitude, not a guess.
 const WIDE: f64 = 100.0;
+
+/// How the other form of a force beside a displacement is written.
+const TESTER: &str = r#"    // The data do not tell whether F drives the motion or is what a prescribed motion meets, as in a friction tester. For a tester:
+    // states: {}, inputs: { "x": "m", "dx": "m/s" }, outputs: { "F": (unit: "N", reads: "k*x") }, known: {}, unknown: {}, no inertia and contacts,
+    // and in each record derive: { "dx": Derivative("x") }.
+"#;
 
 /// Writes `constants`.
 pub(super) fn constants(draft: &Draft, notation: &Notation, text: &mut String) {
@@ -92,7 +99,9 @@ fn inputs(draft: &Draft, notation: &Notation, text: &mut String) {
         Input::Base(_) => {
             writeln!(text, "    inputs: {{ \"u\": \"{unit}\", \"du\": \"{velocity_unit}\" }},{doubt}")
         }
-        Input::Force(_) | Input::Drive(_) => writeln!(text, "    inputs: {{ \"F\": \"{unit}\" }},{doubt}"),
+        Input::Force(_) | Input::Drive(_) | Input::Reaction(_) => {
+            writeln!(text, "    inputs: {{ \"F\": \"{unit}\" }},{doubt}")
+        }
     };
 }
 
@@ -113,6 +122,9 @@ fn is_relative(draft: &Draft) -> bool {
 }
 
 fn known(draft: &Draft, notation: &Notation, text: &mut String) {
+    if draft.drive == Drive::Open && matches!(draft.roles.input, Input::Force(_)) && !draft.roles.is_angle {
+        text.push_str(TESTER);
+    }
     let Notation { displacement, velocity, .. } = notation;
     let (stretch, slip) = if is_relative(draft) {
         (format!("{displacement} - u"), format!("({velocity} - du)"))

@@ -52,7 +52,9 @@ impl Notation {
         let (input_unit, gain_unit) = match draft.roles.input {
             Input::None => (String::new(), String::new()),
             Input::Base(_) => (displacement_unit.clone(), String::new()),
-            Input::Force(_) => (if draft.roles.is_angle { "N*m" } else { "N" }.to_owned(), String::new()),
+            Input::Force(_) | Input::Reaction(_) => {
+                (if draft.roles.is_angle { "N*m" } else { "N" }.to_owned(), String::new())
+            }
             Input::Drive(c) => {
                 let unit = heading(c).unit.clone().unwrap_or_default();
                 let gain = format!("{displacement_unit}/s^2");

@@ -142,6 +142,7 @@ pub fn summary(draft: &Draft, file: &str) -> Vec<String> {
         Input::Base(c) => Some(format!("base {}", named(c))),
         Input::Force(c) => Some(format!("force {}", named(c))),
         Input::Drive(c) => Some(format!("drive {}", named(c))),
+        Input::Reaction(c) => Some(format!("the force that it meets {}", named(c))),
     });
     let mut lines = vec![sampling(draft, file), format!("taken for {}", taken.join(", "))];
     lines.extend(draft.remarks.iter().map(|remark| format!("note: {remark}")));

@@ -27,13 +27,15 @@ pub(super) fn record(
     if let Input::Base(_) = draft.roles.input {
         fields.push("derive: { \"du\": Derivative(\"u\") }".to_owned());
     }
-    if draft.is_held() {
+    let tester = super::tester::of(draft);
+    fields.extend(tester.iter().flat_map(|tester| tester.fields(draft)));
+    if tester.is_none() && draft.is_held() {
         fields.push("interpolate: { \"F\": Hold }".to_owned());
     }
     if !draft.table.record_fields.is_empty() {
         fields.push(draft.table.record_fields.join(", "));
     }
-    if let (Some(_), Some(_)) = (draft.roles.displacement, draft.estimate.stiffness) {
+    if let (Some(_), Some(_), None) = (draft.roles.displacement, draft.estimate.stiffness, tester) {
         let (start, low, high) = zero(draft);
         let (displacement, unit) = (notation.displacement, &notation.displacement_unit);
         fields.push(format!(
@@ -108,7 +110,7 @@ fn columns(draft: &Draft, notation: &Notation) -> Vec<String> {
     let input = match roles.input {
         Input::None => None,
         Input::Base(c) => Some(named("u", c)),
-        Input::Force(c) | Input::Drive(c) => Some(named("F", c)),
+        Input::Force(c) | Input::Drive(c) | Input::Reaction(c) => Some(named("F", c)),
     };
     [displacement, velocity, acceleration, input].into_iter().flatten().collect()
 }

@@ -45,7 +45,7 @@ pub(super) fn forced(motion: &Motion, n: usize) -> Option<Forced> {
 
 /// The integrals of damper, friction, constant, force and spring over each stretch, and those of the
 /// acceleration.
-fn weak(motion: &Motion, n: usize) -> Option<(Vec<Vec<f64>>, Vec<f64>)> {
+pub(super) fn weak(motion: &Motion, n: usize) -> Option<(Vec<Vec<f64>>, Vec<f64>)> {
     let force = motion.force.as_ref()?;
     let (time, x) = (&motion.time[..n], &motion.displacement[..n]);
     let step = (time.last()? - time.first()?) / (n.max(2) - 1) as f64;
