@@ -11,7 +11,7 @@ mod response;
 mod sibling_starts;
 mod trial;
 
-use crate::decisions::{GRID_STARTS, PLAIN_GAIN, REGRESSION_ROWS, TONE_STARTS};
+use crate::decisions::{GRID_KEPT, GRID_STARTS, PLAIN_GAIN, REGRESSION_ROWS, TONE_STARTS};
 use crate::model::TrialModel;
 
 use crate::constraint;
@@ -72,6 +72,7 @@ pub(crate) fn screen(
         of.iter().map(|&r| base.data(model, r, fitted, noise, stride)).collect::<Option<_>>()?;
     // The columns that are projected out, and the target.
     let FreeColumns { all: fixed, movable, .. } = FreeColumns::new(&base, model, &of, &data);
+    let free = Free::new(&fixed);
     let effects = effects(model, catalogue);
     let made: Vec<(Option<Regressors>, Vec<Trial>)> = effects
         .par_iter()
@@ -84,6 +85,8 @@ pub(crate) fn screen(
             Site::Force { .. } => match Regressors::new(effect, system) {
                 Some(regressors) => {
                     let trials = force_trials(k, effect, &regressors, system, &data);
+                    let tone = regressors.grid.iter().any(|axis| axis.scale == Scale::Frequency);
+                    let trials = if tone { trials } else { leading(trials, &free, &regressors) };
                     (Some(regressors), trials)
                 }
                 None => (None, vec![]),
@@ -130,10 +133,50 @@ pub(crate) fn screen(
     Some(screening)
 }
 
+/// The columns that are projected out, after the target, and their Gram matrix.
+struct Free {
+    columns: Mat<f64>,
+    gram: Mat<f64>,
+}
+
+impl Free {
+    fn new(columns: &[Vec<f64>]) -> Free {
+        let columns = Mat::from_fn(columns[0].len(), columns.len(), |i, j| columns[j][i]);
+        let gram = columns.transpose() * &columns;
+        Free { columns, gram }
+    }
+}
+
+/// The trials of one law that explain most by themselves, if there are many.
+fn leading(trials: Vec<Trial>, free: &Free, regressors: &Regressors) -> Vec<Trial> {
+    if trials.len() <= GRID_KEPT {
+        return trials;
+    }
+    let gain = |trial: &Trial| {
+        let own = &trial.columns;
+        let (rows, fixed) = (free.columns.nrows(), free.gram.ncols());
+        let columns = Mat::from_fn(rows, own.len(), |i, j| own[j][i]);
+        let (cross, block) = (free.columns.transpose() * &columns, columns.transpose() * &columns);
+        let all = Mat::from_fn(fixed + own.len(), fixed + own.len(), |i, j| match (i < fixed, j < fixed) {
+            (true, true) => free.gram[(i, j)],
+            (true, false) => cross[(i, j - fixed)],
+            (false, true) => cross[(j, i - fixed)],
+            (false, false) => block[(i - fixed, j - fixed)],
+        });
+        let Projected { gram, kept, .. } = projected(&all, fixed);
+        let at: Vec<usize> = (1..=own.len()).collect();
+        let (gain, coefficients) = solve(&gram, &at).filter(|_| at.iter().all(|&k| kept[k]))?;
+        seeded(&trial.effect, Some(regressors), &coefficients, &trial.grid).map(|_| gain)
+    };
+    let mut all: Vec<(f64, Trial)> = trials.into_iter().filter_map(|t| Some((gain(&t)?, t))).collect();
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    all.into_iter().take(GRID_KEPT).map(|(_, trial)| trial).collect()
+}
+
 /// Further starts of a law from its `seeds`, which are sorted best first. A law that oscillates keeps one
 /// start per spectral line: a body that sticks and slips responds at more lines than its drive has.
 fn others(seeds: &[Candidate], regressors: Option<&Regressors>, data: &[RegressionData]) -> Vec<Effect> {
-    let tone = regressors.and_then(|r| r.grid.iter().position(|(scale, _)| *scale == Scale::Frequency));
+    let tone = regressors.and_then(|r| r.grid.iter().position(|axis| axis.scale == Scale::Frequency));
     let Some(tone) = tone else {
         return seeds.iter().skip(1).take(GRID_STARTS).map(|c| c.effect.clone()).collect();
     };

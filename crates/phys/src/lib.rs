@@ -21,7 +21,7 @@ mod units;
 
 pub use decision::{Basis, Decision};
 pub use law::{
-    BUILT_IN, Indistinguishable, Internal, Law, LawEntry, LawError, LawGraph, LawParameter, LawScreen, Need,
+    BUILT_IN, Indistinguishable, Internal, Law, LawEntry, LawError, LawGraph, LawParameter, LawScreen, Need, jointly_linear,
     Role as LawRole, Screen, Sketch,
 };
 pub use suspicion::{Suspicion, Wrap, clipped, suspicions, wraps};

@@ -84,12 +84,11 @@ pub(super) fn hidden(effect: &Effect) -> Hidden {
     let expression = match &effect.action {
         Action::Force { force, internal, .. } => {
             let own = |text: &str| effect.at_its_place(text);
-            match internal {
-                Some((name, rate)) => format!("{} with d{name}/dt = {}", own(force), own(rate)),
-                None => own(force),
-            }
+            let with = |(name, rate): &(String, String)| format!(" with d{name}/dt = {}", own(rate));
+            own(force) + &internal.iter().map(with).collect::<String>()
         }
         Action::Sensor { property, .. } => format!("{property:?}").to_lowercase(),
+        Action::Input { gain, delay } => format!("the drive times {gain}, {delay} s later"),
         Action::Factor { factor, .. } => format!("rate times {factor}"),
     };
     let mut parameters: std::collections::BTreeMap<String, f64> =

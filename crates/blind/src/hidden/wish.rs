@@ -51,6 +51,17 @@ pub(super) const LAWS: &[&str] = &[
     "sensor-delay",
     "sensor-gain",
     "sensor-offset",
+    "drifting-friction",
+    "cogging",
+    "power-law-damping",
+    "cubic-damping",
+    "quintic-stiffness",
+    "bilinear-stiffness",
+    "bouc-wen",
+    "lugre",
+    "maxwell",
+    "maxwell-slip",
+    "backlash",
 ];
 
 /// Two effects at once.
@@ -77,11 +88,11 @@ const PAIRS: &[[&str; 2]] = &[
 
 /// Laws that can hold a mass at rest: once in a deck they do, once they never do.
 pub(super) const HOLDING: &[&str] =
-    &["coulomb", "asymmetric-coulomb", "stribeck", "dieterich-ruina", "position-dependent-friction"];
+    &["coulomb", "asymmetric-coulomb", "stribeck", "dieterich-ruina", "position-dependent-friction", "drifting-friction"];
 
 /// Sets in a deck: all laws, those that can hold a second time, and the others.
-const DECK: usize = 48;
-const NOTHING: usize = 10;
+const DECK: usize = 63;
+const NOTHING: usize = 13;
 const TWO: usize = 7;
 
 /// The wish of a set. `only` restricts it to one law, or to `nothing`, `two`, `outside`.

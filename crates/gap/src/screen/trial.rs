@@ -7,7 +7,7 @@ use super::grid::grids;
 use super::regressors::Regressors;
 use crate::motion::Motion;
 use crate::place::{Effect, Place, Site};
-use phisindy_expr::{Scratch, Tape};
+use phisindy_expr::{Id, Scratch, Tape};
 use phisindy_phys::System;
 
 /// The columns of an effect for one combination of grid values.
@@ -44,21 +44,27 @@ pub(super) fn force_trials(
     data: &[RegressionData],
 ) -> Vec<Trial> {
     let Some(program) = Program::new(effect, regressors, system) else { return vec![] };
-    let grids = grids(regressors, effect, system, data, &program.tape, program.inner.is_some());
+    let grids = grids(regressors, effect, system, data, &program.tape);
     let trial = |grid: Vec<f64>| {
         let columns = program.columns(effect, system, data, &grid);
         Trial { regressors: index, effect: effect.clone(), grid, columns }
     };
-    grids.into_iter().map(trial).collect()
+    let bounded = |t: &Trial| t.columns.iter().flatten().all(|x| x.abs() < LARGEST);
+    grids.into_iter().map(trial).filter(bounded).collect()
 }
+
+/// A column with a larger number is that of an internal state that grew without bound. Its square is finite.
+const LARGEST: f64 = 1e100;
 
 /// The rates that a law adds to its bodies, compiled.
 struct Program {
     /// The rate that each regressor adds to each body, the rate for unit friction, then velocity and
     /// displacement.
     tape: Tape,
-    /// Rate of the internal state and its derivative by that state.
+    /// Rates of the internal states, then the derivative of each by its own state.
     inner: Option<Tape>,
+    /// Number of internal states.
+    states: usize,
     /// Number of regressors.
     count: usize,
 }
@@ -82,11 +88,13 @@ impl Program {
         outputs.push(regressors.displacement.unwrap_or(regressors.velocity));
         let mut all = system.arguments();
         all.extend(&regressors.symbols);
-        let internal = regressors.internal.map(|(z, rate)| (z, rate, graph.gradient(rate, &[z])[0]));
-        all.extend(internal.iter().map(|(z, ..)| *z));
+        let internal = &regressors.internal;
+        all.extend(internal.iter().map(|(z, _)| *z));
+        let slopes: Vec<Id> = internal.iter().map(|&(z, rate)| graph.gradient(rate, &[z])[0]).collect();
+        let rates: Vec<Id> = internal.iter().map(|(_, rate)| *rate).chain(slopes).collect();
         let tape = Tape::compile(&graph, &all, &outputs).ok()?;
-        let inner = internal.and_then(|(_, rate, slope)| Tape::compile(&graph, &all, &[rate, slope]).ok());
-        Some(Program { tape, inner, count: regressors.columns.len() })
+        let inner = if rates.is_empty() { None } else { Some(Tape::compile(&graph, &all, &rates).ok()?) };
+        Some(Program { tape, inner, states: internal.len(), count: regressors.columns.len() })
     }
 
     /// The columns for one combination of grid values: the response to each regressor, and to the holding
@@ -106,7 +114,8 @@ impl Program {
         let mut rested = false;
         for data in data {
             let samples = data.motion.samples();
-            let memory = self.inner.as_ref().map(|tape| internal_state(tape, &data.motion, grid));
+            let of = |tape| internal_states(tape, self.states, &data.motion, grid);
+            let memory: Vec<Vec<f64>> = self.inner.as_ref().map_or(vec![], of);
             let series: Vec<&[f64]> = memory.iter().map(Vec::as_slice).collect();
             let values = evaluated(&self.tape, &data.motion, grid, &series);
             let still = data.still.iter().find(|s| s.at == effect.place.at);
@@ -177,8 +186,9 @@ fn base_slope(system: &System, place: &Place, data: &RegressionData, i: usize) -
     system.input(second).map_or(0.0, |u| data.motion.slopes[i * m + u])
 }
 
-/// An internal state along a motion by exponential Euler steps, exact where its rate is linear in it.
-fn internal_state(tape: &Tape, motion: &Motion, grid: &[f64]) -> Vec<f64> {
+/// Internal states along a motion by exponential Euler steps, exact where a rate is linear in its state. A step ends
+/// where the rate vanishes, if that lies on its way: with the motion held, no solution crosses such a point.
+fn internal_states(tape: &Tape, count: usize, motion: &Motion, grid: &[f64]) -> Vec<Vec<f64>> {
     let samples = motion.samples();
     let (n, m) = (motion.states.len() / samples, motion.inputs.len() / samples);
     let mut scratch = Scratch::<1>::new(tape);
@@ -187,21 +197,54 @@ fn internal_state(tape: &Tape, motion: &Motion, grid: &[f64]) -> Vec<f64> {
         scratch.input(after + k)[0] = *v;
     }
     let last = after + motion.numbers.len() + grid.len();
-    let mut z = vec![0.0; samples];
+    let mut all = vec![vec![0.0; samples]; count];
     for i in 0..samples - 1 {
         scratch.input(0)[0] = motion.time[i];
         // At the midpoint of the step.
         let middle = |v: &[f64], w: usize, k: usize| 0.5 * (v[i * w + k] + v[(i + 1) * w + k]);
         (0..n).for_each(|k| scratch.input(1 + k)[0] = middle(&motion.states, n, k));
         (0..m).for_each(|k| scratch.input(1 + n + k)[0] = middle(&motion.inputs, m, k));
-        scratch.input(last)[0] = z[i];
+        (0..count).for_each(|j| scratch.input(last + j)[0] = all[j][i]);
         scratch.run();
-        let (rate, slope) = (scratch.output(0)[0], scratch.output(1)[0]);
+        let at: Vec<(f64, f64)> =
+            (0..count).map(|j| (scratch.output(j)[0], scratch.output(count + j)[0])).collect();
         let h = motion.time[i + 1] - motion.time[i];
-        let decay = slope * h;
-        let factor = if decay.abs() < 1e-8 { h } else { decay.exp_m1() / slope };
-        let next = z[i] + rate * factor;
-        z[i + 1] = if next.is_finite() { next } else { 0.0 };
+        for (j, (rate, slope)) in at.into_iter().enumerate() {
+            let decay = slope * h;
+            let factor = if decay.abs() < 1e-8 { h } else { decay.exp_m1() / slope };
+            let now = all[j][i];
+            let next = now + rate * factor;
+            let next = if next.is_finite() { next } else { 0.0 };
+            all[j][i + 1] = before_rest(&mut scratch, (last + j, j), (now, next), rate);
+            scratch.input(last + j)[0] = now;
+        }
     }
-    z
+    all
 }
+
+/// The end of a step of an internal state from `now` to `next`, or the place between them where its rate vanishes.
+/// The state is input `at.0` of the tape, its rate output `at.1`.
+fn before_rest(
+    scratch: &mut Scratch<1>,
+    at: (usize, usize),
+    (now, next): (f64, f64),
+    rate: f64,
+) -> f64 {
+    let mut rate_at = |z: f64| {
+        scratch.input(at.0)[0] = z;
+        scratch.run();
+        scratch.output(at.1)[0]
+    };
+    if rate == 0.0 || rate_at(next) * rate >= 0.0 {
+        return next;
+    }
+    let (mut inside, mut outside) = (now, next);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (inside + outside);
+        if rate_at(middle) * rate >= 0.0 { inside = middle } else { outside = middle }
+    }
+    inside
+}
+
+/// A step that would cross a point of rest is halved so often: to a millionth of itself.
+const HALVINGS: usize = 20;

@@ -244,8 +244,8 @@ impl Compiler {
     }
 }
 
-/// The parameters in which an expression is linear, jointly: the slope by each depends on none of them.
-pub(super) fn jointly_linear(graph: &mut Graph, force: Id, parameters: &[Id]) -> Vec<usize> {
+/// The parameters (by index) in which an expression is linear, jointly: the slope by each depends on none of them.
+pub fn jointly_linear(graph: &mut Graph, force: Id, parameters: &[Id]) -> Vec<usize> {
     let slopes = graph.gradient(force, parameters);
     let mut linear: Vec<usize> = Vec::new();
     for k in 0..parameters.len() {
