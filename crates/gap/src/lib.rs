@@ -22,6 +22,7 @@ mod ending;
 mod evaluate;
 mod evidence;
 mod input_interpolation;
+mod memory;
 mod model;
 mod motion;
 mod other_causes;

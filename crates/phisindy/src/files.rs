@@ -20,7 +20,7 @@ mod load;
 mod trends;
 
 pub use folders::{open_plain_file, opened};
-pub use laws::{LawFolderError, beside, catalogue};
+pub use laws::{LawFolderError, beside, catalogue, doubts};
 pub use load::{Purpose, Refusal, load, load_text, open, spec_text, start_of, with_assignments};
 
 use std::path::PathBuf;

@@ -4,6 +4,7 @@
 //! whether it sticks or has a clearance, are read off that graph.
 
 mod catalogue;
+mod check;
 mod compiled;
 
 pub use catalogue::{BUILT_IN, LawEntry};
@@ -58,6 +59,8 @@ pub struct Law {
     pub push: Option<String>,
     /// Which property of a sensor it is.
     pub sensor: Option<String>,
+    /// Which property of an input it is: what acts is the recorded input times its gain, or a delay later.
+    pub input: Option<String>,
     /// Its mirror image, which is tried too.
     pub mirror: Option<String>,
     /// Laws that it contains, simplest first: what `gap` tries in its place.

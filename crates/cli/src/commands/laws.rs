@@ -2,16 +2,29 @@
 
 use crate::args::Options;
 use crate::outdir::OutDir;
-use crate::terminal::print;
+use crate::draw;
+use crate::terminal::{INPUT, print};
 use anyhow::{Result, anyhow};
-use phisindy::files::catalogue;
+use phisindy::files::{catalogue, doubts};
+use phisindy_phys::Sources;
 use phisindy_report::laws::{gallery, list, picture, shown};
 use std::path::Path;
 
 /// Prints the list of laws or one of them; writes their pictures into `--out`.
 pub(crate) fn laws(name: Option<&str>, options: &Options) -> Result<u8> {
     let folders: Vec<&Path> = options.laws.as_deref().into_iter().collect();
-    let mut all = catalogue(&folders)?.laws().to_vec();
+    let mut sources = Sources::default();
+    let mut all = match catalogue(&folders) {
+        Ok(all) => {
+            draw::show(&doubts(&folders, &all, &mut sources), &sources);
+            all.laws().to_vec()
+        }
+        Err(error) => {
+            let mistakes = error.diagnostics(&mut sources);
+            draw::show(&mistakes, &sources);
+            return Ok(INPUT);
+        }
+    };
     if let Some(out) = &options.out {
         if let Some(name) = name {
             all.retain(|e| e.id == name);

@@ -138,6 +138,7 @@ impl TrialModel {
                 let own: Vec<_> = system.states[first..].iter().map(|s| s.node).collect();
                 let (force, rates) = effect.force(system, &numbers, &own)?;
                 system.known[first..].copy_from_slice(&rates);
+                let memory = rates.len();
                 for &(state, sign) in acts {
                     let share = match system.inertia[state] {
                         Some(inertia) => system.graph.div(force, inertia),
@@ -159,8 +160,12 @@ impl TrialModel {
                     };
                 }
                 applied.force = Some(force);
+                if memory > 0 {
+                    out.drive_memory(memory);
+                }
                 // A prescribed motion does not stick.
                 if law.sticks() && !acts.is_empty() {
+                    let system = &mut out.system;
                     let minus = system.graph.neg(velocity.node);
                     let own = |c: &Contact| c.node == velocity.node || c.node == minus;
                     if !system.contacts.iter().any(own) {

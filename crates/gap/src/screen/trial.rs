@@ -2,12 +2,13 @@
 
 use super::regression_data::RegressionData;
 use crate::evaluate::evaluated;
+use crate::memory::internal_states;
 
 use super::grid::grids;
 use super::regressors::Regressors;
 use crate::motion::Motion;
 use crate::place::{Effect, Place, Site};
-use phisindy_expr::{Id, Scratch, Tape};
+use phisindy_expr::{Id, Tape};
 use phisindy_phys::System;
 
 /// The columns of an effect for one combination of grid values.
@@ -114,7 +115,7 @@ impl Program {
         let mut rested = false;
         for data in data {
             let samples = data.motion.samples();
-            let of = |tape| internal_states(tape, self.states, &data.motion, grid);
+            let of = |tape| driven_by(tape, self.states, &data.motion, grid);
             let memory: Vec<Vec<f64>> = self.inner.as_ref().map_or(vec![], of);
             let series: Vec<&[f64]> = memory.iter().map(Vec::as_slice).collect();
             let values = evaluated(&self.tape, &data.motion, grid, &series);
@@ -186,65 +187,18 @@ fn base_slope(system: &System, place: &Place, data: &RegressionData, i: usize) -
     system.input(second).map_or(0.0, |u| data.motion.slopes[i * m + u])
 }
 
-/// Internal states along a motion by exponential Euler steps, exact where a rate is linear in its state. A step ends
-/// where the rate vanishes, if that lies on its way: with the motion held, no solution crosses such a point.
-fn internal_states(tape: &Tape, count: usize, motion: &Motion, grid: &[f64]) -> Vec<Vec<f64>> {
+/// Internal states along a motion, for these values of the grid.
+fn driven_by(tape: &Tape, count: usize, motion: &Motion, grid: &[f64]) -> Vec<Vec<f64>> {
     let samples = motion.samples();
     let (n, m) = (motion.states.len() / samples, motion.inputs.len() / samples);
-    let mut scratch = Scratch::<1>::new(tape);
     let after = 1 + n + m;
-    for (k, v) in motion.numbers.iter().chain(grid).enumerate() {
-        scratch.input(after + k)[0] = *v;
-    }
-    let last = after + motion.numbers.len() + grid.len();
-    let mut all = vec![vec![0.0; samples]; count];
-    for i in 0..samples - 1 {
+    let numbers: Vec<f64> = motion.numbers.iter().chain(grid).copied().collect();
+    internal_states(tape, (after + numbers.len(), count), &motion.time, &mut |i, scratch| {
         scratch.input(0)[0] = motion.time[i];
         // At the midpoint of the step.
         let middle = |v: &[f64], w: usize, k: usize| 0.5 * (v[i * w + k] + v[(i + 1) * w + k]);
         (0..n).for_each(|k| scratch.input(1 + k)[0] = middle(&motion.states, n, k));
         (0..m).for_each(|k| scratch.input(1 + n + k)[0] = middle(&motion.inputs, m, k));
-        (0..count).for_each(|j| scratch.input(last + j)[0] = all[j][i]);
-        scratch.run();
-        let at: Vec<(f64, f64)> =
-            (0..count).map(|j| (scratch.output(j)[0], scratch.output(count + j)[0])).collect();
-        let h = motion.time[i + 1] - motion.time[i];
-        for (j, (rate, slope)) in at.into_iter().enumerate() {
-            let decay = slope * h;
-            let factor = if decay.abs() < 1e-8 { h } else { decay.exp_m1() / slope };
-            let now = all[j][i];
-            let next = now + rate * factor;
-            let next = if next.is_finite() { next } else { 0.0 };
-            all[j][i + 1] = before_rest(&mut scratch, (last + j, j), (now, next), rate);
-            scratch.input(last + j)[0] = now;
-        }
-    }
-    all
+        numbers.iter().enumerate().for_each(|(k, v)| scratch.input(after + k)[0] = *v);
+    })
 }
-
-/// The end of a step of an internal state from `now` to `next`, or the place between them where its rate vanishes.
-/// The state is input `at.0` of the tape, its rate output `at.1`.
-fn before_rest(
-    scratch: &mut Scratch<1>,
-    at: (usize, usize),
-    (now, next): (f64, f64),
-    rate: f64,
-) -> f64 {
-    let mut rate_at = |z: f64| {
-        scratch.input(at.0)[0] = z;
-        scratch.run();
-        scratch.output(at.1)[0]
-    };
-    if rate == 0.0 || rate_at(next) * rate >= 0.0 {
-        return next;
-    }
-    let (mut inside, mut outside) = (now, next);
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (inside + outside);
-        if rate_at(middle) * rate >= 0.0 { inside = middle } else { outside = middle }
-    }
-    inside
-}
-
-/// A step that would cross a point of rest is halved so often: to a millionth of itself.
-const HALVINGS: usize = 20;

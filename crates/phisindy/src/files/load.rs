@@ -2,6 +2,7 @@
 
 use super::folders::{self, Folders, Missing};
 use super::laws;
+use crate::laws::Catalogue;
 use super::trends::Trends;
 use super::{Assignment, Request};
 use crate::error::{Error, SpecError};
@@ -86,15 +87,16 @@ pub fn load_text(
             return Err(Refusal::Input);
         }
     };
-    let laws = match purpose {
-        Purpose::Run | Purpose::Check if !case.laws.is_empty() => {
-            Some(named_laws(&case, path, request, source).map_err(|mistakes| {
-                found.extend(mistakes);
-                Refusal::Input
-            })?)
-        }
-        _ => None,
+    // A law with a mistake is told whatever the spec names: its author wants it tried.
+    let catalogue = laws::checked_beside(path, request, sources, found);
+    let named = |catalogue: Catalogue| match purpose {
+        Purpose::Run | Purpose::Check if !case.laws.is_empty() => Laws::of(&case, &catalogue, source).map(Some),
+        _ => Ok(None),
     };
+    let laws = catalogue.and_then(named).map_err(|mistakes| {
+        found.extend(mistakes);
+        Refusal::Input
+    })?;
     let mut loader = Loader {
         request,
         source,
@@ -114,16 +116,6 @@ pub fn load_text(
         }
         None => Ok(loaded),
     }
-}
-
-fn named_laws(
-    case: &Case,
-    path: &Path,
-    request: &Request,
-    source: SourceId,
-) -> Result<Laws, Vec<Diagnostic>> {
-    let catalogue = laws::beside(path, request).map_err(|e| vec![Diagnostic::error(e.to_string())])?;
-    Laws::of(case, &catalogue, source)
 }
 
 /// Reads a spec and all its records, for [`Loaded::identify`] and [`Loaded::gap`]. What is odd about them is

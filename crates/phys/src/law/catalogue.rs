@@ -1,6 +1,7 @@
 //! The laws that come with the program, and the entries of a catalogue.
 
 use super::{Law, LawError};
+use crate::text::diagnostic::{Diagnostic, SourceId};
 use std::sync::Arc;
 
 /// A law of a catalogue with its id.
@@ -21,6 +22,15 @@ impl LawEntry {
     /// As [`Law::read`].
     pub fn read(id: &str, text: &str) -> Result<LawEntry, LawError> {
         Ok(LawEntry { id: id.to_owned(), text: text.to_owned(), law: Arc::new(Law::read(text)?) })
+    }
+
+    /// The same with the places of all mistakes.
+    ///
+    /// # Errors
+    /// As [`Law::checked`].
+    pub fn checked(id: &str, text: &str, source: SourceId) -> Result<LawEntry, Vec<Diagnostic>> {
+        let law = Law::checked(text, source)?;
+        Ok(LawEntry { id: id.to_owned(), text: text.to_owned(), law: Arc::new(law) })
     }
 }
 
@@ -74,27 +84,50 @@ mod tests {
             .collect();
         files.sort();
         assert_eq!(files, BUILT_IN.iter().map(|(id, _)| *id).collect::<Vec<_>>());
-        let all: Vec<LawEntry> =
-            BUILT_IN.iter().map(|(id, text)| LawEntry::read(id, text).expect(id)).collect();
+        let ids: Vec<&str> = BUILT_IN.iter().map(|(id, _)| *id).collect();
+        for (id, text) in BUILT_IN {
+            assert_eq!(Law::unknown_references(text, SourceId(0), &ids), [], "{id}");
+        }
+        let all: Vec<LawEntry> = BUILT_IN
+            .iter()
+            .map(|(id, text)| LawEntry::checked(id, text, SourceId(0)).unwrap_or_else(|d| panic!("{id}: {d:?}")))
+            .collect();
         let those = |is: fn(&Law) -> bool| -> Vec<&str> {
             all.iter().filter(|e| is(&e.law)).map(|e| e.id.as_str()).collect()
         };
         assert_eq!(
             those(Law::sticks),
-            ["asymmetric-coulomb", "coulomb", "dieterich-ruina", "position-dependent-friction", "stribeck"]
+            [
+                "asymmetric-coulomb",
+                "coulomb",
+                "dieterich-ruina",
+                "drifting-friction",
+                "position-dependent-friction",
+                "stribeck"
+            ]
         );
         assert_eq!(those(Law::has_clearance), ["dead-zone", "one-sided-stop"]);
-        assert_eq!(those(Law::has_memory), ["presliding"]);
-        assert_eq!(those(Law::is_resistance), ["quadratic-drag", "viscous"]);
+        assert_eq!(
+            those(Law::has_memory),
+            ["backlash", "bouc-wen", "lugre", "maxwell", "maxwell-slip", "presliding"]
+        );
+        assert_eq!(
+            those(Law::is_hysteretic),
+            ["backlash", "bouc-wen", "lugre", "maxwell-slip", "presliding"]
+        );
+        assert_eq!(those(Law::is_resistance), ["cubic-damping", "power-law-damping", "quadratic-drag", "viscous"]);
         assert_eq!(those(Law::is_linear_spring), ["stiffness"]);
         assert_eq!(
             those(Law::is_spring),
             [
+                "bilinear-stiffness",
+                "cogging",
                 "cubic-stiffness",
                 "dead-zone",
                 "one-sided-stop",
                 "parametric-stiffness",
                 "quadratic-stiffness",
+                "quintic-stiffness",
                 "stiffness"
             ]
         );

@@ -19,6 +19,9 @@ pub struct State {
     pub node: Id,
     /// If its known rate is exactly another state: that state, its velocity.
     pub velocity: Option<usize>,
+    /// For the memory of a law: how large it becomes along the records (SI). It starts somewhere between minus and plus
+    /// this; for any other state nothing is believed beforehand.
+    pub memory: Option<f64>,
 }
 
 /// A given function of time.
@@ -260,6 +263,7 @@ impl System {
             factor,
             node,
             velocity: None,
+            memory: None,
         });
         self.known.push(self.graph.constant(0.0));
         self.inertia.push(None);

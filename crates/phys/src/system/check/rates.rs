@@ -25,6 +25,7 @@ impl Checker {
                 factor,
                 node,
                 velocity: None,
+                memory: None,
             });
         }
         let mut inputs = Vec::new();
