@@ -4,7 +4,7 @@
 mod effect;
 
 pub use effect::{Effect, EffectError};
-pub(crate) use effect::{bindings, fits, is_force};
+pub(crate) use effect::{bindings, fits, is_force, needs};
 
 use phisindy_expr::Id;
 use phisindy_phys::unit::{Dimension, Unit};

@@ -15,7 +15,8 @@ use crate::decisions::{GRID_KEPT, GRID_STARTS, PLAIN_GAIN, REGRESSION_ROWS, TONE
 use crate::model::TrialModel;
 
 use crate::constraint;
-use crate::place::{Effect, Site, fits};
+use crate::place::{Effect, Site, fits, needs};
+use crate::result::{NotTried, WhyNot};
 use faer::Mat;
 use free_columns::{FreeColumns, Movable};
 use gram::{Projected, projected, solve};
@@ -54,6 +55,10 @@ pub(crate) struct Screening {
     follow: Mat<f64>,
     movable: Vec<Movable>,
     regressors: Vec<Option<Regressors>>,
+    /// Laws of the catalogue without a candidate.
+    pub(crate) left_out: Vec<NotTried>,
+    /// Rows of the regression, each for as many samples as it stands for.
+    pub(crate) samples: f64,
 }
 
 /// Screens the catalogue beside a fitted model. `None` if the known rates cannot be evaluated along the data.
@@ -108,16 +113,29 @@ pub(crate) fn screen(
     let gram = gram * faer::Scale(stride as f64);
     let Projected { gram, kept, follow } = projected(&gram, fixed.len());
     let samples = (rows * stride) as f64;
-    let mut screening = Screening { candidates: vec![], gram, follow, movable, regressors: vec![] };
+    let mut screening = Screening {
+        candidates: vec![],
+        gram,
+        follow,
+        movable,
+        regressors: vec![],
+        left_out: vec![],
+        samples,
+    };
     let mut best: Vec<Vec<Candidate>> = vec![vec![]; effects.len()];
+    // Why the trials of an effect gave no candidate.
+    let mut why: Vec<Option<WhyNot>> = made.iter().map(|(_, trials)| trials.is_empty().then_some(WhyNot::NotFinite)).collect();
     for (trial, at) in candidates {
         // Column indices after projection: column 0 is the target, projected columns are gone.
         let at: Vec<usize> = at.into_iter().map(|k| k - fixed.len() + 1).collect();
+        why[trial.regressors] = Some(WhyNot::NotSeen);
         if at.iter().all(|&k| kept[k]) {
             let regressors = made[trial.regressors].0.as_ref();
             best[trial.regressors].extend(screening.candidate(trial, at, regressors));
+            why[trial.regressors] = Some(WhyNot::OutOfBounds);
         }
     }
+    screening.left_out = left_out(model, catalogue, &effects, &best, &why);
     screening.regressors = made.into_iter().map(|(r, _)| r).collect();
     screening.candidates = best
         .into_iter()
@@ -131,6 +149,34 @@ pub(crate) fn screen(
     let price = |size: usize| size as f64 * samples.ln();
     screening.candidates.sort_by(|a, b| (b.gain - price(b.size)).total_cmp(&(a.gain - price(a.size))));
     Some(screening)
+}
+
+/// The laws of the catalogue without a candidate at any place.
+fn left_out(
+    model: &TrialModel,
+    catalogue: &[LawEntry],
+    effects: &[Effect],
+    best: &[Vec<Candidate>],
+    why: &[Option<WhyNot>],
+) -> Vec<NotTried> {
+    let unknown = |entry: &LawEntry| {
+        let mut system = model.system.clone();
+        entry.law.nodes().outside.iter().find(|(name, _)| system.quantity(name).is_none()).map(|(n, _)| n.clone())
+    };
+    let mut all = Vec::new();
+    for entry in catalogue {
+        let own: Vec<usize> = (0..effects.len()).filter(|&k| effects[k].entry.id == entry.id).collect();
+        if own.iter().any(|&k| !best[k].is_empty()) {
+            continue;
+        }
+        let reason = match (unknown(entry), own.iter().rev().find_map(|&k| why[k].clone())) {
+            (Some(name), _) => WhyNot::UnknownName(name),
+            (None, Some(why)) => why,
+            (None, None) => WhyNot::NoPlace(needs(&entry.law)),
+        };
+        all.push(NotTried { law: entry.id.clone(), why: reason });
+    }
+    all
 }
 
 /// The columns that are projected out, after the target, and their Gram matrix.

@@ -109,6 +109,8 @@ pub enum Role {
     Displacement,
     /// The velocity, in metres per second.
     Velocity,
+    /// A force of the known part that presses what rubs, in newtons.
+    Load,
 }
 
 /// A condition on the parameters of a law.
@@ -203,6 +205,7 @@ impl Law {
         let unit = match wanted {
             Role::Displacement => Dimension::METRE,
             Role::Velocity => Dimension::METRE.div(Dimension::SECOND),
+            Role::Load => Dimension::NEWTON,
         };
         let is = |text: &str| Unit::parse(text).is_ok_and(|u| u.dimension == unit);
         self.roles.iter().find(|(_, unit)| is(unit)).map(|(name, _)| name.as_str())

@@ -1,6 +1,7 @@
 //! A law at a place.
 
 use super::{Place, Site};
+use crate::result::Needs;
 use phisindy_expr::Id;
 use phisindy_phys::unit::{Dimension, Unit};
 use phisindy_phys::{Law, LawEntry, LawRole, System};
@@ -221,6 +222,21 @@ fn product(parts: &[(&str, f64)]) -> String {
         0 => top,
         1 => format!("{top}/{}", bottom[0]),
         _ => format!("{top}/({})", bottom.join("*")),
+    }
+}
+
+/// What a law acts on.
+pub(crate) fn needs(law: &Law) -> Needs {
+    if law.sensor.is_some() {
+        Needs::Sensor
+    } else if law.input.is_some() {
+        Needs::Input
+    } else if law.role(LawRole::Load).is_some() {
+        Needs::Load
+    } else if law.role(LawRole::Displacement).is_some() {
+        Needs::Displacement
+    } else {
+        Needs::Velocity
     }
 }
 
