@@ -153,6 +153,8 @@ decisions! {
     FAR_OFF: f64 = 2.0, "of the noise", BLIND;
     /// Price of a sensor property, the less plausible explanation where a force does as well.
     SENSOR_PRICE: f64 = 6.0, "BIC", BLIND;
+    /// Price of a property of an input: where a sensor property does as well, it is named, by more than `SIMPLER`.
+    INPUT_PRICE: f64 = 10.0, "BIC", Basis::Derived("SENSOR_PRICE and SIMPLER, and one more so that ties are clear");
     /// Price of a negative sensor delay.
     EARLY_PRICE: f64 = 15.0, "BIC", BLIND;
     /// Residuals with a larger fraction of independent samples count in full.

@@ -363,10 +363,14 @@ fn path(base: &Fitted, last: &Fitted, noise: &[Vec<f64>]) -> Vec<Fitted> {
 /// The parameters of an effect in the final model.
 fn parameters(last: &Fitted, applied: &Applied) -> Vec<StepParameter> {
     let own = applied.names.iter().zip(&applied.parameters).zip(applied.effect.labels());
+    let turned = applied.effect.is_input_delay();
     let of = |((constant, k), name): ((&String, &usize), String)| {
         let mut all = last.cal.parameters.iter().filter(|p| p.id.constant() == Some(*k));
         let value = |p: &FoundParameter| {
             let (f, e) = (p.factor, &p.estimate);
+            if turned {
+                return (-e.value / f, (-e.ci95.1 / f, -e.ci95.0 / f));
+            }
             (e.value / f, (e.ci95.0 / f, e.ci95.1 / f))
         };
         let each = all.clone().filter_map(|p| {

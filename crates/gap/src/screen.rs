@@ -15,18 +15,18 @@ use crate::decisions::{GRID_KEPT, GRID_STARTS, PLAIN_GAIN, REGRESSION_ROWS, TONE
 use crate::model::TrialModel;
 
 use crate::constraint;
-use crate::place::{Effect, Site, fits, needs};
+use crate::place::{Effect, Site, fits, known_forces, needs};
 use crate::result::{NotTried, WhyNot};
 use faer::Mat;
 use free_columns::{FreeColumns, Movable};
 use gram::{Projected, projected, solve};
 use phisindy_learn::Calibration;
-use phisindy_phys::LawEntry;
+use phisindy_phys::{LawEntry, LawRole};
 use phisindy_phys::spec::Role;
 use rayon::prelude::*;
 use regression_data::{Base, RegressionData};
 use regressors::{Regressors, Scale};
-use trial::{Trial, force_trials, sensor_trials};
+use trial::{Trial, force_trials, input_trials, sensor_trials};
 
 pub(crate) use sibling_starts::sibling_starts;
 
@@ -87,6 +87,7 @@ pub(crate) fn screen(
                 let columns: Vec<usize> = names.iter().filter_map(|name| system.column(name)).collect();
                 (None, sensor_trials(k, effect, &columns, &data))
             }
+            Site::Input(inputs) => (None, input_trials(k, effect, inputs, system, &data)),
             Site::Force { .. } => match Regressors::new(effect, system) {
                 Some(regressors) => {
                     let trials = force_trials(k, effect, &regressors, system, &data);
@@ -342,10 +343,15 @@ fn effects(model: &TrialModel, catalogue: &[LawEntry]) -> Vec<Effect> {
                 entry: entry.clone(),
                 place: place.clone(),
                 mirror: false,
-                load: None,
+                load: None, pressed_by: None,
                 start,
                 beside: vec![],
             };
+            if entry.law.role(LawRole::Load).is_some() {
+                let pressed = |force: String| Effect { pressed_by: Some(force), ..plain.clone() };
+                all.extend(known_forces(&model.system, place).into_iter().map(pressed));
+                continue;
+            }
             if entry.law.mirror.is_some() {
                 all.push(Effect { mirror: true, ..plain.clone() });
             }
@@ -368,7 +374,7 @@ fn seeded(
 ) -> Option<Effect> {
     let values = match regressors {
         Some(regressors) => regressors.parameters(coefficients, grid)?,
-        None => match effect.entry.law.sensor.as_deref() {
+        None => match effect.entry.law.property() {
             Some("gain") => vec![1.0 + coefficients[0]],
             _ => vec![coefficients[0]],
         },

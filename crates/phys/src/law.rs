@@ -211,6 +211,11 @@ impl Law {
         self.roles.iter().find(|(_, unit)| is(unit)).map(|(name, _)| name.as_str())
     }
 
+    /// Which property of a sensor or of an input it is; `None` for a force.
+    pub fn property(&self) -> Option<&str> {
+        self.sensor.as_deref().or(self.input.as_deref())
+    }
+
     /// Whether it has states of its own.
     pub fn has_memory(&self) -> bool {
         !self.internal.is_empty()
@@ -287,6 +292,7 @@ impl Law {
             .into_iter()
             .chain([of.time])
             .chain(of.outside.iter().map(|(_, id)| *id))
+            .chain(of.load)
             .collect();
         !self.sticks() && of.graph.uses(&[force], &[v]) && !of.graph.uses(&[force], &others)
     }
@@ -294,7 +300,7 @@ impl Law {
     /// Whether it is a spring: a force of the displacement alone, without memory.
     pub fn is_spring(&self) -> bool {
         let of_displacement = self.role(Role::Displacement).is_some() && self.role(Role::Velocity).is_none();
-        of_displacement && self.sensor.is_none() && !self.has_memory()
+        of_displacement && self.property().is_none() && !self.has_memory()
     }
 
     /// Whether it is a spring in proportion to the displacement, at all times.
@@ -321,6 +327,7 @@ impl Law {
         lines.extend(self.force.iter().map(|f| format!("force against the motion: {f}")));
         lines.extend(self.push.iter().map(|f| format!("push: {f}")));
         lines.extend(self.sensor.iter().map(|s| format!("property of a sensor: {s}")));
+        lines.extend(self.input.iter().map(|s| format!("property of an input: {s}")));
         lines.extend(
             self.internal
                 .iter()

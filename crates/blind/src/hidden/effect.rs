@@ -146,7 +146,12 @@ pub(super) fn draw(
     let second_phase = phase.map(|(_, phase)| {
         if dice.chance(0.5) { crate::dice::rounded(dice.between(-3.0, 3.0)) } else { *phase }
     });
-    let action = Action::Force { place: place.clone(), force: force.to_owned(), internal };
+    // The load is the spring of the place.
+    let force = match force.contains("LOAD") {
+        true => force.replace("LOAD", &format!("{:e}*X", place.spring?)),
+        false => force.to_owned(),
+    };
+    let action = Action::Force { place: place.clone(), force, internal };
     Some(Effect { law: law.to_owned(), at: place.at.clone(), parameters, second_phase, action })
 }
 
@@ -184,6 +189,9 @@ fn draw_friction(law: &str, s: Scales, dice: &mut Dice, holds: bool) -> Option<F
             (vec![("b", dice.log(0.05, 1.0) * s.force / s.v.powf(p)), ("p", p)], "b*abs(Y)^p*sgn(Y)")
         }
         "coulomb" => (vec![("Fc", level(dice))], "Fc*sgn(Y)"),
+        "load-dependent-friction" => {
+            (vec![("F0", level(dice)), ("mu", dice.between(0.1, 0.6))], "(F0 + mu*abs(LOAD))*sgn(Y)")
+        }
         "drifting-friction" => {
             let change = if dice.chance(0.5) { dice.between(0.5, 2.0) } else { -dice.between(0.3, 0.6) };
             (vec![("Fc", level(dice)), ("r", change / s.time)], "Fc*(1 + r*t)*sgn(Y)")

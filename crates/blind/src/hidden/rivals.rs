@@ -282,6 +282,9 @@ impl Comparison<'_> {
         let times = &self.seen.experiment.times;
         let drifts = v.iter().zip(times).map(|(&v, t)| t * sign(v)).collect();
         self.push("drifting-friction", place, 2, true, vec![of(&|_, v| sign(v)), drifts]);
+        // The load may be any displacement; that of the place is the nearest.
+        let pressed = of(&|x, v| x.abs() * sign(v));
+        self.push("load-dependent-friction", place, 2, true, vec![of(&|_, v| sign(v)), pressed]);
         for quarter in 4..40 {
             let n = f64::from(quarter) * 0.25 * std::f64::consts::PI / top;
             self.push("cogging", place, 3, false, vec![of(&|x, _| (n * x).sin()), of(&|x, _| (n * x).cos())]);

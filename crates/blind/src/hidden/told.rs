@@ -63,6 +63,23 @@ pub(super) fn alternatives(
                 more.push(put(k, vec![placed("sensor-offset", &rig.x[1])]));
             }
         }
+        // One recorded drive: what acts late shows late. On linear springs a scale of the drive is one of the motion.
+        let one_drive = matches!(rig.drive, Drive::Force(_) | Drive::Base { .. });
+        let input = if base { "u" } else { "F" };
+        for (of_input, of_sensor) in [("input-delay", "sensor-delay"), ("input-gain", "sensor-gain")] {
+            if !one_drive || effects.len() > 1 {
+                continue;
+            }
+            if e.law == of_input {
+                more.push(put(k, vec![placed(of_sensor, "motion")]));
+                if columns == 1 {
+                    more.push(put(k, vec![placed(of_sensor, column)]));
+                }
+            }
+            if e.law == of_sensor && (e.at == "motion" || columns == 1) {
+                more.push(put(k, vec![placed(of_input, input)]));
+            }
+        }
         // All columns are one column here.
         if only_column(e, columns) {
             more.push(put(k, vec![placed(&e.law, if e.at == "motion" { column } else { "motion" })]));

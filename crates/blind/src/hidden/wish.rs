@@ -52,6 +52,7 @@ pub(super) const LAWS: &[&str] = &[
     "sensor-gain",
     "sensor-offset",
     "drifting-friction",
+    "load-dependent-friction",
     "cogging",
     "power-law-damping",
     "cubic-damping",
@@ -62,6 +63,8 @@ pub(super) const LAWS: &[&str] = &[
     "maxwell",
     "maxwell-slip",
     "backlash",
+    "input-delay",
+    "input-gain",
 ];
 
 /// Two effects at once.
@@ -88,11 +91,11 @@ const PAIRS: &[[&str; 2]] = &[
 
 /// Laws that can hold a mass at rest: once in a deck they do, once they never do.
 pub(super) const HOLDING: &[&str] =
-    &["coulomb", "asymmetric-coulomb", "stribeck", "dieterich-ruina", "position-dependent-friction", "drifting-friction"];
+    &["coulomb", "asymmetric-coulomb", "stribeck", "dieterich-ruina", "position-dependent-friction", "drifting-friction", "load-dependent-friction"];
 
 /// Sets in a deck: all laws, those that can hold a second time, and the others.
-const DECK: usize = 63;
-const NOTHING: usize = 13;
+const DECK: usize = 67;
+const NOTHING: usize = 14;
 const TWO: usize = 7;
 
 /// The wish of a set. `only` restricts it to one law, or to `nothing`, `two`, `outside`.

@@ -54,10 +54,32 @@ pub(crate) fn laws(name: Option<&str>, options: &Options) -> Result<u8> {
     Ok(0)
 }
 
+/// A law of the user's own, with a comment on every field.
+const TEMPLATE: &str = include_str!("law_template.ron");
+
+/// Prints the template of a law, or writes it into `--out`.
+pub(crate) fn new(name: &str, options: &Options) -> Result<u8> {
+    if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_') {
+        return Err(anyhow!("`{name}` is no id of a law: letters, digits and `-`, for it is the name of a file"));
+    }
+    let text = TEMPLATE.replace("\"NAME\"", &format!("\"{name}\""));
+    match &options.out {
+        Some(out) => OutDir::create(out)?.write(&format!("{name}.ron"), &text)?,
+        None => print(&text)?,
+    }
+    Ok(0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use phisindy::Catalogue;
+
+    #[test]
+    fn the_template_is_a_law() {
+        let law = phisindy_phys::Law::checked(TEMPLATE, phisindy_phys::SourceId(0)).expect("a law");
+        assert!(law.has_memory() && law.is_hysteretic());
+    }
 
     /// Every law has a picture, and the page in `docs/laws` is what the program writes.
     #[test]

@@ -114,7 +114,7 @@ impl TrialModel {
         let law = effect.entry.law.clone();
         let mut taken = out.taken();
         let at = &effect.place.at;
-        let names: Vec<String> = effect.labels().iter().map(|label| free(label, at, &mut taken)).collect();
+        let names: Vec<String> = effect.constants().iter().map(|label| free(label, at, &mut taken)).collect();
         let mut parameters = Vec::new();
         for ((name, (_, p)), start) in names.iter().zip(&law.parameters).zip(&effect.start) {
             let unit = if out.given.takes_units { effect.unit(&p.unit, &out.system) } else { String::new() };
@@ -124,7 +124,11 @@ impl TrialModel {
         let mut applied =
             Applied { effect: effect.clone(), names, parameters, internal: vec![], force: None };
         match &effect.place.site {
-            Site::Sensor(columns) => out.set_sensor_parameter(&applied, columns)?,
+            Site::Sensor(columns) => {
+                let columns = columns.iter().filter_map(|name| out.system.column(name)).collect();
+                out.set_sensor_parameter(&applied, columns)?;
+            }
+            Site::Input(inputs) => out.set_input_property(&applied, inputs)?,
             Site::Force { acts, shows, velocity, .. } => {
                 for (name, inner) in &law.internal {
                     let name = free(name, at, &mut taken);
@@ -193,17 +197,37 @@ impl TrialModel {
         }
     }
 
+    /// Makes the effect's parameter the factor of these inputs, or the delay of their sensors.
+    fn set_input_property(&mut self, applied: &Applied, inputs: &[usize]) -> Result<(), EffectError> {
+        if applied.effect.is_input_delay() {
+            let first = self.system.columns();
+            let own = |&j: &usize| self.records.first().is_none_or(|r| r.sensors[first + j].follows.is_none());
+            let columns = inputs.iter().filter(|j| own(j)).map(|j| first + j).collect();
+            return self.set_sensor_parameter(applied, columns);
+        }
+        let system = &mut self.system;
+        let gain = system.parameters[applied.parameters[0]].node;
+        let nodes: Vec<_> = inputs.iter().map(|&j| system.inputs[j].node).collect();
+        let with = nodes.into_iter().map(|u| (u, system.graph.mul(gain, u))).collect();
+        system.known = system.graph.replace(&system.known, &with);
+        let reads: Vec<_> = system.outputs.iter().map(|o| o.node).collect();
+        for (output, node) in system.outputs.iter_mut().zip(system.graph.replace(&reads, &with)) {
+            output.node = node;
+        }
+        Ok(())
+    }
+
     /// Makes the effect's parameter the offset, gain or delay of the sensors of these columns.
-    fn set_sensor_parameter(&mut self, applied: &Applied, columns: &[String]) -> Result<(), EffectError> {
+    fn set_sensor_parameter(&mut self, applied: &Applied, columns: Vec<usize>) -> Result<(), EffectError> {
         let entry = &applied.effect.entry;
-        let which = entry.law.sensor.as_deref().ok_or_else(|| EffectError::NoSensor(entry.id.clone()))?;
+        let which = entry.law.property().ok_or_else(|| EffectError::NoSensor(entry.id.clone()))?;
         let k = applied.parameters[0];
         let p = &self.system.parameters[k];
         let parameter =
             SensorParameter { start: p.start, within: Some(p.within), sigma: None, shared: Some(k) };
         for records in [&mut self.records, &mut self.smooth] {
             for record in Arc::make_mut(records) {
-                for column in columns.iter().filter_map(|name| self.system.column(name)) {
+                for &column in &columns {
                     let sensor = &mut record.sensors[column];
                     match which {
                         "offset" => sensor.offset = parameter.clone(),
@@ -368,7 +392,7 @@ mod tests {
             let base = TrialModel::base(spec, case, vec![]);
             let entry = LawEntry::read("coulomb", include_str!("../../../../specs/laws/coulomb.ron"));
             let (entry, place) = (entry.expect("a law"), base.places()[0].clone());
-            let effect = Effect { entry, place, mirror: false, load: None, start: vec![1.0], beside: vec![] };
+            let effect = Effect { entry, place, mirror: false, load: None, pressed_by: None, start: vec![1.0], beside: vec![] };
             text_with(&text, &base.with(&effect).expect("a model"), None).expect("a text")
         };
         let plain = written("7.5");
@@ -400,7 +424,7 @@ mod tests {
                     entry: entry.clone(),
                     place: place.clone(),
                     mirror: false,
-                    load: None,
+                    load: None, pressed_by: None,
                     start,
                     beside: vec![("c".into(), 0.25)],
                 };

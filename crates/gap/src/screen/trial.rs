@@ -36,6 +36,47 @@ pub(super) fn sensor_trials(
     vec![Trial { regressors, effect: effect.clone(), grid: vec![], columns: vec![column] }]
 }
 
+/// Gain or delay of inputs: what a small change of it does to the rates and to the outputs. The number of a delay is that
+/// of the record, so that a positive one acts early.
+pub(super) fn input_trials(
+    regressors: usize,
+    effect: &Effect,
+    inputs: &[usize],
+    system: &System,
+    data: &[RegressionData],
+) -> Vec<Trial> {
+    let (n, m) = (system.states.len(), system.inputs.len());
+    let nodes: Vec<Id> = inputs.iter().map(|&j| system.inputs[j].node).collect();
+    let roots: Vec<Id> = system.known.iter().copied().chain(system.outputs.iter().map(|o| o.node)).collect();
+    let mut graph = system.graph.clone();
+    let slopes: Vec<Id> = roots.iter().flat_map(|&root| graph.gradient(root, &nodes)).collect();
+    let Ok(tape) = Tape::compile(&graph, &system.arguments(), &slopes) else { return vec![] };
+    let late = effect.is_input_delay();
+    let mut column = Vec::new();
+    for data in data {
+        let motion = &data.motion;
+        let values = evaluated(&tape, motion, &[], &[]);
+        let moved = if late { &motion.slopes } else { &motion.inputs };
+        let change = |root: usize| -> Vec<f64> {
+            let of = |i: usize| {
+                let part = |(k, &j): (usize, &usize)| values[root * inputs.len() + k][i] * moved[i * m + j];
+                inputs.iter().enumerate().map(part).sum::<f64>()
+            };
+            (0..motion.samples()).map(of).collect()
+        };
+        let mut g = vec![0.0; motion.samples() * n];
+        for state in 0..n {
+            change(state).into_iter().enumerate().for_each(|(i, v)| g[i * n + state] = if v.is_finite() { v } else { 0.0 });
+        }
+        data.zero_at_rest(&mut g);
+        let mut rows = data.response(&g, &vec![0.0; n]);
+        let shown: Vec<Vec<f64>> = (n..roots.len()).map(change).collect();
+        data.add_to_outputs(&mut rows, &|output| shown.get(output).map(Vec::as_slice));
+        column.extend(rows);
+    }
+    vec![Trial { regressors, effect: effect.clone(), grid: vec![], columns: vec![column] }]
+}
+
 /// A force law over its grid.
 pub(super) fn force_trials(
     index: usize,

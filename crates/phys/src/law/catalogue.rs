@@ -48,7 +48,11 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("dead-zone", include_str!("../../../../specs/laws/dead-zone.ron")),
     ("dieterich-ruina", include_str!("../../../../specs/laws/dieterich-ruina.ron")),
     ("drifting-friction", include_str!("../../../../specs/laws/drifting-friction.ron")),
+    ("geared-stribeck", include_str!("../../../../specs/laws/geared-stribeck.ron")),
     ("harmonic-force", include_str!("../../../../specs/laws/harmonic-force.ron")),
+    ("input-delay", include_str!("../../../../specs/laws/input-delay.ron")),
+    ("input-gain", include_str!("../../../../specs/laws/input-gain.ron")),
+    ("load-dependent-friction", include_str!("../../../../specs/laws/load-dependent-friction.ron")),
     ("lugre", include_str!("../../../../specs/laws/lugre.ron")),
     ("maxwell", include_str!("../../../../specs/laws/maxwell.ron")),
     ("maxwell-slip", include_str!("../../../../specs/laws/maxwell-slip.ron")),
@@ -102,6 +106,8 @@ mod tests {
                 "coulomb",
                 "dieterich-ruina",
                 "drifting-friction",
+                "geared-stribeck",
+                "load-dependent-friction",
                 "position-dependent-friction",
                 "stribeck"
             ]

@@ -245,7 +245,7 @@ fn deciding(own: &LawEntry, rival: &Rival, catalogue: &[LawEntry]) -> Option<Str
     if named.is_some() {
         return named;
     }
-    if own.law.sensor.is_some() || first.law.sensor.is_some() {
+    if own.law.property().is_some() || first.law.property().is_some() {
         return Some("the same motion read by a second sensor".to_owned());
     }
     // A combination of laws has no such measurement.

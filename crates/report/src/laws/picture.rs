@@ -19,8 +19,10 @@ const SIZE: (f64, f64) = (380.0, 250.0);
 pub fn picture(entry: &LawEntry) -> Result<Option<String>, String> {
     let Some(sketch) = &entry.law.sketch else { return Ok(None) };
     let curve = curve(entry, sketch)?;
-    let sensor = entry.law.sensor.is_some();
-    let what = if sensor {
+    let sensor = entry.law.property().is_some();
+    let what = if entry.law.input.is_some() {
+        "input"
+    } else if sensor {
         "reading"
     } else if entry.law.push.is_some() {
         "push"
@@ -56,7 +58,7 @@ fn curve(entry: &LawEntry, sketch: &Sketch) -> Result<Vec<(f64, f64)>, String> {
         given.or_else(|| sketch.with.iter().find(|(n, _)| n == name).map(|(_, value)| *value))
     };
     // A sensor law is shown as its reading of the displacement.
-    let force = match law.sensor.as_deref() {
+    let force = match law.property() {
         Some("gain") => "gain*x",
         Some("offset") => "x + offset",
         Some(_) => "sin(t - tau)",
