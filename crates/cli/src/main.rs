@@ -47,7 +47,9 @@ fn execute(args: &Args) -> Result<u8> {
         Command::New(args) => commands::new::command(args, options),
         Command::Laws { words } => match &words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
             ["new", name] => commands::laws::new(name, options),
-            [_, other, ..] => Err(anyhow!("`{other}` is one word too many: `phisindy laws NAME` or `phisindy laws new NAME`")),
+            [_, other, ..] => Err(anyhow!(
+                "`{other}` is one word too many: `phisindy laws NAME` or `phisindy laws new NAME`"
+            )),
             words => commands::laws::laws(words.first().copied(), options),
         },
         Command::Export(args) => commands::export::export(args, options),

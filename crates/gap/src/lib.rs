@@ -49,6 +49,7 @@ pub use result::{
     Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, ColumnGap, ColumnRepeat,
     DataError, DataMistake, DriveFrequency, ForceHistory, Gap, GapError, InputNoise, Location, ModelError,
     Named, NamedValue, Needs, NotTried, PlacedLaw, RecordValue, Region, Rival, SensorNonlinearity, Simulated,
-    SpecMistake, Status, Step, StepParameter, StopReason, Tried, Veto, Vetoed, Warning, WhyNot, force_history,
+    SpecMistake, Status, Step, StepParameter, StopReason, Tried, Veto, Vetoed, Warning, WhyNot,
+    force_history,
 };
 pub use workflow::gap;

@@ -40,12 +40,7 @@ pub(crate) fn internal_states(
 
 /// The end of a step of an internal state from `now` to `next`, or the place between them where its rate vanishes.
 /// The state is input `at.0` of the tape, its rate output `at.1`.
-fn before_rest(
-    scratch: &mut Scratch<1>,
-    at: (usize, usize),
-    (now, next): (f64, f64),
-    rate: f64,
-) -> f64 {
+fn before_rest(scratch: &mut Scratch<1>, at: (usize, usize), (now, next): (f64, f64), rate: f64) -> f64 {
     let mut rate_at = |z: f64| {
         scratch.input(at.0)[0] = z;
         scratch.run();
@@ -76,7 +71,8 @@ fn driven(system: &System, smooth: &Record, count: usize) -> Option<Vec<Vec<f64>
     let slopes: Vec<Id> = rates.iter().zip(&own).map(|(&r, &z)| graph.gradient(r, &[z])[0]).collect();
     let outputs: Vec<Id> = rates.iter().copied().chain(slopes).collect();
     let tape = Tape::compile(&graph, &system.arguments(), &outputs).ok()?;
-    let columns: Vec<&Vec<f64>> = smooth.columns[..first].iter().map(Option::as_ref).collect::<Option<_>>()?;
+    let columns: Vec<&Vec<f64>> =
+        smooth.columns[..first].iter().map(Option::as_ref).collect::<Option<_>>()?;
     let time = &smooth.time;
     let mut hints = vec![0; m];
     Some(internal_states(&tape, (1 + first, count), time, &mut |i, scratch| {

@@ -75,7 +75,15 @@ fn effect(
         ));
     }
     let start = entry.law.parameters.iter().map(|(_, p)| default_start(p.within)).collect();
-    Ok(Effect { entry: entry.clone(), place, mirror: false, load: None, pressed_by: None, start, beside: vec![] })
+    Ok(Effect {
+        entry: entry.clone(),
+        place,
+        mirror: false,
+        load: None,
+        pressed_by: None,
+        start,
+        beside: vec![],
+    })
 }
 
 /// Start of a parameter without any estimate: 0 where it may have either sign, otherwise 1 (SI), clamped to

@@ -21,8 +21,8 @@ use faer::Mat;
 use free_columns::{FreeColumns, Movable};
 use gram::{Projected, projected, solve};
 use phisindy_learn::Calibration;
-use phisindy_phys::{LawEntry, LawRole};
 use phisindy_phys::spec::Role;
+use phisindy_phys::{LawEntry, LawRole};
 use rayon::prelude::*;
 use regression_data::{Base, RegressionData};
 use regressors::{Regressors, Scale};
@@ -125,7 +125,8 @@ pub(crate) fn screen(
     };
     let mut best: Vec<Vec<Candidate>> = vec![vec![]; effects.len()];
     // Why the trials of an effect gave no candidate.
-    let mut why: Vec<Option<WhyNot>> = made.iter().map(|(_, trials)| trials.is_empty().then_some(WhyNot::NotFinite)).collect();
+    let mut why: Vec<Option<WhyNot>> =
+        made.iter().map(|(_, trials)| trials.is_empty().then_some(WhyNot::NotFinite)).collect();
     for (trial, at) in candidates {
         // Column indices after projection: column 0 is the target, projected columns are gone.
         let at: Vec<usize> = at.into_iter().map(|k| k - fixed.len() + 1).collect();
@@ -162,7 +163,13 @@ fn left_out(
 ) -> Vec<NotTried> {
     let unknown = |entry: &LawEntry| {
         let mut system = model.system.clone();
-        entry.law.nodes().outside.iter().find(|(name, _)| system.quantity(name).is_none()).map(|(n, _)| n.clone())
+        entry
+            .law
+            .nodes()
+            .outside
+            .iter()
+            .find(|(name, _)| system.quantity(name).is_none())
+            .map(|(n, _)| n.clone())
     };
     let mut all = Vec::new();
     for entry in catalogue {
@@ -343,7 +350,8 @@ fn effects(model: &TrialModel, catalogue: &[LawEntry]) -> Vec<Effect> {
                 entry: entry.clone(),
                 place: place.clone(),
                 mirror: false,
-                load: None, pressed_by: None,
+                load: None,
+                pressed_by: None,
                 start,
                 beside: vec![],
             };

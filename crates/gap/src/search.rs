@@ -183,7 +183,8 @@ impl Search<'_> {
             }
         }
         // A model that leaves nothing but noise was screened by the second pass alone.
-        let first = first.or_else(|| Some(screened(&screen(&base.settled(), &base.cal, self.catalogue, self.noise)?)));
+        let first = first
+            .or_else(|| Some(screened(&screen(&base.settled(), &base.cal, self.catalogue, self.noise)?)));
         let tried = after_fits(first.unwrap_or_default(), rounds.first());
         Ok(Searched { base, last: now, rounds, candidates, stop, needed: vec![], tried })
     }

@@ -36,8 +36,11 @@ impl Catalogue {
     /// # Errors
     /// The text is no law.
     pub fn with(mut self, id: &str, text: &str) -> Result<Catalogue, LawError> {
-        let law = LawEntry::checked(id, text, SourceId(0))
-            .map_err(|mistakes| LawError { id: id.to_owned(), text: text.to_owned(), mistakes })?;
+        let law = LawEntry::checked(id, text, SourceId(0)).map_err(|mistakes| LawError {
+            id: id.to_owned(),
+            text: text.to_owned(),
+            mistakes,
+        })?;
         self.laws.retain(|other| other.id != id);
         self.laws.push(law);
         self.laws.sort_by(|a, b| a.id.cmp(&b.id));

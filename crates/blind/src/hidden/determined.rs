@@ -52,7 +52,8 @@ pub(super) fn determined(
     }
     let Some(rows) = rows.into_iter().collect::<Option<Vec<_>>>() else { return false };
     let n = rows.len();
-    let information = Mat::from_fn(n, n, |i, j| rows[i].iter().zip(&rows[j]).map(|(a, b)| a * b).sum::<f64>());
+    let information =
+        Mat::from_fn(n, n, |i, j| rows[i].iter().zip(&rows[j]).map(|(a, b)| a * b).sum::<f64>());
     // Unit scale: a parameter that does nothing has no scale.
     let scale: Vec<f64> = (0..n).map(|i| information[(i, i)].sqrt()).collect();
     if scale.iter().any(|s| *s <= 0.0 || !s.is_finite()) {

@@ -128,8 +128,13 @@ pub(super) fn draw(
 ) -> Option<Effect> {
     let (parameters, force) = match law {
         "viscous" | "stiffness" => draw_linear(law, s, rig, dice),
-        "cubic-stiffness" | "quadratic-stiffness" | "quintic-stiffness" | "bilinear-stiffness" | "cogging"
-        | "dead-zone" | "one-sided-stop" => draw_spring(law, place, s, rig, dice),
+        "cubic-stiffness"
+        | "quadratic-stiffness"
+        | "quintic-stiffness"
+        | "bilinear-stiffness"
+        | "cogging"
+        | "dead-zone"
+        | "one-sided-stop" => draw_spring(law, place, s, rig, dice),
         "bouc-wen" | "lugre" | "maxwell" | "maxwell-slip" | "backlash" => {
             draw_memory(law, place, s, rig, dice)
         }
@@ -143,9 +148,12 @@ pub(super) fn draw(
     let internal = own.iter().map(|(z, rate)| ((*z).to_owned(), (*rate).to_owned())).collect();
     // The phase of cogging is that of a position.
     let phase = parameters.iter().find(|(n, _)| *n == "phase" && law != "cogging");
-    let second_phase = phase.map(|(_, phase)| {
-        if dice.chance(0.5) { crate::dice::rounded(dice.between(-3.0, 3.0)) } else { *phase }
-    });
+    let second_phase =
+        phase.map(
+            |(_, phase)| {
+                if dice.chance(0.5) { crate::dice::rounded(dice.between(-3.0, 3.0)) } else { *phase }
+            },
+        );
     // The load is the spring of the place.
     let force = match force.contains("LOAD") {
         true => force.replace("LOAD", &format!("{:e}*X", place.spring?)),
@@ -290,7 +298,10 @@ fn draw_memory(law: &str, place: &Place, s: Scales, rig: &super::rig::Rig, dice:
         }
         "maxwell-slip" => {
             let kt = level / (dice.log(0.1, 0.4) * s.x);
-            (vec![("Fc", level), ("kt", kt), ("spread", dice.between(0.4, 0.9))], "0.25*kt*(z1 + z2 + z3 + z4)")
+            (
+                vec![("Fc", level), ("kt", kt), ("spread", dice.between(0.4, 0.9))],
+                "0.25*kt*(z1 + z2 + z3 + z4)",
+            )
         }
         "backlash" => {
             let ks = dice.log(0.1, 1.0) * s.force / s.x;
@@ -341,7 +352,13 @@ pub(super) fn draw_input(law: &str, rig: &super::rig::Rig, dice: &mut Dice) -> O
     let value = crate::dice::rounded(value);
     let (gain, delay) = if name == "gain" { (value, 0.0) } else { (1.0, value) };
     let action = Action::Input { gain, delay };
-    Some(Effect { law: law.to_owned(), at: at.to_owned(), parameters: vec![(name, value)], second_phase: None, action })
+    Some(Effect {
+        law: law.to_owned(),
+        at: at.to_owned(),
+        parameters: vec![(name, value)],
+        second_phase: None,
+        action,
+    })
 }
 
 /// Draws a property of one column or of all. `columns` are their names and sizes; `None` for any other law.

@@ -29,7 +29,8 @@ const VISIBLE: f64 = 200.0;
 const REMAINDER: f64 = 0.4;
 
 /// Laws of several numbers that only some motions tell apart.
-const DETERMINED: &[&str] = &["bouc-wen", "lugre", "maxwell", "maxwell-slip", "backlash", "drifting-friction"];
+const DETERMINED: &[&str] =
+    &["bouc-wen", "lugre", "maxwell", "maxwell-slip", "backlash", "drifting-friction"];
 
 /// A record as the workflow sees it.
 pub(super) struct Shown {

@@ -33,9 +33,7 @@ pub(super) fn draw(
     let mut internal = vec![];
     let (parameters, force): (Vec<(&'static str, f64)>, &str) = match kind {
         "saturating-spring" => (vec![("A", a), ("s", dice.between(0.3, 0.7) * s.x)], "A*tanh((X/s)^5)"),
-        "septic-stiffness" => {
-            (vec![("A", dice.log(0.1, 3.0) * s.force), ("s", s.x)], "A*(X/s)^7")
-        }
+        "septic-stiffness" => (vec![("A", dice.log(0.1, 3.0) * s.force), ("s", s.x)], "A*(X/s)^7"),
         "corrugated-friction" => (
             vec![
                 ("A", friction),

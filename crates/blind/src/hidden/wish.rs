@@ -90,8 +90,15 @@ const PAIRS: &[[&str; 2]] = &[
 ];
 
 /// Laws that can hold a mass at rest: once in a deck they do, once they never do.
-pub(super) const HOLDING: &[&str] =
-    &["coulomb", "asymmetric-coulomb", "stribeck", "dieterich-ruina", "position-dependent-friction", "drifting-friction", "load-dependent-friction"];
+pub(super) const HOLDING: &[&str] = &[
+    "coulomb",
+    "asymmetric-coulomb",
+    "stribeck",
+    "dieterich-ruina",
+    "position-dependent-friction",
+    "drifting-friction",
+    "load-dependent-friction",
+];
 
 /// Sets in a deck: all laws, those that can hold a second time, and the others.
 const DECK: usize = 67;

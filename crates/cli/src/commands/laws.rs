@@ -1,8 +1,8 @@
 //! `phisindy laws`.
 
 use crate::args::Options;
-use crate::outdir::OutDir;
 use crate::draw;
+use crate::outdir::OutDir;
 use crate::terminal::{INPUT, print};
 use anyhow::{Result, anyhow};
 use phisindy::files::{catalogue, doubts};
@@ -60,7 +60,9 @@ const TEMPLATE: &str = include_str!("law_template.ron");
 /// Prints the template of a law, or writes it into `--out`.
 pub(crate) fn new(name: &str, options: &Options) -> Result<u8> {
     if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_') {
-        return Err(anyhow!("`{name}` is no id of a law: letters, digits and `-`, for it is the name of a file"));
+        return Err(anyhow!(
+            "`{name}` is no id of a law: letters, digits and `-`, for it is the name of a file"
+        ));
     }
     let text = TEMPLATE.replace("\"NAME\"", &format!("\"{name}\""));
     match &options.out {

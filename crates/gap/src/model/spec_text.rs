@@ -83,7 +83,8 @@ pub(crate) fn text_with(
             }
             Site::Input(inputs) if applied.effect.is_input_delay() => {
                 for (record, plan) in model.given.plans.iter().enumerate() {
-                    for &input in inputs.iter().filter(|&&j| plan.derived.get(j).is_none_or(Option::is_none)) {
+                    for &input in inputs.iter().filter(|&&j| plan.derived.get(j).is_none_or(Option::is_none))
+                    {
                         let name = &model.system.inputs[input].name;
                         let path = format!("data.{record}.sensors.{name}.delay");
                         text.set(&path, &format!("\"{}\"", applied.names[0]))?;

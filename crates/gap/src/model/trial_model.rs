@@ -201,7 +201,8 @@ impl TrialModel {
     fn set_input_property(&mut self, applied: &Applied, inputs: &[usize]) -> Result<(), EffectError> {
         if applied.effect.is_input_delay() {
             let first = self.system.columns();
-            let own = |&j: &usize| self.records.first().is_none_or(|r| r.sensors[first + j].follows.is_none());
+            let own =
+                |&j: &usize| self.records.first().is_none_or(|r| r.sensors[first + j].follows.is_none());
             let columns = inputs.iter().filter(|j| own(j)).map(|j| first + j).collect();
             return self.set_sensor_parameter(applied, columns);
         }
@@ -392,7 +393,15 @@ mod tests {
             let base = TrialModel::base(spec, case, vec![]);
             let entry = LawEntry::read("coulomb", include_str!("../../../../specs/laws/coulomb.ron"));
             let (entry, place) = (entry.expect("a law"), base.places()[0].clone());
-            let effect = Effect { entry, place, mirror: false, load: None, pressed_by: None, start: vec![1.0], beside: vec![] };
+            let effect = Effect {
+                entry,
+                place,
+                mirror: false,
+                load: None,
+                pressed_by: None,
+                start: vec![1.0],
+                beside: vec![],
+            };
             text_with(&text, &base.with(&effect).expect("a model"), None).expect("a text")
         };
         let plain = written("7.5");
@@ -424,7 +433,8 @@ mod tests {
                     entry: entry.clone(),
                     place: place.clone(),
                     mirror: false,
-                    load: None, pressed_by: None,
+                    load: None,
+                    pressed_by: None,
                     start,
                     beside: vec![("c".into(), 0.25)],
                 };

@@ -272,7 +272,9 @@ pub(crate) fn needs(law: &Law) -> Needs {
 /// Whether a law can act at a place.
 pub(crate) fn fits(law: &Law, place: &Place) -> bool {
     // A prescribed motion has no rate in which forces of the known part stand.
-    if law.role(LawRole::Load).is_some() && !matches!(&place.site, Site::Force { acts, .. } if !acts.is_empty()) {
+    if law.role(LawRole::Load).is_some()
+        && !matches!(&place.site, Site::Force { acts, .. } if !acts.is_empty())
+    {
         return false;
     }
     match &place.site {

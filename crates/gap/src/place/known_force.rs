@@ -9,7 +9,8 @@ use phisindy_phys::System;
 pub(crate) fn known_forces(system: &System, place: &Place) -> Vec<String> {
     let Site::Force { acts, .. } = &place.site else { return vec![] };
     let mut system = system.clone();
-    let displacements: Vec<Id> = system.states.iter().filter(|s| s.velocity.is_some()).map(|s| s.node).collect();
+    let displacements: Vec<Id> =
+        system.states.iter().filter(|s| s.velocity.is_some()).map(|s| s.node).collect();
     let inputs: Vec<Id> = system.inputs.iter().map(|u| u.node).collect();
     let varies: Vec<Id> = displacements.into_iter().chain(inputs).chain([system.time]).collect();
     let mut all: Vec<String> = Vec::new();

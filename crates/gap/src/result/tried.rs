@@ -114,7 +114,10 @@ mod tests {
         ];
         weighed(&mut all);
         let found: Vec<Option<f64>> = all.iter().map(|t| t.probability).collect();
-        assert!((found[0].unwrap() - 0.75).abs() < 1e-12 && (found[1].unwrap() - 0.25).abs() < 1e-12, "{found:?}");
+        assert!(
+            (found[0].unwrap() - 0.75).abs() < 1e-12 && (found[1].unwrap() - 0.25).abs() < 1e-12,
+            "{found:?}"
+        );
         assert_eq!(found[2..], [None, None]);
     }
 }

@@ -129,7 +129,8 @@ impl Regressors {
                 nodes.truncate(screen.columns.len());
                 out.columns = nodes;
                 out.symbols = here(&screen.grid);
-                let axis = |(name, unit): &(String, String)| Axis { scale: scale(unit), within: bounds(law, name) };
+                let axis =
+                    |(name, unit): &(String, String)| Axis { scale: scale(unit), within: bounds(law, name) };
                 out.grid = text.grid.iter().map(axis).collect();
                 out.back = Back::Formulas(formulas(of, screen)?);
             }

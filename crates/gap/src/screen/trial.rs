@@ -66,7 +66,10 @@ pub(super) fn input_trials(
         };
         let mut g = vec![0.0; motion.samples() * n];
         for state in 0..n {
-            change(state).into_iter().enumerate().for_each(|(i, v)| g[i * n + state] = if v.is_finite() { v } else { 0.0 });
+            change(state)
+                .into_iter()
+                .enumerate()
+                .for_each(|(i, v)| g[i * n + state] = if v.is_finite() { v } else { 0.0 });
         }
         data.zero_at_rest(&mut g);
         let mut rows = data.response(&g, &vec![0.0; n]);

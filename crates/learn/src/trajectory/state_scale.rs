@@ -35,7 +35,13 @@ impl Problem<'_> {
         let n = shown.len();
         let record = *self.records.first().filter(|_| (0..n).any(unknown))?;
         let scale = shown.iter().map(|s| if *s > 0.0 { *s } else { ANY_SIZE }).collect();
-        let options = Options { tolerance: COARSE, scale, diverged: f64::MAX, max_steps: record.len() * STEPS_PER_SAMPLE, ..Options::default() };
+        let options = Options {
+            tolerance: COARSE,
+            scale,
+            diverged: f64::MAX,
+            max_steps: record.len() * STEPS_PER_SAMPLE,
+            ..Options::default()
+        };
         let x = self.guess(&[], None, &self.records.iter().map(|r| (*r).clone()).collect::<Vec<_>>());
         let start = &x[self.segments.first()?.start..][..n];
         let run = self.simulated(0, &x, (record.time[0], start), &record.time, &options).ok()?;

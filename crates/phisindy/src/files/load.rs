@@ -2,10 +2,10 @@
 
 use super::folders::{self, Folders, Missing};
 use super::laws;
-use crate::laws::Catalogue;
 use super::trends::Trends;
 use super::{Assignment, Request};
 use crate::error::{Error, SpecError};
+use crate::laws::Catalogue;
 use crate::loaded::{Laws, Loaded, NotWritten, checked};
 use phisindy_expr::Span;
 use phisindy_phys::spec::{ColumnSpec, CsvSpec, InputSpec, Role, Text};
@@ -90,7 +90,9 @@ pub fn load_text(
     // A law with a mistake is told whatever the spec names: its author wants it tried.
     let catalogue = laws::checked_beside(path, request, sources, found);
     let named = |catalogue: Catalogue| match purpose {
-        Purpose::Run | Purpose::Check if !case.laws.is_empty() => Laws::of(&case, &catalogue, source).map(Some),
+        Purpose::Run | Purpose::Check if !case.laws.is_empty() => {
+            Laws::of(&case, &catalogue, source).map(Some)
+        }
         _ => Ok(None),
     };
     let laws = catalogue.and_then(named).map_err(|mistakes| {

@@ -94,7 +94,9 @@ mod tests {
         }
         let all: Vec<LawEntry> = BUILT_IN
             .iter()
-            .map(|(id, text)| LawEntry::checked(id, text, SourceId(0)).unwrap_or_else(|d| panic!("{id}: {d:?}")))
+            .map(|(id, text)| {
+                LawEntry::checked(id, text, SourceId(0)).unwrap_or_else(|d| panic!("{id}: {d:?}"))
+            })
             .collect();
         let those = |is: fn(&Law) -> bool| -> Vec<&str> {
             all.iter().filter(|e| is(&e.law)).map(|e| e.id.as_str()).collect()
@@ -121,7 +123,10 @@ mod tests {
             those(Law::is_hysteretic),
             ["backlash", "bouc-wen", "lugre", "maxwell-slip", "presliding"]
         );
-        assert_eq!(those(Law::is_resistance), ["cubic-damping", "power-law-damping", "quadratic-drag", "viscous"]);
+        assert_eq!(
+            those(Law::is_resistance),
+            ["cubic-damping", "power-law-damping", "quadratic-drag", "viscous"]
+        );
         assert_eq!(those(Law::is_linear_spring), ["stiffness"]);
         assert_eq!(
             those(Law::is_spring),

@@ -1,7 +1,7 @@
 //! What is wrong with the text of a law, with the places in it. The law itself is read by [`super::Law::read`].
 
-use super::compiled::LawError;
 use super::Law;
+use super::compiled::LawError;
 use crate::system::check::declared_names;
 use crate::text::diagnostic::{Diagnostic, SourceId};
 use crate::text::raw::{self, Node};
@@ -103,8 +103,11 @@ impl Law {
         }
         let unknown = names.into_iter().filter(|name| !known.contains(&name.value.as_str()));
         let told = |name: Text| {
-            let said = Diagnostic::warning(format!("there is no law `{}`", name.value))
-                .at(source, name.span, "not in the catalogue");
+            let said = Diagnostic::warning(format!("there is no law `{}`", name.value)).at(
+                source,
+                name.span,
+                "not in the catalogue",
+            );
             match nearest(&name.value, known.iter().copied()) {
                 Some(near) => said.help(format!("did you mean `{near}`?")),
                 None => said.help("`phisindy laws` lists the laws"),
@@ -180,7 +183,14 @@ impl Reader<'_> {
 
     fn parsed_unit(&mut self, unit: &Text) -> Option<Unit> {
         Unit::parse(&unit.value).map_or_else(
-            |why| self.wrong(unit.span, format!("unknown unit `{}`: {why}", unit.value), "", "write SI units such as \"N*s/m\""),
+            |why| {
+                self.wrong(
+                    unit.span,
+                    format!("unknown unit `{}`: {why}", unit.value),
+                    "",
+                    "write SI units such as \"N*s/m\"",
+                )
+            },
             Some,
         )
     }
@@ -228,7 +238,9 @@ impl Reader<'_> {
             let at = given.get(1).and_then(|f| fields.get(f)).map_or(node.span, |n| n.span);
             self.wrong::<()>(at, message, "", help);
         }
-        for (field, allowed) in [("sensor", &["offset", "gain", "delay"][..]), ("input", &["gain", "delay"][..])] {
+        for (field, allowed) in
+            [("sensor", &["offset", "gain", "delay"][..]), ("input", &["gain", "delay"][..])]
+        {
             let Some(text) = fields.get(field).and_then(|n| self.words(n)) else { continue };
             if !allowed.contains(&text.value.as_str()) {
                 let message = format!("no such property: `{}`", text.value);
@@ -295,7 +307,8 @@ impl Reader<'_> {
             .chain(law.given.iter().map(|(name, _)| (name, "number")))
             .chain(law.internal.iter().map(|(name, ..)| (name, "state")));
         self.found.extend(declared_names(self.source, names));
-        let open = law.forces.iter().map(|(_, text)| text).chain(law.internal.iter().map(|(_, _, rate)| rate));
+        let open =
+            law.forces.iter().map(|(_, text)| text).chain(law.internal.iter().map(|(_, _, rate)| rate));
         let mut outside: Vec<String> = Vec::new();
         for text in open {
             for name in self.names_of(text) {
@@ -326,7 +339,8 @@ impl Reader<'_> {
         match parse(&text.value) {
             Ok(ast) => ast.names().map(|(name, _)| name.to_owned()).filter(|n| n != "pi").collect(),
             Err(e) => {
-                let said = Diagnostic::error(e.to_string()).at(self.source, e.span.shifted(text.span.start), "");
+                let said =
+                    Diagnostic::error(e.to_string()).at(self.source, e.span.shifted(text.span.start), "");
                 let said = e.hint().into_iter().fold(said, Diagnostic::help);
                 self.note(said);
                 vec![]
@@ -345,15 +359,15 @@ impl Written {
     /// A model whose inputs are the roles, whose states are those of the law, and whose outputs are its forces.
     fn as_spec(&self, outside: &[String], whole: Span) -> Spec {
         let put = |value: &str| Spanned { value: value.to_owned(), span: whole };
-        let number = |unit: Option<Text>| ConstantSpec::Number { value: Number { value: 1.0, span: whole }, unit };
+        let number =
+            |unit: Option<Text>| ConstantSpec::Number { value: Number { value: 1.0, span: whole }, unit };
         let mut constants: Vec<(Text, ConstantSpec)> =
             self.parameters.iter().map(|p| (p.name.clone(), number(Some(p.unit.clone())))).collect();
         constants.extend(self.given.iter().map(|(name, unit)| (name.clone(), number(Some(unit.clone())))));
         // A name of the model may have any unit.
         constants.extend(outside.iter().map(|name| (put(name), number(None))));
-        let output = |(field, text): &(&str, Text)| {
-            (put(field), OutputSpec { unit: put("N"), reads: text.clone() })
-        };
+        let output =
+            |(field, text): &(&str, Text)| (put(field), OutputSpec { unit: put("N"), reads: text.clone() });
         Spec {
             title: None,
             constants,

@@ -153,4 +153,3 @@ pub(crate) fn declared_names<'n>(
     }
     checker.diagnostics
 }
-

@@ -174,7 +174,11 @@ fn outcome<'a>(report: &GapReport<'a>) -> Outcome<'a> {
         initial: InitialGap { fit: found.before.0, validate: found.before.1 },
         left: found.left.iter().map(region).collect(),
         noise: found.noise.iter().map(|(name, sigma)| (name.as_str(), *sigma)).collect(),
-        not_tried: found.not_tried.iter().map(|n| NotTriedOut { law: &n.law, why: n.why.to_string() }).collect(),
+        not_tried: found
+            .not_tried
+            .iter()
+            .map(|n| NotTriedOut { law: &n.law, why: n.why.to_string() })
+            .collect(),
         parameters: parameters(found),
         partial: found.partial.iter().map(step).collect(),
         records: records(found),
