@@ -429,12 +429,14 @@ mod tests {
             for place in base.places().iter().filter(|p| crate::place::fits(&entry.law, p)) {
                 let start: Vec<f64> =
                     entry.law.parameters.iter().map(|(_, p)| 0.7_f64.clamp(p.within.0, p.within.1)).collect();
+                let load = entry.law.role(phisindy_phys::LawRole::Load);
+                let forces = crate::place::known_forces(&base.system, place);
                 let effect = Effect {
                     entry: entry.clone(),
                     place: place.clone(),
                     mirror: false,
                     load: None,
-                    pressed_by: None,
+                    pressed_by: load.and(forces.first().cloned()),
                     start,
                     beside: vec![("c".into(), 0.25)],
                 };
