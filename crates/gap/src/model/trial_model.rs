@@ -229,6 +229,11 @@ impl TrialModel {
         for records in [&mut self.records, &mut self.smooth] {
             for record in Arc::make_mut(records) {
                 for &column in &columns {
+                    let mut parameter = parameter.clone();
+                    if column >= self.system.columns() {
+                        // The samples of the input have nothing undone.
+                        parameter.start = 0.0;
+                    }
                     let sensor = &mut record.sensors[column];
                     match which {
                         "offset" => sensor.offset = parameter.clone(),
@@ -267,7 +272,9 @@ impl TrialModel {
                 if !records.iter().any(read) {
                     continue;
                 }
-                for sensor in Arc::make_mut(records).iter_mut().flat_map(|r| &mut r.sensors) {
+                // The start of an input's sensor says what its samples have undone already.
+                let own = out.system.columns();
+                for sensor in Arc::make_mut(records).iter_mut().flat_map(|r| &mut r.sensors[..own]) {
                     for parameter in [&mut sensor.offset, &mut sensor.gain, &mut sensor.delay] {
                         if parameter.shared == Some(k) {
                             parameter.start = start;
