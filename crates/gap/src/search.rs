@@ -247,6 +247,12 @@ impl Search<'_> {
         let mut models = self.extended(model, now, screening);
         models.extend(self.richer(model, now));
         let mut singles = self.fit_race(models, RACE, *candidates, vetoed);
+        // What a leading law contains is fitted whatever its segments cost: on a coarse grid the richer law starts nearer.
+        let contained = self.contained(model, screening, &singles);
+        if !contained.is_empty() {
+            singles.extend(self.fit_race(contained, ALL, *candidates, vetoed));
+            rank(&mut singles, *candidates);
+        }
         if singles.first().is_some_and(|leader| !leader.score.is_white()) {
             singles.extend(self.fit_race(self.at_other_places(model, &singles), ALL, *candidates, vetoed));
             rank(&mut singles, *candidates);
@@ -262,6 +268,22 @@ impl Search<'_> {
             }
         }
         singles
+    }
+
+    /// The model with each law that the leader of these fits contains, at its place, unless it was fitted.
+    fn contained(&self, model: &TrialModel, screening: &Screening, singles: &[Fitted]) -> Vec<TrialModel> {
+        let last = |f: &Fitted| f.model.effects.last().map(|a| a.effect.clone());
+        let Some(leader) = singles.first().and_then(last) else { return vec![] };
+        let fitted = |c: &Candidate| singles.iter().filter_map(last).any(|e| e.same(&c.effect));
+        let wanted = |c: &&Candidate| {
+            leader.entry.law.has_memory()
+                && leader.entry.law.simpler.contains(&c.effect.entry.id)
+                && leader.place.is(&c.effect.place)
+                && !fitted(c)
+        };
+        let laws = screening.candidates.iter().filter(wanted).collect();
+        let lists = self.best_starts(model, laws);
+        lists.iter().filter_map(|list| model.with_all(list).ok()).collect()
     }
 
     /// Models with two effects more, best first, and the one that is worth its price. `single` is the best
