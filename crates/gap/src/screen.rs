@@ -222,9 +222,12 @@ fn leading(trials: Vec<Trial>, free: &Free, regressors: &Regressors) -> Vec<Tria
         let (gain, coefficients) = solve(&gram, &at).filter(|_| at.iter().all(|&k| kept[k]))?;
         seeded(&trial.effect, Some(regressors), &coefficients, &trial.grid).map(|_| gain)
     };
-    let mut all: Vec<(f64, Trial)> = trials.into_iter().filter_map(|t| Some((gain(&t)?, t))).collect();
+    let mut all: Vec<(f64, Trial)> =
+        trials.into_iter().map(|t| (gain(&t).unwrap_or(f64::NEG_INFINITY), t)).collect();
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
-    all.into_iter().take(GRID_KEPT).map(|(_, trial)| trial).collect()
+    // Where none is of use, one of them tells why.
+    let useful = all.iter().filter(|(gain, _)| *gain > f64::NEG_INFINITY).count();
+    all.into_iter().take(useful.clamp(1, GRID_KEPT)).map(|(_, trial)| trial).collect()
 }
 
 /// Further starts of a law from its `seeds`, which are sorted best first. A law that oscillates keeps one
