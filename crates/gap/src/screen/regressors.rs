@@ -192,7 +192,7 @@ impl Regressors {
         let on_grid: Vec<usize> = (0..parameters.len()).filter(|k| !linear.contains(k)).collect();
         let gauge = on_grid.iter().copied().filter(|_| scaled).find(|&k| own(k).0 != 0.0);
         let mut back = Vec::new();
-        for k in 0..parameters.len() {
+        for (k, &symbol) in parameters.iter().enumerate() {
             if let Some(j) = linear.iter().position(|&l| l == k) {
                 back.push(Scaled::Coefficient(j + usize::from(scaled)));
                 continue;
@@ -202,7 +202,7 @@ impl Regressors {
             let power = if gauge.is_some() { force / of_gauge.0 } else { 0.0 };
             (length, time) = (length - power * of_gauge.1, time - power * of_gauge.2);
             back.push(Scaled::Grid { at: self.grid.len(), power });
-            self.symbols.push(parameters[k]);
+            self.symbols.push(symbol);
             let within = law.parameters[k].1.within;
             let scale = match (Some(k) == gauge, length == 0.0 && time == 0.0 && power == 0.0) {
                 // The unit of force is free: its value on the grid is 1.
