@@ -18,6 +18,33 @@ fn documented(text: &str, owner: &str) -> Vec<String> {
     rows.map(str::to_owned).collect()
 }
 
+/// The fields of a law that the program allows.
+fn allowed_in_laws(text: &str) -> Vec<String> {
+    let scratch = Scratch::new("reference-laws");
+    std::fs::create_dir_all(scratch.path("laws")).expect("a folder");
+    std::fs::write(scratch.path("laws/own.ron"), text).expect("a law");
+    let said = phisindy(&["laws", "--laws", &scratch.path("laws")]).err;
+    let list = said.split("allowed: ").nth(1).unwrap_or_else(|| panic!("{said}"));
+    list.lines().next().expect("a line").split(", ").map(str::to_owned).collect()
+}
+
+#[test]
+fn every_field_of_a_law_is_in_the_reference_and_no_other() {
+    let text = reference();
+    let laws = [
+        ("a law", "(wrong: 1)"),
+        ("a parameter of a law", "(parameters: { \"k\": (wrong: 1) })"),
+        ("an internal state", "(internal: { \"z\": (wrong: 1) })"),
+        ("screen", "(screen: (wrong: 1))"),
+    ];
+    for (owner, law) in laws {
+        let (mut have, mut want) = (documented(&text, owner), allowed_in_laws(law));
+        have.sort();
+        want.sort();
+        assert_eq!(have, want, "{owner}");
+    }
+}
+
 /// The fields that the program allows, from what it says of one that it does not know.
 fn allowed(spec: &str) -> Vec<String> {
     let scratch = Scratch::new("reference");

@@ -7,6 +7,7 @@
 //! DIR/NNN --run--> result.json --scored, with truth.json--> marks --tally--> table
 //! ```
 
+mod determined;
 mod effect;
 mod experiment;
 mod fair;

@@ -119,12 +119,13 @@ Examples:
   phisindy laws                                       all of them
   phisindy laws dieterich-ruina                       one: its force, its parameters, its source
   phisindy laws --laws my-laws/                       with those of a folder
+  phisindy laws new my-damper --out laws              laws/my-damper.ron: a law of your own to fill in
   phisindy laws --out docs/laws                       a picture of each, and a page of them"
     )]
     Laws {
-        /// Id of a law
-        #[arg(value_name = "NAME")]
-        name: Option<String>,
+        /// Id of a law; or `new` and the name of a law of your own, for a file to fill in
+        #[arg(value_name = "NAME", num_args = 0..=2)]
+        words: Vec<String>,
     },
     /// Find where model and data disagree, name the missing effect, add it, show the gap shrink
     #[command(

@@ -17,7 +17,7 @@ mod sweep;
 mod terminal;
 
 use crate::args::{Args, Command, Options};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use clap::Parser;
 use phisindy::SpecError;
 use std::ffi::OsString;
@@ -57,7 +57,13 @@ fn execute(args: &Args) -> Result<u8> {
         Command::Simulate { spec, record } => commands::simulate::simulate(spec, record.as_deref(), options),
         Command::Check { specs } => Ok(commands::check::check(specs, options)),
         Command::New(args) => commands::new::command(args, options),
-        Command::Laws { name } => commands::laws::laws(name.as_deref(), options),
+        Command::Laws { words } => match &words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+            ["new", name] => commands::laws::new(name, options),
+            [_, other, ..] => Err(anyhow!(
+                "`{other}` is one word too many: `phisindy laws NAME` or `phisindy laws new NAME`"
+            )),
+            words => commands::laws::laws(words.first().copied(), options),
+        },
         Command::Export(args) => commands::export::export(args, options),
         Command::Completions { shell } => commands::manual::completions(*shell),
         Command::Man => commands::manual::pages(options),

@@ -83,6 +83,10 @@ decisions! {
     TONE_STARTS: usize = 8, "starts", BLIND;
     /// Most combinations of grid values that are tried.
     GRID_VALUES: usize = 200, "values", Basis::Judgement("cost");
+    /// Most values of one grid parameter whose scale does not say how many.
+    GRID_AXIS: usize = 12, "values", Basis::Judgement("neighbours then differ by less than a factor of two");
+    /// Starts of a law that enter the joint regression, best first.
+    GRID_KEPT: usize = 9, "starts", Basis::Judgement("cost; the others are worse in the regression of the law alone");
     /// A column is degenerate if projecting out the free columns leaves less.
     DEGENERATE: f64 = 1e-7, "of a column", Basis::Derived("rounding of a Gram matrix of some thousand rows");
     /// Decay rate of the linear response of a body that comes to rest.
@@ -149,6 +153,8 @@ decisions! {
     FAR_OFF: f64 = 2.0, "of the noise", BLIND;
     /// Price of a sensor property, the less plausible explanation where a force does as well.
     SENSOR_PRICE: f64 = 6.0, "BIC", BLIND;
+    /// Price of a property of an input: where a sensor property does as well, it is named, by more than `SIMPLER`.
+    INPUT_PRICE: f64 = 10.0, "BIC", Basis::Derived("SENSOR_PRICE and SIMPLER, and one more so that ties are clear");
     /// Price of a negative sensor delay.
     EARLY_PRICE: f64 = 15.0, "BIC", BLIND;
     /// Residuals with a larger fraction of independent samples count in full.

@@ -11,8 +11,9 @@ use crate::other_causes::{causes, input_noise};
 use crate::plausibility::{cancelling, vetoed};
 use crate::result::verdict::{bent, helpful, refused, status};
 use crate::result::{
-    Activity, Alternative, Cancelling, ColumnGap, ColumnRepeat, Gap, GapError, PlacedLaw, RecordValue,
-    Region, Rival, Simulated, Status, Step, StepParameter, StopReason, Veto, Warning, regions,
+    Activity, Alternative, Cancelling, ColumnGap, ColumnRepeat, Gap, GapError, NotTried, PlacedLaw,
+    RecordValue, Region, Rival, Simulated, Status, Step, StepParameter, StopReason, Tried, Veto, Warning,
+    regions,
 };
 use crate::search::{Round, Search, Searched, placed, refitted};
 use crate::sensor_linearity::sensor_nonlinearity;
@@ -33,6 +34,7 @@ pub(crate) struct Ending<'s, 'a> {
     stop: StopReason,
     /// The effects without which nothing as good was found.
     needed: Vec<PlacedLaw>,
+    tried: (Vec<Tried>, Vec<NotTried>),
     noise: Vec<Vec<f64>>,
     warnings: Vec<Warning>,
 }
@@ -45,7 +47,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         search: &'s mut Search<'a>,
         mut warnings: Vec<Warning>,
     ) -> Result<Self, GapError> {
-        let Searched { base, last, rounds, candidates, stop, needed } = searched;
+        let Searched { base, last, rounds, candidates, stop, needed, tried } = searched;
         // A white residual is the noise itself: a better estimate than the one from the columns.
         let noise = if last.score.is_white() { last.noise(search.noise) } else { search.noise.to_vec() };
         let (base, last) = (base.measured_by(&noise), last.measured_by(&noise));
@@ -65,7 +67,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         if !last.model.effects.is_empty() {
             path.push(last.clone());
         }
-        Ok(Ending { search, base, last, path, rounds, candidates, stop, needed, noise, warnings })
+        Ok(Ending { search, base, last, path, rounds, candidates, stop, needed, tried, noise, warnings })
     }
 
     /// The result.
@@ -101,7 +103,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         }
         let completed =
             text_with(text, &self.last.model, redrawn).map_err(|e| GapError::Numerics(e.into()))?;
-        let Ending { base, last, stop, noise, warnings, .. } = self;
+        let Ending { base, last, stop, noise, warnings, tried: (tried, not_tried), .. } = self;
         Ok(Gap {
             status,
             stop,
@@ -110,6 +112,8 @@ impl<'s, 'a> Ending<'s, 'a> {
             left: located(&last, &noise),
             steps,
             partial,
+            tried,
+            not_tried,
             before: (base.score.fit, base.score.validate),
             after: (last.score.fit, last.score.validate),
             predictive: last.score.predictive,
@@ -359,10 +363,14 @@ fn path(base: &Fitted, last: &Fitted, noise: &[Vec<f64>]) -> Vec<Fitted> {
 /// The parameters of an effect in the final model.
 fn parameters(last: &Fitted, applied: &Applied) -> Vec<StepParameter> {
     let own = applied.names.iter().zip(&applied.parameters).zip(applied.effect.labels());
+    let turned = applied.effect.is_input_delay();
     let of = |((constant, k), name): ((&String, &usize), String)| {
         let mut all = last.cal.parameters.iter().filter(|p| p.id.constant() == Some(*k));
         let value = |p: &FoundParameter| {
             let (f, e) = (p.factor, &p.estimate);
+            if turned {
+                return (-e.value / f, (-e.ci95.1 / f, -e.ci95.0 / f));
+            }
             (e.value / f, (e.ci95.0 / f, e.ci95.1 / f))
         };
         let each = all.clone().filter_map(|p| {

@@ -37,7 +37,7 @@ fn contact_is_rigid(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     if fitted.score.is_white() && fitted.score.fit < EXPLAINED {
         return None;
     }
-    if !effect.entry.law.has_memory() || effect.entry.law.family != "friction" {
+    if !effect.entry.law.is_hysteretic() {
         return None;
     }
     let Site::Force { acts, .. } = &effect.place.site else { return None };
@@ -107,17 +107,42 @@ fn parameter_at_bound(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     Some(Veto::ParameterAtEnd { name: name.clone(), bound: p.within.1 / factor, unit })
 }
 
-/// An elastic contact that never slips acts as a spring about the position where the record begins.
+/// An elastic contact that never slips acts as a spring about the position where the record begins: none of its
+/// internal states comes to a place where its rate differs much from that of the contact at rest, at the same speed.
 fn never_slips(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
-    let law = &effect.entry.law;
-    if law.family != "friction" || !law.has_memory() {
+    if !effect.entry.law.is_hysteretic() {
         return None;
     }
-    let level = *numbers(fitted, effect)?.first()?;
     // The deflection is an internal state, which only a successful run provides.
     fitted.cal.records.iter().map(|r| r.run.as_ref()).collect::<Option<Vec<_>>>()?;
-    let most = force_and_speed(fitted, effect)?.into_iter().fold(0.0_f64, |m, (force, _)| m.max(force.abs()));
-    (most < SLIPS * level).then_some(Veto::NeverSlips)
+    (most_slip(fitted, effect)? < SLIPS).then_some(Veto::NeverSlips)
+}
+
+/// The largest part of the motion that an internal state of an effect does not follow, along all Fit records: its
+/// rate against the rate of the undeflected contact.
+fn most_slip(fitted: &Fitted, effect: &Effect) -> Option<f64> {
+    let (model, system) = (&fitted.model, &fitted.model.system);
+    let own = model.effects.iter().find(|a| a.effect.same(effect))?;
+    let mut graph = system.graph.clone();
+    let zero = graph.constant(0.0);
+    let mut outputs = Vec::new();
+    for name in &own.internal {
+        let z = system.state(name)?;
+        let rate = system.known[z];
+        outputs.push(rate);
+        outputs.push(graph.replace(&[rate], &HashMap::from([(system.states[z].node, zero)]))[0]);
+    }
+    let tape = Tape::compile(&graph, &system.arguments(), &outputs).ok()?;
+    let mut most = 0.0_f64;
+    for (r, record) in model.records.iter().enumerate().filter(|(_, d)| d.role == Role::Fit) {
+        let motion = Motion::new(system, record, &model.smooth[r], r, &fitted.cal);
+        let values = evaluated(&tape, &motion, &[], &[]);
+        for pair in values.chunks_exact(2) {
+            let slips = pair[0].iter().zip(&pair[1]).map(|(now, free)| (1.0 - now / free).abs());
+            most = slips.filter(|s| s.is_finite()).fold(most, f64::max);
+        }
+    }
+    Some(most)
 }
 
 /// The force that an effect subtracts and the velocity of its place, along the motion of all Fit records, at
@@ -139,7 +164,7 @@ fn force_and_speed(fitted: &Fitted, effect: &Effect) -> Option<Vec<(f64, f64)>> 
 
 /// Friction dissipates. A friction law that returns energy along the measured motion imitates something else.
 fn returns_energy(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
-    // An elastic contact stores energy and may return it.
+    // A law with memory stores energy and may return it.
     if effect.entry.law.family != "friction" || effect.entry.law.has_memory() {
         return None;
     }

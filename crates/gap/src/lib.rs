@@ -22,6 +22,7 @@ mod ending;
 mod evaluate;
 mod evidence;
 mod input_interpolation;
+mod memory;
 mod model;
 mod motion;
 mod other_causes;
@@ -47,7 +48,8 @@ pub use requested_laws::{WrittenLaw, WrittenOut, requested_laws, written_out};
 pub use result::{
     Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, ColumnGap, ColumnRepeat,
     DataError, DataMistake, DriveFrequency, ForceHistory, Gap, GapError, InputNoise, Location, ModelError,
-    Named, NamedValue, PlacedLaw, RecordValue, Region, Rival, SensorNonlinearity, Simulated, SpecMistake,
-    Status, Step, StepParameter, StopReason, Veto, Vetoed, Warning, force_history,
+    Named, NamedValue, Needs, NotTried, PlacedLaw, RecordValue, Region, Rival, SensorNonlinearity, Simulated,
+    SpecMistake, Status, Step, StepParameter, StopReason, Tried, Veto, Vetoed, Warning, WhyNot,
+    force_history,
 };
 pub use workflow::gap;

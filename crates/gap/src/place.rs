@@ -2,9 +2,11 @@
 //! on all columns.
 
 mod effect;
+mod known_force;
 
 pub use effect::{Effect, EffectError};
-pub(crate) use effect::{bindings, fits, is_force};
+pub(crate) use effect::{bindings, fits, is_force, needs};
+pub(crate) use known_force::known_forces;
 
 use phisindy_expr::Id;
 use phisindy_phys::unit::{Dimension, Unit};
@@ -47,6 +49,8 @@ pub enum Site {
     },
     /// Sensors of the columns with these names.
     Sensor(Vec<String>),
+    /// A recorded input and, where the model uses it too, its rate of change.
+    Input(Vec<usize>),
 }
 
 impl Place {
@@ -167,7 +171,24 @@ pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
     if measured.len() > 1 {
         all.push(Place { at: "motion".into(), site: Site::Sensor(measured) });
     }
+    all.extend(recorded(system, plans));
     all
+}
+
+/// The inputs that files hold, but for the rates of others.
+fn recorded(system: &System, plans: &[RecordPlan]) -> Vec<Place> {
+    let files = plans.iter().all(|p| matches!(p.origin, phisindy_phys::Origin::Csv(_)));
+    let pairs = bases(system, plans);
+    let roots: Vec<Id> = system.known.iter().copied().chain(system.outputs.iter().map(|o| o.node)).collect();
+    let of = |u: usize| {
+        let own: Vec<usize> =
+            [u].into_iter().chain(pairs.iter().filter(|(x, _)| *x == u).map(|(_, du)| *du)).collect();
+        let nodes: Vec<Id> = own.iter().map(|&k| system.inputs[k].node).collect();
+        let used = system.graph.uses(&roots, &nodes);
+        used.then(|| Place { at: system.inputs[u].name.clone(), site: Site::Input(own) })
+    };
+    let alone = |u: &usize| files && !pairs.iter().any(|(_, du)| du == u);
+    (0..system.inputs.len()).filter(alone).filter_map(of).collect()
 }
 
 /// Prescribed motions with force cells: a law between the moving part and the ground enters what they read.

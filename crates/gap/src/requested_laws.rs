@@ -55,6 +55,12 @@ fn effect(
             format!("write it into the record: `sensors: {{ COLUMN: ({which}: Find(...)) }}`"),
         ));
     }
+    if let Some(which) = &entry.law.input {
+        return Err((
+            format!("`{law}` is no force: it acts on an input, not on a rate"),
+            format!("write it into the record: `sensors: {{ INPUT: ({which}: Find(...)) }}`"),
+        ));
+    }
     let at = |p: &crate::Place| p.at == *own && matches!(p.site, Site::Force { .. });
     let Some(place) = places(&mut case.system.clone(), &case.records).into_iter().find(at) else {
         return Err((
@@ -69,7 +75,15 @@ fn effect(
         ));
     }
     let start = entry.law.parameters.iter().map(|(_, p)| default_start(p.within)).collect();
-    Ok(Effect { entry: entry.clone(), place, mirror: false, load: None, start, beside: vec![] })
+    Ok(Effect {
+        entry: entry.clone(),
+        place,
+        mirror: false,
+        load: None,
+        pressed_by: None,
+        start,
+        beside: vec![],
+    })
 }
 
 /// Start of a parameter without any estimate: 0 where it may have either sign, otherwise 1 (SI), clamped to

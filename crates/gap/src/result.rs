@@ -4,6 +4,7 @@ mod error;
 mod finding;
 mod force_history;
 mod region;
+pub(crate) mod tried;
 pub(crate) mod verdict;
 mod words;
 
@@ -15,6 +16,7 @@ pub use finding::{
 pub use force_history::{ForceHistory, force_history};
 pub(crate) use region::regions;
 pub use region::{Location, Region};
+pub use tried::{Needs, NotTried, Tried, WhyNot};
 
 use crate::model::Fitted;
 use crate::place::Effect;
@@ -179,6 +181,10 @@ pub struct Gap {
     pub steps: Vec<Step>,
     /// Effects that helped a little before the search gave up.
     pub partial: Vec<Step>,
+    /// Every law that was tried beside the model as it is, at each place, best first.
+    pub tried: Vec<Tried>,
+    /// The laws of the catalogue that were not tried, and why.
+    pub not_tried: Vec<NotTried>,
     /// The gap of the initial model, on Fit and Validate records.
     pub before: (f64, Option<f64>),
     /// The gap of the final model.

@@ -11,21 +11,22 @@ mod response;
 mod sibling_starts;
 mod trial;
 
-use crate::decisions::{GRID_STARTS, PLAIN_GAIN, REGRESSION_ROWS, TONE_STARTS};
+use crate::decisions::{GRID_KEPT, GRID_STARTS, PLAIN_GAIN, REGRESSION_ROWS, TONE_STARTS};
 use crate::model::TrialModel;
 
 use crate::constraint;
-use crate::place::{Effect, Site, fits};
+use crate::place::{Effect, Site, fits, known_forces, needs};
+use crate::result::{NotTried, WhyNot};
 use faer::Mat;
 use free_columns::{FreeColumns, Movable};
 use gram::{Projected, projected, solve};
 use phisindy_learn::Calibration;
-use phisindy_phys::LawEntry;
 use phisindy_phys::spec::Role;
+use phisindy_phys::{LawEntry, LawRole};
 use rayon::prelude::*;
 use regression_data::{Base, RegressionData};
 use regressors::{Regressors, Scale};
-use trial::{Trial, force_trials, sensor_trials};
+use trial::{Trial, force_trials, input_trials, sensor_trials};
 
 pub(crate) use sibling_starts::sibling_starts;
 
@@ -54,6 +55,10 @@ pub(crate) struct Screening {
     follow: Mat<f64>,
     movable: Vec<Movable>,
     regressors: Vec<Option<Regressors>>,
+    /// Laws of the catalogue without a candidate.
+    pub(crate) left_out: Vec<NotTried>,
+    /// Rows of the regression, each for as many samples as it stands for.
+    pub(crate) samples: f64,
 }
 
 /// Screens the catalogue beside a fitted model. `None` if the known rates cannot be evaluated along the data.
@@ -72,6 +77,7 @@ pub(crate) fn screen(
         of.iter().map(|&r| base.data(model, r, fitted, noise, stride)).collect::<Option<_>>()?;
     // The columns that are projected out, and the target.
     let FreeColumns { all: fixed, movable, .. } = FreeColumns::new(&base, model, &of, &data);
+    let free = Free::new(&fixed);
     let effects = effects(model, catalogue);
     let made: Vec<(Option<Regressors>, Vec<Trial>)> = effects
         .par_iter()
@@ -81,9 +87,12 @@ pub(crate) fn screen(
                 let columns: Vec<usize> = names.iter().filter_map(|name| system.column(name)).collect();
                 (None, sensor_trials(k, effect, &columns, &data))
             }
+            Site::Input(inputs) => (None, input_trials(k, effect, inputs, system, &data)),
             Site::Force { .. } => match Regressors::new(effect, system) {
                 Some(regressors) => {
                     let trials = force_trials(k, effect, &regressors, system, &data);
+                    let tone = regressors.grid.iter().any(|axis| axis.scale == Scale::Frequency);
+                    let trials = if tone { trials } else { leading(trials, &free, &regressors) };
                     (Some(regressors), trials)
                 }
                 None => (None, vec![]),
@@ -105,16 +114,30 @@ pub(crate) fn screen(
     let gram = gram * faer::Scale(stride as f64);
     let Projected { gram, kept, follow } = projected(&gram, fixed.len());
     let samples = (rows * stride) as f64;
-    let mut screening = Screening { candidates: vec![], gram, follow, movable, regressors: vec![] };
+    let mut screening = Screening {
+        candidates: vec![],
+        gram,
+        follow,
+        movable,
+        regressors: vec![],
+        left_out: vec![],
+        samples,
+    };
     let mut best: Vec<Vec<Candidate>> = vec![vec![]; effects.len()];
+    // Why the trials of an effect gave no candidate.
+    let mut why: Vec<Option<WhyNot>> =
+        made.iter().map(|(_, trials)| trials.is_empty().then_some(WhyNot::NotFinite)).collect();
     for (trial, at) in candidates {
         // Column indices after projection: column 0 is the target, projected columns are gone.
         let at: Vec<usize> = at.into_iter().map(|k| k - fixed.len() + 1).collect();
+        why[trial.regressors] = Some(WhyNot::NotSeen);
         if at.iter().all(|&k| kept[k]) {
             let regressors = made[trial.regressors].0.as_ref();
             best[trial.regressors].extend(screening.candidate(trial, at, regressors));
+            why[trial.regressors] = Some(WhyNot::OutOfBounds);
         }
     }
+    screening.left_out = left_out(model, catalogue, &effects, &best, &why);
     screening.regressors = made.into_iter().map(|(r, _)| r).collect();
     screening.candidates = best
         .into_iter()
@@ -130,10 +153,87 @@ pub(crate) fn screen(
     Some(screening)
 }
 
+/// The laws of the catalogue without a candidate at any place.
+fn left_out(
+    model: &TrialModel,
+    catalogue: &[LawEntry],
+    effects: &[Effect],
+    best: &[Vec<Candidate>],
+    why: &[Option<WhyNot>],
+) -> Vec<NotTried> {
+    let unknown = |entry: &LawEntry| {
+        let mut system = model.system.clone();
+        entry
+            .law
+            .nodes()
+            .outside
+            .iter()
+            .find(|(name, _)| system.quantity(name).is_none())
+            .map(|(n, _)| n.clone())
+    };
+    let mut all = Vec::new();
+    for entry in catalogue {
+        let own: Vec<usize> = (0..effects.len()).filter(|&k| effects[k].entry.id == entry.id).collect();
+        if own.iter().any(|&k| !best[k].is_empty()) {
+            continue;
+        }
+        let reason = match (unknown(entry), own.iter().rev().find_map(|&k| why[k].clone())) {
+            (Some(name), _) => WhyNot::UnknownName(name),
+            (None, Some(why)) => why,
+            (None, None) => WhyNot::NoPlace(needs(&entry.law)),
+        };
+        all.push(NotTried { law: entry.id.clone(), why: reason });
+    }
+    all
+}
+
+/// The columns that are projected out, after the target, and their Gram matrix.
+struct Free {
+    columns: Mat<f64>,
+    gram: Mat<f64>,
+}
+
+impl Free {
+    fn new(columns: &[Vec<f64>]) -> Free {
+        let columns = Mat::from_fn(columns[0].len(), columns.len(), |i, j| columns[j][i]);
+        let gram = columns.transpose() * &columns;
+        Free { columns, gram }
+    }
+}
+
+/// The trials of one law that explain most by themselves, if there are many.
+fn leading(trials: Vec<Trial>, free: &Free, regressors: &Regressors) -> Vec<Trial> {
+    if trials.len() <= GRID_KEPT {
+        return trials;
+    }
+    let gain = |trial: &Trial| {
+        let own = &trial.columns;
+        let (rows, fixed) = (free.columns.nrows(), free.gram.ncols());
+        let columns = Mat::from_fn(rows, own.len(), |i, j| own[j][i]);
+        let (cross, block) = (free.columns.transpose() * &columns, columns.transpose() * &columns);
+        let all = Mat::from_fn(fixed + own.len(), fixed + own.len(), |i, j| match (i < fixed, j < fixed) {
+            (true, true) => free.gram[(i, j)],
+            (true, false) => cross[(i, j - fixed)],
+            (false, true) => cross[(j, i - fixed)],
+            (false, false) => block[(i - fixed, j - fixed)],
+        });
+        let Projected { gram, kept, .. } = projected(&all, fixed);
+        let at: Vec<usize> = (1..=own.len()).collect();
+        let (gain, coefficients) = solve(&gram, &at).filter(|_| at.iter().all(|&k| kept[k]))?;
+        seeded(&trial.effect, Some(regressors), &coefficients, &trial.grid).map(|_| gain)
+    };
+    let mut all: Vec<(f64, Trial)> =
+        trials.into_iter().map(|t| (gain(&t).unwrap_or(f64::NEG_INFINITY), t)).collect();
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    // Where none is of use, one of them tells why.
+    let useful = all.iter().filter(|(gain, _)| *gain > f64::NEG_INFINITY).count();
+    all.into_iter().take(useful.clamp(1, GRID_KEPT)).map(|(_, trial)| trial).collect()
+}
+
 /// Further starts of a law from its `seeds`, which are sorted best first. A law that oscillates keeps one
 /// start per spectral line: a body that sticks and slips responds at more lines than its drive has.
 fn others(seeds: &[Candidate], regressors: Option<&Regressors>, data: &[RegressionData]) -> Vec<Effect> {
-    let tone = regressors.and_then(|r| r.grid.iter().position(|(scale, _)| *scale == Scale::Frequency));
+    let tone = regressors.and_then(|r| r.grid.iter().position(|axis| axis.scale == Scale::Frequency));
     let Some(tone) = tone else {
         return seeds.iter().skip(1).take(GRID_STARTS).map(|c| c.effect.clone()).collect();
     };
@@ -254,9 +354,15 @@ fn effects(model: &TrialModel, catalogue: &[LawEntry]) -> Vec<Effect> {
                 place: place.clone(),
                 mirror: false,
                 load: None,
+                pressed_by: None,
                 start,
                 beside: vec![],
             };
+            if entry.law.role(LawRole::Load).is_some() {
+                let pressed = |force: String| Effect { pressed_by: Some(force), ..plain.clone() };
+                all.extend(known_forces(&model.system, place).into_iter().map(pressed));
+                continue;
+            }
             if entry.law.mirror.is_some() {
                 all.push(Effect { mirror: true, ..plain.clone() });
             }
@@ -279,7 +385,7 @@ fn seeded(
 ) -> Option<Effect> {
     let values = match regressors {
         Some(regressors) => regressors.parameters(coefficients, grid)?,
-        None => match effect.entry.law.sensor.as_deref() {
+        None => match effect.entry.law.property() {
             Some("gain") => vec![1.0 + coefficients[0]],
             _ => vec![coefficients[0]],
         },

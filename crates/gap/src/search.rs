@@ -19,7 +19,8 @@ use crate::evidence::against;
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::Effect;
 use crate::plausibility::{may_be_undetermined, vetoed};
-use crate::result::{Activity, ModelError, PlacedLaw, Rival, StopReason, Vetoed};
+use crate::result::tried::weighed;
+use crate::result::{Activity, ModelError, NotTried, PlacedLaw, Rival, StopReason, Tried, Vetoed};
 use crate::screen::{Candidate, Screening, screen};
 use compare::{makes_progress, predicts_no_better};
 use phisindy_learn::Effort;
@@ -37,6 +38,8 @@ pub(crate) struct Round {
     pub(crate) rivals: Vec<Rival>,
     /// Laws that evidence outside the fit rules out.
     pub(crate) vetoed: Vec<Vetoed>,
+    /// Laws that were fitted with one effect more than before: the gap that is left and the gain of the criterion.
+    pub(crate) fitted: Vec<(PlacedLaw, f64, f64)>,
 }
 
 /// Result of a second screening of a model whose residual looks white.
@@ -57,6 +60,8 @@ pub(crate) struct Searched {
     pub(crate) stop: StopReason,
     /// The effects without which a repeated search found nothing as good.
     pub(crate) needed: Vec<PlacedLaw>,
+    /// What was tried beside the model as it is, and what was not.
+    pub(crate) tried: (Vec<Tried>, Vec<NotTried>),
 }
 
 /// State at the start of a round.
@@ -108,7 +113,8 @@ impl Search<'_> {
                 break;
             }
             out.extend(doubted);
-            found = other;
+            // What the first search tried is what was tried.
+            found = Searched { tried: std::mem::take(&mut found.tried), ..other };
             if let Some(round) = found.rounds.first_mut() {
                 round.vetoed.extend(out.iter().cloned());
             }
@@ -128,6 +134,7 @@ impl Search<'_> {
         let mut now = base.clone();
         let mut rounds = Vec::new();
         let (mut candidates, mut weak) = (1, 0);
+        let mut first: Option<(Vec<Tried>, Vec<NotTried>)> = None;
         let mut stop = loop {
             if let Some(stop) = self.ends(&now, rounds.len(), weak) {
                 break stop;
@@ -141,6 +148,7 @@ impl Search<'_> {
                 break StopReason::NothingHelps;
             };
             candidates = candidates.max(screening.candidates.len());
+            first.get_or_insert_with(|| screened(&screening));
             (self.observe)(part + 0.03, Activity::FittingLaws);
             let start = Start { now: &now, model, screening, candidates };
             let Some((next, round)) = self.round(&start) else { break StopReason::NothingHelps };
@@ -174,7 +182,11 @@ impl Search<'_> {
                 }
             }
         }
-        Ok(Searched { base, last: now, rounds, candidates, stop, needed: vec![] })
+        // A model that leaves nothing but noise was screened by the second pass alone.
+        let first = first
+            .or_else(|| Some(screened(&screen(&base.settled(), &base.cal, self.catalogue, self.noise)?)));
+        let tried = after_fits(first.unwrap_or_default(), rounds.first());
+        Ok(Searched { base, last: now, rounds, candidates, stop, needed: vec![], tried })
     }
 
     /// The reason why the search ends after this number of rounds, `weak` of which were weak; `None` if it
@@ -209,7 +221,7 @@ impl Search<'_> {
         if let Some(best) = best.as_ref().filter(|b| b.score.is_white() && plain(b)) {
             let best = self.simplified(best.clone(), candidates);
             let best = self.exchanged(self.relocated(best, candidates), candidates);
-            return Some((best.clone(), round(before, &best, &singles, vetoed, candidates)));
+            return Some((best.clone(), round(now, &best, &singles, vetoed, candidates)));
         }
         (self.observe)(0.1 + 0.8 * (before as f64 + 0.5) / MOST_EFFECTS as f64, Activity::FittingPairs);
         let (pairs, pair) = self.best_pairs(start, &singles, best.as_ref(), &mut vetoed);
@@ -225,7 +237,7 @@ impl Search<'_> {
         if chosen.model.effects.len() <= before && gain <= WORTH {
             return None;
         }
-        Some((chosen.clone(), round(before, &chosen, &all, vetoed, candidates)))
+        Some((chosen.clone(), round(now, &chosen, &all, vetoed, candidates)))
     }
 
     /// Models with one effect more, best first: the leading laws of the screening, then relatives of the
@@ -235,6 +247,12 @@ impl Search<'_> {
         let mut models = self.extended(model, now, screening);
         models.extend(self.richer(model, now));
         let mut singles = self.fit_race(models, RACE, *candidates, vetoed);
+        // What a leading law contains is fitted whatever its segments cost: on a coarse grid the richer law starts nearer.
+        let contained = self.contained(model, screening, &singles);
+        if !contained.is_empty() {
+            singles.extend(self.fit_race(contained, ALL, *candidates, vetoed));
+            rank(&mut singles, *candidates);
+        }
         if singles.first().is_some_and(|leader| !leader.score.is_white()) {
             singles.extend(self.fit_race(self.at_other_places(model, &singles), ALL, *candidates, vetoed));
             rank(&mut singles, *candidates);
@@ -250,6 +268,22 @@ impl Search<'_> {
             }
         }
         singles
+    }
+
+    /// The model with each law that the leader of these fits contains, at its place, unless it was fitted.
+    fn contained(&self, model: &TrialModel, screening: &Screening, singles: &[Fitted]) -> Vec<TrialModel> {
+        let last = |f: &Fitted| f.model.effects.last().map(|a| a.effect.clone());
+        let Some(leader) = singles.first().and_then(last) else { return vec![] };
+        let fitted = |c: &Candidate| singles.iter().filter_map(last).any(|e| e.same(&c.effect));
+        let wanted = |c: &&Candidate| {
+            leader.entry.law.has_memory()
+                && leader.entry.law.simpler.contains(&c.effect.entry.id)
+                && leader.place.is(&c.effect.place)
+                && !fitted(c)
+        };
+        let laws = screening.candidates.iter().filter(wanted).collect();
+        let lists = self.best_starts(model, laws);
+        lists.iter().filter_map(|list| model.with_all(list).ok()).collect()
     }
 
     /// Models with two effects more, best first, and the one that is worth its price. `single` is the best
@@ -320,7 +354,7 @@ impl Search<'_> {
             f.score.is_white() && worth(now, f, candidates) && gain > WORTH + extra
         };
         let Some(best) = preferred(&all, candidates).filter(more).cloned() else {
-            let near = round(0, now, &all, vetoed, candidates).rivals.into_iter();
+            let near = round_from(0, now, now, &all, vetoed, candidates).rivals.into_iter();
             return SecondPass::Near(near.filter(|r| r.delta_bic < WORTH).collect());
         };
         // The effects found first may have compensated for part of the new one.
@@ -339,7 +373,7 @@ impl Search<'_> {
         let extends = |f: &Fitted| placed(&f.model).starts_with(&first);
         let from = if extends(&best) { before } else { 0 };
         all.retain(|f| from == 0 || extends(f));
-        let round = round(from, &best, &all, vetoed, candidates);
+        let round = round_from(from, now, &best, &all, vetoed, candidates);
         SecondPass::More(Box::new(best), round)
     }
 
@@ -491,7 +525,20 @@ fn ruled_out(model: &Fitted, vetoed: &mut Vec<Vetoed>) -> bool {
 }
 
 /// The report of a round: the nearest rivals of the chosen model and the vetoed laws.
-fn round(before: usize, chosen: &Fitted, all: &[Fitted], vetoed: Vec<Vetoed>, candidates: usize) -> Round {
+fn round(now: &Fitted, chosen: &Fitted, all: &[Fitted], vetoed: Vec<Vetoed>, candidates: usize) -> Round {
+    round_from(now.model.effects.len(), now, chosen, all, vetoed, candidates)
+}
+
+/// The same where rivals are told from effect `before` on.
+fn round_from(
+    before: usize,
+    now: &Fitted,
+    chosen: &Fitted,
+    all: &[Fitted],
+    vetoed: Vec<Vetoed>,
+    candidates: usize,
+) -> Round {
+    let fitted = fitted_alone(now, all.iter().chain([chosen]), candidates);
     let own = label(&chosen.model, 0);
     let by = Measure::of(all.iter().chain([chosen]).map(|f| &f.score), candidates);
     let in_order = |mut laws: Vec<PlacedLaw>| {
@@ -516,5 +563,60 @@ fn round(before: usize, chosen: &Fitted, all: &[Fitted], vetoed: Vec<Vetoed>, ca
     // A law of the chosen model may be ruled out at another place; that is not reported.
     let chosen_law = |law: &str| own.iter().any(|chosen| chosen.law == law);
     let vetoed = vetoed.into_iter().filter(|v| !chosen_law(&v.law.law)).collect();
-    Round { before, rivals, vetoed }
+    Round { before, rivals, vetoed, fitted }
+}
+
+/// The models with one effect more than `now`: law and place, the gap that is left, the gain of the criterion.
+fn fitted_alone<'f>(
+    now: &Fitted,
+    all: impl Iterator<Item = &'f Fitted> + Clone,
+    candidates: usize,
+) -> Vec<(PlacedLaw, f64, f64)> {
+    let by = Measure::of(all.clone().map(|f| &f.score).chain([&now.score]), candidates);
+    let alone = |f: &&Fitted| f.model.effects.len() == now.model.effects.len() + 1;
+    let of = |f: &Fitted| {
+        let last = PlacedLaw::of(&f.model.effects.last()?.effect);
+        Some((last, f.score.gap(), by.criterion(&now.score) - by.criterion(&f.score)))
+    };
+    all.filter(alone).filter_map(of).collect()
+}
+
+/// What a screening tried, and what it could not try.
+fn screened(screening: &Screening) -> (Vec<Tried>, Vec<NotTried>) {
+    let price = screening.samples.ln();
+    let of = |c: &Candidate| Tried {
+        at: PlacedLaw::of(&c.effect),
+        score: c.gain - price * c.size as f64,
+        gap: None,
+        probability: None,
+        vetoed: None,
+    };
+    let mut all: Vec<Tried> = screening.candidates.iter().map(of).collect();
+    // A law and its mirror image, or with several loads, count once.
+    let mut kept: Vec<Tried> = Vec::new();
+    for tried in all.drain(..) {
+        if !kept.iter().any(|k| k.at == tried.at) {
+            kept.push(tried);
+        }
+    }
+    (kept, screening.left_out.clone())
+}
+
+/// What was tried in the first screening, with what its fits say, best first.
+fn after_fits(
+    (mut tried, left_out): (Vec<Tried>, Vec<NotTried>),
+    round: Option<&Round>,
+) -> (Vec<Tried>, Vec<NotTried>) {
+    for t in &mut tried {
+        let Some(round) = round else { break };
+        let own = round.fitted.iter().filter(|(at, ..)| *at == t.at);
+        if let Some((_, gap, score)) = own.max_by(|a, b| a.2.total_cmp(&b.2)) {
+            (t.gap, t.score) = (Some(*gap), *score);
+        }
+        t.vetoed = round.vetoed.iter().find(|v| v.law == t.at).map(|v| v.why.to_string());
+    }
+    weighed(&mut tried);
+    let order = |t: &Tried| (t.gap.is_none(), t.vetoed.is_some());
+    tried.sort_by(|a, b| order(a).cmp(&order(b)).then(b.score.total_cmp(&a.score)));
+    (tried, left_out)
 }

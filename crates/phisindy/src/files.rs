@@ -22,7 +22,7 @@ mod trends;
 
 pub use columns::Columns;
 pub use folders::{open_plain_file, opened};
-pub use laws::{LawFolderError, beside, catalogue};
+pub use laws::{LawFolderError, beside, catalogue, doubts};
 pub use load::{Purpose, Refusal, load, load_text, open, open_text, spec_text, start_of, with_assignments};
 
 use std::path::PathBuf;

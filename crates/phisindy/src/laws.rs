@@ -1,6 +1,6 @@
 //! The catalogue of laws.
 
-use phisindy_phys::{BUILT_IN, LawEntry};
+use phisindy_phys::{BUILT_IN, Diagnostic, LawEntry, SourceId, Sources};
 use std::fmt;
 
 /// Laws by their ids, in alphabetical order.
@@ -36,8 +36,11 @@ impl Catalogue {
     /// # Errors
     /// The text is no law.
     pub fn with(mut self, id: &str, text: &str) -> Result<Catalogue, LawError> {
-        let law =
-            LawEntry::read(id, text).map_err(|e| LawError { id: id.to_owned(), reason: e.to_string() })?;
+        let law = LawEntry::checked(id, text, SourceId(0)).map_err(|mistakes| LawError {
+            id: id.to_owned(),
+            text: text.to_owned(),
+            mistakes,
+        })?;
         self.laws.retain(|other| other.id != id);
         self.laws.push(law);
         self.laws.sort_by(|a, b| a.id.cmp(&b.id));
@@ -55,13 +58,29 @@ impl Catalogue {
 pub struct LawError {
     /// Its id.
     pub id: String,
-    /// What is wrong.
-    pub reason: String,
+    /// Its text.
+    pub text: String,
+    /// What is wrong; the places are in the text, whose source is number 0.
+    pub mistakes: Vec<Diagnostic>,
+}
+
+impl LawError {
+    /// The mistakes with their places in a text that is added to `sources` under this name.
+    pub fn shown(&self, name: &str, sources: &mut Sources) -> Vec<Diagnostic> {
+        let source = sources.add(name, self.text.clone());
+        let moved = |d: &Diagnostic| {
+            let mut d = d.clone();
+            d.labels.iter_mut().for_each(|label| label.source = source);
+            d
+        };
+        self.mistakes.iter().map(moved).collect()
+    }
 }
 
 impl fmt::Display for LawError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the law `{}` cannot be read: {}", self.id, self.reason)
+        let said: Vec<&str> = self.mistakes.iter().map(|d| d.message.as_str()).collect();
+        write!(f, "the law `{}` cannot be read: {}", self.id, said.join("; "))
     }
 }
 

@@ -4,16 +4,23 @@
 //! whether it sticks or has a clearance, are read off that graph.
 
 mod catalogue;
+mod check;
 mod compiled;
 
 pub use catalogue::{BUILT_IN, LawEntry};
-pub use compiled::{LawError, LawGraph, LawScreen};
+pub use compiled::{LawError, LawGraph, LawScreen, jointly_linear};
 
 use crate::units::unit::{Dimension, Unit};
-use phisindy_expr::{Binary, Id, Node, Unary};
+use phisindy_expr::{Binary, Id, Node, Scratch, Tape, Unary};
 use serde::de::{Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, de};
+use std::collections::HashMap;
 use std::fmt;
+
+/// A speed (m/s) below all that move.
+const NEARLY_AT_REST: f64 = 1e-30;
+/// A force that changes by a smaller part of itself does not jump.
+const NO_JUMP: f64 = 1e-6;
 
 /// What a law's file says.
 ///
@@ -52,6 +59,8 @@ pub struct Law {
     pub push: Option<String>,
     /// Which property of a sensor it is.
     pub sensor: Option<String>,
+    /// Which property of an input it is: what acts is the recorded input times its gain, or a delay later.
+    pub input: Option<String>,
     /// Its mirror image, which is tried too.
     pub mirror: Option<String>,
     /// Laws that it contains, simplest first: what `gap` tries in its place.
@@ -100,6 +109,8 @@ pub enum Role {
     Displacement,
     /// The velocity, in metres per second.
     Velocity,
+    /// A force of the known part that presses what rubs, in newtons.
+    Load,
 }
 
 /// A condition on the parameters of a law.
@@ -194,14 +205,36 @@ impl Law {
         let unit = match wanted {
             Role::Displacement => Dimension::METRE,
             Role::Velocity => Dimension::METRE.div(Dimension::SECOND),
+            Role::Load => Dimension::NEWTON,
         };
         let is = |text: &str| Unit::parse(text).is_ok_and(|u| u.dimension == unit);
         self.roles.iter().find(|(_, unit)| is(unit)).map(|(name, _)| name.as_str())
     }
 
+    /// Which property of a sensor or of an input it is; `None` for a force.
+    pub fn property(&self) -> Option<&str> {
+        self.sensor.as_deref().or(self.input.as_deref())
+    }
+
     /// Whether it has states of its own.
     pub fn has_memory(&self) -> bool {
         !self.internal.is_empty()
+    }
+
+    /// Whether it is a hysteresis: it has memory, and its states rest while the place rests, however slowly or fast the
+    /// place came there. Examples: an elastic contact, Bouc-Wen; not a dashpot behind a spring, which relaxes.
+    pub fn is_hysteretic(&self) -> bool {
+        let of = &self.compiled;
+        let (Some(v), false) = (of.velocity, of.rates.is_empty()) else { return false };
+        let mut graph = of.graph.clone();
+        let zero = graph.constant(0.0);
+        let resting = graph.replace(&of.rates, &HashMap::from([(v, zero)]));
+        // Numbers of no meaning: what vanishes for them vanishes for all.
+        let symbols: Vec<Id> = graph.symbols(&resting).into_iter().map(|s| graph.symbol(s)).collect();
+        let Ok(tape) = Tape::compile(&graph, &symbols, &resting) else { return false };
+        let mut scratch = Scratch::<1>::new(&tape);
+        scratch.at((0..symbols.len()).map(|k| 0.7 + 0.1 * (k as f64).sin()));
+        (0..resting.len()).all(|k| scratch.output(k)[0] == 0.0)
     }
 
     /// Whether it is a friction that can stick: its force jumps with the sign of the velocity.
@@ -210,7 +243,31 @@ impl Law {
         let (Some(force), Some(v)) = (of.force.filter(|_| self.force.is_some()), of.velocity) else {
             return false;
         };
-        crate::system::equations::contains_sign(&mut of.graph.clone(), &[force], v)
+        crate::system::equations::contains_sign(&mut of.graph.clone(), &[force], v) && self.jumps(force, v)
+    }
+
+    /// Whether a force differs at velocities a little above and below zero, with every other number inside its bounds.
+    /// A power of the speed has a sign and does not jump.
+    fn jumps(&self, force: Id, v: Id) -> bool {
+        let of = &self.compiled;
+        let mut graph = of.graph.clone();
+        let symbols: Vec<Id> = graph.symbols(&[force]).into_iter().map(|s| graph.symbol(s)).collect();
+        let Ok(tape) = Tape::compile(&graph, &symbols, &[force]) else { return true };
+        let bounds = |id: &Id| {
+            let own = of.parameters.iter().position(|p| p == id);
+            own.map_or((0.0, 1.0), |k| self.parameters[k].1.within)
+        };
+        let mut scratch = Scratch::<1>::new(&tape);
+        let mut at = |speed: f64| {
+            let value = |id: &Id| {
+                let (low, high) = bounds(id);
+                if *id == v { speed } else { 0.7_f64.clamp(low, high) }
+            };
+            scratch.at(symbols.iter().map(value));
+            scratch.output(0)[0]
+        };
+        let (above, below, far) = (at(NEARLY_AT_REST), at(-NEARLY_AT_REST), at(1.0));
+        (above - below).abs() > NO_JUMP * far.abs()
     }
 
     /// Whether it has a clearance: its force has a corner or a jump at a displacement other than zero.
@@ -235,6 +292,7 @@ impl Law {
             .into_iter()
             .chain([of.time])
             .chain(of.outside.iter().map(|(_, id)| *id))
+            .chain(of.load)
             .collect();
         !self.sticks() && of.graph.uses(&[force], &[v]) && !of.graph.uses(&[force], &others)
     }
@@ -242,7 +300,7 @@ impl Law {
     /// Whether it is a spring: a force of the displacement alone, without memory.
     pub fn is_spring(&self) -> bool {
         let of_displacement = self.role(Role::Displacement).is_some() && self.role(Role::Velocity).is_none();
-        of_displacement && self.sensor.is_none() && !self.has_memory()
+        of_displacement && self.property().is_none() && !self.has_memory()
     }
 
     /// Whether it is a spring in proportion to the displacement, at all times.
@@ -269,6 +327,7 @@ impl Law {
         lines.extend(self.force.iter().map(|f| format!("force against the motion: {f}")));
         lines.extend(self.push.iter().map(|f| format!("push: {f}")));
         lines.extend(self.sensor.iter().map(|s| format!("property of a sensor: {s}")));
+        lines.extend(self.input.iter().map(|s| format!("property of an input: {s}")));
         lines.extend(
             self.internal
                 .iter()

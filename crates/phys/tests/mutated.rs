@@ -95,7 +95,11 @@ proptest! {
     #[test]
     fn a_damaged_law_is_read_or_refused(which in 0..1000_usize, edits in edits()) {
         let all = texts("specs/laws");
-        match Law::read(&damaged(all[which % all.len()].clone(), &edits)) {
+        let text = damaged(all[which % all.len()].clone(), &edits);
+        if let Err(mistakes) = Law::checked(&text, SourceId(0)) {
+            prop_assert!(!mistakes.is_empty());
+        }
+        match Law::read(&text) {
             Ok(law) => prop_assert!(!law.acts().is_empty() || law.roles.is_empty()),
             Err(why) => prop_assert!(!why.to_string().is_empty()),
         }

@@ -7,8 +7,10 @@ use crate::names::substitute;
 /// What an effect acts on.
 #[derive(Clone, Debug)]
 pub(super) enum Action {
-    /// A force at a place, subtracted as in its law, with an internal state for some laws.
-    Force { place: Place, force: String, internal: Option<(String, String)> },
+    /// A force at a place, subtracted as in its law, with internal states (name and rate) for some laws.
+    Force { place: Place, force: String, internal: Vec<(String, String)> },
+    /// What acts is the recorded drive times a gain, a delay later.
+    Input { gain: f64, delay: f64 },
     /// A property of a column, or of all of them.
     Sensor { column: Option<usize>, property: Property, value: f64 },
     /// The rate of a velocity is multiplied by a text.
@@ -50,7 +52,8 @@ impl Effect {
 
     /// Whether it is a friction that can hold a mass.
     pub(super) fn is_friction(&self) -> bool {
-        matches!(&self.action, Action::Force { force, .. } if force.contains("sgn("))
+        self.law != "power-law-damping"
+            && matches!(&self.action, Action::Force { force, .. } if force.contains("sgn("))
     }
 
     /// Text with the displacement and velocity of the place, and numbers in place of parameters.
@@ -89,10 +92,30 @@ pub(super) struct Scales {
     pub(super) x: f64,
     pub(super) v: f64,
     pub(super) force: f64,
+    /// The duration of the first record.
+    pub(super) time: f64,
 }
 
 /// Parameters of a law and the text of its force.
 type Force = (Vec<(&'static str, f64)>, &'static str);
+
+/// The internal states of the laws that have some, with their rates.
+const INTERNAL: &[(&str, &[(&str, &str)])] = &[
+    ("presliding", &[("z", "Y - kt*abs(Y)*z/Fc")]),
+    ("bouc-wen", &[("z", "A*Y - beta*abs(Y)*z - gamma*Y*abs(z)")]),
+    ("lugre", &[("z", "Y - s0*abs(Y)*z/(Fc + (Fs-Fc)*exp(-(Y/vs)^2))")]),
+    ("maxwell", &[("z", "km*(Y - z/cm)")]),
+    (
+        "maxwell-slip",
+        &[
+            ("z1", "Y*(1 - (pos(z1*sgn(Y))*kt/(Fc*(1 - spread)))^20)"),
+            ("z2", "Y*(1 - (pos(z2*sgn(Y))*kt/(Fc*(1 - spread/3)))^20)"),
+            ("z3", "Y*(1 - (pos(z3*sgn(Y))*kt/(Fc*(1 + spread/3)))^20)"),
+            ("z4", "Y*(1 - (pos(z4*sgn(Y))*kt/(Fc*(1 + spread)))^20)"),
+        ],
+    ),
+    ("backlash", &[("z", "Y*(1 - (pos(z*sgn(Y))/gap)^20)")]),
+];
 
 /// Draws the effect of a law at a place; `None` if the law does not fit there.
 pub(super) fn draw(
@@ -105,8 +128,15 @@ pub(super) fn draw(
 ) -> Option<Effect> {
     let (parameters, force) = match law {
         "viscous" | "stiffness" => draw_linear(law, s, rig, dice),
-        "cubic-stiffness" | "quadratic-stiffness" | "dead-zone" | "one-sided-stop" => {
-            draw_spring(law, place, s, rig, dice)
+        "cubic-stiffness"
+        | "quadratic-stiffness"
+        | "quintic-stiffness"
+        | "bilinear-stiffness"
+        | "cogging"
+        | "dead-zone"
+        | "one-sided-stop" => draw_spring(law, place, s, rig, dice),
+        "bouc-wen" | "lugre" | "maxwell" | "maxwell-slip" | "backlash" => {
+            draw_memory(law, place, s, rig, dice)
         }
         "offset" | "harmonic-force" | "parametric-stiffness" | "van-der-pol" => {
             draw_excitation(law, s, rig, dice)
@@ -114,11 +144,22 @@ pub(super) fn draw(
         _ => draw_friction(law, s, dice, holds),
     }?;
     let parameters: Vec<_> = parameters.into_iter().map(|(n, x)| (n, crate::dice::rounded(x))).collect();
-    let internal = (law == "presliding").then(|| ("z".to_owned(), "Y - kt*abs(Y)*z/Fc".to_owned()));
-    let second_phase = parameters.iter().find(|(n, _)| *n == "phase").map(|(_, phase)| {
-        if dice.chance(0.5) { crate::dice::rounded(dice.between(-3.0, 3.0)) } else { *phase }
-    });
-    let action = Action::Force { place: place.clone(), force: force.to_owned(), internal };
+    let own = INTERNAL.iter().find(|(id, _)| *id == law).map_or(&[][..], |(_, own)| own);
+    let internal = own.iter().map(|(z, rate)| ((*z).to_owned(), (*rate).to_owned())).collect();
+    // The phase of cogging is that of a position.
+    let phase = parameters.iter().find(|(n, _)| *n == "phase" && law != "cogging");
+    let second_phase =
+        phase.map(
+            |(_, phase)| {
+                if dice.chance(0.5) { crate::dice::rounded(dice.between(-3.0, 3.0)) } else { *phase }
+            },
+        );
+    // The load is the spring of the place.
+    let force = match force.contains("LOAD") {
+        true => force.replace("LOAD", &format!("{:e}*X", place.spring?)),
+        false => force.to_owned(),
+    };
+    let action = Action::Force { place: place.clone(), force, internal };
     Some(Effect { law: law.to_owned(), at: place.at.clone(), parameters, second_phase, action })
 }
 
@@ -146,7 +187,23 @@ fn draw_friction(law: &str, s: Scales, dice: &mut Dice, holds: bool) -> Option<F
     let level = |dice: &mut Dice| if holds { dice.log(0.15, 0.8) } else { dice.log(0.02, 0.5) } * s.force;
     Some(match law {
         "quadratic-drag" => (vec![("d", dice.log(0.02, 1.5) * s.force / (s.v * s.v))], "d*Y*abs(Y)"),
+        "cubic-damping" => (vec![("d3", dice.log(0.02, 1.5) * s.force / s.v.powi(3))], "d3*Y^3"),
+        "power-law-damping" => {
+            let p = match dice.whole(0, 2) {
+                0 => dice.between(0.3, 0.7),
+                1 => dice.between(1.3, 1.7),
+                _ => dice.between(2.3, 2.7),
+            };
+            (vec![("b", dice.log(0.05, 1.0) * s.force / s.v.powf(p)), ("p", p)], "b*abs(Y)^p*sgn(Y)")
+        }
         "coulomb" => (vec![("Fc", level(dice))], "Fc*sgn(Y)"),
+        "load-dependent-friction" => {
+            (vec![("F0", level(dice)), ("mu", dice.between(0.1, 0.6))], "(F0 + mu*abs(LOAD))*sgn(Y)")
+        }
+        "drifting-friction" => {
+            let change = if dice.chance(0.5) { dice.between(0.5, 2.0) } else { -dice.between(0.3, 0.6) };
+            (vec![("Fc", level(dice)), ("r", change / s.time)], "Fc*(1 + r*t)*sgn(Y)")
+        }
         "asymmetric-coulomb" => {
             let (small, ratio) = (level(dice), dice.between(1.3, 3.0));
             let (p, m) = if dice.chance(0.5) { (small, ratio * small) } else { (ratio * small, small) };
@@ -191,6 +248,15 @@ fn draw_spring(law: &str, place: &Place, s: Scales, rig: &super::rig::Rig, dice:
         "quadratic-stiffness" => {
             (vec![("k2", dice.sign() * dice.log(0.01, 0.5) * s.force / (s.x * s.x))], "k2*X^2")
         }
+        "quintic-stiffness" => (vec![("k5", dice.log(0.02, 2.0) * s.force / s.x.powi(5))], "k5*X^5"),
+        "bilinear-stiffness" => {
+            let force = if dice.chance(0.5) { "kb*pos(X)" } else { "(-kb*pos(-X))" };
+            (vec![("kb", dice.log(0.03, 0.6) * rig.spring[0])], force)
+        }
+        "cogging" => {
+            let (size, n) = (dice.log(0.03, 0.5) * s.force, dice.between(4.0, 14.0) / s.x);
+            (vec![("A", size), ("n", n), ("phase", dice.between(-3.0, 3.0))], "A*sin(n*X + phase)")
+        }
         "dead-zone" => {
             (vec![("ks", place.spring?), ("gap", dice.log(0.02, 0.5) * s.x)], "ks*(dead(X,gap) - X)")
         }
@@ -199,6 +265,47 @@ fn draw_spring(law: &str, place: &Place, s: Scales, rig: &super::rig::Rig, dice:
             let at = dice.between(0.35, 0.97) * s.x;
             let force = if dice.chance(0.5) { "ks*pos(X-gap)" } else { "(-ks*pos(-X-gap))" };
             (vec![("ks", stiff), ("gap", at)], force)
+        }
+        _ => return None,
+    })
+}
+
+/// A force with memory.
+fn draw_memory(law: &str, place: &Place, s: Scales, rig: &super::rig::Rig, dice: &mut Dice) -> Option<Force> {
+    let level = dice.log(0.08, 0.6) * s.force;
+    Some(match law {
+        "bouc-wen" => {
+            let (d, part) = (dice.log(0.08, 0.5) * s.x, dice.sign() * dice.between(0.3, 0.7));
+            let beta = 1.0 / (d * (1.0 + part));
+            (vec![("A", level / d), ("beta", beta), ("gamma", part * beta)], "z")
+        }
+        "lugre" => {
+            let s0 = level / (dice.log(0.01, 0.1) * s.x);
+            let mass = rig.mass[place.parts[0].0];
+            let parameters = vec![
+                ("Fc", level),
+                ("Fs", level * dice.between(1.3, 2.5)),
+                ("vs", dice.log(0.05, 0.3) * s.v),
+                ("s0", s0),
+                ("s1", dice.between(0.2, 1.0) * (s0 * mass).sqrt()),
+                ("s2", dice.log(0.02, 0.2) * s.force / s.v),
+            ];
+            (parameters, "(s0*z + s1*(Y - s0*abs(Y)*z/(Fc + (Fs-Fc)*exp(-(Y/vs)^2))) + s2*Y)")
+        }
+        "maxwell" => {
+            let km = dice.log(0.05, 0.8) * s.force / s.x;
+            (vec![("km", km), ("cm", km * dice.log(0.3, 3.0) / rig.natural)], "z")
+        }
+        "maxwell-slip" => {
+            let kt = level / (dice.log(0.1, 0.4) * s.x);
+            (
+                vec![("Fc", level), ("kt", kt), ("spread", dice.between(0.4, 0.9))],
+                "0.25*kt*(z1 + z2 + z3 + z4)",
+            )
+        }
+        "backlash" => {
+            let ks = dice.log(0.1, 1.0) * s.force / s.x;
+            (vec![("ks", ks), ("gap", dice.between(0.08, 0.4) * s.x)], "ks*(X - z)")
         }
         _ => return None,
     })
@@ -226,6 +333,31 @@ fn draw_excitation(law: &str, s: Scales, rig: &super::rig::Rig, dice: &mut Dice)
             (vec![("mu", mu), ("a", dice.log(0.5, 10.0) / (s.x * s.x))], "(-mu*(1-a*X^2)*Y)")
         }
         _ => return None,
+    })
+}
+
+/// Draws what is wrong with the recorded drive of a rig; `None` for any other law, and where the drive is not recorded.
+pub(super) fn draw_input(law: &str, rig: &super::rig::Rig, dice: &mut Dice) -> Option<Effect> {
+    use super::rig::Drive;
+    let at = match rig.drive {
+        Drive::Force(_) => "F",
+        Drive::Base { .. } => "u",
+        Drive::Explicit(_) | Drive::Free => return None,
+    };
+    let (name, value) = match law {
+        "input-gain" => ("gain", 1.0 + dice.sign() * dice.log(0.02, 0.3)),
+        "input-delay" => ("tau", dice.log(0.01, 0.15) / rig.natural),
+        _ => return None,
+    };
+    let value = crate::dice::rounded(value);
+    let (gain, delay) = if name == "gain" { (value, 0.0) } else { (1.0, value) };
+    let action = Action::Input { gain, delay };
+    Some(Effect {
+        law: law.to_owned(),
+        at: at.to_owned(),
+        parameters: vec![(name, value)],
+        second_phase: None,
+        action,
     })
 }
 

@@ -1,6 +1,7 @@
 //! One set, drawn until it is fair.
 
-use super::effect::{Effect, Scales, draw, draw_sensor};
+use super::determined::determined;
+use super::effect::{Effect, Scales, draw, draw_input, draw_sensor};
 use super::experiment::{experiments, first_part, first_part_of_motion};
 use super::fair::{steady, visible};
 use super::motion::{ACCELERATION, Experiment, Motion, earlier, motion};
@@ -26,6 +27,10 @@ const MARGIN: f64 = 20.0;
 const VISIBLE: f64 = 200.0;
 /// The least residual of the catalogue for an effect outside of it, in units of the noise.
 const REMAINDER: f64 = 0.4;
+
+/// Laws of several numbers that only some motions tell apart.
+const DETERMINED: &[&str] =
+    &["bouc-wen", "lugre", "maxwell", "maxwell-slip", "backlash", "drifting-friction"];
 
 /// A record as the workflow sees it.
 pub(super) struct Shown {
@@ -265,6 +270,13 @@ impl Drawn {
         if !outside && judgement.margin < MARGIN {
             return Err("a rival is too near");
         }
+        let measured: Vec<(usize, f64)> = columns.iter().map(|(k, _, noise)| (*k, *noise)).collect();
+        let remembers = |e: &Effect| DETERMINED.contains(&e.law.as_str());
+        if self.effects.iter().any(remembers)
+            && !determined(&self.rig, &self.effects, &self.experiments[0], self.split, &measured)
+        {
+            return Err("the record does not tell the numbers");
+        }
         Ok(judgement)
     }
 
@@ -373,7 +385,7 @@ fn effects(
         let part = if rig.drive == Drive::Free { 0..x.len() / 2 } else { x.len() / 2..x.len() };
         let (x, v) = (largest(&x[part.clone()]), largest(&v[part]));
         let force = if rig.drive == Drive::Free { 0.3 * x * rig.spring[0] } else { force };
-        Scales { x, v, force }
+        Scales { x, v, force, time: experiment.times[experiment.times.len() - 1] }
     };
     let duration = experiment.times[experiment.times.len() - 1];
     let mut out: Vec<Effect> = Vec::new();
@@ -395,7 +407,8 @@ fn effects(
                 )
             })
             .collect();
-        let effect = match draw_sensor(law, &columns, rig.count(), rig.natural, dice) {
+        let of_instrument = draw_sensor(law, &columns, rig.count(), rig.natural, dice);
+        let effect = match of_instrument.or_else(|| draw_input(law, rig, dice)) {
             Some(effect) => effect,
             None => {
                 let place = dice.pick(&all);

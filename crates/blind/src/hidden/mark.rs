@@ -152,6 +152,11 @@ fn turned(effect: &Hidden, at: &str) -> BTreeMap<String, f64> {
         all.insert("Fp".to_owned(), m);
         all.insert("Fm".to_owned(), p);
     }
+    if effect.law == "cogging"
+        && let Some(phase) = all.get_mut("phase")
+    {
+        *phase = -*phase;
+    }
     if effect.law == "harmonic-force"
         && let Some(phase) = all.get_mut("phase")
     {
@@ -248,7 +253,7 @@ mod tests {
         let added = read(r#"{"status": "explained", "steps": [{"law": "coulomb", "at": "v"}]}"#);
         let quiet = read(r#"{"status": "nothing-missing", "steps": []}"#);
         let helpless = read(r#"{"status": "unexplained", "steps": []}"#);
-        let (nothing, outside) = (truth("nothing", &[]), truth("outside", &[("bouc-wen", "v", &[])]));
+        let (nothing, outside) = (truth("nothing", &[]), truth("outside", &[("smooth-bouc-wen", "v", &[])]));
         assert_eq!(mark(&nothing, &added).verdict, Verdict::FalseAlarm);
         assert_eq!(mark(&nothing, &quiet).verdict, Verdict::Right);
         assert_eq!(mark(&nothing, &helpless).verdict, Verdict::Wrong);

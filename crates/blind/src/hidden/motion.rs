@@ -122,13 +122,27 @@ fn sampled(run: Trajectory, readings: Vec<Vec<f64>>) -> Motion {
     Motion { n, states: (0..n).map(|k| run.column(k)).collect(), rates, stuck, readings }
 }
 
+/// The drive that acts where the recorded one is off.
+fn acting(lines: &[Line], effects: &[Effect]) -> Vec<Line> {
+    let mut all = lines.to_vec();
+    for effect in effects {
+        if let Action::Input { gain, delay } = effect.action {
+            for line in &mut all {
+                line.amplitude *= gain;
+                line.phase -= line.frequency * delay;
+            }
+        }
+    }
+    all
+}
+
 /// The model with all hidden effects, the values of its parameters, and its start state.
 fn model(
     rig: &Rig,
     effects: &[Effect],
     experiment: &Experiment,
 ) -> Result<(Model, Vec<f64>, Vec<f64>), String> {
-    let (value, slope) = Rig::driven(&experiment.lines);
+    let (value, slope) = Rig::driven(&acting(&experiment.lines, effects));
     let mut rates = rig.rates("DRIVE", "u", "du");
     let mut names: Vec<&str> = rig.x.iter().chain(&rig.v).map(String::as_str).collect();
     let mut own = Vec::new();
@@ -141,14 +155,14 @@ fn model(
                     let factor = -sign / rig.mass[mass];
                     rates[mass] += &format!(" + ({factor:e})*({force})");
                 }
-                if let Some((name, rate)) = internal {
+                for (name, rate) in internal {
                     names.push(name);
                     own.push(effect.written(rate, experiment.second));
                     start.push(0.0);
                 }
             }
             Action::Factor { mass, factor } => rates[*mass] = format!("({})*({factor})", rates[*mass]),
-            Action::Sensor { .. } => {}
+            Action::Sensor { .. } | Action::Input { .. } => {}
         }
     }
     let mut all: Vec<String> = rig.v.clone();

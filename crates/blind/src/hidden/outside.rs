@@ -7,14 +7,12 @@ use crate::dice::{Dice, rounded};
 
 /// Their names.
 pub(super) const KINDS: &[&str] = &[
-    "corrugated-force",
     "saturating-spring",
-    "quintic-stiffness",
+    "septic-stiffness",
     "corrugated-friction",
     "time-varying-mass",
-    "bouc-wen",
+    "smooth-bouc-wen",
     "exponential-wall",
-    "viscoelastic",
     "fading-friction",
     "chirp-force",
 ];
@@ -32,16 +30,10 @@ pub(super) fn draw(
     let a = dice.log(0.03, 0.6) * s.force;
     let friction = if holds { dice.log(0.2, 0.7) } else { dice.log(0.03, 0.5) } * s.force;
     let (w0, phase) = (rig.natural, dice.between(-3.0, 3.0));
-    let mut internal = None;
+    let mut internal = vec![];
     let (parameters, force): (Vec<(&'static str, f64)>, &str) = match kind {
-        "corrugated-force" => {
-            (vec![("A", a), ("q", dice.between(4.0, 14.0) / s.x), ("b", phase)], "A*sin(q*X+b)")
-        }
         "saturating-spring" => (vec![("A", a), ("s", dice.between(0.3, 0.7) * s.x)], "A*tanh((X/s)^5)"),
-        "quintic-stiffness" => {
-            let power = if dice.chance(0.5) { "A*(X/s)^5" } else { "A*(X/s)^7" };
-            (vec![("A", dice.log(0.1, 3.0) * s.force), ("s", s.x)], power)
-        }
+        "septic-stiffness" => (vec![("A", dice.log(0.1, 3.0) * s.force), ("s", s.x)], "A*(X/s)^7"),
         "corrugated-friction" => (
             vec![
                 ("A", friction),
@@ -50,19 +42,14 @@ pub(super) fn draw(
             ],
             "(A + B*sin(q*X))*sgn(Y)",
         ),
-        "bouc-wen" => {
+        "smooth-bouc-wen" => {
             let d = dice.between(0.15, 0.5) * s.x;
-            internal = Some(("z".to_owned(), "Y - (b*abs(Y)*z*abs(z) + g*Y*z^2)".to_owned()));
+            internal = vec![("z".to_owned(), "Y - (b*abs(Y)*z*abs(z) + g*Y*z^2)".to_owned())];
             let b = dice.between(0.6, 0.9) / (d * d);
             (vec![("A", dice.log(0.1, 0.6) * s.force / d), ("b", b), ("g", dice.sign() * 0.4 * b)], "A*z")
         }
         "exponential-wall" => {
             (vec![("A", a), ("s", dice.between(0.12, 0.3) * s.x)], "A*(exp(X/s)*exp(-2.5)-exp(-2.5))")
-        }
-        "viscoelastic" => {
-            let k = dice.log(0.05, 1.0) * s.force / s.x;
-            internal = Some(("z".to_owned(), "(X-z)*r".to_owned()));
-            (vec![("k", k), ("r", w0 * dice.log(0.3, 2.0))], "k*(X-z)")
         }
         "fading-friction" => {
             (vec![("A", friction), ("T", duration * dice.between(0.15, 0.5))], "A*exp(-t/T)*sgn(Y)")

@@ -246,7 +246,11 @@ impl Comparison<'_> {
             }
         };
         type Shape<'s> = (&'static str, &'s dyn Fn(f64, f64) -> f64);
-        let simple: [Shape<'_>; 5] = [
+        let simple: [Shape<'_>; 9] = [
+            ("cubic-damping", &|_, v| v * v * v),
+            ("quintic-stiffness", &|x, _| x.powi(5)),
+            ("bilinear-stiffness", &|x, _| x.max(0.0)),
+            ("bilinear-stiffness", &|x, _| x.min(0.0)),
             ("viscous", &|_, v| v),
             ("stiffness", &|x, _| x),
             ("quadratic-drag", &|_, v| v * v.abs()),
@@ -272,6 +276,20 @@ impl Comparison<'_> {
             let falls = of(&|_, v| (-(v / vs).powi(2)).exp() * sign(v));
             self.push("stribeck", place, 3, true, vec![of(&|_, v| sign(v)), falls]);
         }
+        for p in [0.3, 0.5, 0.7, 1.4, 1.7, 2.4, 2.8, 3.5] {
+            self.push("power-law-damping", place, 2, false, vec![of(&|_, v| v.abs().powf(p) * sign(v))]);
+        }
+        let times = &self.seen.experiment.times;
+        let drifts = v.iter().zip(times).map(|(&v, t)| t * sign(v)).collect();
+        self.push("drifting-friction", place, 2, true, vec![of(&|_, v| sign(v)), drifts]);
+        // The load may be any displacement; that of the place is the nearest.
+        let pressed = of(&|x, v| x.abs() * sign(v));
+        self.push("load-dependent-friction", place, 2, true, vec![of(&|_, v| sign(v)), pressed]);
+        for quarter in 4..40 {
+            let n = f64::from(quarter) * 0.25 * std::f64::consts::PI / top;
+            self.push("cogging", place, 3, false, vec![of(&|x, _| (n * x).sin()), of(&|x, _| (n * x).cos())]);
+        }
+        self.with_memory(place, &x, top);
         for share in [0.01, 0.03, 0.08, 0.2, 0.4] {
             self.push("presliding", place, 2, true, vec![play(&x, share * top)]);
         }
@@ -296,6 +314,33 @@ impl Comparison<'_> {
         }
         if place.wall == 0.0 {
             self.push("offset", place, 1, false, vec![of(&|_, _| 1.0)]);
+        }
+    }
+
+    /// The laws with memory at a place, along its displacement `x` of size `top`. Their own numbers are on grids.
+    fn with_memory(&mut self, place: &Place, x: &[f64], top: f64) {
+        let times = &self.seen.experiment.times;
+        for period in [0.1, 0.3, 1.0, 3.0, 10.0] {
+            let memory = period / self.seen.rig.natural;
+            self.push("maxwell", place, 2, false, vec![relaxed(x, times, memory)]);
+        }
+        for share in [0.05, 0.1, 0.15, 0.2, 0.3, 0.4] {
+            let within = stopped(x, share * top);
+            let behind = x.iter().zip(&within).map(|(x, z)| x - z).collect();
+            self.push("backlash", place, 2, false, vec![behind]);
+        }
+        for share in [0.1, 0.15, 0.2, 0.3, 0.4] {
+            for spread in [0.4, 0.6, 0.8] {
+                let ends = [-1.0, -1.0 / 3.0, 1.0 / 3.0, 1.0].map(|u| share * top * (1.0 + spread * u));
+                let all: Vec<Vec<f64>> = ends.iter().map(|end| stopped(x, *end)).collect();
+                let sum = (0..x.len()).map(|i| all.iter().map(|z| z[i]).sum()).collect();
+                self.push("maxwell-slip", place, 3, true, vec![sum]);
+            }
+        }
+        for share in [0.08, 0.15, 0.25, 0.4] {
+            for part in [-0.6, -0.4, 0.4, 0.6] {
+                self.push("bouc-wen", place, 3, true, vec![yielding(x, share * top, part)]);
+            }
         }
     }
 
@@ -433,6 +478,38 @@ fn play(x: &[f64], d: f64) -> Vec<f64> {
         let step = pair[1] - pair[0];
         let end = d * step.signum();
         z = end + (z - end) * (-step.abs() / d).exp();
+        out.push(z);
+    }
+    out
+}
+
+/// The deflection of an ideal element that slides beyond the deflection `end`.
+fn stopped(x: &[f64], end: f64) -> Vec<f64> {
+    let mut out = vec![0.0];
+    for pair in x.windows(2) {
+        out.push((out[out.len() - 1] + pair[1] - pair[0]).clamp(-end, end));
+    }
+    out
+}
+
+/// The deflection of a spring behind which a dashpot gives way within a time.
+fn relaxed(x: &[f64], times: &[f64], memory: f64) -> Vec<f64> {
+    let mut out = vec![0.0];
+    for (pair, t) in x.windows(2).zip(times.windows(2)) {
+        let stay = (-(t[1] - t[0]) / memory).exp();
+        out.push(stay * (out[out.len() - 1] + pair[1] - pair[0]));
+    }
+    out
+}
+
+/// The force of Bouc and Wen over its stiffness, that yields over `d`, with gamma this part of beta.
+fn yielding(x: &[f64], d: f64, part: f64) -> Vec<f64> {
+    let mut z = 0.0;
+    let mut out = vec![0.0];
+    for pair in x.windows(2) {
+        let step = pair[1] - pair[0];
+        let rises = if step * z > 0.0 { 1.0 + part } else { 1.0 - part };
+        z += step - step.abs() * z * rises / (d * (1.0 + part));
         out.push(z);
     }
     out

@@ -63,6 +63,23 @@ pub(super) fn alternatives(
                 more.push(put(k, vec![placed("sensor-offset", &rig.x[1])]));
             }
         }
+        // One recorded drive: what acts late shows late. On linear springs a scale of the drive is one of the motion.
+        let one_drive = matches!(rig.drive, Drive::Force(_) | Drive::Base { .. });
+        let input = if base { "u" } else { "F" };
+        for (of_input, of_sensor) in [("input-delay", "sensor-delay"), ("input-gain", "sensor-gain")] {
+            if !one_drive || effects.len() > 1 {
+                continue;
+            }
+            if e.law == of_input {
+                more.push(put(k, vec![placed(of_sensor, "motion")]));
+                if columns == 1 {
+                    more.push(put(k, vec![placed(of_sensor, column)]));
+                }
+            }
+            if e.law == of_sensor && (e.at == "motion" || columns == 1) {
+                more.push(put(k, vec![placed(of_input, input)]));
+            }
+        }
         // All columns are one column here.
         if only_column(e, columns) {
             more.push(put(k, vec![placed(&e.law, if e.at == "motion" { column } else { "motion" })]));
@@ -84,12 +101,11 @@ pub(super) fn hidden(effect: &Effect) -> Hidden {
     let expression = match &effect.action {
         Action::Force { force, internal, .. } => {
             let own = |text: &str| effect.at_its_place(text);
-            match internal {
-                Some((name, rate)) => format!("{} with d{name}/dt = {}", own(force), own(rate)),
-                None => own(force),
-            }
+            let with = |(name, rate): &(String, String)| format!(" with d{name}/dt = {}", own(rate));
+            own(force) + &internal.iter().map(with).collect::<String>()
         }
         Action::Sensor { property, .. } => format!("{property:?}").to_lowercase(),
+        Action::Input { gain, delay } => format!("the drive times {gain}, {delay} s later"),
         Action::Factor { factor, .. } => format!("rate times {factor}"),
     };
     let mut parameters: std::collections::BTreeMap<String, f64> =

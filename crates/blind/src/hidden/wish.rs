@@ -51,6 +51,20 @@ pub(super) const LAWS: &[&str] = &[
     "sensor-delay",
     "sensor-gain",
     "sensor-offset",
+    "drifting-friction",
+    "load-dependent-friction",
+    "cogging",
+    "power-law-damping",
+    "cubic-damping",
+    "quintic-stiffness",
+    "bilinear-stiffness",
+    "bouc-wen",
+    "lugre",
+    "maxwell",
+    "maxwell-slip",
+    "backlash",
+    "input-delay",
+    "input-gain",
 ];
 
 /// Two effects at once.
@@ -76,12 +90,19 @@ const PAIRS: &[[&str; 2]] = &[
 ];
 
 /// Laws that can hold a mass at rest: once in a deck they do, once they never do.
-pub(super) const HOLDING: &[&str] =
-    &["coulomb", "asymmetric-coulomb", "stribeck", "dieterich-ruina", "position-dependent-friction"];
+pub(super) const HOLDING: &[&str] = &[
+    "coulomb",
+    "asymmetric-coulomb",
+    "stribeck",
+    "dieterich-ruina",
+    "position-dependent-friction",
+    "drifting-friction",
+    "load-dependent-friction",
+];
 
 /// Sets in a deck: all laws, those that can hold a second time, and the others.
-const DECK: usize = 48;
-const NOTHING: usize = 10;
+const DECK: usize = 67;
+const NOTHING: usize = 14;
 const TWO: usize = 7;
 
 /// The wish of a set. `only` restricts it to one law, or to `nothing`, `two`, `outside`.

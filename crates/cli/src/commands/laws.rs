@@ -1,17 +1,30 @@
 //! `phisindy laws`.
 
 use crate::args::Options;
+use crate::draw;
 use crate::outdir::OutDir;
-use crate::terminal::print;
+use crate::terminal::{INPUT, print};
 use anyhow::{Result, anyhow};
-use phisindy::files::catalogue;
+use phisindy::files::{catalogue, doubts};
+use phisindy_phys::Sources;
 use phisindy_report::laws::{gallery, list, picture, shown};
 use std::path::Path;
 
 /// Prints the list of laws or one of them; writes their pictures into `--out`.
 pub(crate) fn laws(name: Option<&str>, options: &Options) -> Result<u8> {
     let folders: Vec<&Path> = options.laws.as_deref().into_iter().collect();
-    let mut all = catalogue(&folders)?.laws().to_vec();
+    let mut sources = Sources::default();
+    let mut all = match catalogue(&folders) {
+        Ok(all) => {
+            draw::show(&doubts(&folders, &all, &mut sources), &sources);
+            all.laws().to_vec()
+        }
+        Err(error) => {
+            let mistakes = error.diagnostics(&mut sources);
+            draw::show(&mistakes, &sources);
+            return Ok(INPUT);
+        }
+    };
     if let Some(out) = &options.out {
         if let Some(name) = name {
             all.retain(|e| e.id == name);
@@ -41,10 +54,34 @@ pub(crate) fn laws(name: Option<&str>, options: &Options) -> Result<u8> {
     Ok(0)
 }
 
+/// A law of the user's own, with a comment on every field.
+const TEMPLATE: &str = include_str!("law_template.ron");
+
+/// Prints the template of a law, or writes it into `--out`.
+pub(crate) fn new(name: &str, options: &Options) -> Result<u8> {
+    if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_') {
+        return Err(anyhow!(
+            "`{name}` is no id of a law: letters, digits and `-`, for it is the name of a file"
+        ));
+    }
+    let text = TEMPLATE.replace("\"NAME\"", &format!("\"{name}\""));
+    match &options.out {
+        Some(out) => OutDir::create(out)?.write(&format!("{name}.ron"), &text)?,
+        None => print(&text)?,
+    }
+    Ok(0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use phisindy::Catalogue;
+
+    #[test]
+    fn the_template_is_a_law() {
+        let law = phisindy_phys::Law::checked(TEMPLATE, phisindy_phys::SourceId(0)).expect("a law");
+        assert!(law.has_memory() && law.is_hysteretic());
+    }
 
     /// Every law has a picture, and the page in `docs/laws` is what the program writes.
     #[test]

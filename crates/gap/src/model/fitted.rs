@@ -41,6 +41,7 @@ impl Fitted {
             effects: model.effects.len(),
             parameters: model.size(),
             sensors: effects().filter(|e| e.entry.law.sensor.is_some()).count(),
+            inputs: effects().filter(|e| e.entry.law.input.is_some()).count(),
             early: 0,
         };
         let mut alone = Fitted { model, cal, score, joint: None };

@@ -1,6 +1,6 @@
 //! The score of a fitted model: all numbers that the search and its end decide on.
 
-use crate::decisions::{EARLY_PRICE, EXPLAINED, FAR_OFF, INDEPENDENT, NOT_WHITE, SENSOR_PRICE};
+use crate::decisions::{EARLY_PRICE, EXPLAINED, FAR_OFF, INDEPENDENT, INPUT_PRICE, NOT_WHITE, SENSOR_PRICE};
 
 /// How well a model follows the records, and what it costs.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,7 +24,9 @@ pub(crate) struct Score {
     pub(crate) parameters: usize,
     /// Number of effects that are properties of sensors.
     pub(crate) sensors: usize,
-    /// Number of these that are negative delays.
+    /// Number of effects that are properties of inputs.
+    pub(crate) inputs: usize,
+    /// Number of sensor properties that are negative delays.
     pub(crate) early: usize,
 }
 
@@ -67,7 +69,9 @@ impl Score {
         let price = self.parameters as f64 * (n * independent).max(2.0).ln();
         // A late sensor is plausible, an early one is not. In an autonomous motion the two are
         // indistinguishable.
-        let odd = SENSOR_PRICE * self.sensors as f64 + EARLY_PRICE * self.early as f64;
+        let odd = SENSOR_PRICE * self.sensors as f64
+            + INPUT_PRICE * self.inputs as f64
+            + EARLY_PRICE * self.early as f64;
         cost * independent + price + 2.0 * ln_choose(candidates, self.effects) + odd
     }
 
@@ -120,6 +124,7 @@ pub(crate) mod tests {
             effects,
             parameters: effects,
             sensors: 0,
+            inputs: 0,
             early: 0,
         }
     }

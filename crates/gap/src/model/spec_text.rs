@@ -81,6 +81,31 @@ pub(crate) fn text_with(
                     }
                 }
             }
+            Site::Input(inputs) if applied.effect.is_input_delay() => {
+                for (record, plan) in model.given.plans.iter().enumerate() {
+                    for &input in inputs.iter().filter(|&&j| plan.derived.get(j).is_none_or(Option::is_none))
+                    {
+                        let name = &model.system.inputs[input].name;
+                        let path = format!("data.{record}.sensors.{name}.delay");
+                        text.set(&path, &format!("\"{}\"", applied.names[0]))?;
+                    }
+                }
+            }
+            Site::Input(inputs) => {
+                let gain = &applied.names[0];
+                let name = |&j: &usize| model.system.inputs[j].name.clone();
+                let with: Vec<(String, String)> =
+                    inputs.iter().map(|j| (name(j), format!("({gain}*{})", name(j)))).collect();
+                let scaled = |text: &str| rename(text, &with).unwrap_or_else(|_| text.to_owned());
+                for (name, rate) in &mut rates {
+                    *rate = scaled(rate);
+                    text.set(&format!("known.{name}"), &format!("\"{rate}\""))?;
+                }
+                for (name, reads) in &mut outputs {
+                    *reads = scaled(reads);
+                    text.set(&format!("outputs.{name}.reads"), &format!("\"{reads}\""))?;
+                }
+            }
             Site::Force { acts, shows, .. } => {
                 internal(&mut text, model, applied)?;
                 let force = force_text(applied).unwrap_or_default();
@@ -166,6 +191,8 @@ fn replacements(applied: &Applied) -> Vec<(String, String)> {
         with.extend(of(LawRole::Displacement, displacement.as_ref()));
         with.extend(of(LawRole::Velocity, Some(velocity)));
     }
+    let pressed_by = law.role(LawRole::Load).zip(applied.effect.pressed_by.as_ref());
+    with.extend(pressed_by.map(|(name, text)| (name.to_owned(), format!("({text})"))));
     with.extend(law.parameters.iter().zip(&applied.names).map(|((p, _), name)| (p.clone(), name.clone())));
     with.extend(law.given.iter().map(|(name, (value, _))| (name.clone(), format!("{value:?}"))));
     with.extend(law.internal.iter().zip(&applied.internal).map(|((z, _), name)| (z.clone(), name.clone())));
@@ -186,7 +213,10 @@ fn force_text(applied: &Applied) -> Option<String> {
 pub(crate) fn expression(applied: &Applied) -> String {
     let effect = &applied.effect;
     let (at, name) = (&effect.place.at, applied.names.first().map_or("", String::as_str));
-    match effect.entry.law.sensor.as_deref() {
+    if effect.is_input_delay() {
+        return format!("{at}(t + {name})");
+    }
+    match effect.entry.law.property() {
         Some("offset") => return format!("{at} + {name}"),
         Some("gain") => return format!("{name}*{at}"),
         Some(_) => return format!("{at}(t - {name})"),

@@ -116,7 +116,7 @@ impl TrialModel {
         let law = effect.entry.law.clone();
         let mut taken = out.taken();
         let at = &effect.place.at;
-        let names: Vec<String> = effect.labels().iter().map(|label| free(label, at, &mut taken)).collect();
+        let names: Vec<String> = effect.constants().iter().map(|label| free(label, at, &mut taken)).collect();
         let mut parameters = Vec::new();
         for ((name, (_, p)), start) in names.iter().zip(&law.parameters).zip(&effect.start) {
             let unit = if out.given.takes_units { effect.unit(&p.unit, &out.system) } else { String::new() };
@@ -126,7 +126,11 @@ impl TrialModel {
         let mut applied =
             Applied { effect: effect.clone(), names, parameters, internal: vec![], force: None };
         match &effect.place.site {
-            Site::Sensor(columns) => out.set_sensor_parameter(&applied, columns)?,
+            Site::Sensor(columns) => {
+                let columns = columns.iter().filter_map(|name| out.system.column(name)).collect();
+                out.set_sensor_parameter(&applied, columns)?;
+            }
+            Site::Input(inputs) => out.set_input_property(&applied, inputs)?,
             Site::Force { acts, shows, velocity, .. } => {
                 for (name, inner) in &law.internal {
                     let name = free(name, at, &mut taken);
@@ -140,6 +144,7 @@ impl TrialModel {
                 let own: Vec<_> = system.states[first..].iter().map(|s| s.node).collect();
                 let (force, rates) = effect.force(system, &numbers, &own)?;
                 system.known[first..].copy_from_slice(&rates);
+                let memory = rates.len();
                 for &(state, sign) in acts {
                     let share = match system.inertia[state] {
                         Some(inertia) => system.graph.div(force, inertia),
@@ -163,8 +168,12 @@ impl TrialModel {
                 // A force is no rate, so what could be filtered still can.
                 let _ = system.connect_filters();
                 applied.force = Some(force);
+                if memory > 0 {
+                    out.drive_memory(memory);
+                }
                 // A prescribed motion does not stick.
                 if law.sticks() && !acts.is_empty() {
+                    let system = &mut out.system;
                     let minus = system.graph.neg(velocity.node);
                     let own = |c: &Contact| c.node == velocity.node || c.node == minus;
                     if !system.contacts.iter().any(own) {
@@ -192,17 +201,43 @@ impl TrialModel {
         }
     }
 
+    /// Makes the effect's parameter the factor of these inputs, or the delay of their sensors.
+    fn set_input_property(&mut self, applied: &Applied, inputs: &[usize]) -> Result<(), EffectError> {
+        if applied.effect.is_input_delay() {
+            let first = self.system.columns();
+            let own =
+                |&j: &usize| self.records.first().is_none_or(|r| r.sensors[first + j].follows.is_none());
+            let columns = inputs.iter().filter(|j| own(j)).map(|j| first + j).collect();
+            return self.set_sensor_parameter(applied, columns);
+        }
+        let system = &mut self.system;
+        let gain = system.parameters[applied.parameters[0]].node;
+        let nodes: Vec<_> = inputs.iter().map(|&j| system.inputs[j].node).collect();
+        let with = nodes.into_iter().map(|u| (u, system.graph.mul(gain, u))).collect();
+        system.known = system.graph.replace(&system.known, &with);
+        let reads: Vec<_> = system.outputs.iter().map(|o| o.node).collect();
+        for (output, node) in system.outputs.iter_mut().zip(system.graph.replace(&reads, &with)) {
+            output.node = node;
+        }
+        Ok(())
+    }
+
     /// Makes the effect's parameter the offset, gain or delay of the sensors of these columns.
-    fn set_sensor_parameter(&mut self, applied: &Applied, columns: &[String]) -> Result<(), EffectError> {
+    fn set_sensor_parameter(&mut self, applied: &Applied, columns: Vec<usize>) -> Result<(), EffectError> {
         let entry = &applied.effect.entry;
-        let which = entry.law.sensor.as_deref().ok_or_else(|| EffectError::NoSensor(entry.id.clone()))?;
+        let which = entry.law.property().ok_or_else(|| EffectError::NoSensor(entry.id.clone()))?;
         let k = applied.parameters[0];
         let p = &self.system.parameters[k];
         let parameter =
             SensorParameter { start: p.start, within: Some(p.within), sigma: None, shared: Some(k) };
         for records in [&mut self.records, &mut self.smooth] {
             for record in Arc::make_mut(records) {
-                for column in columns.iter().filter_map(|name| self.system.column(name)) {
+                for &column in &columns {
+                    let mut parameter = parameter.clone();
+                    if column >= self.system.columns() {
+                        // The samples of the input have nothing undone.
+                        parameter.start = 0.0;
+                    }
                     let sensor = &mut record.sensors[column];
                     match which {
                         "offset" => sensor.offset = parameter.clone(),
@@ -241,7 +276,9 @@ impl TrialModel {
                 if !records.iter().any(read) {
                     continue;
                 }
-                for sensor in Arc::make_mut(records).iter_mut().flat_map(|r| &mut r.sensors) {
+                // The start of an input's sensor says what its samples have undone already.
+                let own = out.system.columns();
+                for sensor in Arc::make_mut(records).iter_mut().flat_map(|r| &mut r.sensors[..own]) {
                     for parameter in [&mut sensor.offset, &mut sensor.gain, &mut sensor.delay] {
                         if parameter.shared == Some(k) {
                             parameter.start = start;
@@ -367,7 +404,15 @@ mod tests {
             let base = TrialModel::base(spec, case, vec![]);
             let entry = LawEntry::read("coulomb", include_str!("../../../../specs/laws/coulomb.ron"));
             let (entry, place) = (entry.expect("a law"), base.places()[0].clone());
-            let effect = Effect { entry, place, mirror: false, load: None, start: vec![1.0], beside: vec![] };
+            let effect = Effect {
+                entry,
+                place,
+                mirror: false,
+                load: None,
+                pressed_by: None,
+                start: vec![1.0],
+                beside: vec![],
+            };
             text_with(&text, &base.with(&effect).expect("a model"), None).expect("a text")
         };
         let plain = written("7.5");
@@ -395,11 +440,14 @@ mod tests {
             for place in base.places().iter().filter(|p| crate::place::fits(&entry.law, p)) {
                 let start: Vec<f64> =
                     entry.law.parameters.iter().map(|(_, p)| 0.7_f64.clamp(p.within.0, p.within.1)).collect();
+                let load = entry.law.role(phisindy_phys::LawRole::Load);
+                let forces = crate::place::known_forces(&base.system, place);
                 let effect = Effect {
                     entry: entry.clone(),
                     place: place.clone(),
                     mirror: false,
                     load: None,
+                    pressed_by: load.and(forces.first().cloned()),
                     start,
                     beside: vec![("c".into(), 0.25)],
                 };

@@ -1,6 +1,7 @@
 //! A law at a place.
 
 use super::{Place, Site};
+use crate::result::Needs;
 use phisindy_expr::Id;
 use phisindy_phys::unit::{Dimension, Unit};
 use phisindy_phys::{Law, LawEntry, LawRole, System};
@@ -19,6 +20,8 @@ pub struct Effect {
     pub mirror: bool,
     /// A constant of the records, a force, that scales the force levels of the law.
     pub load: Option<String>,
+    /// The force of the known part that the law's load stands for, in the language of the spec.
+    pub pressed_by: Option<String>,
     /// Start value of each parameter of the law (SI).
     pub start: Vec<f64>,
     /// Start values (SI) of the model's movable constants, by name. Example: a damper that compensated for
@@ -65,6 +68,11 @@ pub(crate) fn bindings(effect: &Effect, system: &mut System) -> Result<HashMap<I
         with.extend(of.displacement.zip(displacement.as_ref()).map(|(x, place)| (x, place.node)));
         with.extend(of.velocity.map(|v| (v, velocity.node)));
     }
+    if let (Some(symbol), Some(text)) = (of.load, &effect.pressed_by) {
+        let node = lowered(system, text)
+            .ok_or_else(|| EffectError::UnknownName { law: effect.entry.id.clone(), name: text.clone() })?;
+        with.insert(symbol, node);
+    }
     for (name, symbol) in &of.outside {
         let node = system
             .quantity(name)
@@ -74,6 +82,13 @@ pub(crate) fn bindings(effect: &Effect, system: &mut System) -> Result<HashMap<I
     Ok(with)
 }
 
+/// An expression of the model's own names as a node.
+fn lowered(system: &mut System, text: &str) -> Option<Id> {
+    let ast = phisindy_expr::parse(text).ok()?;
+    let names = &system.names;
+    system.graph.lower(&ast, |name| names.get(name)).ok()
+}
+
 impl Effect {
     /// Whether two effects are the same law at the same place.
     pub fn same(&self, other: &Effect) -> bool {
@@ -81,6 +96,7 @@ impl Effect {
             && self.place.is(&other.place)
             && self.mirror == other.mirror
             && self.load == other.load
+            && self.pressed_by == other.pressed_by
     }
 
     /// Number of parameters in this many records, of which each has its own value of some.
@@ -118,6 +134,17 @@ impl Effect {
                 }
             })
             .collect()
+    }
+
+    /// The name of each parameter's constant, if it is free. The delay of an input's sensor is that of its record: what acts
+    /// late was recorded early.
+    pub(crate) fn constants(&self) -> Vec<String> {
+        if self.is_input_delay() { vec!["delay".into()] } else { self.labels() }
+    }
+
+    /// Whether the number in the model is the negative of the law's: the delay of an input.
+    pub(crate) fn is_input_delay(&self) -> bool {
+        self.entry.law.input.as_deref() == Some("delay")
     }
 
     /// Whether the load scales a parameter of this unit.
@@ -162,6 +189,9 @@ impl Effect {
     /// model may use volts, radians, or forces per mass.
     pub fn unit(&self, unit: &str, system: &System) -> String {
         let Ok(parsed) = Unit::parse(unit) else { return String::new() };
+        if matches!(self.place.site, Site::Input(_)) {
+            return unit.to_owned();
+        }
         let Site::Force { state, .. } = &self.place.site else {
             let Site::Sensor(columns) = &self.place.site else { return String::new() };
             // An offset has the unit of its column.
@@ -224,8 +254,29 @@ fn product(parts: &[(&str, f64)]) -> String {
     }
 }
 
+/// What a law acts on.
+pub(crate) fn needs(law: &Law) -> Needs {
+    if law.sensor.is_some() {
+        Needs::Sensor
+    } else if law.input.is_some() {
+        Needs::Input
+    } else if law.role(LawRole::Load).is_some() {
+        Needs::Load
+    } else if law.role(LawRole::Displacement).is_some() {
+        Needs::Displacement
+    } else {
+        Needs::Velocity
+    }
+}
+
 /// Whether a law can act at a place.
 pub(crate) fn fits(law: &Law, place: &Place) -> bool {
+    // A prescribed motion has no rate in which forces of the known part stand.
+    if law.role(LawRole::Load).is_some()
+        && !matches!(&place.site, Site::Force { acts, .. } if !acts.is_empty())
+    {
+        return false;
+    }
     match &place.site {
         Site::Sensor(columns) => match law.sensor.as_deref() {
             // Columns of different units have no common offset.
@@ -233,11 +284,12 @@ pub(crate) fn fits(law: &Law, place: &Place) -> bool {
             Some(_) => true,
             None => false,
         },
+        Site::Input(_) => law.input.is_some(),
         Site::Force { displacement, .. } => {
             // A force that uses no quantity of the place is the same on the body as between body and base.
             let told_apart = !(law.roles.is_empty() && place.is_on_base());
             let has_role = law.role(LawRole::Displacement).is_none() || displacement.is_some();
-            law.sensor.is_none() && told_apart && has_role
+            law.property().is_none() && told_apart && has_role
         }
     }
 }

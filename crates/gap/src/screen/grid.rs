@@ -1,8 +1,8 @@
 //! Grids of values for parameters that a law does not depend on linearly, scaled to the motion.
 
 use super::regression_data::RegressionData;
-use super::regressors::{Regressors, Scale};
-use crate::decisions::GRID_VALUES;
+use super::regressors::{Axis, Regressors, Scale};
+use crate::decisions::{GRID_AXIS, GRID_VALUES};
 use crate::evaluate::evaluated;
 use crate::place::{Effect, Site};
 use crate::whiteness::{lines, mean_step};
@@ -13,12 +13,22 @@ use phisindy_phys::System;
 const TOP: f64 = 0.99;
 /// Fractions of the highest speed that are tried.
 const SPEEDS: [f64; 9] = [0.01, 0.02, 0.04, 0.07, 0.12, 0.2, 0.3, 0.45, 0.7];
-/// Fractions of the largest displacement that are tried for the deflection of a contact.
+/// Fractions of the largest displacement that are tried for the deflection of a contact that is written in a
+/// `screen` entry.
 const DEFLECTIONS: [f64; 9] = [0.001, 0.003, 0.01, 0.02, 0.04, 0.08, 0.15, 0.3, 0.6];
 /// Fractions of the largest displacement that are tried for a clearance.
 const GAPS: [f64; 13] = [0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95];
 /// Offsets from a spectral line that are tried, in units of the record's frequency resolution.
 const BESIDE: [f64; 5] = [-0.5, -0.25, 0.0, 0.25, 0.5];
+
+/// Fractions of the motion's length that are tried for a length of a law with memory: first and last.
+const LENGTHS: (f64, f64) = (0.005, 1.0);
+/// Fractions of the motion's time (its length over its speed) that are tried for a time: first and last.
+const TIMES: (f64, f64) = (0.03, 30.0);
+/// Factors between two forces of one law: first and last.
+const FORCES: (f64, f64) = (0.5, 3.0);
+/// Quarter periods along the swing of the motion that are tried for a force that is periodic in the position.
+const QUARTERS: (usize, usize) = (2, 120);
 
 /// The values of a motion that scale the grid, each sorted.
 struct Ranges {
@@ -37,7 +47,6 @@ pub(super) fn grids(
     system: &System,
     data: &[RegressionData],
     tape: &Tape,
-    memory: bool,
 ) -> Vec<Vec<f64>> {
     if regressors.grid.is_empty() {
         return vec![vec![]];
@@ -45,10 +54,11 @@ pub(super) fn grids(
     let outputs = tape.outputs();
     let (mut speeds, mut places) = (Vec::new(), Vec::new());
     let mut frequencies: Vec<f64> = Vec::new();
-    let oscillates = regressors.grid.iter().any(|(s, _)| *s == Scale::Frequency);
+    let oscillates = regressors.grid.iter().any(|axis| axis.scale == Scale::Frequency);
+    let memory = !regressors.internal.is_empty();
     for data in data {
         let zero = vec![0.0; data.motion.samples()];
-        let series: Vec<&[f64]> = if memory { vec![&zero] } else { vec![] };
+        let series: Vec<&[f64]> = vec![&zero; regressors.internal.len()];
         let values = evaluated(tape, &data.motion, &vec![0.0; regressors.grid.len()], &series);
         speeds.extend(values[outputs - 2].iter().map(|v| v.abs()));
         places.extend(values[outputs - 1].iter().copied());
@@ -59,8 +69,11 @@ pub(super) fn grids(
     let sizes = sorted(places.iter().map(|x| x.abs()).collect());
     let ranges = Ranges { speeds: sorted(speeds), displacements: sorted(places), sizes, frequencies };
     let mut all: Vec<Vec<f64>> = vec![vec![]];
-    for (scale, negative) in &regressors.grid {
-        let values = ranges.axis(*scale, *negative, memory);
+    // As many values as the number of combinations allows.
+    let free = regressors.grid.iter().filter(|axis| axis.within.0 < axis.within.1).count();
+    let each = (GRID_VALUES as f64).powf(1.0 / free.max(1) as f64) as usize;
+    for axis in &regressors.grid {
+        let values = ranges.axis(axis, each.clamp(2, GRID_AXIS), memory);
         all =
             all.iter().flat_map(|g| values.iter().map(|v| g.iter().copied().chain([*v]).collect())).collect();
         all.truncate(GRID_VALUES);
@@ -95,23 +108,67 @@ fn missing_tones(data: &RegressionData, state: usize, n: usize, factor: &[f64]) 
 }
 
 impl Ranges {
-    /// The grid values of one parameter. `negative`: it may be negative; `memory`: its law has an internal
-    /// state.
-    fn axis(&self, scale: Scale, negative: bool, memory: bool) -> Vec<f64> {
+    /// The grid values of one parameter, `count` of them where its scale does not say how many. `memory`: its law
+    /// has internal states.
+    fn axis(&self, axis: &Axis, count: usize, memory: bool) -> Vec<f64> {
         let of = |parts: &[f64], top: f64| parts.iter().map(|q| q * top).collect();
-        match scale {
-            Scale::Speed => of(&SPEEDS, quantile(&self.speeds, TOP)),
-            Scale::Displacement if memory => of(&DEFLECTIONS, quantile(&self.sizes, TOP)),
+        let negative = axis.within.0 < 0.0;
+        let (length, speed) = (quantile(&self.sizes, TOP), quantile(&self.speeds, TOP));
+        match axis.scale {
+            Scale::Speed => of(&SPEEDS, speed),
+            Scale::Displacement if memory => of(&DEFLECTIONS, length),
             Scale::Displacement if negative => (1..20)
                 .map(|k| quantile(&self.displacements, f64::from(k) / 20.0))
                 .chain([0.98, TOP].map(|q| quantile(&self.displacements, q)))
                 .collect(),
-            Scale::Displacement => of(&GAPS, quantile(&self.sizes, TOP)),
+            Scale::Displacement => of(&GAPS, length),
             Scale::Frequency => self.frequencies.clone(),
+            Scale::WaveNumber => {
+                let swing = quantile(&self.displacements, TOP) - quantile(&self.displacements, 1.0 - TOP);
+                let quarter = 0.5 * std::f64::consts::PI / swing;
+                (QUARTERS.0..QUARTERS.1).map(|k| k as f64 * quarter).filter(|n| n.is_finite()).collect()
+            }
+            Scale::Number => between(axis.within, count),
+            Scale::Power { length: l, time: t } => {
+                let (first, last) = match (l == 0.0, t == 0.0) {
+                    (true, true) => FORCES,
+                    (true, false) => TIMES,
+                    (false, _) => LENGTHS,
+                };
+                let half = if negative { count.div_ceil(2) } else { count };
+                let part = if l == 0.0 { t.abs() } else { l.abs() };
+                let sign = if l < 0.0 { -1.0 } else { 1.0 };
+                let unit = length.powf(l) * (length / speed).powf(t);
+                let all = geometric(first, last, half).into_iter().map(|q| unit * q.powf(sign * part));
+                let all: Vec<f64> = all.filter(|x| x.is_finite()).collect();
+                let mirrored = all.iter().filter(|_| negative).map(|x| -x);
+                all.iter().copied().chain(mirrored).collect()
+            }
             Scale::Any => (-3..=3).map(|k| 10f64.powi(k)).collect(),
         }
     }
 }
+
+/// Numbers in a constant ratio from the first to the last.
+fn geometric(first: f64, last: f64, count: usize) -> Vec<f64> {
+    let steps = count.max(2) - 1;
+    (0..=steps).map(|k| first * (last / first).powf(k as f64 / steps as f64)).collect()
+}
+
+/// Numbers between bounds: in a constant ratio where both are positive, else in equal steps. Far bounds say nothing.
+fn between((low, high): (f64, f64), count: usize) -> Vec<f64> {
+    if low == high {
+        return vec![low];
+    }
+    let (low, high) = (low.max(-MOST), high.min(MOST));
+    if low > 0.0 {
+        return geometric(low.max(1.0 / MOST), high, count);
+    }
+    (0..count).map(|k| low + (high - low) * (k as f64 + 0.5) / count as f64).collect()
+}
+
+/// A number without a unit is tried up to this, and down to its inverse.
+const MOST: f64 = 100.0;
 
 fn quantile(values: &[f64], q: f64) -> f64 {
     values.get(((values.len().max(1) - 1) as f64 * q) as usize).copied().unwrap_or(0.0)

@@ -4,10 +4,11 @@
 use crate::place::{Effect, Site, bindings};
 use phisindy_expr::{Graph, Id, Scratch, Tape};
 use phisindy_phys::unit::{Dimension, Unit};
-use phisindy_phys::{Law, LawGraph, LawScreen, System};
+use phisindy_phys::{Law, LawGraph, LawScreen, System, jointly_linear};
+use std::collections::HashMap;
 
 /// The quantity that scales a grid parameter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Scale {
     /// A displacement.
     Displacement,
@@ -15,8 +16,28 @@ pub(super) enum Scale {
     Speed,
     /// An angular frequency.
     Frequency,
+    /// A number of radians per length.
+    WaveNumber,
+    /// A number without a unit: its bounds say where it may be.
+    Number,
+    /// Powers of a length and a time, in a law with memory.
+    Power {
+        /// The power of the length.
+        length: f64,
+        /// The power of the time.
+        time: f64,
+    },
     /// No scale: powers of ten are nonlinear.
     Any,
+}
+
+/// A grid parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Axis {
+    /// What scales it.
+    pub(super) scale: Scale,
+    /// Its bounds.
+    pub(super) within: (f64, f64),
 }
 
 /// A law at a place, ready to be evaluated on data.
@@ -26,13 +47,13 @@ pub(super) struct Regressors {
     pub(super) symbols: Vec<Id>,
     /// The force that each regressor subtracts.
     pub(super) columns: Vec<Id>,
-    /// The law's internal state and its rate.
-    pub(super) internal: Option<(Id, Id)>,
+    /// The law's internal states and their rates.
+    pub(super) internal: Vec<(Id, Id)>,
     /// Displacement and velocity of the place.
     pub(super) displacement: Option<Id>,
     pub(super) velocity: Id,
-    /// The grid parameters: scale, and whether they may be negative.
-    pub(super) grid: Vec<(Scale, bool)>,
+    /// The grid parameters.
+    pub(super) grid: Vec<Axis>,
     back: Back,
 }
 
@@ -42,11 +63,23 @@ enum Back {
     Direct(Vec<Result<usize, usize>>),
     /// Expressions of c1, c2, ... and the grid values.
     Formulas(Tape),
+    /// Of a law with memory: each parameter is a coefficient or a grid value, which the coefficient of the whole
+    /// force scales with a power of its own.
+    Scaled(Vec<Scaled>),
+}
+
+/// Where a parameter of a law with memory comes from.
+#[derive(Clone, Copy, Debug)]
+enum Scaled {
+    /// The coefficient with this index.
+    Coefficient(usize),
+    /// The grid value `at`, times coefficient 0 to a power.
+    Grid { at: usize, power: f64 },
 }
 
 impl Regressors {
-    /// The regressors of an effect in a system. `None` for an effect on sensors, for a law with an internal
-    /// state and no `screen` entry in its file, and for a law that uses names which the system does not have.
+    /// The regressors of an effect in a system. `None` for an effect on sensors and for a law that uses names which
+    /// the system does not have.
     pub(super) fn new(effect: &Effect, system: &System) -> Option<Regressors> {
         let Site::Force { displacement, velocity, .. } = &effect.place.site else { return None };
         let law = &effect.entry.law;
@@ -68,8 +101,10 @@ impl Regressors {
         }
         let roots: Vec<Id> = match &of.screen {
             Some(screen) => screen.columns.iter().copied().chain(screen.rate).collect(),
-            None if law.has_memory() => return None,
-            None => vec![if effect.mirror { of.mirror? } else { of.force? }],
+            None => {
+                let force = if effect.mirror { of.mirror? } else { of.force? };
+                [force].into_iter().chain(of.rates.iter().copied()).collect()
+            }
         };
         let mut nodes = system.graph.graft(&of.graph, &roots, &with).ok()?;
         let load = match &effect.load {
@@ -80,7 +115,7 @@ impl Regressors {
         let mut out = Regressors {
             symbols: vec![],
             columns: vec![],
-            internal: None,
+            internal: vec![],
             displacement: displacement.as_ref().map(|d| d.node),
             velocity: velocity.node,
             grid: vec![],
@@ -89,13 +124,19 @@ impl Regressors {
         };
         match (&of.screen, &law.screen) {
             (Some(screen), Some(text)) => {
-                out.internal =
-                    screen.rate.and_then(|_| Some((here(&of.internal).first().copied()?, nodes.pop()?)));
+                let rate = screen.rate.and_then(|_| nodes.pop());
+                out.internal = here(&of.internal).into_iter().zip(rate).collect();
                 nodes.truncate(screen.columns.len());
                 out.columns = nodes;
                 out.symbols = here(&screen.grid);
-                out.grid = text.grid.iter().map(|(name, unit)| (scale(unit), negative(law, name))).collect();
+                let axis =
+                    |(name, unit): &(String, String)| Axis { scale: scale(unit), within: bounds(law, name) };
+                out.grid = text.grid.iter().map(axis).collect();
                 out.back = Back::Formulas(formulas(of, screen)?);
+            }
+            _ if law.has_memory() => {
+                out.internal = here(&of.internal).into_iter().zip(nodes[1..].iter().copied()).collect();
+                out.with_memory(law, nodes[0], &here(&of.parameters));
             }
             _ => out.direct_from(law, nodes[0], &here(&of.parameters)),
         }
@@ -117,9 +158,65 @@ impl Regressors {
         };
         self.symbols = nonlinear.iter().map(|&k| parameters[k]).collect();
         self.columns = linear.iter().map(|&k| slopes[k]).collect();
-        let number = |&k: &usize| (scale(&law.parameters[k].1.unit), law.parameters[k].1.within.0 < 0.0);
-        self.grid = nonlinear.iter().map(number).collect();
+        let axis = |&k: &usize| {
+            let p = &law.parameters[k].1;
+            Axis { scale: scale(&p.unit), within: p.within }
+        };
+        self.grid = nonlinear.iter().map(axis).collect();
         self.back = Back::Direct((0..parameters.len()).map(of).collect());
+    }
+
+    /// For a law with memory and no `screen` entry. Parameters that scale a part of the force and enter no rate are
+    /// coefficients. The others are on the grid. What is left of the force has one coefficient, its scale: a law of
+    /// mechanics keeps its form when all its forces grow by one factor (Buckingham 1914, doi 10.1103/PhysRev.4.345),
+    /// so the first parameter that holds a force is 1 on the grid, in units of the motion, and the others are
+    /// relative to it.
+    fn with_memory(&mut self, law: &Law, force: Id, parameters: &[Id]) {
+        let rates: Vec<Id> = self.internal.iter().map(|(_, rate)| *rate).collect();
+        let outside: Vec<usize> =
+            (0..parameters.len()).filter(|&k| !self.graph.uses(&rates, &[parameters[k]])).collect();
+        let symbols: Vec<Id> = outside.iter().map(|&k| parameters[k]).collect();
+        let linear: Vec<usize> =
+            jointly_linear(&mut self.graph, force, &symbols).into_iter().map(|j| outside[j]).collect();
+        let symbols: Vec<Id> = linear.iter().map(|&k| parameters[k]).collect();
+        let zero = self.graph.constant(0.0);
+        let none: HashMap<Id, Id> = symbols.iter().map(|&s| (s, zero)).collect();
+        let rest = self.graph.replace(&[force], &none)[0];
+        let states: Vec<Id> = self.internal.iter().map(|(z, _)| *z).chain([self.velocity]).collect();
+        let scaled = self.graph.uses(&[rest], &states);
+        let mut columns = self.graph.gradient(force, &symbols);
+        if scaled {
+            columns.insert(0, rest);
+        }
+        let own = |k: usize| powers(&law.parameters[k].1.unit);
+        let on_grid: Vec<usize> = (0..parameters.len()).filter(|k| !linear.contains(k)).collect();
+        let gauge = on_grid.iter().copied().filter(|_| scaled).find(|&k| own(k).0 != 0.0);
+        let mut back = Vec::new();
+        for (k, &symbol) in parameters.iter().enumerate() {
+            if let Some(j) = linear.iter().position(|&l| l == k) {
+                back.push(Scaled::Coefficient(j + usize::from(scaled)));
+                continue;
+            }
+            let (force, mut length, mut time) = own(k);
+            let of_gauge = gauge.map_or((1.0, 0.0, 0.0), own);
+            let power = if gauge.is_some() { force / of_gauge.0 } else { 0.0 };
+            (length, time) = (length - power * of_gauge.1, time - power * of_gauge.2);
+            back.push(Scaled::Grid { at: self.grid.len(), power });
+            self.symbols.push(symbol);
+            let within = law.parameters[k].1.within;
+            let scale = match (Some(k) == gauge, length == 0.0 && time == 0.0 && power == 0.0) {
+                // The unit of force is free: its value on the grid is 1.
+                (true, _) => {
+                    self.grid.push(Axis { scale: Scale::Number, within: (1.0, 1.0) });
+                    continue;
+                }
+                (_, true) => Scale::Number,
+                (..) => Scale::Power { length, time },
+            };
+            self.grid.push(Axis { scale, within });
+        }
+        self.columns = columns;
+        self.back = Back::Scaled(back);
     }
 
     /// The law's parameters from coefficients and grid values; `None` if one is not finite.
@@ -132,9 +229,18 @@ impl Regressors {
                     Err(g) => grid[g],
                 })
                 .collect(),
+            Back::Scaled(of) => of
+                .iter()
+                .map(|source| match *source {
+                    Scaled::Coefficient(k) => coefficients[k],
+                    Scaled::Grid { at, power: 0.0 } => grid[at],
+                    Scaled::Grid { at, power } => grid[at] * coefficients[0].powf(power),
+                })
+                .collect(),
             Back::Formulas(tape) => {
                 let mut scratch = Scratch::<1>::new(tape);
-                scratch.at(coefficients.iter().chain(grid).copied());
+                // A law that sticks has one coefficient more: that of its force at rest.
+                scratch.at(coefficients[..self.columns.len()].iter().chain(grid).copied());
                 (0..self.outputs()).map(|k| scratch.output(k)[0]).collect()
             }
         };
@@ -157,6 +263,7 @@ impl Regressors {
     fn outputs(&self) -> usize {
         match &self.back {
             Back::Direct(of) => of.len(),
+            Back::Scaled(of) => of.len(),
             Back::Formulas(tape) => tape.outputs(),
         }
     }
@@ -180,11 +287,23 @@ fn scale(unit: &str) -> Scale {
         Scale::Speed
     } else if d == Dimension::NONE.div(Dimension::SECOND) {
         Scale::Frequency
+    } else if d == Dimension::NONE.div(Dimension::METRE) {
+        Scale::WaveNumber
+    } else if d == Dimension::NONE {
+        Scale::Number
     } else {
         Scale::Any
     }
 }
 
-fn negative(law: &Law, name: &str) -> bool {
-    law.parameters.iter().any(|(n, p)| n == name && p.within.0 < 0.0)
+/// The powers of force, length and time in a unit.
+fn powers(unit: &str) -> (f64, f64, f64) {
+    let [kg, m, s, ..] = dimension(unit).powers();
+    (kg, m - kg, s + 2.0 * kg)
+}
+
+/// The bounds of the parameter with this name; unbounded if it is none.
+fn bounds(law: &Law, name: &str) -> (f64, f64) {
+    let own = law.parameters.iter().find(|(n, _)| n == name);
+    own.map_or((0.0, f64::INFINITY), |(_, p)| p.within)
 }

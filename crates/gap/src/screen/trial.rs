@@ -2,12 +2,13 @@
 
 use super::regression_data::RegressionData;
 use crate::evaluate::evaluated;
+use crate::memory::internal_states;
 
 use super::grid::grids;
 use super::regressors::Regressors;
 use crate::motion::Motion;
 use crate::place::{Effect, Place, Site};
-use phisindy_expr::{Scratch, Tape};
+use phisindy_expr::{Id, Tape};
 use phisindy_phys::System;
 
 /// The columns of an effect for one combination of grid values.
@@ -35,6 +36,50 @@ pub(super) fn sensor_trials(
     vec![Trial { regressors, effect: effect.clone(), grid: vec![], columns: vec![column] }]
 }
 
+/// Gain or delay of inputs: what a small change of it does to the rates and to the outputs. The number of a delay is that
+/// of the record, so that a positive one acts early.
+pub(super) fn input_trials(
+    regressors: usize,
+    effect: &Effect,
+    inputs: &[usize],
+    system: &System,
+    data: &[RegressionData],
+) -> Vec<Trial> {
+    let (n, m) = (system.states.len(), system.inputs.len());
+    let nodes: Vec<Id> = inputs.iter().map(|&j| system.inputs[j].node).collect();
+    let roots: Vec<Id> = system.known.iter().copied().chain(system.outputs.iter().map(|o| o.node)).collect();
+    let mut graph = system.graph.clone();
+    let slopes: Vec<Id> = roots.iter().flat_map(|&root| graph.gradient(root, &nodes)).collect();
+    let Ok(tape) = Tape::compile(&graph, &system.arguments(), &slopes) else { return vec![] };
+    let late = effect.is_input_delay();
+    let mut column = Vec::new();
+    for data in data {
+        let motion = &data.motion;
+        let values = evaluated(&tape, motion, &[], &[]);
+        let moved = if late { &motion.slopes } else { &motion.inputs };
+        let change = |root: usize| -> Vec<f64> {
+            let of = |i: usize| {
+                let part = |(k, &j): (usize, &usize)| values[root * inputs.len() + k][i] * moved[i * m + j];
+                inputs.iter().enumerate().map(part).sum::<f64>()
+            };
+            (0..motion.samples()).map(of).collect()
+        };
+        let mut g = vec![0.0; motion.samples() * n];
+        for state in 0..n {
+            change(state)
+                .into_iter()
+                .enumerate()
+                .for_each(|(i, v)| g[i * n + state] = if v.is_finite() { v } else { 0.0 });
+        }
+        data.zero_at_rest(&mut g);
+        let mut rows = data.response(&g, &vec![0.0; n]);
+        let shown: Vec<Vec<f64>> = (n..roots.len()).map(change).collect();
+        data.add_to_outputs(&mut rows, &|output| shown.get(output).map(Vec::as_slice));
+        column.extend(rows);
+    }
+    vec![Trial { regressors, effect: effect.clone(), grid: vec![], columns: vec![column] }]
+}
+
 /// A force law over its grid.
 pub(super) fn force_trials(
     index: usize,
@@ -44,21 +89,27 @@ pub(super) fn force_trials(
     data: &[RegressionData],
 ) -> Vec<Trial> {
     let Some(program) = Program::new(effect, regressors, system) else { return vec![] };
-    let grids = grids(regressors, effect, system, data, &program.tape, program.inner.is_some());
+    let grids = grids(regressors, effect, system, data, &program.tape);
     let trial = |grid: Vec<f64>| {
         let columns = program.columns(effect, system, data, &grid);
         Trial { regressors: index, effect: effect.clone(), grid, columns }
     };
-    grids.into_iter().map(trial).collect()
+    let bounded = |t: &Trial| t.columns.iter().flatten().all(|x| x.abs() < LARGEST);
+    grids.into_iter().map(trial).filter(bounded).collect()
 }
+
+/// A column with a larger number is that of an internal state that grew without bound. Its square is finite.
+const LARGEST: f64 = 1e100;
 
 /// The rates that a law adds to its bodies, compiled.
 struct Program {
     /// The rate that each regressor adds to each body, the rate for unit friction, then velocity and
     /// displacement.
     tape: Tape,
-    /// Rate of the internal state and its derivative by that state.
+    /// Rates of the internal states, then the derivative of each by its own state.
     inner: Option<Tape>,
+    /// Number of internal states.
+    states: usize,
     /// Number of regressors.
     count: usize,
 }
@@ -82,11 +133,13 @@ impl Program {
         outputs.push(regressors.displacement.unwrap_or(regressors.velocity));
         let mut all = system.arguments();
         all.extend(&regressors.symbols);
-        let internal = regressors.internal.map(|(z, rate)| (z, rate, graph.gradient(rate, &[z])[0]));
-        all.extend(internal.iter().map(|(z, ..)| *z));
+        let internal = &regressors.internal;
+        all.extend(internal.iter().map(|(z, _)| *z));
+        let slopes: Vec<Id> = internal.iter().map(|&(z, rate)| graph.gradient(rate, &[z])[0]).collect();
+        let rates: Vec<Id> = internal.iter().map(|(_, rate)| *rate).chain(slopes).collect();
         let tape = Tape::compile(&graph, &all, &outputs).ok()?;
-        let inner = internal.and_then(|(_, rate, slope)| Tape::compile(&graph, &all, &[rate, slope]).ok());
-        Some(Program { tape, inner, count: regressors.columns.len() })
+        let inner = if rates.is_empty() { None } else { Some(Tape::compile(&graph, &all, &rates).ok()?) };
+        Some(Program { tape, inner, states: internal.len(), count: regressors.columns.len() })
     }
 
     /// The columns for one combination of grid values: the response to each regressor, and to the holding
@@ -106,7 +159,8 @@ impl Program {
         let mut rested = false;
         for data in data {
             let samples = data.motion.samples();
-            let memory = self.inner.as_ref().map(|tape| internal_state(tape, &data.motion, grid));
+            let of = |tape| driven_by(tape, self.states, &data.motion, grid);
+            let memory: Vec<Vec<f64>> = self.inner.as_ref().map_or(vec![], of);
             let series: Vec<&[f64]> = memory.iter().map(Vec::as_slice).collect();
             let values = evaluated(&self.tape, &data.motion, grid, &series);
             let still = data.still.iter().find(|s| s.at == effect.place.at);
@@ -177,31 +231,18 @@ fn base_slope(system: &System, place: &Place, data: &RegressionData, i: usize) -
     system.input(second).map_or(0.0, |u| data.motion.slopes[i * m + u])
 }
 
-/// An internal state along a motion by exponential Euler steps, exact where its rate is linear in it.
-fn internal_state(tape: &Tape, motion: &Motion, grid: &[f64]) -> Vec<f64> {
+/// Internal states along a motion, for these values of the grid.
+fn driven_by(tape: &Tape, count: usize, motion: &Motion, grid: &[f64]) -> Vec<Vec<f64>> {
     let samples = motion.samples();
     let (n, m) = (motion.states.len() / samples, motion.inputs.len() / samples);
-    let mut scratch = Scratch::<1>::new(tape);
     let after = 1 + n + m;
-    for (k, v) in motion.numbers.iter().chain(grid).enumerate() {
-        scratch.input(after + k)[0] = *v;
-    }
-    let last = after + motion.numbers.len() + grid.len();
-    let mut z = vec![0.0; samples];
-    for i in 0..samples - 1 {
+    let numbers: Vec<f64> = motion.numbers.iter().chain(grid).copied().collect();
+    internal_states(tape, (after + numbers.len(), count), &motion.time, &mut |i, scratch| {
         scratch.input(0)[0] = motion.time[i];
         // At the midpoint of the step.
         let middle = |v: &[f64], w: usize, k: usize| 0.5 * (v[i * w + k] + v[(i + 1) * w + k]);
         (0..n).for_each(|k| scratch.input(1 + k)[0] = middle(&motion.states, n, k));
         (0..m).for_each(|k| scratch.input(1 + n + k)[0] = middle(&motion.inputs, m, k));
-        scratch.input(last)[0] = z[i];
-        scratch.run();
-        let (rate, slope) = (scratch.output(0)[0], scratch.output(1)[0]);
-        let h = motion.time[i + 1] - motion.time[i];
-        let decay = slope * h;
-        let factor = if decay.abs() < 1e-8 { h } else { decay.exp_m1() / slope };
-        let next = z[i] + rate * factor;
-        z[i + 1] = if next.is_finite() { next } else { 0.0 };
-    }
-    z
+        numbers.iter().enumerate().for_each(|(k, v)| scratch.input(after + k)[0] = *v);
+    })
 }

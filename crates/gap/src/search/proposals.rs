@@ -125,7 +125,7 @@ impl Search<'_> {
             .map(|entry| relative(last, entry))
             .flat_map(|one| {
                 let beside = |c: &&Candidate| {
-                    (touches(&c.effect, &one) || c.effect.entry.law.sensor.is_some())
+                    (touches(&c.effect, &one) || c.effect.entry.law.property().is_some())
                         && c.effect.entry.law.parameters.len() == 1
                         && !excludes(&c.effect, &one)
                 };
@@ -166,7 +166,7 @@ pub(crate) fn family<'a>(catalogue: &'a [LawEntry], of: &'a LawEntry) -> impl It
 fn touches(a: &Effect, b: &Effect) -> bool {
     let acts = |e: &Effect| match &e.place.site {
         Site::Force { acts, .. } => acts.iter().map(|(state, _)| *state).collect(),
-        Site::Sensor(_) => vec![],
+        Site::Sensor(_) | Site::Input(_) => vec![],
     };
     acts(a).iter().any(|state| acts(b).contains(state))
 }
@@ -216,7 +216,7 @@ pub(crate) fn neutral(effect: &Effect) -> Effect {
     let small = |(v, (_, p)): (&f64, &(String, phisindy_phys::LawParameter))| {
         if is_force(&p.unit) { (NEUTRAL * v).clamp(p.within.0, p.within.1) } else { *v }
     };
-    let start = match law.sensor.as_deref() {
+    let start = match law.property() {
         Some("gain") => vec![1.0],
         Some(_) => vec![0.0],
         None => effect.start.iter().zip(&law.parameters).map(small).collect(),
@@ -245,6 +245,7 @@ pub(crate) fn relative(effect: &Effect, entry: &LawEntry) -> Effect {
         place: effect.place.clone(),
         mirror: false,
         load: effect.load.clone(),
+        pressed_by: effect.pressed_by.clone(),
         start,
         beside: effect.beside.clone(),
     }

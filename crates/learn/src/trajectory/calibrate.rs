@@ -186,7 +186,8 @@ impl<'a> Stage<'a> {
     ) -> Result<Stage<'a>, ModelError> {
         let Setup { fitted, noise, smooth: starts, .. } = setup;
         let mut problem = Problem::new(system, &[], fitted, &vec![pieces; fitted.len()])?;
-        problem.budget = Some(budget(&problem));
+        // Error bars are asked of one model, which need not be quick.
+        problem.budget = (effort != Effort::Errors).then(|| budget(&problem));
         if effort == Effort::Plain {
             problem.tolerance = tolerance(&problem, noise);
         }

@@ -60,7 +60,7 @@ impl Layout {
             let constants = record.constants.iter().map(|&c| Source::Number(c));
             layout.model.push(coefficients.chain(parameters).chain(constants).collect());
             layout.sensors.push(sensors);
-            layout.cut(r, record, pieces[r], system.states.len());
+            layout.cut(r, record, pieces[r], system);
         }
         layout
     }
@@ -106,12 +106,15 @@ impl Layout {
     }
 
     /// Cuts a record into segments of equal length, with a start state each.
-    fn cut(&mut self, r: usize, record: &Record, pieces: usize, states: usize) {
+    fn cut(&mut self, r: usize, record: &Record, pieces: usize, system: &System) {
         let count = pieces.clamp(1, (record.len() / SEGMENT_SAMPLES).max(1));
         for piece in 0..count {
             let samples = (piece * record.len() / count, (piece + 1) * record.len() / count);
             self.segments.push(Segment { record: r, samples, start: self.bounds.len() });
-            self.bounds.extend(vec![(f64::NEG_INFINITY, f64::INFINITY); states]);
+            for state in &system.states {
+                // Elements of one law that act in parallel: their sum is seen, each alone hardly.
+                self.unknown((f64::NEG_INFINITY, f64::INFINITY), 0.0, state.memory);
+            }
         }
     }
 }

@@ -114,6 +114,7 @@ impl<'a> Problem<'a> {
             budget: None,
             tolerance: TOLERANCE,
         };
+        problem.scale = vec![1.0; states];
         problem.scale = problem.scales();
         problem.reach = problem.reaches();
         Ok(problem)

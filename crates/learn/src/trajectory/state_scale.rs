@@ -1,11 +1,55 @@
 //! The sizes of the states of a problem: how much they move, and how far from zero they are.
 
 use super::problem::Problem;
-use crate::decisions::SLOPE_STRETCHES;
+use crate::decisions::{SLOPE_STRETCHES, STEPS_PER_SAMPLE};
+use phisindy_sim::Options;
+
+/// Local error of a run that only tells sizes.
+const COARSE: f64 = 1e-3;
+/// Below the size of any state (SI).
+const ANY_SIZE: f64 = 1e-9;
 
 impl Problem<'_> {
-    /// The size of each state: from its columns, or from the slope of the displacement whose velocity it is.
+    /// The size of each state: from its columns, from the slope of the displacement whose velocity it is, or, of a state
+    /// that nothing shows, from where the law or the model takes it.
     pub(super) fn scales(&self) -> Vec<f64> {
+        let shown = self.shown_scales();
+        if shown.iter().all(|s| *s > 0.0) {
+            return shown;
+        }
+        let run = self.sizes_of_a_run(&shown);
+        let of = |(k, scale): (usize, &f64)| {
+            if *scale > 0.0 {
+                return *scale;
+            }
+            let size = self.system.states[k].memory.or_else(|| run.as_ref().map(|all| all[k]));
+            size.filter(|s| *s > 0.0 && s.is_finite()).unwrap_or(1.0)
+        };
+        shown.iter().enumerate().map(of).collect()
+    }
+
+    /// How large each state becomes in a coarse run of the first record, from the model's numbers as they start. `None`
+    /// where the run ends early.
+    fn sizes_of_a_run(&self, shown: &[f64]) -> Option<Vec<f64>> {
+        let unknown = |k: usize| shown[k] <= 0.0 && self.system.states[k].memory.is_none();
+        let n = shown.len();
+        let record = *self.records.first().filter(|_| (0..n).any(unknown))?;
+        let scale = shown.iter().map(|s| if *s > 0.0 { *s } else { ANY_SIZE }).collect();
+        let options = Options {
+            tolerance: COARSE,
+            scale,
+            diverged: f64::MAX,
+            max_steps: record.len() * STEPS_PER_SAMPLE,
+            ..Options::default()
+        };
+        let x = self.guess(&[], None, &self.records.iter().map(|r| (*r).clone()).collect::<Vec<_>>());
+        let start = &x[self.segments.first()?.start..][..n];
+        let run = self.simulated(0, &x, (record.time[0], start), &record.time, &options).ok()?;
+        Some((0..n).map(|k| run.column(k).iter().fold(0.0_f64, |m, v| m.max(v.abs()))).collect())
+    }
+
+    /// The same, with 0 for a state that nothing shows.
+    fn shown_scales(&self) -> Vec<f64> {
         (0..self.system.states.len())
             .map(|k| {
                 let own = (0..self.records.len()).map(|r| self.deviations[r][k]).fold(0.0, f64::max);
@@ -28,7 +72,7 @@ impl Problem<'_> {
                         slope = slope.max((pairs.map(|s| s * s).sum::<f64>() / count).sqrt());
                     }
                 }
-                if slope > 0.0 { slope } else { 1.0 }
+                slope
             })
             .collect()
     }

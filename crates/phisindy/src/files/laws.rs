@@ -2,6 +2,7 @@
 
 use super::{Request, open_plain_file};
 use crate::laws::{Catalogue, LawError};
+use phisindy_phys::{BUILT_IN, Diagnostic, Law, LawEntry, SourceId, Sources};
 use std::fmt;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -41,9 +42,49 @@ pub fn catalogue(folders: &[&Path]) -> Result<Catalogue, LawFolderError> {
 /// # Errors
 /// As [`catalogue`].
 pub fn beside(spec: &Path, request: &Request) -> Result<Catalogue, LawFolderError> {
+    let folders = folders(spec, request);
+    catalogue(&folders.iter().map(PathBuf::as_path).collect::<Vec<_>>())
+}
+
+/// Warnings about the laws of these folders: laws that they name and the catalogue does not hold.
+pub fn doubts(folders: &[&Path], all: &Catalogue, sources: &mut Sources) -> Vec<Diagnostic> {
+    let known: Vec<&str> = all.laws().iter().map(|entry| entry.id.as_str()).collect();
+    let own = |entry: &&LawEntry| !BUILT_IN.iter().any(|(_, text)| **text == entry.text);
+    let mut found = Vec::new();
+    for entry in all.laws().iter().filter(own) {
+        let file = folders.iter().map(|f| f.join(format!("{}.ron", entry.id))).find(|path| path.is_file());
+        let name = file.map_or_else(|| entry.id.clone(), |path| path.display().to_string());
+        let unknown = || Law::unknown_references(&entry.text, SourceId(sources.files.len()), &known);
+        let warnings = unknown();
+        if !warnings.is_empty() {
+            sources.add(name, entry.text.clone());
+            found.extend(warnings);
+        }
+    }
+    found
+}
+
+/// The folders of laws of a spec and of a request.
+fn folders(spec: &Path, request: &Request) -> Vec<PathBuf> {
     let own = spec.parent().map(|p| p.join("laws")).filter(|p| p.is_dir());
-    let folders: Vec<&Path> = own.as_deref().into_iter().chain(request.laws.as_deref()).collect();
-    catalogue(&folders)
+    own.into_iter().chain(request.laws.clone()).collect()
+}
+
+/// The laws that a spec may name, as [`beside`]; mistakes are drawn in their files, doubts are added to `found`.
+///
+/// # Errors
+/// A law or its folder cannot be read: all mistakes.
+pub(crate) fn checked_beside(
+    spec: &Path,
+    request: &Request,
+    sources: &mut Sources,
+    found: &mut Vec<Diagnostic>,
+) -> Result<Catalogue, Vec<Diagnostic>> {
+    let folders = folders(spec, request);
+    let folders: Vec<&Path> = folders.iter().map(PathBuf::as_path).collect();
+    let all = catalogue(&folders).map_err(|e| e.diagnostics(sources))?;
+    found.extend(doubts(&folders, &all, sources));
+    Ok(all)
 }
 
 /// The text of a law. The folder may come with somebody else's spec, so nothing is read that is not a file in
@@ -127,8 +168,19 @@ impl fmt::Display for LawFolderError {
                 path.display()
             ),
             LawFolderError::Law { path, error } => {
-                write!(f, "the law `{}` cannot be read: {}", path.display(), error.reason)
+                let said: Vec<&str> = error.mistakes.iter().map(|d| d.message.as_str()).collect();
+                write!(f, "the law `{}` cannot be read: {}", path.display(), said.join("; "))
             }
+        }
+    }
+}
+
+impl LawFolderError {
+    /// What is wrong, with the places in the text of a law, which is added to `sources`.
+    pub fn diagnostics(&self, sources: &mut Sources) -> Vec<Diagnostic> {
+        match self {
+            LawFolderError::Law { path, error } => error.shown(&path.display().to_string(), sources),
+            other => vec![Diagnostic::error(other.to_string())],
         }
     }
 }

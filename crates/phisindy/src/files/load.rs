@@ -6,6 +6,7 @@ use super::laws;
 use super::trends::Trends;
 use super::{Assignment, Request};
 use crate::error::{Error, SpecError};
+use crate::laws::Catalogue;
 use crate::loaded::{Laws, Loaded, NotWritten, checked};
 use phisindy_expr::Span;
 use phisindy_phys::spec::{ColumnSpec, CsvSpec, InputSpec, Role, Text};
@@ -87,15 +88,18 @@ pub fn load_text(
             return Err(Refusal::Input);
         }
     };
-    let laws = match purpose {
+    // A law with a mistake is told whatever the spec names: its author wants it tried.
+    let catalogue = laws::checked_beside(path, request, sources, found);
+    let named = |catalogue: Catalogue| match purpose {
         Purpose::Run | Purpose::Check if !case.laws.is_empty() => {
-            Some(named_laws(&case, path, request, source).map_err(|mistakes| {
-                found.extend(mistakes);
-                Refusal::Input
-            })?)
+            Laws::of(&case, &catalogue, source).map(Some)
         }
-        _ => None,
+        _ => Ok(None),
     };
+    let laws = catalogue.and_then(named).map_err(|mistakes| {
+        found.extend(mistakes);
+        Refusal::Input
+    })?;
     let mut loader = Loader {
         request,
         source,
@@ -115,16 +119,6 @@ pub fn load_text(
         }
         None => Ok(loaded),
     }
-}
-
-fn named_laws(
-    case: &Case,
-    path: &Path,
-    request: &Request,
-    source: SourceId,
-) -> Result<Laws, Vec<Diagnostic>> {
-    let catalogue = laws::beside(path, request).map_err(|e| vec![Diagnostic::error(e.to_string())])?;
-    Laws::of(case, &catalogue, source)
 }
 
 /// Reads a spec and all its records, for [`Loaded::identify`] and [`Loaded::gap`]. What is odd about them is

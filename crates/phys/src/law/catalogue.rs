@@ -1,6 +1,7 @@
 //! The laws that come with the program, and the entries of a catalogue.
 
 use super::{Law, LawError};
+use crate::text::diagnostic::{Diagnostic, SourceId};
 use std::sync::Arc;
 
 /// A law of a catalogue with its id.
@@ -22,24 +23,48 @@ impl LawEntry {
     pub fn read(id: &str, text: &str) -> Result<LawEntry, LawError> {
         Ok(LawEntry { id: id.to_owned(), text: text.to_owned(), law: Arc::new(Law::read(text)?) })
     }
+
+    /// The same with the places of all mistakes.
+    ///
+    /// # Errors
+    /// As [`Law::checked`].
+    pub fn checked(id: &str, text: &str, source: SourceId) -> Result<LawEntry, Vec<Diagnostic>> {
+        let law = Law::checked(text, source)?;
+        Ok(LawEntry { id: id.to_owned(), text: text.to_owned(), law: Arc::new(law) })
+    }
 }
 
 /// Id and text of each built-in law, in the order of the ids.
 #[rustfmt::skip]
 pub const BUILT_IN: &[(&str, &str)] = &[
     ("asymmetric-coulomb", include_str!("../../../../specs/laws/asymmetric-coulomb.ron")),
+    ("backlash", include_str!("../../../../specs/laws/backlash.ron")),
+    ("bilinear-stiffness", include_str!("../../../../specs/laws/bilinear-stiffness.ron")),
+    ("bouc-wen", include_str!("../../../../specs/laws/bouc-wen.ron")),
+    ("cogging", include_str!("../../../../specs/laws/cogging.ron")),
     ("coulomb", include_str!("../../../../specs/laws/coulomb.ron")),
+    ("cubic-damping", include_str!("../../../../specs/laws/cubic-damping.ron")),
     ("cubic-stiffness", include_str!("../../../../specs/laws/cubic-stiffness.ron")),
     ("dead-zone", include_str!("../../../../specs/laws/dead-zone.ron")),
     ("dieterich-ruina", include_str!("../../../../specs/laws/dieterich-ruina.ron")),
+    ("drifting-friction", include_str!("../../../../specs/laws/drifting-friction.ron")),
+    ("geared-stribeck", include_str!("../../../../specs/laws/geared-stribeck.ron")),
     ("harmonic-force", include_str!("../../../../specs/laws/harmonic-force.ron")),
+    ("input-delay", include_str!("../../../../specs/laws/input-delay.ron")),
+    ("input-gain", include_str!("../../../../specs/laws/input-gain.ron")),
+    ("load-dependent-friction", include_str!("../../../../specs/laws/load-dependent-friction.ron")),
+    ("lugre", include_str!("../../../../specs/laws/lugre.ron")),
+    ("maxwell", include_str!("../../../../specs/laws/maxwell.ron")),
+    ("maxwell-slip", include_str!("../../../../specs/laws/maxwell-slip.ron")),
     ("offset", include_str!("../../../../specs/laws/offset.ron")),
     ("one-sided-stop", include_str!("../../../../specs/laws/one-sided-stop.ron")),
     ("parametric-stiffness", include_str!("../../../../specs/laws/parametric-stiffness.ron")),
     ("position-dependent-friction", include_str!("../../../../specs/laws/position-dependent-friction.ron")),
+    ("power-law-damping", include_str!("../../../../specs/laws/power-law-damping.ron")),
     ("presliding", include_str!("../../../../specs/laws/presliding.ron")),
     ("quadratic-drag", include_str!("../../../../specs/laws/quadratic-drag.ron")),
     ("quadratic-stiffness", include_str!("../../../../specs/laws/quadratic-stiffness.ron")),
+    ("quintic-stiffness", include_str!("../../../../specs/laws/quintic-stiffness.ron")),
     ("sensor-delay", include_str!("../../../../specs/laws/sensor-delay.ron")),
     ("sensor-gain", include_str!("../../../../specs/laws/sensor-gain.ron")),
     ("sensor-offset", include_str!("../../../../specs/laws/sensor-offset.ron")),
@@ -63,27 +88,57 @@ mod tests {
             .collect();
         files.sort();
         assert_eq!(files, BUILT_IN.iter().map(|(id, _)| *id).collect::<Vec<_>>());
-        let all: Vec<LawEntry> =
-            BUILT_IN.iter().map(|(id, text)| LawEntry::read(id, text).expect(id)).collect();
+        let ids: Vec<&str> = BUILT_IN.iter().map(|(id, _)| *id).collect();
+        for (id, text) in BUILT_IN {
+            assert_eq!(Law::unknown_references(text, SourceId(0), &ids), [], "{id}");
+        }
+        let all: Vec<LawEntry> = BUILT_IN
+            .iter()
+            .map(|(id, text)| {
+                LawEntry::checked(id, text, SourceId(0)).unwrap_or_else(|d| panic!("{id}: {d:?}"))
+            })
+            .collect();
         let those = |is: fn(&Law) -> bool| -> Vec<&str> {
             all.iter().filter(|e| is(&e.law)).map(|e| e.id.as_str()).collect()
         };
         assert_eq!(
             those(Law::sticks),
-            ["asymmetric-coulomb", "coulomb", "dieterich-ruina", "position-dependent-friction", "stribeck"]
+            [
+                "asymmetric-coulomb",
+                "coulomb",
+                "dieterich-ruina",
+                "drifting-friction",
+                "geared-stribeck",
+                "load-dependent-friction",
+                "position-dependent-friction",
+                "stribeck"
+            ]
         );
         assert_eq!(those(Law::has_clearance), ["dead-zone", "one-sided-stop"]);
-        assert_eq!(those(Law::has_memory), ["presliding"]);
-        assert_eq!(those(Law::is_resistance), ["quadratic-drag", "viscous"]);
+        assert_eq!(
+            those(Law::has_memory),
+            ["backlash", "bouc-wen", "lugre", "maxwell", "maxwell-slip", "presliding"]
+        );
+        assert_eq!(
+            those(Law::is_hysteretic),
+            ["backlash", "bouc-wen", "lugre", "maxwell-slip", "presliding"]
+        );
+        assert_eq!(
+            those(Law::is_resistance),
+            ["cubic-damping", "power-law-damping", "quadratic-drag", "viscous"]
+        );
         assert_eq!(those(Law::is_linear_spring), ["stiffness"]);
         assert_eq!(
             those(Law::is_spring),
             [
+                "bilinear-stiffness",
+                "cogging",
                 "cubic-stiffness",
                 "dead-zone",
                 "one-sided-stop",
                 "parametric-stiffness",
                 "quadratic-stiffness",
+                "quintic-stiffness",
                 "stiffness"
             ]
         );

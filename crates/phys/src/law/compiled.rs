@@ -27,6 +27,8 @@ pub struct LawGraph {
     pub displacement: Option<Id>,
     /// The velocity of the place.
     pub velocity: Option<Id>,
+    /// A force of the known part of the model.
+    pub load: Option<Id>,
     /// In the order of [`Law::parameters`].
     pub parameters: Vec<Id>,
     /// The states of [`Law::internal`], in their order, ...
@@ -111,6 +113,7 @@ impl Default for LawGraph {
             names,
             displacement: None,
             velocity: None,
+            load: None,
             parameters: vec![],
             internal: vec![],
             rates: vec![],
@@ -128,6 +131,7 @@ impl LawGraph {
         let mut compiler = Compiler { of: LawGraph::default(), given: HashMap::new() };
         let displacement = law.role(Role::Displacement).map(|name| compiler.symbol(name));
         let velocity = law.role(Role::Velocity).map(|name| compiler.symbol(name));
+        let load = law.role(Role::Load).map(|name| compiler.symbol(name));
         let parameters = law.parameters.iter().map(|(name, _)| compiler.symbol(name)).collect();
         let internal: Vec<Id> = law.internal.iter().map(|(name, _)| compiler.symbol(name)).collect();
         for (name, (value, _)) in &law.given {
@@ -139,6 +143,7 @@ impl LawGraph {
         let own = Own(compiler.of.names.clone());
         compiler.of.displacement = displacement;
         compiler.of.velocity = velocity;
+        compiler.of.load = load;
         compiler.of.parameters = parameters;
         for (name, inner) in &law.internal {
             let rate = compiler.open(&format!("internal {name}"), &inner.rate, &own)?;
@@ -244,8 +249,8 @@ impl Compiler {
     }
 }
 
-/// The parameters in which an expression is linear, jointly: the slope by each depends on none of them.
-pub(super) fn jointly_linear(graph: &mut Graph, force: Id, parameters: &[Id]) -> Vec<usize> {
+/// The parameters (by index) in which an expression is linear, jointly: the slope by each depends on none of them.
+pub fn jointly_linear(graph: &mut Graph, force: Id, parameters: &[Id]) -> Vec<usize> {
     let slopes = graph.gradient(force, parameters);
     let mut linear: Vec<usize> = Vec::new();
     for k in 0..parameters.len() {

@@ -142,3 +142,15 @@ fn plan_records(checker: &mut Checker, spec: &Spec, system: &System) -> Vec<Reco
     }
     plans
 }
+/// What is wrong with names that are declared, each with what it stands for: no name, a name of the language, a name that
+/// stands twice.
+pub(crate) fn declared_names<'n>(
+    source: SourceId,
+    names: impl IntoIterator<Item = (&'n Text, &'static str)>,
+) -> Vec<Diagnostic> {
+    let mut checker = Checker::new(source);
+    for (name, what) in names {
+        checker.declare(name, what);
+    }
+    checker.diagnostics
+}

@@ -22,6 +22,9 @@ pub struct State {
     pub velocity: Option<usize>,
     /// Whether it is of a sensor's filter and not of the rig: nothing acts on it.
     pub of_sensor: bool,
+    /// For the memory of a law: how large it becomes along the records (SI). It starts somewhere between minus and plus
+    /// this; for any other state nothing is believed beforehand.
+    pub memory: Option<f64>,
 }
 
 /// A given function of time.
@@ -280,6 +283,7 @@ impl System {
             node,
             velocity: None,
             of_sensor: false,
+            memory: None,
         });
         self.known.push(self.graph.constant(0.0));
         self.inertia.push(None);

@@ -5,7 +5,7 @@
 
 use super::report::GapReport;
 use crate::format::role_name;
-use phisindy_gap::{Gap, Region, Step};
+use phisindy_gap::{Gap, Region, Step, Tried};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -18,6 +18,7 @@ struct Outcome<'a> {
     left: Vec<RegionOut<'a>>,
     /// Standard deviation of the noise of each column, SI.
     noise: BTreeMap<&'a str, f64>,
+    not_tried: Vec<NotTriedOut<'a>>,
     parameters: Vec<ParameterOut<'a>>,
     partial: Vec<StepOut<'a>>,
     records: Vec<RecordOut<'a>>,
@@ -27,6 +28,7 @@ struct Outcome<'a> {
     status: &'a str,
     steps: Vec<StepOut<'a>>,
     title: &'a str,
+    tried: Vec<TriedOut<'a>>,
     version: &'a str,
     warnings: Vec<String>,
     #[serde(rename = "where")]
@@ -60,6 +62,23 @@ struct RegionOut<'a> {
     column: &'a str,
     region: String,
     share: f64,
+}
+
+/// A law that was tried beside the model as it is.
+#[derive(Serialize)]
+struct TriedOut<'a> {
+    at: &'a str,
+    gap: Option<f64>,
+    law: &'a str,
+    probability: Option<f64>,
+    score: f64,
+    vetoed: Option<&'a str>,
+}
+
+#[derive(Serialize)]
+struct NotTriedOut<'a> {
+    law: &'a str,
+    why: String,
 }
 
 #[derive(Serialize)]
@@ -155,6 +174,11 @@ fn outcome<'a>(report: &GapReport<'a>) -> Outcome<'a> {
         initial: InitialGap { fit: found.before.0, validate: found.before.1 },
         left: found.left.iter().map(region).collect(),
         noise: found.noise.iter().map(|(name, sigma)| (name.as_str(), *sigma)).collect(),
+        not_tried: found
+            .not_tried
+            .iter()
+            .map(|n| NotTriedOut { law: &n.law, why: n.why.to_string() })
+            .collect(),
         parameters: parameters(found),
         partial: found.partial.iter().map(step).collect(),
         records: records(found),
@@ -164,10 +188,22 @@ fn outcome<'a>(report: &GapReport<'a>) -> Outcome<'a> {
         status: found.status.name(),
         steps: found.steps.iter().map(step).collect(),
         title: &input.case.system.title,
+        tried: found.tried.iter().map(tried).collect(),
         version: env!("CARGO_PKG_VERSION"),
         warnings: found.warnings.iter().map(ToString::to_string).collect(),
         located: found.located.iter().map(region).collect(),
         whiteness: change(found.whiteness),
+    }
+}
+
+fn tried(t: &Tried) -> TriedOut<'_> {
+    TriedOut {
+        at: &t.at.at,
+        gap: t.gap,
+        law: &t.at.law,
+        probability: t.probability,
+        score: t.score,
+        vetoed: t.vetoed.as_deref(),
     }
 }
 

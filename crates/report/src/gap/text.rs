@@ -2,7 +2,7 @@
 
 use super::report::GapReport;
 use crate::table::{interval, short};
-use phisindy_gap::{Gap, Rival, Status, Step, Warning};
+use phisindy_gap::{Gap, Rival, Status, Step, Tried, Warning};
 use phisindy_phys::LawEntry;
 use phisindy_phys::spec::Role;
 
@@ -63,6 +63,7 @@ pub(crate) fn text(report: &GapReport<'_>) -> String {
         }
     }
     out.extend(moved(found));
+    out.push(tried(found));
     // Several rounds may rule out the same law; it is listed once.
     let steps = found.steps.iter().chain(&found.partial);
     for veto in steps.flat_map(vetoes) {
@@ -87,6 +88,21 @@ pub(crate) fn text(report: &GapReport<'_>) -> String {
     out.push(format!("{}: {}", found.status.name(), outcome(found)));
     out.push(format!("{:.1} s", how.seconds));
     out.join("\n") + "\n"
+}
+
+/// How many laws were tried at how many places, and which were not.
+fn tried(found: &Gap) -> String {
+    let distinct = |of: &dyn Fn(&Tried) -> String| -> usize {
+        found.tried.iter().map(of).collect::<std::collections::BTreeSet<_>>().len()
+    };
+    let (laws, places) = (distinct(&|t| t.at.law.clone()), distinct(&|t| t.at.at.clone()));
+    let counted = |count: usize, one: &str| format!("{count} {one}{}", if count == 1 { "" } else { "s" });
+    let mut line = format!("tried: {} at {}", counted(laws, "law"), counted(places, "place"));
+    if !found.not_tried.is_empty() {
+        let why = |n: &phisindy_gap::NotTried| format!("{} ({})", n.law, n.why);
+        line += &format!("; not tried: {}", found.not_tried.iter().map(why).collect::<Vec<_>>().join(", "));
+    }
+    line
 }
 
 /// The data that the shown gap refers to.
@@ -229,7 +245,7 @@ fn deciding(own: &LawEntry, rival: &Rival, catalogue: &[LawEntry]) -> Option<Str
     if named.is_some() {
         return named;
     }
-    if own.law.sensor.is_some() || first.law.sensor.is_some() {
+    if own.law.property().is_some() || first.law.property().is_some() {
         return Some("the same motion read by a second sensor".to_owned());
     }
     // A combination of laws has no such measurement.

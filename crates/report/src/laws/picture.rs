@@ -3,8 +3,7 @@
 
 use crate::chart::{Axis, Chart, Mark, Panel, Place};
 use phisindy_expr::{Graph, Id, Names, Scratch, Tape, parse};
-use phisindy_phys::LawEntry;
-use phisindy_phys::Sketch;
+use phisindy_phys::{LawEntry, LawRole, Sketch};
 
 /// Points of the curve, over two periods of the motion.
 const POINTS: usize = 1600;
@@ -19,8 +18,10 @@ const SIZE: (f64, f64) = (380.0, 250.0);
 pub fn picture(entry: &LawEntry) -> Result<Option<String>, String> {
     let Some(sketch) = &entry.law.sketch else { return Ok(None) };
     let curve = curve(entry, sketch)?;
-    let sensor = entry.law.sensor.is_some();
-    let what = if sensor {
+    let sensor = entry.law.property().is_some();
+    let what = if entry.law.input.is_some() {
+        "input"
+    } else if sensor {
         "reading"
     } else if entry.law.push.is_some() {
         "push"
@@ -52,11 +53,13 @@ fn curve(entry: &LawEntry, sketch: &Sketch) -> Result<Vec<(f64, f64)>, String> {
     let law = &entry.law;
     let (mut graph, mut names) = (Graph::default(), Names::default());
     let number = |name: &str| -> Option<f64> {
-        let given = law.given.iter().find(|(n, _)| n == name).map(|(_, (value, _))| *value);
+        // A load is as large as the motion.
+        let load = (law.role(LawRole::Load) == Some(name)).then_some(1.0);
+        let given = law.given.iter().find(|(n, _)| n == name).map(|(_, (value, _))| *value).or(load);
         given.or_else(|| sketch.with.iter().find(|(n, _)| n == name).map(|(_, value)| *value))
     };
     // A sensor law is shown as its reading of the displacement.
-    let force = match law.sensor.as_deref() {
+    let force = match law.property() {
         Some("gain") => "gain*x",
         Some("offset") => "x + offset",
         Some(_) => "sin(t - tau)",

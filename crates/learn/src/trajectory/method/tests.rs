@@ -45,9 +45,20 @@ fn context<'a>(case: &'a Case, records: &'a [Record]) -> Context<'a> {
     }
 }
 
+/// As `identify` begins: from smoothed records.
+fn learned(
+    case: &Case,
+    records: &[Record],
+    observe: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<Identified, LearnError> {
+    let smooth: Vec<Record> =
+        records.iter().map(|r| crate::trajectory::initial::smoothed(&case.system, r)).collect();
+    by_trajectory(case, records, &smooth, observe)
+}
+
 fn identified(learn: &str, samples: &[(Role, Vec<f64>)]) -> Identified {
     let (case, records) = records(&format!("{RATES}, learn: ({learn})"), samples);
-    by_trajectory(&case, &records, &mut |_| ControlFlow::Continue(())).unwrap()
+    learned(&case, &records, &mut |_| ControlFlow::Continue(())).unwrap()
 }
 
 #[test]
@@ -126,7 +137,7 @@ fn what_is_left_and_is_not_noise_is_told() {
         line(0.0).iter().enumerate().map(|(i, x)| x + 0.4 * (2.0 * STEP * i as f64).cos()).collect();
     let (case, records) = records(&RATES.replace(r#", "2*t", "3*t^2""#, ""), &[(Role::Fit, wave.clone())]);
     let mut heard = vec![];
-    let found = by_trajectory(&case, &records, &mut |part| {
+    let found = learned(&case, &records, &mut |part| {
         heard.push(part);
         ControlFlow::Continue(())
     });
@@ -177,7 +188,7 @@ fn who_stops_it_gets_the_best_so_far() {
     for (from, to, stopped) in [(0.0, 0.05, true), (0.05, 0.5, true), (0.5, 0.95, true), (0.95, 1.0, false)] {
         let (case, records) = records(RATES, &[(Role::Fit, line(0.0))]);
         let mut heard = vec![];
-        let found = by_trajectory(&case, &records, &mut |part| {
+        let found = learned(&case, &records, &mut |part| {
             heard.push(part);
             if (from..to).contains(&part) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
@@ -228,7 +239,7 @@ fn another_choice_is_told_of_where_there_was_a_choice() {
     let text = RATES.replace("2*t", "1 + 0.01*t");
     for (learn, told) in [("", true), ("selection: All", false)] {
         let (case, records) = records(&format!("{text}, learn: ({learn})"), &[(Role::Fit, line(0.0))]);
-        let found = by_trajectory(&case, &records, &mut |_| ControlFlow::Continue(())).unwrap();
+        let found = learned(&case, &records, &mut |_| ControlFlow::Continue(())).unwrap();
         let says = |w: &Warning| w.to_string().contains(" in the place of ");
         assert_eq!(found.warnings.iter().any(says), told, "{:?}", found.warnings);
     }
@@ -239,7 +250,7 @@ fn another_choice_is_told_of_where_there_was_a_choice() {
 fn a_sensor_is_named_by_its_column() {
     let (case, mut records) = records(RATES, &[(Role::Fit, line(0.0))]);
     records[0].sensors[0].delay = SensorParameter { within: Some((-1.0, 1.0)), ..SensorParameter::held(0.0) };
-    let found = by_trajectory(&case, &records, &mut |_| ControlFlow::Continue(())).unwrap();
+    let found = learned(&case, &records, &mut |_| ControlFlow::Continue(())).unwrap();
     let of = &found.parameters[0];
     assert_eq!((of.id.to_string().as_str(), of.unit.as_str(), of.id.record()), ("x.delay", "s", Some(0)));
 }

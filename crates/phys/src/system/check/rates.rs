@@ -26,6 +26,7 @@ impl Checker {
                 node,
                 velocity: None,
                 of_sensor: false,
+                memory: None,
             });
         }
         let mut inputs = Vec::new();
