@@ -260,8 +260,9 @@ fn the_catalogue_is_the_folder() {
     assert_eq!(said.code, 0, "{}", said.err);
     let listed: Vec<&str> = said.out.lines().filter_map(|l| l.split_whitespace().next()).collect();
     let folder: Vec<String> = files("specs/laws", "ron");
-    let ids: Vec<&str> =
+    let mut ids: Vec<&str> =
         folder.iter().map(|f| f.trim_start_matches("specs/laws/").trim_end_matches(".ron")).collect();
+    ids.sort_unstable();
     assert_eq!(listed, ids);
     for id in ids {
         let law = phisindy(&["laws", id]);

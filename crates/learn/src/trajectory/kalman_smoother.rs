@@ -45,13 +45,9 @@ pub(crate) fn estimated_states(system: &System, record: &Record) -> Option<Vec<V
     };
     // Whether a slow force is among what the outputs show is for the likelihood to say as well.
     let slowest = if filter.lowest > 0.0 { vec![filter.lowest, 0.0] } else { vec![0.0] };
-    let all = slowest.into_iter().filter_map(likeliest);
-    let (_, walk) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let forward = filter.forward(walk, usize::MAX)?;
-    let smooth = filter.backward(&forward)?;
-    let n = system.states.len();
-    let columns: Vec<Vec<f64>> = (0..n).map(|k| smooth.iter().map(|x| x[(k, 0)]).collect()).collect();
-    columns.iter().flatten().all(|x| x.is_finite()).then_some(columns)
+    let mut walks: Vec<(f64, Walk)> = slowest.into_iter().filter_map(likeliest).collect();
+    walks.sort_by(|a, b| b.0.total_cmp(&a.0));
+    walks.into_iter().find_map(|(_, walk)| filter.smoothed(walk))
 }
 
 /// Whether a record has states of which outputs tell.
@@ -230,6 +226,14 @@ impl<'a> Filter<'a> {
             out.steps.push(step);
         }
         out.likelihood.is_finite().then_some(out)
+    }
+
+    /// Samples of each state. `None` where the covariance becomes singular.
+    fn smoothed(&self, walk: Walk) -> Option<Vec<Vec<f64>>> {
+        let smooth = self.backward(&self.forward(walk, usize::MAX)?)?;
+        let columns: Vec<Vec<f64>> =
+            (0..self.n).map(|k| smooth.iter().map(|x| x[(k, 0)]).collect()).collect();
+        columns.iter().flatten().all(|x| x.is_finite()).then_some(columns)
     }
 
     /// The linear rates of the forces' states: the walk, its slow part, the slow part of the rest.
