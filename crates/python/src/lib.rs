@@ -15,10 +15,13 @@ fn program(py: Python<'_>, line: Vec<OsString>) -> u8 {
     py.detach(|| phisindy_cli::program(line.into_iter()))
 }
 
+/// Id, name, what it is, reference, text.
+type LawRow = (String, String, String, String, String);
+
 /// The laws of the catalogue as tuples `(id, name, about, reference, text)`; `folder` holds further laws.
 #[pyfunction]
 #[pyo3(signature = (folder=None))]
-fn laws(folder: Option<std::path::PathBuf>) -> PyResult<Vec<(String, String, String, String, String)>> {
+fn laws(folder: Option<std::path::PathBuf>) -> PyResult<Vec<LawRow>> {
     let folders: Vec<&std::path::Path> = folder.as_deref().into_iter().collect();
     let all = phisindy::files::catalogue(&folders).map_err(|e| errors::DataError::new_err(e.to_string()))?;
     let row = |e: &phisindy::LawEntry| {
