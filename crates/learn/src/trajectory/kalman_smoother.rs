@@ -3,11 +3,11 @@
 //!
 //! The known rates hold but for an unknown force on every state that is not driven by another state alone. The
 //! force is a random walk that returns to zero, so it takes the shape of whatever the model lacks. Where no state
-//! is measured it may have nothing below the lowest frequency of the outputs: an accelerometer hardly shows a slow
-//! drift of a displacement. Friction of the model counts as such a force, for its sign jumps where the estimate is
+//! is measured it has nothing below the lowest frequency of the outputs: an accelerometer does not show a slow drift
+//! of a displacement. Friction of the model counts as such a force, for its sign jumps where the estimate is
 //! uncertain. States and forces follow from an extended Kalman filter and the smoother of Rauch, Tung and Striebel
-//! (AIAA J. 3 (1965) 1445-1450). Strength, memory and lowest frequency of the walk are those of the largest
-//! likelihood.
+//! (AIAA J. 3 (1965) 1445-1450). Strength and memory of the walk are those of the largest likelihood. An estimate
+//! whose outputs are further from the columns than those of a system at rest is none.
 
 use crate::decisions::{COVARIANCE_RIDGE, DIFFUSE, LIKELIHOOD_SAMPLES, WALK_DECADES, WALK_MEMORIES};
 use faer::Mat;
@@ -27,27 +27,23 @@ pub(crate) fn estimated_states(system: &System, record: &Record) -> Option<Vec<V
     let span = record.time[record.len() - 1] - record.time[0];
     // A few decades of strength, three by three and then one by one; memories of a third of the record down to a
     // thousandth.
-    let best = |trials: Vec<Walk>| -> Option<(f64, Walk)> {
+    let best = |trials: Vec<Walk>| -> Option<Walk> {
         let likelihood = |walk: Walk| {
             let run = filter.forward(walk, LIKELIHOOD_SAMPLES);
             (run.map_or(f64::NEG_INFINITY, |f| f.likelihood), walk)
         };
         let all: Vec<(f64, Walk)> = trials.into_par_iter().map(likelihood).collect();
-        all.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).filter(|b| b.0.is_finite())
+        all.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).filter(|b| b.0.is_finite()).map(|b| b.1)
     };
     let [least, most] = WALK_DECADES;
-    let likeliest = |lowest: f64| {
-        let walk = |decade: i32, memory: f64| Walk { decade, memory, lowest };
-        let coarse =
-            (least..=most).step_by(3).flat_map(|d| WALK_MEMORIES.map(|part| walk(d, span * part))).collect();
-        let (_, near) = best(coarse)?;
-        best((near.decade - 2..=near.decade + 2).map(|d| walk(d, near.memory)).collect())
-    };
-    // Whether a slow force is among what the outputs show is for the likelihood to say as well.
-    let slowest = if filter.lowest > 0.0 { vec![filter.lowest, 0.0] } else { vec![0.0] };
-    let mut walks: Vec<(f64, Walk)> = slowest.into_iter().filter_map(likeliest).collect();
-    walks.sort_by(|a, b| b.0.total_cmp(&a.0));
-    walks.into_iter().find_map(|(_, walk)| filter.smoothed(walk))
+    let walk = |decade: i32, memory: f64| Walk { decade, memory };
+    let coarse =
+        (least..=most).step_by(3).flat_map(|d| WALK_MEMORIES.map(|part| walk(d, span * part))).collect();
+    let near = best(coarse)?;
+    let likeliest = best((near.decade - 2..=near.decade + 2).map(|d| walk(d, near.memory)).collect())?;
+    // A linearisation at rest may lead anywhere.
+    let all = filter.smoothed(likeliest).filter(|all| filter.is_near(all))?;
+    Some((0..filter.n).map(|k| all.iter().map(|x| x[(k, 0)]).collect()).collect())
 }
 
 /// Whether a record has states of which outputs tell.
@@ -64,8 +60,6 @@ struct Walk {
     /// Power of ten of its power per second.
     decade: i32,
     memory: f64,
-    /// Below this frequency (rad/s) the forces have nothing.
-    lowest: f64,
 }
 
 impl Walk {
@@ -228,12 +222,31 @@ impl<'a> Filter<'a> {
         out.likelihood.is_finite().then_some(out)
     }
 
-    /// Samples of each state. `None` where the covariance becomes singular.
-    fn smoothed(&self, walk: Walk) -> Option<Vec<Vec<f64>>> {
+    /// States and forces of each sample. `None` where the covariance becomes singular.
+    fn smoothed(&self, walk: Walk) -> Option<Vec<Mat<f64>>> {
         let smooth = self.backward(&self.forward(walk, usize::MAX)?)?;
-        let columns: Vec<Vec<f64>> =
-            (0..self.n).map(|k| smooth.iter().map(|x| x[(k, 0)]).collect()).collect();
-        columns.iter().flatten().all(|x| x.is_finite()).then_some(columns)
+        let finite = |x: &Mat<f64>| (0..self.n).all(|k| x[(k, 0)].is_finite());
+        smooth.iter().all(finite).then_some(smooth)
+    }
+
+    /// Whether the outputs of estimated states are as near to the columns as those of a system at rest.
+    fn is_near(&self, all: &[Mat<f64>]) -> bool {
+        let rest = vec![Mat::<f64>::zeros(self.width, 1); all.len()];
+        self.misfit(all).is_some_and(|own| own <= self.misfit(&rest).unwrap_or(f64::INFINITY))
+    }
+
+    /// The weighted squares of what estimated states leave of the columns.
+    fn misfit(&self, all: &[Mat<f64>]) -> Option<f64> {
+        let mut scratch = Scratch::<1>::new(&self.tape);
+        let first = self.n + (self.n + self.columns.len()) * self.width;
+        let mut sum = 0.0;
+        for (i, x) in all.iter().enumerate() {
+            self.at(&mut scratch, i, x)?;
+            for (k, (column, variance)) in self.columns.iter().enumerate() {
+                sum += (column[i] - scratch.output(first + k)[0]).powi(2) / variance;
+            }
+        }
+        sum.is_finite().then_some(sum)
     }
 
     /// The linear rates of the forces' states: the walk, its slow part, the slow part of the rest.
@@ -242,8 +255,8 @@ impl<'a> Filter<'a> {
         let Some(from) = c.checked_sub(self.n).filter(|c| c % self.forces == own) else { return 0.0 };
         match (stage, from / self.forces) {
             (0, 0) => -1.0 / walk.memory,
-            (1, 0) | (2, 0) => walk.lowest,
-            (1, 1) | (2, 1 | 2) => -walk.lowest,
+            (1, 0) | (2, 0) => self.lowest,
+            (1, 1) | (2, 1 | 2) => -self.lowest,
             _ => 0.0,
         }
     }
