@@ -41,7 +41,7 @@ def sweep(
     """
     all_seeds = list(range(seeds) if isinstance(seeds, int) else seeds)
     work = [(case, seed, method) for seed in all_seeds]
-    return _done(_one_seed, work, client=client, jobs=jobs, progress=progress, what="sweep")
+    return _gathered(_one_seed, work, client=client, jobs=jobs, progress=progress, what="sweep")
 
 
 def map(
@@ -58,7 +58,7 @@ def map(
     others go on.
     """
     work = [(function, case) for case in cases]
-    return _done(_one_case, work, client=client, jobs=jobs, progress=progress, what="map")
+    return _gathered(_one_case, work, client=client, jobs=jobs, progress=progress, what="map")
 
 
 def _one_seed(work: tuple[Case, int, str | None]) -> dict[str, Any]:
@@ -90,7 +90,7 @@ def _chunk(task: Callable[[Any], dict[str, Any]], works: list[Any]) -> list[dict
     return [done(work) for work in works]
 
 
-def _done(
+def _gathered(
     task: Callable[[Any], dict[str, Any]],
     works: list[Any],
     *,
@@ -100,12 +100,12 @@ def _done(
     what: str,
 ) -> list[dict[str, Any] | Failed]:
     results: list[Any] = [None] * len(works)
-    for place, chunk in _told(_computed(task, works, client, jobs), len(works), progress, what):
+    for place, chunk in _with_bar(_chunks(task, works, client, jobs), len(works), progress, what):
         results[place : place + len(chunk)] = chunk
     return results
 
 
-def _computed(
+def _chunks(
     task: Callable[[Any], dict[str, Any]], works: list[Any], client: Any, jobs: int | None
 ) -> Iterator[tuple[int, list[dict[str, Any] | Failed]]]:
     """Chunks of results as they come, each with the place of its first one."""
@@ -119,18 +119,16 @@ def _computed(
 
     threads = max(1, sum(client.nthreads().values()))
     size = max(1, -(-len(works) // (TASKS_PER_THREAD * threads)))
-    places = {}
-    for place in range(0, len(works), size):
-        # A worker that dies is no mistake of the task: Dask gives it to another one.
-        future = client.submit(_chunk, task, works[place : place + size], pure=False, retries=3)
-        places[future.key] = place
-        places[future] = place
-    waiting = [future for future in places if not isinstance(future, (str, bytes, tuple))]
-    for future, chunk in as_dask_completed(waiting, with_results=True):
-        yield places[future.key], chunk
+    # A worker that dies is no mistake of the task: Dask gives it to another one.
+    futures = {
+        client.submit(_chunk, task, works[place : place + size], pure=False, retries=3): place
+        for place in range(0, len(works), size)
+    }
+    for future, chunk in as_dask_completed(list(futures), with_results=True):
+        yield futures[future], chunk
 
 
-def _told(
+def _with_bar(
     chunks: Iterator[tuple[int, list[Any]]], total: int, progress: bool, what: str
 ) -> Iterator[tuple[int, list[Any]]]:
     try:

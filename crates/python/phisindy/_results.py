@@ -46,6 +46,7 @@ class _Result:
     """What results of ``run`` and ``gap`` share."""
 
     _native: Any
+    latex: Any
 
     @cached_property
     def _dict(self) -> dict[str, Any]:
@@ -109,6 +110,9 @@ class _Result:
         columns = table({"t": t, **x, **(u or {})})
         return dict(_native.rates(self.case._native, columns))
 
+    def _repr_latex_(self) -> str:
+        return "\n".join(f"$\\displaystyle {line}$\n" for line in self.latex.splitlines())
+
     def _repr_html_(self) -> str:
         page = html.escape(self._files["report.html"])
         return f'<iframe srcdoc="{page}" style="width: 100%; height: 900px; border: 0"></iframe>'
@@ -150,9 +154,6 @@ class Identified(_Result):
         """Laws that were added: none, ``run`` adds no laws."""
         return []
 
-    def _repr_latex_(self) -> str:
-        return "\n".join(f"$\\displaystyle {line}$\n" for line in self.latex.splitlines())
-
     def __repr__(self) -> str:
         return str(self._native.written(False))
 
@@ -193,9 +194,6 @@ class Gap(_Result):
     def latex(self) -> str:
         """The forces that were added in LaTeX, a line for each."""
         return "\n".join(str(step.get("latex", step["expression"])) for step in self.steps)
-
-    def _repr_latex_(self) -> str:
-        return "\n".join(f"$\\displaystyle {line}$\n" for line in self.latex.splitlines())
 
     def __repr__(self) -> str:
         return str(self._native.written())

@@ -354,18 +354,20 @@ impl<'r> Loader<'r> {
             return Err(Refusal::Input);
         }
         let units = Units::of(csv, &case.system);
-        let read = match (table, self.folders.find(&csv.path.value, self.source, csv.path.span)) {
-            (Some(table), _) => table.read(csv, &units, self.source, self.sources),
-            (None, Ok(path)) => folders::read(csv, &units, &path, self.source, self.sources),
-            (None, Err(Missing::Nowhere(mut d))) if purpose == Purpose::Check && !self.folders.given => {
-                d.severity = Severity::Warning;
-                self.push(d);
-                return Ok(None);
-            }
-            (None, Err(missing)) => {
-                self.push(missing.diagnostic());
-                return Err(Refusal::Input);
-            }
+        let read = match table {
+            Some(table) => table.read(csv, &units, self.source, self.sources),
+            None => match self.folders.find(&csv.path.value, self.source, csv.path.span) {
+                Ok(path) => folders::read(csv, &units, &path, self.source, self.sources),
+                Err(Missing::Nowhere(mut d)) if purpose == Purpose::Check && !self.folders.given => {
+                    d.severity = Severity::Warning;
+                    self.push(d);
+                    return Ok(None);
+                }
+                Err(missing) => {
+                    self.push(missing.diagnostic());
+                    return Err(Refusal::Input);
+                }
+            },
         };
         let record = read.and_then(|(mut table, warnings)| {
             warnings.into_iter().chain(beyond_the_end(csv, &table, self.source)).for_each(|d| self.push(d));
