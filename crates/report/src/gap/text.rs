@@ -97,12 +97,18 @@ fn tried(found: &Gap) -> String {
     };
     let (laws, places) = (distinct(&|t| t.at.law.clone()), distinct(&|t| t.at.at.clone()));
     let counted = |count: usize, one: &str| format!("{count} {one}{}", if count == 1 { "" } else { "s" });
-    let mut line = format!("tried: {} at {}", counted(laws, "law"), counted(places, "place"));
-    if !found.not_tried.is_empty() {
-        let why = |n: &phisindy_gap::NotTried| format!("{} ({})", n.law, n.why);
-        line += &format!("; not tried: {}", found.not_tried.iter().map(why).collect::<Vec<_>>().join(", "));
+    let tried = format!("tried: {} at {}", counted(laws, "law"), counted(places, "place"));
+    // Laws with the same reason stand together.
+    let mut reasons: Vec<(String, Vec<&str>)> = Vec::new();
+    for law in &found.not_tried {
+        let why = law.why.to_string();
+        match reasons.iter_mut().find(|(reason, _)| *reason == why) {
+            Some((_, laws)) => laws.push(&law.law),
+            None => reasons.push((why, vec![&law.law])),
+        }
     }
-    line
+    let not_tried = reasons.iter().map(|(why, laws)| format!("; not tried: {} ({why})", laws.join(", ")));
+    tried + &not_tried.collect::<String>()
 }
 
 /// The data that the shown gap refers to.
