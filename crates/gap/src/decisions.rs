@@ -109,8 +109,11 @@ decisions! {
     NEUTRAL: f64 = 0.05, "of the start", BLIND;
     /// Most effects of one model.
     MOST_EFFECTS: usize = 4, "effects", Basis::Judgement("four free curves fit anything, see ELEPHANT");
-    /// Single laws, and pairs, that are fitted in full.
+    /// Leading single laws of a screening that are fitted.
     FITTED_IN_FULL: usize = 6, "models", BLIND;
+    /// Leading pairs of a screening that enter the race. A rich law beside any other law leads the list, so a
+    /// catalogue of more laws needs a longer one.
+    PAIRS_RACED: usize = 24, "models", BLIND;
     /// Least gain of a new effect.
     WORTH: f64 = 10.0, "BIC", Basis::Convention("very strong evidence, Kass and Raftery 1995, doi 10.1080/01621459.1995.10476572");
     /// A simpler model within this distance is preferred.

@@ -12,7 +12,7 @@ pub(crate) use refine::refitted;
 pub(crate) use task::Search;
 
 use crate::decisions::{
-    FAMILY_ROUNDS, FAR_OFF, FITTED_IN_FULL, MORE_STARTS, MOST_EFFECTS, ON_THE_WAY, RACE, REPEATS, RICHER,
+    FAMILY_ROUNDS, FAR_OFF, MORE_STARTS, MOST_EFFECTS, ON_THE_WAY, PAIRS_RACED, RACE, REPEATS, RICHER,
     RIVALS, SEARCHES_AGAIN, SHRINKS, SIMPLER, WEAK_ROUND, WORTH, WORTH_STARTS,
 };
 use crate::evidence::against;
@@ -299,7 +299,7 @@ impl Search<'_> {
         let price = (now.cal.samples as f64).ln();
         // Pairs matter in the first round, where a greedy choice may be wrong. Later rounds have their
         // friction already.
-        let wanted = if start.before() == 0 { FITTED_IN_FULL } else { 0 };
+        let wanted = if start.before() == 0 { PAIRS_RACED } else { 0 };
         let mut pairs: Vec<Vec<Effect>> =
             screening.pairs(price, wanted).into_iter().map(|(a, b)| vec![a.effect, b.effect]).collect();
         pairs.extend(singles.first().map_or(vec![], |leader| self.decompositions(model, leader, screening)));

@@ -4,14 +4,15 @@ use crate::decisions::{FEWEST_SAMPLES, FINE_NRMSE, WORSE};
 use crate::result::contribution::contributions;
 use crate::result::error::{DataError, LearnError};
 use crate::result::estimate::Estimate;
-use crate::result::identified::Identified;
+use crate::result::identified::{Identified, StopReason};
 use crate::result::passivity::passivity;
 use crate::result::quantity::{Quantity, TermId};
 use crate::result::record_fit::RecordFit;
 use crate::result::requirements::requirements;
 use crate::result::warning::Warning;
 use crate::step::method::by_steps;
-use crate::trajectory::initial::{sized, smoothed};
+use crate::trajectory::initial::{differentiated, sized, smoothed};
+use crate::trajectory::kalman_smoother::reads_outputs;
 use crate::trajectory::method::by_trajectory;
 use phisindy_phys::spec::{Method, Role};
 use phisindy_phys::{Case, Record, System};
@@ -71,9 +72,9 @@ pub fn identify(
     let (records, mut found) = match options.method.or(case.learn.method).unwrap_or(Method::Trajectory) {
         Method::Step => (records, by_steps(case, records, observe)?),
         Method::Trajectory => {
-            let smooth: Vec<Record> = records.par_iter().map(|r| smoothed(&case.system, r)).collect();
-            with_sizes = sized(&case.system, records, &smooth);
-            (&with_sizes[..], by_trajectory(case, &with_sizes, &smooth, observe)?)
+            let found;
+            (with_sizes, found) = from_estimate_or_rest(case, records, observe)?;
+            (&with_sizes[..], found)
         }
     };
     contributions(&case.system, records, &mut found);
@@ -81,6 +82,39 @@ pub fn identify(
     passivity(&case.system, records, &mut found);
     requirements(case, &mut found);
     Ok(found)
+}
+
+/// The trajectory method from the estimate of the states that only outputs tell. Where it leaves more than noise,
+/// it starts once more with those states at rest, and the smaller residual counts: friction that holds a body for
+/// long is an unknown force of the estimate, which may lead astray. Also returns the records with the sizes of
+/// their states.
+fn from_estimate_or_rest(
+    case: &Case,
+    records: &[Record],
+    observe: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<(Vec<Record>, Identified), LearnError> {
+    let system = &case.system;
+    let mut from = |smooth: Vec<Record>| {
+        let sized = sized(system, records, &smooth);
+        let found = by_trajectory(case, &sized, &smooth, observe);
+        (sized, found)
+    };
+    let (sized, first) = from(records.par_iter().map(|r| smoothed(system, r)).collect());
+    let left = |found: &Result<Identified, LearnError>| match found {
+        Ok(found) => {
+            let fit = found.records.iter().filter(|r| r.role == Role::Fit);
+            fit.map(RecordFit::worst).fold(0.0, f64::max)
+        }
+        Err(_) => f64::INFINITY,
+    };
+    let done = first.as_ref().is_ok_and(|found| {
+        found.stop_reason == StopReason::Interrupted || !found.warnings.iter().any(Warning::doubts_residual)
+    });
+    if done || !records.iter().any(|r| reads_outputs(system, r)) {
+        return Ok((sized, first?));
+    }
+    let (at_rest, second) = from(records.par_iter().map(|r| differentiated(system, r)).collect());
+    if left(&second) < left(&first) { Ok((at_rest, second?)) } else { Ok((sized, first?)) }
 }
 
 /// Warnings that hold for either method: coefficients at a bound or compatible with zero, and validation that is

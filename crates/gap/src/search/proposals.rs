@@ -204,9 +204,10 @@ pub(crate) fn singles(screening: &Screening) -> Vec<&Candidate> {
     chosen
 }
 
-/// Whether a law may stand for two simple ones: it has more than two parameters, or is the sum of two laws.
+/// Whether a law may stand for two simple ones: it has as many parameters as two laws of one, or is the sum of
+/// two laws.
 pub(crate) fn is_composed(effect: &Effect) -> bool {
-    effect.entry.law.parameters.len() > 2 || !effect.entry.law.same_as.is_empty()
+    effect.entry.law.parameters.len() >= 2 || !effect.entry.law.same_as.is_empty()
 }
 
 /// The effect with starts at which it has almost no influence, so that a fit continues from the model without

@@ -25,6 +25,18 @@ pub fn sized(system: &System, records: &[Record], smooth: &[Record]) -> Vec<Reco
 /// The record with every column smoothed, and columns for velocities that have none and for states that only
 /// outputs tell. States that cannot be derived stay without.
 pub fn smoothed(system: &System, record: &Record) -> Record {
+    let mut out = differentiated(system, record);
+    if let Some(states) = estimated_states(system, record) {
+        for (column, state) in out.columns.iter_mut().zip(states).filter(|(column, _)| column.is_none()) {
+            *column = Some(state);
+        }
+    }
+    out
+}
+
+/// The record with every column smoothed, and columns for velocities that have none. States that only outputs
+/// tell stay without: fits start them at rest.
+pub(crate) fn differentiated(system: &System, record: &Record) -> Record {
     let derived = record
         .columns
         .par_iter()
@@ -36,11 +48,6 @@ pub fn smoothed(system: &System, record: &Record) -> Record {
         let state = system.states.get(k);
         if let Some(v) = state.and_then(|s| s.velocity).filter(|&v| record.columns[v].is_none()) {
             out.columns[v] = Some(d.derivative);
-        }
-    }
-    if let Some(states) = estimated_states(system, record) {
-        for (column, state) in out.columns.iter_mut().zip(states).filter(|(column, _)| column.is_none()) {
-            *column = Some(state);
         }
     }
     out
