@@ -51,7 +51,7 @@ pub(crate) fn by_trajectory(
     let alternative =
         near.first().and_then(|(terms, worse)| alternative(system, &fit.problem.terms, terms, *worse));
     let stop_reason = if stopped { StopReason::Interrupted } else { StopReason::Finished };
-    let fit = context.resegmented(fit);
+    let fit = context.resegmented(context.with_starts_at_rest(fit));
     let mut found = report(case, records, filled, &fit, path, stop_reason);
     found.warnings.extend(alternative);
     let singular = |&k: &usize| Warning::SingularCandidate { term: TermId::new(system, k) };
