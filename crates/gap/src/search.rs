@@ -123,7 +123,7 @@ impl Search<'_> {
     }
 
     /// Whether a model leaves no more than the scatter of the rig.
-    fn at_floor(&self, of: &Fitted) -> bool {
+    pub(crate) fn at_floor(&self, of: &Fitted) -> bool {
         self.floor > 0.0 && of.score.gap() <= REPEATS * self.floor
     }
 

@@ -5,8 +5,8 @@ use crate::drive::Drive;
 use crate::ending::Ending;
 use crate::model::{Fitted, SpecTextError, TrialModel, current, noise_of, shortened};
 use crate::repeat::{prediction, repeatability};
-use crate::result::{Activity, ColumnRepeat, DataError, Gap, GapError, Warning};
-use crate::search::Search;
+use crate::result::{Activity, ColumnRepeat, DataError, Gap, GapError, ModelError, StopReason, Warning};
+use crate::search::{Search, Searched};
 use phisindy_learn::{Effort, dead_column};
 use phisindy_phys::spec::{self, Role, Spec};
 use phisindy_phys::{Case, LawEntry, Record, SourceId, System, splice};
@@ -62,20 +62,41 @@ pub fn gap(
     let whole = without_candidates(spec, case, records).ok_or_else(unreadable)?;
     let mut observe = |part: f64, what: Activity| observe(part, what).is_break();
     let mut search = Search { catalogue, noise: &noise, floor, observe: &mut observe };
-    // The search uses shortened records; the final parameters come from all samples.
-    let searched = match shortened(&whole.records) {
-        Some(short) => {
-            let mut searched =
-                search.run_until_determined(whole.for_records(short)).map_err(GapError::Numerics)?;
-            searched.base = Fitted::new(whole.clone(), &noise, Effort::Plain).map_err(GapError::Numerics)?;
-            let full = whole.with_all(&current(&searched.last)).ok();
-            let full = full.and_then(|model| Fitted::new(model, &noise, Effort::Plain).ok());
-            searched.last = full.unwrap_or_else(|| searched.base.clone());
-            searched
-        }
-        None => search.run_until_determined(whole).map_err(GapError::Numerics)?,
-    };
+    let searched = from_estimate_or_rest(&mut search, whole).map_err(GapError::Numerics)?;
     Ending::new(searched, &mut search, warnings)?.finished(&text, repeat)
+}
+
+/// Searches from the estimate of the states that only outputs tell. Where nothing explains the data from there, the
+/// search is repeated with those states at rest: the estimate takes what the model lacks for an unknown force, and
+/// may lead astray.
+fn from_estimate_or_rest(search: &mut Search<'_>, whole: TrialModel) -> Result<Searched, ModelError> {
+    let short = shortened(&whole.records).map(|records| whole.for_records(records));
+    let rest = whole.from_rest().map(|rest| (rest, short.as_ref().and_then(TrialModel::from_rest)));
+    let first = on_shortened(search, whole, short)?;
+    let explained = |s: &Searched, search: &Search<'_>| s.last.score.explains() || search.at_floor(&s.last);
+    let needed = first.stop != StopReason::Interrupted && !explained(&first, search);
+    let Some((rest, short)) = rest.filter(|_| needed) else { return Ok(first) };
+    match on_shortened(search, rest, short) {
+        Ok(second) if explained(&second, search) || second.last.score.gap() < first.last.score.gap() => {
+            Ok(second)
+        }
+        _ => Ok(first),
+    }
+}
+
+/// Searches on shortened records, if there are any; the final parameters come from all samples.
+fn on_shortened(
+    search: &mut Search<'_>,
+    whole: TrialModel,
+    short: Option<TrialModel>,
+) -> Result<Searched, ModelError> {
+    let Some(short) = short else { return search.run_until_determined(whole) };
+    let mut searched = search.run_until_determined(short)?;
+    searched.base = Fitted::new(whole.clone(), search.noise, Effort::Plain)?;
+    let full = whole.with_all(&current(&searched.last)).ok();
+    let full = full.and_then(|model| Fitted::new(model, search.noise, Effort::Plain).ok());
+    searched.last = full.unwrap_or_else(|| searched.base.clone());
+    Ok(searched)
 }
 
 /// Checks that the records can be searched.

@@ -44,4 +44,5 @@ pub use trajectory::calibrate::{
     Calibration, Effort, RESTART_RANGE, calibrate, segment_cost, single_run_cost,
 };
 pub use trajectory::free_run::predicted;
-pub use trajectory::initial::{sized, smoothed};
+pub use trajectory::initial::{differentiated, sized, smoothed};
+pub use trajectory::kalman_smoother::reads_outputs;

@@ -64,6 +64,18 @@ impl TrialModel {
         TrialModel::of(spec, case, records, smooth)
     }
 
+    /// The same model with the states that only outputs tell at rest where fits start; `None` if there are none.
+    pub(crate) fn from_rest(&self) -> Option<TrialModel> {
+        let system = &self.system;
+        if !self.records.iter().any(|r| phisindy_learn::reads_outputs(system, r)) {
+            return None;
+        }
+        let smooth: Vec<Record> =
+            self.records.par_iter().map(|r| phisindy_learn::differentiated(system, r)).collect();
+        let records = phisindy_learn::sized(system, &self.records, &smooth);
+        Some(TrialModel { records: Arc::new(records), smooth: Arc::new(smooth), ..self.clone() })
+    }
+
     fn of(spec: Spec, case: Case, records: Vec<Record>, smooth: Vec<Record>) -> TrialModel {
         let Case { mut system, records: plans, .. } = case;
         let places = places(&mut system, &plans);

@@ -36,7 +36,7 @@ pub fn smoothed(system: &System, record: &Record) -> Record {
 
 /// The record with every column smoothed, and columns for velocities that have none. States that only outputs
 /// tell stay without: fits start them at rest.
-pub(crate) fn differentiated(system: &System, record: &Record) -> Record {
+pub fn differentiated(system: &System, record: &Record) -> Record {
     let derived = record
         .columns
         .par_iter()

@@ -47,7 +47,7 @@ pub(crate) fn estimated_states(system: &System, record: &Record) -> Option<Vec<V
 }
 
 /// Whether a record has states of which outputs tell.
-pub(crate) fn reads_outputs(system: &System, record: &Record) -> bool {
+pub fn reads_outputs(system: &System, record: &Record) -> bool {
     !system.states.is_empty() && (system.states.len()..system.columns()).any(|k| record.columns[k].is_some())
 }
 
