@@ -2,8 +2,8 @@
 mod common;
 
 use phisindy_learn::{
-    Estimate, FoundTerm, Identified, LearnOptions, PartValues, UnknownPart, Verdict, bound, identify,
-    project, unknown_parts,
+    Estimate, FoundTerm, Identified, LearnOptions, PartValues, UnknownPart, Verdict, Warning, bound,
+    identify, project, unknown_parts,
 };
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Case, Origin, Record, SensorParameter};
@@ -410,4 +410,17 @@ fn a_carriage_that_drifts_is_fitted_in_short_segments() {
         let c = term.coefficient;
         assert!((c.value - truth).abs() < 4.0 * c.std_error && c.std_error < 0.03 * truth, "{c:?}");
     }
+}
+
+/// From accelerations alone: the second body breaks away for a moment, which start states that no column shows decide.
+#[test]
+fn two_bodies_from_their_accelerations() {
+    let outputs = r#"{ "a1": (unit: "m/s^2", reads: "rate(y1)"), "a2": (unit: "m/s^2", reads: "rate(y2)") }"#;
+    let (case, records) = common::load(
+        "case6",
+        &[("outputs", outputs), ("data.0.noise", "Additive(0.02)"), ("learn", "(method: Trajectory)")],
+    );
+    let found = run(&case, &records);
+    assert_found(&case, &found, &[("y1:1", 0.5), ("y2:1", 0.3)], &[], 0.01);
+    assert!(!found.warnings.iter().any(Warning::doubts_residual), "{:?}", found.warnings);
 }
