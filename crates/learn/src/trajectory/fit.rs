@@ -5,9 +5,9 @@
 //! than its segments (it drifts or is unstable) stays segmented.
 
 use crate::decisions::{
-    BUDGET_BASE, BUDGET_FACTOR, CHAIN_MINIMUM, CHANCE_OF_NOISE, DRIFT, FINE_MINIMUM, FIRST_NOISE, HOP_GAIN,
-    HOPELESS, HOPS, LIKELIHOOD_GAIN, REFIT_ITERATIONS, ROUGH_MINIMUM, SPOILED, STAGES, STRAIGHT_PROMISE,
-    TIGHTENING, TRIAL_MINIMUM, WHITE_EXCESS, WHITE_PART,
+    BUDGET_BASE, BUDGET_FACTOR, CHAIN_MINIMUM, DRIFT, FINE_MINIMUM, FIRST_NOISE, HOP_GAIN, HOPELESS, HOPS,
+    LIKELIHOOD_GAIN, REFIT_ITERATIONS, ROUGH_MINIMUM, SPOILED, STAGES, STRAIGHT_PROMISE, TIGHTENING,
+    TRIAL_MINIMUM, WHITE_EXCESS, WHITE_PART,
 };
 use crate::least_squares::{Limits, Normal};
 use crate::trajectory::noise::ColumnNoise;
@@ -163,9 +163,6 @@ impl<'a> Context<'a> {
     /// Whether a body that nearly rests at the start breaks away is a barrier of the cost, which start states that
     /// only outputs tell cannot cross. Tries the start of each single run at rest, and keeps a better minimum.
     pub(crate) fn with_starts_at_rest(&self, mut fit: Fit<'a>) -> Fit<'a> {
-        if fit.chance_of_noise() > CHANCE_OF_NOISE {
-            return fit;
-        }
         let runs = fit.problem.segments.iter().filter(|s| fit.pieces[s.record] == 1);
         let starts: Vec<(usize, usize)> = runs.map(|s| (s.record, s.start)).collect();
         for (record, start) in starts {

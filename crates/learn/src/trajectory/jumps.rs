@@ -40,13 +40,16 @@ impl Sample<'_> {
     pub(crate) fn miss(&self, miss: f64) -> Miss {
         let plain = Miss { amplitude: miss, timing: None };
         let after = self.jumps.partition_point(|j| j.time <= self.time);
-        let sides = [(after.checked_sub(1), -1.0), (Some(after), 1.0)];
+        // Of the events of all contacts those that this column shows.
+        let shown = |k: &usize| self.jumps[*k].by[self.output] != 0.0;
+        let before = (0..after).rev().find(shown).map(|k| (k, -1.0));
+        let behind = (after..self.jumps.len()).find(shown).map(|k| (k, 1.0));
         let mut best = (miss * miss / (self.noise * self.noise), plain);
-        for (k, sign) in sides.into_iter().filter_map(|(k, sign)| Some((k?, sign))) {
-            let Some(jump) = self.jumps.get(k) else { continue };
+        for (k, sign) in before.into_iter().chain(behind) {
+            let jump = &self.jumps[k];
             let other = sign * self.gain * jump.by[self.output];
             let late = jump.time - self.time;
-            let between = if other == 0.0 { 0.0 } else { (-miss / other).clamp(0.0, 1.0) };
+            let between = (-miss / other).clamp(0.0, 1.0);
             let (amplitude, timing) = if late.abs() <= 0.5 * self.step {
                 (miss + between * other, None)
             } else if between > 0.5 {
@@ -114,6 +117,15 @@ mod tests {
         assert_eq!(sample(&jumps, 1.5).miss(-4.05).amplitude, -4.05);
         // A small miss is noise, wherever it is.
         assert_eq!(sample(&jumps, 1.02).miss(0.1).amplitude, 0.1);
+    }
+
+    #[test]
+    fn an_event_of_another_contact_in_between_does_not_matter() {
+        let event = |time: f64, by: [f64; 2]| Jump { time, by: by.to_vec(), moves: vec![] };
+        let jumps = [event(1.001, [0.0, 7.0]), event(1.002, [-4.0, 0.0]), event(1.02, [0.0, 7.0])];
+        // The model jumps from 2 to -2 right after the sample, the reading is -2 already.
+        assert!((sample(&jumps, 1.0).miss(2.0 + 2.05).amplitude - 0.05).abs() < 1e-12);
+        assert!((sample(&jumps, 1.003).miss(-2.0 - 2.05).amplitude + 0.05).abs() < 1e-12);
     }
 
     #[test]
