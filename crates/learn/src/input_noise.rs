@@ -67,12 +67,9 @@ pub(crate) struct InputNoiseEffect {
 /// What noise of its inputs does to the numbers of a fit.
 pub(crate) fn effect(fit: &Fit<'_>, numbers: &[Number]) -> InputNoiseEffect {
     let Some(inputs) = inputs(fit) else { return InputNoiseEffect::default() };
-    let Some(steps) = steps(fit).filter(|steps| steps.len() > 1) else { return InputNoiseEffect::default() };
-    let count = steps.len() as f64;
-    let mean = |k: usize| steps.iter().map(|s| s[k]).sum::<f64>() / count;
-    let variance = |k: usize| steps.iter().map(|s| (s[k] - mean(k)).powi(2)).sum::<f64>() / (count - 1.0);
+    let Some(Steps { mean, variance, count }) = Steps::new(fit) else { return InputNoiseEffect::default() };
     let told = |(k, number, error): &Number| {
-        let (mean, scatter) = (mean(*k), variance(*k));
+        let (mean, scatter) = (mean[*k], variance[*k]);
         let error = error.hypot(scatter.sqrt());
         // What the draws differ by is no bias.
         let clear = mean.abs() > HALF_WIDTH_95 * (scatter / count).sqrt();
@@ -81,7 +78,34 @@ pub(crate) fn effect(fit: &Fit<'_>, numbers: &[Number]) -> InputNoiseEffect {
     };
     let moved: Vec<Bias> = numbers.iter().filter_map(told).collect();
     let warning = (!moved.is_empty()).then_some(Warning::InputNoise { inputs, moved });
-    InputNoiseEffect { variance: (0..fit.x.len()).map(variance).collect(), warning }
+    InputNoiseEffect { variance, warning }
+}
+
+/// The variance that noise of inputs adds to each unknown of a fit; `None` where no input has noise.
+pub(crate) fn variance(fit: &Fit<'_>) -> Option<Vec<f64>> {
+    inputs(fit)?;
+    Steps::new(fit).map(|steps| steps.variance)
+}
+
+/// How as much noise once more moves the unknowns: over all draws.
+struct Steps {
+    mean: Vec<f64>,
+    variance: Vec<f64>,
+    /// Number of draws.
+    count: f64,
+}
+
+impl Steps {
+    /// `None` with less than two draws.
+    fn new(fit: &Fit<'_>) -> Option<Steps> {
+        let all = steps(fit).filter(|steps| steps.len() > 1)?;
+        let count = all.len() as f64;
+        let mean: Vec<f64> =
+            (0..fit.x.len()).map(|k| all.iter().map(|s| s[k]).sum::<f64>() / count).collect();
+        let of = |k: usize| all.iter().map(|s| (s[k] - mean[k]).powi(2)).sum::<f64>() / (count - 1.0);
+        let variance = (0..fit.x.len()).map(of).collect();
+        Some(Steps { mean, variance, count })
+    }
 }
 
 /// How each draw of as much noise once more moves the unknowns.

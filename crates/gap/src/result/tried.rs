@@ -75,7 +75,7 @@ impl fmt::Display for WhyNot {
             WhyNot::NotSeen => {
                 f.write_str("along these records it does nothing that start states and free numbers do not")
             }
-            WhyNot::OutOfBounds => f.write_str("it would need numbers outside of its bounds"),
+            WhyNot::OutOfBounds => f.write_str("it fits only with parameters outside their bounds"),
             WhyNot::NotFinite => f.write_str("its force is not finite along these records"),
         }
     }

@@ -9,7 +9,7 @@ use crate::trajectory::fit::{Context, Fit};
 use crate::trajectory::initial::Regression;
 use crate::trajectory::problem::Problem;
 use crate::trajectory::report::report;
-use crate::trajectory::select::{Selection, rivals, select};
+use crate::trajectory::select::{Selection, rivals, select, without_noise_of_inputs};
 use phisindy_phys::spec::{Role, SegmentsSpec, SelectionSpec};
 use phisindy_phys::{Case, Record, System};
 use std::ops::ControlFlow;
@@ -39,15 +39,16 @@ pub(crate) fn by_trajectory(
         stopped
     };
     let chosen = case.learn.selection.unwrap_or(SelectionSpec::Auto);
-    let Selection { fit, path } =
-        start(&context, &all, &regression, chosen == SelectionSpec::Auto, &mut hear)?;
+    let auto = chosen == SelectionSpec::Auto;
+    let Selection { fit, path } = start(&context, &all, &regression, auto, &mut hear)?;
     let Selection { fit, path } = match chosen {
         SelectionSpec::Auto => Selection { fit, path },
         SelectionSpec::All => Selection { fit: with_all_terms(&context, fit, &all), path },
         SelectionSpec::Cutoff(cutoff) => cut_off(&context, with_all_terms(&context, fit, &all), cutoff),
     };
+    let fit = if auto { without_noise_of_inputs(&context, fit, &all) } else { fit };
     stopped |= observe(0.9).is_break();
-    let near = if chosen == SelectionSpec::Auto { rivals(&context, &fit, &all) } else { vec![] };
+    let near = if auto { rivals(&context, &fit, &all) } else { vec![] };
     let alternative =
         near.first().and_then(|(terms, worse)| alternative(system, &fit.problem.terms, terms, *worse));
     let stop_reason = if stopped { StopReason::Interrupted } else { StopReason::Finished };

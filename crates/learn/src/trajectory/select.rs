@@ -9,9 +9,11 @@ use crate::decisions::{
     HOPELESS, INSISTENT_RISE, NEW_PAIR, NEW_PART, PRACTICAL_SHARE, RIVAL, RIVAL_REACH, RIVALS,
     SELECTION_ROUNDS, TRIED_CHANGES,
 };
+use crate::input_noise;
 use crate::least_squares::Normal;
 use crate::linear::covariance;
 use crate::result::identified::PathPoint;
+use crate::trajectory::error_bars::ErrorBars;
 use crate::trajectory::fit::{Context, Fit};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -347,6 +349,26 @@ fn scores<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<u
         }
     }
     out
+}
+
+/// The fit without the terms that noise of inputs explains. It moves the coefficients beside the noise of the columns,
+/// so a term is worth its price only where its coefficient is large against both.
+pub(crate) fn without_noise_of_inputs<'a>(context: &Context<'a>, mut fit: Fit<'a>, all: &[usize]) -> Fit<'a> {
+    while fit.problem.terms.len() > 1 {
+        let Some(added) = input_noise::variance(&fit) else { break };
+        let (k, bars) = (fit.problem.terms.len(), ErrorBars::new(&fit));
+        let rise = |i: usize| fit.x[i] * fit.x[i] / (bars.error(i).powi(2) + added[i]);
+        let Some(least) = (0..k).min_by(|&a, &b| rise(a).total_cmp(&rise(b))) else { break };
+        let saved = price(k, all.len(), fit.effective) - price(k - 1, all.len(), fit.effective);
+        if rise(least) >= saved {
+            break;
+        }
+        let gone = fit.problem.terms[least];
+        let terms: Vec<usize> = fit.problem.terms.iter().copied().filter(|t| *t != gone).collect();
+        let Some(next) = context.refit(&fit, &terms) else { break };
+        fit = context.resettle(next);
+    }
+    fit
 }
 
 /// A term that is a negligible part of the unknown rate of its state, if there is one; the smallest.
