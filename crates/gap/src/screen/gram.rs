@@ -3,6 +3,44 @@
 use crate::decisions::DEGENERATE;
 use faer::Mat;
 use faer::linalg::solvers::Solve;
+use phisindy_expr::wide;
+
+/// Rows of a block: its columns stay in the first caches.
+const BLOCK: usize = 512;
+/// Partial sums of a product.
+const LANES: usize = 8;
+
+/// The inner products of columns of equal length: rows are those of `a`, columns those of `b`. For a few columns of `b`,
+/// of which a general product of matrices makes a wide one.
+pub(super) fn products(a: &[&[f64]], b: &[&[f64]]) -> Mat<f64> {
+    let rows = a.iter().chain(b).map(|column| column.len()).next().unwrap_or(0);
+    let mut sums = vec![[0.0; LANES]; a.len() * b.len()];
+    for first in (0..rows).step_by(BLOCK) {
+        let block = first..(first + BLOCK).min(rows);
+        wide(
+            #[inline(always)]
+            || {
+                for (i, a) in a.iter().enumerate() {
+                    for (b, sum) in b.iter().zip(&mut sums[i * b.len()..]) {
+                        add_products(&a[block.clone()], &b[block.clone()], sum);
+                    }
+                }
+            },
+        );
+    }
+    Mat::from_fn(a.len(), b.len(), |i, j| sums[i * b.len() + j].iter().sum())
+}
+
+#[inline(always)]
+fn add_products(a: &[f64], b: &[f64], sum: &mut [f64; LANES]) {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    let mut own = *sum;
+    for (a, b) in a.iter().zip(b) {
+        (0..LANES).for_each(|k| own[k] += a[k] * b[k]);
+    }
+    a_rest.iter().zip(b_rest).enumerate().for_each(|(k, (a, b))| own[k] += a * b);
+    *sum = own;
+}
 
 /// Gain and coefficients of a regression of column 0 on the columns `at` of a projected Gram matrix.
 pub(super) fn solve(gram: &Mat<f64>, at: &[usize]) -> Option<(f64, Vec<f64>)> {

@@ -13,7 +13,6 @@ use phisindy_phys::System;
 
 /// The columns of an effect for one combination of grid values.
 pub(super) struct Trial {
-    pub(super) regressors: usize,
     pub(super) effect: Effect,
     pub(super) grid: Vec<f64>,
     /// Responses as rows, for each column.
@@ -22,7 +21,6 @@ pub(super) struct Trial {
 
 /// Offset, gain or delay of the sensors of some columns.
 pub(super) fn sensor_trials(
-    regressors: usize,
     effect: &Effect,
     columns: &[usize],
     data: &[RegressionData],
@@ -33,13 +31,12 @@ pub(super) fn sensor_trials(
         _ => 2,
     };
     let column = data.iter().flat_map(|g| g.sensor(columns, which)).collect();
-    vec![Trial { regressors, effect: effect.clone(), grid: vec![], columns: vec![column] }]
+    vec![Trial { effect: effect.clone(), grid: vec![], columns: vec![column] }]
 }
 
 /// Gain or delay of inputs: what a small change of it does to the rates and to the outputs. The number of a delay is that
 /// of the record, so that a positive one acts early.
 pub(super) fn input_trials(
-    regressors: usize,
     effect: &Effect,
     inputs: &[usize],
     system: &System,
@@ -77,12 +74,11 @@ pub(super) fn input_trials(
         data.add_to_outputs(&mut rows, &|output| shown.get(output).map(Vec::as_slice));
         column.extend(rows);
     }
-    vec![Trial { regressors, effect: effect.clone(), grid: vec![], columns: vec![column] }]
+    vec![Trial { effect: effect.clone(), grid: vec![], columns: vec![column] }]
 }
 
 /// A force law over its grid.
 pub(super) fn force_trials(
-    index: usize,
     effect: &Effect,
     regressors: &Regressors,
     system: &System,
@@ -98,7 +94,7 @@ pub(super) fn force_trials(
                 memory.iter_mut().map(|of| std::mem::take(&mut of[lane])).collect();
             let columns = program.columns(effect, system, data, grid, &memory);
             if columns.iter().flatten().all(|x| x.abs() < LARGEST) {
-                all.push(Trial { regressors: index, effect: effect.clone(), grid: grid.clone(), columns });
+                all.push(Trial { effect: effect.clone(), grid: grid.clone(), columns });
             }
         }
     }
