@@ -12,7 +12,7 @@ pub(crate) use refine::refitted;
 pub(crate) use task::Search;
 
 use crate::decisions::{
-    FAMILY_ROUNDS, FAR_OFF, FITTED_IN_FULL, MORE_STARTS, MOST_EFFECTS, ON_THE_WAY, RACE, REPEATS, RICHER,
+    EXPLAINED, FAMILY_ROUNDS, FAR_OFF, FITTED_IN_FULL, MORE_STARTS, MOST_EFFECTS, ON_THE_WAY, RACE, REPEATS, RICHER,
     RIVALS, SEARCHES_AGAIN, SHRINKS, SIMPLER, WEAK_ROUND, WORTH, WORTH_STARTS,
 };
 use crate::evidence::against;
@@ -451,9 +451,17 @@ impl Search<'_> {
 
     /// Fits models, each given with its segment cost; failed fits are dropped.
     fn fitted(&self, models: Vec<(f64, TrialModel)>, candidates: usize) -> Vec<(f64, Fitted)> {
-        let fit =
-            |(cost, m): (f64, TrialModel)| Some((cost, Fitted::new(m, self.noise, Effort::Plain).ok()?));
-        let mut all: Vec<(f64, Fitted)> = models.into_par_iter().filter_map(fit).collect();
+        let fit = |models: Vec<(f64, TrialModel)>, effort: Effort| -> Vec<(f64, Fitted)> {
+            let fit = |(cost, m)| Some((cost, Fitted::new(m, self.noise, effort).ok()?));
+            models.into_par_iter().filter_map(fit).collect()
+        };
+        // Laws with memory take most of the time, so the others go first: beside one that explains the records a law
+        // that leaves more even on segments need not be fitted to the end.
+        let (slow, fast): (Vec<_>, Vec<_>) = models.into_iter().partition(|(_, m)| m.remembers());
+        let mut all = fit(fast, Effort::Plain);
+        let explained = all.iter().any(|(_, f)| f.score.explains());
+        let rival = Effort::Rival { most: EXPLAINED * EXPLAINED };
+        all.extend(fit(slow, if explained { rival } else { Effort::Plain }));
         all.retain(|(_, f)| f.score.fit.is_finite());
         let by = Measure::of(all.iter().map(|(_, f)| &f.score), candidates);
         all.sort_by(|(_, a), (_, b)| by.criterion(&a.score).total_cmp(&by.criterion(&b.score)));
@@ -516,6 +524,10 @@ fn one_or_two(
 
 /// Whether evidence rules out a model; notes the law and the reason.
 fn ruled_out(model: &Fitted, vetoed: &mut Vec<Vetoed>) -> bool {
+    // The numbers of a fit that was given up speak neither for it nor against it.
+    if model.cal.hopeless {
+        return false;
+    }
     let veto = model.model.effects.iter().find_map(|a| Some((&a.effect, against(model, &a.effect)?)));
     let Some((effect, why)) = veto else { return false };
     if !vetoed.iter().any(|v| v.law.law == effect.entry.id) {

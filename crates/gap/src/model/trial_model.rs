@@ -301,6 +301,11 @@ impl TrialModel {
         phisindy_learn::single_run_cost(&self.system, &self.records, &self.smooth, noise)
     }
 
+    /// Whether a law with memory was added.
+    pub(crate) fn remembers(&self) -> bool {
+        self.effects.iter().any(|a| a.effect.entry.law.has_memory())
+    }
+
     /// Number of Fit records.
     pub(crate) fn fit_records(&self) -> usize {
         self.records.iter().filter(|r| r.role == Role::Fit).count()

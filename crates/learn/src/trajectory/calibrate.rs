@@ -40,6 +40,8 @@ pub struct Calibration {
     pub records: Vec<RecordFit>,
     /// Segments of the record that has most: 1 unless no single run can be simulated.
     pub segments: usize,
+    /// Whether the fit was given up as [`Effort::Rival`] says.
+    pub hopeless: bool,
 }
 
 /// Fits what may move in `system` (its parameters, sensors and start states; no dictionary) to the Fit records,
@@ -59,17 +61,24 @@ pub fn calibrate(
     effort: Effort,
 ) -> Result<Calibration, ModelError> {
     let samples: usize = records.iter().filter(|r| r.role == Role::Fit).map(Record::readings).sum();
-    let setup = Setup::new(records, smooth, noise);
-    let (Stage { problem, mut x, .. }, segmented) = match stages(system, &setup, effort, samples) {
+    let mut setup = Setup::new(records, smooth, noise);
+    let effort = match effort {
+        Effort::Rival { most } => {
+            setup.most = most * samples as f64;
+            Effort::Plain
+        }
+        other => other,
+    };
+    let (Stage { problem, mut x, hopeless, .. }, segmented) = match stages(system, &setup, effort, samples) {
         Ok(ends) => ends,
         // No single run can be simulated: fit segments instead.
         Err(_) if effort != Effort::Plain => return calibrate(system, records, smooth, noise, Effort::Plain),
         Err(e) => return Err(e),
     };
     let weights = problem.weights(&setup.noise, None);
-    if problem.segments.len() == setup.fitted.len() {
+    if problem.segments.len() == setup.fitted.len() && !hopeless {
         match effort {
-            Effort::Plain => from_other_starts(&setup, &problem, &mut x, &weights, samples, segmented),
+            Effort::Plain | Effort::Rival { .. } => from_other_starts(&setup, &problem, &mut x, &weights, samples, segmented),
             Effort::Thorough | Effort::Errors => from_nearby(&problem, &mut x, &weights, samples),
         }
     }
@@ -92,6 +101,7 @@ pub fn calibrate(
         parameters,
         records: replays,
         segments: fit.most_pieces(),
+        hopeless,
     })
 }
 
@@ -172,6 +182,8 @@ struct Stage<'a> {
     problem: Problem<'a>,
     x: Vec<f64>,
     cost: f64,
+    /// Whether longer segments cannot miss as little as is asked for.
+    hopeless: bool,
 }
 
 impl<'a> Stage<'a> {
@@ -207,13 +219,16 @@ impl<'a> Stage<'a> {
         let weights = problem.weights(noise, None);
         // Smaller gains of the likelihood decide nothing.
         let least = LIKELIHOOD_GAIN / samples.max(1) as f64;
+        // A run along several segments is a run along each of them, so it misses no less.
+        let hopeless = before.is_some_and(|b| b.hopeless || b.cost > setup.most);
         let limits = match (pieces == 1, effort) {
             (true, Effort::Plain) => Limits { far: far(samples), ..Limits::new(SINGLE_ITERATIONS, least) },
             (true, _) => Limits::new(SINGLE_ITERATIONS, least),
             (false, _) => Limits::of(SEGMENTS_MINIMUM),
         };
+        let limits = Limits { hopeless: if hopeless { 0.0 } else { limits.hopeless }, ..limits };
         let cost = problem.minimise(&mut x, &weights, limits)?.cost;
-        Ok(Stage { problem, x, cost })
+        Ok(Stage { problem, x, cost, hopeless })
     }
 }
 
@@ -329,10 +344,16 @@ fn nearby(
 }
 
 /// How hard to try.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Effort {
     /// One fit, through shorter segments to single runs.
     Plain,
+    /// The same for a rival of a model that explains the records. Where its segments leave more, its single runs do too:
+    /// they get a few steps, so that it is known how far behind they are.
+    Rival {
+        /// chi^2 per sample of segments from which on it is hopeless.
+        most: f64,
+    },
     /// From the start values and, if that leaves more than noise, from starts near its end: for a model that
     /// was fitted before.
     Thorough,
@@ -396,6 +417,8 @@ struct Setup<'a> {
     fitted: Vec<&'a Record>,
     noise: Noise,
     smooth: Vec<Record>,
+    /// chi^2 of segments from which on a fit is hopeless.
+    most: f64,
 }
 
 impl<'a> Setup<'a> {
@@ -414,6 +437,7 @@ impl<'a> Setup<'a> {
             fitted: of.iter().map(|&r| &records[r]).collect(),
             noise: of.iter().map(|&r| row(r)).collect(),
             smooth: of.iter().map(|&r| smooth[r].clone()).collect(),
+            most: f64::INFINITY,
         }
     }
 }
