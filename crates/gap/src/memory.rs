@@ -25,9 +25,7 @@ pub(crate) fn internal_states<const N: usize>(
         motion(i, &mut scratch);
         now.iter().enumerate().for_each(|(j, z)| *scratch.input(first + j) = *z);
         scratch.run();
-        at.iter_mut()
-            .enumerate()
-            .for_each(|(j, at)| *at = (*scratch.output(j), *scratch.output(count + j)));
+        at.iter_mut().enumerate().for_each(|(j, at)| *at = (*scratch.output(j), *scratch.output(count + j)));
         let h = time[i + 1] - time[i];
         for (j, (rate, slope)) in at.iter().enumerate() {
             let next = std::array::from_fn(|lane| {
@@ -129,6 +127,41 @@ impl TrialModel {
         }
         for (state, size) in self.system.states[first..].iter_mut().zip(largest) {
             state.memory = (size > 0.0 && size.is_finite()).then_some(size);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use phisindy_expr::{Graph, Names, parse};
+
+    /// Each lane runs as it would alone, bit by bit, and ends where its rate vanishes: an elastic contact that slides at
+    /// the deflection 1/k.
+    #[test]
+    fn lanes_do_not_know_of_each_other() {
+        let (mut graph, mut names) = (Graph::default(), Names::default());
+        let text = parse("v*(1 - (pos(z*sgn(v))*k)^20)").unwrap();
+        let rate = graph.lower(&text, |name| Some(names.intern(name))).unwrap();
+        let inputs = ["v", "k", "z"].map(|name| graph.symbol(names.get(name).unwrap()));
+        let slope = graph.gradient(rate, &inputs[2..])[0];
+        let tape = Tape::compile(&graph, &inputs, &[rate, slope]).unwrap();
+        let time: Vec<f64> = (0..400).map(|i| 0.02 * f64::from(i)).collect();
+        let speed = |i: usize| (0.02 * i as f64).cos();
+        let k = |lane: usize| 0.5 + 4.0 * lane as f64;
+        let all = internal_states::<4>(&tape, (2, 1), &time, &mut |i, scratch| {
+            *scratch.input(0) = [speed(i); 4];
+            *scratch.input(1) = std::array::from_fn(k);
+        });
+        for (lane, own) in all.iter().enumerate() {
+            let alone = internal_states::<1>(&tape, (2, 1), &time, &mut |i, scratch| {
+                (scratch.input(0)[0], scratch.input(1)[0]) = (speed(i), k(lane));
+            });
+            assert_eq!(own[0], alone[0][0], "{lane}");
+            let most = own[0].iter().fold(0.0_f64, |most, z| most.max(z.abs()));
+            // The first lane never slides.
+            let due = (1.0 / k(lane)).min(1.0);
+            assert!((most / due - 1.0).abs() < 0.02, "{lane} {most} {due}");
         }
     }
 }

@@ -411,12 +411,7 @@ fn seeded(
 }
 
 /// Start values of a law from coefficients and grid values; `None` outside its bounds.
-fn start(
-    law: &Law,
-    regressors: Option<&Regressors>,
-    coefficients: &[f64],
-    grid: &[f64],
-) -> Option<Vec<f64>> {
+fn start(law: &Law, regressors: Option<&Regressors>, coefficients: &[f64], grid: &[f64]) -> Option<Vec<f64>> {
     let values = match regressors {
         Some(regressors) => regressors.parameters(coefficients, grid)?,
         None => match law.property() {

@@ -95,3 +95,25 @@ pub(super) fn projected(gram: &Mat<f64>, fixed: usize) -> Projected {
     let kept = (0..rest.len()).map(|k| left[(k, k)] > DEGENERATE * own[(k, k)]).collect();
     Projected { gram: left, kept, follow }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// More rows than a block, and some that fill no lanes.
+    #[test]
+    fn products_are_sums_over_all_rows() {
+        let column = |k: usize| (0..2 * BLOCK + 13).map(|i| ((i * (k + 3)) as f64).sin()).collect();
+        let all: Vec<Vec<f64>> = (0..5).map(column).collect();
+        let all: Vec<&[f64]> = all.iter().map(Vec::as_slice).collect();
+        let (a, b) = all.split_at(3);
+        let found = products(a, b);
+        assert_eq!((found.nrows(), found.ncols()), (3, 2));
+        for (i, a) in a.iter().enumerate() {
+            for (j, b) in b.iter().enumerate() {
+                let due: f64 = a.iter().zip(*b).map(|(a, b)| a * b).sum();
+                assert!((found[(i, j)] - due).abs() < 1e-9, "{i} {j}");
+            }
+        }
+    }
+}

@@ -20,11 +20,7 @@ pub(super) struct Trial {
 }
 
 /// Offset, gain or delay of the sensors of some columns.
-pub(super) fn sensor_trials(
-    effect: &Effect,
-    columns: &[usize],
-    data: &[RegressionData],
-) -> Vec<Trial> {
+pub(super) fn sensor_trials(effect: &Effect, columns: &[usize], data: &[RegressionData]) -> Vec<Trial> {
     let which = match effect.entry.law.sensor.as_deref() {
         Some("offset") => 0,
         Some("gain") => 1,

@@ -60,8 +60,23 @@ pub fn calibrate(
     noise: &[Vec<f64>],
     effort: Effort,
 ) -> Result<Calibration, ModelError> {
+    calibrate_from(None, system, records, smooth, noise, effort)
+}
+
+/// As [`calibrate`], from where a fit over segments of the same model and records has ended.
+///
+/// # Errors
+/// As [`calibrate`].
+pub fn calibrate_from(
+    segments: Option<&SegmentFit>,
+    system: &System,
+    records: &[Record],
+    smooth: &[Record],
+    noise: &[Vec<f64>],
+    effort: Effort,
+) -> Result<Calibration, ModelError> {
     let samples: usize = records.iter().filter(|r| r.role == Role::Fit).map(Record::readings).sum();
-    let mut setup = Setup::new(records, smooth, noise);
+    let mut setup = Setup { begun: segments, ..Setup::new(records, smooth, noise) };
     let effort = match effort {
         Effort::Rival { most } => {
             setup.most = most * samples as f64;
@@ -78,7 +93,9 @@ pub fn calibrate(
     let weights = problem.weights(&setup.noise, None);
     if problem.segments.len() == setup.fitted.len() && !hopeless {
         match effort {
-            Effort::Plain | Effort::Rival { .. } => from_other_starts(&setup, &problem, &mut x, &weights, samples, segmented),
+            Effort::Plain | Effort::Rival { .. } => {
+                from_other_starts(&setup, &problem, &mut x, &weights, samples, segmented)
+            }
             Effort::Thorough | Effort::Errors => from_nearby(&problem, &mut x, &weights, samples),
         }
     }
@@ -142,7 +159,7 @@ fn from_other_starts(
     if let Some(start) = on_the_data(problem, x, &setup.noise, &setup.smooth) {
         try_start(problem, x, weights, samples, start);
     }
-    let misses = problem.normal(x, weights).is_ok_and(|n| n.cost > MISFIT * samples as f64);
+    let misses = problem.cost(x, weights).is_ok_and(|cost| cost > MISFIT * samples as f64);
     let joined = segmented.filter(|_| misses).and_then(|s| step_by_step(problem.system, setup, samples, s));
     if let Some(start) = joined {
         try_start(problem, x, weights, samples, start);
@@ -204,6 +221,9 @@ impl<'a> Stage<'a> {
             problem.tolerance = tolerance(&problem, noise);
         }
         let mut x = problem.guess(&[], None, starts);
+        if let Some(begun) = setup.begun.filter(|begun| pieces == STAGES[0] && begun.x.len() == x.len()) {
+            x.copy_from_slice(&begun.x);
+        }
         if let Some(before) = before {
             transfer(&before.problem, &before.x, &problem, &mut x);
             // Start states too: short segments find them near the data, wherever the guess came from.
@@ -284,18 +304,18 @@ fn try_start(
     samples: usize,
     start: Vec<f64>,
 ) {
-    let Ok(now) = problem.normal(x, weights) else { return };
-    if now.cost < MISFIT * samples as f64 {
+    let Ok(now) = problem.cost(x, weights) else { return };
+    if now < MISFIT * samples as f64 {
         return;
     }
     let mut other = start;
-    match problem.normal(&other, weights) {
-        Ok(there) if there.cost < RESTART_PROMISE * now.cost => {}
+    match problem.cost(&other, weights) {
+        Ok(there) if there < RESTART_PROMISE * now => {}
         _ => return,
     }
     let limits = Limits { far: far(samples), ..Limits::of(RESTART_MINIMUM) };
     let end = problem.minimise(&mut other, weights, limits);
-    if end.is_ok_and(|end| end.cost < now.cost) {
+    if end.is_ok_and(|end| end.cost < now) {
         *x = other;
     }
 }
@@ -361,6 +381,14 @@ pub enum Effort {
     Errors,
 }
 
+/// The end of the first iterations of a fit over many short segments.
+#[derive(Clone, Debug)]
+pub struct SegmentFit {
+    /// chi^2 per sample.
+    pub cost: f64,
+    x: Vec<f64>,
+}
+
 /// chi^2 per sample of the Fit records over many short segments, after a few iterations of a fit. `None` if the
 /// model cannot be simulated. Ranks trials: those far behind need no full fit. Only every `stride`-th segment
 /// counts; 1 uses all of them.
@@ -371,6 +399,17 @@ pub fn segment_cost(
     noise: &[Vec<f64>],
     stride: usize,
 ) -> Option<f64> {
+    segment_fit(system, records, smooth, noise, stride).map(|fit| fit.cost)
+}
+
+/// As [`segment_cost`], with its end: with all segments, a full fit goes on from there.
+pub fn segment_fit(
+    system: &System,
+    records: &[Record],
+    smooth: &[Record],
+    noise: &[Vec<f64>],
+    stride: usize,
+) -> Option<SegmentFit> {
     let Setup { fitted, noise, smooth: starts, .. } = Setup::new(records, smooth, noise);
     let mut problem = Problem::new(system, &[], &fitted, &vec![STAGES[0]; fitted.len()]).ok()?;
     let mut k = 0;
@@ -391,16 +430,16 @@ pub fn single_run_cost(
 ) -> Option<f64> {
     let Setup { fitted, noise, smooth: starts, .. } = Setup::new(records, smooth, noise);
     let problem = Problem::new(system, &[], &fitted, &vec![1; fitted.len()]).ok()?;
-    cost_after_few_iterations(problem, &noise, &starts, QUICK_SINGLE)
+    cost_after_few_iterations(problem, &noise, &starts, QUICK_SINGLE).map(|fit| fit.cost)
 }
 
-/// chi^2 per sample after a few iterations.
+/// A few iterations.
 fn cost_after_few_iterations(
     mut problem: Problem<'_>,
     noise: &Noise,
     starts: &[Record],
     minimum: [f64; 2],
-) -> Option<f64> {
+) -> Option<SegmentFit> {
     problem.budget = Some(budget(&problem));
     problem.tolerance = tolerance(&problem, noise);
     let mut x = problem.guess(&[], None, starts);
@@ -409,12 +448,14 @@ fn cost_after_few_iterations(
     let columns = |r: usize| problem.records[r].columns.iter().flatten().count();
     let samples: usize =
         problem.segments.iter().map(|s| (s.samples.1 - s.samples.0) * columns(s.record)).sum();
-    Some(normal.cost / samples.max(1) as f64)
+    Some(SegmentFit { cost: normal.cost / samples.max(1) as f64, x })
 }
 
 /// The Fit records with their noise.
 struct Setup<'a> {
     fitted: Vec<&'a Record>,
+    /// A fit over the segments of the first stage.
+    begun: Option<&'a SegmentFit>,
     noise: Noise,
     smooth: Vec<Record>,
     /// chi^2 of segments from which on a fit is hopeless.
@@ -438,6 +479,7 @@ impl<'a> Setup<'a> {
             noise: of.iter().map(|&r| row(r)).collect(),
             smooth: of.iter().map(|&r| smooth[r].clone()).collect(),
             most: f64::INFINITY,
+            begun: None,
         }
     }
 }
