@@ -19,10 +19,10 @@ use crate::place::{Effect, Site, fits, known_forces, needs};
 use crate::result::{NotTried, WhyNot};
 use faer::Mat;
 use free_columns::{FreeColumns, Movable};
-use gram::{Projected, projected, solve};
+use gram::{Projected, products, projected, solve};
 use phisindy_learn::Calibration;
 use phisindy_phys::spec::Role;
-use phisindy_phys::{LawEntry, LawRole};
+use phisindy_phys::{Law, LawEntry, LawRole};
 use rayon::prelude::*;
 use regression_data::{Base, RegressionData};
 use regressors::{Regressors, Scale};
@@ -50,9 +50,11 @@ pub(crate) struct Candidate {
 pub(crate) struct Screening {
     /// Sorted by gain minus the price of the parameters, best first.
     pub(crate) candidates: Vec<Candidate>,
-    gram: Mat<f64>,
-    /// Regression coefficients of all other columns on the columns that were projected out.
-    follow: Mat<f64>,
+    /// The target, the columns that are projected out (`fixed` with the target), and those of the candidates.
+    columns: Mat<f64>,
+    fixed: usize,
+    /// Samples that a row stands for.
+    stride: f64,
     movable: Vec<Movable>,
     regressors: Vec<Option<Regressors>>,
     /// Laws of the catalogue without a candidate.
@@ -77,80 +79,43 @@ pub(crate) fn screen(
         of.iter().map(|&r| base.data(model, r, fitted, noise, stride)).collect::<Option<_>>()?;
     // The columns that are projected out, and the target.
     let FreeColumns { all: fixed, movable, .. } = FreeColumns::new(&base, model, &of, &data);
-    let free = Free::new(&fixed);
+    let free = Free::new(&fixed, &movable, stride as f64);
     let effects = effects(model, catalogue);
-    let made: Vec<(Option<Regressors>, Vec<Trial>)> = effects
+    let screened: Vec<Screened> = effects
         .par_iter()
-        .enumerate()
-        .map(|(k, effect)| match &effect.place.site {
+        .map(|effect| match &effect.place.site {
             Site::Sensor(names) => {
                 let columns: Vec<usize> = names.iter().filter_map(|name| system.column(name)).collect();
-                (None, sensor_trials(k, effect, &columns, &data))
+                free.screened(sensor_trials(effect, &columns, &data), None, &data)
             }
-            Site::Input(inputs) => (None, input_trials(k, effect, inputs, system, &data)),
+            Site::Input(inputs) => free.screened(input_trials(effect, inputs, system, &data), None, &data),
             Site::Force { .. } => match Regressors::new(effect, system) {
                 Some(regressors) => {
-                    let trials = force_trials(k, effect, &regressors, system, &data);
-                    let tone = regressors.grid.iter().any(|axis| axis.scale == Scale::Frequency);
-                    let trials = if tone { trials } else { leading(trials, &free, &regressors) };
-                    (Some(regressors), trials)
+                    let trials = force_trials(effect, &regressors, system, &data);
+                    free.screened(trials, Some(regressors), &data)
                 }
-                None => (None, vec![]),
+                None => free.screened(vec![], None, &data),
             },
         })
         .collect();
-    let mut columns: Vec<&[f64]> = fixed.iter().map(Vec::as_slice).collect();
-    let mut candidates = Vec::new();
-    for (_, trials) in &made {
-        for trial in trials {
-            let first = columns.len();
-            columns.extend(trial.columns.iter().map(Vec::as_slice));
-            candidates.push((trial, (first..columns.len()).collect::<Vec<usize>>()));
-        }
-    }
     let rows = fixed[0].len();
-    let matrix = Mat::from_fn(rows, columns.len(), |i, j| columns[j][i]);
-    let gram = matrix.transpose() * &matrix;
-    let gram = gram * faer::Scale(stride as f64);
-    let Projected { gram, kept, follow } = projected(&gram, fixed.len());
     let samples = (rows * stride) as f64;
-    let mut screening = Screening {
-        candidates: vec![],
-        gram,
-        follow,
-        movable,
-        regressors: vec![],
-        left_out: vec![],
-        samples,
-    };
-    let mut best: Vec<Vec<Candidate>> = vec![vec![]; effects.len()];
-    // Why the trials of an effect gave no candidate.
-    let mut why: Vec<Option<WhyNot>> =
-        made.iter().map(|(_, trials)| trials.is_empty().then_some(WhyNot::NotFinite)).collect();
-    for (trial, at) in candidates {
+    let left_out = left_out(model, catalogue, &effects, &screened);
+    let (mut columns, mut candidates, mut regressors) = (fixed.clone(), vec![], vec![]);
+    for (k, of) in screened.into_iter().enumerate() {
+        regressors.push(of.regressors);
+        let Some((candidate, own)) = of.best else { continue };
         // Column indices after projection: column 0 is the target, projected columns are gone.
-        let at: Vec<usize> = at.into_iter().map(|k| k - fixed.len() + 1).collect();
-        why[trial.regressors] = Some(WhyNot::NotSeen);
-        if at.iter().all(|&k| kept[k]) {
-            let regressors = made[trial.regressors].0.as_ref();
-            best[trial.regressors].extend(screening.candidate(trial, at, regressors));
-            why[trial.regressors] = Some(WhyNot::OutOfBounds);
-        }
+        let first = columns.len() - fixed.len() + 1;
+        let at = (first..first + own.len()).collect();
+        columns.extend(own);
+        candidates.push(Candidate { columns: at, regressors: k, ..candidate });
     }
-    screening.left_out = left_out(model, catalogue, &effects, &best, &why);
-    screening.regressors = made.into_iter().map(|(r, _)| r).collect();
-    screening.candidates = best
-        .into_iter()
-        .filter_map(|mut seeds| {
-            seeds.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-            let others = others(&seeds, screening.regressors[seeds.first()?.regressors].as_ref(), &data);
-            let first = seeds.into_iter().next()?;
-            Some(Candidate { others, ..first })
-        })
-        .collect();
     let price = |size: usize| size as f64 * samples.ln();
-    screening.candidates.sort_by(|a, b| (b.gain - price(b.size)).total_cmp(&(a.gain - price(a.size))));
-    Some(screening)
+    candidates.sort_by(|a: &Candidate, b| (b.gain - price(b.size)).total_cmp(&(a.gain - price(a.size))));
+    let (fixed, stride) = (fixed.len(), stride as f64);
+    let columns = Mat::from_fn(rows, columns.len(), |i, j| columns[j][i]);
+    Some(Screening { candidates, columns, fixed, stride, movable, regressors, left_out, samples })
 }
 
 /// The laws of the catalogue without a candidate at any place.
@@ -158,8 +123,7 @@ fn left_out(
     model: &TrialModel,
     catalogue: &[LawEntry],
     effects: &[Effect],
-    best: &[Vec<Candidate>],
-    why: &[Option<WhyNot>],
+    screened: &[Screened],
 ) -> Vec<NotTried> {
     let unknown = |entry: &LawEntry| {
         let mut system = model.system.clone();
@@ -174,10 +138,10 @@ fn left_out(
     let mut all = Vec::new();
     for entry in catalogue {
         let own: Vec<usize> = (0..effects.len()).filter(|&k| effects[k].entry.id == entry.id).collect();
-        if own.iter().any(|&k| !best[k].is_empty()) {
+        if own.iter().any(|&k| screened[k].best.is_some()) {
             continue;
         }
-        let reason = match (unknown(entry), own.iter().rev().find_map(|&k| why[k].clone())) {
+        let reason = match (unknown(entry), own.iter().rev().find_map(|&k| screened[k].why.clone())) {
             (Some(name), _) => WhyNot::UnknownName(name),
             (None, Some(why)) => why,
             (None, None) => WhyNot::NoPlace(needs(&entry.law)),
@@ -187,59 +151,104 @@ fn left_out(
     all
 }
 
-/// The columns that are projected out, after the target, and their Gram matrix.
-struct Free {
-    columns: Mat<f64>,
+/// An effect in regressions of its own.
+struct Screened {
+    regressors: Option<Regressors>,
+    /// The best of its trials with its columns, and the next ones.
+    best: Option<(Candidate, Vec<Vec<f64>>)>,
+    /// Why there is none.
+    why: Option<WhyNot>,
+}
+
+/// The target, the columns that are projected out, their Gram matrix, and the movable constants among them.
+struct Free<'a> {
+    columns: Vec<&'a [f64]>,
     gram: Mat<f64>,
+    movable: &'a [Movable],
+    /// Samples that a row stands for.
+    stride: f64,
 }
 
-impl Free {
-    fn new(columns: &[Vec<f64>]) -> Free {
-        let columns = Mat::from_fn(columns[0].len(), columns.len(), |i, j| columns[j][i]);
-        let gram = columns.transpose() * &columns;
-        Free { columns, gram }
+impl<'a> Free<'a> {
+    fn new(columns: &'a [Vec<f64>], movable: &'a [Movable], stride: f64) -> Free<'a> {
+        let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let gram = products(&columns, &columns);
+        Free { columns, gram, movable, stride }
     }
-}
 
-/// The trials of one law that explain most by themselves, if there are many.
-fn leading(trials: Vec<Trial>, free: &Free, regressors: &Regressors) -> Vec<Trial> {
-    if trials.len() <= GRID_KEPT {
-        return trials;
+    /// The regression of each trial of an effect beside the free columns. An effect that oscillates keeps all trials, of
+    /// any other one few may start a fit.
+    fn screened(
+        &self,
+        trials: Vec<Trial>,
+        regressors: Option<Regressors>,
+        data: &[RegressionData],
+    ) -> Screened {
+        let tone = regressors.iter().flat_map(|r| &r.grid).any(|axis| axis.scale == Scale::Frequency);
+        let few = !tone && trials.len() > GRID_KEPT;
+        let none = if trials.is_empty() { Err(WhyNot::NotFinite) } else { Err(WhyNot::NotSeen) };
+        let seeds: Vec<(Result<Candidate, WhyNot>, Trial)> =
+            trials.into_iter().map(|t| (self.candidate(&t, regressors.as_ref()), t)).collect();
+        // Of many where none is of use the first one tells why, of few the last one.
+        let teller = if few { seeds.first() } else { seeds.last() };
+        let why = teller.map_or(none, |(seed, _)| seed.clone()).err();
+        let mut seeds: Vec<(Candidate, Trial)> =
+            seeds.into_iter().filter_map(|(seed, t)| Some((seed.ok()?, t))).collect();
+        seeds.sort_by(|(a, _), (b, _)| b.gain.total_cmp(&a.gain));
+        if few {
+            seeds.truncate(GRID_KEPT);
+        }
+        let others = others(&seeds, regressors.as_ref(), data);
+        let first = seeds.into_iter().next();
+        let best = first.map(|(seed, trial)| (Candidate { others, ..seed }, trial.columns));
+        Screened { regressors, best, why }
     }
-    let gain = |trial: &Trial| {
-        let own = &trial.columns;
-        let (rows, fixed) = (free.columns.nrows(), free.gram.ncols());
-        let columns = Mat::from_fn(rows, own.len(), |i, j| own[j][i]);
-        let (cross, block) = (free.columns.transpose() * &columns, columns.transpose() * &columns);
-        let all = Mat::from_fn(fixed + own.len(), fixed + own.len(), |i, j| match (i < fixed, j < fixed) {
-            (true, true) => free.gram[(i, j)],
-            (true, false) => cross[(i, j - fixed)],
+
+    /// A trial as a candidate on its own.
+    ///
+    /// # Errors
+    /// The free columns explain what it does, or a parameter is outside the law's bounds.
+    fn candidate(&self, trial: &Trial, regressors: Option<&Regressors>) -> Result<Candidate, WhyNot> {
+        let own: Vec<&[f64]> = trial.columns.iter().map(Vec::as_slice).collect();
+        let all: Vec<&[f64]> = self.columns.iter().chain(&own).copied().collect();
+        let cross = products(&all, &own);
+        let fixed = self.columns.len();
+        let gram = Mat::from_fn(all.len(), all.len(), |i, j| match (i < fixed, j < fixed) {
+            (true, true) => self.gram[(i, j)],
+            (_, false) => cross[(i, j - fixed)],
             (false, true) => cross[(j, i - fixed)],
-            (false, false) => block[(i - fixed, j - fixed)],
         });
-        let Projected { gram, kept, .. } = projected(&all, fixed);
+        let Projected { gram, kept, follow } = projected(&gram, fixed);
         let at: Vec<usize> = (1..=own.len()).collect();
-        let (gain, coefficients) = solve(&gram, &at).filter(|_| at.iter().all(|&k| kept[k]))?;
-        seeded(&trial.effect, Some(regressors), &coefficients, &trial.grid).map(|_| gain)
-    };
-    let mut all: Vec<(f64, Trial)> =
-        trials.into_iter().map(|t| (gain(&t).unwrap_or(f64::NEG_INFINITY), t)).collect();
-    all.sort_by(|a, b| b.0.total_cmp(&a.0));
-    // Where none is of use, one of them tells why.
-    let useful = all.iter().filter(|(gain, _)| *gain > f64::NEG_INFINITY).count();
-    all.into_iter().take(useful.clamp(1, GRID_KEPT)).map(|(_, trial)| trial).collect()
+        if !at.iter().all(|&k| kept[k]) {
+            return Err(WhyNot::NotSeen);
+        }
+        let of = || {
+            let (gain, coefficients) = solve(&gram, &at)?;
+            let effect = seeded(&trial.effect, regressors, &coefficients, &trial.grid)?;
+            let beside = moved(self.movable, &follow, &at, &coefficients);
+            Some((self.stride * gain, Effect { beside, ..effect }))
+        };
+        let (gain, effect) = of().ok_or(WhyNot::OutOfBounds)?;
+        let (size, grid) = (trial.effect.entry.law.parameters.len(), trial.grid.clone());
+        Ok(Candidate { effect, gain, size, others: vec![], columns: vec![], grid, regressors: 0 })
+    }
 }
 
 /// Further starts of a law from its `seeds`, which are sorted best first. A law that oscillates keeps one
 /// start per spectral line: a body that sticks and slips responds at more lines than its drive has.
-fn others(seeds: &[Candidate], regressors: Option<&Regressors>, data: &[RegressionData]) -> Vec<Effect> {
+fn others(
+    seeds: &[(Candidate, Trial)],
+    regressors: Option<&Regressors>,
+    data: &[RegressionData],
+) -> Vec<Effect> {
     let tone = regressors.and_then(|r| r.grid.iter().position(|axis| axis.scale == Scale::Frequency));
     let Some(tone) = tone else {
-        return seeds.iter().skip(1).take(GRID_STARTS).map(|c| c.effect.clone()).collect();
+        return seeds.iter().skip(1).take(GRID_STARTS).map(|(c, _)| c.effect.clone()).collect();
     };
     let fine = data.iter().map(RegressionData::resolution).fold(0.0, f64::max);
     let mut kept: Vec<&Candidate> = Vec::new();
-    for seed in seeds {
+    for (seed, _) in seeds {
         if kept.iter().all(|k| (k.grid[tone] - seed.grid[tone]).abs() > fine) {
             kept.push(seed);
         }
@@ -248,45 +257,30 @@ fn others(seeds: &[Candidate], regressors: Option<&Regressors>, data: &[Regressi
 }
 
 impl Screening {
-    /// A trial as a candidate on its own. `at` are its columns in the projected Gram matrix. `None` where a
-    /// parameter is outside the law's bounds.
-    fn candidate(&self, trial: &Trial, at: Vec<usize>, regressors: Option<&Regressors>) -> Option<Candidate> {
-        let (gain, coefficients) = solve(&self.gram, &at)?;
-        let effect = seeded(&trial.effect, regressors, &coefficients, &trial.grid)?;
-        Some(Candidate {
-            effect: Effect { beside: self.beside(&at, &coefficients), ..effect },
-            gain,
-            size: trial.effect.entry.law.parameters.len(),
-            others: vec![],
-            columns: at,
-            grid: trial.grid.clone(),
-            regressors: trial.regressors,
-        })
-    }
-
     /// The best pairs of candidates by joint gain in the regression, minus `price` per parameter.
     pub(crate) fn pairs(&self, price: f64, count: usize) -> Vec<(Candidate, Candidate)> {
-        let mut all: Vec<(f64, Candidate, Candidate)> = Vec::new();
-        for (i, a) in self.candidates.iter().enumerate() {
-            for b in &self.candidates[i + 1..] {
-                if excludes(&a.effect, &b.effect) {
-                    continue;
-                }
-                let at: Vec<usize> = a.columns.iter().chain(&b.columns).copied().collect();
-                let mut distinct = at.clone();
-                distinct.sort_unstable();
-                distinct.dedup();
-                let Some((gain, coefficients)) = solve(&self.gram, &at) else { continue };
-                let (left, right) = coefficients.split_at(a.columns.len());
-                let (Some(mut one), Some(mut two)) = (self.reseeded(a, left), self.reseeded(b, right)) else {
-                    continue;
-                };
-                one.effect.beside = self.beside(&at, &coefficients);
-                two.effect.beside = one.effect.beside.clone();
-                all.push((gain - price * (a.size + b.size) as f64, one, two));
-            }
+        if count == 0 {
+            return vec![];
         }
-        all.sort_by(|x, y| y.0.total_cmp(&x.0));
+        let gram = self.columns.transpose() * &self.columns;
+        let Projected { gram, follow, .. } = projected(&(gram * faer::Scale(self.stride)), self.fixed);
+        let joint = |(i, k): (usize, usize)| -> Option<Pair> {
+            let (a, b) = (&self.candidates[i], &self.candidates[k]);
+            let at: Vec<usize> = a.columns.iter().chain(&b.columns).copied().collect();
+            let (gain, coefficients) = solve(&gram, &at)?;
+            let (left, right) = coefficients.split_at(a.columns.len());
+            self.start(a, left).zip(self.start(b, right))?;
+            Some(Pair { score: gain - price * (a.size + b.size) as f64, of: (i, k), at, coefficients })
+        };
+        let candidates = &self.candidates;
+        let mut all: Vec<Pair> = (0..candidates.len())
+            .into_par_iter()
+            .flat_map_iter(|i| {
+                let apart = move |&k: &usize| !excludes(&candidates[i].effect, &candidates[k].effect);
+                (i + 1..candidates.len()).filter(apart).filter_map(move |k| joint((i, k)))
+            })
+            .collect();
+        all.sort_by(|x, y| y.score.total_cmp(&x.score));
         // Smoothing errors favour rich laws, so each leading pair comes with the simpler relatives of its
         // parts.
         let simpler = |rich: &Candidate, plain: &Candidate| {
@@ -297,9 +291,9 @@ impl Screening {
         let leads = all.len().min(count);
         let mut chosen: Vec<usize> = (0..leads).collect();
         for lead in 0..leads {
-            let (a, b) = (&all[lead].1, &all[lead].2);
+            let (a, b) = self.parts(&all[lead]);
             chosen.extend((leads..all.len()).filter(|&k| {
-                let (c, d) = (&all[k].1, &all[k].2);
+                let (c, d) = self.parts(&all[k]);
                 let related = |x: &Candidate, y: &Candidate| x.effect.same(&y.effect) || simpler(x, y);
                 (related(a, c) && related(b, d)) || (related(a, d) && related(b, c))
             }));
@@ -309,26 +303,55 @@ impl Screening {
         let plain = |c: &Candidate| {
             self.candidates.iter().any(|r| simpler(r, c) && r.gain > PLAIN_GAIN * self.candidates[0].gain)
         };
-        chosen.extend((leads..all.len()).filter(|&k| plain(&all[k].1) || plain(&all[k].2)).take(count));
+        let plain: Vec<bool> = self.candidates.iter().map(plain).collect();
+        chosen.extend((leads..all.len()).filter(|&k| plain[all[k].of.0] || plain[all[k].of.1]).take(count));
         chosen.sort_unstable();
         chosen.dedup();
-        chosen.into_iter().map(|k| (all[k].1.clone(), all[k].2.clone())).collect()
+        chosen.into_iter().filter_map(|k| self.started(&all[k], &follow)).collect()
     }
 
-    /// Values of the movable constants when columns `at` enter with these coefficients, from the joint
-    /// regression.
-    fn beside(&self, at: &[usize], coefficients: &[f64]) -> Vec<(String, f64)> {
-        let of = |m: &Movable| {
-            let taken: f64 = at.iter().zip(coefficients).map(|(&k, c)| c * self.follow[(m.row, k)]).sum();
-            (m.name.clone(), m.now + self.follow[(m.row, 0)] - taken)
+    /// The two candidates of a pair.
+    fn parts(&self, pair: &Pair) -> (&Candidate, &Candidate) {
+        (&self.candidates[pair.of.0], &self.candidates[pair.of.1])
+    }
+
+    /// The two candidates of a pair with the parameters of the joint regression.
+    fn started(&self, pair: &Pair, follow: &Mat<f64>) -> Option<(Candidate, Candidate)> {
+        let (a, b) = self.parts(pair);
+        let (left, right) = pair.coefficients.split_at(a.columns.len());
+        let beside = moved(&self.movable, follow, &pair.at, &pair.coefficients);
+        let with = |c: &Candidate, start: Vec<f64>| {
+            let effect = Effect { start, beside: beside.clone(), ..c.effect.clone() };
+            Candidate { effect, ..c.clone() }
         };
-        self.movable.iter().map(of).filter(|(_, value)| value.is_finite()).collect()
+        Some((with(a, self.start(a, left)?), with(b, self.start(b, right)?)))
     }
 
-    fn reseeded(&self, c: &Candidate, coefficients: &[f64]) -> Option<Candidate> {
-        let effect = seeded(&c.effect, self.regressors[c.regressors].as_ref(), coefficients, &c.grid)?;
-        Some(Candidate { effect, ..c.clone() })
+    /// Start values of a candidate from its coefficients; `None` outside the law's bounds.
+    fn start(&self, c: &Candidate, coefficients: &[f64]) -> Option<Vec<f64>> {
+        start(&c.effect.entry.law, self.regressors[c.regressors].as_ref(), coefficients, &c.grid)
     }
+}
+
+/// Two candidates in one regression.
+struct Pair {
+    /// The joint gain less the price of the parameters.
+    score: f64,
+    /// Their indices.
+    of: (usize, usize),
+    /// Their columns, and the coefficients of these.
+    at: Vec<usize>,
+    coefficients: Vec<f64>,
+}
+
+/// Values of the movable constants when columns `at` enter with these coefficients, from the joint regression. `follow`
+/// are the coefficients of all columns on those that were projected out.
+fn moved(movable: &[Movable], follow: &Mat<f64>, at: &[usize], coefficients: &[f64]) -> Vec<(String, f64)> {
+    let of = |m: &Movable| {
+        let taken: f64 = at.iter().zip(coefficients).map(|(&k, c)| c * follow[(m.row, k)]).sum();
+        (m.name.clone(), m.now + follow[(m.row, 0)] - taken)
+    };
+    movable.iter().map(of).filter(|(_, value)| value.is_finite()).collect()
 }
 
 /// Whether two effects describe the same thing: one place, one family. A law and its mirror image do not,
@@ -383,16 +406,22 @@ fn seeded(
     coefficients: &[f64],
     grid: &[f64],
 ) -> Option<Effect> {
+    let start = start(&effect.entry.law, regressors, coefficients, grid)?;
+    Some(Effect { start, ..effect.clone() })
+}
+
+/// Start values of a law from coefficients and grid values; `None` outside its bounds.
+fn start(law: &Law, regressors: Option<&Regressors>, coefficients: &[f64], grid: &[f64]) -> Option<Vec<f64>> {
     let values = match regressors {
         Some(regressors) => regressors.parameters(coefficients, grid)?,
-        None => match effect.entry.law.property() {
+        None => match law.property() {
             Some("gain") => vec![1.0 + coefficients[0]],
             _ => vec![coefficients[0]],
         },
     };
-    let inside = values.iter().zip(&effect.entry.law.parameters).all(|(v, (_, p))| {
+    let inside = values.iter().zip(&law.parameters).all(|(v, (_, p))| {
         let slack = 1e-9 * (p.within.1 - p.within.0).abs().min(1.0);
         *v >= p.within.0 - slack && *v <= p.within.1 + slack
     });
-    inside.then(|| Effect { start: constraint::inside(&effect.entry.law, &values), ..effect.clone() })
+    inside.then(|| constraint::inside(law, &values))
 }

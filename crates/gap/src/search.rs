@@ -12,8 +12,8 @@ pub(crate) use refine::refitted;
 pub(crate) use task::Search;
 
 use crate::decisions::{
-    FAMILY_ROUNDS, FAR_OFF, MORE_STARTS, MOST_EFFECTS, ON_THE_WAY, PAIRS_RACED, RACE, REPEATS, RICHER,
-    RIVALS, SEARCHES_AGAIN, SHRINKS, SIMPLER, WEAK_ROUND, WORTH, WORTH_STARTS,
+    EXPLAINED, FAMILY_ROUNDS, FAR_OFF, MORE_STARTS, MOST_EFFECTS, ON_THE_WAY, PAIRS_RACED, RACE, REPEATS,
+    RICHER, RIVALS, SEARCHES_AGAIN, SHRINKS, SIMPLER, WEAK_ROUND, WORTH, WORTH_STARTS,
 };
 use crate::evidence::against;
 use crate::model::{Fitted, Measure, TrialModel, current};
@@ -23,7 +23,7 @@ use crate::result::tried::weighed;
 use crate::result::{Activity, ModelError, NotTried, PlacedLaw, Rival, StopReason, Tried, Vetoed};
 use crate::screen::{Candidate, Screening, screen};
 use compare::{makes_progress, predicts_no_better};
-use phisindy_learn::Effort;
+use phisindy_learn::{Effort, SegmentFit};
 use proposals::{friction_pairs, is_composed, singles};
 use rayon::prelude::*;
 
@@ -425,15 +425,15 @@ impl Search<'_> {
         candidates: usize,
         vetoed: &mut Vec<Vetoed>,
     ) -> Vec<Fitted> {
-        let costed = |m: TrialModel| (m.segment_cost(self.noise, 1).unwrap_or(f64::INFINITY), m);
-        let mut waiting: Vec<(f64, TrialModel)> = models.into_par_iter().map(costed).collect();
+        let mut waiting: Vec<Waiting> =
+            models.into_par_iter().map(|model| Waiting::new(model, self.noise)).collect();
         // Fitted models with their segment costs.
         let mut done: Vec<(f64, Fitted)> = Vec::new();
         loop {
-            let costs = waiting.iter().map(|(cost, _)| cost).chain(done.iter().map(|(cost, _)| cost));
-            let least = costs.copied().fold(f64::INFINITY, f64::min);
+            let costs = waiting.iter().map(Waiting::cost).chain(done.iter().map(|(cost, _)| *cost));
+            let least = costs.fold(f64::INFINITY, f64::min);
             let (now, later): (Vec<_>, Vec<_>) =
-                waiting.into_iter().partition(|(cost, _)| *cost <= race * least);
+                waiting.into_iter().partition(|waiting| waiting.cost() <= race * least);
             done.extend(self.fitted(now, candidates));
             let by = Measure::of(done.iter().map(|(_, f)| &f.score), candidates);
             done.sort_by(|(_, a), (_, b)| by.criterion(&a.score).total_cmp(&by.criterion(&b.score)));
@@ -445,15 +445,26 @@ impl Search<'_> {
                 return done.into_iter().map(|(_, f)| f).collect();
             }
             waiting = later;
-            waiting.retain(|(_, m)| !all.contains(&placed(m)) || left.contains(&placed(m)));
+            waiting.retain(|w| !all.contains(&placed(&w.model)) || left.contains(&placed(&w.model)));
         }
     }
 
     /// Fits models, each given with its segment cost; failed fits are dropped.
-    fn fitted(&self, models: Vec<(f64, TrialModel)>, candidates: usize) -> Vec<(f64, Fitted)> {
-        let fit =
-            |(cost, m): (f64, TrialModel)| Some((cost, Fitted::new(m, self.noise, Effort::Plain).ok()?));
-        let mut all: Vec<(f64, Fitted)> = models.into_par_iter().filter_map(fit).collect();
+    fn fitted(&self, models: Vec<Waiting>, candidates: usize) -> Vec<(f64, Fitted)> {
+        let fit = |models: Vec<Waiting>, effort: Effort| -> Vec<(f64, Fitted)> {
+            let fit = |w: Waiting| {
+                let cost = w.cost();
+                Some((cost, Fitted::from(w.model, w.segments.as_ref(), self.noise, effort).ok()?))
+            };
+            models.into_par_iter().filter_map(fit).collect()
+        };
+        // Laws with memory take most of the time, so the others go first: beside one that explains the records a law
+        // that leaves more even on segments need not be fitted to the end.
+        let (slow, fast): (Vec<_>, Vec<_>) = models.into_iter().partition(|w| w.model.remembers());
+        let mut all = fit(fast, Effort::Plain);
+        let explained = all.iter().any(|(_, f)| f.score.explains());
+        let rival = Effort::Rival { most: EXPLAINED * EXPLAINED };
+        all.extend(fit(slow, if explained { rival } else { Effort::Plain }));
         all.retain(|(_, f)| f.score.fit.is_finite());
         let by = Measure::of(all.iter().map(|(_, f)| &f.score), candidates);
         all.sort_by(|(_, a), (_, b)| by.criterion(&a.score).total_cmp(&by.criterion(&b.score)));
@@ -478,6 +489,23 @@ impl Search<'_> {
         let by = Measure::of([&simple.score, &rich.score], candidates);
         by.criterion(&simple.score) - by.criterion(&rich.score) < SIMPLER
             || predicts_no_better(&simple.score, &rich.score)
+    }
+}
+
+/// A model of a race, with the first iterations of its fit over segments.
+struct Waiting {
+    model: TrialModel,
+    segments: Option<SegmentFit>,
+}
+
+impl Waiting {
+    fn new(model: TrialModel, noise: &[Vec<f64>]) -> Waiting {
+        Waiting { segments: model.segment_fit(noise), model }
+    }
+
+    /// The cost over segments; infinite where the model cannot be simulated.
+    fn cost(&self) -> f64 {
+        self.segments.as_ref().map_or(f64::INFINITY, |fit| fit.cost)
     }
 }
 
@@ -516,6 +544,10 @@ fn one_or_two(
 
 /// Whether evidence rules out a model; notes the law and the reason.
 fn ruled_out(model: &Fitted, vetoed: &mut Vec<Vetoed>) -> bool {
+    // The numbers of a fit that was given up speak neither for it nor against it.
+    if model.cal.hopeless {
+        return false;
+    }
     let veto = model.model.effects.iter().find_map(|a| Some((&a.effect, against(model, &a.effect)?)));
     let Some((effect, why)) = veto else { return false };
     if !vetoed.iter().any(|v| v.law.law == effect.entry.id) {

@@ -41,7 +41,8 @@ pub use step::options::StepOptions;
 pub use step::train::{StepFit, train};
 pub use sweep::{SweepRun, Truth, bound, project, sweep_one};
 pub use trajectory::calibrate::{
-    Calibration, Effort, RESTART_RANGE, calibrate, segment_cost, single_run_cost,
+    Calibration, Effort, RESTART_RANGE, SegmentFit, calibrate, calibrate_from, segment_cost, segment_fit,
+    single_run_cost,
 };
 pub use trajectory::free_run::predicted;
 pub use trajectory::initial::{differentiated, sized, smoothed};

@@ -8,21 +8,23 @@ use phisindy_expr::wide;
 pub(crate) struct Factors {
     /// The matrix before [`Factors::factor`], row by row; its factors afterwards.
     pub(crate) a: Vec<f64>,
+    /// The factors column by column: one right-hand side is solved along columns.
+    columns: Vec<f64>,
     pivots: Vec<usize>,
 }
 
 impl Factors {
     /// A matrix of `n` rows.
     pub(crate) fn new(n: usize) -> Self {
-        Factors { a: vec![0.0; n * n], pivots: vec![0; n] }
+        Factors { a: vec![0.0; n * n], columns: vec![0.0; n * n], pivots: vec![0; n] }
     }
 
     /// Replaces the matrix by its factors; `false` if it is singular or not finite.
     pub(crate) fn factor(&mut self) -> bool {
-        let Factors { a, pivots } = self;
+        let Factors { a, columns, pivots } = self;
         wide(
             #[inline(always)]
-            || decompose(a, pivots),
+            || decompose(a, pivots) && transpose(a, pivots.len(), columns),
         )
     }
 
@@ -30,7 +32,10 @@ impl Factors {
     pub(crate) fn solve(&self, b: &mut [f64], k: usize) {
         wide(
             #[inline(always)]
-            || substitute(&self.a, &self.pivots, b, k),
+            || match k {
+                1 => substitute_one(&self.columns, &self.pivots, b),
+                _ => substitute(&self.a, &self.pivots, b, k),
+            },
         );
     }
 }
@@ -62,6 +67,30 @@ fn decompose(a: &mut [f64], pivots: &mut [usize]) -> bool {
         }
     }
     true
+}
+
+#[inline(always)]
+fn transpose(a: &[f64], n: usize, columns: &mut [f64]) -> bool {
+    for (row, a) in a.chunks_exact(n).enumerate() {
+        a.iter().enumerate().for_each(|(col, a)| columns[col * n + row] = *a);
+    }
+    true
+}
+
+/// One right-hand side: what is known of the solution leaves all other equations at once.
+#[inline(always)]
+fn substitute_one(columns: &[f64], pivots: &[usize], b: &mut [f64]) {
+    let n = pivots.len();
+    pivots.iter().enumerate().for_each(|(col, &pivot)| b.swap(col, pivot));
+    for (col, factors) in columns.chunks_exact(n).enumerate() {
+        let (known, below) = b[col..].split_at_mut(1);
+        below.iter_mut().zip(&factors[col + 1..]).for_each(|(b, f)| *b -= f * known[0]);
+    }
+    for (col, factors) in columns.chunks_exact(n).enumerate().rev() {
+        let (above, known) = b.split_at_mut(col);
+        known[0] /= factors[col];
+        above.iter_mut().zip(factors).for_each(|(b, f)| *b -= f * known[0]);
+    }
 }
 
 #[inline(always)]
@@ -110,6 +139,12 @@ mod tests {
                 let found: f64 = (0..4).map(|j| row[j] * x[2 * j + k]).sum();
                 assert_relative_eq!(found, *due, epsilon = 1e-12);
             }
+        }
+        // One right-hand side goes another way.
+        for k in 0..2 {
+            let mut one: Vec<f64> = b.iter().map(|b| b[k]).collect();
+            factors.solve(&mut one, 1);
+            (0..4).for_each(|j| assert_relative_eq!(one[j], x[2 * j + k], max_relative = 1e-12));
         }
     }
 

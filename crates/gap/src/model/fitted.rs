@@ -7,7 +7,7 @@ use crate::model::records::growing_noise;
 use crate::place::Effect;
 use crate::result::ModelError;
 use crate::whiteness::score;
-use phisindy_learn::{Calibration, Effort, FoundParameter, RecordFit, calibrate};
+use phisindy_learn::{Calibration, Effort, FoundParameter, RecordFit, SegmentFit, calibrate, calibrate_from};
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Parameter, Record};
 use phisindy_signal::noise_level;
@@ -27,7 +27,17 @@ pub(crate) struct Fitted {
 impl Fitted {
     /// Calibrates a model.
     pub(crate) fn new(model: TrialModel, noise: &[Vec<f64>], effort: Effort) -> Result<Fitted, ModelError> {
-        let cal = calibrate(&model.system, &model.records, &model.smooth, noise, effort)?;
+        Fitted::from(model, None, noise, effort)
+    }
+
+    /// Calibrates a model from where the fit over its segments ended.
+    pub(crate) fn from(
+        model: TrialModel,
+        segments: Option<&SegmentFit>,
+        noise: &[Vec<f64>],
+        effort: Effort,
+    ) -> Result<Fitted, ModelError> {
+        let cal = calibrate_from(segments, &model.system, &model.records, &model.smooth, noise, effort)?;
         let (fit, validate) = gaps(&cal, noise);
         let whiteness = whiteness(&cal, &model.records, |_| true);
         let effects = || model.effects.iter().map(|a| &a.effect);

@@ -308,9 +308,19 @@ impl TrialModel {
         phisindy_learn::segment_cost(&self.system, &self.records, &self.smooth, noise, stride)
     }
 
+    /// The same over all segments, with its end, from which a full fit goes on.
+    pub(crate) fn segment_fit(&self, noise: &[Vec<f64>]) -> Option<phisindy_learn::SegmentFit> {
+        phisindy_learn::segment_fit(&self.system, &self.records, &self.smooth, noise, 1)
+    }
+
     /// The same cost over one free run per record.
     pub(crate) fn free_run_cost(&self, noise: &[Vec<f64>]) -> Option<f64> {
         phisindy_learn::single_run_cost(&self.system, &self.records, &self.smooth, noise)
+    }
+
+    /// Whether a law with memory was added.
+    pub(crate) fn remembers(&self) -> bool {
+        self.effects.iter().any(|a| a.effect.entry.law.has_memory())
     }
 
     /// Number of Fit records.

@@ -3,6 +3,44 @@
 use crate::decisions::DEGENERATE;
 use faer::Mat;
 use faer::linalg::solvers::Solve;
+use phisindy_expr::wide;
+
+/// Rows of a block: its columns stay in the first caches.
+const BLOCK: usize = 512;
+/// Partial sums of a product.
+const LANES: usize = 8;
+
+/// The inner products of columns of equal length: rows are those of `a`, columns those of `b`. For a few columns of `b`,
+/// of which a general product of matrices makes a wide one.
+pub(super) fn products(a: &[&[f64]], b: &[&[f64]]) -> Mat<f64> {
+    let rows = a.iter().chain(b).map(|column| column.len()).next().unwrap_or(0);
+    let mut sums = vec![[0.0; LANES]; a.len() * b.len()];
+    for first in (0..rows).step_by(BLOCK) {
+        let block = first..(first + BLOCK).min(rows);
+        wide(
+            #[inline(always)]
+            || {
+                for (i, a) in a.iter().enumerate() {
+                    for (b, sum) in b.iter().zip(&mut sums[i * b.len()..]) {
+                        add_products(&a[block.clone()], &b[block.clone()], sum);
+                    }
+                }
+            },
+        );
+    }
+    Mat::from_fn(a.len(), b.len(), |i, j| sums[i * b.len() + j].iter().sum())
+}
+
+#[inline(always)]
+fn add_products(a: &[f64], b: &[f64], sum: &mut [f64; LANES]) {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    let mut own = *sum;
+    for (a, b) in a.iter().zip(b) {
+        (0..LANES).for_each(|k| own[k] += a[k] * b[k]);
+    }
+    a_rest.iter().zip(b_rest).enumerate().for_each(|(k, (a, b))| own[k] += a * b);
+    *sum = own;
+}
 
 /// Gain and coefficients of a regression of column 0 on the columns `at` of a projected Gram matrix.
 pub(super) fn solve(gram: &Mat<f64>, at: &[usize]) -> Option<(f64, Vec<f64>)> {
@@ -56,4 +94,26 @@ pub(super) fn projected(gram: &Mat<f64>, fixed: usize) -> Projected {
     };
     let kept = (0..rest.len()).map(|k| left[(k, k)] > DEGENERATE * own[(k, k)]).collect();
     Projected { gram: left, kept, follow }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// More rows than a block, and some that fill no lanes.
+    #[test]
+    fn products_are_sums_over_all_rows() {
+        let column = |k: usize| (0..2 * BLOCK + 13).map(|i| ((i * (k + 3)) as f64).sin()).collect();
+        let all: Vec<Vec<f64>> = (0..5).map(column).collect();
+        let all: Vec<&[f64]> = all.iter().map(Vec::as_slice).collect();
+        let (a, b) = all.split_at(3);
+        let found = products(a, b);
+        assert_eq!((found.nrows(), found.ncols()), (3, 2));
+        for (i, a) in a.iter().enumerate() {
+            for (j, b) in b.iter().enumerate() {
+                let due: f64 = a.iter().zip(*b).map(|(a, b)| a * b).sum();
+                assert!((found[(i, j)] - due).abs() < 1e-9, "{i} {j}");
+            }
+        }
+    }
 }

@@ -13,7 +13,6 @@ use phisindy_phys::System;
 
 /// The columns of an effect for one combination of grid values.
 pub(super) struct Trial {
-    pub(super) regressors: usize,
     pub(super) effect: Effect,
     pub(super) grid: Vec<f64>,
     /// Responses as rows, for each column.
@@ -21,25 +20,19 @@ pub(super) struct Trial {
 }
 
 /// Offset, gain or delay of the sensors of some columns.
-pub(super) fn sensor_trials(
-    regressors: usize,
-    effect: &Effect,
-    columns: &[usize],
-    data: &[RegressionData],
-) -> Vec<Trial> {
+pub(super) fn sensor_trials(effect: &Effect, columns: &[usize], data: &[RegressionData]) -> Vec<Trial> {
     let which = match effect.entry.law.sensor.as_deref() {
         Some("offset") => 0,
         Some("gain") => 1,
         _ => 2,
     };
     let column = data.iter().flat_map(|g| g.sensor(columns, which)).collect();
-    vec![Trial { regressors, effect: effect.clone(), grid: vec![], columns: vec![column] }]
+    vec![Trial { effect: effect.clone(), grid: vec![], columns: vec![column] }]
 }
 
 /// Gain or delay of inputs: what a small change of it does to the rates and to the outputs. The number of a delay is that
 /// of the record, so that a positive one acts early.
 pub(super) fn input_trials(
-    regressors: usize,
     effect: &Effect,
     inputs: &[usize],
     system: &System,
@@ -77,12 +70,11 @@ pub(super) fn input_trials(
         data.add_to_outputs(&mut rows, &|output| shown.get(output).map(Vec::as_slice));
         column.extend(rows);
     }
-    vec![Trial { regressors, effect: effect.clone(), grid: vec![], columns: vec![column] }]
+    vec![Trial { effect: effect.clone(), grid: vec![], columns: vec![column] }]
 }
 
 /// A force law over its grid.
 pub(super) fn force_trials(
-    index: usize,
     effect: &Effect,
     regressors: &Regressors,
     system: &System,
@@ -90,16 +82,27 @@ pub(super) fn force_trials(
 ) -> Vec<Trial> {
     let Some(program) = Program::new(effect, regressors, system) else { return vec![] };
     let grids = grids(regressors, effect, system, data, &program.tape);
-    let trial = |grid: Vec<f64>| {
-        let columns = program.columns(effect, system, data, &grid);
-        Trial { regressors: index, effect: effect.clone(), grid, columns }
-    };
-    let bounded = |t: &Trial| t.columns.iter().flatten().all(|x| x.abs() < LARGEST);
-    grids.into_iter().map(trial).filter(bounded).collect()
+    let mut all = Vec::new();
+    for grids in grids.chunks(LANES) {
+        let mut memory = program.memory(data, grids);
+        for (lane, grid) in grids.iter().enumerate() {
+            let memory: Vec<Vec<Vec<f64>>> =
+                memory.iter_mut().map(|of| std::mem::take(&mut of[lane])).collect();
+            let columns = program.columns(effect, system, data, grid, &memory);
+            if columns.iter().flatten().all(|x| x.abs() < LARGEST) {
+                all.push(Trial { effect: effect.clone(), grid: grid.clone(), columns });
+            }
+        }
+    }
+    all
 }
 
 /// A column with a larger number is that of an internal state that grew without bound. Its square is finite.
 const LARGEST: f64 = 1e100;
+
+/// Combinations of grid values whose internal states run side by side: a law with memory is followed step by step, and one
+/// instruction serves them all.
+const LANES: usize = 16;
 
 /// The rates that a law adds to its bodies, compiled.
 struct Program {
@@ -142,14 +145,25 @@ impl Program {
         Some(Program { tape, inner, states: internal.len(), count: regressors.columns.len() })
     }
 
+    /// Internal states along the motion of each record, for up to [`LANES`] combinations of grid values: samples by
+    /// record, combination and state.
+    fn memory(&self, data: &[RegressionData], grids: &[Vec<f64>]) -> Vec<Vec<Vec<Vec<f64>>>> {
+        let of = |data: &RegressionData| match &self.inner {
+            Some(tape) => driven_by(tape, self.states, &data.motion, grids),
+            None => vec![vec![]; grids.len()],
+        };
+        data.iter().map(of).collect()
+    }
+
     /// The columns for one combination of grid values: the response to each regressor, and to the holding
-    /// force at rest.
+    /// force at rest. `memory` holds the internal states along each record.
     fn columns(
         &self,
         effect: &Effect,
         system: &System,
         data: &[RegressionData],
         grid: &[f64],
+        memory: &[Vec<Vec<f64>>],
     ) -> Vec<Vec<f64>> {
         let Site::Force { acts, shows, .. } = &effect.place.site else { return vec![] };
         let (n, width) = (system.states.len(), acts.len() + shows.len());
@@ -157,10 +171,8 @@ impl Program {
         let mut columns: Vec<Vec<f64>> = vec![vec![]; self.count];
         let mut holding: Vec<f64> = vec![];
         let mut rested = false;
-        for data in data {
+        for (data, memory) in data.iter().zip(memory) {
             let samples = data.motion.samples();
-            let of = |tape| driven_by(tape, self.states, &data.motion, grid);
-            let memory: Vec<Vec<f64>> = self.inner.as_ref().map_or(vec![], of);
             let series: Vec<&[f64]> = memory.iter().map(Vec::as_slice).collect();
             let values = evaluated(&self.tape, &data.motion, grid, &series);
             let still = data.still.iter().find(|s| s.at == effect.place.at);
@@ -231,18 +243,26 @@ fn base_slope(system: &System, place: &Place, data: &RegressionData, i: usize) -
     system.input(second).map_or(0.0, |u| data.motion.slopes[i * m + u])
 }
 
-/// Internal states along a motion, for these values of the grid.
-fn driven_by(tape: &Tape, count: usize, motion: &Motion, grid: &[f64]) -> Vec<Vec<f64>> {
+/// Internal states along a motion, for up to [`LANES`] combinations of grid values: by combination and state.
+fn driven_by(tape: &Tape, count: usize, motion: &Motion, grids: &[Vec<f64>]) -> Vec<Vec<Vec<f64>>> {
     let samples = motion.samples();
     let (n, m) = (motion.states.len() / samples, motion.inputs.len() / samples);
     let after = 1 + n + m;
-    let numbers: Vec<f64> = motion.numbers.iter().chain(grid).copied().collect();
-    internal_states(tape, (after + numbers.len(), count), &motion.time, &mut |i, scratch| {
-        scratch.input(0)[0] = motion.time[i];
+    let (numbers, width) = (motion.numbers.len(), grids.first().map_or(0, Vec::len));
+    // The last lanes may have nothing of their own to do.
+    let of = |lane: usize, k: usize| grids[lane.min(grids.len() - 1)][k];
+    internal_states::<LANES>(tape, (after + numbers + width, count), &motion.time, &mut |i, scratch| {
+        *scratch.input(0) = [motion.time[i]; LANES];
         // At the midpoint of the step.
-        let middle = |v: &[f64], w: usize, k: usize| 0.5 * (v[i * w + k] + v[(i + 1) * w + k]);
-        (0..n).for_each(|k| scratch.input(1 + k)[0] = middle(&motion.states, n, k));
-        (0..m).for_each(|k| scratch.input(1 + n + k)[0] = middle(&motion.inputs, m, k));
-        numbers.iter().enumerate().for_each(|(k, v)| scratch.input(after + k)[0] = *v);
+        let middle = |v: &[f64], w: usize, k: usize| [0.5 * (v[i * w + k] + v[(i + 1) * w + k]); LANES];
+        (0..n).for_each(|k| *scratch.input(1 + k) = middle(&motion.states, n, k));
+        (0..m).for_each(|k| *scratch.input(1 + n + k) = middle(&motion.inputs, m, k));
+        // Inputs keep their values.
+        if i == 0 {
+            (0..numbers).for_each(|k| *scratch.input(after + k) = [motion.numbers[k]; LANES]);
+            for k in 0..width {
+                *scratch.input(after + numbers + k) = std::array::from_fn(|lane| of(lane, k));
+            }
+        }
     })
 }

@@ -40,6 +40,8 @@ pub struct Calibration {
     pub records: Vec<RecordFit>,
     /// Segments of the record that has most: 1 unless no single run can be simulated.
     pub segments: usize,
+    /// Whether the fit was given up as [`Effort::Rival`] says.
+    pub hopeless: bool,
 }
 
 /// Fits what may move in `system` (its parameters, sensors and start states; no dictionary) to the Fit records,
@@ -58,18 +60,42 @@ pub fn calibrate(
     noise: &[Vec<f64>],
     effort: Effort,
 ) -> Result<Calibration, ModelError> {
+    calibrate_from(None, system, records, smooth, noise, effort)
+}
+
+/// As [`calibrate`], from where a fit over segments of the same model and records has ended.
+///
+/// # Errors
+/// As [`calibrate`].
+pub fn calibrate_from(
+    segments: Option<&SegmentFit>,
+    system: &System,
+    records: &[Record],
+    smooth: &[Record],
+    noise: &[Vec<f64>],
+    effort: Effort,
+) -> Result<Calibration, ModelError> {
     let samples: usize = records.iter().filter(|r| r.role == Role::Fit).map(Record::readings).sum();
-    let setup = Setup::new(records, smooth, noise);
-    let (Stage { problem, mut x, .. }, segmented) = match stages(system, &setup, effort, samples) {
+    let mut setup = Setup { begun: segments, ..Setup::new(records, smooth, noise) };
+    let effort = match effort {
+        Effort::Rival { most } => {
+            setup.most = most * samples as f64;
+            Effort::Plain
+        }
+        other => other,
+    };
+    let (Stage { problem, mut x, hopeless, .. }, segmented) = match stages(system, &setup, effort, samples) {
         Ok(ends) => ends,
         // No single run can be simulated: fit segments instead.
         Err(_) if effort != Effort::Plain => return calibrate(system, records, smooth, noise, Effort::Plain),
         Err(e) => return Err(e),
     };
     let weights = problem.weights(&setup.noise, None);
-    if problem.segments.len() == setup.fitted.len() {
+    if problem.segments.len() == setup.fitted.len() && !hopeless {
         match effort {
-            Effort::Plain => from_other_starts(&setup, &problem, &mut x, &weights, samples, segmented),
+            Effort::Plain | Effort::Rival { .. } => {
+                from_other_starts(&setup, &problem, &mut x, &weights, samples, segmented)
+            }
             Effort::Thorough | Effort::Errors => from_nearby(&problem, &mut x, &weights, samples),
         }
     }
@@ -92,6 +118,7 @@ pub fn calibrate(
         parameters,
         records: replays,
         segments: fit.most_pieces(),
+        hopeless,
     })
 }
 
@@ -132,7 +159,7 @@ fn from_other_starts(
     if let Some(start) = on_the_data(problem, x, &setup.noise, &setup.smooth) {
         try_start(problem, x, weights, samples, start);
     }
-    let misses = problem.normal(x, weights).is_ok_and(|n| n.cost > MISFIT * samples as f64);
+    let misses = problem.cost(x, weights).is_ok_and(|cost| cost > MISFIT * samples as f64);
     let joined = segmented.filter(|_| misses).and_then(|s| step_by_step(problem.system, setup, samples, s));
     if let Some(start) = joined {
         try_start(problem, x, weights, samples, start);
@@ -172,6 +199,8 @@ struct Stage<'a> {
     problem: Problem<'a>,
     x: Vec<f64>,
     cost: f64,
+    /// Whether longer segments cannot miss as little as is asked for.
+    hopeless: bool,
 }
 
 impl<'a> Stage<'a> {
@@ -192,6 +221,9 @@ impl<'a> Stage<'a> {
             problem.tolerance = tolerance(&problem, noise);
         }
         let mut x = problem.guess(&[], None, starts);
+        if let Some(begun) = setup.begun.filter(|begun| pieces == STAGES[0] && begun.x.len() == x.len()) {
+            x.copy_from_slice(&begun.x);
+        }
         if let Some(before) = before {
             transfer(&before.problem, &before.x, &problem, &mut x);
             // Start states too: short segments find them near the data, wherever the guess came from.
@@ -207,13 +239,16 @@ impl<'a> Stage<'a> {
         let weights = problem.weights(noise, None);
         // Smaller gains of the likelihood decide nothing.
         let least = LIKELIHOOD_GAIN / samples.max(1) as f64;
+        // A run along several segments is a run along each of them, so it misses no less.
+        let hopeless = before.is_some_and(|b| b.hopeless || b.cost > setup.most);
         let limits = match (pieces == 1, effort) {
             (true, Effort::Plain) => Limits { far: far(samples), ..Limits::new(SINGLE_ITERATIONS, least) },
             (true, _) => Limits::new(SINGLE_ITERATIONS, least),
             (false, _) => Limits::of(SEGMENTS_MINIMUM),
         };
+        let limits = Limits { hopeless: if hopeless { 0.0 } else { limits.hopeless }, ..limits };
         let cost = problem.minimise(&mut x, &weights, limits)?.cost;
-        Ok(Stage { problem, x, cost })
+        Ok(Stage { problem, x, cost, hopeless })
     }
 }
 
@@ -269,18 +304,18 @@ fn try_start(
     samples: usize,
     start: Vec<f64>,
 ) {
-    let Ok(now) = problem.normal(x, weights) else { return };
-    if now.cost < MISFIT * samples as f64 {
+    let Ok(now) = problem.cost(x, weights) else { return };
+    if now < MISFIT * samples as f64 {
         return;
     }
     let mut other = start;
-    match problem.normal(&other, weights) {
-        Ok(there) if there.cost < RESTART_PROMISE * now.cost => {}
+    match problem.cost(&other, weights) {
+        Ok(there) if there < RESTART_PROMISE * now => {}
         _ => return,
     }
     let limits = Limits { far: far(samples), ..Limits::of(RESTART_MINIMUM) };
     let end = problem.minimise(&mut other, weights, limits);
-    if end.is_ok_and(|end| end.cost < now.cost) {
+    if end.is_ok_and(|end| end.cost < now) {
         *x = other;
     }
 }
@@ -329,15 +364,29 @@ fn nearby(
 }
 
 /// How hard to try.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Effort {
     /// One fit, through shorter segments to single runs.
     Plain,
+    /// The same for a rival of a model that explains the records. Where its segments leave more, its single runs do too:
+    /// they get a few steps, so that it is known how far behind they are.
+    Rival {
+        /// chi^2 per sample of segments from which on it is hopeless.
+        most: f64,
+    },
     /// From the start values and, if that leaves more than noise, from starts near its end: for a model that
     /// was fitted before.
     Thorough,
     /// The same, and 95 % intervals.
     Errors,
+}
+
+/// The end of the first iterations of a fit over many short segments.
+#[derive(Clone, Debug)]
+pub struct SegmentFit {
+    /// chi^2 per sample.
+    pub cost: f64,
+    x: Vec<f64>,
 }
 
 /// chi^2 per sample of the Fit records over many short segments, after a few iterations of a fit. `None` if the
@@ -350,6 +399,17 @@ pub fn segment_cost(
     noise: &[Vec<f64>],
     stride: usize,
 ) -> Option<f64> {
+    segment_fit(system, records, smooth, noise, stride).map(|fit| fit.cost)
+}
+
+/// As [`segment_cost`], with its end: with all segments, a full fit goes on from there.
+pub fn segment_fit(
+    system: &System,
+    records: &[Record],
+    smooth: &[Record],
+    noise: &[Vec<f64>],
+    stride: usize,
+) -> Option<SegmentFit> {
     let Setup { fitted, noise, smooth: starts, .. } = Setup::new(records, smooth, noise);
     let mut problem = Problem::new(system, &[], &fitted, &vec![STAGES[0]; fitted.len()]).ok()?;
     let mut k = 0;
@@ -370,16 +430,16 @@ pub fn single_run_cost(
 ) -> Option<f64> {
     let Setup { fitted, noise, smooth: starts, .. } = Setup::new(records, smooth, noise);
     let problem = Problem::new(system, &[], &fitted, &vec![1; fitted.len()]).ok()?;
-    cost_after_few_iterations(problem, &noise, &starts, QUICK_SINGLE)
+    cost_after_few_iterations(problem, &noise, &starts, QUICK_SINGLE).map(|fit| fit.cost)
 }
 
-/// chi^2 per sample after a few iterations.
+/// A few iterations.
 fn cost_after_few_iterations(
     mut problem: Problem<'_>,
     noise: &Noise,
     starts: &[Record],
     minimum: [f64; 2],
-) -> Option<f64> {
+) -> Option<SegmentFit> {
     problem.budget = Some(budget(&problem));
     problem.tolerance = tolerance(&problem, noise);
     let mut x = problem.guess(&[], None, starts);
@@ -388,14 +448,18 @@ fn cost_after_few_iterations(
     let columns = |r: usize| problem.records[r].columns.iter().flatten().count();
     let samples: usize =
         problem.segments.iter().map(|s| (s.samples.1 - s.samples.0) * columns(s.record)).sum();
-    Some(normal.cost / samples.max(1) as f64)
+    Some(SegmentFit { cost: normal.cost / samples.max(1) as f64, x })
 }
 
 /// The Fit records with their noise.
 struct Setup<'a> {
     fitted: Vec<&'a Record>,
+    /// A fit over the segments of the first stage.
+    begun: Option<&'a SegmentFit>,
     noise: Noise,
     smooth: Vec<Record>,
+    /// chi^2 of segments from which on a fit is hopeless.
+    most: f64,
 }
 
 impl<'a> Setup<'a> {
@@ -414,6 +478,8 @@ impl<'a> Setup<'a> {
             fitted: of.iter().map(|&r| &records[r]).collect(),
             noise: of.iter().map(|&r| row(r)).collect(),
             smooth: of.iter().map(|&r| smooth[r].clone()).collect(),
+            most: f64::INFINITY,
+            begun: None,
         }
     }
 }

@@ -53,7 +53,7 @@ impl Problem<'_> {
     }
 
     /// The cost alone, bit for bit that of [`Problem::normal`].
-    fn cost(&self, x: &[f64], weights: &[Vec<Vec<f64>>]) -> Result<f64, SimError> {
+    pub(crate) fn cost(&self, x: &[f64], weights: &[Vec<Vec<f64>>]) -> Result<f64, SimError> {
         let parts: Vec<f64> = self
             .segments
             .par_iter()

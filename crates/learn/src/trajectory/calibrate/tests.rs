@@ -230,3 +230,21 @@ fn a_run_that_starts_astray_is_put_on_the_data() {
         assert!((start[0] - 2.0).abs() < 1e-3 && (start[1] - 0.5).abs() < 1e-3, "{start:?}");
     }
 }
+
+/// A line has the slope of a parabola nowhere but at one place: segments tell so, and a few steps tell how far behind it
+/// is. What segments do not rule out is fitted as ever, and from where segments ended too.
+#[test]
+fn a_rival_that_segments_rule_out_is_given_up() {
+    let parabola = line().iter().enumerate().map(|(i, x)| x + 4e-4 * (i as f64 - 100.0).powi(2)).collect();
+    let noise = [vec![SIGMA]];
+    for (samples, hopeless) in [(line(), false), (parabola, true)] {
+        let (case, records) = records(LINE, &[(Role::Fit, samples)]);
+        let of = |effort: Effort| calibrate(&case.system, &records, &records, &noise, effort).unwrap();
+        let (plain, rival) = (of(Effort::Plain), of(Effort::Rival { most: 2.0 }));
+        assert_eq!((plain.hopeless, rival.hopeless), (false, hopeless));
+        assert_relative_eq!(plain.chi2, rival.chi2, max_relative = 1e-6);
+        let segments = segment_fit(&case.system, &records, &records, &noise, 1);
+        let from = calibrate_from(segments.as_ref(), &case.system, &records, &records, &noise, Effort::Plain);
+        assert_relative_eq!(plain.chi2, from.unwrap().chi2, max_relative = 1e-6);
+    }
+}
