@@ -87,76 +87,18 @@ impl Place {
 /// assert_eq!(all.iter().map(|place| place.at.as_str()).collect::<Vec<_>>(), ["v1", "v2", "v1-v2", "x1"]);
 /// ```
 pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
-    let states = system.states.clone();
-    let displacement = |v: usize| (0..states.len()).find(|&x| states[x].velocity == Some(v));
+    let states = &system.states;
     let bodies: Vec<usize> =
         (0..states.len()).filter(|&k| states[k].velocity.is_none() && !states[k].of_sensor).collect();
-    let plain = |k: usize| Quantity { text: states[k].name.clone(), node: states[k].node };
-    let mut all = Vec::new();
-    for &v in &bodies {
-        all.push(Place {
-            at: states[v].name.clone(),
-            site: Site::Force {
-                displacement: displacement(v).map(plain),
-                velocity: plain(v),
-                acts: vec![(v, -1.0)],
-                shows: vec![],
-                state: Some(v),
-            },
-        });
-    }
-    for (i, &a) in bodies.iter().enumerate() {
-        for &b in &bodies[i + 1..] {
-            let (Some(x), Some(y)) = (displacement(a), displacement(b)) else { continue };
-            if states[a].unit != states[b].unit {
-                continue;
-            }
-            all.push(Place {
-                at: format!("{}-{}", states[a].name, states[b].name),
-                site: Site::Force {
-                    displacement: Some(difference(system, &plain(x), &plain(y))),
-                    velocity: difference(system, &plain(a), &plain(b)),
-                    acts: vec![(a, -1.0), (b, 1.0)],
-                    shows: vec![],
-                    state: Some(a),
-                },
-            });
-        }
-    }
-    for (u, du) in bases(system, plans) {
-        for &v in &bodies {
-            let Some(x) = displacement(v) else { continue };
-            if states[v].unit != system.inputs[du].unit || states[x].unit != system.inputs[u].unit {
-                continue;
-            }
-            let input =
-                |k: usize| Quantity { text: system.inputs[k].name.clone(), node: system.inputs[k].node };
-            let (u, du) = (input(u), input(du));
-            all.push(Place {
-                at: format!("{}-{}", states[v].name, du.text),
-                site: Site::Force {
-                    displacement: Some(difference(system, &plain(x), &u)),
-                    velocity: difference(system, &plain(v), &du),
-                    acts: vec![(v, -1.0)],
-                    shows: vec![],
-                    state: Some(v),
-                },
-            });
-        }
-    }
+    let mut all: Vec<Place> = bodies.iter().map(|&v| on_body(system, v)).collect();
+    all.extend(between_bodies(system, &bodies));
+    all.extend(against_inputs(system, plans, &bodies));
     for (v, at, node) in belts(system, &bodies) {
         // A contact of the spec is a place for friction. A body on a belt has no displacement relative to it
         // that a spring could use.
         if !all.iter().any(|p: &Place| p.at == at) {
             let velocity = Quantity { text: format!("({at})"), node };
-            let site = Site::Force {
-                displacement: None,
-                velocity,
-                acts: vec![(v, -1.0)],
-                shows: vec![],
-                state: Some(v),
-            };
-            all.push(Place { at, site });
+            all.push(Place { at, site: force(None, velocity, vec![(v, -1.0)], v) });
         }
     }
     all.extend(prescribed(system, plans));
@@ -172,6 +114,67 @@ pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
         all.push(Place { at: "motion".into(), site: Site::Sensor(measured) });
     }
     all.extend(recorded(system, plans));
+    all
+}
+
+/// The site of a force on bodies, with the velocity of body `state`.
+fn force(displacement: Option<Quantity>, velocity: Quantity, acts: Vec<(usize, f64)>, state: usize) -> Site {
+    Site::Force { displacement, velocity, acts, shows: vec![], state: Some(state) }
+}
+
+/// The displacement whose rate is a velocity.
+fn displacement(system: &System, velocity: usize) -> Option<usize> {
+    system.states.iter().position(|x| x.velocity == Some(velocity))
+}
+
+/// A state as a quantity.
+fn of_state(system: &System, k: usize) -> Quantity {
+    Quantity { text: system.states[k].name.clone(), node: system.states[k].node }
+}
+
+/// The place of a force between a body and the ground.
+fn on_body(system: &System, v: usize) -> Place {
+    let x = displacement(system, v).map(|x| of_state(system, x));
+    let site = force(x, of_state(system, v), vec![(v, -1.0)], v);
+    Place { at: system.states[v].name.clone(), site }
+}
+
+/// The places between every two bodies that move in the same unit.
+fn between_bodies(system: &mut System, bodies: &[usize]) -> Vec<Place> {
+    let mut all = Vec::new();
+    for (i, &a) in bodies.iter().enumerate() {
+        for &b in &bodies[i + 1..] {
+            let (Some(x), Some(y)) = (displacement(system, a), displacement(system, b)) else { continue };
+            if system.states[a].unit != system.states[b].unit {
+                continue;
+            }
+            let at = format!("{}-{}", system.states[a].name, system.states[b].name);
+            let [x, y, v, w] = [x, y, a, b].map(|k| of_state(system, k));
+            let (x, v) = (difference(system, &x, &y), difference(system, &v, &w));
+            all.push(Place { at, site: force(Some(x), v, vec![(a, -1.0), (b, 1.0)], a) });
+        }
+    }
+    all
+}
+
+/// The places between a body and a support whose motion is an input.
+fn against_inputs(system: &mut System, plans: &[RecordPlan], bodies: &[usize]) -> Vec<Place> {
+    let mut all = Vec::new();
+    for (u, du) in bases(system, plans) {
+        for &v in bodies {
+            let Some(x) = displacement(system, v) else { continue };
+            let (states, inputs) = (&system.states, &system.inputs);
+            if states[v].unit != inputs[du].unit || states[x].unit != inputs[u].unit {
+                continue;
+            }
+            let input = |k: usize| Quantity { text: inputs[k].name.clone(), node: inputs[k].node };
+            let (u, du) = (input(u), input(du));
+            let at = format!("{}-{}", states[v].name, du.text);
+            let [x, w] = [x, v].map(|k| of_state(system, k));
+            let (x, w) = (difference(system, &x, &u), difference(system, &w, &du));
+            all.push(Place { at, site: force(Some(x), w, vec![(v, -1.0)], v) });
+        }
+    }
     all
 }
 

@@ -59,6 +59,22 @@ pub struct Switched {
     pub surface_drifts: Vec<Id>,
 }
 
+/// Symbols of one kind. No name of a spec contains a space.
+fn fresh(graph: &mut Graph, names: &mut Names, kind: &str, count: usize) -> Vec<Id> {
+    let symbols: Vec<_> = (0..count).map(|k| names.intern(&format!("{kind} {k}"))).collect();
+    symbols.into_iter().map(|s| graph.symbol(s)).collect()
+}
+
+/// The rate of a value by what it is given and how that moves.
+fn drift(graph: &mut Graph, of: Id, given: &[Id], moves: &[Id]) -> Id {
+    let gradient = graph.gradient(of, given);
+    let zero = graph.constant(0.0);
+    gradient.into_iter().zip(moves).fold(zero, |sum, (g, &v)| {
+        let share = graph.mul(g, v);
+        graph.add(sum, share)
+    })
+}
+
 impl Switched {
     /// Finds the switches of a model and replaces its signs by modes.
     ///
@@ -72,15 +88,6 @@ impl Switched {
     pub fn new(model: &Model) -> Switched {
         let (mut graph, mut names) = (model.graph.clone(), model.names.clone());
         let surfaces = surfaces(&mut graph, model);
-        let fresh = |graph: &mut Graph, names: &mut Names, kind: &str, count: usize| -> Vec<Id> {
-            // No name of a spec contains a space.
-            (0..count)
-                .map(|k| names.intern(&format!("{kind} {k}")))
-                .collect::<Vec<_>>()
-                .into_iter()
-                .map(|s| graph.symbol(s))
-                .collect()
-        };
         let modes = fresh(&mut graph, &mut names, "mode", surfaces.len());
         let sides = fresh(&mut graph, &mut names, "side", surfaces.len());
         let floors = fresh(&mut graph, &mut names, "floor", surfaces.len());
@@ -109,17 +116,8 @@ impl Switched {
         }
         let given: Vec<Id> = model.inputs.iter().copied().chain([model.time]).collect();
         let moves: Vec<Id> = slopes.iter().copied().chain([one]).collect();
-        let mut drifts = |of: &[Id]| -> Vec<Id> {
-            let mut drift = |&of: &Id| {
-                let gradient = graph.gradient(of, &given);
-                let zero = graph.constant(0.0);
-                gradient.into_iter().zip(&moves).fold(zero, |sum, (g, &v)| {
-                    let share = graph.mul(g, v);
-                    graph.add(sum, share)
-                })
-            };
-            of.iter().map(&mut drift).collect()
-        };
+        let mut drifts =
+            |of: &[Id]| -> Vec<Id> { of.iter().map(|&f| drift(&mut graph, f, &given, &moves)).collect() };
         let output_drifts = drifts(&outputs);
         let surface_drifts = if outputs.is_empty() { vec![] } else { drifts(&surface_rates) };
         let influence: Vec<Id> = surface_rates.iter().flat_map(|&r| graph.gradient(r, &modes)).collect();

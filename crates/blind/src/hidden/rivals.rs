@@ -290,30 +290,41 @@ impl Comparison<'_> {
             self.push("cogging", place, 3, false, vec![of(&|x, _| (n * x).sin()), of(&|x, _| (n * x).cos())]);
         }
         self.with_memory(place, &x, top);
+        self.with_clearance(place, &x, top);
+        self.of_time(place, &x);
+    }
+
+    /// Laws that act from a displacement on: grid of shares of the largest one.
+    fn with_clearance(&mut self, place: &Place, x: &[f64], top: f64) {
+        let of = |f: &dyn Fn(f64) -> f64| -> Vec<f64> { x.iter().map(|&x| f(x)).collect() };
         for share in [0.01, 0.03, 0.08, 0.2, 0.4] {
-            self.push("presliding", place, 2, true, vec![play(&x, share * top)]);
+            self.push("presliding", place, 2, true, vec![play(x, share * top)]);
         }
         for share in [0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7] {
             let gap = share * top;
-            let inside = of(&|x, _| if x.abs() > gap { -gap * sign(x) } else { -x });
+            let inside = of(&|x| -x.clamp(-gap, gap));
             self.push("dead-zone", place, 2, false, vec![inside]);
         }
         for share in [0.2, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95] {
             let gap = share * top;
-            self.push("one-sided-stop", place, 2, false, vec![of(&|x, _| (x - gap).max(0.0))]);
-            self.push("one-sided-stop", place, 2, false, vec![of(&|x, _| (-x - gap).max(0.0))]);
+            self.push("one-sided-stop", place, 2, false, vec![of(&|x| (x - gap).max(0.0))]);
+            self.push("one-sided-stop", place, 2, false, vec![of(&|x| (-x - gap).max(0.0))]);
         }
+    }
+
+    /// Forces that depend on the time, and a constant one.
+    fn of_time(&mut self, place: &Place, x: &[f64]) {
         let times = &self.seen.experiment.times;
         for w in self.frequencies() {
             let (c, s): (Vec<f64>, Vec<f64>) = times.iter().map(|t| ((w * t).cos(), (w * t).sin())).unzip();
-            let swings = [&c, &s].map(|g| g.iter().zip(&x).map(|(g, x)| g * x).collect::<Vec<f64>>());
+            let swings = [&c, &s].map(|g| g.iter().zip(x).map(|(g, x)| g * x).collect::<Vec<f64>>());
             if place.wall == 0.0 {
                 self.push("harmonic-force", place, 3, false, vec![c, s]);
             }
             self.push("parametric-stiffness", place, 3, false, swings.into());
         }
         if place.wall == 0.0 {
-            self.push("offset", place, 1, false, vec![of(&|_, _| 1.0)]);
+            self.push("offset", place, 1, false, vec![vec![1.0; x.len()]]);
         }
     }
 

@@ -63,22 +63,10 @@ pub(super) fn alternatives(
                 more.push(put(k, vec![placed("sensor-offset", &rig.x[1])]));
             }
         }
-        // One recorded drive: what acts late shows late. On linear springs a scale of the drive is one of the motion.
-        let one_drive = matches!(rig.drive, Drive::Force(_) | Drive::Base { .. });
-        let input = if base { "u" } else { "F" };
-        for (of_input, of_sensor) in [("input-delay", "sensor-delay"), ("input-gain", "sensor-gain")] {
-            if !one_drive || effects.len() > 1 {
-                continue;
-            }
-            if e.law == of_input {
-                more.push(put(k, vec![placed(of_sensor, "motion")]));
-                if columns == 1 {
-                    more.push(put(k, vec![placed(of_sensor, column)]));
-                }
-            }
-            if e.law == of_sensor && (e.at == "motion" || columns == 1) {
-                more.push(put(k, vec![placed(of_input, input)]));
-            }
+        if effects.len() == 1 {
+            more.extend(
+                of_one_drive(e, rig, (columns, column)).into_iter().map(|placed| put(k, vec![placed])),
+            );
         }
         // All columns are one column here.
         if only_column(e, columns) {
@@ -94,6 +82,30 @@ pub(super) fn alternatives(
         }
     }
     unique
+}
+
+/// A delay or a gain of the one recorded drive and of the one column are the same: what acts late shows late, and on
+/// linear springs a scale of the drive is one of the motion.
+fn of_one_drive(e: &Effect, rig: &Rig, (columns, column): (usize, &str)) -> Vec<Placed> {
+    let input = match rig.drive {
+        Drive::Base { .. } => "u",
+        Drive::Force(_) => "F",
+        _ => return vec![],
+    };
+    let placed = |law: &str, at: &str| Placed { law: law.to_owned(), at: at.to_owned() };
+    let mut all = Vec::new();
+    for (of_input, of_sensor) in [("input-delay", "sensor-delay"), ("input-gain", "sensor-gain")] {
+        if e.law == of_input {
+            all.push(placed(of_sensor, "motion"));
+            if columns == 1 {
+                all.push(placed(of_sensor, column));
+            }
+        }
+        if e.law == of_sensor && (e.at == "motion" || columns == 1) {
+            all.push(placed(of_input, input));
+        }
+    }
+    all
 }
 
 /// An effect with its values.

@@ -53,6 +53,36 @@ pub(crate) fn text_with(
             text.set(&format!("data.{record}.interpolate"), &format!("{kind:?}"))?;
         }
     }
+    start_values(&mut text, model)?;
+    let spec = &model.given.spec;
+    let mut parts = Parts {
+        rates: spec.known.iter().map(|(name, rate)| (name.value.clone(), rate.value.clone())).collect(),
+        outputs: spec.outputs.iter().map(|(name, o)| (name.value.clone(), o.reads.value.clone())).collect(),
+        contacts: spec.contacts.iter().map(|c| c.value.clone()).collect(),
+    };
+    for applied in &model.effects {
+        constants(&mut text, model, applied)?;
+        match &applied.effect.place.site {
+            Site::Sensor(columns) => sensor(&mut text, model, applied, columns)?,
+            Site::Input(inputs) if applied.effect.is_input_delay() => {
+                delay(&mut text, model, applied, inputs)?
+            }
+            Site::Input(inputs) => gain(&mut text, model, applied, inputs, &mut parts)?,
+            Site::Force { acts, shows, .. } => force(&mut text, model, applied, (acts, shows), &mut parts)?,
+        }
+    }
+    Ok(text.0)
+}
+
+/// The texts that effects extend, one after the other.
+struct Parts {
+    rates: Vec<(String, String)>,
+    outputs: Vec<(String, String)>,
+    contacts: Vec<String>,
+}
+
+/// The constants with their start values in the model.
+fn start_values(text: &mut Text, model: &TrialModel) -> Result<(), SpecTextError> {
     let base = model.without_effects();
     for (k, p) in base.system.parameters.iter().enumerate() {
         let now = model.system.parameters[k].start;
@@ -62,76 +92,97 @@ pub(crate) fn text_with(
             text.set(&format!("constants.{}.{field}", p.name), &format!("{:?}", now / factor))?;
         }
     }
-    let spec = &model.given.spec;
-    // The rates, extended effect by effect.
-    let mut rates: Vec<(String, String)> =
-        spec.known.iter().map(|(name, rate)| (name.value.clone(), rate.value.clone())).collect();
-    let mut outputs: Vec<(String, String)> =
-        spec.outputs.iter().map(|(name, output)| (name.value.clone(), output.reads.value.clone())).collect();
-    let mut contacts: Vec<String> = spec.contacts.iter().map(|c| c.value.clone()).collect();
-    for applied in &model.effects {
-        constants(&mut text, model, applied)?;
-        match &applied.effect.place.site {
-            Site::Sensor(columns) => {
-                let which = applied.effect.entry.law.sensor.as_deref().unwrap_or_default();
-                for record in 0..spec.data.len() {
-                    for name in columns {
-                        let path = format!("data.{record}.sensors.{name}.{which}");
-                        text.set(&path, &format!("\"{}\"", applied.names[0]))?;
-                    }
-                }
-            }
-            Site::Input(inputs) if applied.effect.is_input_delay() => {
-                for (record, plan) in model.given.plans.iter().enumerate() {
-                    for &input in inputs.iter().filter(|&&j| plan.derived.get(j).is_none_or(Option::is_none))
-                    {
-                        let name = &model.system.inputs[input].name;
-                        let path = format!("data.{record}.sensors.{name}.delay");
-                        text.set(&path, &format!("\"{}\"", applied.names[0]))?;
-                    }
-                }
-            }
-            Site::Input(inputs) => {
-                let gain = &applied.names[0];
-                let name = |&j: &usize| model.system.inputs[j].name.clone();
-                let with: Vec<(String, String)> =
-                    inputs.iter().map(|j| (name(j), format!("({gain}*{})", name(j)))).collect();
-                let scaled = |text: &str| rename(text, &with).unwrap_or_else(|_| text.to_owned());
-                for (name, rate) in &mut rates {
-                    *rate = scaled(rate);
-                    text.set(&format!("known.{name}"), &format!("\"{rate}\""))?;
-                }
-                for (name, reads) in &mut outputs {
-                    *reads = scaled(reads);
-                    text.set(&format!("outputs.{name}.reads"), &format!("\"{reads}\""))?;
-                }
-            }
-            Site::Force { acts, shows, .. } => {
-                internal(&mut text, model, applied)?;
-                let force = force_text(applied).unwrap_or_default();
-                for &(state, sign) in acts {
-                    let name = &model.system.states[state].name;
-                    let inertia = spec.inertia.iter().find(|(n, _)| n.value == *name).map(|(_, m)| &m.value);
-                    let over = inertia.map_or(String::new(), |m| format!("/({m})"));
-                    let sign = if sign < 0.0 { '-' } else { '+' };
-                    let Some((_, rate)) = rates.iter_mut().find(|(n, _)| n == name) else { continue };
-                    *rate = format!("{rate} {sign} ({force}){over}");
-                    text.set(&format!("known.{name}"), &format!("\"{rate}\""))?;
-                }
-                for &(output, sign) in shows {
-                    let name = &model.system.outputs[output].name;
-                    let sign = if sign < 0.0 { '-' } else { '+' };
-                    let Some((_, reads)) = outputs.iter_mut().find(|(n, _)| n == name) else { continue };
-                    *reads = format!("{reads} {sign} ({force})");
-                    text.set(&format!("outputs.{name}.reads"), &format!("\"{reads}\""))?;
-                }
-                if applied.effect.entry.law.sticks() && !acts.is_empty() {
-                    contact(&mut text, model, applied, &mut contacts)?;
-                }
-            }
+    Ok(())
+}
+
+/// A property of a sensor, in every record.
+fn sensor(
+    text: &mut Text,
+    model: &TrialModel,
+    applied: &Applied,
+    columns: &[String],
+) -> Result<(), SpecTextError> {
+    let which = applied.effect.entry.law.sensor.as_deref().unwrap_or_default();
+    for record in 0..model.given.spec.data.len() {
+        for name in columns {
+            let path = format!("data.{record}.sensors.{name}.{which}");
+            text.set(&path, &format!("\"{}\"", applied.names[0]))?;
         }
     }
-    Ok(text.0)
+    Ok(())
+}
+
+/// A delay of inputs that are measured, in every record.
+fn delay(
+    text: &mut Text,
+    model: &TrialModel,
+    applied: &Applied,
+    inputs: &[usize],
+) -> Result<(), SpecTextError> {
+    for (record, plan) in model.given.plans.iter().enumerate() {
+        for &input in inputs.iter().filter(|&&j| plan.derived.get(j).is_none_or(Option::is_none)) {
+            let name = &model.system.inputs[input].name;
+            let path = format!("data.{record}.sensors.{name}.delay");
+            text.set(&path, &format!("\"{}\"", applied.names[0]))?;
+        }
+    }
+    Ok(())
+}
+
+/// A gain of inputs, wherever they stand in rates and outputs.
+fn gain(
+    text: &mut Text,
+    model: &TrialModel,
+    applied: &Applied,
+    inputs: &[usize],
+    parts: &mut Parts,
+) -> Result<(), SpecTextError> {
+    let gain = &applied.names[0];
+    let name = |&j: &usize| model.system.inputs[j].name.clone();
+    let with: Vec<(String, String)> =
+        inputs.iter().map(|j| (name(j), format!("({gain}*{})", name(j)))).collect();
+    let scaled = |text: &str| rename(text, &with).unwrap_or_else(|_| text.to_owned());
+    for (name, rate) in &mut parts.rates {
+        *rate = scaled(rate);
+        text.set(&format!("known.{name}"), &format!("\"{rate}\""))?;
+    }
+    for (name, reads) in &mut parts.outputs {
+        *reads = scaled(reads);
+        text.set(&format!("outputs.{name}.reads"), &format!("\"{reads}\""))?;
+    }
+    Ok(())
+}
+
+/// A force in the rates of the bodies on which it acts and in the outputs that show it: states and outputs, each
+/// with its sign.
+fn force(
+    text: &mut Text,
+    model: &TrialModel,
+    applied: &Applied,
+    (acts, shows): (&[(usize, f64)], &[(usize, f64)]),
+    parts: &mut Parts,
+) -> Result<(), SpecTextError> {
+    internal(text, model, applied)?;
+    let force = force_text(applied).unwrap_or_default();
+    let sign = |sign: f64| if sign < 0.0 { '-' } else { '+' };
+    for &(state, way) in acts {
+        let name = &model.system.states[state].name;
+        let inertia = model.given.spec.inertia.iter().find(|(n, _)| n.value == *name).map(|(_, m)| &m.value);
+        let over = inertia.map_or(String::new(), |m| format!("/({m})"));
+        let Some((_, rate)) = parts.rates.iter_mut().find(|(n, _)| n == name) else { continue };
+        *rate = format!("{rate} {} ({force}){over}", sign(way));
+        text.set(&format!("known.{name}"), &format!("\"{rate}\""))?;
+    }
+    for &(output, way) in shows {
+        let name = &model.system.outputs[output].name;
+        let Some((_, reads)) = parts.outputs.iter_mut().find(|(n, _)| n == name) else { continue };
+        *reads = format!("{reads} {} ({force})", sign(way));
+        text.set(&format!("outputs.{name}.reads"), &format!("\"{reads}\""))?;
+    }
+    if applied.effect.entry.law.sticks() && !acts.is_empty() {
+        contact(text, model, applied, &mut parts.contacts)?;
+    }
+    Ok(())
 }
 
 fn constants(text: &mut Text, model: &TrialModel, applied: &Applied) -> Result<(), SpecTextError> {

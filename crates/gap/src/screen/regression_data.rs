@@ -111,21 +111,10 @@ impl Base {
             let speed = speed(system, &motion, place)?;
             let least = ((SHORT_REST * motion.period / (span / samples as f64)) as usize).clamp(5, samples);
             let rests = resting(&speed, rest_threshold(&speed), least);
-            // Friction of the model balances the other forces during rest.
             let own = system.contacts.iter().any(|c| c.node == velocity.node && system.rubs(c));
             if own {
                 let inertia = |k: usize, i: usize| values[n + n * n + n * self.parameters + k][i];
-                for i in (0..samples).filter(|&i| rests[i]) {
-                    let (mut toward, mut give) = (0.0, 0.0);
-                    for (j, &(k, sign)) in acts.iter().enumerate() {
-                        let c = if j == 0 { 1.0 } else { -1.0 };
-                        toward += c * rates[i * n + k];
-                        give += c * sign / inertia(k, i);
-                    }
-                    for &(k, sign) in acts {
-                        rates[i * n + k] -= toward / give * sign / inertia(k, i);
-                    }
-                }
+                balance(&mut rates, n, acts, &rests, &inertia);
             }
             let stuck_state = system.state(&place.at).filter(|_| own);
             still.push(PlaceAtRest { at: place.at.clone(), rests, stuck_state });
@@ -169,6 +158,28 @@ impl Base {
         let bare = model.without_effects();
         let drive = Drive::new(&bare.system, &bare.records[record]).map_or(vec![], |mut d| d.lines());
         Some(RegressionData { motion, linear, bracket, rows, readings, rates, stride, still, left, drive })
+    }
+}
+
+/// Friction of the model balances the other forces on two bodies, or on one, while they rest against each other: takes
+/// what would part them out of their rates. `inertia` is that of a state at a sample.
+fn balance(
+    rates: &mut [f64],
+    n: usize,
+    acts: &[(usize, f64)],
+    rests: &[bool],
+    inertia: &dyn Fn(usize, usize) -> f64,
+) {
+    for i in (0..rests.len()).filter(|&i| rests[i]) {
+        let (mut toward, mut give) = (0.0, 0.0);
+        for (j, &(k, sign)) in acts.iter().enumerate() {
+            let c = if j == 0 { 1.0 } else { -1.0 };
+            toward += c * rates[i * n + k];
+            give += c * sign / inertia(k, i);
+        }
+        for &(k, sign) in acts {
+            rates[i * n + k] -= toward / give * sign / inertia(k, i);
+        }
     }
 }
 

@@ -61,42 +61,51 @@ pub(super) fn array(bytes: &[u8], name: &str) -> Result<Vec<Channel>, Refusal> {
             help,
         ));
     };
-    let channel = |group: &str, name: &str, values| Channel {
-        group: group.to_owned(),
-        name: name.to_owned(),
-        unit: None,
-        values,
-        clock: None,
-    };
     match *shape.as_slice() {
         [n] if n > 1 => {
             let plain = if name.is_empty() { "1" } else { name };
             Ok(vec![channel("", plain, element.column(rest.rest(), 0, element.size, n).ok_or_else(cut)?)])
         }
         [rows, columns] if rows.max(columns) > 1 => {
-            let size = element.size;
-            let whole = rows.checked_mul(columns).and_then(|n| n.checked_mul(size)).ok_or_else(cut)?;
-            if rest.rest().len() < whole {
-                return Err(cut());
-            }
-            // The longer side counts the samples.
-            let (samples, count, by_rows) =
-                if rows >= columns { (rows, columns, !fortran) } else { (columns, rows, fortran) };
-            let (step, stride) = if by_rows { (size, count * size) } else { (samples * size, size) };
-            if count > MOST_CHANNELS {
-                return Err(Refusal::file(
-                    format!("`{name}` has {rows} x {columns} numbers"),
-                    "that is no table: save its columns",
-                ));
-            }
-            let column = |k: usize| element.column(rest.rest(), k * step, stride, samples);
-            let all: Option<Vec<Values>> = (0..count).map(column).collect();
-            let all = all.ok_or_else(cut)?.into_iter().enumerate();
-            Ok(all.map(|(k, values)| channel(name, &(k + 1).to_string(), values)).collect())
+            matrix(rest.rest(), &element, (rows, columns, fortran), name)
         }
         // A number alone is a constant, not a column; more than two sides are no table.
         _ => Ok(vec![]),
     }
+}
+
+/// One column of numbers.
+fn channel(group: &str, name: &str, values: Values) -> Channel {
+    Channel { group: group.to_owned(), name: name.to_owned(), unit: None, values, clock: None }
+}
+
+/// The columns of a matrix: rows, columns, and whether columns stand one after the other.
+fn matrix(
+    bytes: &[u8],
+    element: &Element,
+    (rows, columns, fortran): (usize, usize, bool),
+    name: &str,
+) -> Result<Vec<Channel>, Refusal> {
+    let cut = || Refusal::broken(FORMAT, &format!("`{name}` ends before its last number"));
+    let size = element.size;
+    let whole = rows.checked_mul(columns).and_then(|n| n.checked_mul(size)).ok_or_else(cut)?;
+    if bytes.len() < whole {
+        return Err(cut());
+    }
+    // The longer side counts the samples.
+    let (samples, count, by_rows) =
+        if rows >= columns { (rows, columns, !fortran) } else { (columns, rows, fortran) };
+    let (step, stride) = if by_rows { (size, count * size) } else { (samples * size, size) };
+    if count > MOST_CHANNELS {
+        return Err(Refusal::file(
+            format!("`{name}` has {rows} x {columns} numbers"),
+            "that is no table: save its columns",
+        ));
+    }
+    let column = |k: usize| element.column(bytes, k * step, stride, samples);
+    let all: Option<Vec<Values>> = (0..count).map(column).collect();
+    let all = all.ok_or_else(cut)?.into_iter().enumerate();
+    Ok(all.map(|(k, values)| channel(name, &(k + 1).to_string(), values)).collect())
 }
 
 /// Names and types of the members of a structure, such as `[('t', '<f8'), ('x', '<f4')]`; none if one of them is

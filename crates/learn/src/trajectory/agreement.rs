@@ -129,36 +129,41 @@ fn compared(
         return None;
     }
     let apart: Vec<f64> = moving[..compared].iter().map(|&k| x[k] - fit.x[k]).collect();
-    let distance: f64 =
-        solve_damped(&both, &apart, AGREEMENT_DAMPING)?.iter().zip(&apart).map(|(a, b)| a * b).sum();
-    // Wilson and Hilferty's quantile of chi square.
-    let degrees = compared as f64;
-    let spread = 2.0 / (9.0 * degrees);
-    let chance = distance <= degrees * (1.0 - spread + RARE * spread.sqrt()).powi(3);
+    let chance = by_chance(&both, &apart)?;
     let errors = |k: usize| apart[k].abs() / both[(k, k)].sqrt();
     let worst = (0..compared).max_by(|&a, &b| errors(a).total_cmp(&errors(b)))?;
-    let number = || match meanings[moving[worst]] {
-        Meaning::Parameter(index, _) => {
-            let of = ParameterOf::Constant { index, name: system.parameters[index].name.clone() };
-            (Quantity::Parameter(ParameterId { of, owner: None }), factor(system, index))
-        }
-        _ => (Quantity::Coefficient(TermId::new(system, terms[moving[worst]])), 1.0),
-    };
     let warning = (!chance).then(|| {
-        let (number, factor) = number();
-        Warning::Disagreement {
-            number,
-            record: record.name.clone(),
-            alone: x[moving[worst]] / factor,
-            fitted: fit.x[moving[worst]] / factor,
-            errors: errors(worst),
-        }
+        let k = moving[worst];
+        let (number, factor) = shared_number(system, terms, &meanings[k], k);
+        let (record, errors) = (record.name.clone(), errors(worst));
+        Warning::Disagreement { number, record, alone: x[k] / factor, fitted: fit.x[k] / factor, errors }
     });
     let mut all = vec![(0.0, 0.0); t];
     for (i, &k) in moving[..compared].iter().enumerate() {
         all[k] = (apart[i], both[(i, i)]);
     }
     Some(Compared { apart: all, warning })
+}
+
+/// Whether numbers differ by no more than chance: the distance in their covariance `both` against chi square.
+fn by_chance(both: &Mat<f64>, apart: &[f64]) -> Option<bool> {
+    let steps = solve_damped(both, apart, AGREEMENT_DAMPING)?;
+    let distance: f64 = steps.iter().zip(apart).map(|(a, b)| a * b).sum();
+    // Wilson and Hilferty's quantile of chi square.
+    let degrees = apart.len() as f64;
+    let spread = 2.0 / (9.0 * degrees);
+    Some(distance <= degrees * (1.0 - spread + RARE * spread.sqrt()).powi(3))
+}
+
+/// What a shared unknown is, and the factor of its unit.
+fn shared_number(system: &System, terms: &[usize], meaning: &Meaning, k: usize) -> (Quantity, f64) {
+    match *meaning {
+        Meaning::Parameter(index, _) => {
+            let of = ParameterOf::Constant { index, name: system.parameters[index].name.clone() };
+            (Quantity::Parameter(ParameterId { of, owner: None }), factor(system, index))
+        }
+        _ => (Quantity::Coefficient(TermId::new(system, terms[k])), 1.0),
+    }
 }
 
 /// Factor from the unit of a constant to SI.

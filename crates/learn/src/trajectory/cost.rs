@@ -152,17 +152,10 @@ impl Problem<'_> {
         Ok(total)
     }
 
-    /// Which unknowns a segment depends on, its cost, and its normal equations in those (upper triangle).
-    fn normal_of_segment(
-        &self,
-        segment: &Segment,
-        x: &[f64],
-        weights: &[Vec<Vec<f64>>],
-        meat: bool,
-    ) -> Result<Share, SimError> {
-        let sampled = self.run(segment, x, true)?;
-        let run = &sampled.run;
-        let (n, m, r) = (self.system.states.len(), run.m, segment.record);
+    /// The unknowns on which the run of a segment depends, and where the offset, gain and delay of each column stand
+    /// among them.
+    fn unknowns_of(&self, segment: &Segment) -> (Vec<usize>, Vec<[usize; 3]>) {
+        let (n, r) = (self.system.states.len(), segment.record);
         // Columns of the sensitivities: start states, then the unknown ones among the model's parameters.
         let mut at: Vec<usize> = (segment.start..segment.start + n).collect();
         at.extend(self.sources(r).filter_map(|s| if let Source::Unknown(k) = s { Some(k) } else { None }));
@@ -178,6 +171,21 @@ impl Problem<'_> {
                 }
             }
         }
+        (at, sensor_slots)
+    }
+
+    /// Which unknowns a segment depends on, its cost, and its normal equations in those (upper triangle).
+    fn normal_of_segment(
+        &self,
+        segment: &Segment,
+        x: &[f64],
+        weights: &[Vec<Vec<f64>>],
+        meat: bool,
+    ) -> Result<Share, SimError> {
+        let sampled = self.run(segment, x, true)?;
+        let run = &sampled.run;
+        let (n, m, r) = (self.system.states.len(), run.m, segment.record);
+        let (mut at, sensor_slots) = self.unknowns_of(segment);
         let next = self.next(segment);
         let joints = at.len();
         at.extend(next.iter().flat_map(|s| s.start..s.start + n));

@@ -10,10 +10,8 @@ use std::collections::HashMap;
 pub(crate) const RATE: &str = "rate";
 
 impl Checker {
-    /// The system that a spec describes.
-    pub(super) fn system(&mut self, spec: &Spec) -> System {
-        let time = self.names.intern("t");
-        let time = self.graph.symbol(time);
+    /// The states, none of them a velocity yet.
+    fn states(&mut self, spec: &Spec) -> Vec<State> {
         let mut states = Vec::new();
         for (name, unit) in &spec.states {
             let symbol = self.declare(name, "state");
@@ -29,6 +27,11 @@ impl Checker {
                 memory: None,
             });
         }
+        states
+    }
+
+    /// The inputs.
+    fn inputs(&mut self, spec: &Spec) -> Vec<Input> {
         let mut inputs = Vec::new();
         for (name, unit) in &spec.inputs {
             let symbol = self.declare(name, "input");
@@ -36,6 +39,15 @@ impl Checker {
             let factor = self.unit(unit).factor;
             inputs.push(Input { name: name.value.clone(), unit: unit.value.clone(), factor, node });
         }
+        inputs
+    }
+
+    /// The system that a spec describes.
+    pub(super) fn system(&mut self, spec: &Spec) -> System {
+        let time = self.names.intern("t");
+        let time = self.graph.symbol(time);
+        let mut states = self.states(spec);
+        let inputs = self.inputs(spec);
         let outputs: Vec<_> = spec
             .outputs
             .iter()

@@ -10,6 +10,42 @@ use phisindy_expr::Id;
 use std::collections::HashMap;
 
 impl Checker {
+    /// How each input is made; an input without an excitation is a mistake.
+    fn excitations(
+        &mut self,
+        data: &SyntheticSpec,
+        system: &System,
+        derived: &[Option<usize>],
+    ) -> Vec<SyntheticInput> {
+        let zero = self.graph.constant(0.0);
+        let mut inputs = Vec::new();
+        let input_names: Vec<&str> = system.inputs.iter().map(|u| u.name.as_str()).collect();
+        for (name, _) in data.inputs.iter().filter(|(n, _)| system.input(&n.value).is_none()) {
+            self.unknown_name(&name.value, name.span, "input", &input_names);
+        }
+        for (k, input) in system.inputs.iter().enumerate() {
+            let given = data.inputs.iter().find(|(n, _)| n.value == input.name);
+            inputs.push(match (given, derived[k]) {
+                (Some((_, InputSpec::Formula(text))), _) => {
+                    SyntheticInput::Formula(self.expression(text, &["t"]).unwrap_or(zero))
+                }
+                (Some((_, other)), _) => SyntheticInput::Generated(other.clone()),
+                (None, Some(of)) => SyntheticInput::Derivative(of),
+                (None, None) => {
+                    self.error(
+                        format!("input `{}` has no excitation in this record", input.name),
+                        data.span,
+                        "",
+                    )
+                    .help
+                    .push(format!("add `inputs: {{ \"{}\": Formula(\"...\") }}`", input.name));
+                    SyntheticInput::Formula(zero)
+                }
+            });
+        }
+        inputs
+    }
+
     /// The plan of a record that is simulated; none after an error.
     pub(super) fn synthetic(
         &mut self,
@@ -38,31 +74,7 @@ impl Checker {
             }
         }
         let (derived, differentiators) = self.derived(&data.derive, system);
-        let mut inputs = Vec::new();
-        let input_names: Vec<&str> = system.inputs.iter().map(|u| u.name.as_str()).collect();
-        for (name, _) in data.inputs.iter().filter(|(n, _)| system.input(&n.value).is_none()) {
-            self.unknown_name(&name.value, name.span, "input", &input_names);
-        }
-        for (k, input) in system.inputs.iter().enumerate() {
-            let given = data.inputs.iter().find(|(n, _)| n.value == input.name);
-            inputs.push(match (given, derived[k]) {
-                (Some((_, InputSpec::Formula(text))), _) => {
-                    SyntheticInput::Formula(self.expression(text, &["t"]).unwrap_or(zero))
-                }
-                (Some((_, other)), _) => SyntheticInput::Generated(other.clone()),
-                (None, Some(of)) => SyntheticInput::Derivative(of),
-                (None, None) => {
-                    self.error(
-                        format!("input `{}` has no excitation in this record", input.name),
-                        data.span,
-                        "",
-                    )
-                    .help
-                    .push(format!("add `inputs: {{ \"{}\": Formula(\"...\") }}`", input.name));
-                    SyntheticInput::Formula(zero)
-                }
-            });
-        }
+        let inputs = self.excitations(data, system, &derived);
         let start = self.start(&data.start, system);
         let (measured_columns, measured_inputs) = self.measured(data, system);
         let title = Text { value: format!("record {index}"), span: data.span };
