@@ -1,6 +1,7 @@
 //! The command line: names, help, and what clap can check by itself (a mistake ends with exit code 2).
 
 use crate::limit::Limit;
+use crate::sweep::Shard;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, ValueEnum};
 use phisindy::files::{Assignment, Request};
@@ -171,10 +172,14 @@ Examples:
   phisindy sweep specs/case1a.ron --seeds 100
   phisindy sweep specs/case1a.ron --seeds 100 --noise 'Relative(0.1), Additive(0.02)' --out sweep
   phisindy sweep specs/case1b.ron --seeds 20 --method step --cutoffs 0.02,0.05,0.1
-  phisindy sweep specs/case1a.ron --seeds 20 --vary 'unknown.y.candidates=[\"1\"];[\"1\", \"x\", \"y\"]'",
+  phisindy sweep specs/case1a.ron --seeds 20 --vary 'unknown.y.candidates=[\"1\"];[\"1\", \"x\", \"y\"]'
+  phisindy sweep specs/case1a.ron --seeds 1000 --shard 3/16 --out parts   the third of sixteen programs, on any machine
+  phisindy sweep --merge parts --out sweep                                the table of all of them",
         after_help = "\
 Seeds run from S to S+N-1, S from --seed or the spec. Every combination of --noise, --cutoffs and --vary is a cell of its own. With --out DIR every
 finished run is kept in DIR/sweep.jsonl, so that the same command goes on after an interruption; the table is in DIR/sweep.json at the end.
+A shard is kept in DIR/sweep-K-of-N.jsonl; --merge makes the same table of them as one program would, to the bit. docs/cluster has examples
+for Slurm, Snakemake and Nextflow.
 Exit code 1: a truth lies outside of its dictionary, or no run came to a result."
     )]
     Sweep(SweepArgs),
@@ -247,8 +252,8 @@ fn exporter() -> impl TypedValueParser<Value = &'static Exporter> {
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct SweepArgs {
     /// Spec file with synthetic data
-    #[arg(value_name = "SPEC")]
-    pub(crate) spec: PathBuf,
+    #[arg(value_name = "SPEC", required_unless_present = "merge", conflicts_with = "merge")]
+    pub(crate) spec: Option<PathBuf>,
     /// Number of seeds
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub(crate) seeds: u64,
@@ -261,6 +266,12 @@ pub(crate) struct SweepArgs {
     /// Values of any field of the spec; repeatable
     #[arg(long, value_name = "PATH=V1;V2;...", value_parser = assignment)]
     pub(crate) vary: Vec<Assignment>,
+    /// Do only the K-th of N parts, whose journal --out keeps; --merge puts all of them together
+    #[arg(long, value_name = "K/N", value_parser = Shard::parse, conflicts_with = "merge")]
+    pub(crate) shard: Option<Shard>,
+    /// In place of a spec: the table of the sweep whose shards lie in these folders
+    #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["noise", "cutoffs", "vary", "seeds"])]
+    pub(crate) merge: Vec<PathBuf>,
 }
 
 /// How to do it; every subcommand takes all of these.

@@ -57,6 +57,11 @@ class Case:
         return self._native.title
 
     @property
+    def folder(self) -> Path:
+        """Where its data files are looked for."""
+        return self._path.parent
+
+    @property
     def states(self) -> list[str]:
         """Names of the states."""
         return self._native.states
