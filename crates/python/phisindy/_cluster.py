@@ -131,8 +131,9 @@ def _chunks(
             finally:
                 pool.shutdown(wait=False, cancel_futures=True)
         return
-    from dask.distributed import as_completed as as_dask_completed
+    from dask import distributed
 
+    finished: Any = distributed.as_completed
     threads = max(1, sum(client.nthreads().values()))
     size = min(LARGEST_TASK, max(1, -(-len(works) // (TASKS_PER_THREAD * threads))))
     # A worker that dies is no mistake of the task: Dask gives it to another one.
@@ -140,7 +141,7 @@ def _chunks(
         client.submit(_chunk, task, works[place : place + size], pure=False, retries=3): place
         for place in range(0, len(works), size)
     }
-    for future, chunk in as_dask_completed(list(futures), with_results=True):
+    for future, chunk in finished(list(futures), with_results=True):
         yield futures.pop(future), chunk
 
 
