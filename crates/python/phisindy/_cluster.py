@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ._errors import PhisindyError
 from ._journal import Failed, Journal
 from ._sweep import Result, Sweep
+from ._work import bars as _bars
 
 if TYPE_CHECKING:
     from ._case import Case
@@ -148,14 +149,11 @@ def _chunks(
 def _with_bar(
     chunks: Iterator[tuple[int, list[Any]]], total: int, progress: bool, what: str
 ) -> Iterator[tuple[int, list[Any]]]:
-    try:
-        from tqdm.auto import tqdm
-    except ImportError:
-        progress = False
-    if not progress:
+    bars = _bars() if progress else None
+    if bars is None:
         yield from chunks
         return
-    with tqdm(total=total, desc=what) as bar:
+    with bars(total=total, desc=what) as bar:
         for place, chunk in chunks:
             yield place, chunk
             bar.update(len(chunk))
