@@ -405,7 +405,10 @@ fn an_fmu_without_a_compiler_holds_its_sources_and_says_so() {
     let said = common::program(&["export", &path, "--to", "fmu", "--out", &fmu]).env("PATH", "").output();
     let said = said.expect("it starts");
     let err = String::from_utf8_lossy(&said.stderr);
-    assert!(said.status.success() && err.contains("sources and no binary, for there is no C compiler"), "{err}");
+    assert!(
+        said.status.success() && err.contains("sources and no binary, for there is no C compiler"),
+        "{err}"
+    );
     let code = "import sys, zipfile; print(sorted(zipfile.ZipFile(sys.argv[1]).namelist()))";
     let names = fed(Command::new("python3").args(["-c", code, &fmu]), "");
     assert_eq!(names, "['modelDescription.xml', 'sources/buildDescription.xml', 'sources/model.c']\n");

@@ -146,7 +146,7 @@ Exit codes: 0 nothing is missing, or what is missing was found; 1 something is m
         #[arg(value_name = "SPEC")]
         spec: PathBuf,
     },
-    /// Write an identified model so that it runs elsewhere: Python, C, Modelica, JSON
+    /// Write an identified model so that it runs elsewhere: Python, C, Modelica, FMU, JSON
     #[command(
         display_order = 6,
         before_help = "\
@@ -157,11 +157,12 @@ Examples:
   python3 case7.py < motion.csv                             the same motion
   phisindy export case7 --to c --out case7.c
   cc -O2 -std=c99 -DPHISINDY_MAIN case7.c -o case7m -lm
+  phisindy export case7 --to fmu --out case7.fmu            for Simulink, Dymola, OpenModelica: FMI 3.0
   phisindy export found/completed.ron --to json             what `gap` found, as data, on standard output",
         after_help = "\
 The file holds the rates as a plain function, its constants by name, and the rule that decides when a contact sticks; Python and C simulate too, with
-the events that `phisindy simulate` finds. All numbers are in SI. --out is a file, or a folder in which it becomes model.py, model.c, Model.mo or
-model.json; what is there is replaced only with --force. Modelica is written for tools that know the friction elements of its standard library."
+the events that `phisindy simulate` finds. All numbers are in SI. --out is a file, or a folder in which it becomes model.py, model.c, Model.mo,
+model.fmu or model.json; what is there is replaced only with --force. Modelica is written for tools that know the friction elements of its standard library."
     )]
     Export(ExportArgs),
     /// Identify with many seeds in parallel: how often the terms are right, how accurate the numbers and their intervals are

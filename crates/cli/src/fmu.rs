@@ -32,7 +32,10 @@ pub(crate) fn compiled(fmu: &Fmu) -> Result<Vec<u8>, String> {
         .map_err(|_| "there is no C compiler `cc`".to_owned())?;
     if !said.status.success() {
         let words = String::from_utf8_lossy(&said.stderr);
-        return Err(format!("the C compiler `cc` fails: {}", words.lines().next().unwrap_or("it says nothing")));
+        return Err(format!(
+            "the C compiler `cc` fails: {}",
+            words.lines().next().unwrap_or("it says nothing")
+        ));
     }
     fs::read(&to).map_err(|e| format!("what the compiler made cannot be read ({e})"))
 }

@@ -194,12 +194,19 @@ def test_a_sweep_has_the_results_of_each_seed():
 
 def test_the_statistics_of_a_sweep_are_those_of_the_command():
     case = phisindy.Case.from_file(TOP / "specs/case7.ron").set("data.0.duration", "20.0")
-    ours = phisindy.sweep(case, range(42, 47), jobs=2).statistics()
+    sweep = phisindy.sweep(case, range(42, 47), jobs=2)
+    ours = sweep.statistics()
     words = ["sweep", "specs/case7.ron", "--set", "data.0.duration=20.0", "--seeds", "5", "--format", "json", "--quiet"]
     theirs = json.loads(command(*words))
     for coefficient in theirs["coefficients"].values():
         del coefficient["bound"]
     assert ours == {key: theirs[key] for key in ours} and ours["runs"] == 5
+    # A term too many, and one too few.
+    terms = sweep[0]["equations"][0]["terms"]
+    terms.append(terms[0] | {"candidate": "x1"})
+    assert sweep.statistics()["exact_support"] == ours["exact_support"] - 1
+    del terms[-1], terms[0]
+    assert sweep.statistics()["exact_support"] == ours["exact_support"] - 1
     broken = phisindy.Sweep(case, [phisindy.Failed("why", "DataError")])
     assert broken.statistics()["exact_support"] == 0
 

@@ -16,7 +16,10 @@ pub(crate) fn export(args: &ExportArgs, options: &Options) -> Result<u8> {
     let file = options.out.as_deref().map(|out| file_of(out, args.to));
     file.iter().try_for_each(|file| outdir::unless_there(file, args.force))?;
     if file.is_none() && matches!(args.to.write, Writer::Fmu(_)) {
-        bail!("an FMU is an archive, and no text for a terminal: say where it goes, as in --out {}", args.to.file);
+        bail!(
+            "an FMU is an archive, and no text for a terminal: say where it goes, as in --out {}",
+            args.to.file
+        );
     }
     let mut sources = Sources::default();
     let mut subject = match subject(&spec, args.record.as_deref(), options, &mut sources) {
@@ -66,15 +69,11 @@ fn packed(fmu: &export::Fmu, quiet: bool) -> Result<Vec<u8>> {
 }
 
 /// How the states move in the record, if that can be told.
-fn experiment(
-    path: &Path,
-    record: Option<&str>,
-    subject: &Subject,
-    options: &Options,
-) -> Option<Experiment> {
+fn experiment(path: &Path, record: Option<&str>, subject: &Subject, options: &Options) -> Option<Experiment> {
     let (mut sources, mut found) = (Sources::default(), Vec::new());
     let loaded = files::load(path, &options.request(), Purpose::Simulate, &mut sources, &mut found).ok()?;
-    let name = record.map_or_else(|| loaded.records.first().map(|r| r.name.clone()), |r| Some(r.to_owned()))?;
+    let name =
+        record.map_or_else(|| loaded.records.first().map(|r| r.name.clone()), |r| Some(r.to_owned()))?;
     let motion = loaded.only(&name).ok()?.simulate().ok()?.into_iter().next()?;
     let (from, to) = (*motion.time.first()?, *motion.time.last()?);
     let columns = subject.states().map(|name| motion.state(name)).collect::<Option<Vec<_>>>()?;

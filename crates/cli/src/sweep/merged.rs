@@ -78,7 +78,9 @@ fn journals(folder: &Path) -> Result<Vec<PathBuf>> {
     let mut found: Vec<PathBuf> = paths.into_iter().filter(ours).collect();
     found.sort();
     if found.is_empty() {
-        bail!("`{shown}` holds no journal of a sweep: give the folder of --out of `phisindy sweep SPEC --shard 1/2 --out DIR`");
+        bail!(
+            "`{shown}` holds no journal of a sweep: give the folder of --out of `phisindy sweep SPEC --shard 1/2 --out DIR`"
+        );
     }
     Ok(found)
 }

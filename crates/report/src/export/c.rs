@@ -67,8 +67,9 @@ pub(super) fn model(subject: &Subject, functions: &Functions, usage: &[&str]) ->
 
 /// The constants as a structure, and their values.
 fn parameters(subject: &Subject, functions: &Functions) -> String {
-    let mut out =
-        String::from("/* Constants: change them here, or give a copy to the functions. */\ntypedef struct {\n");
+    let mut out = String::from(
+        "/* Constants: change them here, or give a copy to the functions. */\ntypedef struct {\n",
+    );
     for c in &subject.constants {
         let unit =
             if c.unit.is_empty() { String::new() } else { format!(" /* {} */", c.unit.replace("*/", "* /")) };

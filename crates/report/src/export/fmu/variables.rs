@@ -69,10 +69,7 @@ impl Variables {
             plain(Kind::Rate(k), name, format!("Rate of {}", q.name), &unit)
         }));
         all.extend(
-            subject
-                .inputs
-                .iter()
-                .map(|q| Variable { start: Some(0.0), ..of(Kind::Input, q, "Input") }),
+            subject.inputs.iter().map(|q| Variable { start: Some(0.0), ..of(Kind::Input, q, "Input") }),
         );
         all.extend(subject.inputs.iter().map(|q| {
             let (name, unit) = rate(q);
