@@ -152,7 +152,7 @@ class Exchange:
         x, t = self.event(), self.times[0]
         out = [x]
         for row in range(len(self.times) - 1):
-            end, usual = self.times[row + 1], (self.times[row + 1] - t) / PARTS
+            end, usual, events = self.times[row + 1], (self.times[row + 1] - t) / PARTS, 0
             while t < end:
                 h = min(usual, end - t)
                 if end - t - h < 1e-3 * usual:
@@ -160,6 +160,8 @@ class Exchange:
                 reached = self.step(row, t, x, h)
                 found = self.failing(row, t + h, reached)
                 if found:
+                    events += 1
+                    assert events < 100, f"events without end at t = {t}"
                     good, bad = 0.0, h
                     while bad - good > 1e-14 * max(t, 1.0):
                         middle = 0.5 * (good + bad)
