@@ -335,6 +335,107 @@ fn what_run_identified_is_exported_with_its_coefficients_by_name() {
     assert_eq!(names.len(), 1, "nothing half-written stays: {names:?}");
 }
 
+/// A mass on a belt whose speed is measured: what sticks moves with an input.
+const BELT: &str = r#"(
+    constants: { "m": (1.0, "kg"), "k": (20.0, "N/m"), "d": (0.4, "N*s/m"), "Fc": (1.0, "N") },
+    states: { "x": "m", "v": "m/s" },
+    inputs: { "w": "m/s" },
+    known: { "x": "v", "v": "(-d*v - k*x - Fc*sgn(v-w))/m" },
+    contacts: ["v-w"],
+    data: [Csv(path: "force.csv", time: "t", columns: { "x": "x", "w": ("F", "m/s") }, interpolate: { "w": Linear }, start: { "x": 0.0, "v": 0.0 })],
+)"#;
+
+/// The small importer of the tests, on an FMU with a table on standard input.
+#[track_caller]
+fn imported(fmu: &str, kind: &str, table: &str) -> String {
+    fed(Command::new("python3").arg(common::top().join("tests/fmu/importer.py")).args([fmu, kind]), table)
+}
+
+/// An FMU of a spec, its sources compiled without a warning, and what `simulate` says of the same spec.
+#[track_caller]
+fn fmu_of(scratch: &Scratch, spec: &str) -> (String, String) {
+    let (path, fmu) = (scratch.path("spec.ron"), scratch.path("model.fmu"));
+    fs::write(&path, spec).expect("written");
+    fs::write(scratch.path("force.csv"), force()).expect("written");
+    let ours = phisindy(&["simulate", &path, "--quiet"]);
+    assert_eq!(ours.code, 0, "{}", ours.err);
+    let said = phisindy(&["export", &path, "--to", "fmu", "--out", &fmu]);
+    assert_eq!((said.code, said.out.as_str(), said.err.as_str()), (0, "", ""));
+    let code = "import sys, zipfile; sys.stdout.write(zipfile.ZipFile(sys.argv[1]).read('sources/model.c').decode())";
+    let text = fed(Command::new("python3").args(["-c", code, &fmu]), "");
+    let strict = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-O1", "-x", "c", "-c", "-", "-o"];
+    fed(Command::new("cc").args(strict).arg(scratch.path("model.o")), &text);
+    (fmu, ours.out)
+}
+
+#[test]
+fn an_fmu_moves_as_ours_in_both_kinds() {
+    // The importer holds a column of this heading.
+    let (same, held) = ("", "_held");
+    let all = [
+        // Friction with a shape near rest needs steps of its own: see `tests/fmu/check.py`.
+        ("chain", CHAIN, same, &["cosim"] as &[&str]),
+        ("coupled", COUPLED, same, &["cosim", "exchange"]),
+        ("belt", BELT, same, &["cosim", "exchange"]),
+        ("hold", &measured("Hold"), held, &["cosim", "exchange"]),
+        ("linear", &measured("Linear"), same, &["cosim", "exchange"]),
+    ];
+    for (name, spec, ending, kinds) in all {
+        let scratch = Scratch::new(&format!("fmu-{name}"));
+        let (fmu, ours) = fmu_of(&scratch, spec);
+        for kind in kinds {
+            let miss =
+                farthest(&ours, &imported(&fmu, kind, &ours.replacen(",F\n", &format!(",F{ending}\n"), 1)));
+            assert!(miss <= CLOSE, "{name}, {kind}: {miss:e}");
+        }
+    }
+}
+
+#[test]
+fn an_fmu_refuses_wrong_calls_and_keeps_its_state() {
+    let scratch = Scratch::new("fmu-misuse");
+    let (fmu, ours) = fmu_of(&scratch, COUPLED);
+    assert_eq!(imported(&fmu, "misuse", &ours), "fine\n");
+}
+
+#[test]
+fn an_fmu_without_a_compiler_holds_its_sources_and_says_so() {
+    let scratch = Scratch::new("fmu-plain");
+    let (path, fmu) = (scratch.path("spec.ron"), scratch.path("model.fmu"));
+    fs::write(&path, STOP).expect("written");
+    let said = common::program(&["export", &path, "--to", "fmu", "--out", &fmu]).env("PATH", "").output();
+    let said = said.expect("it starts");
+    let err = String::from_utf8_lossy(&said.stderr);
+    assert!(
+        said.status.success() && err.contains("sources and no binary, for there is no C compiler"),
+        "{err}"
+    );
+    let code = "import sys, zipfile; print(sorted(zipfile.ZipFile(sys.argv[1]).namelist()))";
+    let names = fed(Command::new("python3").args(["-c", code, &fmu]), "");
+    assert_eq!(names, "['modelDescription.xml', 'sources/buildDescription.xml', 'sources/model.c']\n");
+    let said = phisindy(&["export", &path, "--to", "fmu"]);
+    assert!(said.code == 2 && said.err.contains("--out model.fmu"), "{}", said.err);
+}
+
+/// What the tool of the FMI project says, where `PHISINDY_FMPY` names a Python with fmpy and cmake.
+#[test]
+fn fmpy_has_no_complaint() {
+    let Some(python) = std::env::var_os("PHISINDY_FMPY") else { return };
+    for case in ["case1a", "case6", "case7"] {
+        let scratch = Scratch::new(&format!("fmpy-{case}"));
+        let found = scratch.path(case);
+        let said = phisindy(&["run", &format!("specs/{case}.ron"), "--out", &found, "--quiet"]);
+        assert_eq!(said.code, 0, "{}", said.err);
+        let (fmu, table) = (scratch.path("model.fmu"), scratch.path("motion.csv"));
+        assert_eq!(phisindy(&["export", &found, "--to", "fmu", "--out", &fmu]).code, 0);
+        let ours = phisindy(&["simulate", &format!("{found}/identified.ron"), "--quiet"]);
+        fs::write(&table, ours.out).expect("written");
+        let check = common::top().join("tests/fmu/check.py");
+        let said = fed(Command::new(&python).arg(check).args([&fmu, &table]), "");
+        assert!(said.contains("no problems"), "{said}");
+    }
+}
+
 /// Runs a few lines of Python that import the exported module as `model`.
 #[track_caller]
 fn asked(name: &str, spec: &str, lines: &str) -> String {

@@ -127,6 +127,72 @@ fn a_sweep_goes_on_after_a_kill() {
     assert!(more.err.starts_with("1 runs in "), "{}", more.err);
 }
 
+/// However a sweep is cut, and wherever its parts lie, the table is the same to the bit.
+#[test]
+fn shards_merge_to_the_table_of_one_program() {
+    let cells = ["--noise", "Relative(0.1), Additive(0.02)", "--format", "json"];
+    let whole = sweep(&cells);
+    assert_eq!(whole.code, 0, "{}", whole.err);
+    for count in [2, 5] {
+        let scratch = Scratch::new(&format!("shards-{count}"));
+        // Shards in one folder, and the last one in another.
+        let folder = |k: usize| scratch.path(if k < count { "parts" } else { "last" });
+        for k in 1..=count {
+            let shard = format!("{k}/{count}");
+            let said = sweep(&[&cells as &[&str], &["--shard", &shard, "--out", &folder(k)]].concat());
+            assert_eq!(said.code, 0, "{}", said.err);
+        }
+        let (parts, last, out) = (folder(1), folder(count), scratch.path("out"));
+        let merged = phisindy(&["sweep", "--format", "json", "--out", &out, "--merge", &parts, &last]);
+        assert_eq!((merged.code, merged.err.as_str()), (0, ""));
+        assert_eq!(timeless(&merged.out), timeless(&whole.out));
+        let kept = fs::read_to_string(scratch.path("out/sweep.json")).expect("the table");
+        assert_eq!(timeless(&kept), timeless(&whole.out));
+        // A shard that is done is not done again; one that is missing is missed.
+        let shard = format!("1/{count}");
+        let again = [&cells as &[&str], &["--shard", &shard, "--out", &parts]].concat();
+        let before = fs::read_to_string(format!("{parts}/sweep-1-of-{count}.jsonl")).expect("a journal");
+        assert_eq!(sweep(&again).code, 0);
+        let after = fs::read_to_string(format!("{parts}/sweep-1-of-{count}.jsonl")).expect("a journal");
+        assert_eq!(before, after);
+        let some = phisindy(&["sweep", "--format", "json", "--merge", &parts]);
+        assert_eq!((some.code, &json(&some.out)["stopped"]), (1, &true.into()));
+        assert!(some.err.contains("are in no journal"), "{}", some.err);
+    }
+}
+
+#[test]
+fn shards_of_different_sweeps_are_not_merged() {
+    let scratch = Scratch::new("shards-wrong");
+    let (parts, other) = (scratch.path("parts"), scratch.path("other"));
+    assert_eq!(sweep(&["--shard", "1/3", "--out", &parts]).code, 0);
+    assert_eq!(sweep(&["--shard", "2/3", "--out", &other, "--set", "learn.cutoff=0.1"]).code, 0);
+    let said = phisindy(&["sweep", "--merge", &parts, &other]);
+    assert_eq!((said.code, said.out.as_str()), (2, ""));
+    assert!(said.err.contains("are not of one sweep"), "{}", said.err);
+    // Another result of the same run.
+    let journal = format!("{parts}/sweep-1-of-3.jsonl");
+    let text = fs::read_to_string(&journal).expect("a journal");
+    fs::write(format!("{parts}/sweep-2-of-3.jsonl"), text.replace("\"exact\":true", "\"exact\":false"))
+        .expect("written");
+    let said = phisindy(&["sweep", "--merge", &parts]);
+    assert!(said.code == 2 && said.err.contains("has another result for seed"), "{}", said.err);
+    fs::write(format!("{parts}/sweep-2-of-3.jsonl"), "a,b\n1,2\n").expect("written");
+    let said = phisindy(&["sweep", "--merge", &parts]);
+    assert!(said.code == 2 && said.err.contains("no journal of a sweep"), "{}", said.err);
+    for (words, says) in [
+        (vec!["--merge", "specs"], "holds no journal"),
+        (vec!["--merge", "nowhere"], "cannot read the folder"),
+        (vec![], "required"),
+        (vec!["specs/case1a.ron", "--merge", "specs"], "cannot be used with"),
+        (vec!["specs/case1a.ron", "--shard", "4/3", "--out", &parts], "such as 3/16"),
+        (vec!["specs/case1a.ron", "--shard", "1/3"], "--out DIR"),
+    ] {
+        let said = phisindy(&[&["sweep"], words.as_slice()].concat());
+        assert!(said.code == 2 && said.err.contains(says), "{words:?}: {}", said.err);
+    }
+}
+
 #[test]
 fn a_journal_of_another_case_is_refused() {
     let scratch = Scratch::new("other");

@@ -1,6 +1,7 @@
 //! The command line: names, help, and what clap can check by itself (a mistake ends with exit code 2).
 
 use crate::limit::Limit;
+use crate::sweep::Shard;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, ValueEnum};
 use phisindy::files::{Assignment, Request};
@@ -145,7 +146,7 @@ Exit codes: 0 nothing is missing, or what is missing was found; 1 something is m
         #[arg(value_name = "SPEC")]
         spec: PathBuf,
     },
-    /// Write an identified model so that it runs elsewhere: Python, C, Modelica, JSON
+    /// Write an identified model so that it runs elsewhere: Python, C, Modelica, FMU, JSON
     #[command(
         display_order = 6,
         before_help = "\
@@ -156,11 +157,12 @@ Examples:
   python3 case7.py < motion.csv                             the same motion
   phisindy export case7 --to c --out case7.c
   cc -O2 -std=c99 -DPHISINDY_MAIN case7.c -o case7m -lm
+  phisindy export case7 --to fmu --out case7.fmu            for Simulink, Dymola, OpenModelica: FMI 3.0
   phisindy export found/completed.ron --to json             what `gap` found, as data, on standard output",
         after_help = "\
 The file holds the rates as a plain function, its constants by name, and the rule that decides when a contact sticks; Python and C simulate too, with
-the events that `phisindy simulate` finds. All numbers are in SI. --out is a file, or a folder in which it becomes model.py, model.c, Model.mo or
-model.json; what is there is replaced only with --force. Modelica is written for tools that know the friction elements of its standard library."
+the events that `phisindy simulate` finds. All numbers are in SI. --out is a file, or a folder in which it becomes model.py, model.c, Model.mo,
+model.fmu or model.json; what is there is replaced only with --force. Modelica is written for tools that know the friction elements of its standard library."
     )]
     Export(ExportArgs),
     /// Identify with many seeds in parallel: how often the terms are right, how accurate the numbers and their intervals are
@@ -171,10 +173,14 @@ Examples:
   phisindy sweep specs/case1a.ron --seeds 100
   phisindy sweep specs/case1a.ron --seeds 100 --noise 'Relative(0.1), Additive(0.02)' --out sweep
   phisindy sweep specs/case1b.ron --seeds 20 --method step --cutoffs 0.02,0.05,0.1
-  phisindy sweep specs/case1a.ron --seeds 20 --vary 'unknown.y.candidates=[\"1\"];[\"1\", \"x\", \"y\"]'",
+  phisindy sweep specs/case1a.ron --seeds 20 --vary 'unknown.y.candidates=[\"1\"];[\"1\", \"x\", \"y\"]'
+  phisindy sweep specs/case1a.ron --seeds 1000 --shard 3/16 --out parts   the third of sixteen programs, on any machine
+  phisindy sweep --merge parts --out sweep                                the table of all of them",
         after_help = "\
 Seeds run from S to S+N-1, S from --seed or the spec. Every combination of --noise, --cutoffs and --vary is a cell of its own. With --out DIR every
 finished run is kept in DIR/sweep.jsonl, so that the same command goes on after an interruption; the table is in DIR/sweep.json at the end.
+A shard is kept in DIR/sweep-K-of-N.jsonl; --merge makes the same table of them as one program would, to the bit. docs/cluster has examples
+for Slurm, Snakemake and Nextflow.
 Exit code 1: a truth lies outside of its dictionary, or no run came to a result."
     )]
     Sweep(SweepArgs),
@@ -247,8 +253,8 @@ fn exporter() -> impl TypedValueParser<Value = &'static Exporter> {
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct SweepArgs {
     /// Spec file with synthetic data
-    #[arg(value_name = "SPEC")]
-    pub(crate) spec: PathBuf,
+    #[arg(value_name = "SPEC", required_unless_present = "merge", conflicts_with = "merge")]
+    pub(crate) spec: Option<PathBuf>,
     /// Number of seeds
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub(crate) seeds: u64,
@@ -261,6 +267,12 @@ pub(crate) struct SweepArgs {
     /// Values of any field of the spec; repeatable
     #[arg(long, value_name = "PATH=V1;V2;...", value_parser = assignment)]
     pub(crate) vary: Vec<Assignment>,
+    /// Do only the K-th of N parts, whose journal --out keeps; --merge puts all of them together
+    #[arg(long, value_name = "K/N", value_parser = Shard::parse, conflicts_with = "merge")]
+    pub(crate) shard: Option<Shard>,
+    /// In place of a spec: the table of the sweep whose shards lie in these folders
+    #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["noise", "cutoffs", "vary", "seeds"])]
+    pub(crate) merge: Vec<PathBuf>,
 }
 
 /// How to do it; every subcommand takes all of these.

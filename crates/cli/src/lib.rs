@@ -9,6 +9,7 @@
 mod args;
 mod commands;
 mod draw;
+mod fmu;
 mod interrupt;
 mod limit;
 mod outdir;

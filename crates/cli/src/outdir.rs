@@ -29,9 +29,9 @@ impl OutDir {
     }
 
     /// Writes a file, first under another name, so that it appears as a whole or not at all.
-    pub(crate) fn write(&self, name: &str, content: &str) -> Result<()> {
+    pub(crate) fn write(&self, name: &str, content: impl AsRef<[u8]>) -> Result<()> {
         let (temporary, path) = (self.temporary(name), self.0.join(name));
-        whole(&temporary, content)
+        whole(&temporary, content.as_ref())
             .and_then(|()| fs::rename(&temporary, &path))
             .inspect_err(|_| drop(fs::remove_file(&temporary)))
             .with_context(|| format!("cannot write `{}`{ELSEWHERE}", path.display()))
@@ -57,9 +57,9 @@ impl OutDir {
 
 /// Writes a file and flushes it to the disk, so that even after a power cut no name points to a part of a
 /// file.
-fn whole(path: &Path, content: &str) -> io::Result<()> {
+fn whole(path: &Path, content: &[u8]) -> io::Result<()> {
     let mut file = File::create(path)?;
-    file.write_all(content.as_bytes())?;
+    file.write_all(content)?;
     file.sync_all()
 }
 
@@ -79,7 +79,7 @@ pub(crate) fn unless_there(path: &Path, force: bool) -> Result<()> {
 }
 
 /// Writes a file, or replaces it.
-pub(crate) fn replace_file(path: &Path, content: &str) -> Result<()> {
+pub(crate) fn replace_file(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     OutDir(folder.to_owned()).write(&name, content)

@@ -2,13 +2,20 @@
 //!
 //! ```text
 //! spec text --cells--> one text per cell --> runs (cell, seed) on all cores --> journal --> statistics --> table
+//!                                              +-- shard: only some of them        +-- merged: of all shards
 //! ```
 
 mod cells;
+mod design;
 mod journal;
+mod merged;
+mod shard;
 
 pub(crate) use cells::{Axis, Cell, listed, product, vary};
-pub(crate) use journal::Journal;
+pub(crate) use design::Design;
+pub(crate) use journal::{Journal, NAME};
+pub(crate) use merged::{Merged, merged};
+pub(crate) use shard::Shard;
 
 use crate::args::Options;
 use crate::interrupt;
@@ -40,6 +47,25 @@ pub(crate) struct Plan {
     pub(crate) first: u64,
     /// How many.
     pub(crate) seeds: u64,
+    /// The part that is done here; `None` for all.
+    pub(crate) shard: Option<Shard>,
+}
+
+impl Plan {
+    /// The seeds of a cell, by its place, that are done here.
+    fn own(&self, cell: usize) -> impl Iterator<Item = u64> {
+        let numbers = (0..self.seeds).filter(move |i| {
+            let number = (cell as u64).wrapping_mul(self.seeds).wrapping_add(*i);
+            self.shard.is_none_or(|shard| shard.holds(number))
+        });
+        numbers.map(|i| self.first + i)
+    }
+
+    /// What a journal says of it.
+    pub(crate) fn design(&self, title: &str, method: phisindy_phys::spec::Method) -> Design {
+        let cells = self.cells.iter().map(|c| (c.cell.label.as_str(), &c.truth));
+        Design::new(title, method, (self.first, self.seeds), cells)
+    }
 }
 
 /// A cell whose text makes sense.
@@ -113,7 +139,7 @@ pub(crate) fn sweep(plan: &Plan, journal: &mut Journal, title: &str) -> Result<O
     let mut todo = Vec::new();
     for (k, checked) in plan.cells.iter().enumerate() {
         let Ok(named) = &checked.truth else { continue };
-        for seed in (0..plan.seeds).map(|i| plan.first + i) {
+        for seed in plan.own(k) {
             if !journal.has(&checked.cell.label, seed) {
                 todo.push(Task {
                     cell: k,
@@ -173,8 +199,9 @@ pub(crate) fn sweep(plan: &Plan, journal: &mut Journal, title: &str) -> Result<O
         journal.push(run)?;
         done += 1;
     }
-    let seeds: Vec<u64> = (0..plan.seeds).map(|i| plan.first + i).collect();
-    let runs = plan.cells.iter().map(|c| journal.runs(&c.cell.label, &seeds)).collect();
+    let own = |k: usize| plan.own(k).collect::<Vec<u64>>();
+    let runs = plan.cells.iter().enumerate();
+    let runs = runs.map(|(k, c)| journal.runs(&c.cell.label, &own(k))).collect();
     Ok(Outcome { runs, stopped: done < total, seconds: begin.elapsed().as_secs_f64() })
 }
 

@@ -17,13 +17,16 @@ from ._case import Case
 from ._cluster import map, sweep
 from ._errors import DataError, NumericsError, PhisindyError, SpecError
 from ._estimator import PhisindyRegressor
+from ._journal import Failed
 from ._results import Gap, Identified, Motion
+from ._sweep import Sweep
 from ._work import gap, laws, run, simulate
 from ._native import __version__
 
 __all__ = [
     "Case",
     "DataError",
+    "Failed",
     "Gap",
     "Identified",
     "Motion",
@@ -31,6 +34,7 @@ __all__ = [
     "PhisindyError",
     "PhisindyRegressor",
     "SpecError",
+    "Sweep",
     "__version__",
     "gap",
     "laws",

@@ -39,7 +39,7 @@ class Case:
         text = value if isinstance(value, str) else repr(value).lower() if isinstance(value, bool) else repr(value)
         other = Case.__new__(Case)
         other._path = self._path
-        other._native = getattr(self._native, "with")(path, text)
+        other._native = self._native.changed(path, text)
         return other
 
     def check(self) -> list[str]:
@@ -55,6 +55,11 @@ class Case:
     def title(self) -> str:
         """Its title."""
         return self._native.title
+
+    @property
+    def folder(self) -> Path:
+        """Where its data files are looked for."""
+        return self._path.parent
 
     @property
     def states(self) -> list[str]:

@@ -5,24 +5,20 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ._errors import PhisindyError
+from ._journal import Failed, Journal
+from ._sweep import Result, Sweep
+from ._work import bars as _bars
 
 if TYPE_CHECKING:
     from ._case import Case
 
 # Tasks handed to the cluster for each of its threads: enough to keep all of them at work until the end.
 TASKS_PER_THREAD = 4
-
-
-@dataclass(frozen=True)
-class Failed:
-    """A run that raised, in the place of its result; the others go on."""
-
-    error: str
-    kind: str
+# Most runs in a task: what a worker that dies has to do again, and what is kept at once.
+LARGEST_TASK = 100
 
 
 def sweep(
@@ -33,15 +29,19 @@ def sweep(
     jobs: int | None = None,
     method: str | None = None,
     progress: bool = False,
-) -> list[dict[str, Any] | Failed]:
+    out: str | os.PathLike[str] | None = None,
+) -> Sweep:
     """Runs a case with synthetic data with many seeds; the results as dicts in the order of the seeds.
 
     A number of seeds stands for 0, 1, 2, ... Every result is that of ``run(case, seed=seed)`` to the bit, wherever it
     was computed. ``client`` is a ``dask.distributed.Client``; without, ``jobs`` threads of this machine work.
+    ``.statistics()`` of the result says how often the terms are right and how often the intervals hold. ``out`` is a
+    file of JSON lines that keeps every finished run: the same call goes on from there.
     """
     all_seeds = list(range(seeds) if isinstance(seeds, int) else seeds)
     work = [(case, seed, method) for seed in all_seeds]
-    return _gathered(_one_seed, work, client=client, jobs=jobs, progress=progress, what="sweep")
+    journal = Journal(out, [("sweep", case, None, {"seed": seed, "method": method}) for seed in all_seeds])
+    return Sweep(case, _gathered(_one_seed, work, journal, client=client, jobs=jobs, progress=progress, what="sweep"))
 
 
 def map(
@@ -51,14 +51,20 @@ def map(
     client: Any = None,
     jobs: int | None = None,
     progress: bool = False,
-) -> list[dict[str, Any] | Failed]:
+    out: str | os.PathLike[str] | None = None,
+    **options: Any,
+) -> list[Result]:
     """``function`` (``run`` or ``gap``) on many cases; the results as dicts in the order of the cases.
 
     A case is a ``Case`` or a pair of a ``Case`` and its data. One that fails is a ``Failed`` with the reason, and the
-    others go on.
+    others go on. ``out`` is a file of JSON lines that keeps every result as it comes: the same call goes on from there,
+    and tries again what failed. A case counts as the same if its text, its folder, its tables and ``options`` are; what
+    stands in files that it names is not looked at. ``options`` go to the function (``method="step"``).
     """
-    work = [(function, case) for case in cases]
-    return _gathered(_one_case, work, client=client, jobs=jobs, progress=progress, what="map")
+    pairs = [case if isinstance(case, tuple) else (case, None) for case in cases]
+    work = [(function, case, data, options) for case, data in pairs]
+    journal = Journal(out, [(function.__name__, case, data, options) for case, data in pairs])
+    return _gathered(_one_case, work, journal, client=client, jobs=jobs, progress=progress, what="map")
 
 
 def _one_seed(work: tuple[Case, int, str | None]) -> dict[str, Any]:
@@ -68,10 +74,9 @@ def _one_seed(work: tuple[Case, int, str | None]) -> dict[str, Any]:
     return _plain(run(case, seed=seed, method=method, jobs=1).to_dict()) | {"seed": seed}
 
 
-def _one_case(work: tuple[Callable[..., Any], Any]) -> dict[str, Any]:
-    function, case = work
-    case, data = case if isinstance(case, tuple) else (case, None)
-    return _plain(function(case, data, jobs=1).to_dict())
+def _one_case(work: tuple[Callable[..., Any], Case, Any, dict[str, Any]]) -> dict[str, Any]:
+    function, case, data, options = work
+    return _plain(function(case, data, jobs=1, **options).to_dict())
 
 
 def _plain(result: dict[str, Any]) -> dict[str, Any]:
@@ -80,8 +85,8 @@ def _plain(result: dict[str, Any]) -> dict[str, Any]:
     return result
 
 
-def _chunk(task: Callable[[Any], dict[str, Any]], works: list[Any]) -> list[dict[str, Any] | Failed]:
-    def done(work: Any) -> dict[str, Any] | Failed:
+def _chunk(task: Callable[[Any], dict[str, Any]], works: list[Any]) -> list[Result]:
+    def done(work: Any) -> Result:
         try:
             return task(work)
         except PhisindyError as error:
@@ -93,52 +98,62 @@ def _chunk(task: Callable[[Any], dict[str, Any]], works: list[Any]) -> list[dict
 def _gathered(
     task: Callable[[Any], dict[str, Any]],
     works: list[Any],
+    journal: Journal,
     *,
     client: Any,
     jobs: int | None,
     progress: bool,
     what: str,
-) -> list[dict[str, Any] | Failed]:
-    results: list[Any] = [None] * len(works)
-    for place, chunk in _with_bar(_chunks(task, works, client, jobs), len(works), progress, what):
-        results[place : place + len(chunk)] = chunk
+) -> list[Result]:
+    results: list[Any] = [journal.kept(place) for place in range(len(works))]
+    places = [place for place, found in enumerate(results) if found is None]
+    todo = [works[place] for place in places]
+    with journal:
+        for start, chunk in _with_bar(_chunks(task, todo, client, jobs), len(todo), progress, what):
+            for place, found in zip(places[start : start + len(chunk)], chunk):
+                results[place] = found
+                journal.keep(place, found)
     return results
 
 
 def _chunks(
     task: Callable[[Any], dict[str, Any]], works: list[Any], client: Any, jobs: int | None
-) -> Iterator[tuple[int, list[dict[str, Any] | Failed]]]:
+) -> Iterator[tuple[int, list[Result]]]:
     """Chunks of results as they come, each with the place of its first one."""
+    if not works:
+        return
     if client is None:
         with ThreadPoolExecutor(jobs or os.cpu_count()) as pool:
             futures = {pool.submit(_chunk, task, [work]): place for place, work in enumerate(works)}
-            for future in as_completed(futures):
-                yield futures[future], future.result()
+            try:
+                for future in as_completed(futures):
+                    # What is done is not needed here any more: of a million results one copy is enough.
+                    yield futures.pop(future), future.result()
+            finally:
+                pool.shutdown(wait=False, cancel_futures=True)
         return
-    from dask.distributed import as_completed as as_dask_completed
+    from dask import distributed
 
+    finished: Any = distributed.as_completed
     threads = max(1, sum(client.nthreads().values()))
-    size = max(1, -(-len(works) // (TASKS_PER_THREAD * threads)))
+    size = min(LARGEST_TASK, max(1, -(-len(works) // (TASKS_PER_THREAD * threads))))
     # A worker that dies is no mistake of the task: Dask gives it to another one.
     futures = {
         client.submit(_chunk, task, works[place : place + size], pure=False, retries=3): place
         for place in range(0, len(works), size)
     }
-    for future, chunk in as_dask_completed(list(futures), with_results=True):
-        yield futures[future], chunk
+    for future, chunk in finished(list(futures), with_results=True):
+        yield futures.pop(future), chunk
 
 
 def _with_bar(
     chunks: Iterator[tuple[int, list[Any]]], total: int, progress: bool, what: str
 ) -> Iterator[tuple[int, list[Any]]]:
-    try:
-        from tqdm.auto import tqdm
-    except ImportError:
-        progress = False
-    if not progress:
+    bars = _bars() if progress else None
+    if bars is None:
         yield from chunks
         return
-    with tqdm(total=total, desc=what) as bar:
+    with bars(total=total, desc=what) as bar:
         for place, chunk in chunks:
             yield place, chunk
             bar.update(len(chunk))

@@ -2,9 +2,26 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, final
 
 from ._tables import Column, Columns
+
+__all__ = [
+    "Case",
+    "DataError",
+    "Gap",
+    "NumericsError",
+    "PhisindyError",
+    "Run",
+    "SpecError",
+    "__version__",
+    "laws",
+    "motion",
+    "motions",
+    "program",
+    "rates",
+    "truth",
+]
 
 __version__: str
 
@@ -22,8 +39,10 @@ class DataError(PhisindyError):
 class NumericsError(PhisindyError):
     """A computation that failed."""
 
+@final
 class Case:
-    def __init__(self, text: str, path: Path) -> None: ...
+    def __new__(cls, text: str, path: Path) -> Case: ...
+    def changed(self, path: str, value: str) -> Case: ...
     @property
     def text(self) -> str: ...
     @property
@@ -35,9 +54,10 @@ class Case:
     @property
     def warnings(self) -> list[str]: ...
 
+@final
 class Run:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         case: Case,
         tables: list[Columns],
         *,
@@ -46,16 +66,17 @@ class Run:
         jobs: int | None = None,
         progress: Callable[[float, str], object] | None = None,
         laws: Path | None = None,
-    ) -> None: ...
+    ) -> Run: ...
     def json(self) -> str: ...
     def written(self, latex: bool) -> str: ...
     def latex(self) -> str: ...
     def files(self) -> list[tuple[str, str]]: ...
     def model(self) -> str: ...
 
+@final
 class Gap:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         case: Case,
         tables: list[Columns],
         *,
@@ -63,7 +84,7 @@ class Gap:
         jobs: int | None = None,
         progress: Callable[[float, str], object] | None = None,
         laws: Path | None = None,
-    ) -> None: ...
+    ) -> Gap: ...
     def json(self) -> str: ...
     def written(self) -> str: ...
     def files(self) -> list[tuple[str, str]]: ...
@@ -74,3 +95,4 @@ def laws(folder: Path | None = None) -> list[tuple[str, str, str, str, str]]: ..
 def motions(case: Case, tables: list[Columns], seed: int | None = None) -> list[dict[str, Any]]: ...
 def motion(case: Case, table: Columns, start: str) -> dict[str, Any]: ...
 def rates(case: Case, table: Columns) -> list[tuple[str, Column]]: ...
+def truth(case: Case) -> list[tuple[str, float]]: ...

@@ -52,7 +52,8 @@ def column(name: Any, values: Any) -> Column:
         array = np.asarray(values)
         if array.dtype.kind not in "biuf":
             raise TypeError(f"its numbers are of the type {array.dtype}")
-        array = np.ascontiguousarray(array, dtype=np.float64)
+        # What Dask brings to a worker may start at any byte.
+        array = np.require(array, np.float64, ["C_CONTIGUOUS", "ALIGNED"])
     except (TypeError, ValueError) as error:
         raise DataError(f"the column `{name}` holds no numbers: {error}") from error
     if array.ndim != 1:

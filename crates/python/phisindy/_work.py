@@ -88,14 +88,11 @@ def _heard(progress: bool | Tell, what: str) -> Iterator[Tell | None]:
     if not isinstance(progress, bool):
         yield progress
         return
-    try:
-        from tqdm.auto import tqdm
-    except ImportError:
-        progress = False
-    if not progress:
+    made = bars() if progress else None
+    if made is None:
         yield None
         return
-    with tqdm(total=1000, desc=what, bar_format="{l_bar}{bar}| {elapsed}") as bar:
+    with made(total=1000, desc=what, bar_format="{l_bar}{bar}| {elapsed}") as bar:
 
         def tell(fraction: float, activity: str) -> None:
             bar.n = round(1000 * fraction)
@@ -103,3 +100,12 @@ def _heard(progress: bool | Tell, what: str) -> Iterator[Tell | None]:
             bar.refresh()
 
         yield tell
+
+
+def bars() -> Any:
+    """The bars of ``tqdm``, or none where that is not installed."""
+    try:
+        from tqdm.auto import tqdm
+    except ImportError:
+        return None
+    return tqdm

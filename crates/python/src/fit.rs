@@ -31,7 +31,7 @@ impl NativeCase {
         Ok(NativeCase { case, path })
     }
 
-    fn with(&self, py: Python<'_>, path: &str, value: &str) -> PyResult<NativeCase> {
+    fn changed(&self, py: Python<'_>, path: &str, value: &str) -> PyResult<NativeCase> {
         let case = self.case.with(path, value).map_err(|e| raised(py, e))?;
         Ok(NativeCase { case, path: self.path.clone() })
     }

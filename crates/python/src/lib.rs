@@ -5,6 +5,7 @@ mod errors;
 mod fit;
 mod motion;
 mod table;
+mod truth;
 
 use pyo3::prelude::*;
 use std::ffi::OsString;
@@ -37,6 +38,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     errors::add(m)?;
     fit::add(m)?;
     motion::add(m)?;
+    truth::add(m)?;
     m.add_function(wrap_pyfunction!(program, m)?)?;
     m.add_function(wrap_pyfunction!(laws, m)?)
 }

@@ -8,7 +8,7 @@
 
 use phisindy_learn::{LearnOptions, identify};
 use phisindy_phys::{Diagnostic, Origin, Sources, check, spec};
-use phisindy_report::export::{EXPORTERS, Subject, model_name};
+use phisindy_report::export::{EXPORTERS, Subject, Writer, model_name};
 use phisindy_report::spec_text::identified;
 use phisindy_report::{Ending, Format, Input, Invocation, RunReport, html};
 use phisindy_sim::synthesize;
@@ -54,8 +54,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (case, _) = check(&spec, source).map_err(words)?;
     let subject = Subject::new(spec, &case, "identified.ron", 0, None).map_err(words)?;
     for exporter in EXPORTERS {
-        let text = (exporter.write)(&subject, &model_name(&subject, None));
-        println!("{:<9} {:>4} lines: {}", exporter.name, text.lines().count(), exporter.about);
+        let name = model_name(&subject, None);
+        let lines = match exporter.write {
+            Writer::Text(write) => write(&subject, &name).lines().count(),
+            Writer::Fmu(write) => {
+                write(&subject, &name).files.iter().map(|(_, text)| text.lines().count()).sum()
+            }
+        };
+        println!("{:<9} {lines:>4} lines: {}", exporter.name, exporter.about);
     }
     Ok(())
 }

@@ -3,9 +3,11 @@
 //! ```text
 //! checked spec --Subject--> Functions (two functions of the model in a language) --> Python, C
 //!                     +----------------------------------------------------------> Modelica, JSON
+//!                     +--Functions and the contact rule--> FMU: files of an archive
 //! ```
 
 mod c;
+mod fmu;
 mod functions;
 mod head;
 mod identifier;
@@ -15,7 +17,8 @@ mod python;
 mod quoted;
 mod subject;
 
-pub use subject::{Subject, refusal, uses_largest_input};
+pub use fmu::Fmu;
+pub use subject::{Experiment, Subject, refusal, uses_largest_input};
 
 /// A language that models are exported to.
 #[derive(Debug)]
@@ -26,8 +29,18 @@ pub struct Exporter {
     pub about: &'static str,
     /// Name of the file where the user names only a folder.
     pub file: &'static str,
-    /// The text of a model; the second argument is the name that the model has in its file.
-    pub write: fn(&Subject, &str) -> String,
+    /// What is written; the second argument is the name that the model has in its file.
+    pub write: Writer,
+}
+
+/// What an exporter makes of a model.
+#[derive(Clone, Copy, Debug)]
+pub enum Writer {
+    /// One text.
+    Text(fn(&Subject, &str) -> String),
+    /// The files of a functional mock-up unit, which are compiled and packed by the caller. It tells
+    /// [`Subject::experiment`] first.
+    Fmu(fn(&Subject, &str) -> Fmu),
 }
 
 /// All languages; a new one is a new row.
@@ -36,20 +49,31 @@ pub const EXPORTERS: &[Exporter] = &[
         name: "python",
         about: "A module that needs the standard library alone",
         file: "model.py",
-        write: |subject, _| python::written(subject),
+        write: Writer::Text(|subject, _| python::written(subject)),
     },
     Exporter {
         name: "c",
         about: "One file of C99",
         file: "model.c",
-        write: |subject, _| c::written(subject),
+        write: Writer::Text(|subject, _| c::written(subject)),
     },
-    Exporter { name: "modelica", about: "A model of Modelica 3", file: "Model.mo", write: modelica::written },
+    Exporter {
+        name: "modelica",
+        about: "A model of Modelica 3",
+        file: "Model.mo",
+        write: Writer::Text(modelica::written),
+    },
+    Exporter {
+        name: "fmu",
+        about: "FMI 3.0: model exchange and co-simulation, with sources and a binary where there is a C compiler",
+        file: "model.fmu",
+        write: Writer::Fmu(fmu::written),
+    },
     Exporter {
         name: "json",
         about: "The model as data",
         file: "model.json",
-        write: |subject, _| json::written(subject),
+        write: Writer::Text(|subject, _| json::written(subject)),
     },
 ];
 

@@ -1,13 +1,13 @@
 //! `phisindy export`.
 
 use crate::args::{ExportArgs, Options};
-use crate::terminal::{INPUT, print};
-use crate::{draw, outdir};
-use anyhow::{Context, Result, anyhow};
+use crate::terminal::{INPUT, print, remark};
+use crate::{draw, fmu, outdir};
+use anyhow::{Context, Result, anyhow, bail};
 use phisindy::files::{self, Purpose};
 use phisindy::record_named;
 use phisindy_phys::{Diagnostic, Sources, spec};
-use phisindy_report::export::{self, Exporter, Subject, model_name};
+use phisindy_report::export::{self, Experiment, Exporter, Subject, Writer, model_name};
 use std::path::{Path, PathBuf};
 
 /// Exports a model to standard output, or to the file of --out.
@@ -15,8 +15,14 @@ pub(crate) fn export(args: &ExportArgs, options: &Options) -> Result<u8> {
     let spec = spec_of(&args.path)?;
     let file = options.out.as_deref().map(|out| file_of(out, args.to));
     file.iter().try_for_each(|file| outdir::unless_there(file, args.force))?;
+    if file.is_none() && matches!(args.to.write, Writer::Fmu(_)) {
+        bail!(
+            "an FMU is an archive, and no text for a terminal: say where it goes, as in --out {}",
+            args.to.file
+        );
+    }
     let mut sources = Sources::default();
-    let subject = match subject(&spec, args.record.as_deref(), options, &mut sources) {
+    let mut subject = match subject(&spec, args.record.as_deref(), options, &mut sources) {
         Ok(subject) => subject,
         Err(mistakes) => {
             draw::show(&mistakes, &sources);
@@ -24,18 +30,60 @@ pub(crate) fn export(args: &ExportArgs, options: &Options) -> Result<u8> {
         }
     };
     let stem = file.as_deref().and_then(Path::file_stem).map(|s| s.to_string_lossy());
-    let text = (args.to.write)(&subject, &model_name(&subject, stem.as_deref()));
+    let name = model_name(&subject, stem.as_deref());
+    let written = match args.to.write {
+        Writer::Text(write) => write(&subject, &name).into_bytes(),
+        Writer::Fmu(write) => {
+            subject.experiment = experiment(&spec, args.record.as_deref(), &subject, options);
+            if subject.experiment.is_none() && !options.quiet {
+                remark(
+                    "the record's data are not there, so that the FMU does not know how large its states become: their `nominal` is 1 \
+                     where they start at zero (--data DIR says where the data are)",
+                );
+            }
+            packed(&write(&subject, &name), options.quiet)?
+        }
+    };
     match file {
         Some(file) => {
             if let Some(folder) = file.parent().filter(|p| !p.as_os_str().is_empty()) {
                 std::fs::create_dir_all(folder)
                     .with_context(|| format!("cannot make the folder `{}` of --out", folder.display()))?;
             }
-            outdir::replace_file(&file, &text)?;
+            outdir::replace_file(&file, &written)?;
         }
-        None => print(&text)?,
+        None => print(&String::from_utf8_lossy(&written))?,
     }
     Ok(0)
+}
+
+/// The archive of an FMU, with a binary where that can be compiled.
+fn packed(fmu: &export::Fmu, quiet: bool) -> Result<Vec<u8>> {
+    let binary = fmu::compiled(fmu);
+    if let (Err(why), false) = (&binary, quiet) {
+        remark(&format!(
+            "the FMU holds its sources and no binary, for {why}: an importer that compiles can run it"
+        ));
+    }
+    fmu::archive(fmu, binary.ok())
+}
+
+/// How the states move in the record, if that can be told.
+fn experiment(path: &Path, record: Option<&str>, subject: &Subject, options: &Options) -> Option<Experiment> {
+    let (mut sources, mut found) = (Sources::default(), Vec::new());
+    let loaded = files::load(path, &options.request(), Purpose::Simulate, &mut sources, &mut found).ok()?;
+    let name =
+        record.map_or_else(|| loaded.records.first().map(|r| r.name.clone()), |r| Some(r.to_owned()))?;
+    let motion = loaded.only(&name).ok()?.simulate().ok()?.into_iter().next()?;
+    let (from, to) = (*motion.time.first()?, *motion.time.last()?);
+    let columns = subject.states().map(|name| motion.state(name)).collect::<Option<Vec<_>>>()?;
+    Some(Experiment {
+        from,
+        to,
+        step: (to - from) / motion.time.len().saturating_sub(1).max(1) as f64,
+        first: columns.iter().map(|c| c[0]).collect(),
+        sizes: columns.iter().map(|c| c.iter().fold(0.0_f64, |m, x| m.max(x.abs()))).collect(),
+    })
 }
 
 /// The spec to export: `path` itself, or the one that `run` or `gap` wrote into the folder `path`.

@@ -35,7 +35,7 @@ pub(crate) fn laws(name: Option<&str>, options: &Options) -> Result<u8> {
                 folder.write(&format!("{}.svg", law.id), &svg)?;
             }
         }
-        folder.write("README.md", &gallery(&all))?;
+        folder.write("README.md", gallery(&all))?;
     }
     let Some(name) = name else {
         print(&list(&all))?;

@@ -3,7 +3,9 @@
 use super::spec_file::exit_code;
 use crate::args::{Format, Options, SweepArgs};
 use crate::outdir::OutDir;
-use crate::sweep::{Axis, Cell, Checked, Journal, Plan, listed, product, seed_of, vary};
+use crate::sweep::{
+    Axis, Cell, Checked, Journal, Merged, NAME, Plan, Shard, listed, merged, product, seed_of, vary,
+};
 use crate::terminal::{INPUT, REJECTED, complain, print, remark};
 use crate::{draw, interrupt};
 use anyhow::{Result, anyhow, bail};
@@ -12,16 +14,35 @@ use phisindy::files::{spec_text, with_assignments};
 use phisindy_phys::spec::Method;
 use phisindy_phys::{Case, Diagnostic, Origin, Sources};
 use phisindy_report::sweep::{CellRuns, RunVerdict, SweepRuns};
+use std::path::Path;
 
-/// Sweeps, prints and keeps the result, and returns the exit code.
+/// Sweeps or merges, prints and keeps the result, and returns the exit code.
 pub(crate) fn sweep(args: &SweepArgs, options: &Options) -> Result<u8> {
+    match &args.spec {
+        Some(spec) => swept(spec, args, options),
+        None => merge(args, options),
+    }
+}
+
+fn swept(spec: &Path, args: &SweepArgs, options: &Options) -> Result<u8> {
+    if args.shard.is_some() && options.out.is_none() {
+        bail!("a shard is merged with others from its journal: say where that is kept, --out DIR");
+    }
     let folder = options.out.as_deref().map(OutDir::create).transpose()?;
-    let Prepared { base, text, method, plan } = match prepared(args, options)? {
+    let Prepared { base, text, method, plan } = match prepared(spec, args, options)? {
         Ok(prepared) => prepared,
         Err(code) => return Ok(code),
     };
+    let title = &base.case.system.title;
+    let name = plan.shard.map_or(NAME.to_owned(), Shard::journal);
     let mut journal = match &folder {
-        Some(folder) => Journal::open(folder.path(), &base.spec, &format!("{method:?}\n{text}"))?,
+        Some(folder) => Journal::open(
+            folder.path(),
+            &name,
+            &base.spec,
+            &format!("{method:?}\n{text}"),
+            &plan.design(title, method),
+        )?,
         None => Journal::default(),
     };
     let before = journal.len();
@@ -30,7 +51,7 @@ pub(crate) fn sweep(args: &SweepArgs, options: &Options) -> Result<u8> {
     let cells = cells.map(|(c, runs)| CellRuns { label: &c.cell.label, truth: &c.truth, runs });
     let result = SweepRuns {
         spec: &base.spec,
-        title: &base.case.system.title,
+        title,
         method,
         first: plan.first,
         seeds: plan.seeds,
@@ -44,11 +65,43 @@ pub(crate) fn sweep(args: &SweepArgs, options: &Options) -> Result<u8> {
         interrupt::tell();
         return Ok(interrupt::code());
     }
-    if let Some(folder) = &folder {
-        folder.write("sweep.json", &result.written(Format::Json.into()))?;
+    // The table of all shards is that of --merge.
+    if let (Some(folder), None) = (&folder, plan.shard) {
+        folder.write("sweep.json", result.written(Format::Json.into()))?;
     }
     if !options.quiet && options.format != Format::Json {
-        remark(&format!("{} runs in {:.1} s", journal.len() - before, outcome.seconds));
+        let part = plan.shard.map_or(String::new(), |shard| format!(" of shard {shard}"));
+        remark(&format!("{} runs{part} in {:.1} s", journal.len() - before, outcome.seconds));
+    }
+    Ok(complain_of_cells(&result))
+}
+
+/// Prints the table of the sweep whose journals lie in some folders; with --out it is kept, too.
+fn merge(args: &SweepArgs, options: &Options) -> Result<u8> {
+    let folder = options.out.as_deref().map(OutDir::create).transpose()?;
+    let merged: Merged = merged(&args.merge)?;
+    let cells = merged.design.cells();
+    let rows = cells.iter().zip(&merged.runs);
+    let result = SweepRuns {
+        spec: &merged.spec,
+        title: merged.design.title(),
+        method: merged.design.method(),
+        first: merged.design.first,
+        seeds: merged.design.seeds,
+        cells: rows.map(|((label, truth), runs)| CellRuns { label, truth, runs }).collect(),
+        stopped: merged.missing > 0,
+        seconds: merged.runs.iter().flatten().map(|run| run.seconds).sum(),
+    };
+    print(&result.written(options.format.into()))?;
+    if let Some(folder) = &folder {
+        folder.write("sweep.json", result.written(Format::Json.into()))?;
+    }
+    if merged.missing > 0 {
+        complain(&format!(
+            "{} runs are in no journal: a shard is missing, or was stopped before its end: give its folder, or start its command again",
+            merged.missing
+        ));
+        return Ok(REJECTED);
     }
     Ok(complain_of_cells(&result))
 }
@@ -65,19 +118,19 @@ struct Prepared {
 
 /// Checks everything before the first run. If something is wrong, it shows the mistakes; the inner error is
 /// the exit code.
-fn prepared(args: &SweepArgs, options: &Options) -> Result<Result<Prepared, u8>> {
+fn prepared(spec: &Path, args: &SweepArgs, options: &Options) -> Result<Result<Prepared, u8>> {
     let mut sources = Sources::default();
     let drawn = |mistake: &Diagnostic, sources: &Sources| {
         draw::show([mistake], sources);
         Ok(Err(INPUT))
     };
-    let text = spec_text(&args.spec).and_then(|text| with_assignments(text, &options.sets, &mut sources));
+    let text = spec_text(spec).and_then(|text| with_assignments(text, &options.sets, &mut sources));
     let text = match text {
         Ok(text) => text,
         Err(mistake) => return drawn(&mistake, &sources),
     };
     let plain = Cell { label: String::new(), text: text.clone() };
-    let base = match checked(args, plain, options, &mut sources, true) {
+    let base = match checked(spec, plain, options, &mut sources, true) {
         Ok((_, loaded)) => loaded,
         Err(code) => return Ok(Err(code)),
     };
@@ -93,13 +146,19 @@ fn prepared(args: &SweepArgs, options: &Options) -> Result<Result<Prepared, u8>>
     };
     let mut all = Vec::new();
     for cell in cells {
-        match checked(args, cell, options, &mut sources, false) {
+        match checked(spec, cell, options, &mut sources, false) {
             Ok((checked, _)) => all.push(checked),
             Err(code) => return Ok(Err(code)),
         }
     }
-    let plan =
-        Plan { spec: args.spec.clone(), options: options.clone(), cells: all, first, seeds: args.seeds };
+    let plan = Plan {
+        spec: spec.to_owned(),
+        options: options.clone(),
+        cells: all,
+        first,
+        seeds: args.seeds,
+        shard: args.shard,
+    };
     Ok(Ok(Prepared { base, text, method, plan }))
 }
 
@@ -125,7 +184,9 @@ fn complain_of_cells(result: &SweepRuns<'_>) -> u8 {
         if let Err(why) = cell.truth {
             complain(&format!("{name}: {why}: no seed can be right"));
             worst = REJECTED;
-        } else if cell.runs.iter().all(|r| matches!(r.verdict, RunVerdict::Failed(_))) {
+        } else if !cell.runs.is_empty()
+            && cell.runs.iter().all(|r| matches!(r.verdict, RunVerdict::Failed(_)))
+        {
             complain(&format!(
                 "{name}: no run came to a result: {}",
                 cell.runs.first().map_or(String::new(), |r| r.verdict.to_string())
@@ -151,7 +212,7 @@ fn complain_of_stop(journal: &Journal, folder: Option<&OutDir>) {
 /// A checked cell. If something is wrong, it shows the mistakes; the error is the exit code. Shows warnings
 /// if `aloud`.
 fn checked(
-    args: &SweepArgs,
+    spec: &Path,
     cell: Cell,
     options: &Options,
     sources: &mut Sources,
@@ -159,7 +220,7 @@ fn checked(
 ) -> Result<(Checked, Loaded), u8> {
     let mut found = Vec::new();
     let options = Options { seed: None, ..options.clone() };
-    let checked = Checked::new(&args.spec, cell, &options, sources, &mut found);
+    let checked = Checked::new(spec, cell, &options, sources, &mut found);
     let drawn = found.iter().filter(|d| d.is_error() || (checked.is_ok() && aloud && !options.quiet));
     draw::show(drawn, sources);
     checked.map_err(exit_code)

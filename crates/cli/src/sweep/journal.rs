@@ -1,5 +1,6 @@
 //! Finished runs, kept in a file line by line, so that a sweep can go on after an interruption.
 
+use super::design::Design;
 use anyhow::{Context, Result, anyhow, bail};
 use phisindy_report::sweep::Run;
 use serde::{Deserialize, Serialize};
@@ -8,16 +9,41 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
-/// The name of the file in the folder of `--out`.
+/// The name of the file in the folder of `--out`, where one program does the whole sweep.
 pub(crate) const NAME: &str = "sweep.jsonl";
 
-/// First line of the file: which case the runs are of.
-#[derive(Debug, PartialEq, Serialize, Deserialize)]
+/// The word that a header has for `journal`.
+const KIND: &str = "phisindy sweep";
+
+/// First line of the file: which case the runs are of. Another one follows where the sweep became larger.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Header {
     journal: String,
     spec: String,
     version: String,
     fingerprint: String,
+    #[serde(default)]
+    design: Design,
+}
+
+/// A line of the file.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Line {
+    Header(Header),
+    Run(Run),
+}
+
+/// What a journal that is only read holds.
+pub(crate) struct Kept {
+    /// Name of the spec.
+    pub(crate) spec: String,
+    /// What all runs depend on, in short.
+    pub(crate) fingerprint: String,
+    /// The whole sweep.
+    pub(crate) design: Design,
+    /// Finished runs.
+    pub(crate) runs: Vec<Run>,
 }
 
 /// Finished runs, by cell and seed.
@@ -28,12 +54,18 @@ pub(crate) struct Journal {
 }
 
 impl Journal {
-    /// Opens the journal in a folder, or starts one. `what` is all that the runs depend on, except for cell and seed.
+    /// Opens a journal in a folder, or starts one. `what` is all that the runs depend on, except for cell and seed.
     ///
     /// # Errors
     /// It holds runs of another case, is damaged, is in use, or cannot be read or written.
-    pub(crate) fn open(folder: &Path, spec: &str, what: &str) -> Result<Journal> {
-        let path = folder.join(NAME);
+    pub(crate) fn open(
+        folder: &Path,
+        name: &str,
+        spec: &str,
+        what: &str,
+        design: &Design,
+    ) -> Result<Journal> {
+        let path = folder.join(name);
         let shown = path.display().to_string();
         let open = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
         let mut file = open.with_context(|| format!("cannot open `{shown}`"))?;
@@ -46,56 +78,55 @@ impl Journal {
         }
         let mut text = Vec::new();
         file.read_to_end(&mut text).with_context(|| format!("cannot read `{shown}`"))?;
-        // A line without end was torn when the program was killed: that run is done again.
-        let whole = text.iter().rposition(|&b| b == b'\n').map_or(0, |at| at + 1);
         let header = Header {
-            journal: "phisindy sweep".to_owned(),
+            journal: KIND.to_owned(),
             spec: spec.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             fingerprint: format!("{:016x}", fingerprint(&format!("{}\n{what}", env!("CARGO_PKG_VERSION")))),
+            design: design.clone(),
         };
-        let foreign = || anyhow!("`{shown}` is no journal of a sweep; give another --out, or delete it");
-        let first = serde_json::to_string(&header)?;
+        let whole = whole(&text);
         if whole == 0 {
             // The first line may be torn too; anything else is somebody's file.
+            let first = serde_json::to_string(&header)?;
             let start = first.find(',').map_or(first.as_str(), |at| &first[..at]).as_bytes();
             if !(start.starts_with(&text) || text.starts_with(start)) {
-                return Err(foreign());
+                return Err(foreign(&shown));
             }
         }
-        let kept =
-            std::str::from_utf8(&text[..whole]).with_context(|| format!("`{shown}` is not UTF-8 text"))?;
-        let mut lines = kept.lines().enumerate();
-        let mut runs = HashMap::new();
-        let old = lines.next();
-        if let Some((_, old)) = old {
-            let other: Header = serde_json::from_str(old)
-                .ok()
-                .filter(|h: &Header| h.journal == header.journal)
-                .ok_or_else(foreign)?;
-            if other.fingerprint != header.fingerprint {
-                bail!(
-                    "`{shown}` holds runs of another case (spec `{}`, version {}): the spec, its --set, the method or the program changed since; \
-                     give another --out, or delete the file to start anew",
-                    other.spec,
-                    other.version
-                );
-            }
-        }
-        for (k, line) in lines {
-            let run: Run = serde_json::from_str(line).with_context(|| {
-                format!("line {} of `{shown}` is damaged; delete that line to do its run again", k + 1)
-            })?;
-            runs.insert((run.cell.clone(), run.seed), run);
+        let (old, runs) = lines(&text[..whole], &shown)?;
+        if let Some(other) = old.as_ref().filter(|other| other.fingerprint != header.fingerprint) {
+            bail!(
+                "`{shown}` holds runs of another case (spec `{}`, version {}): the spec, its --set, the method or the program changed since; \
+                 give another --out, or delete the file to start anew",
+                other.spec,
+                other.version
+            );
         }
         file.set_len(whole as u64)
             .and_then(|()| file.seek(SeekFrom::End(0)))
             .with_context(|| format!("cannot write `{shown}`"))?;
+        let runs = runs.into_iter().map(|run| ((run.cell.clone(), run.seed), run)).collect();
         let mut journal = Journal { file: Some(file), runs };
-        if old.is_none() {
+        if old.is_none_or(|old| old.design != header.design) {
             journal.line(&header).with_context(|| format!("cannot write `{shown}`"))?;
         }
         Ok(journal)
+    }
+
+    /// What a finished journal holds.
+    ///
+    /// # Errors
+    /// It cannot be read, is none, or is damaged.
+    pub(crate) fn read(path: &Path) -> Result<Kept> {
+        let shown = path.display().to_string();
+        let text = std::fs::read(path).with_context(|| format!("cannot read `{shown}`"))?;
+        let (header, runs) = lines(&text[..whole(&text)], &shown)?;
+        let Header { spec, fingerprint, design, .. } = header.ok_or_else(|| foreign(&shown))?;
+        if design == Design::default() {
+            bail!("`{shown}` is of an earlier version, which did not keep what a merge needs: sweep again");
+        }
+        Ok(Kept { spec, fingerprint, design, runs })
     }
 
     /// Whether a run is finished.
@@ -128,6 +159,30 @@ impl Journal {
         }
         Ok(())
     }
+}
+
+/// The length of all lines with an end. A line without one was torn when the program was killed: its run is done again.
+fn whole(text: &[u8]) -> usize {
+    text.iter().rposition(|&b| b == b'\n').map_or(0, |at| at + 1)
+}
+
+fn foreign(shown: &str) -> anyhow::Error {
+    anyhow!("`{shown}` is no journal of a sweep; give another --out, or delete it")
+}
+
+/// The last header of a journal, and its runs.
+fn lines(text: &[u8], shown: &str) -> Result<(Option<Header>, Vec<Run>)> {
+    let text = std::str::from_utf8(text).with_context(|| format!("`{shown}` is not UTF-8 text"))?;
+    let (mut header, mut runs) = (None, Vec::new());
+    for (k, line) in text.lines().enumerate() {
+        match serde_json::from_str(line) {
+            Ok(Line::Header(found)) if found.journal == KIND => header = Some(found),
+            Ok(Line::Run(run)) if header.is_some() => runs.push(run),
+            _ if header.is_none() => return Err(foreign(shown)),
+            _ => bail!("line {} of `{shown}` is damaged; delete that line to do its run again", k + 1),
+        }
+    }
+    Ok((header, runs))
 }
 
 /// FNV-1a, 64 bits: the same in every version and on every machine.

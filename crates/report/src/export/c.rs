@@ -8,7 +8,7 @@ use phisindy_expr::Language;
 use std::fmt::Write;
 
 /// The text of the file.
-pub(crate) fn written(subject: &Subject) -> String {
+pub(super) fn written(subject: &Subject) -> String {
     let functions = Functions::new(subject, Language::C);
     let usage = [
         "model_rates(t, x, u, modes, du, p, dx)    dx/dt; a mode of 0 is a contact that sticks, +1 and -1 slip in that direction",
@@ -17,8 +17,26 @@ pub(crate) fn written(subject: &Subject) -> String {
         "cc -O2 -std=c99 -DPHISINDY_MAIN THIS.c -o model -lm && ./model < in.csv    the same from columns `t` and the inputs, such as",
         "                                          `phisindy simulate` writes",
     ];
+    let mut out = model(subject, &functions, &usage);
+    out += "\n#ifdef PHISINDY_MAIN\n";
+    out += &names_and_start(subject);
+    out += "#endif\n\n";
+    out += CONTACT_RULE;
+    out.push('\n');
+    out += include_str!("runtime/whole.c");
+    out.push('\n');
+    out += include_str!("runtime/main.c");
+    out
+}
+
+/// The contact rule, and steps that locate its events.
+pub(super) const CONTACT_RULE: &str =
+    concat!(include_str!("runtime/field.c"), "\n", include_str!("runtime/steps.c"));
+
+/// Comment, sizes, constants, and the functions of the model.
+pub(super) fn model(subject: &Subject, functions: &Functions, usage: &[&str]) -> String {
     let mut out = String::from("/*\n");
-    for line in head(subject, &functions.identifiers, &usage) {
+    for line in head(subject, &functions.identifiers, usage) {
         // A comment must not contain its own end.
         let _ = writeln!(out, "{}", format!("   {}", line.replace("*/", "* /")).trim_end());
     }
@@ -32,7 +50,26 @@ pub(crate) fn written(subject: &Subject) -> String {
         subject.outputs.len(),
         contacts.len()
     );
-    out += "/* Constants: change them here, or give a copy to the functions. */\ntypedef struct {\n";
+    out += &parameters(subject, functions);
+    let flag = |yes: bool| if yes { "true" } else { "false" }.to_owned();
+    out += "/* Each velocity that rubs: whether it can stick, and whether its friction has a shape near rest. */\n";
+    array(&mut out, "bool CAN_STICK", contacts.iter().map(|s| flag(s.can_stick)), "false");
+    array(&mut out, "bool SHAPED", contacts.iter().map(|s| flag(s.shaped)), "false");
+    out.push('\n');
+    out += Language::C.helpers();
+    let surfaces = "Of all contacts: w, dw/dt, how dw/dt changes with each mode, dw/dx.";
+    let outputs = "What sensors read beside the states, in the given modes.";
+    define(&mut out, "flow", "dx/dt in the given modes.", &functions.flow, subject, functions);
+    define(&mut out, "surfaces", surfaces, &functions.surfaces, subject, functions);
+    define(&mut out, "outputs", outputs, &functions.outputs, subject, functions);
+    out
+}
+
+/// The constants as a structure, and their values.
+fn parameters(subject: &Subject, functions: &Functions) -> String {
+    let mut out = String::from(
+        "/* Constants: change them here, or give a copy to the functions. */\ntypedef struct {\n",
+    );
     for c in &subject.constants {
         let unit =
             if c.unit.is_empty() { String::new() } else { format!(" /* {} */", c.unit.replace("*/", "* /")) };
@@ -48,14 +85,14 @@ pub(crate) fn written(subject: &Subject) -> String {
     if subject.constants.is_empty() {
         out += "    .none = 0,\n";
     }
-    out += "};\n\n";
+    out + "};\n\n"
+}
+
+/// What the program of the file needs beside the model.
+fn names_and_start(subject: &Subject) -> String {
+    let mut out = String::new();
     let record = subject.chosen();
     let number = |x: &Option<f64>| x.map_or("NAN".to_owned(), |x| format!("{x:?}"));
-    let flag = |yes: bool| if yes { "true" } else { "false" }.to_owned();
-    out += "/* Each velocity that rubs: whether it can stick, and whether its friction has a shape near rest. */\n";
-    array(&mut out, "bool CAN_STICK", contacts.iter().map(|s| flag(s.can_stick)), "false");
-    array(&mut out, "bool SHAPED", contacts.iter().map(|s| flag(s.shaped)), "false");
-    out += "\n#ifdef PHISINDY_MAIN\n";
     array(&mut out, "char *STATE_NAMES", subject.states.iter().map(|q| quoted(&q.name)), "\"\"");
     array(&mut out, "char *INPUT_NAMES", subject.inputs.iter().map(|q| quoted(&q.name)), "\"\"");
     array(&mut out, "char *OUTPUT_NAMES", subject.outputs.iter().map(|q| quoted(&q.name)), "\"\"");
@@ -66,36 +103,17 @@ pub(crate) fn written(subject: &Subject) -> String {
     });
     out += "/* 0: the last sample is held, 1: straight lines, 2: a cubic spline. */\n";
     array(&mut out, "int INPUT_KINDS", kinds, "0");
+    let contacts = &subject.switched.switches;
     array(&mut out, "char *CONTACT_NAMES", contacts.iter().map(|s| quoted(&s.text)), "\"\"");
     out += "/* The state at the start; NAN: not known, and for the time: the first one. */\n";
     array(&mut out, "double START", record.start.iter().map(number), "NAN");
     let _ = writeln!(out, "static const double START_TIME = {};", number(&record.start_time));
-    let _ = writeln!(out, "static const char RECORD[] = {};\n#endif\n", quoted(&record.name));
-    out += Language::C.helpers();
-    define(&mut out, "flow", "dx/dt in the given modes.", &functions.flow, subject, &functions);
-    define(
-        &mut out,
-        "surfaces",
-        "Of all contacts: w, dw/dt, how dw/dt changes with each mode, dw/dx.",
-        &functions.surfaces,
-        subject,
-        &functions,
-    );
-    define(
-        &mut out,
-        "outputs",
-        "What sensors read beside the states, in the given modes.",
-        &functions.outputs,
-        subject,
-        &functions,
-    );
-    out.push('\n');
-    out += include_str!("runtime.c");
+    let _ = writeln!(out, "static const char RECORD[] = {};", quoted(&record.name));
     out
 }
 
 /// An array with at least one entry: C99 has no empty arrays.
-fn array(out: &mut String, name: &str, entries: impl Iterator<Item = String>, none: &str) {
+pub(super) fn array(out: &mut String, name: &str, entries: impl Iterator<Item = String>, none: &str) {
     let entries: Vec<String> = entries.collect();
     let list = if entries.is_empty() { none.to_owned() } else { entries.join(", ") };
     let _ = writeln!(out, "static const {name}[] = {{{list}}};");

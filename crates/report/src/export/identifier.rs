@@ -11,7 +11,7 @@ t state inputs slopes parameters mode side floors margins";
 /// The same for C, and macros of its headers.
 const C: &str = "auto break case char const continue default do double else enum extern float for goto if inline int long register restrict return short \
 signed sizeof static struct switch typedef union unsigned void volatile while bool true false asm typeof linux unix NULL EOF NAN INFINITY HUGE_VAL errno \
-stdin stdout stderr assert isnan isinf isfinite signbit fpclassify isnormal STATES INPUTS CONTACTS CAN_STICK SHAPED START START_TIME STATE_NAMES \
+stdin stdout stderr assert isnan isinf isfinite signbit fpclassify isnormal STATES INPUTS OUTPUTS CONTACTS CAN_STICK SHAPED START START_TIME STATE_NAMES \
 INPUT_NAMES INPUT_KINDS CONTACT_NAMES PARAMETERS Parameters t state inputs slopes parameters mode side floors margins out";
 
 /// The same for Modelica.

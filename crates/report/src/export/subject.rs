@@ -40,6 +40,21 @@ pub(crate) struct RecordNote {
     pub(crate) sensors: Vec<(String, Sensor)>,
 }
 
+/// What is known of the motion of the chosen record, SI.
+#[derive(Clone, Debug)]
+pub struct Experiment {
+    /// The first time.
+    pub from: f64,
+    /// The last time.
+    pub to: f64,
+    /// The mean distance of the samples; 0 of a single one.
+    pub step: f64,
+    /// Each state at the first time, as its column reads it.
+    pub first: Vec<f64>,
+    /// The largest absolute value of each state.
+    pub sizes: Vec<f64>,
+}
+
 /// An exported model; all numbers in SI.
 pub struct Subject {
     pub(crate) title: String,
@@ -57,6 +72,8 @@ pub struct Subject {
     pub(crate) records: Vec<RecordNote>,
     /// The record whose start state and constants are written.
     pub(crate) record: usize,
+    /// The motion of that record, where it could be simulated.
+    pub experiment: Option<Experiment>,
 }
 
 impl Subject {
@@ -102,7 +119,13 @@ impl Subject {
             switched,
             records,
             record,
+            experiment: None,
         })
+    }
+
+    /// The names of the states.
+    pub fn states(&self) -> impl Iterator<Item = &str> {
+        self.states.iter().map(|q| q.name.as_str())
     }
 
     /// The record whose start state and constants are written.

@@ -1,0 +1,109 @@
+"""Finished runs, kept in a file line by line, so that many of them can go on after an interruption."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import IO, TYPE_CHECKING, Any
+
+from . import _native
+from ._errors import DataError, PhisindyError
+from ._tables import tables
+
+if TYPE_CHECKING:
+    from ._case import Case
+
+# What is run: the name of the function, the case, its tables, and how.
+Work = tuple[str, "Case", Any, dict[str, Any]]
+
+
+@dataclass(frozen=True)
+class Failed:
+    """A run that raised, in the place of its result; the others go on."""
+
+    error: str
+    kind: str
+
+
+class Journal:
+    """The runs that a file holds, or none. A line has the key of its run, and ``result`` or ``failed``."""
+
+    def __init__(self, path: str | os.PathLike[str] | None, works: Sequence[Work]) -> None:
+        self._path = None if path is None else Path(path)
+        self._file: IO[str] | None = None
+        self._keys = [] if path is None else [_key(work) for work in works]
+        self._results = {} if self._path is None else _read(self._path)
+
+    def kept(self, place: int) -> dict[str, Any] | None:
+        """The result that the file has for a run."""
+        return self._results.get(self._keys[place]) if self._results else None
+
+    def keep(self, place: int, found: dict[str, Any] | Failed) -> None:
+        """Writes a result; it is in the file when this returns."""
+        if self._file is None:
+            return
+        what = {"failed": asdict(found)} if isinstance(found, Failed) else {"result": found}
+        self._file.write(json.dumps({"key": self._keys[place], **what}) + "\n")
+        self._file.flush()
+
+    def __enter__(self) -> Journal:
+        if self._path is not None:
+            try:
+                self._path.parent.mkdir(parents=True, exist_ok=True)
+                self._file = open(self._path, "a", encoding="utf-8")
+            except OSError as error:
+                raise DataError(f"cannot write `{self._path}`: {error}") from error
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._file is not None:
+            self._file.close()
+
+
+def _key(work: Work) -> str:
+    """A name for all that a result depends on."""
+    name, case, data, options = work
+    digest = hashlib.sha256()
+
+    def add(text: str) -> None:
+        digest.update(f"{len(text)} {text}".encode())
+
+    for text in (_native.__version__, name, case.text, str(case.folder), json.dumps(options, sort_keys=True, default=str)):
+        add(text)
+    try:
+        for columns in tables(data):
+            add(str(len(columns)))
+            for column, values in columns:
+                add(f"{column} {len(values)}")
+                digest.update(values.data)
+    except PhisindyError as error:
+        # A table that is none has no columns: the run itself will say so.
+        add(str(error))
+    return digest.hexdigest()
+
+
+def _read(path: Path) -> dict[str, dict[str, Any]]:
+    """Results by key. A last line without end was torn when the program was killed: it is cut off."""
+    try:
+        content = path.read_bytes()
+        whole = content.rfind(b"\n") + 1
+        lines = [json.loads(line) for line in content[:whole].splitlines()]
+        found = {line["key"]: line["result"] for line in lines if "result" in line or "failed" not in line}
+        if whole < len(content):
+            if whole == 0 and not content.startswith(b'{"key"'[: len(content)]):
+                raise ValueError("its first line is none")
+            os.truncate(path, whole)
+        return found
+    except FileNotFoundError:
+        return {}
+    except OSError as error:
+        raise DataError(f"cannot read `{path}`: {error}") from error
+    except (ValueError, KeyError, TypeError) as error:
+        raise DataError(f"`{path}` holds no results of `map` or `sweep` ({error}): give another file") from error
