@@ -87,6 +87,9 @@ impl Field<'_> {
         right: impl Fn(&Field<'_>, usize) -> Vec<f64>,
     ) -> Vec<Vec<f64>> {
         let m = set.len();
+        if m == 0 {
+            return vec![];
+        }
         let mut system = Vec::with_capacity(m * (m + width));
         for &c in set {
             system.extend(set.iter().map(|&k| self.influence(c, k)));
