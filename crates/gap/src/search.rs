@@ -92,7 +92,7 @@ impl Search<'_> {
         let mut found = self.run(base.clone())?;
         let mut out: Vec<Vetoed> = Vec::new();
         for _ in 0..SEARCHES_AGAIN {
-            let done = found.last.score.explains() || self.at_floor(&found.last);
+            let done = self.explained(&found.last);
             let any = |f: &Fitted| f.model.effects.iter().any(may_be_undetermined);
             if !done || found.stop == StopReason::Interrupted || !any(&found.last) {
                 break;
@@ -107,7 +107,7 @@ impl Search<'_> {
             let mut again = Search { catalogue: &catalogue, observe: &mut observe, ..*self };
             let other = again.run(base.clone())?;
             let candidates = found.candidates.max(other.candidates);
-            let done = other.last.score.explains() || self.at_floor(&other.last);
+            let done = self.explained(&other.last);
             if !done || !self.as_good(&other.last, &found.last, candidates) {
                 found.needed = placed(&found.last.model);
                 break;
@@ -120,6 +120,11 @@ impl Search<'_> {
             }
         }
         Ok(found)
+    }
+
+    /// Whether a model leaves no more than noise or the scatter of the rig.
+    pub(crate) fn explained(&self, by: &Fitted) -> bool {
+        by.score.explains() || self.at_floor(by)
     }
 
     /// Whether a model leaves no more than the scatter of the rig.

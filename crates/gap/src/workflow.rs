@@ -1,6 +1,6 @@
 //! The whole workflow: noise estimate, search, other explanations, verdict.
 
-use crate::decisions::{FEWEST_SAMPLES, MOSTLY_NOISE, SCATTERS};
+use crate::decisions::{EXPLAINED, FEWEST_SAMPLES, MOSTLY_NOISE, SCATTERS};
 use crate::drive::Drive;
 use crate::ending::Ending;
 use crate::model::{Fitted, SpecTextError, TrialModel, current, noise_of, shortened};
@@ -73,18 +73,19 @@ fn from_estimate_or_rest(search: &mut Search<'_>, whole: TrialModel) -> Result<S
     let short = shortened(&whole.records).map(|records| whole.for_records(records));
     let rest = whole.from_rest().map(|rest| (rest, short.as_ref().and_then(TrialModel::from_rest)));
     let first = on_shortened(search, whole, short)?;
-    let explained = |s: &Searched, search: &Search<'_>| s.last.score.explains() || search.at_floor(&s.last);
-    let needed = first.stop != StopReason::Interrupted && !explained(&first, search);
+    let needed = first.stop != StopReason::Interrupted && !search.explained(&first.last);
     let Some((rest, short)) = rest.filter(|_| needed) else { return Ok(first) };
     match on_shortened(search, rest, short) {
-        Ok(second) if explained(&second, search) || second.last.score.gap() < first.last.score.gap() => {
+        Ok(second) if search.explained(&second.last) || second.last.score.gap() < first.last.score.gap() => {
             Ok(second)
         }
         _ => Ok(first),
     }
 }
 
-/// Searches on shortened records, if there are any; the final parameters come from all samples.
+/// Searches on shortened records, if there are any; the final parameters come from all samples. Where the beginning of
+/// the Fit records is explained and the rest is not, the beginning does not stand for the whole: a tester may have gone
+/// at one speed first. Then the whole is searched.
 fn on_shortened(
     search: &mut Search<'_>,
     whole: TrialModel,
@@ -92,9 +93,14 @@ fn on_shortened(
 ) -> Result<Searched, ModelError> {
     let Some(short) = short else { return search.run_until_determined(whole) };
     let mut searched = search.run_until_determined(short)?;
-    searched.base = Fitted::new(whole.clone(), search.noise, Effort::Plain)?;
     let full = whole.with_all(&current(&searched.last)).ok();
     let full = full.and_then(|model| Fitted::new(model, search.noise, Effort::Plain).ok());
+    let stands_for_all =
+        full.as_ref().is_some_and(|full| full.score.fit <= EXPLAINED || search.at_floor(full));
+    if searched.last.score.fit <= EXPLAINED && !stands_for_all && searched.stop != StopReason::Interrupted {
+        return search.run_until_determined(whole);
+    }
+    searched.base = Fitted::new(whole, search.noise, Effort::Plain)?;
     searched.last = full.unwrap_or_else(|| searched.base.clone());
     Ok(searched)
 }
