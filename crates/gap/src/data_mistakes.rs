@@ -1,6 +1,6 @@
 //! Mistakes in a data file that no missing effect explains: columns of two bodies exchanged, a wrong unit.
 
-use crate::decisions::{MOVES, ONE_SHAPE, OTHER_SHAPE, OUT_OF_PROPORTION, WRONG_UNIT};
+use crate::decisions::{MOVES, ONE_SHAPE, OTHER_SHAPE, OUT_OF_PROPORTION, SAYS_NOTHING, WRONG_UNIT};
 use crate::model::Fitted;
 use crate::result::{DataMistake, Named};
 use phisindy_signal::{noise_level, standard_deviation};
@@ -26,7 +26,9 @@ pub(crate) fn data_mistakes(base: &Fitted) -> Vec<DataMistake> {
                 mistakes.push(DataMistake::Scale { of: of(), factor: slope });
             }
             let larger = standard_deviation(own) / standard_deviation(measured);
-            let far = !(1.0 / OUT_OF_PROPORTION..OUT_OF_PROPORTION).contains(&larger);
+            // A model that says nothing of a column has no unit that could be wrong.
+            let far =
+                larger > SAYS_NOTHING && !(1.0 / OUT_OF_PROPORTION..OUT_OF_PROPORTION).contains(&larger);
             if alike <= ONE_SHAPE && far && standard_deviation(measured) > MOVES * noise_level(measured) {
                 mistakes.push(DataMistake::Proportion { of: of(), factor: larger });
             }

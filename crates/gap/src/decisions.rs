@@ -229,6 +229,8 @@ decisions! {
     WRONG_UNIT: f64 = 5.0, "factor", BLIND;
     /// If model and rig differ by more in size, a unit is wrong and no effect is missing.
     OUT_OF_PROPORTION: f64 = 300.0, "factor", BLIND;
+    /// A model that moves a column by less says nothing of it.
+    SAYS_NOTHING: f64 = 1e-12, "of the column", Basis::Judgement("from nano to kilo: no two units in use are further apart");
     /// A column with a larger standard deviation moves.
     MOVES: f64 = 10.0, "of the noise", Basis::Judgement("ten times the noise is a motion");
     /// Two curves with a larger correlation have the same shape.

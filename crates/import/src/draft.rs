@@ -170,14 +170,18 @@ impl Draft {
         })
     }
 
-    /// Remarks on columns of the model that wrap.
+    /// Remarks on positions of the model that wrap: a force that changes its sign where the motion turns jumps alike.
     fn wrapped(&self, run: &Range<usize>) -> Vec<Remark> {
         let of = |c: usize| {
             let Wrap { period, first, count } = wraps(&self.values(c)[run.clone()])?;
             let (heading, line) = (self.raw(c).to_owned(), self.table.row_numbers[run.start + first + 1]);
             Some(Remark::Wraps { heading, period, count, line })
         };
-        self.roles.used().filter_map(of).collect()
+        let base = match self.roles.input {
+            Input::Base(column) => Some(column),
+            _ => None,
+        };
+        self.roles.displacement.into_iter().chain(base).filter_map(of).collect()
     }
 
     /// A remark if the stamps are coarser than the rows.

@@ -65,11 +65,15 @@ impl Heading {
         self.with_quantity()
     }
 
-    /// Derives the quantity from the unit. An acceleration in `g` is not in grams, a velocity in `ms` is in
+    /// Derives the quantity from the unit. An acceleration in `g` or `mg` is not in grams, a velocity in `ms` is in
     /// m/s.
     fn with_quantity(mut self) -> Heading {
-        if self.unit.as_deref() == Some("g") && self.has_word(ACCELERATIONS) {
-            self.unit = Some("gn".to_owned());
+        if self.has_word(ACCELERATIONS) {
+            match self.unit.as_deref() {
+                Some("g") => self.unit = Some("gn".to_owned()),
+                Some("mg") => self.unit = Some("mgn".to_owned()),
+                _ => {}
+            }
         }
         if self.unit.as_deref() == Some("ms") && self.has_word(VELOCITIES) {
             self.unit = Some("m/s".to_owned());
@@ -287,6 +291,7 @@ mod tests {
             ("acc (m/s2)", "acc", Some("m/s^2"), Quantity::Acceleration),
             ("acc (g)", "acc", Some("gn"), Quantity::Acceleration),
             ("a_g", "a", Some("gn"), Quantity::Acceleration),
+            ("a_x [mg]", "a_x", Some("mgn"), Quantity::Acceleration),
             ("load (g)", "load", Some("g"), Quantity::Other),
             ("disp (in)", "disp", Some("in"), Quantity::Length),
             ("x_inch", "x", Some("in"), Quantity::Length),

@@ -104,3 +104,13 @@ fn the_level_of_short_records() {
     // 2.5 % is what 1412 samples give at best; the worst of 2000 may be three and a half of that.
     assert!(worst < 0.1, "off by {worst}");
 }
+
+/// A friction tester: the force steps from one side to the other at each turn of the motion.
+#[test]
+fn steps_of_a_force_are_no_noise() {
+    let noise = noisy(&vec![0.0; 6000], 1.0, 7);
+    let side = |i: usize| (0.01 * i as f64 + 3e-6 * (i * i) as f64).sin().signum();
+    let column: Vec<f64> = noise.iter().enumerate().map(|(i, e)| 60.0 * side(i) + e).collect();
+    let (with, without) = (noise_level(&column), noise_level(&noise));
+    assert!((with - without).abs() < 0.1 * without, "{with} instead of {without}");
+}

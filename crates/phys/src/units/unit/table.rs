@@ -28,7 +28,7 @@ const UNITS: &[Row] = &[
     ("N",    1.0,          [1, 1, -2, 0, 0],  true),
     ("lbf",  4.448_221_615_260_5, [1, 1, -2, 0, 0], false),
     // Standard gravity, in which accelerometers count; `g` is the gram.
-    ("gn",   9.806_65,     [0, 1, -2, 0, 0],  false),
+    ("gn",   9.806_65,     [0, 1, -2, 0, 0],  true),
     ("Pa",   1.0,          [1, -1, -2, 0, 0], true),
     ("bar",  1e5,          [1, -1, -2, 0, 0], true),
     ("J",    1.0,          [1, 2, -2, 0, 0],  true),
