@@ -68,7 +68,7 @@ pub(crate) fn text_with(
                 delay(&mut text, model, applied, inputs)?
             }
             Site::Input(inputs) => gain(&mut text, model, applied, inputs, &mut parts)?,
-            Site::Force { acts, shows, .. } => force(&mut text, model, applied, (acts, shows), &mut parts)?,
+            Site::Force { .. } => force(&mut text, model, applied, &mut parts)?,
         }
     }
     Ok(text.0)
@@ -153,15 +153,14 @@ fn gain(
     Ok(())
 }
 
-/// A force in the rates of the bodies on which it acts and in the outputs that show it: states and outputs, each
-/// with its sign.
+/// A force in the rates of the bodies on which it acts and in the outputs that show it.
 fn force(
     text: &mut Text,
     model: &TrialModel,
     applied: &Applied,
-    (acts, shows): (&[(usize, f64)], &[(usize, f64)]),
     parts: &mut Parts,
 ) -> Result<(), SpecTextError> {
+    let Site::Force { acts, shows, .. } = &applied.effect.place.site else { return Ok(()) };
     internal(text, model, applied)?;
     let force = force_text(applied).unwrap_or_default();
     let sign = |sign: f64| if sign < 0.0 { '-' } else { '+' };

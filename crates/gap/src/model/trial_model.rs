@@ -65,7 +65,7 @@ impl TrialModel {
     }
 
     /// The same model with the states that only outputs tell at rest where fits start; `None` if there are none.
-    pub(crate) fn from_rest(&self) -> Option<TrialModel> {
+    pub(crate) fn at_rest(&self) -> Option<TrialModel> {
         let system = &self.system;
         if !self.records.iter().any(|r| phisindy_learn::reads_outputs(system, r)) {
             return None;

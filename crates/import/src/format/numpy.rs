@@ -86,7 +86,7 @@ fn matrix(
     (rows, columns, fortran): (usize, usize, bool),
     name: &str,
 ) -> Result<Vec<Channel>, Refusal> {
-    let cut = || Refusal::broken(FORMAT, &format!("`{name}` ends before its last number"));
+    let cut = || Refusal::broken(FORMAT, format!("`{name}` ends before its last number"));
     let size = element.size;
     let whole = rows.checked_mul(columns).and_then(|n| n.checked_mul(size)).ok_or_else(cut)?;
     if bytes.len() < whole {
