@@ -1,7 +1,6 @@
 //! Models under test: the model of the spec with laws added to its graph, fitted to the records.
 
 mod fitted;
-mod input_error;
 mod noise_form;
 mod records;
 mod score;
@@ -9,7 +8,6 @@ mod spec_text;
 mod trial_model;
 
 pub(crate) use fitted::{Fitted, current, values};
-pub(crate) use input_error::ColumnError;
 pub(crate) use records::{noise_of, shortened};
 #[cfg(test)]
 pub(crate) use score::tests;

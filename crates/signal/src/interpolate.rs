@@ -3,7 +3,6 @@
 use std::fmt;
 use std::sync::Arc;
 
-mod finer;
 #[cfg(test)]
 mod tests;
 
