@@ -529,7 +529,8 @@ fn a_push_inside_a_link_may_be_the_zero_of_a_sensor() {
     assert!(found["steps"][0]["rivals"].to_string().contains("sensor-offset"), "{found}");
 }
 
-/// A body on a wall that moves, `u` written one sample late, and a damper of the body that the model lacks. A damper against the wall does nearly the same as the clock.
+/// A body on a moving wall. The file has `u` one sample late, and the model lacks a damper of the body. A damper
+/// between body and wall does nearly the same as the delay.
 #[test]
 fn a_clock_that_a_damper_imitates_is_not_forgotten() {
     let folder = folder("gap-late-wall");

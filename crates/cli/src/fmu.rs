@@ -4,7 +4,6 @@ use anyhow::{Context, Result};
 use phisindy_report::export::Fmu;
 use std::fs;
 use std::io::{Cursor, Write};
-use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
@@ -17,9 +16,9 @@ const FLAGS: [&str; 6] = ["-O2", "-std=c99", "-ffp-contract=off", "-shared", "-f
 /// # Errors
 /// Why there is none: no compiler, or what it says.
 pub(crate) fn compiled(fmu: &Fmu) -> Result<Vec<u8>, String> {
-    let folder = Folder::new().map_err(|e| format!("no temporary folder can be made ({e})"))?;
+    let folder = tempfile::tempdir().map_err(|e| format!("no temporary folder can be made ({e})"))?;
     let source = fmu.files.iter().find(|(path, _)| *path == fmu.source).map_or("", |(_, text)| text.as_str());
-    let (from, to) = (folder.0.join("model.c"), folder.0.join("model.library"));
+    let (from, to) = (folder.path().join("model.c"), folder.path().join("model.library"));
     fs::write(&from, source).map_err(|e| format!("its sources cannot be written for the compiler ({e})"))?;
     let said = Command::new("cc")
         .args(FLAGS)
@@ -67,29 +66,4 @@ fn platform() -> String {
         other => other,
     };
     format!("{}-{system}", std::env::consts::ARCH)
-}
-
-/// A temporary folder that is removed at the end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new() -> std::io::Result<Folder> {
-        // Another user may have made a folder of the same name; then the next one is tried.
-        let top = std::env::temp_dir();
-        let name = |k: u32| top.join(format!("phisindy-fmu-{}-{k}", std::process::id()));
-        let mut made = fs::create_dir(name(0)).map(|()| Folder(name(0)));
-        for k in 1..100 {
-            if made.is_ok() {
-                break;
-            }
-            made = fs::create_dir(name(k)).map(|()| Folder(name(k)));
-        }
-        made
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
 }

@@ -71,11 +71,12 @@ pub fn gap(
 /// may lead astray.
 fn from_estimate_or_rest(search: &mut Search<'_>, whole: TrialModel) -> Result<Searched, ModelError> {
     let short = shortened(&whole.records).map(|records| whole.for_records(records));
-    let rest = whole.at_rest().map(|rest| (rest, short.as_ref().and_then(TrialModel::at_rest)));
-    let first = on_shortened(search, whole, short)?;
-    let needed = first.stop != StopReason::Interrupted && !search.explained(&first.last);
-    let Some((rest, short)) = rest.filter(|_| needed) else { return Ok(first) };
-    match on_shortened(search, rest, short) {
+    let first = on_shortened(search, whole.clone(), short.clone())?;
+    if first.stop == StopReason::Interrupted || search.explained(&first.last) {
+        return Ok(first);
+    }
+    let Some(rest) = whole.at_rest() else { return Ok(first) };
+    match on_shortened(search, rest, short.as_ref().and_then(TrialModel::at_rest)) {
         Ok(second) if search.explained(&second.last) || second.last.score.gap() < first.last.score.gap() => {
             Ok(second)
         }

@@ -110,7 +110,7 @@ decisions! {
     /// Implicit steps that did not pay double the steps before the next try, up to this many times.
     MOST_DOUBLINGS: u32 = 5, "doublings", Basis::Judgement("a try costs a few per cent of the steps between then");
     /// Products with the derivative of the rates that find its dominant eigenvalue; the second half counts.
-    POWERS: usize = 8, "products", Basis::Judgement("the fastest of modes that lie a factor of two apart, to a few per cent");
+    POWERS: usize = 8, "products", Basis::Judgement("they tell the fastest of modes a factor of two apart to a few per cent");
     /// Newton's method starts on the interpolant of the step before, if the step is at most this much longer.
     EXTRAPOLATION: f64 = 2.0, "steps", Basis::Judgement("further away a polynomial of the fifth degree leads astray");
     /// The permitted error of the stages of an implicit step.

@@ -167,12 +167,17 @@ impl<'a> Context<'a> {
         let starts: Vec<(usize, usize)> = runs.map(|s| (s.record, s.start)).collect();
         for (record, start) in starts {
             let columns = &self.records[record].columns;
-            let unseen = (0..self.system.states.len()).filter(|&k| columns[k].is_none());
             let mut x = fit.x.clone();
-            unseen.for_each(|k| x[start + k] = 0.0);
+            for k in (0..self.system.states.len()).filter(|&k| columns[k].is_none()) {
+                let (low, high) = fit.problem.bounds[start + k];
+                x[start + k] = 0f64.clamp(low, high);
+            }
+            if x == fit.x {
+                continue;
+            }
             let limits = Limits::of(CHAIN_MINIMUM);
             let end = fit.problem.minimise(&mut x, &fit.weights, limits);
-            if x != fit.x && end.is_ok_and(|end| end.cost < fit.normal.cost) {
+            if end.is_ok_and(|end| end.cost < fit.normal.cost) {
                 fit = self.resettle(Fit { x, ..fit });
             }
         }
