@@ -3,6 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
+mod finer;
 #[cfg(test)]
 mod tests;
 
