@@ -6,14 +6,14 @@ use crate::decisions::{REPEATS, SAME_FREQUENCY, SUBSTANTIAL};
 use crate::drive::Drive;
 use crate::drive_frequency::drive_frequency;
 use crate::input_interpolation::{Redrawn, coarse_inputs, redrawn};
-use crate::model::{Applied, Fitted, Measure, TrialModel, current, expression, text_with};
+use crate::model::{Applied, ColumnError, Fitted, Measure, TrialModel, current, expression, text_with};
 use crate::other_causes::{causes, input_noise};
 use crate::plausibility::{cancelling, vetoed};
 use crate::result::verdict::{bent, helpful, refused, status};
 use crate::result::{
-    Activity, Alternative, Cancelling, ColumnGap, ColumnRepeat, Gap, GapError, NotTried, PlacedLaw,
-    RecordValue, Region, Rival, Simulated, Status, Step, StepParameter, StopReason, Tried, Veto, Warning,
-    regions,
+    Activity, Alternative, Cancelling, ColumnGap, ColumnRepeat, Gap, GapError, InputError, Named, NotTried,
+    PlacedLaw, RecordValue, Region, Rival, Simulated, Status, Step, StepParameter, StopReason, Tried, Veto,
+    Warning, regions,
 };
 use crate::search::{Round, Search, Searched, placed, refitted};
 use crate::sensor_linearity::sensor_nonlinearity;
@@ -81,6 +81,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         let (status, determined) = self.doubts(status);
         let (status, alternative) = self.other_explanations(status, repeats)?;
         self.warnings.extend(alternative.clone().map(Warning::Alternative));
+        self.warnings.extend(input_errors(&self.last).into_iter().map(Warning::InputError));
         self.warnings.extend(at_bounds(&self.last.cal.parameters).into_iter().map(Warning::Fit));
         self.warnings.extend(sensitive_starts(&self.last.cal.records).into_iter().map(Warning::Fit));
         let steps: Vec<Step> = (0..self.last.model.effects.len()).map(|k| self.step(k)).collect();
@@ -288,6 +289,23 @@ fn one_frequency(base: &TrialModel, repeat: &[ColumnRepeat]) -> Option<f64> {
     }
     let (first, last) = (*all.first()?, *all.last()?);
     (last - first < SAME_FREQUENCY * first).then_some(0.5 * (first + last))
+}
+
+/// The columns whose residual is the error of the inputs between their samples, in words of the records.
+fn input_errors(last: &Fitted) -> Vec<InputError> {
+    let system = &last.model.system;
+    let of = |error: &ColumnError| {
+        let (column, unit) = system.measured(error.column);
+        let factor = system.factor(error.column);
+        InputError {
+            inputs: system.inputs.iter().map(|u| u.name.clone()).collect(),
+            of: Named { record: last.model.records[error.record].name.clone(), column: column.to_owned() },
+            left: error.left / factor,
+            open: error.open / factor,
+            unit: unit.to_owned(),
+        }
+    };
+    last.input_errors.iter().map(of).collect()
 }
 
 /// Whether a model is as good without its last effect.

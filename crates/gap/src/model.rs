@@ -1,6 +1,7 @@
 //! Models under test: the model of the spec with laws added to its graph, fitted to the records.
 
 mod fitted;
+mod input_error;
 mod noise_form;
 mod records;
 mod score;
@@ -8,6 +9,7 @@ mod spec_text;
 mod trial_model;
 
 pub(crate) use fitted::{Fitted, current, values};
+pub(crate) use input_error::ColumnError;
 pub(crate) use records::{noise_of, shortened};
 #[cfg(test)]
 pub(crate) use score::tests;

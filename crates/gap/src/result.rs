@@ -11,7 +11,8 @@ mod words;
 pub use error::{DataError, GapError, ModelError};
 pub use finding::{
     Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, DataMistake, DriveFrequency,
-    InputNoise, Named, NamedValue, SensorNonlinearity, SpecMistake, StopReason, Veto, Vetoed, Warning,
+    InputError, InputNoise, Named, NamedValue, SensorNonlinearity, SpecMistake, StopReason, Veto, Vetoed,
+    Warning,
 };
 pub use force_history::{ForceHistory, force_history};
 pub(crate) use region::regions;

@@ -62,6 +62,11 @@ pub(crate) fn errors(h: f64, k: &[Vec<f64>; STAGES], n: usize, out: &mut [f64]) 
     }
 }
 
+/// The estimated error of component `i` after a step of length `h`.
+pub(crate) fn error(h: f64, k: &[Vec<f64>; STAGES], i: usize) -> f64 {
+    h * k.iter().zip(&E).map(|(k, e)| e * k[i]).sum::<f64>()
+}
+
 /// Hairer's fourth-order interpolant of a step, from the values at both ends and the rates at the stages.
 pub(crate) fn interpolate(dense: &mut Dense, h: f64, start: &[f64], end: &[f64], k: &[Vec<f64>; STAGES]) {
     dense.h = h;

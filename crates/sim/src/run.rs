@@ -173,7 +173,7 @@ impl Run<'_> {
     /// Accepts the step: samples within it, sensitivities, and the new present point.
     fn accept(&mut self) {
         if let Some(s) = &mut self.sensitivity {
-            s.advance(&mut self.field, &self.step);
+            s.advance(&mut self.field, &mut self.step);
         }
         let (t1, h) = (self.t + self.step.h, self.step.h);
         let from = self.next;

@@ -2,11 +2,13 @@
 //! accepted steps, and the jump of its solution at each switch.
 //!
 //! Between events `dS/dt = (df/dx) S + df/dp` is advanced with the stages of the state's step, so that `S`
-//! is the derivative of the computed trajectory, also where the step is implicit. At an event on `w = 0` the event time moves by `dt =
+//! is the derivative of the computed trajectory, also where the step is implicit; where the state rests in a stiff mode
+//! `S` alone takes an implicit step. At an event on `w = 0` the event time moves by `dt =
 //! -(dw/dx S + dw/dp) / (dw/dt)` and `S` jumps by `(f- - f+) dt` (saltation; Leine and Nijmeijer, Dynamics
 //! and Bifurcations of Non-Smooth Mechanical Systems, 2004, ch. 7). When a contact is released the rates
 //! are continuous and `S` does not jump.
 
+use crate::decisions::UNRESOLVED;
 use crate::dense::Dense;
 use crate::dopri::{self, A, C, STAGES};
 use crate::factors::Factors;
@@ -32,6 +34,10 @@ pub(crate) struct Sensitivity {
     pub(crate) dense: Dense,
     /// Whether the last stage is the first stage of the next step.
     fresh: bool,
+    /// How the last step of `S` was made.
+    method: Method,
+    /// The largest size of each element of `S` so far.
+    sizes: Vec<f64>,
     linear: Linearisation,
     /// Memory of an implicit step: `df/dx` at its stages, their equations, and the right-hand sides.
     slopes: [Vec<f64>; radau::STAGES],
@@ -52,8 +58,10 @@ impl Sensitivity {
             stage: s.clone(),
             k: std::array::from_fn(|_| vec![0.0; n * m]),
             dense: Dense::default(),
+            sizes: s.clone(),
             s,
             fresh: false,
+            method: Method::Explicit,
             linear: Linearisation::default(),
             slopes: Default::default(),
             equations: None,
@@ -61,12 +69,40 @@ impl Sensitivity {
         }
     }
 
-    /// Advances over an accepted step of the state.
-    pub(crate) fn advance(&mut self, field: &mut Field<'_>, step: &Step) {
-        match step.method() {
-            Method::Explicit => self.advance_explicit(field, step),
-            Method::Implicit => self.advance_implicit(field, step),
+    /// Advances over an accepted step of the state. A mode in which the state rests to the last digit does not limit
+    /// its steps, however stiff it is; `S` does not rest there, and explicit stages beyond their domain of stability
+    /// would let it grow without bound. Such a step of `S` is implicit, along the interpolant of the state.
+    pub(crate) fn advance(&mut self, field: &mut Field<'_>, step: &mut Step) {
+        self.method = step.method();
+        match self.method {
+            Method::Explicit => {
+                self.advance_explicit(field, step);
+                if !self.is_resolved(step.h) {
+                    self.s.copy_from_slice(&self.start);
+                    self.method = Method::Implicit;
+                    let dense = step.dense().clone();
+                    let (t, h) = (step.t, step.h);
+                    let mut x = step.x[0].clone();
+                    self.advance_implicit(field, h, |linear, field, free, at| {
+                        dense.value(radau::C[at], &mut x);
+                        linear.evaluate(field, free, t + radau::C[at] * h, &x);
+                    });
+                }
+            }
+            Method::Implicit => self.advance_implicit(field, step.h, |linear, field, free, at| {
+                linear.evaluate(field, free, step.t + radau::C[at] * step.h, &step.x[at]);
+            }),
         }
+        self.sizes.iter_mut().zip(&self.s).for_each(|(size, s)| *size = size.max(s.abs()));
+    }
+
+    /// Whether the error of an explicit step is small beside each element of `S`.
+    fn is_resolved(&self, h: f64) -> bool {
+        let small = |(i, (end, size)): (usize, (&f64, &f64))| {
+            let error = dopri::error(h, &self.k, i);
+            error.abs() <= UNRESOLVED * end.abs().max(*size)
+        };
+        self.s.iter().zip(&self.sizes).enumerate().all(small)
     }
 
     fn advance_explicit(&mut self, field: &mut Field<'_>, step: &Step) {
@@ -105,14 +141,19 @@ impl Sensitivity {
 
     /// The stages of an implicit step are what solves its equations, so their derivatives `S + D` follow from
     /// those of the equations at the solution: `sum_j W_ij D_j / h - J_i D_i = J_i S + (df/dp)_i`.
-    fn advance_implicit(&mut self, field: &mut Field<'_>, step: &Step) {
+    /// `at` evaluates the linearisation at a stage.
+    fn advance_implicit(
+        &mut self,
+        field: &mut Field<'_>,
+        h: f64,
+        mut at: impl FnMut(&mut Linearisation, &mut Field<'_>, &[usize], usize),
+    ) {
         const STAGES: usize = radau::STAGES;
         let (n, m) = (self.n, self.m);
         self.start.copy_from_slice(&self.s);
         self.right.resize(STAGES * n * m, 0.0);
         for stage in 0..STAGES {
-            let at = stage + 1;
-            self.linear.evaluate(field, &self.free, step.t + radau::C[at] * step.h, &step.x[at]);
+            at(&mut self.linear, field, &self.free, stage + 1);
             self.slopes[stage].clone_from(&self.linear.by_state);
             multiply_add(&self.linear, &self.start, n, m, &mut self.stage);
             for (i, row) in self.stage.chunks_exact(m).enumerate() {
@@ -120,7 +161,7 @@ impl Sensitivity {
             }
         }
         let equations = self.equations.get_or_insert_with(|| Factors::new(STAGES * n));
-        radau::matrix(step.h, n, |stage| &self.slopes[stage], &mut equations.a);
+        radau::matrix(h, n, |stage| &self.slopes[stage], &mut equations.a);
         // Newton's method has solved nearly the same equations: they have a solution.
         equations.factor();
         equations.solve(&mut self.right, m);
@@ -137,7 +178,7 @@ impl Sensitivity {
 
     /// Prepares the interpolation within the last step.
     pub(crate) fn interpolate(&mut self, step: &Step) {
-        match step.method() {
+        match self.method {
             Method::Explicit => dopri::interpolate(&mut self.dense, step.h, &self.start, &self.s, &self.k),
             Method::Implicit => {
                 // The first place holds a rate in explicit steps, and is the start here.

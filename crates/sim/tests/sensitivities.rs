@@ -343,3 +343,35 @@ fn stiff_bristles() {
     case.options.scale = vec![0.01, 0.1, 1e-5];
     check_stiff("bristles", &case, 2.0, 1e-5);
 }
+
+/// Elastic contacts that slide one after the other, at any tolerance: the derivatives stay those of the run although the
+/// rates are stiff while they slide.
+#[test]
+fn contacts_that_slide_one_after_the_other() {
+    let element = |spread: &str| format!("v*(1 - (pos(SLOT*sgn(v))*kt/(Fc*({spread})))^20)");
+    let rates: Vec<String> = ["1 - spread", "1 - spread/3", "1 + spread/3", "1 + spread"]
+        .iter()
+        .enumerate()
+        .map(|(k, spread)| element(spread).replace("SLOT", &format!("z{}", k + 1)))
+        .collect();
+    let body = "F*(cos(w*t) + cos(2.3*w*t)) - c*v - k*x - 0.25*kt*(z1 + z2 + z3 + z4)";
+    let names = ["z1", "z2", "z3", "z4"];
+    let mut states = vec![("x", 0.01, "v"), ("v", 0.02, body)];
+    states.extend(names.iter().zip(&rates).map(|(name, rate)| (*name, 0.0, rate.as_str())));
+    let parameters =
+        [("F", 1.0), ("w", 1.3), ("c", 0.053), ("k", 8.4), ("Fc", 0.66), ("kt", 5.6), ("spread", 0.51)];
+    let case = Case::new(&states, &parameters);
+    let times = grid(60.0, 300);
+    let exact = differences(&case.clone().tolerance(1e-12), &times);
+    for tolerance in [1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-11] {
+        let run = case.clone().tolerance(tolerance).run_with_sensitivities(&times);
+        let (n, m) = (run.n, run.m);
+        for (column, exact) in exact.iter().enumerate() {
+            let size = exact.iter().step_by(n).fold(0.0_f64, |a, b| a.max(b.abs()));
+            for k in 0..times.len() {
+                let (got, want) = (run.sensitivities[k * n * m + column], exact[k * n]);
+                assert!((got - want).abs() < 1e-3 * size, "{tolerance:e} {column} {got} {want} {size}");
+            }
+        }
+    }
+}

@@ -1,5 +1,6 @@
 //! A fitted model: calibration, score and residual noise.
 
+use super::input_error::{ColumnError, input_errors};
 use super::score::Score;
 use super::trial_model::TrialModel;
 use crate::decisions::{CHOW, LITTLE_LEFT, NOT_WHITE, RESTS, STANDS_STILL};
@@ -22,6 +23,16 @@ pub(crate) struct Fitted {
     /// Joint fit of Fit and Validate records, where it moves the parameters no further than their errors
     /// allow.
     joint: Option<Calibration>,
+    /// What the Validate records leave, where it is the error of the inputs between their samples; else empty.
+    pub(crate) input_errors: Vec<ColumnError>,
+}
+
+/// A joint fit of Fit and Validate records that these allow.
+struct Together {
+    cal: Calibration,
+    /// The whiteness score of the columns that leave no error of the inputs.
+    whiteness: f64,
+    input_errors: Vec<ColumnError>,
 }
 
 impl Fitted {
@@ -54,15 +65,24 @@ impl Fitted {
             inputs: effects().filter(|e| e.entry.law.input.is_some()).count(),
             early: 0,
         };
-        let mut alone = Fitted { model, cal, score, joint: None };
+        let mut alone = Fitted { model, cal, score, joint: None, input_errors: vec![] };
         alone.score.early = alone.early_sensors();
         Ok(match alone.together(noise) {
-            Some((joint, whiteness)) => {
+            Some(Together { cal, whiteness, input_errors }) => {
                 alone.score.whiteness = whiteness;
-                Fitted { joint: Some(joint), ..alone }.measured_by(noise)
+                Fitted { joint: Some(cal), input_errors, ..alone }.measured_by(noise)
             }
             None => alone,
         })
+    }
+
+    /// The whiteness score of the Fit records, where these leave only noise and the Validate records more.
+    fn only_noise_on_fit(&self) -> Option<f64> {
+        if self.score.validate.is_none() || self.score.fit > LITTLE_LEFT || self.score.is_white() {
+            return None;
+        }
+        let white = whiteness(&self.cal, &self.model.records, |r| r.role == Role::Fit);
+        (white < NOT_WHITE).then_some(white)
     }
 
     /// Number of sensors with a negative delay.
@@ -72,18 +92,13 @@ impl Fitted {
         delays.filter(|a| values(self, &a.names, &a.effect.start).iter().any(|v| *v < 0.0)).count()
     }
 
-    /// Joint fit of Fit and Validate records with its whiteness score; `None` where it does not apply. It
-    /// applies where Fit records leave only noise, and the misfit on Validate records may come from errors of
-    /// start states and parameters. The misfit does come from them if the joint fit leaves only noise on all
-    /// records, and chi^2 of the Fit records rises no more than chance allows (the predictive test of Chow
-    /// 1960, doi 10.2307/1910133). The calibration itself stays unchanged.
-    fn together(&self, noise: &[Vec<f64>]) -> Option<(Calibration, f64)> {
-        if self.score.validate.is_none() || self.score.fit > LITTLE_LEFT || self.score.is_white() {
-            return None;
-        }
-        if whiteness(&self.cal, &self.model.records, |r| r.role == Role::Fit) >= NOT_WHITE {
-            return None;
-        }
+    /// Joint fit of Fit and Validate records; `None` where it does not apply. It applies where Fit records leave only
+    /// noise, and the misfit on Validate records may come from errors of start states and parameters. The misfit does
+    /// come from them if the joint fit leaves only noise on all records, or the error of the inputs between their
+    /// samples, and chi^2 of the Fit records rises no more than chance allows (the predictive test of Chow 1960, doi
+    /// 10.2307/1910133). The calibration itself stays unchanged.
+    fn together(&self, noise: &[Vec<f64>]) -> Option<Together> {
+        self.only_noise_on_fit()?;
         let model = self.settled();
         let joint = |records: &[Record]| -> Vec<Record> {
             records.iter().map(|r| Record { role: Role::Fit, continues: None, ..r.clone() }).collect()
@@ -95,8 +110,19 @@ impl Fitted {
         // The rise of chi^2 that this many parameters cause by chance: mean plus five standard deviations.
         let freedom = (self.cal.moved + fits.len() * model.system.states.len()) as f64;
         let chance = freedom + CHOW * (2.0 * freedom).sqrt();
-        let whiteness = whiteness(&cal, &records, |_| true);
-        (rise < chance && whiteness < NOT_WHITE).then_some((cal, whiteness))
+        if rise >= chance {
+            return None;
+        }
+        let white = whiteness(&cal, &records, |_| true);
+        if white < NOT_WHITE {
+            return Some(Together { cal, whiteness: white, input_errors: vec![] });
+        }
+        let there = model.starting_at(&shared(&model, &cal.parameters, |_| true));
+        let input_errors = input_errors(&there, &cal.records)?;
+        // What is left on these columns is as good as noise.
+        let counts = |r: usize, k: usize| !input_errors.iter().any(|e| (e.record, e.column) == (r, k));
+        let whiteness = whiteness_of(&cal, &records, counts);
+        (whiteness < NOT_WHITE).then_some(Together { cal, whiteness, input_errors })
     }
 
     /// Noise of every measured column from the residuals, by record. For a model with white residuals this is
@@ -127,9 +153,22 @@ impl Fitted {
             let (fits, validates) = (of(&self.cal, Role::Fit), of(&self.cal, Role::Validate));
             let rise = power(joint, noise, &fits).0 - power(&self.cal, noise, &fits).0;
             let (left, samples) = power(joint, noise, &validates);
+            let left = left - self.power_of_input_errors(joint, noise);
             self.score.predictive = Some(((left + rise.max(0.0)) / samples.max(1) as f64).sqrt());
         }
         self
+    }
+
+    /// The part of the sum of (residual / noise)^2 of a joint fit by which columns that leave the error of the inputs
+    /// exceed noise.
+    fn power_of_input_errors(&self, joint: &Calibration, noise: &[Vec<f64>]) -> f64 {
+        let of = |error: &ColumnError| {
+            let residuals = &joint.records[error.record].residuals;
+            let own = residuals[..error.column].iter().filter(|e| !e.is_empty()).count();
+            let ratio = error.left / noise[error.record][own];
+            residuals[error.column].len() as f64 * (ratio.powi(2) - 1.0).max(0.0)
+        };
+        self.input_errors.iter().map(of).sum()
     }
 
     /// Mean square difference of the residuals of this model and another one on the Fit records, in units of the
@@ -175,12 +214,7 @@ impl Fitted {
     /// Estimates of the movable constants, by name (SI). A constant with one value per record has that of the
     /// first record.
     pub(crate) fn estimates(&self, which: impl Fn(&Parameter) -> bool) -> Vec<(String, f64)> {
-        let parameters = &self.model.system.parameters;
-        let of = |p: &FoundParameter| {
-            let parameter = &parameters[p.id.constant().filter(|_| p.id.holds_in(0))?];
-            which(parameter).then(|| (parameter.name.clone(), p.estimate.value))
-        };
-        self.cal.parameters.iter().filter_map(of).collect()
+        shared(&self.model, &self.cal.parameters, which)
     }
 
     /// The model with every movable number starting where this fit ended.
@@ -202,12 +236,33 @@ impl Fitted {
     }
 }
 
+/// Values of movable constants, by name (SI). A constant with one value per record has that of the first record.
+fn shared(
+    model: &TrialModel,
+    found: &[FoundParameter],
+    which: impl Fn(&Parameter) -> bool,
+) -> Vec<(String, f64)> {
+    let of = |p: &FoundParameter| {
+        let parameter = &model.system.parameters[p.id.constant().filter(|_| p.id.holds_in(0))?];
+        which(parameter).then(|| (parameter.name.clone(), p.estimate.value))
+    };
+    found.iter().filter_map(of).collect()
+}
+
 /// The largest whiteness score of any column of some of the records; infinite where a run fails.
 fn whiteness(cal: &Calibration, records: &[Record], of: impl Fn(&RecordFit) -> bool) -> f64 {
+    whiteness_of(cal, records, |r, _| of(&cal.records[r]))
+}
+
+/// The largest whiteness score of some columns (record, column); infinite where a run of their records fails.
+fn whiteness_of(cal: &Calibration, records: &[Record], of: impl Fn(usize, usize) -> bool) -> f64 {
     let mut worst = 0.0_f64;
-    for (replay, record) in cal.records.iter().zip(records).filter(|(replay, _)| of(replay)) {
-        for (residual, column) in replay.residuals.iter().zip(&record.columns) {
-            if let (false, Some(column)) = (residual.is_empty(), column) {
+    for (r, (replay, record)) in cal.records.iter().zip(records).enumerate() {
+        if !(0..record.columns.len()).any(|k| of(r, k)) {
+            continue;
+        }
+        for (k, (residual, column)) in replay.residuals.iter().zip(&record.columns).enumerate() {
+            if let (true, false, Some(column)) = (of(r, k), residual.is_empty(), column) {
                 worst = worst.max(score(residual, column));
             }
         }

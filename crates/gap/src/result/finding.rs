@@ -279,6 +279,21 @@ pub struct CoarseInput {
     pub effect: f64,
 }
 
+/// A column of a Validate record that leaves no more than the error of the inputs between their samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InputError {
+    /// Names of the inputs.
+    pub inputs: Vec<String>,
+    /// The column.
+    pub of: Named,
+    /// The rms of what is left of it, after allowing for the errors of the parameters, in `unit`.
+    pub left: f64,
+    /// The rms by which a rule of higher order between the samples moves the model, in `unit`.
+    pub open: f64,
+    /// Unit of the column; empty for none.
+    pub unit: String,
+}
+
 /// A warning about the data, the fit or the effects.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Warning {
@@ -331,6 +346,8 @@ pub enum Warning {
     },
     /// The inputs are sampled too coarsely for the effects that were found.
     CoarseInput(CoarseInput),
+    /// What is left of a column is the error of the inputs between their samples.
+    InputError(InputError),
     /// Another explanation of the data.
     Alternative(Alternative),
     /// The drive has another frequency, and something else is missing too.

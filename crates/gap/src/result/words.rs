@@ -2,8 +2,8 @@
 
 use super::{
     Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, DataError, DataMistake,
-    DriveFrequency, GapError, InputNoise, Location, ModelError, Named, NamedValue, PlacedLaw, Rival,
-    SensorNonlinearity, SpecMistake, Veto, Vetoed, Warning,
+    DriveFrequency, GapError, InputError, InputNoise, Location, ModelError, Named, NamedValue, PlacedLaw,
+    Rival, SensorNonlinearity, SpecMistake, Veto, Vetoed, Warning,
 };
 use std::f64::consts::TAU;
 use std::fmt::{Display, Formatter, Result};
@@ -175,6 +175,21 @@ impl Display for InputNoise {
     }
 }
 
+impl Display for InputError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let size = |value: f64| format!("{value:.2e} {}", self.unit).trim_end().to_owned();
+        write!(
+            f,
+            "{}: what is left of `{}` ({}) is no more than the error of {} between its samples: a rule of higher order moves the model by {}; the model cannot know it better, unless it is recorded faster",
+            self.of.record,
+            self.of.column,
+            size(self.left),
+            self.inputs.join(" and "),
+            size(self.open)
+        )
+    }
+}
+
 impl Display for Named {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         write!(f, "of what is left of {} in {}", self.column, self.record)
@@ -296,6 +311,7 @@ impl Display for Warning {
                 "{} has so few samples in a period that drawing it in another way between them moves the model by {open:.2} of the noise, and what is left to explain by {effect:.2}: no effect of this size can be told; record the input faster",
                 inputs.join(", ")
             ),
+            Warning::InputError(error) => error.fmt(f),
             Warning::Alternative(alternative) => alternative.fmt(f),
             Warning::Drive(drive) => drive.fmt(f),
             Warning::Cause(cause) => cause.fmt(f),

@@ -1,0 +1,72 @@
+//! What a model cannot know of its inputs: how they go between their samples. The error of the rule that draws them
+//! is how far a rule of higher order is from it (`Signal::finer`), carried through the model to the columns. A residual
+//! within it is no lack of the model.
+
+use super::trial_model::TrialModel;
+use crate::decisions::{NOT_WHITE, REPEATS};
+use crate::whiteness::score;
+use phisindy_learn::{RecordFit, predicted};
+use phisindy_phys::Record;
+use phisindy_phys::spec::Role;
+use phisindy_signal::Signal;
+
+/// A column of a Validate record whose residual is no larger than the error of the inputs between their samples.
+#[derive(Clone, Debug)]
+pub(crate) struct ColumnError {
+    /// Index of the record.
+    pub(crate) record: usize,
+    /// Index of the column.
+    pub(crate) column: usize,
+    /// The rms of the residual (SI).
+    pub(crate) left: f64,
+    /// The rms of what the drawing of the inputs leaves open (SI).
+    pub(crate) open: f64,
+}
+
+/// The columns of Validate records that leave more than noise in these runs of a model, where each of them leaves no more
+/// than the error of the inputs; `None` where one leaves more, or no input is drawn between its samples. `model` starts
+/// at the numbers of the runs.
+pub(crate) fn input_errors(model: &TrialModel, runs: &[RecordFit]) -> Option<Vec<ColumnError>> {
+    let mut all = Vec::new();
+    for (r, (record, own)) in model.records.iter().zip(runs).enumerate() {
+        let measured = record.columns.iter().zip(&own.residuals).enumerate();
+        let coloured = |(_, (column, e)): &(usize, (&Option<Vec<f64>>, &Vec<f64>))| {
+            column.as_ref().is_some_and(|column| !e.is_empty() && score(e, column) >= NOT_WHITE)
+        };
+        let coloured: Vec<(usize, &Vec<f64>)> =
+            measured.filter(coloured).map(|(k, (_, residual))| (k, residual)).collect();
+        if record.role != Role::Validate || coloured.is_empty() {
+            continue;
+        }
+        let finer = with_finer_inputs(record)?;
+        let run = |record: &Record| predicted(&model.system, record, &own.start, &[]).ok();
+        let (drawn, finer) = (run(record)?, run(&finer)?);
+        for (column, residual) in coloured {
+            let between = drawn[column].iter().zip(&finer[column]).map(|(a, b)| a - b);
+            let (left, open) = (rms(residual.iter().copied()), rms(between));
+            // A rule of higher order has an error, too; the factor allows for it.
+            if left > REPEATS * open {
+                return None;
+            }
+            all.push(ColumnError { record: r, column, left, open });
+        }
+    }
+    Some(all)
+}
+
+/// The record with its inputs drawn by a rule of higher order; `None` where no input has one, or where one is derived
+/// from another.
+fn with_finer_inputs(record: &Record) -> Option<Record> {
+    let finer: Vec<Option<Signal>> = record.inputs.iter().map(Signal::finer).collect();
+    if !record.derivations.is_empty() || finer.iter().all(Option::is_none) {
+        return None;
+    }
+    let inputs =
+        finer.into_iter().zip(&record.inputs).map(|(finer, own)| finer.unwrap_or_else(|| own.clone()));
+    Some(Record { inputs: inputs.collect(), ..record.clone() })
+}
+
+fn rms(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let n = values.len().max(1) as f64;
+    (values.map(|v| v * v).sum::<f64>() / n).sqrt()
+}
