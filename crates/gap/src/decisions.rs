@@ -85,6 +85,28 @@ decisions! {
     GRID_VALUES: usize = 200, "values", Basis::Judgement("cost");
     /// Most values of one grid parameter whose scale does not say how many.
     GRID_AXIS: usize = 12, "values", Basis::Judgement("neighbours then differ by less than a factor of two");
+    /// Quantile of a quantity of the motion that counts as its maximum.
+    TOP_QUANTILE: f64 = 0.99, "of the samples", Basis::Judgement("leaves out outliers");
+    /// Speeds that are tried for a speed.
+    GRID_SPEEDS: [f64; 9] = [0.01, 0.02, 0.04, 0.07, 0.12, 0.2, 0.3, 0.45, 0.7], "of the highest speed", Basis::Judgement("two decades, neighbours within a factor of two");
+    /// Deflections of a contact that are tried where the law's file has a `screen` entry.
+    GRID_DEFLECTIONS: [f64; 9] = [0.001, 0.003, 0.01, 0.02, 0.04, 0.08, 0.15, 0.3, 0.6], "of the largest displacement", Basis::Judgement("a contact that slips gives way by less than the motion");
+    /// Clearances that are tried.
+    GRID_GAPS: [f64; 13] = [0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95], "of the largest displacement", Basis::Judgement("nearly even: a clearance may be anywhere in the motion");
+    /// Offsets from a spectral line that are tried for a frequency.
+    BESIDE_LINE: [f64; 5] = [-0.5, -0.25, 0.0, 0.25, 0.5], "of the resolution of the record", Basis::Derived("lines are told apart at one resolution, and a response is lost beyond a quarter");
+    /// Lengths that are tried for a law with memory: first and last.
+    GRID_LENGTHS: [f64; 2] = [0.005, 1.0], "of the motion's length", Basis::Judgement("a shorter one is a jump, a longer one a spring");
+    /// Times that are tried: first and last.
+    GRID_TIMES: [f64; 2] = [0.03, 30.0], "of length over speed of the motion", Basis::Judgement("a shorter one is no memory, a longer one a constant");
+    /// Ratios of two forces of one law that are tried: first and last.
+    GRID_FORCES: [f64; 2] = [0.5, 3.0], "factor", Basis::Judgement("levels of one contact are of one size");
+    /// Quarter periods along the swing that are tried for a force that is periodic in the position: first, and the one after the last.
+    GRID_QUARTERS: [usize; 2] = [2, 120], "quarters", Basis::Judgement("half a period, to thirty periods");
+    /// A number without a unit is tried up to this, and down to its inverse.
+    MOST_NUMBER: f64 = 100.0, "factor", Basis::Judgement("ratios of one law are not larger");
+    /// A step of an internal state that would cross a point of rest is halved so often.
+    HALVINGS: usize = 20, "halvings", Basis::Derived("to a millionth of the step, the accuracy of numbers that are starts");
     /// Starts of a law that enter the joint regression, best first.
     GRID_KEPT: usize = 9, "starts", Basis::Judgement("cost; the others are worse in the regression of the law alone");
     /// A column is degenerate if projecting out the free columns leaves less.

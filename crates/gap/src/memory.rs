@@ -1,5 +1,6 @@
 //! The internal states of laws, driven by a motion.
 
+use crate::decisions::HALVINGS;
 use crate::model::TrialModel;
 use phisindy_expr::{Id, Scratch, Tape};
 use phisindy_phys::{Record, System};
@@ -80,9 +81,6 @@ fn before_rest<const N: usize>(
     }
     std::array::from_fn(|lane| if crosses[lane] { inside[lane] } else { next[lane] })
 }
-
-/// A step that would cross a point of rest is halved so often: to a millionth of itself.
-const HALVINGS: usize = 20;
 
 /// The last states of a system, `count` of them, along the smoothed motion of a record, with the model's numbers as they
 /// start. `None` where the motion is not known, or their rates cannot be evaluated.

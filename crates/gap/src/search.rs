@@ -463,13 +463,17 @@ impl Search<'_> {
             };
             models.into_par_iter().filter_map(fit).collect()
         };
-        // Laws with memory take most of the time, so the others go first: beside one that explains the records a law
-        // that leaves more even on segments need not be fitted to the end.
-        let (slow, fast): (Vec<_>, Vec<_>) = models.into_iter().partition(|w| w.model.remembers());
+        // Laws with memory take most of the time, so the others go first, and of them the one that leaves least on
+        // segments: beside a law that explains the records one that leaves more even there need not be fitted to the end.
+        let (mut slow, fast): (Vec<_>, Vec<_>) = models.into_iter().partition(|w| w.model.remembers());
+        slow.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+        let rest = slow.split_off(slow.len().min(1));
         let mut all = fit(fast, Effort::Plain);
-        let explained = all.iter().any(|(_, f)| f.score.explains());
-        let rival = Effort::Rival { most: EXPLAINED * EXPLAINED };
-        all.extend(fit(slow, if explained { rival } else { Effort::Plain }));
+        for slow in [slow, rest] {
+            let explained = all.iter().any(|(_, f)| f.score.explains());
+            let rival = Effort::Rival { most: EXPLAINED * EXPLAINED };
+            all.extend(fit(slow, if explained { rival } else { Effort::Plain }));
+        }
         all.retain(|(_, f)| f.score.fit.is_finite());
         let by = Measure::of(all.iter().map(|(_, f)| &f.score), candidates);
         all.sort_by(|(_, a), (_, b)| by.criterion(&a.score).total_cmp(&by.criterion(&b.score)));

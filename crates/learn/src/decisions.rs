@@ -99,6 +99,10 @@ decisions! {
     STEPS_PER_SAMPLE: usize = 16, "steps", Basis::Judgement("a model that needs more is on its way to nowhere");
     /// A segment has at least this many samples.
     SEGMENT_SAMPLES: usize = 4, "samples", Basis::Derived("a start state and something that checks it");
+    /// Local error of a run that only tells how large the states become.
+    SIZE_TOLERANCE: f64 = 1e-3, "of a state", Basis::Judgement("three digits of a size are more than a scale needs");
+    /// The size that such a run takes for a state of which nothing is known.
+    SMALLEST_SIZE: f64 = 1e-9, "SI", Basis::Judgement("below the size of any state of a rig");
     /// The size of a velocity without a column is that of slopes over this part of the record.
     SLOPE_STRETCHES: usize = 100, "stretches of a record", Basis::Judgement("long enough that noise does not make the slope large");
 

@@ -130,7 +130,12 @@ impl Fitted {
     pub(crate) fn noise(&self, noise: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let residual = |r: usize, k: usize| self.cal.records[r].residuals.get(k).map(Vec::as_slice);
         let growing = growing_noise(&self.model.records, residual);
-        let of = |own: f64, residual: &Vec<f64>, (k, column): (usize, &Vec<f64>)| {
+        // What the inputs leave between their samples is as good as noise, and hides what noise there is.
+        let hidden = |r: usize, k: usize| self.input_errors.iter().find(|e| (e.record, e.column) == (r, k));
+        let of = |r: usize, own: f64, residual: &Vec<f64>, (k, column): (usize, &Vec<f64>)| {
+            if let Some(error) = hidden(r, k) {
+                return own.max(error.left);
+            }
             let grown = growing.get(k).copied().flatten().map_or(0.0, |form| form.along(column));
             if residual.is_empty() { own } else { grown.max(noise_level(residual)).max(f64::MIN_POSITIVE) }
         };
@@ -140,7 +145,7 @@ impl Fitted {
             let columns = columns.filter_map(|(k, column)| Some((k, column.as_ref()?)));
             // A run that failed leaves no residuals.
             let residuals = measured(&self.cal.records[r]).chain(std::iter::repeat(&none));
-            noise[r].iter().zip(residuals).zip(columns).map(|((&own, e), c)| of(own, e, c)).collect()
+            noise[r].iter().zip(residuals).zip(columns).map(|((&own, e), c)| of(r, own, e, c)).collect()
         };
         (0..noise.len()).map(record).collect()
     }

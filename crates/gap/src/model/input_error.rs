@@ -70,3 +70,41 @@ fn rms(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     let n = values.len().max(1) as f64;
     (values.map(|v| v * v).sum::<f64>() / n).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::test_models::{fitted, model};
+
+    /// An oscillator whose force has five samples in its shortest period. `test` has other phases and no noise; `more`
+    /// is what acts on it there and the model lacks.
+    fn rig(more: &str) -> String {
+        let record = |name: &str, seed: usize, rest: &str| {
+            format!(
+                r#"Synthetic(name: "{name}", start: {{ "x": 0.0, "v": 0.0 }}, duration: 150.0, step: 0.2,
+                    inputs: {{ "u": Multisine(amplitude: 1.0, band: (0.05, 1.0), count: 60) }}, interpolate: {{ "u": Cubic }},
+                    measure: ["x"], seed: {seed}, {rest})"#
+            )
+        };
+        format!(
+            r#"(states: {{ "x": "m", "v": "m/s" }}, inputs: {{ "u": "m/s^2" }},
+                constants: {{ "c": Find(start: 0.35, unit: "1/s", within: (0.0, 2.0)), "k": Find(start: 4.1, unit: "1/s^2", within: (1.0, 9.0)) }},
+                known: {{ "x": "v", "v": "u - c*v - k*x" }}, unknown: {{}},
+                data: [{}, {}])"#,
+            record("fit", 1, r#"truth: {}, noise: Sensor({ "x": (0.01, "m") })"#),
+            record("test", 2, &format!("truth: {more}, noise: None, role: Validate"))
+        )
+    }
+
+    #[test]
+    fn a_model_knows_its_inputs_no_better_than_their_samples() {
+        let (base, noise) = model(&rig("{}"));
+        let complete = fitted(base, &noise);
+        assert!(complete.score.explains(), "{:?}", complete.score);
+        let [error] = &complete.input_errors[..] else { panic!("{:?}", complete.input_errors) };
+        assert!(error.record == 1 && error.column == 0 && error.left < 1.1 * error.open, "{error:?}");
+        // A cube of a thousandth is more than the drawing leaves open.
+        let (base, noise) = model(&rig(r#"{ "v": "-0.2*x^3" }"#));
+        let lacks = fitted(base, &noise);
+        assert!(!lacks.score.explains() && lacks.input_errors.is_empty(), "{:?}", lacks.score);
+    }
+}

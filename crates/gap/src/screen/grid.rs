@@ -2,33 +2,15 @@
 
 use super::regression_data::RegressionData;
 use super::regressors::{Axis, Regressors, Scale};
-use crate::decisions::{GRID_AXIS, GRID_VALUES};
+use crate::decisions::{
+    BESIDE_LINE, GRID_AXIS, GRID_DEFLECTIONS, GRID_FORCES, GRID_GAPS, GRID_LENGTHS, GRID_QUARTERS,
+    GRID_SPEEDS, GRID_TIMES, GRID_VALUES, MOST_NUMBER, TOP_QUANTILE,
+};
 use crate::evaluate::evaluated;
 use crate::place::{Effect, Site};
 use crate::whiteness::{lines, mean_step};
 use phisindy_expr::Tape;
 use phisindy_phys::System;
-
-/// Quantile of a quantity that counts as its maximum, to leave out outliers.
-const TOP: f64 = 0.99;
-/// Fractions of the highest speed that are tried.
-const SPEEDS: [f64; 9] = [0.01, 0.02, 0.04, 0.07, 0.12, 0.2, 0.3, 0.45, 0.7];
-/// Fractions of the largest displacement that are tried for the deflection of a contact that is written in a
-/// `screen` entry.
-const DEFLECTIONS: [f64; 9] = [0.001, 0.003, 0.01, 0.02, 0.04, 0.08, 0.15, 0.3, 0.6];
-/// Fractions of the largest displacement that are tried for a clearance.
-const GAPS: [f64; 13] = [0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95];
-/// Offsets from a spectral line that are tried, in units of the record's frequency resolution.
-const BESIDE: [f64; 5] = [-0.5, -0.25, 0.0, 0.25, 0.5];
-
-/// Fractions of the motion's length that are tried for a length of a law with memory: first and last.
-const LENGTHS: (f64, f64) = (0.005, 1.0);
-/// Fractions of the motion's time (its length over its speed) that are tried for a time: first and last.
-const TIMES: (f64, f64) = (0.03, 30.0);
-/// Factors between two forces of one law: first and last.
-const FORCES: (f64, f64) = (0.5, 3.0);
-/// Quarter periods along the swing of the motion that are tried for a force that is periodic in the position.
-const QUARTERS: (usize, usize) = (2, 120);
 
 /// The values of a motion that scale the grid, each sorted.
 struct Ranges {
@@ -103,7 +85,7 @@ fn missing_tones(data: &RegressionData, state: usize, n: usize, factor: &[f64]) 
     let strong = lines(&missing, step, 6, 0);
     let clear = lines(&missing, step, 4, 4);
     let all = strong.into_iter().chain(clear).chain(data.left.iter().copied());
-    let near = all.filter(|w| !ambiguous(*w)).flat_map(|line| BESIDE.map(|d| line + d * fine));
+    let near = all.filter(|w| !ambiguous(*w)).flat_map(|line| BESIDE_LINE.map(|d| line + d * fine));
     near.filter(|w| *w > 0.0).collect()
 }
 
@@ -113,27 +95,31 @@ impl Ranges {
     fn axis(&self, axis: &Axis, count: usize, memory: bool) -> Vec<f64> {
         let of = |parts: &[f64], top: f64| parts.iter().map(|q| q * top).collect();
         let negative = axis.within.0 < 0.0;
-        let (length, speed) = (quantile(&self.sizes, TOP), quantile(&self.speeds, TOP));
+        let (length, speed) = (quantile(&self.sizes, TOP_QUANTILE), quantile(&self.speeds, TOP_QUANTILE));
         match axis.scale {
-            Scale::Speed => of(&SPEEDS, speed),
-            Scale::Displacement if memory => of(&DEFLECTIONS, length),
+            Scale::Speed => of(&GRID_SPEEDS, speed),
+            Scale::Displacement if memory => of(&GRID_DEFLECTIONS, length),
             Scale::Displacement if negative => (1..20)
                 .map(|k| quantile(&self.displacements, f64::from(k) / 20.0))
-                .chain([0.98, TOP].map(|q| quantile(&self.displacements, q)))
+                .chain([0.98, TOP_QUANTILE].map(|q| quantile(&self.displacements, q)))
                 .collect(),
-            Scale::Displacement => of(&GAPS, length),
+            Scale::Displacement => of(&GRID_GAPS, length),
             Scale::Frequency => self.frequencies.clone(),
             Scale::WaveNumber => {
-                let swing = quantile(&self.displacements, TOP) - quantile(&self.displacements, 1.0 - TOP);
+                let swing = quantile(&self.displacements, TOP_QUANTILE)
+                    - quantile(&self.displacements, 1.0 - TOP_QUANTILE);
                 let quarter = 0.5 * std::f64::consts::PI / swing;
-                (QUARTERS.0..QUARTERS.1).map(|k| k as f64 * quarter).filter(|n| n.is_finite()).collect()
+                (GRID_QUARTERS[0]..GRID_QUARTERS[1])
+                    .map(|k| k as f64 * quarter)
+                    .filter(|n| n.is_finite())
+                    .collect()
             }
             Scale::Number => between(axis.within, count),
             Scale::Power { length: l, time: t } => {
-                let (first, last) = match (l == 0.0, t == 0.0) {
-                    (true, true) => FORCES,
-                    (true, false) => TIMES,
-                    (false, _) => LENGTHS,
+                let [first, last] = match (l == 0.0, t == 0.0) {
+                    (true, true) => GRID_FORCES,
+                    (true, false) => GRID_TIMES,
+                    (false, _) => GRID_LENGTHS,
                 };
                 let half = if negative { count.div_ceil(2) } else { count };
                 let part = if l == 0.0 { t.abs() } else { l.abs() };
@@ -160,15 +146,12 @@ fn between((low, high): (f64, f64), count: usize) -> Vec<f64> {
     if low == high {
         return vec![low];
     }
-    let (low, high) = (low.max(-MOST), high.min(MOST));
+    let (low, high) = (low.max(-MOST_NUMBER), high.min(MOST_NUMBER));
     if low > 0.0 {
-        return geometric(low.max(1.0 / MOST), high, count);
+        return geometric(low.max(1.0 / MOST_NUMBER), high, count);
     }
     (0..count).map(|k| low + (high - low) * (k as f64 + 0.5) / count as f64).collect()
 }
-
-/// A number without a unit is tried up to this, and down to its inverse.
-const MOST: f64 = 100.0;
 
 fn quantile(values: &[f64], q: f64) -> f64 {
     values.get(((values.len().max(1) - 1) as f64 * q) as usize).copied().unwrap_or(0.0)

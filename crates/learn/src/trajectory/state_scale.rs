@@ -1,13 +1,8 @@
 //! The sizes of the states of a problem: how much they move, and how far from zero they are.
 
 use super::problem::Problem;
-use crate::decisions::{SLOPE_STRETCHES, STEPS_PER_SAMPLE};
+use crate::decisions::{SIZE_TOLERANCE, SLOPE_STRETCHES, SMALLEST_SIZE, STEPS_PER_SAMPLE};
 use phisindy_sim::Options;
-
-/// Local error of a run that only tells sizes.
-const COARSE: f64 = 1e-3;
-/// Below the size of any state (SI).
-const ANY_SIZE: f64 = 1e-9;
 
 impl Problem<'_> {
     /// The size of each state: from its columns, from the slope of the displacement whose velocity it is, or, of a state
@@ -34,9 +29,9 @@ impl Problem<'_> {
         let unknown = |k: usize| shown[k] <= 0.0 && self.system.states[k].memory.is_none();
         let n = shown.len();
         let record = *self.records.first().filter(|_| (0..n).any(unknown))?;
-        let scale = shown.iter().map(|s| if *s > 0.0 { *s } else { ANY_SIZE }).collect();
+        let scale = shown.iter().map(|s| if *s > 0.0 { *s } else { SMALLEST_SIZE }).collect();
         let options = Options {
-            tolerance: COARSE,
+            tolerance: SIZE_TOLERANCE,
             scale,
             diverged: f64::MAX,
             max_steps: record.len() * STEPS_PER_SAMPLE,
