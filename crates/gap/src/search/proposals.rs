@@ -81,8 +81,8 @@ impl Search<'_> {
             .collect()
     }
 
-    /// The model with each of its effects replaced by a law that contains it, or by the same law with a level of
-    /// its own in each record.
+    /// The model with each of its effects replaced by a law that contains it, or by the same law or a simpler relative
+    /// with a level of its own in each record: one curve for all records may stand for levels that differ.
     pub(crate) fn richer(&self, model: &TrialModel, now: &Fitted) -> Vec<TrialModel> {
         let effects = current(now);
         let base = model.without_effects();
@@ -97,8 +97,13 @@ impl Search<'_> {
                 list[k] = relative(&effects[k], entry);
                 all.extend(base.with_all(&list).ok());
             }
-            let several = model.fit_records() > 1;
-            if let Some(own) = effects[k].with_own_levels().filter(|_| several) {
+            if model.fit_records() < 2 {
+                continue;
+            }
+            let simpler = &effects[k].entry.law.simpler;
+            let relatives = self.catalogue.iter().filter(|e| simpler.contains(&e.id));
+            let same = [effects[k].clone()].into_iter().chain(relatives.map(|e| relative(&effects[k], e)));
+            for own in same.filter_map(|e| e.with_own_levels()) {
                 let mut list = effects.clone();
                 list[k] = own;
                 all.extend(base.with_all(&list).ok());
