@@ -264,6 +264,9 @@ impl<'s, 'a> Ending<'s, 'a> {
         let own = placed(&self.last.model);
         // A law that the final model contains is no rival.
         let other = |r: &&Rival| !r.laws.iter().all(|law| own.contains(law));
+        let rivals: Vec<Rival> =
+            round.map_or(vec![], |r| r.rivals.iter().filter(other).cloned().collect());
+        let against: f64 = rivals.iter().map(|r| (-0.5 * r.delta_bic).exp()).sum();
         Step {
             effect: applied.effect.clone(),
             expression: expression(applied),
@@ -272,7 +275,8 @@ impl<'s, 'a> Ending<'s, 'a> {
             fit: (a.fit, b.fit),
             validate: a.validate.zip(b.validate),
             delta_bic: by.criterion(a) - by.criterion(b),
-            rivals: round.map_or(vec![], |r| r.rivals.iter().filter(other).cloned().collect()),
+            probability: self.last.score.explains().then(|| (1.0 + against).recip()),
+            rivals,
             vetoed: round.map_or(vec![], |r| r.vetoed.clone()),
         }
     }

@@ -118,6 +118,9 @@ pub struct Step {
     pub validate: Option<(f64, f64)>,
     /// Decrease of the criterion.
     pub delta_bic: f64,
+    /// The probability of the law among it and its rivals, all equally likely beforehand (G. Schwarz 1978, doi
+    /// 10.1214/aos/1176344136); `None` where the model does not explain the records: then none of them may be right.
+    pub probability: Option<f64>,
     /// Models that are nearly as good.
     pub rivals: Vec<Rival>,
     /// Laws that evidence rules out.

@@ -1,6 +1,7 @@
 //! What a search tried, and what it could not try.
 
 use super::PlacedLaw;
+use crate::decisions::EXPLAINED;
 use std::fmt;
 
 /// A law that was tried at a place of the model as it is.
@@ -12,8 +13,8 @@ pub struct Tried {
     pub score: f64,
     /// The gap that its fit leaves; `None` where others did so much better that it was not fitted.
     pub gap: Option<f64>,
-    /// The probability of the law among those that were fitted by themselves, all equally likely beforehand (G. Schwarz
-    /// 1978, doi 10.1214/aos/1176344136).
+    /// The probability of the law among those that explain the records by themselves, all equally likely beforehand (G.
+    /// Schwarz 1978, doi 10.1214/aos/1176344136); `None` for a law that does not.
     pub probability: Option<f64>,
     /// Why evidence rules it out, in words.
     pub vetoed: Option<String>,
@@ -81,10 +82,10 @@ impl fmt::Display for WhyNot {
     }
 }
 
-/// Sets the probability of those that were fitted and not ruled out: half the difference of the criterion is the
-/// logarithm of a ratio of likelihoods.
+/// Sets the probability of those that explain the records and are not ruled out: half the difference of the criterion is
+/// the logarithm of a ratio of likelihoods. Where none explains, the best of them may be far from right.
 pub(crate) fn weighed(all: &mut [Tried]) {
-    let counts = |t: &Tried| t.gap.is_some() && t.vetoed.is_none() && t.score.is_finite();
+    let counts = |t: &Tried| t.gap.is_some_and(|gap| gap < EXPLAINED) && t.vetoed.is_none() && t.score.is_finite();
     let best = all.iter().filter(|t| counts(t)).map(|t| t.score).fold(f64::NEG_INFINITY, f64::max);
     let weight = |t: &Tried| (0.5 * (t.score - best)).exp();
     let sum: f64 = all.iter().filter(|t| counts(t)).map(weight).sum();
@@ -108,9 +109,10 @@ mod tests {
         };
         let mut all = vec![
             tried(100.0, Some(1.0), None),
-            tried(100.0 - 2.0 * 3f64.ln(), Some(1.1), None),
+            tried(100.0 - 2.0 * 3f64.ln(), Some(1.05), None),
             tried(500.0, Some(0.9), Some("it pushes")),
             tried(90.0, None, None),
+            tried(200.0, Some(5.0), None),
         ];
         weighed(&mut all);
         let found: Vec<Option<f64>> = all.iter().map(|t| t.probability).collect();
@@ -118,6 +120,6 @@ mod tests {
             (found[0].unwrap() - 0.75).abs() < 1e-12 && (found[1].unwrap() - 0.25).abs() < 1e-12,
             "{found:?}"
         );
-        assert_eq!(found[2..], [None, None]);
+        assert_eq!(found[2..], [None, None, None]);
     }
 }
