@@ -318,7 +318,11 @@ impl Search<'_> {
             pairs.retain(|pair| model.size() + parameters(pair) <= enough);
         }
         let models = pairs.iter().filter_map(|list| model.with_all(list).ok()).collect();
-        let mut pairs = self.fit_race(models, RACE, *candidates, vetoed);
+        // Segments tell little of a motion that sticks.
+        let smooth = |b: &&Fitted| b.score.is_white() && !b.rests() && !b.has_clearance();
+        let rival = single.filter(smooth).and_then(|b| b.settled().segment_fit(self.noise));
+        let rival = rival.map_or(f64::INFINITY, |fit| fit.cost);
+        let mut pairs = self.fit_race_against(rival, models, RACE, *candidates, vetoed);
         if let Some(pair) = self.worthy(now, &pairs, *candidates).filter(|pair| pair.score.is_white()) {
             pairs = self.with_competitors(pairs, singles, &pair, *candidates, vetoed);
         }
@@ -430,13 +434,25 @@ impl Search<'_> {
         candidates: usize,
         vetoed: &mut Vec<Vetoed>,
     ) -> Vec<Fitted> {
+        self.fit_race_against(f64::INFINITY, models, race, candidates, vetoed)
+    }
+
+    /// The same race, where a model with segment cost `rival` runs too.
+    fn fit_race_against(
+        &self,
+        rival: f64,
+        models: Vec<TrialModel>,
+        race: f64,
+        candidates: usize,
+        vetoed: &mut Vec<Vetoed>,
+    ) -> Vec<Fitted> {
         let mut waiting: Vec<Waiting> =
             models.into_par_iter().map(|model| Waiting::new(model, self.noise)).collect();
         // Fitted models with their segment costs.
         let mut done: Vec<(f64, Fitted)> = Vec::new();
         loop {
             let costs = waiting.iter().map(Waiting::cost).chain(done.iter().map(|(cost, _)| *cost));
-            let least = costs.fold(f64::INFINITY, f64::min);
+            let least = costs.fold(rival, f64::min);
             let (now, later): (Vec<_>, Vec<_>) =
                 waiting.into_iter().partition(|waiting| waiting.cost() <= race * least);
             done.extend(self.fitted(now, candidates));
@@ -446,7 +462,7 @@ impl Search<'_> {
             let all = names(&done);
             done.retain(|(_, f)| !ruled_out(f, vetoed));
             let left = names(&done);
-            if later.is_empty() || all.first() == left.first() {
+            if later.is_empty() || rival.is_finite() || all.first() == left.first() {
                 return done.into_iter().map(|(_, f)| f).collect();
             }
             waiting = later;
