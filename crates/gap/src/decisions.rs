@@ -166,8 +166,8 @@ decisions! {
     RICHER: f64 = 0.95, "of the gap", BLIND;
     /// The starts of one law are compared on every third segment.
     SEEDED_STRIDE: usize = 3, "segments", Basis::Judgement("cost");
-    /// Starts of a requested law that are fitted in full.
-    REQUESTED_STARTS: usize = 3, "starts", BLIND;
+    /// Starts of a requested law, and of laws with memory where one of them leads, that are fitted in full.
+    STARTS_WITH_MEMORY: usize = 3, "starts", BLIND;
     // Scores.
 
     /// A larger rise of chi square is not chance.

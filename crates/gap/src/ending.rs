@@ -264,8 +264,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         let own = placed(&self.last.model);
         // A law that the final model contains is no rival.
         let other = |r: &&Rival| !r.laws.iter().all(|law| own.contains(law));
-        let rivals: Vec<Rival> =
-            round.map_or(vec![], |r| r.rivals.iter().filter(other).cloned().collect());
+        let rivals: Vec<Rival> = round.map_or(vec![], |r| r.rivals.iter().filter(other).cloned().collect());
         let against: f64 = rivals.iter().map(|r| (-0.5 * r.delta_bic).exp()).sum();
         Step {
             effect: applied.effect.clone(),

@@ -98,8 +98,8 @@ fn violates_requirement(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
 /// A parameter close to the bound of its law stands for a simpler law.
 fn parameter_at_bound(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     let law = &effect.entry.law;
-    // A phase may take any value.
-    let ends = |((_, p), v): &(&(String, LawParameter), f64)| !p.each && *v > NO_END * p.within.1;
+    // What each record has of its own, a phase, may take any value; so may a number over its whole range.
+    let ends = |((_, p), v): &(&(String, LawParameter), f64)| !p.each && !p.whole && *v > NO_END * p.within.1;
     let ((name, p), _) = law.parameters.iter().zip(numbers(fitted, effect)?).find(ends)?;
     // The law's file speaks of forces and lengths, the model perhaps of accelerations and angles.
     let unit = effect.unit(&p.unit, &fitted.model.system);

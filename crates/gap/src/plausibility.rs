@@ -36,7 +36,8 @@ fn undetermined(last: &Fitted, applied: &Applied) -> Option<Veto> {
         last.cal.parameters.iter().find(|p| p.id.constant() == Some(applied.parameters[k]))
     };
     let at_end = (0..law.parameters.len()).find_map(|k| {
-        let found = found(k).filter(|p| p.at_bound && !law.parameters[k].1.each)?;
+        let may_end = |k: usize| !law.parameters[k].1.each && !law.parameters[k].1.whole;
+        let found = found(k).filter(|p| p.at_bound && may_end(k))?;
         let (low, high) = found.bounds;
         let bound = if found.estimate.value - low < high - found.estimate.value { low } else { high };
         Some(Veto::ParameterAtEnd {
@@ -49,8 +50,11 @@ fn undetermined(last: &Fitted, applied: &Applied) -> Option<Veto> {
         return at_end;
     }
     // An interval from one bound to the other is what was known before.
-    let open =
-        |&k: &usize| !law.parameters[k].1.each && found(k).is_some_and(FoundParameter::reaches_both_bounds);
+    let open = |&k: &usize| {
+        !law.parameters[k].1.each
+            && !law.parameters[k].1.whole
+            && found(k).is_some_and(FoundParameter::reaches_both_bounds)
+    };
     if let Some(k) = (0..law.parameters.len()).find(open) {
         return Some(Veto::NotSeen(law.parameters[k].0.clone()));
     }

@@ -1,7 +1,7 @@
 //! Laws that a spec names in `unknown`: written into the spec as terms whose parameters start from fits to
 //! the motion.
 
-use crate::decisions::REQUESTED_STARTS;
+use crate::decisions::STARTS_WITH_MEMORY;
 use crate::model::{
     Applied, Fitted, SpecTextError, TrialModel, current, noise_of, shortened, text_with, values,
 };
@@ -202,7 +202,7 @@ fn best(now: &Fitted, wanted: &Effect, entries: &[LawEntry], noise: &[Vec<f64>])
         })
         .collect();
     costed.sort_by(|a, b| a.0.total_cmp(&b.0));
-    costed.truncate(REQUESTED_STARTS);
+    costed.truncate(STARTS_WITH_MEMORY);
     let fitted: Vec<Fitted> =
         costed.into_par_iter().filter_map(|(_, d)| Fitted::new(d, noise, Effort::Plain).ok()).collect();
     fitted.into_iter().min_by(|a, b| a.cal.chi2.total_cmp(&b.cal.chi2))

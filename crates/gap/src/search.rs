@@ -262,6 +262,11 @@ impl Search<'_> {
             singles.extend(self.fit_race(self.at_other_places(model, &singles), ALL, *candidates, vetoed));
             rank(&mut singles, *candidates);
         }
+        let with_memory = self.with_memory(model, screening, &singles);
+        if !with_memory.is_empty() {
+            singles.extend(self.fit_race(with_memory, ALL, *candidates, vetoed));
+            rank(&mut singles, *candidates);
+        }
         // The whole family of each new leader is fitted. Parameters of a narrow curve are hard to find by a
         // regression, and easy from a fitted sibling.
         for _ in 0..FAMILY_ROUNDS {

@@ -162,6 +162,10 @@ pub struct LawParameter {
     /// Whether each record has its own.
     #[serde(default)]
     pub each: bool,
+    /// Whether the bounds are the whole range of the number (an angle over a turn, a share up to 1): then a value at one
+    /// of them speaks against nothing.
+    #[serde(default)]
+    pub whole: bool,
 }
 
 /// A state that belongs to the law.

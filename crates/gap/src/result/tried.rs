@@ -85,7 +85,8 @@ impl fmt::Display for WhyNot {
 /// Sets the probability of those that explain the records and are not ruled out: half the difference of the criterion is
 /// the logarithm of a ratio of likelihoods. Where none explains, the best of them may be far from right.
 pub(crate) fn weighed(all: &mut [Tried]) {
-    let counts = |t: &Tried| t.gap.is_some_and(|gap| gap < EXPLAINED) && t.vetoed.is_none() && t.score.is_finite();
+    let counts =
+        |t: &Tried| t.gap.is_some_and(|gap| gap < EXPLAINED) && t.vetoed.is_none() && t.score.is_finite();
     let best = all.iter().filter(|t| counts(t)).map(|t| t.score).fold(f64::NEG_INFINITY, f64::max);
     let weight = |t: &Tried| (0.5 * (t.score - best)).exp();
     let sum: f64 = all.iter().filter(|t| counts(t)).map(weight).sum();

@@ -1,7 +1,7 @@
 //! The trials of a round: models with one or two more effects, from starts that a fit can use.
 
 use super::task::Search;
-use crate::decisions::{FITTED_IN_FULL, LEADERS, NEUTRAL, SEEDED_STRIDE};
+use crate::decisions::{FITTED_IN_FULL, LEADERS, NEUTRAL, SEEDED_STRIDE, STARTS_WITH_MEMORY};
 use crate::model::{Fitted, TrialModel, current, values};
 use crate::place::{Effect, Place, Site, fits, is_force};
 use crate::screen::{Candidate, Screening, excludes, sibling_starts};
@@ -139,6 +139,37 @@ impl Search<'_> {
                 others.into_iter().map(move |other| vec![one.clone(), other])
             })
             .collect()
+    }
+
+    /// The laws with memory where the leader of some fits, which has memory and does not explain the records, acts:
+    /// each from the starts with the lowest segment costs. Segments whose memory starts anew fit nearly any of these
+    /// laws, so their costs do not decide.
+    pub(crate) fn with_memory(
+        &self,
+        model: &TrialModel,
+        screening: &Screening,
+        singles: &[Fitted],
+    ) -> Vec<TrialModel> {
+        let Some(leader) = singles.first().filter(|f| !f.score.explains()) else { return vec![] };
+        let Some(last) = leader.model.effects.last().filter(|a| a.effect.entry.law.has_memory()) else {
+            return vec![];
+        };
+        let wanted =
+            |c: &&Candidate| c.effect.entry.law.has_memory() && c.effect.place.is(&last.effect.place);
+        let starts: Vec<Vec<Effect>> = screening
+            .candidates
+            .par_iter()
+            .filter(|c| wanted(c))
+            .map(|c| {
+                let all = [&c.effect].into_iter().chain(&c.others);
+                let cost = |e: &Effect| model.with(e).ok()?.segment_cost(self.noise, SEEDED_STRIDE);
+                let mut costed: Vec<(f64, Effect)> =
+                    all.filter_map(|e| Some((cost(e)?, e.clone()))).collect();
+                costed.sort_by(|a, b| a.0.total_cmp(&b.0));
+                costed.into_iter().take(STARTS_WITH_MEMORY).map(|(_, e)| e).collect()
+            })
+            .collect();
+        starts.iter().flatten().filter_map(|e| model.with(e).ok()).collect()
     }
 
     /// Each law from the start with the lowest segment cost.

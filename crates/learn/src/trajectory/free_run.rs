@@ -86,7 +86,7 @@ fn one(
         run: None,
         failure: None,
     };
-    let problem = match Problem::new(system, &solution.terms, &[record], &[1]) {
+    let mut problem = match Problem::new(system, &solution.terms, &[record], &[1]) {
         Ok(problem) => problem,
         Err(e) => {
             fit.failure = Some(e);
@@ -104,6 +104,7 @@ fn one(
     let run = if source != r {
         continued(&problem, &records[source], &done[source], record, &x)
     } else {
+        expect_starts(&mut problem, record, done);
         started(problem, &mut x, solution, r, record).and_then(|(problem, took)| {
             solution.starts[r] = Some(x[whole.start..].to_vec());
             fit.adapted = took.map(|took| {
@@ -175,6 +176,35 @@ impl Read {
         let residuals = record.columns.iter().enumerate().map(of).collect();
         Read { readings, residuals }
     }
+}
+
+/// Says where the record's start may be of states that nothing shows and that belong to no displacement (the memory of a
+/// law): where the runs of other records took them. A start far outside of that may hardly be told from one within, as
+/// contacts forget where they began once they slide. The samples have the weight of their motion, not of their noise, so
+/// the priors have less by the same factor.
+fn expect_starts(problem: &mut Problem<'_>, record: &Record, done: &[RecordFit]) {
+    let states = &problem.system.states;
+    let moves = |k: usize| states[k].velocity.is_some() || states.iter().any(|s| s.velocity == Some(k));
+    let first = problem.segments[0].start;
+    for k in (0..states.len()).filter(|&k| record.columns[k].is_none() && !moves(k)) {
+        let values: Vec<f64> =
+            done.iter().filter_map(|fit| fit.run.as_ref()).flat_map(|run| run.column(k)).collect();
+        let spread = standard_deviation(&values);
+        if spread > 0.0 && spread.is_finite() {
+            problem.priors.retain(|(at, ..)| *at != first + k);
+            problem.priors.push((first + k, mean(&values), spread));
+        }
+    }
+    let columns = record.columns.iter().zip(&problem.deviations[0]);
+    let noise = |(column, deviation): (&Option<Vec<f64>>, &f64)| {
+        Some((noise_level(column.as_ref()?) / deviation).powi(2)).filter(|part| part.is_finite())
+    };
+    let parts: Vec<f64> = columns.filter_map(noise).collect();
+    problem.belief = mean(&parts).max(f64::MIN_POSITIVE);
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
 /// Whether a number is a Validate record's own.

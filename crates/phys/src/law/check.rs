@@ -196,10 +196,11 @@ impl Reader<'_> {
     }
 
     fn law_parameter(&mut self, node: &Node) -> Option<Text> {
-        let fields = self.fields(node, "a parameter", &["unit", "within", "each"])?;
+        let fields = self.fields(node, "a parameter", &["unit", "within", "each", "whole"])?;
         let unit = self.required(&fields, "unit", Self::unit);
         self.required(&fields, "within", Self::bounds);
         self.optional(&fields, "each", Self::truth);
+        self.optional(&fields, "whole", Self::truth);
         let unit = unit?;
         self.parsed_unit(&unit)?;
         Some(unit)
