@@ -97,7 +97,7 @@ fn clean_data_give_the_exact_terms_of_every_case() {
 
 #[test]
 fn clean_data_give_the_exact_terms_with_radam() {
-    for (name, truth) in truths().into_iter().filter(|(n, _)| ["case1a", "case4"].contains(n)) {
+    for (name, truth) in truths().into_iter().filter(|(n, _)| *n == "case1a") {
         let (case, records) = common::load(name, &[CLEAN]);
         let found = fit(&case, &records, &of_spec(&case));
         assert_terms(name, &named(&case, &found), &truth);
@@ -172,8 +172,9 @@ fn a_stage_after_the_cut_does_not_revive_a_term() {
 
 #[test]
 fn the_same_bits_on_one_and_two_threads() {
-    for (name, horizon) in [("case1a", 1), ("case7", 362), ("case1a", 3)] {
-        let (case, records) = common::load(name, &[("data.0.duration", "20.0")]);
+    for (name, horizon) in [("case1a", 1), ("case7", 40), ("case1a", 3)] {
+        // Several blocks of samples for each of two threads.
+        let (case, records) = common::load(name, &[("data.0.duration", "10.0")]);
         for optimiser in [Optimiser::RAdam, Optimiser::GaussNewton] {
             let options = StepOptions {
                 optimiser,
