@@ -69,6 +69,10 @@ pub(super) fn array(bytes: &[u8], name: &str) -> Result<Vec<Channel>, Refusal> {
         [rows, columns] if rows.max(columns) > 1 => {
             matrix(rest.rest(), &element, (rows, columns, fortran), name)
         }
+        [_, _, _, ..] if name.is_empty() => {
+            let help = "save one record of it: numpy.save(path, data[0]), with time as a column";
+            Err(Refusal::file(format!("its array has {} dimensions; a table has two", shape.len()), help))
+        }
         // A number alone is a constant, not a column; more than two sides are no table.
         _ => Ok(vec![]),
     }

@@ -17,6 +17,14 @@ pub(crate) fn is_utf16(start: &[u8]) -> Option<&'static Encoding> {
     }
 }
 
+/// Whether a text is UTF-32: by its byte order mark, or because three of the first four bytes are zero.
+pub(crate) fn is_utf32(start: &[u8]) -> bool {
+    matches!(
+        start,
+        [0xFF, 0xFE, 0, 0, ..] | [0, 0, 0xFE, 0xFF, ..] | [1..=255, 0, 0, 0, ..] | [0, 0, 0, 1..=255, ..]
+    )
+}
+
 /// The text of a line: UTF-8, or Windows-1252 where it is not.
 pub(crate) fn text(bytes: &[u8]) -> Cow<'_, str> {
     std::str::from_utf8(bytes)

@@ -1,6 +1,6 @@
 //! Numbered lines of a data file, without comments, empty lines and the byte order mark.
 
-use super::encoding::{Decoded, is_utf16, text};
+use super::encoding::{Decoded, is_utf16, is_utf32, text};
 use crate::data_file::DataFile;
 use crate::format::{Refusal, Wanted, recognized};
 use crate::sheet::Sheet;
@@ -47,6 +47,8 @@ pub(crate) struct Lines<'a> {
     input: Input<'a>,
     buffer: Vec<u8>,
     number: usize,
+    /// The last byte of a line.
+    end: u8,
     /// Number of lines at the start to skip.
     skip: usize,
     /// Bytes of the text so far, and of the whole file.
@@ -75,11 +77,18 @@ impl<'a> Lines<'a> {
                 if let Some(sheet) = wanted.sheet() {
                     return Err(LineError::Format(Refusal::no_sheets(file.name, sheet)));
                 }
+                if is_utf32(&start) {
+                    let help = "save it as UTF-8, in a text editor or by `iconv -f UTF-32 -t UTF-8`";
+                    return Err(LineError::Format(Refusal::file("its text is encoded as UTF-32", help)));
+                }
                 let decoded = Decoded::new(file.bytes, is_utf16(&start)).map_err(LineError::Io)?;
                 Input::Text(BufReader::with_capacity(1 << 16, decoded))
             }
         };
-        Ok(Lines { input, buffer: vec![], number: 0, skip, read: 0, size })
+        // Programs of old Macintoshes, and some instruments, end lines by a carriage return alone.
+        let has = |byte: u8| start.contains(&byte);
+        let end = if has(b'\r') && !has(b'\n') { b'\r' } else { b'\n' };
+        Ok(Lines { input, buffer: vec![], number: 0, end, skip, read: 0, size })
     }
 
     /// Starts again, after the first `skip` lines.
@@ -126,7 +135,7 @@ impl<'a> Lines<'a> {
             };
             self.buffer.clear();
             let mut limited = Read::take(&mut *input, LONGEST as u64);
-            if limited.read_until(b'\n', &mut self.buffer).map_err(LineError::Io)? == 0 {
+            if limited.read_until(self.end, &mut self.buffer).map_err(LineError::Io)? == 0 {
                 let whole = input.get_ref().taken() == self.size;
                 return if whole { Ok(None) } else { Err(LineError::Changed) };
             }
@@ -138,7 +147,7 @@ impl<'a> Lines<'a> {
             if self.number <= self.skip {
                 continue;
             }
-            let ended = self.buffer.last() == Some(&b'\n');
+            let ended = self.buffer.last() == Some(&self.end);
             if !ended && self.buffer.len() == LONGEST {
                 return Err(LineError::TooLong(self.number));
             }

@@ -30,10 +30,19 @@ fn rows(row: impl Fn(usize) -> String) -> String {
 }
 
 #[test]
+fn utf_32_is_told() {
+    let text = format!("t,x\n{}", rows(|k| format!("0.{k:02},{k}.5\n")));
+    let bytes: Vec<u8> = text.chars().flat_map(|c| u32::from(c).to_le_bytes()).collect();
+    let said = table(PLAIN, &bytes).unwrap_err();
+    assert!(said.contains("UTF-32") && said.contains("UTF-8"), "{said}");
+}
+
+#[test]
 fn separators_decimals_and_marks_are_found_out() {
     let files = [
         format!("t,x\n{}", rows(|k| format!("0.{k:02},{k}.5\n"))),
         format!("\u{feff}t;x\r\n{}", rows(|k| format!("0,{k:02};{k},5\r\n"))),
+        format!("t,x\r{}", rows(|k| format!("0.{k:02},{k}.5\r"))),
         format!("# a comment\n\n% another\nt\tx\n{}", rows(|k| format!("0.{k:02}\t{k}.5\n"))),
         format!("t x\n{}", rows(|k| format!("  0,{k:02}   {k},5 \n"))),
         format!("\"t\",\"note, or two\",\"x\",\n{}", rows(|k| format!("0.{k:02},\"a, b\",{k}.5,\n"))),
