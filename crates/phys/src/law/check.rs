@@ -310,13 +310,19 @@ impl Reader<'_> {
         self.found.extend(declared_names(self.source, names));
         let open =
             law.forces.iter().map(|(_, text)| text).chain(law.internal.iter().map(|(_, _, rate)| rate));
-        let mut outside: Vec<String> = Vec::new();
+        let (mut outside, mut used): (Vec<String>, Vec<String>) = (vec![], vec![]);
         for text in open {
             for name in self.names_of(text) {
+                used.push(name.clone());
                 if !law.declares(&name) && !outside.contains(&name) {
                     outside.push(name);
                 }
             }
+        }
+        // The value of a property of a sensor stands in no expression.
+        for p in law.parameters.iter().filter(|p| !law.forces.is_empty() && !used.contains(&p.name.value)) {
+            let message = format!("nothing depends on the parameter `{}`", p.name.value);
+            self.wrong::<()>(p.name.span, message, "", "use it in the force or in a rate, or leave it out");
         }
         for (what, text, allowed) in &law.closed {
             let ast = parse(&text.value);
