@@ -84,7 +84,32 @@ fn play(page: &str, data: &Path, spec: &str) -> usize {
     std::fs::create_dir_all(&folder).expect("a folder");
     std::fs::copy(data, folder.join(data.file_name().expect("a file"))).expect("the data");
     let text = std::fs::read_to_string(top().join("docs").join(page)).expect("the page");
-    typed(&blocks(&text), &folder, spec)
+    let commands = typed(&blocks(&text), &folder, spec);
+    pictures(page, &folder, &text);
+    commands
+}
+
+/// The pictures of the pages: the page, what its commands left, and the picture in `docs/tutorial`. With the variable
+/// PHISINDY_FIGURES the tests make them again:
+/// `PHISINDY_FIGURES=1 PHISINDY_DATA=DIR cargo test -p phisindy-cli --test tutorial`.
+const PICTURES: &[(&str, &str, &str)] = &[
+    ("tutorial.md", "first/figures/residual-1.svg", "residual.svg"),
+    ("tutorial.md", "found/figures/gap.svg", "gap.svg"),
+    ("tutorial.md", "found/figures/effect-1.svg", "stribeck.svg"),
+    ("tutorial.md", "found/figures/motion-1.svg", "motion.svg"),
+    ("tutorial-rig.md", "found/figures/gap.svg", "rig-gap.svg"),
+    ("tutorial-rig.md", "found/figures/motion-1.svg", "rig-motion.svg"),
+];
+
+/// Each picture that a page shows is one that its commands make.
+fn pictures(page: &str, folder: &Path, text: &str) {
+    for (_, made, picture) in PICTURES.iter().filter(|(of, _, _)| *of == page) {
+        assert!(text.contains(&format!("(tutorial/{picture})")), "{page} does not show {picture}");
+        let svg = std::fs::read(folder.join(made)).unwrap_or_else(|e| panic!("{page}: {made}: {e}"));
+        if std::env::var_os("PHISINDY_FIGURES").is_some() {
+            std::fs::write(top().join("docs/tutorial").join(picture), svg).expect("the picture");
+        }
+    }
 }
 
 /// Types the commands of these blocks in a folder. How many they are.
