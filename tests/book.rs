@@ -101,7 +101,9 @@ fn broken(page: &Path, link: &str) -> Option<String> {
 #[test]
 fn every_link_of_the_documents_leads_somewhere() {
     let mut pages = files("docs", ".md");
-    pages.extend(["README.md", "CONTRIBUTING.md", "ARCHITECTURE.md", "CHANGELOG.md", "SECURITY.md"].map(PathBuf::from));
+    pages.extend(
+        ["README.md", "CONTRIBUTING.md", "ARCHITECTURE.md", "CHANGELOG.md", "SECURITY.md"].map(PathBuf::from),
+    );
     pages.insert("crates/python/README.md".into());
     let (mut seen, mut wrong) = (0, Vec::new());
     for page in &pages {
@@ -117,7 +119,8 @@ fn every_link_of_the_documents_leads_somewhere() {
 #[test]
 fn every_page_is_in_the_table_of_contents() {
     let summary = PathBuf::from("docs/SUMMARY.md");
-    let listed: Vec<PathBuf> = links(&read(&summary)).iter().filter_map(|link| target(&summary, link)).collect();
+    let listed: Vec<PathBuf> =
+        links(&read(&summary)).iter().filter_map(|link| target(&summary, link)).collect();
     let mut pages = files("docs", ".md");
     pages.remove(&summary);
     assert_eq!(pages, listed.iter().cloned().collect(), "pages, and those of docs/SUMMARY.md");
@@ -138,5 +141,8 @@ fn links_and_anchors_are_found() {
     let book = Path::new("docs/method.md");
     assert!(broken(book, "../README.md").is_some_and(|why| why.contains("out of the book")));
     assert!(broken(book, "no.md").is_some() && broken(book, "results.md#no").is_some());
-    assert!(broken(book, "results.md#speed-of-light").is_some() && broken(book, "results.md#many-seeds").is_none());
+    assert!(
+        broken(book, "results.md#speed-of-light").is_some()
+            && broken(book, "results.md#many-seeds").is_none()
+    );
 }

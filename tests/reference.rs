@@ -104,12 +104,17 @@ fn the_laws_of_the_reference_are_laws() {
     }
     let said = phisindy(&["laws", "--laws", &scratch.path("laws")]);
     assert_eq!(said.code, 0, "{}", said.err);
-    assert!(names.len() == 2 && names.iter().all(|name| said.out.contains(name.as_str())), "{names:?}: {}", said.out);
+    assert!(
+        names.len() == 2 && names.iter().all(|name| said.out.contains(name.as_str())),
+        "{names:?}: {}",
+        said.out
+    );
 }
 
 /// The fields under a heading that must be there.
 fn needed(text: &str, owner: &str) -> Vec<String> {
-    let part = text.split(&format!("### `{owner}`\n")).nth(1).unwrap_or_else(|| panic!("no part for {owner}"));
+    let part =
+        text.split(&format!("### `{owner}`\n")).nth(1).unwrap_or_else(|| panic!("no part for {owner}"));
     let rows = part.split("\n#").next().unwrap_or(part).lines().filter(|l| l.ends_with("| **needed** |"));
     rows.filter_map(|l| l.strip_prefix("| `")?.split('`').next().map(str::to_owned)).collect()
 }
@@ -117,7 +122,9 @@ fn needed(text: &str, owner: &str) -> Vec<String> {
 /// What the program misses in something that is empty: `the field X of OWNER is missing`.
 fn missed(said: &str, owner: &str) -> Vec<String> {
     let end = format!("` of {owner} is missing");
-    said.lines().filter_map(|l| Some(l.strip_prefix("error: the field `")?.strip_suffix(&end)?.to_owned())).collect()
+    said.lines()
+        .filter_map(|l| Some(l.strip_prefix("error: the field `")?.strip_suffix(&end)?.to_owned()))
+        .collect()
 }
 
 #[test]
@@ -133,7 +140,8 @@ fn fields_that_must_be_there_are_marked_in_the_reference() {
             data: [Csv(), Table(), Arrays(), Synthetic(), Synthetic({inputs}, truth: {{}}, start: {{}}, duration: 1.0, step: 0.1)])"#
     );
     std::fs::write(scratch.path("case.ron"), spec).expect("a spec");
-    let said = phisindy(&["check", &scratch.path("case.ron")]).err + &phisindy(&["laws", "--laws", &scratch.path("laws")]).err;
+    let said = phisindy(&["check", &scratch.path("case.ron")]).err
+        + &phisindy(&["laws", "--laws", &scratch.path("laws")]).err;
     let owners = [
         ("the spec", "the spec"),
         ("an output", "an output"),

@@ -206,7 +206,8 @@ fn the_minute_of_the_readme_is_as_it_says() {
     let folder: PathBuf = Path::new(env!("CARGO_TARGET_TMPDIR")).join("readme");
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(folder.join("docs/tutorial")).expect("a folder");
-    std::fs::copy(top().join("docs/tutorial/rig.csv"), folder.join("docs/tutorial/rig.csv")).expect("the data");
+    std::fs::copy(top().join("docs/tutorial/rig.csv"), folder.join("docs/tutorial/rig.csv"))
+        .expect("the data");
     let text = std::fs::read_to_string(top().join("README.md")).expect("the README");
     let mut all = blocks(&text);
     all.retain(|b| b.lines.first().is_some_and(|l| l.starts_with("$ phisindy ")));

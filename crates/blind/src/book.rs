@@ -67,15 +67,19 @@ fn with_mathml(text: &str) -> Result<String> {
 fn mathml(latex: &str, block: bool) -> Result<String> {
     let wrong = |why: String| anyhow!("cannot typeset `{latex}`: {why}");
     let storage = Storage::new();
-    let events: Vec<_> = Parser::new(latex, &storage).collect::<Result<_, _>>().map_err(|e| wrong(e.to_string()))?;
+    let events: Vec<_> =
+        Parser::new(latex, &storage).collect::<Result<_, _>>().map_err(|e| wrong(e.to_string()))?;
     let display_mode = if block { DisplayMode::Block } else { DisplayMode::Inline };
     let config = RenderConfig { display_mode, ..Default::default() };
     let mut math = String::new();
-    push_mathml(&mut math, events.into_iter().map(Ok::<_, Infallible>), config).map_err(|e| wrong(e.to_string()))?;
+    push_mathml(&mut math, events.into_iter().map(Ok::<_, Infallible>), config)
+        .map_err(|e| wrong(e.to_string()))?;
     let mut out = String::with_capacity(math.len());
     for c in math.chars() {
         match c {
-            '*' | '_' | '|' | '`' | '\\' | '[' | ']' | '$' | '~' => out.push_str(&format!("&#{};", u32::from(c))),
+            '*' | '_' | '|' | '`' | '\\' | '[' | ']' | '$' | '~' => {
+                out.push_str(&format!("&#{};", u32::from(c)))
+            }
             '\n' => out.push(' '),
             c => out.push(c),
         }
@@ -113,7 +117,8 @@ mod tests {
 
     #[test]
     fn formulas_become_mathml_and_code_stays() {
-        let made = with_mathml("a $|v|$ b `$x$` c\n```console\n$ phisindy run\n```\n$$\\frac{1}{2}$$ d").unwrap();
+        let made =
+            with_mathml("a $|v|$ b `$x$` c\n```console\n$ phisindy run\n```\n$$\\frac{1}{2}$$ d").unwrap();
         assert!(made.contains("&#124;") && !made.contains("|v|"), "{made}");
         assert!(made.contains("`$x$` c\n```console\n$ phisindy run\n```\n"), "{made}");
         assert!(made.contains("<mfrac>") && made.ends_with(" d"), "{made}");

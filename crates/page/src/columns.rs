@@ -4,7 +4,9 @@
 use crate::check::said;
 use phisindy::files::open_plain_file;
 use phisindy_expr::Span;
-use phisindy_import::{Column, DataFile, Draft, Heading, Quantity, Table, accepted, spec_text, summary, table, unreadable};
+use phisindy_import::{
+    Column, DataFile, Draft, Heading, Quantity, Table, accepted, spec_text, summary, table, unreadable,
+};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{Diagnostic, Sources};
 use serde_json::{Value, json};
@@ -85,7 +87,9 @@ pub(crate) fn look(path: &Path, name: &str, wishes: &Value) -> Value {
     let drafted = wished(wishes).and_then(|said| drafted(path, name, &said, &mut sources));
     match drafted {
         Ok((draft, all)) => described(&draft, &all, name),
-        Err(mistake) => json!({ "name": name, "roles": roles(), "diagnostics": said(&[*mistake], &sources, true) }),
+        Err(mistake) => {
+            json!({ "name": name, "roles": roles(), "diagnostics": said(&[*mistake], &sources, true) })
+        }
     }
 }
 
@@ -135,14 +139,17 @@ fn assign(table: &mut Table, said: &[Said]) -> Result<(), Box<Diagnostic>> {
     let mut kept: Vec<Column> = Vec::new();
     for mut column in std::mem::take(&mut table.columns) {
         let Some(said) = said.iter().find(|s| s.heading == column.heading.raw) else { continue };
-        let Some((role, word)) = ROLES.iter().find(|r| r.id == said.role).and_then(|r| Some((r, r.heading?))) else {
+        let Some((role, word)) = ROLES.iter().find(|r| r.id == said.role).and_then(|r| Some((r, r.heading?)))
+        else {
             continue;
         };
         let heading = Heading::parse(&format!("{word} [{}]", said.unit));
         if !role.quantities.contains(&heading.quantity) {
             let (raw, unit) = (&column.heading.raw, &said.unit);
             let mistake = format!("`{raw}` cannot be the {} in `{unit}`", role.words);
-            return Err(Box::new(Diagnostic::error(mistake).help(format!("its unit is one such as `{}`", role.unit))));
+            return Err(Box::new(
+                Diagnostic::error(mistake).help(format!("its unit is one such as `{}`", role.unit)),
+            ));
         }
         column.heading = Heading { raw: column.heading.raw, ..heading };
         kept.push(column);
@@ -156,7 +163,8 @@ fn described(draft: &Draft, all: &[String], name: &str) -> Value {
     let columns: Vec<Value> = all.iter().map(|heading| column(draft, heading)).collect();
     let text = spec_text(draft, name, &format!("{}.ron", super::folder::stem(name)));
     // What is written must be accepted; if not, it is a mistake of the program that the user should see.
-    let doubt = accepted(&text).err().map(|why| json!([{ "error": true, "message": why.to_string(), "help": [] }]));
+    let doubt =
+        accepted(&text).err().map(|why| json!([{ "error": true, "message": why.to_string(), "help": [] }]));
     let rows = draft.table.rows();
     json!({
         "name": name, "roles": roles(), "columns": columns, "spec": text, "rows": rows,
@@ -234,7 +242,11 @@ mod tests {
         let path = folder.path().join("rig.csv");
         let rows = (0..400).map(|k| {
             let t = 0.01 * f64::from(k);
-            format!("{t:.2},{:.5},{:.5}\n", (9.0 * t).sin(), 3.0 * (9.0 * t + 0.4).cos() + 0.5 * (21.0 * t).sin())
+            format!(
+                "{t:.2},{:.5},{:.5}\n",
+                (9.0 * t).sin(),
+                3.0 * (9.0 * t + 0.4).cos() + 0.5 * (21.0 * t).sin()
+            )
         });
         std::fs::write(&path, TEXT.to_owned() + &rows.collect::<String>()).unwrap();
         (folder, path)

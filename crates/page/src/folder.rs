@@ -39,7 +39,9 @@ impl Working {
         }
         let path = self.path.join(name);
         match path.symlink_metadata() {
-            Ok(data) if data.is_symlink() => Err(format!("`{name}` is a link: only files in this folder are used")),
+            Ok(data) if data.is_symlink() => {
+                Err(format!("`{name}` is a link: only files in this folder are used"))
+            }
             _ => Ok(path),
         }
     }
@@ -109,7 +111,11 @@ impl Working {
 /// Whether this names a file in a folder, and nothing else on any system.
 pub(crate) fn plain(name: &str) -> bool {
     let odd = |c: char| c.is_control() || "/\\:*?\"<>|".contains(c);
-    !name.is_empty() && name.len() <= 200 && !name.starts_with('.') && !name.ends_with(['.', ' ']) && !name.contains(odd)
+    !name.is_empty()
+        && name.len() <= 200
+        && !name.starts_with('.')
+        && !name.ends_with(['.', ' '])
+        && !name.contains(odd)
 }
 
 /// A name without its ending.
@@ -146,7 +152,20 @@ mod tests {
         for name in ["rig.csv", "a b.ron", "Messung 3.xlsx", "x"] {
             assert!(plain(name), "{name}");
         }
-        for name in ["", ".", "..", "../rig.csv", "/etc/passwd", "a/b", "a\\b", "C:x", ".hidden", "a\0b", "a\nb", "x."] {
+        for name in [
+            "",
+            ".",
+            "..",
+            "../rig.csv",
+            "/etc/passwd",
+            "a/b",
+            "a\\b",
+            "C:x",
+            ".hidden",
+            "a\0b",
+            "a\nb",
+            "x.",
+        ] {
             assert!(!plain(name), "{name:?}");
         }
     }

@@ -34,7 +34,9 @@ impl Refusal {
         match self {
             Refusal::Host => "refused: the address of this page is the one that `phisindy open` printed",
             Refusal::Origin => "refused: this request comes from another site",
-            Refusal::Token => "refused: the token is missing or old; open the address that `phisindy open` printed",
+            Refusal::Token => {
+                "refused: the token is missing or old; open the address that `phisindy open` printed"
+            }
         }
     }
 }
@@ -78,11 +80,13 @@ impl Guard {
         if !host.is_some_and(|host| self.hosts.iter().any(|own| own == host)) {
             return Err(Refusal::Host);
         }
-        let own = |origin: &str| origin.strip_prefix("http://").is_some_and(|o| self.hosts.iter().any(|h| h == o));
+        let own =
+            |origin: &str| origin.strip_prefix("http://").is_some_and(|o| self.hosts.iter().any(|h| h == o));
         if origin.is_some_and(|origin| !own(origin)) || site == Some("cross-site") {
             return Err(Refusal::Origin);
         }
-        let (token, path) = url.strip_prefix('/').and_then(|rest| rest.split_once('/')).ok_or(Refusal::Token)?;
+        let (token, path) =
+            url.strip_prefix('/').and_then(|rest| rest.split_once('/')).ok_or(Refusal::Token)?;
         if same(token.as_bytes(), self.token.as_bytes()) { Ok(path) } else { Err(Refusal::Token) }
     }
 }
@@ -100,14 +104,22 @@ mod tests {
     fn only_the_page_itself_may_ask() {
         let guard = Guard::new(SocketAddr::from(([127, 0, 0, 1], 4000))).unwrap();
         let url = format!("/{}/api/state", guard.token);
-        let asked = |url: &str, host, origin, site| guard.admitted(url, host, origin, site).map(str::to_owned);
+        let asked =
+            |url: &str, host, origin, site| guard.admitted(url, host, origin, site).map(str::to_owned);
         let own = Some("127.0.0.1:4000");
         assert_eq!(asked(&url, own, None, None), Ok("api/state".to_owned()));
-        assert_eq!(asked(&url, Some("localhost:4000"), Some("http://localhost:4000"), None), Ok("api/state".to_owned()));
-        for host in [None, Some("evil.example"), Some("127.0.0.1"), Some("127.0.0.1:4001"), Some("evil.example:4000")] {
+        assert_eq!(
+            asked(&url, Some("localhost:4000"), Some("http://localhost:4000"), None),
+            Ok("api/state".to_owned())
+        );
+        for host in
+            [None, Some("evil.example"), Some("127.0.0.1"), Some("127.0.0.1:4001"), Some("evil.example:4000")]
+        {
             assert_eq!(asked(&url, host, None, None), Err(Refusal::Host));
         }
-        for origin in ["null", "http://evil.example", "https://127.0.0.1:4000", "http://127.0.0.1:4000.evil.example"] {
+        for origin in
+            ["null", "http://evil.example", "https://127.0.0.1:4000", "http://127.0.0.1:4000.evil.example"]
+        {
             assert_eq!(asked(&url, own, Some(origin), None), Err(Refusal::Origin));
         }
         assert_eq!(asked(&url, own, None, Some("cross-site")), Err(Refusal::Origin));

@@ -129,7 +129,8 @@ impl Jobs {
         let (now, place) = (Arc::clone(&self.now), folder.path().to_owned());
         let work = move || {
             let worked = catch_unwind(AssertUnwindSafe(|| work(&now, &place, &path, text, what)));
-            let ended = worked.unwrap_or_else(|_| json!({ "error": "the program failed: please report this" }));
+            let ended =
+                worked.unwrap_or_else(|_| json!({ "error": "the program failed: please report this" }));
             now.change(|state| {
                 state.running = false;
                 state.ended = Some(ended);
@@ -188,7 +189,9 @@ fn work(now: &Now, folder: &std::path::Path, path: &std::path::Path, text: Strin
                 Err(why) => json!({ "error": why }),
             }
         }
-        Err(error) => json!({ "error": error.to_string(), "help": phisindy_report::html::advice(error.diverged()) }),
+        Err(error) => {
+            json!({ "error": error.to_string(), "help": phisindy_report::html::advice(error.diverged()) })
+        }
     }
 }
 

@@ -62,7 +62,12 @@ impl Page {
         let server = Server::http(SocketAddr::from((Ipv4Addr::LOCALHOST, port)))
             .map_err(|why| io::Error::other(format!("cannot listen on port {port} of 127.0.0.1: {why}")))?;
         let address = server.server_addr().to_ip().ok_or_else(|| io::Error::other("there is no address"))?;
-        let site = Site { guard: Guard::new(address)?, folder, jobs: Jobs::default(), first: first.map(str::to_owned) };
+        let site = Site {
+            guard: Guard::new(address)?,
+            folder,
+            jobs: Jobs::default(),
+            first: first.map(str::to_owned),
+        };
         Ok(Page { server, site: Arc::new(site) })
     }
 
@@ -80,7 +85,9 @@ impl Page {
             if let Some(request) = self.server.recv_timeout(TICK)? {
                 let site = Arc::clone(&self.site);
                 // Each request has a thread: events are sent for as long as the page is open.
-                std::thread::Builder::new().name("request".to_owned()).spawn(move || routes::answer(&site, request))?;
+                std::thread::Builder::new()
+                    .name("request".to_owned())
+                    .spawn(move || routes::answer(&site, request))?;
             }
         }
         self.site.jobs.stop();

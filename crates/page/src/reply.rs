@@ -62,12 +62,15 @@ impl Reply {
     /// # Errors
     /// Nobody listens any more.
     pub(crate) fn send(self, request: Request) -> io::Result<()> {
-        let mut response = Response::from_data(self.body).with_status_code(self.status);
+        let mut response =
+            Response::from_data(self.body).with_status_code(self.status).with_chunked_threshold(usize::MAX);
         let kept = self.keep_as.map(|name| {
-            let plain: String = name.chars().map(|c| if c.is_ascii_graphic() && c != '"' { c } else { '_' }).collect();
+            let plain: String =
+                name.chars().map(|c| if c.is_ascii_graphic() && c != '"' { c } else { '_' }).collect();
             ("Content-Disposition", format!("attachment; filename=\"{plain}\""))
         });
-        let headers = [("Content-Type", self.kind.to_owned()), ("Content-Security-Policy", self.policy.to_owned())];
+        let headers =
+            [("Content-Type", self.kind.to_owned()), ("Content-Security-Policy", self.policy.to_owned())];
         for (name, value) in headers.into_iter().chain(kept).chain(COMMON.map(|(n, v)| (n, v.to_owned()))) {
             if let Ok(header) = Header::from_bytes(name, value) {
                 response.add_header(header);

@@ -2,8 +2,10 @@
 
 use crate::folder::{Working, ending, plain};
 use phisindy_phys::Sources;
-use phisindy_report::export::{EXPORTERS, Exporter, Subject, Writer, model_name, refusal, uses_largest_input};
 use phisindy_report::Folder;
+use phisindy_report::export::{
+    EXPORTERS, Exporter, Subject, Writer, model_name, refusal, uses_largest_input,
+};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -22,6 +24,9 @@ const ENDINGS: &[&str] = &["html", "svg", "json", "ron", "tex", "txt"];
 /// In words: the disk is full, or the folder cannot be written.
 pub(crate) fn keep(folder: &Path, stem: &str, what: &str, files: &Folder) -> Result<String, String> {
     let all = folder.join(RESULTS);
+    if all.is_symlink() {
+        return Err(format!("`{RESULTS}` is a link: results are kept in this folder only"));
+    }
     let part = all.join(format!(".{stem}-{what}.{}.part", std::process::id()));
     let written = || -> std::io::Result<String> {
         let _ = fs::remove_dir_all(&part);
@@ -113,7 +118,9 @@ pub(crate) fn exported(folder: &Working, result: &str, to: &str) -> Result<(&'st
         return Err(mistake.message);
     }
     if uses_largest_input(&case) {
-        return Err(format!("a constant follows from its data: `phisindy export results/{result} --to {to}` reads them"));
+        return Err(format!(
+            "a constant follows from its data: `phisindy export results/{result} --to {to}` reads them"
+        ));
     }
     let subject = Subject::new(spec, &case, &shown, 0, None).map_err(first)?;
     let name = model_name(&subject, None);

@@ -16,8 +16,8 @@ const PAGE: &str = include_str!("page.html");
 const LARGEST_DATA: u64 = 4 << 30;
 /// Endings of data files that a spec can be drafted from.
 const DATA: &[&str] = &[
-    "csv", "txt", "dat", "tsv", "asc", "xlsx", "xlsb", "xls", "ods", "mat", "npy", "npz", "tdms", "uff", "unv", "h5",
-    "hdf5", "parquet",
+    "csv", "txt", "dat", "tsv", "asc", "xlsx", "xlsb", "xls", "ods", "mat", "npy", "npz", "tdms", "uff",
+    "unv", "h5", "hdf5", "parquet",
 ];
 /// Interval between events while nothing happens, so that a closed page is noticed.
 const PULSE: Duration = Duration::from_secs(5);
@@ -116,13 +116,17 @@ impl Asked<'_> {
     /// The name of a spec.
     fn spec(&self) -> Result<String, String> {
         let name = self.word("name")?;
-        if ending(&name) == "ron" { Ok(name) } else { Err(format!("the name of a spec ends with .ron: `{name}`")) }
+        if ending(&name) == "ron" {
+            Ok(name)
+        } else {
+            Err(format!("the name of a spec ends with .ron: `{name}`"))
+        }
     }
 
     /// The body as text, no longer than a spec may be.
     fn text(&mut self) -> Result<String, String> {
-        let mut text = String::new();
-        let read = self.body.take(LARGEST_SPEC + 1).read_to_string(&mut text).map_err(|why| why.to_string())?;
+        let (mut text, body) = (String::new(), &mut *self.body);
+        let read = body.take(LARGEST_SPEC + 1).read_to_string(&mut text).map_err(|why| why.to_string())?;
         if read as u64 > LARGEST_SPEC { Err("this text is too long".to_owned()) } else { Ok(text) }
     }
 }
@@ -138,7 +142,8 @@ fn state(asked: &mut Asked<'_>) -> Result<Reply, String> {
 
 fn result_file(site: &Site, file: &str, query: &str) -> Reply {
     let decoded = decoded(file).unwrap_or_default();
-    let read = results::file(&site.folder, &decoded).and_then(|path| std::fs::read(path).map_err(|why| why.to_string()));
+    let read = results::file(&site.folder, &decoded)
+        .and_then(|path| std::fs::read(path).map_err(|why| why.to_string()));
     match read {
         Ok(bytes) if value(query, "keep").is_some() => {
             Reply::file(&decoded, bytes).kept_as(&decoded.replace('/', "-"))
@@ -167,7 +172,11 @@ fn events(site: &Site, request: Request) -> io::Result<()> {
 
 /// The value of a key of a query.
 fn value(query: &str, key: &str) -> Option<String> {
-    query.split('&').filter_map(|pair| pair.split_once('=')).find(|(k, _)| *k == key).and_then(|(_, v)| decoded(v))
+    query
+        .split('&')
+        .filter_map(|pair| pair.split_once('='))
+        .find(|(k, _)| *k == key)
+        .and_then(|(_, v)| decoded(v))
 }
 
 /// A part of an address with `%41` as `A`.

@@ -16,7 +16,8 @@ use std::process::{Command, Stdio};
 pub(crate) fn open(args: &OpenArgs, options: &Options) -> Result<u8> {
     let (folder, first) = place(args.path.as_deref())?;
     let shown = folder.display();
-    let page = Page::open(&folder, first.as_deref(), args.port).with_context(|| format!("cannot work in `{shown}`"))?;
+    let page = Page::open(&folder, first.as_deref(), args.port)
+        .with_context(|| format!("cannot work in `{shown}`"))?;
     print(&format!("{}\n", page.url()))?;
     if !options.quiet {
         remark(&format!("the page works in `{shown}`; end it with Ctrl-C, nothing is lost"));
