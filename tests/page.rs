@@ -293,6 +293,7 @@ impl Browser {
     }
 
     fn visit(&mut self, url: &str) {
+        self.session = None;
         let target = self.call("Target.createTarget", json!({ "url": url }))["targetId"].clone();
         let session = self.call("Target.attachToTarget", json!({ "targetId": target, "flatten": true }));
         self.session = session["sessionId"].as_str().map(str::to_owned);
@@ -425,6 +426,12 @@ fn a_browser_goes_from_a_dropped_file_to_the_report() {
     );
     assert!(kept.as_str().expect("a name").contains("rig-gap-1-report.html"), "{kept}");
     assert!(page.text("results/rig-gap-1/completed.ron").contains("Fs"));
+    // A report has a script of its own, which reaches nothing of the page.
+    let report = browser.value("$('report').src");
+    browser.visit(report.as_str().expect("an address"));
+    browser.until("document.readyState === 'complete' && document.querySelectorAll('math').length > 0");
+    browser.picture("6-report");
+    assert_eq!(browser.value("fetch('../../api/state').then(() => 'read', () => 'refused')"), "refused");
     // A page that is opened again finds everything.
     browser.visit(&page.url);
     browser
