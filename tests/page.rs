@@ -194,7 +194,10 @@ fn a_file_becomes_a_spec_and_the_spec_a_result() {
         (&json!("identified"), &json!(["quick.ron", "rig.ron"]))
     );
     let (status, report) = page.own("GET", "results/quick-run-1/report.html", "");
-    assert!(status == 200 && report.contains("<math"), "{status}");
+    assert!(
+        status == 200 && report.contains("<math") && report.contains("phisindy run quick.ron"),
+        "{status}"
+    );
     let (status, model) = page.own("GET", "api/export?result=quick-run-1&to=python", "");
     assert!(status == 200 && model.contains("def rates"), "{model}");
     page.end();
@@ -438,11 +441,22 @@ fn a_browser_goes_from_a_dropped_file_to_the_report() {
         .until("document.readyState === 'complete' && $('results').querySelectorAll('button').length === 1");
     browser.value("$('results').querySelector('button').click()");
     browser.until("!$('answer').hidden && $('finding').textContent.includes('Stribeck')");
-    assert_eq!(
-        browser.value("document.documentElement.scrollWidth <= innerWidth"),
-        true,
-        "it scrolls sideways"
-    );
+    std::thread::sleep(Duration::from_millis(300)); // the report is drawn in its frame
+    browser.picture("7-again");
+    let phone = json!({ "width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": false });
+    for (device, name) in [
+        (json!({ "width": 1300, "height": 1000, "deviceScaleFactor": 1, "mobile": false }), "8-desk"),
+        (phone, "9-phone"),
+    ] {
+        browser.call("Emulation.setDeviceMetricsOverride", device);
+        browser.call(
+            "Emulation.setEmulatedMedia",
+            json!({ "features": [{ "name": "prefers-color-scheme", "value": "dark" }] }),
+        );
+        browser.picture(name);
+        let sideways = "document.documentElement.scrollWidth <= innerWidth";
+        assert_eq!(browser.value(sideways), true, "{name} scrolls sideways");
+    }
     let foreign = "performance.getEntriesByType('resource').filter(e => !e.name.startsWith(location.origin) && !e.name.startsWith('data:')).length";
     assert_eq!(browser.value(foreign), 0);
 }

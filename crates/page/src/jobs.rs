@@ -210,14 +210,16 @@ fn worked(
     };
     let options = Options { laws: Some(laws), observe: Some(&observe), ..Options::default() };
     let seconds = || begin.elapsed().as_secs_f64();
+    let spec = loaded.spec.clone();
+    let command = [what.name(), spec.as_str()];
     Ok(match what {
         What::Run => {
             let found = loaded.identify(&options)?;
-            (found.folder(seconds()), found.stopped())
+            (found.folder_of(seconds(), &command), found.stopped())
         }
         What::Gap => {
             let found = loaded.gap(&options)?;
-            (found.folder(seconds()), found.stopped())
+            (found.folder_of(seconds(), &command), found.stopped())
         }
     })
 }
