@@ -134,6 +134,8 @@ fn fields_that_must_be_there_are_marked_in_the_reference() {
     std::fs::create_dir_all(scratch.path("laws")).expect("a folder");
     let law = r#"(parameters: { "k": () }, internal: { "z": () }, screen: ())"#;
     std::fs::write(scratch.path("laws/own.ron"), law).expect("a law");
+    // What a hint lacks beside its columns is told once there are some.
+    std::fs::write(scratch.path("laws/two.ron"), r#"(screen: (columns: ["v"]))"#).expect("a law");
     let inputs = r#"inputs: { "u": Jonswap(), "w": Multisine(), "z": File() }"#;
     let spec = format!(
         r#"(constants: {{ "k": (unit: "m"), "c": Find(unit: "m") }}, outputs: {{ "a": () }},
