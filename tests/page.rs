@@ -2,6 +2,7 @@
 //! the report.
 #![allow(missing_docs)]
 
+use phisindy::files::Request;
 use phisindy_page::Page;
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -35,7 +36,7 @@ impl Served {
     }
 
     fn of(folder: TempDir, first: Option<&str>) -> Served {
-        let page = Page::open(folder.path(), first, 0).expect("a page");
+        let page = Page::open(folder.path(), first, 0, Request::default()).expect("a page");
         let (url, stop) = (page.url(), Arc::new(AtomicBool::new(false)));
         let asked = Arc::clone(&stop);
         let serve = move || page.serve(&|| asked.load(Ordering::SeqCst)).expect("served to the end");

@@ -132,7 +132,8 @@ fn fields_that_must_be_there_are_marked_in_the_reference() {
     let text = reference();
     let scratch = Scratch::new("reference-needed");
     // What a hint lacks beside its columns is told once there are some.
-    let laws = [r#"(parameters: { "k": () }, internal: { "z": () }, screen: ())"#, r#"(screen: (columns: ["v"]))"#];
+    let laws =
+        [r#"(parameters: { "k": () }, internal: { "z": () }, screen: ())"#, r#"(screen: (columns: ["v"]))"#];
     let mut said = String::new();
     for (k, law) in laws.iter().enumerate() {
         let folder = scratch.path(&format!("laws-{k}"));

@@ -6,10 +6,9 @@ use serde_json::{Value, json};
 use std::path::Path;
 
 /// The mistakes and warnings of a spec, as `phisindy check` finds them: data files are read if they are there.
-pub(crate) fn check(path: &Path, text: &str) -> Value {
+pub(crate) fn check(path: &Path, text: &str, request: &Request) -> Value {
     let (mut sources, mut found) = (Sources::default(), Vec::new());
-    let loaded =
-        load_text(path, text.to_owned(), &Request::default(), Purpose::Check, &mut sources, &mut found);
+    let loaded = load_text(path, text.to_owned(), request, Purpose::Check, &mut sources, &mut found);
     let told = said(&found, &sources, loaded.is_ok());
     json!({ "ok": loaded.is_ok(), "open": loaded.is_ok_and(|l| l.case.is_open()), "diagnostics": told })
 }
@@ -40,7 +39,7 @@ mod tests {
     #[test]
     fn a_mistake_has_its_line() {
         let text = "(\n  states: { \"x\": \"m\", \"v\": \"m/s\" },\n  known: { \"x\": \"v\", \"v\": \"-kk*x\" },\n  data: [Synthetic(truth: {}, start: { \"x\": 1.0, \"v\": 0.0 }, duration: 9.0, step: 0.1)],\n)";
-        let told = check(Path::new("a.ron"), text);
+        let told = check(Path::new("a.ron"), text, &Request::default());
         let mistake = &told["diagnostics"][0];
         assert!(told["ok"] == false && mistake["error"] == true, "{told}");
         assert_eq!(

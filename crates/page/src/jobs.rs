@@ -10,6 +10,7 @@ use phisindy_report::Folder;
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -107,7 +108,13 @@ impl Jobs {
     ///
     /// # Errors
     /// In words: something is running, or there is no such spec.
-    pub(crate) fn start(&self, folder: &Working, spec: &str, what: What) -> Result<(), String> {
+    pub(crate) fn start(
+        &self,
+        folder: &Working,
+        request: &Request,
+        spec: &str,
+        what: What,
+    ) -> Result<(), String> {
         let path = folder.file(spec)?;
         let text = phisindy::files::spec_text(&path).map_err(|d| d.message)?;
         {
@@ -126,9 +133,9 @@ impl Jobs {
             };
             self.now.stop.store(false, Ordering::SeqCst);
         }
-        let (now, place) = (Arc::clone(&self.now), folder.path().to_owned());
+        let (now, place, request) = (Arc::clone(&self.now), folder.path().to_owned(), request.clone());
         let work = move || {
-            let worked = catch_unwind(AssertUnwindSafe(|| work(&now, &place, &path, text, what)));
+            let worked = catch_unwind(AssertUnwindSafe(|| work(&now, &place, &request, &path, text, what)));
             let ended =
                 worked.unwrap_or_else(|_| json!({ "error": "the program failed: please report this" }));
             now.change(|state| {
@@ -164,19 +171,18 @@ impl Jobs {
 }
 
 /// Does the work and keeps its result; how it ended.
-fn work(now: &Now, folder: &std::path::Path, path: &std::path::Path, text: String, what: What) -> Value {
+fn work(now: &Now, folder: &Path, request: &Request, path: &Path, text: String, what: What) -> Value {
     let begin = Instant::now();
     now.change(|state| state.log.push((0.0, "reading the spec and its data".to_owned())));
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let (mut sources, mut found) = (Sources::default(), Vec::new());
-    let request = Request::default();
-    let loaded = load_text(path, text, &request, what.purpose(), &mut sources, &mut found);
+    let loaded = load_text(path, text, request, what.purpose(), &mut sources, &mut found);
     let Ok(loaded) = loaded else {
         return json!({ "diagnostics": said(&found, &sources, false) });
     };
     let doubts = found.iter().map(|d| d.message.clone()).collect();
     let loaded = Loaded { doubts, spec: name.clone(), ..loaded };
-    let laws = match beside(path, &request) {
+    let laws = match beside(path, request) {
         Ok(laws) => laws,
         Err(why) => return json!({ "error": why.to_string() }),
     };

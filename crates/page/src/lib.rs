@@ -24,6 +24,7 @@ mod routes;
 use folder::Working;
 use guard::Guard;
 use jobs::Jobs;
+use phisindy::files::Request;
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::Path;
@@ -47,17 +48,19 @@ struct Site {
     guard: Guard,
     folder: Working,
     jobs: Jobs,
+    /// Where data files and laws are looked for beside the folder.
+    request: Request,
     /// The file that the page begins with.
     first: Option<String>,
 }
 
 impl Page {
     /// Listens on a free port of 127.0.0.1, or on `port`. The page works in `folder` and begins with its file `first`, a
-    /// spec or a data file.
+    /// spec or a data file; `request` names further folders of data and laws, which are read only.
     ///
     /// # Errors
     /// The folder cannot be written, the port is taken, or the system gives no random numbers.
-    pub fn open(folder: &Path, first: Option<&str>, port: u16) -> io::Result<Page> {
+    pub fn open(folder: &Path, first: Option<&str>, port: u16, request: Request) -> io::Result<Page> {
         let folder = Working::open(folder)?;
         let server = Server::http(SocketAddr::from((Ipv4Addr::LOCALHOST, port)))
             .map_err(|why| io::Error::other(format!("cannot listen on port {port} of 127.0.0.1: {why}")))?;
@@ -66,6 +69,7 @@ impl Page {
             guard: Guard::new(address)?,
             folder,
             jobs: Jobs::default(),
+            request,
             first: first.map(str::to_owned),
         };
         Ok(Page { server, site: Arc::new(site) })

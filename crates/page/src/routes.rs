@@ -59,12 +59,13 @@ const ROUTES: &[(Method, &str, Handler)] = &[
     }),
     (Method::Post, "api/check", |asked| {
         let path = asked.site.folder.file(&asked.spec()?)?;
-        Ok(Reply::json(&check::check(&path, &asked.text()?)))
+        Ok(Reply::json(&check::check(&path, &asked.text()?, &asked.site.request)))
     }),
     (Method::Post, "api/start", |asked| {
         let what = asked.word("what")?;
         let what = What::named(&what).ok_or_else(|| format!("`{what}` cannot be started"))?;
-        asked.site.jobs.start(&asked.site.folder, &asked.spec()?, what)?;
+        let Site { jobs, folder, request, .. } = asked.site;
+        jobs.start(folder, request, &asked.spec()?, what)?;
         Ok(Reply::json(&json!({ "started": true })))
     }),
     (Method::Post, "api/stop", |asked| {

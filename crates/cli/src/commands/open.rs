@@ -4,6 +4,7 @@ use crate::args::{OpenArgs, Options};
 use crate::interrupt;
 use crate::terminal::{print, remark};
 use anyhow::{Context, Result};
+use phisindy::files::Request;
 use phisindy_page::Page;
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
@@ -15,8 +16,11 @@ use std::process::{Command, Stdio};
 /// There is no such file or folder, or the port is taken.
 pub(crate) fn open(args: &OpenArgs, options: &Options) -> Result<u8> {
     let (folder, first) = place(args.path.as_deref())?;
+    let folder = folder.canonicalize().with_context(|| format!("cannot open `{}`", folder.display()))?;
     let shown = folder.display();
-    let page = Page::open(&folder, first.as_deref(), args.port)
+    // The page edits the spec itself: values of --set would not be seen there.
+    let request = Request { assignments: vec![], seed: None, ..options.request() };
+    let page = Page::open(&folder, first.as_deref(), args.port, request)
         .with_context(|| format!("cannot work in `{shown}`"))?;
     print(&format!("{}\n", page.url()))?;
     if !options.quiet {
