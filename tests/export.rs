@@ -603,7 +603,9 @@ fn completions_and_the_manual_know_every_subcommand() {
     let said = phisindy(&["man", "--out", &scratch.path("")]);
     assert_eq!((said.code, said.out.as_str(), said.err.as_str()), (0, "", ""));
     let whole = phisindy(&["man"]).out;
-    for name in ["run", "new", "gap", "simulate", "check", "sweep", "laws", "export", "completions", "man"] {
+    for name in
+        ["run", "new", "gap", "simulate", "check", "sweep", "laws", "export", "open", "completions", "man"]
+    {
         let page = fs::read_to_string(scratch.path(&format!("phisindy-{name}.1"))).expect(name);
         assert!(page.starts_with(".ie") || page.starts_with(".TH"), "{page}");
         assert!(page.contains(".SH EXAMPLES") && page.contains(&format!("phisindy {name}")), "{page}");

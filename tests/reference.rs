@@ -88,3 +88,93 @@ fn every_field_is_in_the_reference_and_no_other() {
         assert_eq!(have, want, "{owner}");
     }
 }
+
+/// Each example of a law is accepted by the program.
+#[test]
+fn the_laws_of_the_reference_are_laws() {
+    let text = reference();
+    let scratch = Scratch::new("reference-examples");
+    std::fs::create_dir_all(scratch.path("laws")).expect("a folder");
+    let mut names = Vec::new();
+    for part in text.split(".ron`:\n\n```ron\n").collect::<Vec<_>>().windows(2) {
+        let name = part[0].rsplit('`').next().expect("a name");
+        let law = part[1].split("```").next().expect("a law");
+        std::fs::write(scratch.path(&format!("laws/my-{name}.ron")), law).expect("a law");
+        names.push(format!("my-{name}"));
+    }
+    let said = phisindy(&["laws", "--laws", &scratch.path("laws")]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(
+        names.len() == 2 && names.iter().all(|name| said.out.contains(name.as_str())),
+        "{names:?}: {}",
+        said.out
+    );
+}
+
+/// The fields under a heading that must be there.
+fn needed(text: &str, owner: &str) -> Vec<String> {
+    let part =
+        text.split(&format!("### `{owner}`\n")).nth(1).unwrap_or_else(|| panic!("no part for {owner}"));
+    let rows = part.split("\n#").next().unwrap_or(part).lines().filter(|l| l.ends_with("| **needed** |"));
+    rows.filter_map(|l| l.strip_prefix("| `")?.split('`').next().map(str::to_owned)).collect()
+}
+
+/// What the program misses in something that is empty: `the field X of OWNER is missing`.
+fn missed(said: &str, owner: &str) -> Vec<String> {
+    let end = format!("` of {owner} is missing");
+    said.lines()
+        .filter_map(|l| Some(l.strip_prefix("error: the field `")?.strip_suffix(&end)?.to_owned()))
+        .collect()
+}
+
+#[test]
+fn fields_that_must_be_there_are_marked_in_the_reference() {
+    let text = reference();
+    let scratch = Scratch::new("reference-needed");
+    // What a hint lacks beside its columns is told once there are some.
+    let laws =
+        [r#"(parameters: { "k": () }, internal: { "z": () }, screen: ())"#, r#"(screen: (columns: ["v"]))"#];
+    let mut said = String::new();
+    for (k, law) in laws.iter().enumerate() {
+        let folder = scratch.path(&format!("laws-{k}"));
+        std::fs::create_dir_all(&folder).expect("a folder");
+        std::fs::write(format!("{folder}/own.ron"), law).expect("a law");
+        said += &phisindy(&["laws", "--laws", &folder]).err;
+    }
+    let inputs = r#"inputs: { "u": Jonswap(), "w": Multisine(), "z": File() }"#;
+    let spec = format!(
+        r#"(constants: {{ "k": (unit: "m"), "c": Find(unit: "m") }}, outputs: {{ "a": () }},
+            data: [Csv(), Table(), Arrays(), Synthetic(), Synthetic({inputs}, truth: {{}}, start: {{}}, duration: 1.0, step: 0.1)])"#
+    );
+    std::fs::write(scratch.path("case.ron"), spec).expect("a spec");
+    said += &phisindy(&["check", &scratch.path("case.ron")]).err;
+    let owners = [
+        ("the spec", "the spec"),
+        ("an output", "an output"),
+        ("a movable constant", "a movable constant"),
+        ("Find", "`Find`"),
+        ("Csv", "`Csv`"),
+        ("Table", "`Table`"),
+        ("Arrays", "`Arrays`"),
+        ("Synthetic", "`Synthetic`"),
+        ("Jonswap", "`Jonswap`"),
+        ("Multisine", "`Multisine`"),
+        ("File", "`File`"),
+        ("a law", "a law"),
+        ("a parameter of a law", "a parameter"),
+        ("an internal state", "an internal state"),
+        ("screen", "`screen`"),
+    ];
+    for (owner, word) in owners {
+        let mut missed = missed(&said, word);
+        // The program asks for the data after everything else is there.
+        if owner == "the spec" {
+            missed.push("data".to_owned());
+        }
+        let (mut have, want) = (needed(&text, owner), &mut missed);
+        have.sort();
+        want.sort();
+        want.dedup();
+        assert_eq!(have, *want, "{owner}: {said}");
+    }
+}

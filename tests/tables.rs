@@ -1,4 +1,4 @@
-//! The tables of README.md and the docs, by the program that writes them.
+//! The tables of the documents, by the program that writes them.
 #![allow(missing_docs)]
 
 #[allow(dead_code)] // each test uses its part

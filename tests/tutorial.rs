@@ -1,4 +1,5 @@
-//! The tutorial and the newcomer's log are played: their commands run, their edits apply, their outputs are what they show.
+//! The tutorial, the newcomer's log and the guides are played: their commands run, their edits apply, their outputs are what they
+//! show.
 
 #[allow(dead_code)] // each test uses its part
 mod common;
@@ -6,7 +7,7 @@ mod common;
 use common::{program, top};
 use std::path::{Path, PathBuf};
 
-/// A block of code of the tutorial.
+/// A block of code of a page.
 #[derive(Debug)]
 struct Block<'a> {
     /// What stands after the fence.
@@ -83,8 +84,38 @@ fn play(page: &str, data: &Path, spec: &str) -> usize {
     std::fs::create_dir_all(&folder).expect("a folder");
     std::fs::copy(data, folder.join(data.file_name().expect("a file"))).expect("the data");
     let text = std::fs::read_to_string(top().join("docs").join(page)).expect("the page");
+    let commands = typed(&blocks(&text), &folder, spec);
+    pictures(page, &folder, &text);
+    commands
+}
+
+/// The pictures of the pages: the page, what its commands left, and the picture in `docs/tutorial`. With the variable
+/// PHISINDY_FIGURES the tests make them again:
+/// `PHISINDY_FIGURES=1 PHISINDY_DATA=DIR cargo test -p phisindy-cli --test tutorial`.
+const PICTURES: &[(&str, &str, &str)] = &[
+    ("tutorial.md", "first/figures/residual-1.svg", "residual.svg"),
+    ("tutorial.md", "found/figures/gap.svg", "gap.svg"),
+    ("tutorial.md", "found/figures/effect-1.svg", "stribeck.svg"),
+    ("tutorial.md", "found/figures/motion-1.svg", "motion.svg"),
+    ("tutorial-rig.md", "found/figures/gap.svg", "rig-gap.svg"),
+    ("tutorial-rig.md", "found/figures/motion-1.svg", "rig-motion.svg"),
+];
+
+/// Each picture that a page shows is one that its commands make.
+fn pictures(page: &str, folder: &Path, text: &str) {
+    for (_, made, picture) in PICTURES.iter().filter(|(of, _, _)| *of == page) {
+        assert!(text.contains(&format!("(tutorial/{picture})")), "{page} does not show {picture}");
+        let svg = std::fs::read(folder.join(made)).unwrap_or_else(|e| panic!("{page}: {made}: {e}"));
+        if std::env::var_os("PHISINDY_FIGURES").is_some() {
+            std::fs::write(top().join("docs/tutorial").join(picture), svg).expect("the picture");
+        }
+    }
+}
+
+/// Types the commands of these blocks in a folder. How many they are.
+fn typed(blocks: &[Block<'_>], folder: &Path, spec: &str) -> usize {
     let mut commands = 0;
-    for block in blocks(&text) {
+    for block in blocks {
         match (block.kind, block.file) {
             ("diff", _) => edit(&folder.join(spec), &block.lines),
             ("ron", Some(file)) => {
@@ -96,7 +127,7 @@ fn play(page: &str, data: &Path, spec: &str) -> usize {
                 let (command, shown) = block.lines.split_first().expect("a command");
                 let words = words(command.strip_prefix("$ phisindy ").expect("a command of this program"));
                 let mut run = program(&words.iter().map(String::as_str).collect::<Vec<_>>());
-                let output = run.current_dir(&folder).output().expect("the program starts");
+                let output = run.current_dir(folder).output().expect("the program starts");
                 let (out, err) =
                     (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
                 assert_eq!(output.status.code(), Some(0), "{command}\n{out}{err}");
@@ -123,7 +154,15 @@ fn play(page: &str, data: &Path, spec: &str) -> usize {
 #[test]
 fn the_tutorial_is_as_it_says() {
     let commands = play("tutorial.md", &top().join("docs/tutorial/rig.csv"), "rig.ron");
-    assert!(commands > 7, "{commands}");
+    assert_eq!(commands, 6);
+}
+
+#[test]
+fn the_guides_are_as_they_say() {
+    let rig = top().join("docs/tutorial/rig.csv");
+    assert_eq!(play("guides/own-law.md", &rig, "rig.ron"), 3);
+    assert_eq!(play("guides/accelerometer.md", &top().join("docs/guides/accelerometer.csv"), "rig.ron"), 3);
+    assert_eq!(play("guides/loads.md", &rig, "loads.ron"), 1);
 }
 
 /// Its data are other people's: it is played where `PHISINDY_DATA` names their folder.
@@ -136,7 +175,7 @@ fn the_first_ten_minutes_are_as_they_say() {
         eprintln!("skipped: no `{FILE}` in the folder PHISINDY_DATA");
         return;
     };
-    let commands = play("first-ten-minutes.md", &data, "frame.ron");
+    let commands = play("tutorial-rig.md", &data, "frame.ron");
     assert!(commands > 6, "{commands}");
 }
 
@@ -144,9 +183,11 @@ fn the_first_ten_minutes_are_as_they_say() {
 #[test]
 fn the_first_command_of_the_readme_prints_what_it_shows() {
     let text = std::fs::read_to_string(top().join("README.md")).expect("the README");
-    let first = blocks(&text).remove(0);
+    const START: &str = "$ cargo run --release -- ";
+    let all = blocks(&text);
+    let first = all.iter().find(|b| b.lines.first().is_some_and(|l| l.starts_with(START))).expect("it");
     let (command, shown) = first.lines.split_first().expect("a command");
-    let words = words(command.strip_prefix("$ cargo run --release -- ").expect("a command of this program"));
+    let words = words(&command[START.len()..]);
     let said = common::phisindy(&words.iter().map(String::as_str).collect::<Vec<_>>()).out;
     let all: Vec<&str> = said.lines().collect();
     let mut rest = all.as_slice();
@@ -157,6 +198,20 @@ fn the_first_command_of_the_readme_prints_what_it_shows() {
             [at.unwrap_or_else(|| panic!("`{line}` is not there (or not in its place) in:\n{said}")) + 1..];
     }
     assert!(shown.len() > 6, "{shown:?}");
+}
+
+/// What follows it: from the bundled file to the name of the law.
+#[test]
+fn the_minute_of_the_readme_is_as_it_says() {
+    let folder: PathBuf = Path::new(env!("CARGO_TARGET_TMPDIR")).join("readme");
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(folder.join("docs/tutorial")).expect("a folder");
+    std::fs::copy(top().join("docs/tutorial/rig.csv"), folder.join("docs/tutorial/rig.csv"))
+        .expect("the data");
+    let text = std::fs::read_to_string(top().join("README.md")).expect("the README");
+    let mut all = blocks(&text);
+    all.retain(|b| b.lines.first().is_some_and(|l| l.starts_with("$ phisindy ")));
+    assert_eq!(typed(&all, &folder, "rig.ron"), 2);
 }
 
 #[test]

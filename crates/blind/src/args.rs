@@ -8,8 +8,8 @@ Examples:
   phisindy-blind hidden --out sets --sets 200 --seed 7      data sets with a hidden effect, the truth beside each
   phisindy-blind score --out sets                           `phisindy gap` on each of them, compared with the truth
   phisindy-blind wrong --sets 105 --seed 7                  known parts with one mistake: does `run` tell of it?
-  phisindy-blind paper --write README.md                    every case of the paper with both methods
-  phisindy-blind sweep --seeds 100 --write README.md        many seeds of every case
+  phisindy-blind paper --write docs/results.md              every case of the paper with both methods
+  phisindy-blind sweep --seeds 100 --write docs/results.md  many seeds of every case
   phisindy-blind language --write docs/reference.md         the operations of the language
   phisindy-blind decisions --write docs/method.md           the numbers that decide something";
 
@@ -43,6 +43,11 @@ pub(crate) enum Command {
     Decisions,
     /// The operations of the expression language
     Language,
+    /// For mdbook: formulas of the book as MathML, from standard input to standard output
+    Book {
+        /// `supports html`, as mdbook asks
+        query: Vec<String>,
+    },
 }
 
 /// Options of all tables.

@@ -5,10 +5,11 @@
 //! seed --hidden--> DIR/NNN: spec and data of a rig with an effect that the spec lacks | truth.json
 //! DIR/NNN --phisindy gap--> result.json --score, with truth.json--> table
 //! seed --wrong--> specs with one mistake in the known part --identify--> is it reported? --> table
-//! specs of the paper --phisindy run, phisindy sweep--> tables of README.md
+//! specs of the paper --phisindy run, phisindy sweep--> tables of docs/results.md
 //! ```
 
 mod args;
+mod book;
 mod dice;
 mod folder;
 mod hidden;
@@ -66,6 +67,7 @@ fn run(args: &Args) -> Result<bool> {
         .context("cannot start the threads")?;
     let made = match &args.command {
         Command::Hidden(args) => return hidden::make(args, options),
+        Command::Book { query } => return book::preprocess(query).map(|()| true),
         Command::Score(args) => hidden::score(args, options)?,
         Command::Wrong(args) => wrong::table(args, options)?,
         Command::Paper(args) => readme::paper(args, options)?.map(|table| Table::new("paper", table)),

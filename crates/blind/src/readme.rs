@@ -1,4 +1,4 @@
-//! The tables of README.md and the docs, made from the specs and the code, so that nobody copies numbers by
+//! The tables of the documents, made from the specs and the code, so that nobody copies numbers by
 //! hand.
 
 mod decisions;

@@ -184,9 +184,23 @@ for Slurm, Snakemake and Nextflow.
 Exit code 1: a truth lies outside of its dictionary, or no run came to a result."
     )]
     Sweep(SweepArgs),
-    /// Print what a shell needs to complete this command line
+    /// Work on a local page: drop a file, edit the model, run it, watch the gap shrink
     #[command(
         display_order = 9,
+        before_help = "\
+Examples:
+  phisindy open                 the working folder is this one
+  phisindy open rig.csv         begin with a data file; its folder is the working folder
+  phisindy open rig.ron         begin with a spec
+  phisindy open --no-open       only print the address",
+        after_help = "\
+The page is for this machine and this user alone: it listens on 127.0.0.1 and answers only to the address with the token that is printed.
+It loads nothing from the network. Data, spec and results are files in the working folder. End it with Ctrl-C; nothing is lost."
+    )]
+    Open(OpenArgs),
+    /// Print what a shell needs to complete this command line
+    #[command(
+        display_order = 10,
         before_help = "\
 Examples:
   phisindy completions bash > ~/.local/share/bash-completion/completions/phisindy
@@ -201,7 +215,7 @@ Examples:
     },
     /// Print the manual, or write its pages into --out
     #[command(
-        display_order = 10,
+        display_order = 11,
         before_help = "\
 Examples:
   phisindy man > phisindy.1                         the whole program on one page
@@ -223,6 +237,20 @@ pub(crate) struct NewArgs {
     /// Replace the file of --out if there is one
     #[arg(long)]
     pub(crate) force: bool,
+}
+
+/// Where to work on a page.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct OpenArgs {
+    /// Spec or data file to begin with; its folder is the working folder [default: this folder]
+    #[arg(value_name = "SPEC|DATA")]
+    pub(crate) path: Option<PathBuf>,
+    /// Port of 127.0.0.1 [default: a free one]
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    pub(crate) port: u16,
+    /// Only print the address; open no browser
+    #[arg(long)]
+    pub(crate) no_open: bool,
 }
 
 /// What to export.

@@ -6,6 +6,7 @@ pub(crate) mod gap;
 pub(crate) mod laws;
 pub(crate) mod manual;
 pub(crate) mod new;
+pub(crate) mod open;
 pub(crate) mod run;
 pub(crate) mod simulate;
 mod spec_file;

@@ -18,6 +18,7 @@ mod sweep;
 mod terminal;
 
 use crate::args::{Args, Command, Options};
+use crate::limit::Limit;
 use anyhow::{Context, Result, anyhow};
 use clap::Parser;
 use phisindy::SpecError;
@@ -31,7 +32,8 @@ pub fn program(line: impl Iterator<Item = OsString>) -> u8 {
     let line: Vec<OsString> = line.collect();
     let mut args = Args::parse_from(&line);
     args.options.line = line.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
-    interrupt::listen(args.options.limit.unwrap_or_default());
+    let unlimited = matches!(args.command, Command::Open(_));
+    interrupt::listen(args.options.limit.unwrap_or(if unlimited { Limit::none() } else { Limit::default() }));
     match execute(&args) {
         Ok(code) => code,
         // The reader of the result has closed the pipe.
@@ -65,6 +67,7 @@ fn execute(args: &Args) -> Result<u8> {
             )),
             words => commands::laws::laws(words.first().copied(), options),
         },
+        Command::Open(args) => commands::open::open(args, options),
         Command::Export(args) => commands::export::export(args, options),
         Command::Completions { shell } => commands::manual::completions(*shell),
         Command::Man => commands::manual::pages(options),

@@ -25,6 +25,11 @@ impl Default for Limit {
 }
 
 impl Limit {
+    /// No limit: for work that a user ends, not the program.
+    pub(crate) const fn none() -> Limit {
+        Limit { time: None, memory: None }
+    }
+
     /// Parses `10min`, `4GB`, both separated by a comma, or `none`; a limit that is not named has its
     /// default.
     ///
@@ -32,7 +37,7 @@ impl Limit {
     /// In words.
     pub(crate) fn parse(text: &str) -> Result<Limit, String> {
         if text.trim() == "none" {
-            return Ok(Limit { time: None, memory: None });
+            return Ok(Limit::none());
         }
         let mut limit = DEFAULT;
         for part in text.split(',').map(str::trim) {

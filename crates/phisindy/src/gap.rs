@@ -87,7 +87,14 @@ impl Gap {
 
     /// The files that `phisindy gap --out` keeps.
     pub fn folder(&self, seconds: f64) -> Folder {
-        Folder::of_gap(&self.report(seconds), &Invocation::default())
+        self.folder_of(seconds, &[])
+    }
+
+    /// The same of a command line with these words, which the report shows as what repeats it.
+    pub fn folder_of(&self, seconds: f64, words: &[&str]) -> Folder {
+        let arguments = words.iter().map(|&word| word.to_owned()).collect();
+        let how = Invocation { arguments, ..Invocation::default() };
+        Folder::of_gap(&self.report(seconds), &how)
     }
 
     fn report(&self, seconds: f64) -> GapReport<'_> {

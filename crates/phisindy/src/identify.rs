@@ -156,7 +156,14 @@ impl Identified {
 
     /// The files that `phisindy run --out` keeps.
     pub fn folder(&self, seconds: f64) -> Folder {
-        Folder::of_run(&self.report(seconds), self.loaded.input(), &self.result, &Invocation::default())
+        self.folder_of(seconds, &[])
+    }
+
+    /// The same of a command line with these words, which the report shows as what repeats it.
+    pub fn folder_of(&self, seconds: f64, words: &[&str]) -> Folder {
+        let arguments = words.iter().map(|&word| word.to_owned()).collect();
+        let how = Invocation { arguments, ..Invocation::default() };
+        Folder::of_run(&self.report(seconds), self.loaded.input(), &self.result, &how)
     }
 
     fn report(&self, seconds: f64) -> RunReport<'_> {
