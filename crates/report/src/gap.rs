@@ -1,11 +1,15 @@
 //! The result of `gap`: which effects the model lacks.
 
+mod balance;
+mod finding;
 mod json;
 mod report;
 mod text;
 
 pub use report::GapReport;
-pub(crate) use text::{basis, outcome, rivals, vetoes};
+pub(crate) use balance::{Balance, RecordForce, balance};
+pub(crate) use finding::{Finding, counted, finding};
+pub(crate) use text::{basis, rivals, vetoes};
 
 use crate::format::Format;
 

@@ -7,7 +7,7 @@ use phisindy_phys::LawEntry;
 use phisindy_phys::spec::Role;
 
 /// A larger gap is more than noise.
-const NOISE: f64 = 1.1;
+pub(super) const NOISE: f64 = 1.1;
 /// Length of the bars, in characters.
 const BAR: usize = 24;
 
@@ -161,7 +161,7 @@ fn limit(found: &Gap) -> &'static str {
 
 /// If the motion on Validate records is sensitive to uncertain parameters: the gap that remains when these
 /// move within their errors.
-fn sensitivity(found: &Gap) -> String {
+pub(super) fn sensitivity(found: &Gap) -> String {
     match (found.after.1, found.predictive) {
         (Some(gap), Some(left)) if gap > NOISE && left < NOISE => {
             format!(

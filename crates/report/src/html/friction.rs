@@ -1,12 +1,11 @@
 //! The identified part of a rate against velocity, with its band and, for synthetic data, the truth.
 
 use super::table::unit as unit_words;
-use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Swatch, WIDTH, digits, legend};
+use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Sheet, Swatch, digits, legend};
 use phisindy_learn::{Curve, Identified, PartValues, UnknownPart, unknown_parts};
 use phisindy_phys::unit::{Dimension, Unit};
 use phisindy_phys::{Case, Record};
 
-const LEFT: f64 = 70.0;
 const HIGH: f64 = 250.0;
 /// Most dots of a cloud.
 const DOTS: usize = 3000;
@@ -15,10 +14,15 @@ const DOTS: usize = 3000;
 const FORCES: [(&str, &str); 2] = [("m/s^2", "N"), ("rad/s^2", "N*m")];
 
 /// A chart for each state whose rate has an identified part that depends on a velocity.
-pub(crate) fn charts(case: &Case, records: &[Record], found: &Identified) -> Vec<(Chart, String)> {
+pub(crate) fn charts(
+    case: &Case,
+    records: &[Record],
+    found: &Identified,
+    sheet: Sheet,
+) -> Vec<(Chart, String)> {
     let scale = case.system.states.iter().any(|s| force_unit(&s.unit).is_some());
     let parts = unknown_parts(case, records, found, scale);
-    parts.iter().flat_map(|part| part_charts(case, part)).collect()
+    parts.iter().flat_map(|part| part_charts(case, part, sheet)).collect()
 }
 
 /// The unit of the force that corresponds to the rate of a state.
@@ -36,7 +40,7 @@ fn rate(state: &str) -> Option<Dimension> {
 }
 
 /// One chart per curve, so that bands do not overlap; one for a cloud.
-fn part_charts(case: &Case, part: &UnknownPart) -> Vec<(Chart, String)> {
+fn part_charts(case: &Case, part: &UnknownPart, sheet: Sheet) -> Vec<(Chart, String)> {
     let state = &case.system.states[part.state];
     let unit = match (part.force, force_unit(&state.unit)) {
         (true, Some(force)) => force.to_owned(),
@@ -45,7 +49,8 @@ fn part_charts(case: &Case, part: &UnknownPart) -> Vec<(Chart, String)> {
     };
     let unit = unit_words(&unit);
     let what = if part.force { "resisting force" } else { "resistance" };
-    let axes = Axes { unit, what, part, state: &state.name, velocity: velocity_unit(case, &part.velocity) };
+    let velocity = velocity_unit(case, &part.velocity);
+    let axes = Axes { unit, what, part, state: &state.name, velocity, sheet };
     match &part.values {
         PartValues::Curves(curves) => {
             let of =
@@ -74,6 +79,7 @@ struct Axes<'a> {
     part: &'a UnknownPart,
     state: &'a str,
     velocity: String,
+    sheet: Sheet,
 }
 
 impl Axes<'_> {
@@ -88,9 +94,11 @@ impl Axes<'_> {
             0 => format!("friction-{}", self.state),
             k => format!("friction-{}-{}", self.state, k + 1),
         };
-        let mut chart = Chart::new(&name, title, said, (WIDTH, HIGH + 106.0));
-        chart.draw(legend(entries, 20.0, 20.0));
-        chart.draw(panel.drawn(Place { x: LEFT, y: 44.0, width: WIDTH - LEFT - 14.0, height: HIGH }));
+        let sheet = self.sheet;
+        let (keys, top) = legend(entries, sheet);
+        let mut chart = Chart::new(&name, title, said, (sheet.width(), top + HIGH + 58.0));
+        chart.draw(keys);
+        chart.draw([panel.live(Place { x: sheet.left(), y: top, width: sheet.inner(), height: HIGH })]);
         chart
     }
 
