@@ -26,7 +26,7 @@ impl Sheet {
     pub(crate) fn left(self) -> f64 {
         match self {
             Sheet::Page => 70.0,
-            Sheet::Half => 64.0,
+            Sheet::Half => 70.0,
             Sheet::Phone => 46.0,
         }
     }

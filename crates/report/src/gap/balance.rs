@@ -232,10 +232,11 @@ impl<'a> Body<'a> {
             let t = record.time[i];
             // Over a change of mode the smoothed acceleration is a mean of two.
             let changes = run.events.iter().any(|e| (e.time - t).abs() < half);
+            let switches = run.modes.len() / record.len().max(1);
+            let held = run.modes[i * switches..(i + 1) * switches].contains(&0);
             let Some([value, slope, curvature]) = smooth.at(i) else { continue };
             let mut states = run.state_at(i).to_vec();
-            let rests = self.sticks && evaluated(i, &states, numbers)[2] == 0.0;
-            if changes || rests {
+            if changes || held {
                 continue;
             }
             states[column] = value;

@@ -78,7 +78,7 @@ pub(crate) fn effect(step: &Step) -> String {
     let numbers: Vec<String> = step.parameters.iter().take(NUMBERS).map(number).collect();
     let more = if step.parameters.len() > NUMBERS { ", …" } else { "" };
     let numbers = if numbers.is_empty() { String::new() } else { format!(" ({}{more})", numbers.join(", ")) };
-    format!("{} at {}{numbers}", step.effect.entry.law.name.to_lowercase(), step.effect.place.at)
+    format!("{} at {}{numbers}", step.effect.entry.law.name, step.effect.place.at)
 }
 
 /// `mu = 0.298 ± 0.008`, with half the 95 % interval; the range of the values that records have of their own.

@@ -6,11 +6,20 @@ use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Sheet, Swatch, digits
 use crate::gap::{Balance, RecordForce};
 use phisindy_gap::Step;
 
-const HIGH: f64 = 236.0;
+const HIGH: f64 = 220.0;
 /// Most dots of all records together.
 const DOTS: usize = 1500;
 /// Part of the measured points that may lie outside of the picture at each end: those at the ends of stops.
 const OUTLIERS: f64 = 0.01;
+
+/// The chart of a step with a short caption: what to see.
+pub(crate) fn first(step: &Step, balance: &Balance, sheet: Sheet) -> (Chart, String) {
+    let (chart, _) = chart("force", step, balance, sheet);
+    let law = &step.effect.entry.law.name;
+    let what = if balance.axes.function { "with the band of its numbers (95 %)" } else { "along the motion" };
+    let points = points(balance);
+    (chart, format!("{law} at {} against {}, {what}.{points}", step.effect.place.at, balance.axes.over))
+}
 
 /// The chart of a step.
 pub(crate) fn chart(name: &str, step: &Step, balance: &Balance, sheet: Sheet) -> (Chart, String) {
@@ -47,13 +56,13 @@ fn has_points(balance: &Balance) -> bool {
 fn entries(balance: &Balance, law: &str) -> Vec<Entry> {
     let mut out: Vec<Entry> = vec![];
     if has_points(balance) {
-        out.push(("measured", Swatch::Dot, "force balance of the measurement".to_owned()));
+        out.push(("measured", Swatch::Dot, "measured force balance".to_owned()));
     }
     if balance.axes.function {
         out.push(("model", Swatch::Line, law.to_owned()));
         out.push(("band", Swatch::Box, "95 % band".to_owned()));
     } else {
-        out.push(("model", Swatch::Dot, format!("{law}, along the motion")));
+        out.push(("model", Swatch::Dot, law.to_owned()));
     }
     out
 }
@@ -100,16 +109,25 @@ fn lines(balance: &Balance) -> Vec<Mark> {
 
 /// Names of records whose curves differ, at the end of the curve.
 fn names(balance: &Balance) -> Vec<Mark> {
-    if !balance.axes.function || balance.records.len() < 2 {
-        return vec![];
-    }
     let height = |r: &RecordForce| r.law.iter().map(|p| p.1).fold(f64::NEG_INFINITY, f64::max);
+    // A curve has its name at its end, a cloud at its top.
+    let place = |r: &RecordForce| {
+        let better = |a: f64, b: &(f64, f64, (f64, f64))| if balance.axes.function { b.0 >= a } else { b.1 >= a };
+        let mut best: Option<(f64, f64)> = None;
+        for p in &r.law {
+            let best_value = best.map(|b| if balance.axes.function { b.0 } else { b.1 });
+            if best_value.is_none_or(|a| better(a, p)) {
+                best = Some((p.0, p.1));
+            }
+        }
+        best
+    };
     let size = balance.records.iter().map(height).fold(0.0, f64::max);
     let mut told: Vec<f64> = vec![];
     let mut out = vec![];
     for r in &balance.records {
         let y = height(r);
-        let Some(end) = r.law.iter().map(|p| p.0).reduce(f64::max) else { continue };
+        let Some((end, _)) = place(r) else { continue };
         // Records with the same curve share a name.
         if told.iter().all(|other| (other - y).abs() > 0.08 * size) {
             told.push(y);
@@ -117,6 +135,20 @@ fn names(balance: &Balance) -> Vec<Mark> {
         }
     }
     if told.len() > 1 { out } else { vec![] }
+}
+
+/// What the measured points are.
+fn points(balance: &Balance) -> String {
+    match (has_points(balance), balance.smoothed) {
+        (false, _) => String::new(),
+        (true, 0.0) => {
+            " Grey dots: what the measured motion asks for, inertia times acceleration less the known forces.".to_owned()
+        }
+        (true, time) => format!(
+            " Grey dots: what the measured motion asks for, inertia times acceleration less the known forces, smoothed over {} ms at most; no dots where it sticks or turns.",
+            digits(1e3 * time, 2)
+        ),
+    }
 }
 
 /// What it is, over which range, and what to see.
@@ -133,14 +165,7 @@ fn said(balance: &Balance, what: &str) -> String {
     } else {
         format!(" It depends on more than {}, so that it is a cloud.", axes.over)
     };
-    let points = match (has_points(balance), balance.smoothed) {
-        (false, _) => String::new(),
-        (true, 0.0) => " Grey: what the measured motion asks for, inertia times acceleration less the known forces.".to_owned(),
-        (true, time) => format!(
-            " Grey: what the measured motion asks for, inertia times acceleration less the known forces, with displacements smoothed over {} ms at most.",
-            digits(1e3 * time, 2)
-        ),
-    };
+    let points = points(balance);
     format!(
         "{what} from {}{} while {} goes from {}{}.{how}{points}",
         range(&mut all().map(|p| p.1)),

@@ -11,7 +11,7 @@ use crate::format::role_name as role;
 use crate::gap::{Balance, Finding, GapReport, balance, finding, rivals, vetoes};
 use crate::input::{Ending, Invocation};
 use crate::markup::{Element, element};
-use phisindy_gap::{ColumnGap, ColumnRepeat, Gap, Region, Status, Step};
+use phisindy_gap::{ColumnGap, ColumnRepeat, Gap, Region, Status, Step, Warning};
 use phisindy_phys::{LawEntry, SourceId, check_names, spec};
 
 /// The page.
@@ -27,10 +27,11 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     let mut page = Page::new(input, banner(found, ending));
     let balances: Vec<Option<Balance>> = found.steps.iter().map(|s| balance(found, s, input.records)).collect();
     first_screen(&mut page, found, &seen, &balances);
-    let warnings: Vec<String> = found.warnings.iter().map(ToString::to_string).collect();
-    add_warnings(&mut page, &warnings);
-    missing(&mut page, found, catalogue, &balances);
     page.section("All laws that were tried", leaderboard(found, catalogue));
+    missing(&mut page, found, catalogue, &balances);
+    // A law that is ruled out is told beside its step.
+    let warnings = found.warnings.iter().filter(|w| !matches!(w, Warning::Vetoed(_)));
+    add_warnings(&mut page, &warnings.map(ToString::to_string).collect::<Vec<_>>());
     if !found.steps.is_empty() || !found.partial.is_empty() {
         page.section("The completed equation", completed(found));
     }
@@ -45,7 +46,8 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     page
 }
 
-/// The finding in pictures: the motion before and after, the force that was found first, the shrinking gap.
+/// The finding in pictures: the motion before and after, the force that was found first (of a law of the catalogue or
+/// a discovered formula: both are steps), the shrinking gap.
 fn first_screen(page: &mut Page, found: &Gap, seen: &Seen<'_>, balances: &[Option<Balance>]) {
     let column = found.located.first().map(|r| r.column.as_str());
     let mut figures = page.drawn(Sheet::Half, |sheet| hero::chart(seen, column, sheet).into_iter().collect());
@@ -53,9 +55,9 @@ fn first_screen(page: &mut Page, found: &Gap, seen: &Seen<'_>, balances: &[Optio
     let gap = |sheet| vec![shrink::chart(found, sheet)];
     match shown {
         Some((step, balance)) => {
-            figures.extend(page.drawn(Sheet::Half, |sheet| vec![force::chart("force", step, balance, sheet)]));
+            figures.extend(page.drawn(Sheet::Half, |sheet| vec![force::first(step, balance, sheet)]));
             let below = page.drawn(Sheet::Page, gap);
-            page.first(figures, below);
+            page.first(figures, vec![element("div").class("beside").all(below)]);
         }
         None => {
             figures.extend(page.drawn(Sheet::Half, gap));

@@ -7,7 +7,7 @@ use crate::format::role_name;
 use phisindy_phys::spec::Role;
 use phisindy_signal::strongest_line;
 
-const HIGH: f64 = 236.0;
+const HIGH: f64 = 220.0;
 /// Periods of the motion that are shown.
 const PERIODS: f64 = 3.0;
 /// Part of a record that is shown where its motion has no period.

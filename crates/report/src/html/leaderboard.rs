@@ -8,38 +8,45 @@ use phisindy_gap::{Gap, Tried};
 use phisindy_phys::LawEntry;
 
 /// Rows that are shown; the others are folded.
-const SHOWN: usize = 10;
+const SHOWN: usize = 14;
 
-const HEAD: [&str; 5] = ["law", "score", "gap", "probability", "ruled out because"];
-
-/// The table; empty if nothing was tried.
+/// The tables; empty if nothing was tried.
 pub(crate) fn leaderboard(found: &Gap, catalogue: &[LawEntry]) -> Vec<Element> {
-    let all = &found.tried;
-    if all.is_empty() {
+    if found.tried.is_empty() {
         return vec![];
     }
-    let best = all.iter().map(|t| t.score).filter(|s| s.is_finite()).fold(0.0, f64::max);
-    let rows = |part: &[Tried]| part.iter().map(|t| row(t, best, catalogue)).collect::<Vec<_>>();
-    let (first, rest) = all.split_at(SHOWN.min(all.len()));
+    // The score of a fit counts the scatter of what is left, that of the regression the noise: they do not compare.
+    let (fitted, screened): (Vec<&Tried>, Vec<&Tried>) = found.tried.iter().partition(|t| t.gap.is_some());
     let said = paragraph(
-        "Each law by itself beside the model as it is. Score: how far it lowers the criterion (misfit and the price of \
-         its numbers); gap: what its fit leaves, in units of the noise, where it was fitted in full; probability: among \
-         the laws that were fitted and not ruled out. A law that evidence rules out is struck through.",
+        "Each law by itself beside the model as it is. Score: how far its fit lowers the criterion (misfit and the price \
+         of its numbers). Gap: what its fit leaves, in units of the noise. Probability: among the laws that were fitted \
+         and not ruled out. A law that evidence rules out is struck through.",
     );
     let mut out = vec![said];
-    out.extend(table("Laws that were tried, best first", &HEAD, rows(first)));
-    if let Some(folded) = table("The other laws that were tried", &HEAD, rows(rest)) {
-        let summary = element("summary").text(format!("{} more laws and places", rest.len()));
-        out.push(element("details").add(summary).add(folded));
-    }
+    let rows = |part: &[&Tried], best: f64| part.iter().map(|t| row(t, best, catalogue)).collect::<Vec<_>>();
+    let best = |all: &[&Tried]| all.iter().map(|t| t.score).filter(|s| s.is_finite()).fold(0.0, f64::max);
+    let head = ["law", "score", "gap", "probability", "ruled out because"];
+    let (first, rest) = fitted.split_at(SHOWN.min(fitted.len()));
+    out.extend(table("Laws that were fitted in full, best first", &head, rows(first, best(&fitted))));
+    let more = table("The other laws that were fitted in full", &head, rows(rest, best(&fitted)));
+    out.extend(more.map(|table| folded(&format!("{} more that were fitted", rest.len()), table)));
+    let head = ["law", "score of the regression"];
+    let short = |all: &[&Tried]| -> Vec<Vec<Cell>> {
+        rows(all, best(all)).into_iter().map(|row| row.into_iter().take(2).collect()).collect()
+    };
+    let list = table("Laws that were screened by regression alone: others did better", &head, short(&screened));
+    out.extend(list.map(|table| folded(&format!("{} laws and places that were screened only", screened.len()), table)));
     let not: Vec<Vec<Cell>> =
         found.not_tried.iter().map(|n| vec![code(&n.law), text(n.why.to_string())]).collect();
-    if let Some(list) = table("Laws that were not tried", &["law", "why not"], not) {
-        let count = found.not_tried.len();
-        let words = format!("{count} {} not tried", if count == 1 { "law was" } else { "laws were" });
-        out.push(element("details").add(element("summary").text(words)).add(list));
-    }
+    let count = found.not_tried.len();
+    let words = format!("{count} {} not tried", if count == 1 { "law was" } else { "laws were" });
+    out.extend(table("Laws that were not tried", &["law", "why not"], not).map(|list| folded(&words, list)));
     out
+}
+
+/// An element behind a line that opens it.
+fn folded(words: &str, inside: Element) -> Element {
+    element("details").add(element("summary").text(words)).add(inside)
 }
 
 fn row(t: &Tried, best: f64, catalogue: &[LawEntry]) -> Vec<Cell> {

@@ -139,7 +139,8 @@
   for (const figure of document.querySelectorAll("figure")) {
     const keys = [...(figure.querySelector("svg")?.querySelectorAll(".key") ?? [])];
     const tools = make("div", "tools");
-    for (const key of keys.length > 1 ? keys : []) {
+    const lines = keys.filter((key) => ["measured", "before", "model", "truth", "band"].includes(key.dataset.of.split(" ")[0]));
+    for (const key of lines.length > 1 && !figure.closest(".pair") ? lines : []) {
       const name = key.dataset.of.split(" ")[0];
       const button = make("button", "toggle", key.textContent);
       button.type = "button";

@@ -39,7 +39,7 @@ pub(crate) fn chart(found: &Gap, sheet: Sheet) -> (Chart, String) {
         let y = 1.0 - (k as f64 + 0.5) / rows.len() as f64;
         let half = 0.2 / rows.len() as f64;
         // The bar stands low in its row, below its name.
-        (from, value, y - half - 0.4 * half, y + half - 0.4 * half)
+        (from, value, y - half - 0.9 * half, y + half - 0.9 * half)
     };
     let boxes = |of: std::ops::Range<usize>, class| Mark::Boxes {
         class,
@@ -70,7 +70,7 @@ pub(crate) fn chart(found: &Gap, sheet: Sheet) -> (Chart, String) {
         let end = place.x + place.width * x.place(value.min(1.25 * most));
         chart.draw([
             word("label halo", LEFT + 6.0, y + 14.0, name),
-            word("heading", end + 6.0, y + 30.0, &digits(*value, 3)),
+            word("heading", end + 6.0, y + 34.0, &digits(*value, 3)),
         ]);
     }
     (chart, format!("{title}: {text}"))

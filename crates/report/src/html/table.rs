@@ -59,12 +59,15 @@ fn cell(cell: Cell) -> Element {
     match cell {
         Cell::Text(text) => td.text(text),
         Cell::Code(text) => td.add(element("code").text(text)),
-        Cell::CodeOf(name, record) => td.add(element("code").text(name)).text(format!(" of {record}")),
+        Cell::CodeOf(name, record) => {
+            td.add(element("span").add(element("code").text(name)).text(format!(" of {record}")))
+        }
         Cell::Made(element) => td.add(element),
         Cell::Number(x) => td.class("number").add(number(x)),
         Cell::Interval(a, b) => {
             let (low, high) = ends(a, b);
-            td.class("number").text("[").add(shown(a, &low)).text(", ").add(shown(b, &high)).text("]")
+            let inside = element("span").text("[").add(shown(a, &low)).text(", ").add(shown(b, &high)).text("]");
+            td.class("number").add(inside)
         }
     }
 }
