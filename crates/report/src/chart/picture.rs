@@ -1,9 +1,13 @@
 //! A picture as SVG, inside a page or as a file.
 
+use super::label::at;
 use crate::markup::{Element, element};
 
 /// The style sheet of charts; its classes are those of the marks.
 pub(crate) const STYLE: &str = include_str!("chart.css");
+
+/// A picture is drawn at most so much larger than it is.
+const LARGER: f64 = 1.06;
 
 /// A picture with a description for readers who do not see it.
 #[derive(Clone, Debug)]
@@ -63,5 +67,6 @@ impl Chart {
             .with("viewBox", format!("0 0 {} {}", self.width, self.height))
             .with("width", self.width)
             .with("height", self.height)
+            .with("style", format!("max-width:{}px", at(LARGER * self.width)))
     }
 }

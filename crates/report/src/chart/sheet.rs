@@ -6,6 +6,8 @@
 pub(crate) enum Sheet {
     /// A column of text on a desk or on paper.
     Page,
+    /// The whole width of a desk, low.
+    Full,
     /// Half of it: two pictures stand side by side.
     Half,
     /// A phone.
@@ -17,6 +19,7 @@ impl Sheet {
     pub(crate) fn width(self) -> f64 {
         match self {
             Sheet::Page => 760.0,
+            Sheet::Full => 1100.0,
             Sheet::Half => 540.0,
             Sheet::Phone => 340.0,
         }
@@ -25,8 +28,7 @@ impl Sheet {
     /// Left edge of the plotting area: room for labels of ticks.
     pub(crate) fn left(self) -> f64 {
         match self {
-            Sheet::Page => 70.0,
-            Sheet::Half => 70.0,
+            Sheet::Page | Sheet::Full | Sheet::Half => 70.0,
             Sheet::Phone => 46.0,
         }
     }

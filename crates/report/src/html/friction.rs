@@ -6,7 +6,7 @@ use phisindy_learn::{Curve, Identified, PartValues, UnknownPart, unknown_parts};
 use phisindy_phys::unit::{Dimension, Unit};
 use phisindy_phys::{Case, Record};
 
-const HIGH: f64 = 250.0;
+const HIGH: f64 = 220.0;
 /// Most dots of a cloud.
 const DOTS: usize = 3000;
 
@@ -61,6 +61,35 @@ fn part_charts(case: &Case, part: &UnknownPart, sheet: Sheet) -> Vec<(Chart, Str
     }
 }
 
+/// Part of the largest velocity that counts as low.
+const LOW: f64 = 0.05;
+/// A force that changes there by this part of its range is drawn once more, larger.
+const CHANGES: f64 = 0.08;
+
+/// A panel of the low positive velocities, where friction changes fast: the lower right of a friction curve is empty.
+fn low_speeds(panel: &Panel) -> Option<Panel> {
+    let line = panel.marks.iter().find_map(|m| match m {
+        Mark::Line { class: "model", points } => Some(points),
+        _ => None,
+    })?;
+    let range = |points: &mut dyn Iterator<Item = f64>| {
+        let (low, high) = points.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        (low, high, high - low)
+    };
+    let fastest = line.iter().map(|p| p.0).fold(0.0, f64::max);
+    let slow = || line.iter().filter(|p| p.0 > 0.0 && p.0 < LOW * fastest);
+    let (lowest, _, whole) = range(&mut line.iter().map(|p| p.1));
+    let (low, high, part) = range(&mut slow().map(|p| p.1));
+    // The corner must be free: friction at positive velocities is positive, and there is something below zero.
+    if slow().count() < 8 || part < CHANGES * whole || low < 0.0 || lowest > -0.2 * whole {
+        return None;
+    }
+    let points: Vec<(f64, f64)> = slow().copied().collect();
+    let x = Axis::between("", "", 0.0, LOW * fastest);
+    let marks = vec![Mark::Line { class: "model", points }];
+    Some(Panel { heading: "low speeds".to_owned(), x, y: Axis::around("", "", [low, high]), marks, labelled: true })
+}
+
 /// The unit of the velocity; a difference of velocities has that of the first.
 fn velocity_unit(case: &Case, velocity: &str) -> String {
     let words = velocity.split(|c: char| !c.is_alphanumeric() && c != '_');
@@ -96,9 +125,18 @@ impl Axes<'_> {
         };
         let sheet = self.sheet;
         let (keys, top) = legend(entries, sheet);
-        let mut chart = Chart::new(&name, title, said, (sheet.width(), top + HIGH + 58.0));
+        let mut chart = Chart::new(&name, title, said, (sheet.width(), top + HIGH + 50.0));
         chart.draw(keys);
-        chart.draw([panel.live(Place { x: sheet.left(), y: top, width: sheet.inner(), height: HIGH })]);
+        let place = Place { x: sheet.left(), y: top, width: sheet.inner(), height: HIGH };
+        chart.draw([panel.live(place)]);
+        if let Some(inset) = low_speeds(panel) {
+            chart.draw(inset.drawn(Place {
+                x: place.x + 0.62 * place.width,
+                y: place.y + 0.6 * place.height,
+                width: 0.34 * place.width,
+                height: 0.24 * place.height,
+            }));
+        }
         chart
     }
 

@@ -8,12 +8,14 @@ use phisindy_phys::spec::Role;
 use phisindy_signal::strongest_line;
 
 const HIGH: f64 = 220.0;
+/// The same over the whole width.
+const LOW: f64 = 170.0;
 /// Periods of the motion that are shown.
 const PERIODS: f64 = 3.0;
 /// Part of a record that is shown where its motion has no period.
 const PART: f64 = 0.15;
-/// Up to this number of samples, the measurement is drawn as dots.
-const DOTS: usize = 400;
+/// Most dots of the measurement.
+const DOTS: usize = 600;
 
 /// A stretch of a column of a record.
 struct Stretch<'s> {
@@ -46,26 +48,23 @@ pub(crate) fn chart(seen: &Seen<'_>, column: Option<&str>, sheet: Sheet) -> Opti
     let room = 0.3 * (high - low);
     let shown = lines.iter().flat_map(|(_, l)| l.iter().map(|p| p.1.clamp(low - room, high + room)));
     let y = Axis::around(column.name, &unit(column.unit), measured.iter().map(|p| p.1).chain(shown));
-    let few = measured.len() <= DOTS;
-    let entries = entries(seen, few);
-    let mut marks = vec![match few {
-        true => Mark::Dots { class: "measured", points: measured, radius: 2.2 },
-        false => Mark::Line { class: "measured", points: measured },
-    }];
+    let every = measured.len().div_ceil(DOTS).max(1);
+    let dots = measured.into_iter().step_by(every).collect();
+    let mut marks = vec![Mark::Dots { class: "measured", points: dots, radius: if every > 1 { 1.7 } else { 2.2 } }];
     marks.extend(lines.into_iter().map(|(class, points)| Mark::Line { class, points }));
     let x = Axis::between("time", "s", from, to);
     let panel = Panel { heading: String::new(), x, y, marks, labelled: true };
     let (title, caption) = words(seen, &stretch, name, (from, to));
-    let (keys, top) = legend(&entries, sheet);
-    let mut chart = Chart::new("first", &title, &caption, (sheet.width(), top + HIGH + 50.0));
+    let (keys, top) = legend(&entries(seen), sheet);
+    let height = if sheet == Sheet::Full { LOW } else { HIGH };
+    let mut chart = Chart::new("first", &title, &caption, (sheet.width(), top + height + 50.0));
     chart.draw(keys);
-    chart.draw([panel.live(Place { x: sheet.left(), y: top, width: sheet.inner(), height: HIGH })]);
+    chart.draw([panel.live(Place { x: sheet.left(), y: top, width: sheet.inner(), height })]);
     Some((chart, format!("{title}: {caption}")))
 }
 
-fn entries(seen: &Seen<'_>, few: bool) -> Vec<Entry> {
-    let swatch = if few { Swatch::Dot } else { Swatch::Line };
-    let mut out = vec![("measured", swatch, "measured".to_owned())];
+fn entries(seen: &Seen<'_>) -> Vec<Entry> {
+    let mut out = vec![("measured", Swatch::Dot, "measured".to_owned())];
     if seen.was.is_some() {
         out.push(("before", Swatch::Line, "before".to_owned()));
     }

@@ -1,6 +1,6 @@
 //! What to do next, where a result cannot be used.
 
-use super::page::{Page, block};
+use super::page::{Page, block, capital, worded};
 use crate::markup::element;
 use phisindy_learn::Rejection;
 
@@ -9,7 +9,7 @@ pub(crate) fn add(page: &mut Page, steps: &[String], command: Option<&str>) {
     if steps.is_empty() && command.is_none() {
         return;
     }
-    let items = steps.iter().map(|step| element("li").text(step));
+    let items = steps.iter().map(|step| worded(element("li"), &capital(step)));
     let list = element("ol").all(items);
     let command = command.map(|command| block(command, "next command"));
     let list = (!steps.is_empty()).then_some(list);
@@ -30,7 +30,7 @@ pub(crate) fn helps(mistakes: &str) -> Vec<String> {
 }
 
 /// What to do about a rejection.
-pub(crate) fn after_rejection(why: &Rejection) -> Vec<String> {
+pub(crate) fn after_rejection(why: &Rejection, spec: &str) -> Vec<String> {
     let steps: &[&str] = match why {
         Rejection::NoTerms { .. } | Rejection::NothingMissing => &[
             "Look at the NRMSE of the known part alone: is it as small as the noise? Then the model is complete as it is.",
@@ -54,7 +54,7 @@ pub(crate) fn after_rejection(why: &Rejection) -> Vec<String> {
             "Record a motion at other speeds: this one does not tell the friction near rest from the rest.",
         ],
     };
-    steps.iter().map(|s| (*s).to_owned()).collect()
+    steps.iter().map(|s| s.replace("SPEC", spec)).collect()
 }
 
 #[cfg(test)]

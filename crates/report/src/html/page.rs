@@ -61,8 +61,10 @@ pub(crate) struct Page {
     title: String,
     spec: String,
     banner: Banner,
-    /// Elements between the banner and the sections.
+    /// Figures of the first screen.
     first: Vec<Element>,
+    /// Number of sections that stand before them.
+    early: usize,
     sections: Vec<Section>,
     charts: Vec<Chart>,
 }
@@ -81,7 +83,7 @@ impl Page {
     /// A page about a spec that could not be read.
     pub(crate) fn of_refusal(spec: &str, banner: Banner) -> Page {
         let [title, spec] = [spec, spec].map(str::to_owned);
-        Page { title, spec, banner, first: vec![], sections: vec![], charts: vec![] }
+        Page { title, spec, banner, first: vec![], early: 0, sections: vec![], charts: vec![] }
     }
 
     /// Adds a section unless it is empty.
@@ -97,7 +99,7 @@ impl Page {
 
     /// Adds a section with a list unless it is empty.
     pub(crate) fn list(&mut self, heading: &str, lines: &[String]) {
-        let items = lines.iter().map(|line| element("li").text(line));
+        let items = lines.iter().map(|line| worded(element("li"), line));
         let list = element("ul").all(items);
         self.section(heading, (!lines.is_empty()).then_some(list));
     }
@@ -126,8 +128,10 @@ impl Page {
         figure
     }
 
-    /// Adds the figures of the first screen, side by side, and what stands below them.
+    /// Adds the figures of the first screen, side by side, and what stands below them. Sections that were added before
+    /// stand above.
     pub(crate) fn first(&mut self, figures: Vec<Element>, below: Vec<Element>) {
+        self.early = self.sections.len();
         if !figures.is_empty() {
             self.first.push(element("div").class("pair").all(figures));
         }
@@ -149,8 +153,10 @@ impl Page {
             .add(meta("generator", concat!("phisindy ", env!("CARGO_PKG_VERSION"))))
             .add(element("title").text(format!("{}: {}", self.title, self.banner.headline.to_lowercase())))
             .add(element("style").raw(format!("{STYLE}{}", chart::STYLE)));
-        let sections = self.sections.iter().map(|s| s.element.clone());
-        let main = element("main").add(self.top()).all(self.first.iter().cloned()).all(sections);
+        let sections: Vec<Element> = self.sections.iter().map(|s| s.element.clone()).collect();
+        let (early, late) = sections.split_at(self.early);
+        let first = self.first.iter().chain(late).cloned();
+        let main = element("main").add(self.top()).all(early.iter().cloned()).all(first);
         let body = element("body").all(self.contents()).add(main).add(element("script").raw(SCRIPT));
         let html = element("html").with("lang", "en").add(head).add(body);
         format!("<!DOCTYPE html>\n{html}\n")
@@ -203,7 +209,21 @@ pub(crate) fn block(text: &str, label: &str) -> Element {
 
 /// A paragraph.
 pub(crate) fn paragraph(text: &str) -> Element {
-    element("p").text(text)
+    worded(element("p"), text)
+}
+
+/// The element with a text in which what stands between back ticks is code.
+pub(crate) fn worded(element_: Element, text: &str) -> Element {
+    let parts: Vec<&str> = text.split('`').collect();
+    // A single back tick is itself.
+    if parts.len() % 2 == 0 {
+        return element_.text(text);
+    }
+    let add = |out: Element, (k, part): (usize, &&str)| match k % 2 {
+        0 => out.text(part),
+        _ => out.add(element("code").text(part)),
+    };
+    parts.iter().enumerate().fold(element_, add)
 }
 
 /// Adds the warnings: what a careful reader should know of the result.

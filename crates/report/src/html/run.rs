@@ -8,10 +8,10 @@ use crate::chart::{Sheet, digits};
 use crate::equation::names_of_records;
 use crate::format::{method_name as method, role_name as role};
 use crate::input::Invocation;
-use crate::markup::Element;
+use crate::markup::{Element, element};
 use crate::run::RunReport;
 use crate::table::with_error;
-use phisindy_learn::{Estimate, Verdict};
+use phisindy_learn::{Estimate, RecordFit, Verdict};
 use phisindy_phys::spec::Role;
 
 /// The page.
@@ -23,7 +23,7 @@ pub(crate) fn page(report: &RunReport<'_>, invocation: &Invocation) -> Page {
 
     let mut page = Page::new(input, banner(report));
     if let Verdict::Rejected(why) = &found.verdict {
-        next::add(&mut page, &next::after_rejection(why), None);
+        next::add(&mut page, &next::after_rejection(why, input.name), None);
     }
     first_screen(&mut page, report, &seen);
     add_warnings(&mut page, &report.warnings);
@@ -47,19 +47,25 @@ pub(crate) fn page(report: &RunReport<'_>, invocation: &Invocation) -> Page {
 fn first_screen(page: &mut Page, report: &RunReport<'_>, seen: &Seen<'_>) {
     let (case, records) = (report.input.case, report.input.records);
     let friction = |sheet| friction::charts(case, records, report.identified, sheet);
-    let mut figures = page.drawn(Sheet::Half, |sheet| hero::chart(seen, None, sheet).into_iter().collect());
-    figures.extend(page.drawn(Sheet::Half, friction));
-    page.first(figures, vec![]);
+    let forces = page.drawn(Sheet::Half, friction);
+    // The motion stands beside one picture of a force, or above several.
+    let sheet = if forces.len() == 1 { Sheet::Half } else { Sheet::Full };
+    let motion = page.drawn(sheet, |sheet| hero::chart(seen, None, sheet).into_iter().collect());
+    if sheet == Sheet::Half {
+        page.first(motion.into_iter().chain(forces).collect(), vec![]);
+    } else {
+        page.first(vec![], vec![element("div").class("full").all(motion), element("div").class("pair").all(forces)]);
+    }
 }
 
 fn banner(report: &RunReport<'_>) -> Banner {
     let found = report.identified;
     let worst = |role: Role| {
-        let of = found.records.iter().filter(|r| r.role == role).map(|r| r.worst());
-        of.reduce(f64::max).map(|e| digits(100.0 * e, 2))
+        let of = found.records.iter().filter(|r| r.role == role);
+        of.max_by(|a, b| a.worst().total_cmp(&b.worst())).map(|r| (digits(100.0 * r.worst(), 2), noises(report, r)))
     };
-    let fit = worst(Role::Fit).map(|e| format!("{e} % of its standard deviation where it was fitted"));
-    let validate = worst(Role::Validate).map(|e| format!("{e} % where it was only predicted"));
+    let fit = worst(Role::Fit).map(|(e, noise)| format!("{e} % of its standard deviation{noise} where it was fitted"));
+    let validate = worst(Role::Validate).map(|(e, noise)| format!("{e} %{noise} where it was only predicted"));
     let errors: Vec<String> = fit.into_iter().chain(validate).collect();
     let how = format!(
         "{}Method {}, {} s.",
@@ -90,6 +96,19 @@ fn banner(report: &RunReport<'_>) -> Banner {
     }
 }
 
+/// What a free run leaves of the worst column of a record, in units of its noise: ` (1.0 times its noise)`.
+fn noises(report: &RunReport<'_>, record: &RecordFit) -> String {
+    let system = &report.input.case.system;
+    let worst = record.nrmse.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    let ratio = worst.and_then(|(column, _)| {
+        let noise = record.noise.iter().find(|(name, _)| name == column)?.1;
+        let left = record.residuals.get(system.column(column)?)?;
+        let rms = (left.iter().map(|e| e * e).sum::<f64>() / left.len().max(1) as f64).sqrt();
+        Some(rms / noise).filter(|x| x.is_finite() && *x > 0.0)
+    });
+    ratio.map_or(String::new(), |x| format!(" ({} times its noise)", digits(x, 2)))
+}
+
 /// Most numbers in the sentence of the finding.
 const NUMBERS: usize = 4;
 
@@ -100,17 +119,17 @@ fn named(report: &RunReport<'_>) -> String {
     let half = |e: &Estimate, factor: f64| 0.5 * (e.ci95.1 - e.ci95.0).abs() / factor;
     let terms = report.identified.terms.iter().map(|f| {
         let term = &system.terms[f.term];
-        let what = match (term.factor_text.as_str(), term.candidate.as_str()) {
-            ("1", candidate) => candidate.to_owned(),
-            (factor, "1") => factor.to_owned(),
-            (factor, candidate) => format!("{factor}·{candidate}"),
-        };
+        let factor = term.factor_text.trim();
+        let (minus, factor) = factor.strip_prefix('-').map_or(("", factor), |rest| ("−", rest));
+        let factors = [factor, term.candidate.as_str()].into_iter().filter(|f| *f != "1");
+        let what: String = factors.map(|f| format!("·{f}")).collect();
         let own = term.unit.map_or(String::new(), |u| unit(&u.to_string()));
         let (scale, own) = report.force(f).map_or((1.0, own), |(force, dimension)| {
             (force / f.coefficient.value, unit(&dimension.to_string()))
         });
         let value = with_error(f.coefficient.value * scale, half(&f.coefficient, 1.0 / scale.abs()));
-        format!("{what}: {value}{}", in_unit(&own))
+        let shown = if minus.is_empty() && !value.contains('±') { value } else { format!("({value})") };
+        format!("{minus}{shown}{}{what} in d{}/dt", in_unit(&own), system.states[term.state].name)
     });
     let parameters = report.identified.parameters.iter().filter(|p| p.id.constant().is_some()).map(|p| {
         let value = with_error(p.estimate.value / p.factor, half(&p.estimate, p.factor));
