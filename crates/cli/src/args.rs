@@ -6,6 +6,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, ValueEnum};
 use phisindy::files::{Assignment, Request};
 use phisindy_phys::spec::Method;
+use phisindy_report::Look;
 use phisindy_report::export::{EXPORTERS, Exporter};
 use std::path::PathBuf;
 
@@ -319,6 +320,9 @@ pub(crate) struct Options {
     /// The words of the command line after the name of the program.
     #[arg(skip)]
     pub(crate) line: Vec<String>,
+    /// What the terminal can show that reads the result; `None` for a pipe, and where `--format` asks for a form.
+    #[arg(skip)]
+    pub(crate) look: Option<Look>,
 }
 
 impl Options {

@@ -31,6 +31,8 @@ pub fn program(line: impl Iterator<Item = OsString>) -> u8 {
     let line: Vec<OsString> = line.collect();
     let mut args = Args::parse_from(&line);
     args.options.line = line.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+    let form = args.options.line.iter().any(|word| word == "--format" || word.starts_with("--format="));
+    args.options.look = terminal::look().filter(|_| !form);
     interrupt::listen(args.options.limit.unwrap_or_default());
     match execute(&args) {
         Ok(code) => code,

@@ -4,6 +4,7 @@ mod balance;
 mod finding;
 mod json;
 mod report;
+mod terminal;
 mod text;
 
 pub use report::GapReport;
@@ -11,6 +12,7 @@ pub(crate) use balance::{Balance, RecordForce, balance};
 pub(crate) use finding::{Finding, counted, finding};
 pub(crate) use text::{basis, rivals, vetoes};
 
+use crate::Look;
 use crate::format::Format;
 
 impl GapReport<'_> {
@@ -20,6 +22,11 @@ impl GapReport<'_> {
             Format::Json => json::line(self) + "\n",
             Format::Text | Format::Latex => text::text(self),
         }
+    }
+
+    /// The result for people at a terminal.
+    pub fn at_terminal(&self, look: Look) -> String {
+        terminal::text(self, look)
     }
 
     /// `result.json`: the object on lines of its own.

@@ -85,6 +85,11 @@ pub fn with_error(value: f64, error: f64) -> String {
     if shared == 0 { text } else { format!("({text})·10{}", exponent(shared)) }
 }
 
+/// A number with four significant digits.
+pub(crate) fn four(x: f64) -> String {
+    digits(x, 4)
+}
+
 /// A number as raised digits.
 fn exponent(power: i32) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];

@@ -5,7 +5,7 @@ use crate::args::Options;
 use crate::interrupt;
 use crate::outdir;
 use crate::progress::Progress;
-use crate::terminal::{INPUT, NUMERICS, REJECTED, print, remark};
+use crate::terminal::{INPUT, NUMERICS, REJECTED, print, remark, tell_report};
 use anyhow::Result;
 use phisindy::files::{Purpose, beside};
 use phisindy_gap::{GapError, Status};
@@ -58,14 +58,16 @@ pub(crate) fn gap(spec: &Path, options: &Options) -> Result<u8> {
         stopped: found.interrupted().then(interrupt::reason),
     };
     let report = GapReport { input: loaded.input(), gap: &found, catalogue: catalogue.laws(), ending };
-    if !options.quiet {
+    // At a terminal they stand in the result.
+    if !options.quiet && options.look.is_none() {
         report.notes().for_each(|w| remark(&format!("note: {w}")));
     }
     let kept =
         folder.as_ref().map_or(Ok(()), |folder| keep(&Folder::of_gap(&report, &invocation(options)), folder));
     // A full disk must not lose the result, so it is printed first.
-    print(&report.written(options.format.into()))?;
+    print(&options.look.map_or_else(|| report.written(options.format.into()), |look| report.at_terminal(look)))?;
     kept?;
+    tell_report(options.out.as_deref(), options.look)?;
     if found.interrupted() {
         interrupt::tell();
     }

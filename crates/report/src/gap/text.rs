@@ -266,7 +266,7 @@ fn deciding(own: &LawEntry, rival: &Rival, catalogue: &[LawEntry]) -> Option<Str
 }
 
 /// A gap as a bar on a logarithmic scale from 1 to the initial gap.
-fn bar(value: f64, whole: f64) -> String {
+pub(super) fn bar(value: f64, whole: f64) -> String {
     let full = whole.max(1.5).ln();
     let part = (value.max(1.0).ln() / full).clamp(0.0, 1.0);
     let cells = (part * BAR as f64).round() as usize;

@@ -17,13 +17,7 @@ use phisindy_phys::{LawEntry, SourceId, check_names, spec};
 /// The page.
 pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     let GapReport { input, gap: found, catalogue, ending } = *report;
-    let (was, now) = (&found.initial, &found.simulated);
-    let seen = Seen {
-        system: &input.case.system,
-        records: input.records,
-        was: (!found.steps.is_empty()).then(|| Model::new(&was.system, &[], &was.records)),
-        model: Some(Model::new(&now.system, &[], &now.records)),
-    };
+    let seen = seen(report);
     let mut page = Page::new(input, banner(found, ending));
     let balances: Vec<Option<Balance>> = found.steps.iter().map(|s| balance(found, s, input.records)).collect();
     first_screen(&mut page, found, &seen, &balances);
@@ -44,6 +38,18 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     add_data_remarks(&mut page, input.doubts, &notes(input));
     reproduction::add(&mut page, input, invocation);
     page
+}
+
+/// The records with the model before and after effects were added.
+pub(crate) fn seen<'a>(report: &GapReport<'a>) -> Seen<'a> {
+    let found = report.gap;
+    let (was, now) = (&found.initial, &found.simulated);
+    Seen {
+        system: &report.input.case.system,
+        records: report.input.records,
+        was: (!found.steps.is_empty()).then(|| Model::new(&was.system, &[], &was.records)),
+        model: Some(Model::new(&now.system, &[], &now.records)),
+    }
 }
 
 /// The finding in pictures: the motion before and after, the force that was found first (of a law of the catalogue or

@@ -25,6 +25,43 @@ struct Stretch<'s> {
     samples: std::ops::Range<usize>,
 }
 
+/// The motion of a stretch as numbers, each point a time and a value.
+pub(crate) struct Series {
+    /// Name of the record.
+    pub(crate) record: String,
+    /// Name of the column.
+    pub(crate) column: String,
+    /// Its unit.
+    pub(crate) unit: String,
+    pub(crate) measured: Vec<(f64, f64)>,
+    /// Of the model as it was; empty if there is none.
+    pub(crate) before: Vec<(f64, f64)>,
+    /// Of the final model.
+    pub(crate) model: Vec<(f64, f64)>,
+}
+
+/// The motion where the models differ most; none without a record on which the model runs. `column` is the column with
+/// the largest part of the gap.
+pub(crate) fn series(seen: &Seen<'_>, column: Option<&str>) -> Option<Series> {
+    let stretch = stretch(seen, column)?;
+    let Stretch { record, column, samples } = &stretch;
+    let (name, time) = (&seen.records[*record].name, &seen.records[*record].time);
+    let values = &column.parts[0].1;
+    let simulated = |model: &Model<'_>| -> Vec<(f64, f64)> {
+        let residual = model.residual(*record, column.name).unwrap_or_default();
+        let inside = samples.clone().filter(|i| *i < residual.len());
+        inside.map(|i| (time[i], values[i] - residual[i])).collect()
+    };
+    Some(Series {
+        record: name.clone(),
+        column: column.name.to_owned(),
+        unit: column.unit.to_owned(),
+        measured: samples.clone().map(|i| (time[i], values[i])).collect(),
+        before: seen.was.as_ref().map(simulated).unwrap_or_default(),
+        model: seen.model.as_ref().map(simulated).unwrap_or_default(),
+    })
+}
+
 /// The chart with its caption; none without a record on which the model runs. `column` is the column with the largest
 /// part of the gap.
 pub(crate) fn chart(seen: &Seen<'_>, column: Option<&str>, sheet: Sheet) -> Option<(Chart, String)> {
@@ -32,18 +69,9 @@ pub(crate) fn chart(seen: &Seen<'_>, column: Option<&str>, sheet: Sheet) -> Opti
     let Stretch { record, column, samples } = &stretch;
     let (name, time) = (&seen.records[*record].name, &seen.records[*record].time);
     let (from, to) = (time[samples.start], time[samples.end - 1]);
-    let values = &column.parts[0].1;
-    let measured: Vec<(f64, f64)> = samples.clone().map(|i| (time[i], values[i])).collect();
-    let simulated = |model: &Model<'_>| -> Vec<(f64, f64)> {
-        let residual = model.residual(*record, column.name).unwrap_or_default();
-        let inside = samples.clone().filter(|i| *i < residual.len());
-        inside.map(|i| (time[i], values[i] - residual[i])).collect()
-    };
-    let lines: Vec<(&str, Vec<(f64, f64)>)> = [("before", seen.was.as_ref()), ("model", seen.model.as_ref())]
-        .into_iter()
-        .filter_map(|(class, model)| Some((class, simulated(model?))))
-        .filter(|(_, points)| !points.is_empty())
-        .collect();
+    let Series { measured, before, model, .. } = series(seen, Some(column.name))?;
+    let lines: Vec<(&str, Vec<(f64, f64)>)> =
+        [("before", before), ("model", model)].into_iter().filter(|(_, points)| !points.is_empty()).collect();
     let (low, high) = Axis::around("", "", measured.iter().map(|p| p.1)).ends();
     let room = 0.3 * (high - low);
     let shown = lines.iter().flat_map(|(_, l)| l.iter().map(|p| p.1.clamp(low - room, high + room)));

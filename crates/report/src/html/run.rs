@@ -17,10 +17,7 @@ use phisindy_phys::spec::Role;
 /// The page.
 pub(crate) fn page(report: &RunReport<'_>, invocation: &Invocation) -> Page {
     let (input, case, found) = (report.input, report.input.case, report.identified);
-    let terms: Vec<usize> = found.terms.iter().map(|f| f.term).collect();
-    let model = Model::new(&case.system, &terms, &found.records);
-    let seen = Seen { system: &case.system, records: input.records, was: None, model: Some(model) };
-
+    let seen = seen(report);
     let mut page = Page::new(input, banner(report));
     if let Verdict::Rejected(why) = &found.verdict {
         next::add(&mut page, &next::after_rejection(why, input.name), None);
@@ -41,6 +38,14 @@ pub(crate) fn page(report: &RunReport<'_>, invocation: &Invocation) -> Page {
     add_data_remarks(&mut page, input.doubts, &report.notes);
     reproduction::add(&mut page, input, invocation);
     page
+}
+
+/// The records with the identified model.
+pub(crate) fn seen<'a>(report: &'a RunReport<'_>) -> Seen<'a> {
+    let (system, found) = (&report.input.case.system, report.identified);
+    let terms: Vec<usize> = found.terms.iter().map(|f| f.term).collect();
+    let model = Model::new(system, &terms, &found.records);
+    Seen { system, records: report.input.records, was: None, model: Some(model) }
 }
 
 /// The finding in pictures: the motion, and the friction against velocity.

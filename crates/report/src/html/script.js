@@ -140,7 +140,7 @@
     const keys = [...(figure.querySelector("svg")?.querySelectorAll(".key") ?? [])];
     const tools = make("div", "tools");
     const lines = keys.filter((key) => ["measured", "before", "model", "truth", "band"].includes(key.dataset.of.split(" ")[0]));
-    for (const key of lines.length > 1 && !figure.closest(".pair") ? lines : []) {
+    for (const key of lines.length > 1 && !figure.closest(".pair, .full") ? lines : []) {
       const name = key.dataset.of.split(" ")[0];
       const button = make("button", "toggle", key.textContent);
       button.type = "button";
