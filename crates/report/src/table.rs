@@ -80,7 +80,10 @@ pub fn with_error(value: f64, error: f64) -> String {
     let scale = 10f64.powi(shared);
     let (value, error) = (value / scale, error / scale);
     let first = error / 10f64.powi(decade(error));
-    let decimals = ((if first < 1.95 { 1 } else { 0 }) - decade(error)).max(0) as usize;
+    let places = (if first < 1.95 { 1 } else { 0 }) - decade(error);
+    // An error above ten rounds tens and more.
+    let tens = 10f64.powi((-places).max(0));
+    let (value, error, decimals) = (tens * (value / tens).round(), tens * (error / tens).round(), places.max(0) as usize);
     let text = format!("{value:.decimals$} ± {error:.decimals$}").replace('-', "−");
     if shared == 0 { text } else { format!("({text})·10{}", exponent(shared)) }
 }
@@ -131,7 +134,7 @@ mod tests {
         for (value, error, text) in [
             (0.298_34, 0.0083, "0.298 ± 0.008"),
             (0.298_34, 0.0131, "0.298 ± 0.013"),
-            (1191.4, 23.0, "1191 ± 23"),
+            (1191.4, 23.0, "1190 ± 20"),
             (-0.5, 0.0021, "−0.500 ± 0.002"),
             (3.214e-5, 4.1e-7, "(3.21 ± 0.04)·10⁻⁵"),
             (0.298_34, 0.0, "0.2983"),

@@ -1,5 +1,6 @@
 //! `phisindy gap`.
 
+use super::data_folders::name_data;
 use super::spec_file::{failed, invocation, keep, keep_failure, loaded};
 use crate::args::Options;
 use crate::interrupt;
@@ -62,8 +63,11 @@ pub(crate) fn gap(spec: &Path, options: &Options) -> Result<u8> {
     if !options.quiet && options.look.is_none() {
         report.notes().for_each(|w| remark(&format!("note: {w}")));
     }
-    let kept =
-        folder.as_ref().map_or(Ok(()), |folder| keep(&Folder::of_gap(&report, &invocation(options)), folder));
+    let kept = folder.as_ref().map_or(Ok(()), |folder| {
+        let mut files = Folder::of_gap(&report, &invocation(options));
+        name_data(&mut files, &loaded, options, folder.path());
+        keep(&files, folder)
+    });
     // A full disk must not lose the result, so it is printed first.
     print(&options.look.map_or_else(|| report.written(options.format.into()), |look| report.at_terminal(look)))?;
     kept?;

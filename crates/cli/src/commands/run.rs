@@ -1,5 +1,6 @@
 //! `phisindy run`.
 
+use super::data_folders::name_data;
 use super::spec_file::{failed, invocation, keep, keep_failure, loaded};
 use crate::args::{Format, Options};
 use crate::outdir::{self, OutDir};
@@ -66,7 +67,9 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
         caution(&report, options);
     }
     let kept = folder.map_or(Ok(()), |folder| {
-        keep(&Folder::of_run(&report, loaded.input(), &found, &invocation(options)), folder)
+        let mut files = Folder::of_run(&report, loaded.input(), &found, &invocation(options));
+        name_data(&mut files, &loaded, options, folder.path());
+        keep(&files, folder)
     });
     // A full disk must not lose the result, so it is printed first.
     let blank = if follows && options.format != Format::Json { "\n" } else { "" };

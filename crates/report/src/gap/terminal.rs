@@ -32,6 +32,7 @@ pub(crate) fn text(report: &GapReport<'_>, look: Look) -> String {
         found.partial.iter().for_each(|s| out.extend(step(report, s, " ", look)));
     }
     out.extend(tried(report, look));
+    out.push(String::new());
     out.extend(look.plot(hero::series(&seen(report), found.located.first().map(|r| r.column.as_str()))));
     // A law that is ruled out stands among those that were tried.
     let warnings = report.notes().filter(|w| !matches!(w, phisindy_gap::Warning::Vetoed(_)));

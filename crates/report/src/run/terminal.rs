@@ -28,15 +28,17 @@ pub(crate) fn text(report: &RunReport<'_>, look: Look) -> String {
     for f in &found.terms {
         let term = &system.terms[f.term];
         let unit = term.unit.map_or(String::new(), |u| raised(&u.to_string()));
-        let force = report.force(f).map_or(String::new(), |(force, dimension)| {
-            let scale = force / f.coefficient.value;
-            let value = with_error(force, half(&f.coefficient) * scale.abs());
-            format!("= {value} {}", raised(&dimension.to_string()))
-        });
         let what = format!("{}·{}", term.factor_text, term.candidate);
         let what = what.trim_start_matches("1·").trim_end_matches("·1").to_owned();
-        let bound = if f.at_bound { "at its bound".to_owned() } else { force };
-        let value = with_error(f.coefficient.value, half(&f.coefficient));
+        let bound = if f.at_bound { "at its bound".to_owned() } else { String::new() };
+        // A force, where the inertia is known.
+        let (value, unit) = match report.force(f) {
+            Some((force, dimension)) => {
+                let scale = (force / f.coefficient.value).abs();
+                (with_error(force, half(&f.coefficient) * scale), raised(&dimension.to_string()))
+            }
+            None => (with_error(f.coefficient.value, half(&f.coefficient)), unit),
+        };
         rows.push(vec![format!("  {}", unicode::expression(&what, &[])), value, unit, bound]);
     }
     for p in &found.parameters {
@@ -58,6 +60,7 @@ pub(crate) fn text(report: &RunReport<'_>, look: Look) -> String {
         out.push(String::new());
         out.extend(aligned(&records));
     }
+    out.push(String::new());
     out.extend(look.plot(hero::series(&seen(report), None)));
     out.extend(warnings(&report.warnings, look));
     out.join("\n") + "\n"

@@ -67,13 +67,13 @@ pub(super) fn plot(series: &Series, look: Look) -> Vec<String> {
             _ => String::new(),
         };
         let cells = &grid.cells[row * wide..(row + 1) * wide];
-        let line: String = cells
-            .iter()
-            .map(|(bits, ink)| {
-                let letter = char::from_u32(0x2800 + u32::from(*bits)).unwrap_or(' ').to_string();
-                ink.map_or(letter.clone(), |ink| look.ink(ink, &letter))
-            })
-            .collect();
+        // Letters of one colour stand together.
+        let runs = cells.chunk_by(|a, b| a.1 == b.1).map(|run| {
+            let letters: String =
+                run.iter().map(|(bits, _)| char::from_u32(0x2800 + u32::from(*bits)).unwrap_or(' ')).collect();
+            run[0].1.map_or(letters.clone(), |ink| look.ink(ink, &letters))
+        });
+        let line: String = runs.collect();
         out.push(format!("{label:>LEFT$} │{line}"));
     }
     let (from, to) = (digits(first.0, 3), format!("{} s", digits(last.0, 3)));

@@ -49,8 +49,18 @@ pub(crate) fn expression(text: &str, found: &[(f64, f64)]) -> String {
             k = stop;
         } else if c.is_alphabetic() || c == '_' {
             let stop = end(&|_, c| c.is_alphanumeric() || c == '_');
-            out += &name(&letters[k..stop].iter().collect::<String>());
-            k = stop;
+            let word: String = letters[k..stop].iter().collect();
+            match closing(&letters, stop).filter(|_| word == "abs") {
+                Some(close) => {
+                    let inside: String = letters[stop + 1..close].iter().collect();
+                    out += &format!("|{}|", expression(&inside, found));
+                    k = close + 1;
+                }
+                None => {
+                    out += &name(&word);
+                    k = stop;
+                }
+            }
         } else if c == '^' {
             let stop = (k + 1..letters.len()).find(|&j| !letters[j].is_ascii_digit()).unwrap_or(letters.len());
             let whole = stop > k + 1 && letters.get(stop) != Some(&'.');
@@ -67,6 +77,22 @@ pub(crate) fn expression(text: &str, found: &[(f64, f64)]) -> String {
         }
     }
     out
+}
+
+/// The bracket that closes the one at `open`, if one opens there.
+fn closing(letters: &[char], open: usize) -> Option<usize> {
+    let mut depth = 0_i32;
+    for (k, c) in letters.iter().enumerate().skip(open) {
+        depth += match c {
+            '(' => 1,
+            ')' => -1,
+            _ => 0,
+        };
+        if depth == 0 {
+            return (k > open).then_some(k);
+        }
+    }
+    None
 }
 
 /// A name with Greek letters and lowered digits.
@@ -117,7 +143,7 @@ mod tests {
             ("-0.3*sgn(y1) + x1^2", "−0.3·sgn(y₁) + x₁²"),
             ("2.5e-07*v^1.5", "2.5e-7·v^1.5"),
             ("mu0*N*du", "μ₀·N·du"),
-            ("c_y*abs(v)", "c_y·abs(v)"),
+            ("c_y*abs(v - abs(u))", "c_y·|v − |u||"),
             ("12.3456789e3", "12350"),
         ] {
             assert_eq!(expression(text, &[]), shown);
