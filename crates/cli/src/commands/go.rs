@@ -23,6 +23,7 @@ pub(crate) fn command(args: &GoArgs, options: &Options) -> Result<u8> {
     if spec.exists() {
         say(options, &format!("{} is there and is used as it is", spec.display()));
     } else {
+        say(options, &format!("looking at {}", args.path.display()));
         let draft = NewArgs { path: args.path.clone(), sheet: args.sheet.clone(), force: false };
         let quiet = Options { quiet: true, out: Some(spec.clone()), ..options.clone() };
         let code = new::command(&draft, &quiet)?;

@@ -4,7 +4,7 @@ use super::data::{Model, Seen, notes};
 use super::leaderboard::leaderboard;
 use super::page::{Banner, Page, Tone, add_data_remarks, add_warnings, capital, paragraph};
 use super::table::{Cell, code, in_unit, parameters, table, text};
-use super::{force, hero, map, mathml, motion, reproduction, residual, shrink};
+use super::{force, hero, map, mathml, motion, next, reproduction, residual, shrink};
 use crate::chart::{Sheet, digits};
 use crate::equation::equations;
 use crate::format::role_name as role;
@@ -21,6 +21,9 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     let mut page = Page::new(input, banner(found, ending));
     let balances: Vec<Option<Balance>> = found.steps.iter().map(|s| balance(found, s, input.records)).collect();
     first_screen(&mut page, found, &seen, &balances);
+    if found.status == Status::Unexplained {
+        next::add(&mut page, &next::after_unexplained(input.name), None);
+    }
     page.section("All laws that were tried", leaderboard(found, catalogue));
     missing(&mut page, found, catalogue, &balances);
     // A law that is ruled out is told beside its step.

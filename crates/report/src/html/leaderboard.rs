@@ -35,7 +35,9 @@ pub(crate) fn leaderboard(found: &Gap, catalogue: &[LawEntry]) -> Vec<Element> {
         rows(all, best(all)).into_iter().map(|row| row.into_iter().take(2).collect()).collect()
     };
     let list = table("Laws that were screened by regression alone: others did better", &head, short(&screened));
-    out.extend(list.map(|table| folded(&format!("{} laws and places that were screened only", screened.len()), table)));
+    let words = format!("{} laws and places that were screened only", screened.len());
+    // Where no law was worth a fit the screening is all there is.
+    out.extend(list.map(|table| if fitted.is_empty() { table } else { folded(&words, table) }));
     let not: Vec<Vec<Cell>> =
         found.not_tried.iter().map(|n| vec![code(&n.law), text(n.why.to_string())]).collect();
     let count = found.not_tried.len();

@@ -29,6 +29,17 @@ pub(crate) fn helps(mistakes: &str) -> Vec<String> {
     out
 }
 
+/// What to do where no law explains.
+pub(crate) fn after_unexplained(spec: &str) -> Vec<String> {
+    [
+        "See where the gap sits, below: at which speeds, displacements or times does the model miss?".to_owned(),
+        "Check what the spec holds for known (units, signs, constants): warnings say what looks odd.".to_owned(),
+        format!("Write a law of your own: `phisindy laws new NAME --out laws`, then `phisindy gap {spec} --laws laws`."),
+        "Record the motion at other amplitudes and speeds: it tells what the missing force depends on.".to_owned(),
+    ]
+    .to_vec()
+}
+
 /// What to do about a rejection.
 pub(crate) fn after_rejection(why: &Rejection, spec: &str) -> Vec<String> {
     let steps: &[&str] = match why {

@@ -53,7 +53,7 @@
     const across = panel.x + panel.width * part(panel, x);
     const found = [];
     for (const path of panel.group.querySelectorAll("path.measured, path.before, path.model, path.residual, path.truth")) {
-      if (path.classList.contains("dot") || path.classList.contains("speck") || path.style.display === "none") continue;
+      if (path.classList.contains("dot") || path.style.display === "none") continue;
       path.points ??= (path.getAttribute("d").match(/-?[\d.]+ -?[\d.]+/g) ?? []).map((p) => p.split(" ").map(Number));
       let best = null;
       for (const p of path.points) if (!best || Math.abs(p[0] - across) < Math.abs(best[0] - across)) best = p;
@@ -87,6 +87,8 @@
     });
     svg.addEventListener("pointerleave", hide);
     svg.addEventListener("pointerdown", (event) => { const [x, y] = place(event, svg); const panel = at(svg, x, y); from = panel?.over && event.pointerType === "mouse" ? [panel, x] : null; });
+    // A drag selects time, not text.
+    svg.addEventListener("mousedown", (event) => { if (from) event.preventDefault(); });
     svg.addEventListener("pointerup", (event) => {
       if (!from) return;
       const [panel, start] = from, [end] = place(event, svg);
