@@ -332,9 +332,13 @@ fn help_begins_with_what_a_command_takes_and_ends_with_examples() {
     for command in ["run", "gap", "new", "sweep", "go"] {
         let said = phisindy(&[command, "--help"]);
         assert_eq!((said.code, said.err.as_str()), (0, ""), "{command}");
-        let at = |words: &str| said.out.find(words).unwrap_or_else(|| panic!("{command}: {words}: {}", said.out));
+        let at =
+            |words: &str| said.out.find(words).unwrap_or_else(|| panic!("{command}: {words}: {}", said.out));
         assert!(at("Usage:") < at("Arguments:"), "{command}");
-        assert!(at("Arguments:") < at("Options of all commands:") && at("Options of all commands:") < at("Examples:"));
+        assert!(
+            at("Arguments:") < at("Options of all commands:")
+                && at("Options of all commands:") < at("Examples:")
+        );
         assert_eq!(phisindy(&[command, "-h"]).out, said.out, "{command}");
     }
 }

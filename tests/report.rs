@@ -225,7 +225,16 @@ fn a_gap_is_told_in_full() {
     assert_eq!(
         names(made),
         [
-            "effect-1", "effect-2", "first", "force", "gap", "map-1", "map-2", "motion-1", "motion-2", "residual-1",
+            "effect-1",
+            "effect-2",
+            "first",
+            "force",
+            "gap",
+            "map-1",
+            "map-2",
+            "motion-1",
+            "motion-2",
+            "residual-1",
             "residual-2"
         ]
     );

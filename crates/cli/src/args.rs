@@ -50,9 +50,11 @@ pub(crate) struct Args {
 /// The command line with help that begins with what a command takes; its examples come last.
 pub(crate) fn command_line() -> clap::Command {
     let reordered = |command: clap::Command| {
-        let parts = [command.get_before_help(), command.get_after_help()].map(|part| part.map(ToString::to_string));
+        let parts =
+            [command.get_before_help(), command.get_after_help()].map(|part| part.map(ToString::to_string));
         let [examples, rest] = parts.map(Option::unwrap_or_default);
-        let after = [rest, examples].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n\n");
+        let after =
+            [rest, examples].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n\n");
         command.before_help(None::<&str>).after_help(after)
     };
     reordered(Args::command()).mut_subcommands(reordered)

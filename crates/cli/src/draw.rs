@@ -2,13 +2,13 @@
 
 mod clip;
 
+use crate::terminal::colours;
 use clip::Clipped;
 use codespan_reporting::diagnostic as drawn;
 use codespan_reporting::files::{self, Files};
 use codespan_reporting::term::{self, Config, termcolor};
 use phisindy_phys::{Diagnostic, Severity, Sources};
 use std::io::{self, IsTerminal, Write};
-use crate::terminal::colours;
 use std::ops::Range;
 
 /// Draws on standard error, in colour if that is a terminal and NO_COLOR is not set.

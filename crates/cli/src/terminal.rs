@@ -4,8 +4,8 @@ use crate::draw;
 use anyhow::{Context, Result};
 use phisindy_phys::{Diagnostic, Sources};
 use phisindy_report::Look;
-use std::path::Path;
 use std::io::{self, IsTerminal, Write};
+use std::path::Path;
 
 /// Exit code: the result is rejected.
 pub(crate) const REJECTED: u8 = 1;

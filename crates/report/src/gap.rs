@@ -7,9 +7,9 @@ mod report;
 mod terminal;
 mod text;
 
-pub use report::GapReport;
 pub(crate) use balance::{Balance, RecordForce, balance};
 pub(crate) use finding::{Finding, counted, finding};
+pub use report::GapReport;
 pub(crate) use text::{basis, rivals, vetoes};
 
 use crate::Look;

@@ -83,7 +83,8 @@ pub fn with_error(value: f64, error: f64) -> String {
     let places = (if first < 1.95 { 1 } else { 0 }) - decade(error);
     // An error above ten rounds tens and more.
     let tens = 10f64.powi((-places).max(0));
-    let (value, error, decimals) = (tens * (value / tens).round(), tens * (error / tens).round(), places.max(0) as usize);
+    let (value, error, decimals) =
+        (tens * (value / tens).round(), tens * (error / tens).round(), places.max(0) as usize);
     let text = format!("{value:.decimals$} ± {error:.decimals$}").replace('-', "−");
     if shared == 0 { text } else { format!("({text})·10{}", exponent(shared)) }
 }

@@ -51,9 +51,9 @@ impl Look {
         let room = self.width.clamp(40, 110).saturating_sub(indent);
         let mut lines = vec![String::new()];
         for word in text.split_whitespace() {
-            let line = lines.last_mut().filter(|line| {
-                line.is_empty() || line.chars().count() + 1 + word.chars().count() <= room
-            });
+            let line = lines
+                .last_mut()
+                .filter(|line| line.is_empty() || line.chars().count() + 1 + word.chars().count() <= room);
             match line {
                 Some(line) => {
                     if !line.is_empty() {

@@ -39,7 +39,8 @@ fn folders(loaded: &Loaded, options: &Options, out: &Path) -> Vec<String> {
 
 /// A folder as seen from another one. Both exist.
 fn relative(folder: &Path, from: &Path) -> Option<String> {
-    let whole = |path: &Path| if path.as_os_str().is_empty() { Path::new(".") } else { path }.canonicalize().ok();
+    let whole =
+        |path: &Path| if path.as_os_str().is_empty() { Path::new(".") } else { path }.canonicalize().ok();
     let (folder, from) = (whole(folder)?, whole(from)?);
     let shared = folder.components().zip(from.components()).take_while(|(a, b)| a == b).count();
     // Another disk of Windows.

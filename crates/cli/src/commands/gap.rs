@@ -69,7 +69,9 @@ pub(crate) fn gap(spec: &Path, options: &Options) -> Result<u8> {
         keep(&files, folder)
     });
     // A full disk must not lose the result, so it is printed first.
-    print(&options.look.map_or_else(|| report.written(options.format.into()), |look| report.at_terminal(look)))?;
+    print(
+        &options.look.map_or_else(|| report.written(options.format.into()), |look| report.at_terminal(look)),
+    )?;
     kept?;
     tell_report(options.out.as_deref(), options.look)?;
     if found.interrupted() {

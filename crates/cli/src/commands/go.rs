@@ -64,7 +64,8 @@ fn open(path: &Path) {
         ("xdg-open", &[])
     };
     let quiet = || Stdio::null();
-    let started = Command::new(program).args(first).arg(path).stdin(quiet()).stdout(quiet()).stderr(quiet()).spawn();
+    let started =
+        Command::new(program).args(first).arg(path).stdin(quiet()).stdout(quiet()).stderr(quiet()).spawn();
     if started.is_err() {
         complain(&format!("cannot open `{}`: open it in a browser", path.display()));
     }

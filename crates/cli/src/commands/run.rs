@@ -73,7 +73,8 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
     });
     // A full disk must not lose the result, so it is printed first.
     let blank = if follows && options.format != Format::Json { "\n" } else { "" };
-    let text = options.look.map_or_else(|| report.written(options.format.into()), |look| report.at_terminal(look));
+    let text =
+        options.look.map_or_else(|| report.written(options.format.into()), |look| report.at_terminal(look));
     print(&format!("{blank}{text}"))?;
     kept?;
     tell_report(folder.map(OutDir::path), options.look)?;

@@ -47,7 +47,11 @@ impl Display for Activity {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         if let Activity::FittingLaws { round, trials, gap: (first, now) } = self {
             let before = if *round > 1 { format!("{} → ", rounded(*first)) } else { String::new() };
-            return write!(f, "round {round}: fitting the best of {trials} laws, gap {before}{}", rounded(*now));
+            return write!(
+                f,
+                "round {round}: fitting the best of {trials} laws, gap {before}{}",
+                rounded(*now)
+            );
         }
         f.write_str(match self {
             Activity::Calibrating => "fitting what may move",

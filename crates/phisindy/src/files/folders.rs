@@ -70,7 +70,8 @@ impl Folders {
         folders.extend(request.further_data.iter().map(|d| (d.clone(), "PHISINDY_DATA")));
         let given = !folders.is_empty();
         let beside = spec.parent().map(Path::to_owned).unwrap_or_default();
-        let named = named_data(text).into_iter().map(|folder| (beside.join(folder), "named in the head of the spec"));
+        let named =
+            named_data(text).into_iter().map(|folder| (beside.join(folder), "named in the head of the spec"));
         folders.push((beside.clone(), "beside the spec"));
         folders.extend(named);
         Folders { folders, given }

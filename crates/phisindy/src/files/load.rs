@@ -156,8 +156,8 @@ pub fn open_text(text: &str, path: &Path, request: &Request, purpose: Purpose) -
 
 /// Endings of data files, in small letters.
 const DATA: [&str; 21] = [
-    "csv", "tsv", "txt", "dat", "asc", "xlsx", "xls", "xlsb", "ods", "mat", "npy", "npz", "tdms", "unv", "uff", "uf",
-    "h5", "hdf5", "parquet", "lvm", "log",
+    "csv", "tsv", "txt", "dat", "asc", "xlsx", "xls", "xlsb", "ods", "mat", "npy", "npz", "tdms", "unv",
+    "uff", "uf", "h5", "hdf5", "parquet", "lvm", "log",
 ];
 
 /// What to say to a data file where a spec is expected; `None` if the name does not end as those of data files do, or if

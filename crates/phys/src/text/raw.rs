@@ -258,8 +258,12 @@ impl Outline<'_> {
         let key = self.value()?;
         if shape == Shape::Group && key.shape == Shape::Text {
             let (name, span) = (self.slice(key.span).to_owned(), key.span);
-            return Err(Mistake::new("names in quotes stand in a map `{...}`", span, "in a group `(...)` here")
-                .help(format!("put braces in place of the round brackets: {{ {name}: ... }}")));
+            return Err(Mistake::new(
+                "names in quotes stand in a map `{...}`",
+                span,
+                "in a group `(...)` here",
+            )
+            .help(format!("put braces in place of the round brackets: {{ {name}: ... }}")));
         }
         if self.peek_kind() != Some(Kind::Colon) {
             let end = key.span.end;
@@ -270,7 +274,8 @@ impl Outline<'_> {
             );
             // `"k": 801,0` reads as a number, a comma, and another key.
             let before = &self.text[..key.span.start];
-            let whole = before.strip_suffix(',').and_then(|text| text.rsplit([' ', ':', '(', '{', '[']).next());
+            let whole =
+                before.strip_suffix(',').and_then(|text| text.rsplit([' ', ':', '(', '{', '[']).next());
             let comma = whole.filter(|_| key.shape == Shape::Number).filter(|w| decimal(w));
             return Err(match comma {
                 Some(whole) => mistake.help(decimal_help(whole, self.slice(key.span))),
@@ -296,7 +301,8 @@ fn decimal_help(whole: &str, part: &str) -> String {
 pub(crate) fn comma_advice(text: &str) -> Option<String> {
     let words: Vec<&str> = text.trim_matches(['(', ')']).split(',').collect();
     let mut pairs = words.windows(2);
-    let found = pairs.find(|w| decimal(w[0].trim()) && !w[1].is_empty() && w[1].bytes().all(|b| b.is_ascii_digit()))?;
+    let found = pairs
+        .find(|w| decimal(w[0].trim()) && !w[1].is_empty() && w[1].bytes().all(|b| b.is_ascii_digit()))?;
     Some(decimal_help(found[0].trim(), found[1]))
 }
 

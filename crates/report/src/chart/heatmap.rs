@@ -39,16 +39,14 @@ pub(crate) fn heatmap(
             let x = left + cell * j as f64;
             let sign = if r < 0.0 { "minus" } else { "plus" };
             let strength = if r.is_finite() { FULL * r.abs().min(1.0) } else { 0.0 };
-            chart.draw([
-                element("rect")
-                    .class(format!("cell {sign}"))
-                    .with("x", at(x + 1.0))
-                    .with("y", at(y + 1.0))
-                    .with("width", at(cell - 2.0))
-                    .with("height", at(high - 2.0))
-                    .with("rx", 3)
-                    .with("fill-opacity", format!("{strength:.3}")),
-            ]);
+            chart.draw([element("rect")
+                .class(format!("cell {sign}"))
+                .with("x", at(x + 1.0))
+                .with("y", at(y + 1.0))
+                .with("width", at(cell - 2.0))
+                .with("height", at(high - 2.0))
+                .with("rx", 3)
+                .with("fill-opacity", format!("{strength:.3}"))]);
             // Where cells are small only the shades are shown.
             if cell >= 33.0 {
                 chart.draw([word("value small middle", x + 0.5 * cell, y + 0.5 * high + 4.5, &shown(r))]);

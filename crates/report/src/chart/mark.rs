@@ -42,9 +42,16 @@ impl Mark {
                 let finite = points.iter().filter(|p| p.0.is_finite() && p.1.is_finite());
                 // A stroke of no length with round ends is a dot that stays round when its panel is zoomed.
                 if *radius < SPECK {
-                    let dot = |&(x, y): &(f64, f64)| format!("M{} {}h0", at(coordinates.x(x)), at(coordinates.y(y)));
-                    let speck = element("path").class(format!("speck {class}")).with("d", finite.map(dot).collect::<String>());
-                    return vec![coordinates.clipped(vec![speck.with("style", format!("stroke-width:{}", at(2.0 * radius)))])];
+                    let dot = |&(x, y): &(f64, f64)| {
+                        format!("M{} {}h0", at(coordinates.x(x)), at(coordinates.y(y)))
+                    };
+                    let speck = element("path")
+                        .class(format!("speck {class}"))
+                        .with("d", finite.map(dot).collect::<String>());
+                    return vec![
+                        coordinates
+                            .clipped(vec![speck.with("style", format!("stroke-width:{}", at(2.0 * radius)))]),
+                    ];
                 }
                 // One path of small circles takes a tenth of the text that single elements take.
                 let r = at(*radius);

@@ -42,7 +42,9 @@ pub(crate) fn balance(found: &Gap, step: &Step, records: &[Record]) -> Option<Ba
     let body = Body::of(found, step, &axes)?;
     let mut out = Balance { axes, records: vec![], smoothed: 0.0 };
     for (r, record) in records.iter().enumerate() {
-        let Some((force, smoothed)) = body.in_record(found, step, record, r, out.axes.function) else { continue };
+        let Some((force, smoothed)) = body.in_record(found, step, record, r, out.axes.function) else {
+            continue;
+        };
         out.smoothed = out.smoothed.max(smoothed);
         out.records.push(force);
     }
@@ -77,7 +79,9 @@ struct Body<'a> {
 
 impl<'a> Body<'a> {
     fn of(found: &'a Gap, step: &Step, axes: &ForceHistory) -> Option<Body<'a>> {
-        let Site::Force { displacement, velocity, acts, shows, .. } = &step.effect.place.site else { return None };
+        let Site::Force { displacement, velocity, acts, shows, .. } = &step.effect.place.site else {
+            return None;
+        };
         let system = &found.simulated.system;
         let law = &step.effect.entry.law;
         let named = |text: &str| text.trim_start_matches('(').trim_end_matches(')') == axes.over;
@@ -223,7 +227,8 @@ impl<'a> Body<'a> {
             found.noise.iter().find(|(column, _)| column == name).map_or(0.0, |n| n.1)
         };
         let inertia = self.inertia(evaluated(0, run.state_at(0), numbers)[4]);
-        let Some(smooth) = LocalCubic::new(&record.time, &values, noise * inertia.abs() / typical, displacement.is_some())
+        let Some(smooth) =
+            LocalCubic::new(&record.time, &values, noise * inertia.abs() / typical, displacement.is_some())
         else {
             return (vec![], 0.0);
         };

@@ -27,7 +27,9 @@ pub(crate) fn finding(found: &Gap) -> Finding {
     let fall = fall(before, after);
     let which = basis(found);
     match found.status {
-        Status::NothingMissing => Finding { headline: "Nothing missing", sentence: capital(&outcome(found)) + "." },
+        Status::NothingMissing => {
+            Finding { headline: "Nothing missing", sentence: capital(&outcome(found)) + "." }
+        }
         Status::Explained => {
             let sentence = format!(
                 "{} {} {fall} of the gap {which} ({} → {} times the noise); {}.",
@@ -40,7 +42,8 @@ pub(crate) fn finding(found: &Gap) -> Finding {
             Finding { headline: "Explained", sentence }
         }
         Status::Unexplained => {
-            let place = found.left.first().map_or(String::new(), |r| format!(", mostly in {}, {r}", r.column));
+            let place =
+                found.left.first().map_or(String::new(), |r| format!(", mostly in {}, {r}", r.column));
             let brought = match all.is_empty() {
                 true => format!("a gap of {} times the noise is left {which}", short3(after)),
                 false => format!(
@@ -52,7 +55,9 @@ pub(crate) fn finding(found: &Gap) -> Finding {
                 ),
             };
             let opening = match found.alternative {
-                Some(_) => "No law of the catalogue explains the gap, but something else would (see the warnings)",
+                Some(_) => {
+                    "No law of the catalogue explains the gap, but something else would (see the warnings)"
+                }
                 None => "Something is missing that no law of the catalogue explains",
             };
             Finding { headline: "Unexplained", sentence: format!("{opening}: {brought}{place}.") }
@@ -97,7 +102,11 @@ fn number(p: &StepParameter) -> String {
 /// How much of the gap is gone.
 fn fall(before: f64, after: f64) -> String {
     let part = 100.0 * (1.0 - after / before);
-    if part.is_finite() { format!("{:.*} %", usize::from(part > 99.0 && part < 99.95), part.max(0.0)) } else { "most".to_owned() }
+    if part.is_finite() {
+        format!("{:.*} %", usize::from(part > 99.0 && part < 99.95), part.max(0.0))
+    } else {
+        "most".to_owned()
+    }
 }
 
 /// A gap with three digits.

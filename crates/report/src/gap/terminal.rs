@@ -58,11 +58,14 @@ fn bars(found: &Gap, look: Look) -> Vec<String> {
 
 fn step(report: &GapReport<'_>, s: &Step, mark: &str, look: Look) -> Vec<String> {
     let name = format!("{mark} {} at {}", s.effect.entry.law.name, s.effect.place.at);
-    let mut out = vec![format!("{}: {}", look.ink(Ink::Strong, &name), unicode::expression(&s.expression, &[]))];
+    let mut out =
+        vec![format!("{}: {}", look.ink(Ink::Strong, &name), unicode::expression(&s.expression, &[]))];
     for p in &s.parameters {
         let line = |record: &str, value: f64, ci: (f64, f64)| {
             let shown = with_error(value, 0.5 * (ci.1 - ci.0).abs());
-            format!("     {}{record} = {shown} {}", unicode::name(&p.constant), raised(&p.unit)).trim_end().to_owned()
+            format!("     {}{record} = {shown} {}", unicode::name(&p.constant), raised(&p.unit))
+                .trim_end()
+                .to_owned()
         };
         if p.each.is_empty() {
             out.push(line("", p.value, p.ci95));
@@ -79,7 +82,8 @@ fn step(report: &GapReport<'_>, s: &Step, mark: &str, look: Look) -> Vec<String>
 /// The best laws that were tried by themselves, and how many more.
 fn tried(report: &GapReport<'_>, look: Look) -> Vec<String> {
     let found = report.gap;
-    let name = |id: &str| report.catalogue.iter().find(|e| e.id == id).map_or(id.to_owned(), |e| e.law.name.clone());
+    let name =
+        |id: &str| report.catalogue.iter().find(|e| e.id == id).map_or(id.to_owned(), |e| e.law.name.clone());
     let fitted: Vec<String> = found
         .tried
         .iter()

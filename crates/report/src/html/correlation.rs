@@ -30,6 +30,9 @@ pub(crate) fn chart(system: &System, found: &Identified, sheet: Sheet) -> Option
     let title = "Correlations of the estimates";
     let chart = heatmap("correlation", title, &said, &names, &values, sheet);
     let list: Vec<String> = names.iter().enumerate().map(|(k, name)| format!("{} {name}", k + 1)).collect();
-    let caption = format!("{title}: near ±1 two numbers cannot be told apart. {said} The numbers: {}.", list.join(", "));
+    let caption = format!(
+        "{title}: near ±1 two numbers cannot be told apart. {said} The numbers: {}.",
+        list.join(", ")
+    );
     Some((chart, caption))
 }

@@ -77,9 +77,7 @@ fn middle(balance: &Balance) -> Vec<f64> {
 
 /// The points of the force balance inside of the picture.
 fn dots(balance: &Balance, across: (f64, f64), up: (f64, f64), sheet: Sheet) -> Vec<Mark> {
-    let inside = |(x, y): &(f64, f64)| {
-        *x >= across.0 && *x <= across.1 && *y >= up.0 && *y <= up.1
-    };
+    let inside = |(x, y): &(f64, f64)| *x >= across.0 && *x <= across.1 && *y >= up.0 && *y <= up.1;
     let count: usize = balance.records.iter().map(|r| r.measured.len()).sum();
     let most = if sheet.is_phone() { DOTS / 3 } else { DOTS };
     let every = count.div_ceil(most).max(1);
@@ -97,7 +95,10 @@ fn lines(balance: &Balance) -> Vec<Mark> {
     let mut out = vec![];
     for r in &balance.records {
         if balance.axes.function {
-            out.push(Mark::Band { class: "band", points: r.law.iter().map(|p| (p.0, p.2.0, p.2.1)).collect() });
+            out.push(Mark::Band {
+                class: "band",
+                points: r.law.iter().map(|p| (p.0, p.2.0, p.2.1)).collect(),
+            });
             out.push(Mark::Line { class: "model", points: r.law.iter().map(|p| (p.0, p.1)).collect() });
         } else {
             let points = r.law.iter().step_by(every).map(|p| (p.0, p.1)).collect();
@@ -112,7 +113,8 @@ fn names(balance: &Balance) -> Vec<Mark> {
     let height = |r: &RecordForce| r.law.iter().map(|p| p.1).fold(f64::NEG_INFINITY, f64::max);
     // A curve has its name at its end, a cloud at its top.
     let place = |r: &RecordForce| {
-        let better = |a: f64, b: &(f64, f64, (f64, f64))| if balance.axes.function { b.0 >= a } else { b.1 >= a };
+        let better =
+            |a: f64, b: &(f64, f64, (f64, f64))| if balance.axes.function { b.0 >= a } else { b.1 >= a };
         let mut best: Option<(f64, f64)> = None;
         for p in &r.law {
             let best_value = best.map(|b| if balance.axes.function { b.0 } else { b.1 });
@@ -142,7 +144,8 @@ fn points(balance: &Balance) -> String {
     match (has_points(balance), balance.smoothed) {
         (false, _) => String::new(),
         (true, 0.0) => {
-            " Grey dots: what the measured motion asks for, inertia times acceleration less the known forces.".to_owned()
+            " Grey dots: what the measured motion asks for, inertia times acceleration less the known forces."
+                .to_owned()
         }
         (true, time) => format!(
             " Grey dots: what the measured motion asks for, inertia times acceleration less the known forces, smoothed over {} ms at most; no dots where it sticks or turns.",

@@ -87,7 +87,13 @@ fn low_speeds(panel: &Panel) -> Option<Panel> {
     let points: Vec<(f64, f64)> = slow().copied().collect();
     let x = Axis::between("", "", 0.0, LOW * fastest);
     let marks = vec![Mark::Line { class: "model", points }];
-    Some(Panel { heading: "low speeds".to_owned(), x, y: Axis::around("", "", [low, high]), marks, labelled: true })
+    Some(Panel {
+        heading: "low speeds".to_owned(),
+        x,
+        y: Axis::around("", "", [low, high]),
+        marks,
+        labelled: true,
+    })
 }
 
 /// The unit of the velocity; a difference of velocities has that of the first.

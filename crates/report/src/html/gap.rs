@@ -19,7 +19,8 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     let GapReport { input, gap: found, catalogue, ending } = *report;
     let seen = seen(report);
     let mut page = Page::new(input, banner(found, ending));
-    let balances: Vec<Option<Balance>> = found.steps.iter().map(|s| balance(found, s, input.records)).collect();
+    let balances: Vec<Option<Balance>> =
+        found.steps.iter().map(|s| balance(found, s, input.records)).collect();
     first_screen(&mut page, found, &seen, &balances);
     if found.status == Status::Unexplained {
         next::add(&mut page, &next::after_unexplained(input.name), None);

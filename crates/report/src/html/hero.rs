@@ -78,7 +78,8 @@ pub(crate) fn chart(seen: &Seen<'_>, column: Option<&str>, sheet: Sheet) -> Opti
     let y = Axis::around(column.name, &unit(column.unit), measured.iter().map(|p| p.1).chain(shown));
     let every = measured.len().div_ceil(DOTS).max(1);
     let dots = measured.into_iter().step_by(every).collect();
-    let mut marks = vec![Mark::Dots { class: "measured", points: dots, radius: if every > 1 { 1.7 } else { 2.2 } }];
+    let mut marks =
+        vec![Mark::Dots { class: "measured", points: dots, radius: if every > 1 { 1.7 } else { 2.2 } }];
     marks.extend(lines.into_iter().map(|(class, points)| Mark::Line { class, points }));
     let x = Axis::between("time", "s", from, to);
     let panel = Panel { heading: String::new(), x, y, marks, labelled: true };
@@ -112,13 +113,17 @@ fn words(seen: &Seen<'_>, stretch: &Stretch<'_>, name: &str, (from, to): (f64, f
             column.name
         ),
         (_, Some(now)) => {
-            format!("over the whole record the model misses {} by {now} % of its standard deviation", column.name)
+            format!(
+                "over the whole record the model misses {} by {now} % of its standard deviation",
+                column.name
+            )
         }
         _ => "there is no run".to_owned(),
     };
     let role = seen.records[*record].role;
     let used = if role == Role::Validate { "not used in the fit" } else { role_name(role) };
-    let when = if seen.was.is_some() { "where the two models differ most" } else { "where the model misses most" };
+    let when =
+        if seen.was.is_some() { "where the two models differ most" } else { "where the model misses most" };
     let span = format!("{} to {} s", digits(from, 3), digits(to, 3));
     (format!("{} of {name} ({used})", column.name), format!("{when}, {span}; {missed}."))
 }

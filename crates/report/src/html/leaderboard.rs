@@ -34,7 +34,8 @@ pub(crate) fn leaderboard(found: &Gap, catalogue: &[LawEntry]) -> Vec<Element> {
     let short = |all: &[&Tried]| -> Vec<Vec<Cell>> {
         rows(all, best(all)).into_iter().map(|row| row.into_iter().take(2).collect()).collect()
     };
-    let list = table("Laws that were screened by regression alone: others did better", &head, short(&screened));
+    let list =
+        table("Laws that were screened by regression alone: others did better", &head, short(&screened));
     let words = format!("{} laws and places that were screened only", screened.len());
     // Where no law was worth a fit the screening is all there is.
     out.extend(list.map(|table| if fitted.is_empty() { table } else { folded(&words, table) }));

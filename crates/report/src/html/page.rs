@@ -40,7 +40,7 @@ pub(crate) struct Banner {
     pub(crate) how: String,
 }
 
-/// A finished report: one page that needs no network and no script, and its figures as files.
+/// A finished report: one page that needs no network, and its figures as files.
 #[derive(Clone, Debug)]
 pub struct HtmlReport {
     /// The page.

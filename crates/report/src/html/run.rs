@@ -59,7 +59,10 @@ fn first_screen(page: &mut Page, report: &RunReport<'_>, seen: &Seen<'_>) {
     if sheet == Sheet::Half {
         page.first(motion.into_iter().chain(forces).collect(), vec![]);
     } else {
-        page.first(vec![], vec![element("div").class("full").all(motion), element("div").class("pair").all(forces)]);
+        page.first(
+            vec![],
+            vec![element("div").class("full").all(motion), element("div").class("pair").all(forces)],
+        );
     }
 }
 
@@ -67,10 +70,13 @@ fn banner(report: &RunReport<'_>) -> Banner {
     let found = report.identified;
     let worst = |role: Role| {
         let of = found.records.iter().filter(|r| r.role == role);
-        of.max_by(|a, b| a.worst().total_cmp(&b.worst())).map(|r| (digits(100.0 * r.worst(), 2), noises(report, r)))
+        of.max_by(|a, b| a.worst().total_cmp(&b.worst()))
+            .map(|r| (digits(100.0 * r.worst(), 2), noises(report, r)))
     };
-    let fit = worst(Role::Fit).map(|(e, noise)| format!("{e} % of its standard deviation{noise} where it was fitted"));
-    let validate = worst(Role::Validate).map(|(e, noise)| format!("{e} %{noise} where it was only predicted"));
+    let fit = worst(Role::Fit)
+        .map(|(e, noise)| format!("{e} % of its standard deviation{noise} where it was fitted"));
+    let validate =
+        worst(Role::Validate).map(|(e, noise)| format!("{e} %{noise} where it was only predicted"));
     let errors: Vec<String> = fit.into_iter().chain(validate).collect();
     let how = format!(
         "{}Method {}, {} s.",

@@ -66,7 +66,8 @@ fn cell(cell: Cell) -> Element {
         Cell::Number(x) => td.class("number").add(number(x)),
         Cell::Interval(a, b) => {
             let (low, high) = ends(a, b);
-            let inside = element("span").text("[").add(shown(a, &low)).text(", ").add(shown(b, &high)).text("]");
+            let inside =
+                element("span").text("[").add(shown(a, &low)).text(", ").add(shown(b, &high)).text("]");
             td.class("number").add(inside)
         }
     }

@@ -51,7 +51,8 @@ pub(crate) fn text(report: &RunReport<'_>, look: Look) -> String {
         out.extend(aligned(&rows));
     }
     let records = found.records.iter().map(|r| {
-        let errors: Vec<String> = r.nrmse.iter().map(|(name, e)| format!("{name} {}", short(three(*e)))).collect();
+        let errors: Vec<String> =
+            r.nrmse.iter().map(|(name, e)| format!("{name} {}", short(three(*e)))).collect();
         let errors = r.failure.as_ref().map_or(errors.join(", "), |why| format!("failed: {why}"));
         vec![format!("  {}", r.name), role_name(r.role).to_owned(), format!("NRMSE {errors}")]
     });
@@ -87,7 +88,8 @@ fn verdict(report: &RunReport<'_>, look: Look) -> String {
         Verdict::Identified => look.ink(Ink::Good, "identified"),
         Verdict::Rejected(why) => format!("{} {why}", look.ink(Ink::Bad, "rejected:")),
     };
-    let stopped = report.ending.stopped_words().map_or(String::new(), |s| format!("{s} before the end; so far "));
+    let stopped =
+        report.ending.stopped_words().map_or(String::new(), |s| format!("{s} before the end; so far "));
     let title = &report.input.case.system.title;
     let title = if title.is_empty() { report.input.name } else { title };
     let how = format!("method {}, {:.1} s", method_name(found.method), report.ending.seconds);

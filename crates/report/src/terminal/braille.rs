@@ -40,7 +40,8 @@ pub(super) fn plot(series: &Series, look: Look) -> Vec<String> {
     let room = 0.15 * (high - low);
     let (low, high) = (low - room, high + room);
     let mut grid = Grid { wide, cells: vec![(0, None); wide * HIGH] };
-    let lines = [(&series.measured, None), (&series.before, Some(Ink::Before)), (&series.model, Some(Ink::Model))];
+    let lines =
+        [(&series.measured, None), (&series.before, Some(Ink::Before)), (&series.model, Some(Ink::Model))];
     for (points, ink) in lines {
         let place = |&(t, y): &(f64, f64)| {
             let x = (t - first.0) / (last.0 - first.0) * (2 * wide - 1) as f64;
@@ -69,8 +70,10 @@ pub(super) fn plot(series: &Series, look: Look) -> Vec<String> {
         let cells = &grid.cells[row * wide..(row + 1) * wide];
         // Letters of one colour stand together.
         let runs = cells.chunk_by(|a, b| a.1 == b.1).map(|run| {
-            let letters: String =
-                run.iter().map(|(bits, _)| char::from_u32(0x2800 + u32::from(*bits)).unwrap_or(' ')).collect();
+            let letters: String = run
+                .iter()
+                .map(|(bits, _)| char::from_u32(0x2800 + u32::from(*bits)).unwrap_or(' '))
+                .collect();
             run[0].1.map_or(letters.clone(), |ink| look.ink(ink, &letters))
         });
         let line: String = runs.collect();

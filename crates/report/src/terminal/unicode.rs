@@ -41,7 +41,10 @@ pub(crate) fn expression(text: &str, found: &[(f64, f64)]) -> String {
                 let sign = matches!(c, '+' | '-') && power(letters[j - 1]);
                 let digit = |k: usize| letters.get(k).is_some_and(char::is_ascii_digit);
                 let signed = matches!(letters.get(j + 1), Some('+' | '-')) && digit(j + 2);
-                c.is_ascii_digit() || c == '.' || (j > k && sign) || (j > k && power(c) && (digit(j + 1) || signed))
+                c.is_ascii_digit()
+                    || c == '.'
+                    || (j > k && sign)
+                    || (j > k && power(c) && (digit(j + 1) || signed))
             };
             let stop = end(&part);
             let word: String = letters[k..stop].iter().collect();
@@ -62,7 +65,8 @@ pub(crate) fn expression(text: &str, found: &[(f64, f64)]) -> String {
                 }
             }
         } else if c == '^' {
-            let stop = (k + 1..letters.len()).find(|&j| !letters[j].is_ascii_digit()).unwrap_or(letters.len());
+            let stop =
+                (k + 1..letters.len()).find(|&j| !letters[j].is_ascii_digit()).unwrap_or(letters.len());
             let whole = stop > k + 1 && letters.get(stop) != Some(&'.');
             let digits: String = letters[k + 1..stop].iter().collect();
             out += &if whole { raised(&digits) } else { "^".to_owned() };

@@ -2,7 +2,7 @@
 
 use super::{Number, Text};
 use crate::text::diagnostic::{Diagnostic, SourceId};
-use crate::text::raw::{comma_advice, Node, Shape};
+use crate::text::raw::{Node, Shape, comma_advice};
 use phisindy_expr::{Span, nearest};
 use std::collections::HashMap;
 

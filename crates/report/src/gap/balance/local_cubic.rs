@@ -33,7 +33,12 @@ impl<'a> LocalCubic<'a> {
         // that of a sample, per step squared and per step (Savitzky and Golay 1964).
         let error = |side: usize| {
             let n = (2 * side + 1) as f64;
-            noise * if twice { 720f64.sqrt() / n.powf(2.5) / step.powi(2) } else { 12f64.sqrt() / n.powf(1.5) / step }
+            noise
+                * if twice {
+                    720f64.sqrt() / n.powf(2.5) / step.powi(2)
+                } else {
+                    12f64.sqrt() / n.powf(1.5) / step
+                }
         };
         let side = (SIDES.0..most).find(|&side| error(side) <= GOAL).unwrap_or(most);
         Some(LocalCubic { time, values, side, step })
