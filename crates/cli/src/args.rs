@@ -47,7 +47,8 @@ pub(crate) struct Args {
     help: Option<bool>,
 }
 
-/// The command line with help that begins with what a command takes; its examples come last.
+/// The command line. The help of a command begins with what it takes, its examples come last; the help of the program
+/// begins with examples.
 pub(crate) fn command_line() -> clap::Command {
     let reordered = |command: clap::Command| {
         let parts =
@@ -57,7 +58,7 @@ pub(crate) fn command_line() -> clap::Command {
             [rest, examples].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n\n");
         command.before_help(None::<&str>).after_help(after)
     };
-    reordered(Args::command()).mut_subcommands(reordered)
+    Args::command().mut_subcommands(reordered)
 }
 
 /// What to do.
