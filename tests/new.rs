@@ -568,3 +568,28 @@ fn an_accelerometer_alone_is_drafted_and_identified() {
     assert!((value("m") / 2.0 - 1.0).abs() < 0.02 && (value("k") / 700.0 - 1.0).abs() < 0.02, "{}", run.out);
     assert!((value("a.offset") - 9.80665).abs() < 0.05, "{}", run.out);
 }
+
+/// From a data file to the report; a spec that is there is used as it is.
+#[test]
+fn go_leads_from_a_data_file_to_a_report() {
+    let scratch = Scratch::new("go");
+    // A free oscillation with a little damping.
+    let rows: String = (0..1500)
+        .map(|k| {
+            let t = f64::from(k) * 0.01;
+            format!("{t},{}\n", (-0.1 * t).exp() * (3.0 * t).cos() + 1e-4 * (f64::from(k) * 12.9898).sin())
+        })
+        .collect();
+    std::fs::write(scratch.path("rig.csv"), format!("t/s,x/m\n{rows}")).expect("a data file");
+    let (data, out) = (scratch.path("rig.csv"), scratch.path("found"));
+    let said = phisindy(&["go", &data, "--out", &out, "--limit", "3min"]);
+    assert!(said.code < 2, "{}{}", said.out, said.err);
+    assert!(said.err.contains("EDIT"), "{}", said.err);
+    let report = std::fs::read_to_string(scratch.path("found/report.html")).expect("a report");
+    assert!(report.contains("class=\"finding\""));
+    // What was found runs where it lies.
+    let again = phisindy(&["check", &scratch.path("found/completed.ron")]);
+    assert!(again.code == 0 && !again.err.contains("no data file"), "{}", again.err);
+    let second = phisindy(&["go", &data, "--out", &out, "--limit", "3min"]);
+    assert!(second.err.contains("is used as it is"), "{}", second.err);
+}

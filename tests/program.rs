@@ -303,3 +303,42 @@ fn a_broken_pipe_is_no_failure() {
     let output = child.wait_with_output().expect("ends");
     assert_eq!((output.status.code(), output.stderr.as_slice()), (Some(0), b"".as_slice()));
 }
+
+/// A file in place of a command, two letters that changed places, a data file in place of a spec.
+#[test]
+fn a_slip_on_the_command_line_gets_the_command_that_was_meant() {
+    for (words, tip) in [
+        (&["gpa", "a.ron"][..], "'gap'"),
+        (&["simulatr", "a.ron"], "'simulate'"),
+        (&["rig.csv"], "'go rig.csv'"),
+        (&["rig.ron"], "'run rig.ron'"),
+    ] {
+        let said = phisindy(words);
+        assert!(said.code == 2 && said.err.contains(tip), "{words:?}: {}", said.err);
+    }
+    let scratch = Scratch::new("program-data-file");
+    std::fs::write(scratch.path("rig.csv"), "t,x\n0,0\n1,1\n").expect("a file");
+    std::fs::write(scratch.path("rig.xlsx"), [0x50, 0x4b, 0x03, 0x04, 0xff, 0xfe]).expect("a file");
+    for (command, file) in [("run", "rig.csv"), ("gap", "rig.csv"), ("check", "rig.xlsx")] {
+        let path = scratch.path(file);
+        let said = phisindy(&[command, &path]);
+        assert_eq!(said.code, 2, "{}", said.err);
+        assert!(said.err.contains(&format!("phisindy new {path} --out rig.ron")), "{}", said.err);
+    }
+}
+
+#[test]
+fn help_begins_with_what_a_command_takes_and_ends_with_examples() {
+    for command in ["run", "gap", "new", "sweep", "go"] {
+        let said = phisindy(&[command, "--help"]);
+        assert_eq!((said.code, said.err.as_str()), (0, ""), "{command}");
+        let at =
+            |words: &str| said.out.find(words).unwrap_or_else(|| panic!("{command}: {words}: {}", said.out));
+        assert!(at("Usage:") < at("Arguments:"), "{command}");
+        assert!(
+            at("Arguments:") < at("Options of all commands:")
+                && at("Options of all commands:") < at("Examples:")
+        );
+        assert_eq!(phisindy(&[command, "-h"]).out, said.out, "{command}");
+    }
+}

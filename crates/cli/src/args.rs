@@ -3,20 +3,22 @@
 use crate::limit::Limit;
 use crate::sweep::Shard;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use clap::{Parser, Subcommand, ValueEnum};
+use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 use phisindy::files::{Assignment, Request};
 use phisindy_phys::spec::Method;
+use phisindy_report::Look;
 use phisindy_report::export::{EXPORTERS, Exporter};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
+  phisindy go run1.csv                                  all at once: a spec, what is missing, the report in the browser
   phisindy new run1.csv --out run1.ron                  look at a data file, write a commented spec for it
   phisindy check run1.ron                               is anything wrong with the spec or its data?
   phisindy run run1.ron --out first                     the friction with error bars; first/report.html shows it
   phisindy gap run1.ron --out found                     what else is missing? named, added, and how far it explains the data
-  phisindy run found/completed.ron --data . --out last  the completed model, fitted once more
-  phisindy simulate last/identified.ron --data .        its motion beside what was measured, as CSV
+  phisindy run found/completed.ron --out last           the completed model, fitted once more
+  phisindy simulate last/identified.ron                 its motion beside what was measured, as CSV
   phisindy export last --to python --out model.py       the same model as a program of its own
 
   phisindy run specs/case7.ron                          a case with synthetic data: nothing else is needed
@@ -32,7 +34,7 @@ Exit codes: 0 identified; 1 ran, but the result is rejected; 2 the spec, its fil
 
 /// Find the missing part of a mechanical model - above all friction - in measured motion.
 #[derive(Debug, Parser)]
-#[command(name = "phisindy", version, before_help = EXAMPLES, after_help = CODES, max_term_width = 110)]
+#[command(name = "phisindy", version, disable_help_flag = true, before_help = EXAMPLES, after_help = CODES, max_term_width = 110)]
 pub(crate) struct Args {
     /// What to do.
     #[command(subcommand)]
@@ -40,6 +42,23 @@ pub(crate) struct Args {
     /// How to do it.
     #[command(flatten)]
     pub(crate) options: Options,
+    /// Print help
+    #[arg(long, short, global = true, action = clap::ArgAction::HelpShort)]
+    help: Option<bool>,
+}
+
+/// The command line. The help of a command begins with what it takes, its examples come last; the help of the program
+/// begins with examples.
+pub(crate) fn command_line() -> clap::Command {
+    let reordered = |command: clap::Command| {
+        let parts =
+            [command.get_before_help(), command.get_after_help()].map(|part| part.map(ToString::to_string));
+        let [examples, rest] = parts.map(Option::unwrap_or_default);
+        let after =
+            [rest, examples].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n\n");
+        command.before_help(None::<&str>).after_help(after)
+    };
+    Args::command().mut_subcommands(reordered)
 }
 
 /// What to do.
@@ -112,6 +131,19 @@ rows to leave out, and numbers to start from. What the guess rests on stands in 
 rows are read."
     )]
     New(NewArgs),
+    /// From a data file to the report at once: `new`, then `gap`, then the report in the browser
+    #[command(
+        display_order = 0,
+        before_help = "\
+Examples:
+  phisindy go run1.csv                 run1-found/run1.ron, the spec, and run1-found/report.html
+  phisindy go run1.csv                 again, after lines of run1-found/run1.ron were edited
+  phisindy go run1.csv --out found --no-open",
+        after_help = "\
+The spec is a guess: what must be looked at is marked EDIT. A spec that is there is used as it is.
+Exit codes: those of `phisindy gap`."
+    )]
+    Go(GoArgs),
     /// List the laws of the catalogue, or show one
     #[command(
         display_order = 8,
@@ -223,6 +255,20 @@ Examples:
   phisindy man --out ~/.local/share/man/man1        a page for it and one for each subcommand: man phisindy-run"
     )]
     Man,
+}
+
+/// For which file to find what is missing.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct GoArgs {
+    /// Data file, as for `phisindy new`
+    #[arg(value_name = "DATA")]
+    pub(crate) path: PathBuf,
+    /// Sheet of a workbook, or variable, structure, group of another file
+    #[arg(long, value_name = "NAME")]
+    pub(crate) sheet: Option<String>,
+    /// Do not open the report
+    #[arg(long)]
+    pub(crate) no_open: bool,
 }
 
 /// For which file to write a spec.
@@ -347,6 +393,9 @@ pub(crate) struct Options {
     /// The words of the command line after the name of the program.
     #[arg(skip)]
     pub(crate) line: Vec<String>,
+    /// What the terminal can show that reads the result; `None` for a pipe, and where `--format` asks for a form.
+    #[arg(skip)]
+    pub(crate) look: Option<Look>,
 }
 
 impl Options {
@@ -415,11 +464,10 @@ fn assignment(text: &str) -> Result<Assignment, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_command_line_is_consistent() {
-        Args::command().debug_assert();
+        command_line().debug_assert();
     }
 
     #[test]

@@ -1,8 +1,10 @@
 //! The subcommands: what is read, what is written, and with which exit code they end.
 
 pub(crate) mod check;
+mod data_folders;
 pub(crate) mod export;
 pub(crate) mod gap;
+pub(crate) mod go;
 pub(crate) mod laws;
 pub(crate) mod manual;
 pub(crate) mod new;

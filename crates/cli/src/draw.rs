@@ -2,6 +2,7 @@
 
 mod clip;
 
+use crate::terminal::colours;
 use clip::Clipped;
 use codespan_reporting::diagnostic as drawn;
 use codespan_reporting::files::{self, Files};
@@ -12,7 +13,7 @@ use std::ops::Range;
 
 /// Draws on standard error, in colour if that is a terminal and NO_COLOR is not set.
 pub(crate) fn show<'d>(diagnostics: impl IntoIterator<Item = &'d Diagnostic>, sources: &Sources) {
-    let colour = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
+    let colour = io::stderr().is_terminal() && colours();
     for diagnostic in diagnostics {
         let mut buffer = if colour { termcolor::Buffer::ansi() } else { termcolor::Buffer::no_color() };
         draw_or_tell(&mut buffer, diagnostic, sources);

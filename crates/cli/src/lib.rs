@@ -17,21 +17,28 @@ mod progress;
 mod sweep;
 mod terminal;
 
-use crate::args::{Args, Command, Options};
+use crate::args::{Args, Command, Options, command_line};
 use crate::limit::Limit;
 use anyhow::{Context, Result, anyhow};
-use clap::Parser;
+use clap::FromArgMatches;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use phisindy::SpecError;
 use std::ffi::OsString;
 use std::io;
+use std::path::Path;
 
 /// Runs the program with the words of a command line, of which the first is its name; returns the exit code.
 ///
 /// Help, the version and mistakes of the command line end the process.
 pub fn program(line: impl Iterator<Item = OsString>) -> u8 {
     let line: Vec<OsString> = line.collect();
-    let mut args = Args::parse_from(&line);
+    let mut args = match parsed(&line) {
+        Ok(args) => args,
+        Err(error) => error.exit(),
+    };
     args.options.line = line.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+    let form = args.options.line.iter().any(|word| word == "--format" || word.starts_with("--format="));
+    args.options.look = terminal::look().filter(|_| !form);
     let unlimited = matches!(args.command, Command::Open(_));
     interrupt::listen(args.options.limit.unwrap_or(if unlimited { Limit::none() } else { Limit::default() }));
     match execute(&args) {
@@ -50,6 +57,45 @@ pub fn drawn(error: &SpecError) -> String {
     draw::text(error.mistakes(), error.sources())
 }
 
+/// The words of a command line. A file in place of a command, and a misspelt command, get a suggestion.
+fn parsed(line: &[OsString]) -> Result<Args, clap::Error> {
+    let matches = command_line().try_get_matches_from(line);
+    matches.and_then(|matches| Args::from_arg_matches(&matches)).map_err(|mut error| {
+        let word = match error.get(ContextKind::InvalidSubcommand) {
+            Some(ContextValue::String(word)) => word.clone(),
+            _ => String::new(),
+        };
+        if error.kind() == ErrorKind::InvalidSubcommand
+            && error.get(ContextKind::SuggestedSubcommand).is_none()
+            && let Some(advice) = command_for(&word)
+        {
+            error.insert(ContextKind::SuggestedSubcommand, ContextValue::String(advice));
+        }
+        error
+    })
+}
+
+/// The command that was meant by a word that is none.
+fn command_for(word: &str) -> Option<String> {
+    let ending = Path::new(word).extension().map(|e| e.to_string_lossy().to_lowercase());
+    match ending.as_deref() {
+        Some("ron") => Some(format!("run {word}")),
+        Some(_) => Some(format!("go {word}")),
+        None => {
+            let command = command_line();
+            let names: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
+            // Letters that changed places are the commonest slip.
+            let sorted = |text: &str| {
+                let mut letters: Vec<char> = text.chars().collect();
+                letters.sort_unstable();
+                letters
+            };
+            let same = names.iter().find(|name| sorted(name) == sorted(word)).copied();
+            same.or_else(|| phisindy_expr::nearest(word, names.iter().copied())).map(str::to_owned)
+        }
+    }
+}
+
 /// Executes a command and returns the exit code.
 fn execute(args: &Args) -> Result<u8> {
     let options = &args.options;
@@ -59,6 +105,7 @@ fn execute(args: &Args) -> Result<u8> {
         Command::Gap { spec } => commands::gap::gap(spec, options),
         Command::Simulate { spec, record } => commands::simulate::simulate(spec, record.as_deref(), options),
         Command::Check { specs } => Ok(commands::check::check(specs, options)),
+        Command::Go(args) => commands::go::command(args, options),
         Command::New(args) => commands::new::command(args, options),
         Command::Laws { words } => match &words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
             ["new", name] => commands::laws::new(name, options),

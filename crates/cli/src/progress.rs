@@ -1,27 +1,34 @@
-//! A bar on standard error for work that takes over a second; nothing in pipes or with `--quiet`.
+//! A line on standard error for work that a terminal waits for, drawn at once and alive until the work ends; nothing in
+//! pipes or with `--quiet`.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 const STEPS: u64 = 1000;
+/// Time between two drawings: the seconds that are shown go on where a step takes long.
+const TICK: Duration = Duration::from_millis(120);
 
-/// The progress of one spec.
+/// The progress of one piece of work.
 pub(crate) struct Progress {
     bar: ProgressBar,
-    begin: Instant,
-    shown: bool,
+    measured: bool,
 }
 
 impl Progress {
-    /// Not to be seen yet.
+    /// Says what is being done, at once.
     pub(crate) fn new(what: &str, quiet: bool) -> Progress {
-        let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::hidden());
-        let style = ProgressStyle::with_template("{msg} {bar:30} {percent:>3} % {eta}");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        bar.set_message(what.to_owned());
         let visible = !quiet && std::io::stderr().is_terminal();
-        Progress { bar, begin: Instant::now(), shown: !visible }
+        let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        let bar = ProgressBar::with_draw_target(Some(STEPS), target);
+        // No time left: what comes depends on what is found.
+        bar.set_style(style("{spinner} {wide_msg} {elapsed}"));
+        bar.set_message(what.to_owned());
+        if visible {
+            bar.tick();
+            bar.enable_steady_tick(TICK);
+        }
+        Progress { bar, measured: false }
     }
 
     /// Says what is being done.
@@ -31,12 +38,16 @@ impl Progress {
 
     /// Draws a fraction of the work.
     pub(crate) fn at(&mut self, fraction: f64) {
-        if !self.shown && self.begin.elapsed() > Duration::from_secs(1) {
-            self.bar.set_draw_target(ProgressDrawTarget::stderr());
-            self.shown = true;
+        if !self.measured {
+            self.bar.set_style(style("{spinner} {bar:24} {percent:>3} % {elapsed} {wide_msg}"));
+            self.measured = true;
         }
         self.bar.set_position((fraction.clamp(0.0, 1.0) * STEPS as f64) as u64);
     }
+}
+
+fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
 impl Drop for Progress {

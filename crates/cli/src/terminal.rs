@@ -3,7 +3,9 @@
 use crate::draw;
 use anyhow::{Context, Result};
 use phisindy_phys::{Diagnostic, Sources};
-use std::io::{self, Write};
+use phisindy_report::Look;
+use std::io::{self, IsTerminal, Write};
+use std::path::Path;
 
 /// Exit code: the result is rejected.
 pub(crate) const REJECTED: u8 = 1;
@@ -15,6 +17,26 @@ pub(crate) const NUMERICS: u8 = 3;
 /// Context of an error on standard output.
 pub(crate) const STDOUT: &str =
     "cannot write to standard output: write into a file on a disk with space, or give --out DIR";
+
+/// Whether colours are wanted: not if NO_COLOR is set (no-color.org).
+pub(crate) fn colours() -> bool {
+    std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty())
+}
+
+/// What the terminal behind standard output can show; `None` for a pipe or a file.
+pub(crate) fn look() -> Option<Look> {
+    let colour = colours() && std::env::var_os("TERM").is_none_or(|term| term != "dumb");
+    let width = usize::from(console::Term::stdout().size().1);
+    io::stdout().is_terminal().then_some(Look { colour, width: if width == 0 { 80 } else { width } })
+}
+
+/// Says at the end where the report is, as a path that a terminal makes a link of.
+pub(crate) fn tell_report(folder: Option<&Path>, look: Option<Look>) -> Result<()> {
+    match (folder, look) {
+        (Some(folder), Some(_)) => print(&format!("\nreport: {}\n", folder.join("report.html").display())),
+        _ => Ok(()),
+    }
+}
 
 /// Prints the result.
 pub(crate) fn print(text: &str) -> Result<()> {

@@ -154,7 +154,9 @@ impl Search<'_> {
             };
             candidates = candidates.max(screening.candidates.len());
             first.get_or_insert_with(|| screened(&screening));
-            (self.observe)(part + 0.03, Activity::FittingLaws);
+            let (round, trials) = (rounds.len() + 1, screening.candidates.len());
+            let gap = (base.score.gap(), now.score.gap());
+            (self.observe)(part + 0.03, Activity::FittingLaws { round, trials, gap });
             let start = Start { now: &now, model, screening, candidates };
             let Some((next, round)) = self.round(&start) else { break StopReason::NothingHelps };
             // Near the repeatability of the rig an effect may describe the rig's scatter. It counts if its

@@ -14,6 +14,7 @@ mod legend;
 mod mark;
 mod panel;
 mod picture;
+mod sheet;
 mod strip;
 
 pub(crate) use axis::{Axis, Scale, digits};
@@ -23,5 +24,6 @@ pub(crate) use label::word;
 pub(crate) use legend::{Entry, Swatch, legend};
 pub(crate) use mark::Mark;
 pub(crate) use panel::Panel;
-pub(crate) use picture::{Chart, STYLE, WIDTH};
+pub(crate) use picture::{Chart, STYLE};
+pub(crate) use sheet::Sheet;
 pub(crate) use strip::Strip;

@@ -1,12 +1,18 @@
 //! The result of `gap`: which effects the model lacks.
 
+mod balance;
+mod finding;
 mod json;
 mod report;
+mod terminal;
 mod text;
 
+pub(crate) use balance::{Balance, RecordForce, balance};
+pub(crate) use finding::{Finding, counted, finding};
 pub use report::GapReport;
-pub(crate) use text::{basis, outcome, rivals, vetoes};
+pub(crate) use text::{basis, rivals, vetoes};
 
+use crate::Look;
 use crate::format::Format;
 
 impl GapReport<'_> {
@@ -16,6 +22,11 @@ impl GapReport<'_> {
             Format::Json => json::line(self) + "\n",
             Format::Text | Format::Latex => text::text(self),
         }
+    }
+
+    /// The result for people at a terminal.
+    pub fn at_terminal(&self, look: Look) -> String {
+        terminal::text(self, look)
     }
 
     /// `result.json`: the object on lines of its own.

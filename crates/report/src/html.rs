@@ -1,5 +1,5 @@
-//! `report.html`: the result of `run` or `gap` as one page that needs no network and no script, and its
-//! figures as files.
+//! `report.html`: the result of `run` or `gap` as one page that needs no network, and its figures as files. A small
+//! script shows values, zooms and hides lines; without it everything is there.
 //!
 //! ```text
 //! Report, Gap or a failure --> sections (tables, equations, figures) --> Page --> report.html, figures/*.svg
@@ -9,15 +9,18 @@ mod correlation;
 mod data;
 mod force;
 mod friction;
-mod gap;
+pub(crate) mod gap;
+pub(crate) mod hero;
+mod leaderboard;
 mod map;
 mod mathml;
 mod motion;
+mod next;
 mod page;
 mod regimes;
 mod reproduction;
 mod residual;
-mod run;
+pub(crate) mod run;
 mod selection;
 mod shrink;
 mod table;
@@ -26,7 +29,7 @@ use crate::gap::GapReport;
 use crate::input::{Input, Invocation};
 use crate::run::RunReport;
 pub use page::HtmlReport;
-use page::{Banner, Page, Tone, add_remarks, block};
+use page::{Banner, Page, Tone, add_data_remarks, block};
 
 /// The report of `run`.
 pub fn run(report: &RunReport<'_>, invocation: &Invocation) -> HtmlReport {
@@ -45,8 +48,10 @@ pub fn refusal(spec: &str, text: Option<&str>, mistakes: &str, invocation: &Invo
         tone: Tone::Bad,
         headline: "Not run".to_owned(),
         text: "Nothing was computed: the spec or its data cannot be used as they are.".to_owned(),
+        how: String::new(),
     };
     let mut page = Page::of_refusal(spec, banner);
+    next::add(&mut page, &next::helps(mistakes), Some(&format!("phisindy check {spec}")));
     page.section("What is wrong", [block(mistakes.trim_end(), "mistakes")]);
     page.section("To repeat it", reproduction::command(None, spec, text, invocation));
     page.html()
@@ -55,12 +60,18 @@ pub fn refusal(spec: &str, text: Option<&str>, mistakes: &str, invocation: &Invo
 /// The report of work that came to no result: why, and whether a state grew without bound, beside what was
 /// measured.
 pub fn failure(why: &str, diverged: bool, input: Input<'_>, invocation: &Invocation) -> HtmlReport {
-    let text = advice(diverged).map_or_else(|| why.to_owned(), |advice| format!("{why}: {advice}"));
-    let banner = Banner { tone: Tone::Bad, headline: "Failed".to_owned(), text };
+    let banner = Banner {
+        tone: Tone::Bad,
+        headline: "Failed".to_owned(),
+        text: format!("{}.", page::capital(why)),
+        how: String::new(),
+    };
     let mut page = Page::new(input, banner);
-    add_remarks(&mut page, &[], input.doubts, &data::notes(input));
+    let steps: Vec<String> = advice(diverged).map(page::capital).into_iter().collect();
+    next::add(&mut page, &steps, None);
     let seen = data::measured(input);
-    page.figures("Measured", motion::charts(&seen));
+    page.figures("Measured", |sheet| motion::charts(&seen, sheet));
+    add_data_remarks(&mut page, input.doubts, &data::notes(input));
     reproduction::add(&mut page, input, invocation);
     page.html()
 }

@@ -26,6 +26,7 @@ pub mod run;
 pub mod spec_text;
 pub mod sweep;
 pub mod table;
+mod terminal;
 
 pub use equation::{Equation, equations};
 pub use folder::Folder;
@@ -34,3 +35,4 @@ pub use gap::GapReport;
 pub use html::HtmlReport;
 pub use input::{Ending, Input, Invocation, StopReason};
 pub use run::RunReport;
+pub use terminal::Look;

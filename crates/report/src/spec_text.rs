@@ -5,5 +5,5 @@ mod edit;
 mod identified;
 
 pub use completed::{COMPLETED, completed};
-pub use edit::head;
+pub use edit::{head, named_data, with_data};
 pub use identified::{IDENTIFIED, identified};

@@ -49,6 +49,57 @@ fn digits(x: f64, digits: usize) -> String {
     }
 }
 
+/// A unit with raised exponents; empty for a plain number.
+pub fn raised(unit: &str) -> String {
+    const RAISED: [(&str, &str); 8] = [
+        ("^-1", "⁻¹"),
+        ("^-2", "⁻²"),
+        ("^-3", "⁻³"),
+        ("^2", "²"),
+        ("^3", "³"),
+        ("^4", "⁴"),
+        ("^5", "⁵"),
+        ("*", "·"),
+    ];
+    if unit == "1" {
+        return String::new();
+    }
+    RAISED.iter().fold(unit.to_owned(), |text, (plain, raised)| text.replace(plain, raised))
+}
+
+/// `0.298 ± 0.008`: a value with the digits that its error allows, which is shown with one digit, or two where the first
+/// is a 1. Without a finite error the value has four digits.
+pub fn with_error(value: f64, error: f64) -> String {
+    if !(error.is_finite() && error > 0.0 && value.is_finite()) {
+        return digits(value, 4).replace('-', "−");
+    }
+    let decade = |x: f64| x.abs().log10().floor() as i32;
+    // Powers of ten that both share keep numbers of any size short.
+    let largest = decade(value.abs().max(error));
+    let shared = if (-3..5).contains(&largest) { 0 } else { largest };
+    let scale = 10f64.powi(shared);
+    let (value, error) = (value / scale, error / scale);
+    let first = error / 10f64.powi(decade(error));
+    let places = (if first < 1.95 { 1 } else { 0 }) - decade(error);
+    // An error above ten rounds tens and more.
+    let tens = 10f64.powi((-places).max(0));
+    let (value, error, decimals) =
+        (tens * (value / tens).round(), tens * (error / tens).round(), places.max(0) as usize);
+    let text = format!("{value:.decimals$} ± {error:.decimals$}").replace('-', "−");
+    if shared == 0 { text } else { format!("({text})·10{}", exponent(shared)) }
+}
+
+/// A number with four significant digits.
+pub(crate) fn four(x: f64) -> String {
+    digits(x, 4)
+}
+
+/// A number as raised digits.
+fn exponent(power: i32) -> String {
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    power.to_string().chars().map(|c| c.to_digit(10).map_or('⁻', |d| DIGITS[d as usize])).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -77,6 +128,21 @@ mod tests {
         assert_eq!(interval(1.2, 1.2), "[1.2, 1.2]");
         assert_eq!(interval(f64::NEG_INFINITY, 3.0), "[unbounded, 3]");
         assert_eq!(interval(f64::NAN, f64::NAN), "[unknown, unknown]");
+    }
+
+    #[test]
+    fn a_value_has_the_digits_that_its_error_allows() {
+        for (value, error, text) in [
+            (0.298_34, 0.0083, "0.298 ± 0.008"),
+            (0.298_34, 0.0131, "0.298 ± 0.013"),
+            (1191.4, 23.0, "1190 ± 20"),
+            (-0.5, 0.0021, "−0.500 ± 0.002"),
+            (3.214e-5, 4.1e-7, "(3.21 ± 0.04)·10⁻⁵"),
+            (0.298_34, 0.0, "0.2983"),
+            (2.0, f64::INFINITY, "2"),
+        ] {
+            assert_eq!(with_error(value, error), text);
+        }
     }
 
     #[test]

@@ -1,11 +1,12 @@
 //! `phisindy gap`.
 
+use super::data_folders::name_data;
 use super::spec_file::{failed, invocation, keep, keep_failure, loaded};
 use crate::args::Options;
 use crate::interrupt;
 use crate::outdir;
 use crate::progress::Progress;
-use crate::terminal::{INPUT, NUMERICS, REJECTED, print, remark};
+use crate::terminal::{INPUT, NUMERICS, REJECTED, print, remark, tell_report};
 use anyhow::Result;
 use phisindy::files::{Purpose, beside};
 use phisindy_gap::{GapError, Status};
@@ -58,14 +59,21 @@ pub(crate) fn gap(spec: &Path, options: &Options) -> Result<u8> {
         stopped: found.interrupted().then(interrupt::reason),
     };
     let report = GapReport { input: loaded.input(), gap: &found, catalogue: catalogue.laws(), ending };
-    if !options.quiet {
+    // At a terminal they stand in the result.
+    if !options.quiet && options.look.is_none() {
         report.notes().for_each(|w| remark(&format!("note: {w}")));
     }
-    let kept =
-        folder.as_ref().map_or(Ok(()), |folder| keep(&Folder::of_gap(&report, &invocation(options)), folder));
+    let kept = folder.as_ref().map_or(Ok(()), |folder| {
+        let mut files = Folder::of_gap(&report, &invocation(options));
+        name_data(&mut files, &loaded, options, folder.path());
+        keep(&files, folder)
+    });
     // A full disk must not lose the result, so it is printed first.
-    print(&report.written(options.format.into()))?;
+    print(
+        &options.look.map_or_else(|| report.written(options.format.into()), |look| report.at_terminal(look)),
+    )?;
     kept?;
+    tell_report(options.out.as_deref(), options.look)?;
     if found.interrupted() {
         interrupt::tell();
     }

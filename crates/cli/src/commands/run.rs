@@ -1,10 +1,11 @@
 //! `phisindy run`.
 
+use super::data_folders::name_data;
 use super::spec_file::{failed, invocation, keep, keep_failure, loaded};
 use crate::args::{Format, Options};
 use crate::outdir::{self, OutDir};
 use crate::progress::Progress;
-use crate::terminal::{INPUT, NUMERICS, REJECTED, print, remark};
+use crate::terminal::{INPUT, NUMERICS, REJECTED, print, remark, tell_report};
 use crate::{draw, interrupt};
 use anyhow::Result;
 use phisindy::Loaded;
@@ -63,15 +64,20 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
     };
     let report = RunReport::new(loaded.input(), &found, ending);
     if !options.quiet {
-        caution(&report, options.format);
+        caution(&report, options);
     }
     let kept = folder.map_or(Ok(()), |folder| {
-        keep(&Folder::of_run(&report, loaded.input(), &found, &invocation(options)), folder)
+        let mut files = Folder::of_run(&report, loaded.input(), &found, &invocation(options));
+        name_data(&mut files, &loaded, options, folder.path());
+        keep(&files, folder)
     });
     // A full disk must not lose the result, so it is printed first.
     let blank = if follows && options.format != Format::Json { "\n" } else { "" };
-    print(&format!("{blank}{}", report.written(options.format.into())))?;
+    let text =
+        options.look.map_or_else(|| report.written(options.format.into()), |look| report.at_terminal(look));
+    print(&format!("{blank}{text}"))?;
     kept?;
+    tell_report(folder.map(OutDir::path), options.look)?;
     if found.interrupted() {
         interrupt::tell();
     }
@@ -83,8 +89,8 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
 }
 
 /// Notes and warnings on standard error; warnings not twice if the result goes to the same terminal.
-fn caution(report: &RunReport<'_>, format: Format) {
-    let twice = format != Format::Json && io::stdout().is_terminal() && io::stderr().is_terminal();
+fn caution(report: &RunReport<'_>, options: &Options) {
+    let twice = options.format != Format::Json && io::stdout().is_terminal() && io::stderr().is_terminal();
     report.notes.iter().for_each(|note| remark(&format!("note: {note}")));
     if !twice {
         let said: Vec<Diagnostic> = report.warnings.iter().map(|w| Diagnostic::warning(w.clone())).collect();

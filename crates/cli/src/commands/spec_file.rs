@@ -3,6 +3,7 @@
 use crate::args::Options;
 use crate::draw;
 use crate::outdir::OutDir;
+use crate::progress::Progress;
 use crate::terminal::{INPUT, NUMERICS, complain};
 use anyhow::Result;
 use phisindy::Loaded;
@@ -36,7 +37,10 @@ pub(super) fn loaded_with_warnings(
     folder: Option<&OutDir>,
 ) -> Result<(Loaded, usize), u8> {
     let (mut sources, mut found) = (Sources::default(), Vec::new());
-    let loaded = load(spec, &options.request(), purpose, &mut sources, &mut found);
+    let loaded = {
+        let _progress = Progress::new(&format!("reading {} and its data", spec.display()), options.quiet);
+        load(spec, &options.request(), purpose, &mut sources, &mut found)
+    };
     // Next to a mistake, warnings are mostly its consequences: what failed to parse leaves constants unused.
     let drawn = || found.iter().filter(|d| d.is_error() || (loaded.is_ok() && !options.quiet));
     draw::show(drawn(), &sources);

@@ -21,14 +21,21 @@ pub enum StopReason {
 }
 
 /// What the workflow is doing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Activity {
     /// Calibrating the initial model.
     Calibrating,
     /// Screening every law at every place.
     Screening,
     /// Fitting the best laws in full.
-    FittingLaws,
+    FittingLaws {
+        /// The round, from 1.
+        round: usize,
+        /// Laws at places that the regression ranked.
+        trials: usize,
+        /// The gap of the initial model and of the present one.
+        gap: (f64, f64),
+    },
     /// Fitting the best pairs of laws.
     FittingPairs,
     /// Computing error bars.

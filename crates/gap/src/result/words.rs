@@ -45,10 +45,18 @@ fn joined<T: AsRef<str>>(parts: impl Iterator<Item = T>, between: &str) -> Strin
 
 impl Display for Activity {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        if let Activity::FittingLaws { round, trials, gap: (first, now) } = self {
+            let before = if *round > 1 { format!("{} → ", rounded(*first)) } else { String::new() };
+            return write!(
+                f,
+                "round {round}: fitting the best of {trials} laws, gap {before}{}",
+                rounded(*now)
+            );
+        }
         f.write_str(match self {
             Activity::Calibrating => "fitting what may move",
             Activity::Screening => "looking at every law at every place",
-            Activity::FittingLaws => "fitting the best of them",
+            Activity::FittingLaws { .. } => "fitting the best of them",
             Activity::FittingPairs => "fitting the best pairs",
             Activity::ErrorBars => "error bars",
             Activity::Constants => "constants that are held",

@@ -6,6 +6,7 @@ use phisindy_expr::Span;
 use phisindy_import::{DataFile, record, unreadable};
 use phisindy_phys::spec::CsvSpec;
 use phisindy_phys::{Diagnostic, SourceId, Sources, Table, Units};
+use phisindy_report::spec_text::named_data;
 use std::fs::File;
 use std::io;
 use std::path::{Component, Path, PathBuf};
@@ -62,13 +63,17 @@ pub(crate) struct Folders {
 }
 
 impl Folders {
-    /// The folders for a spec.
-    pub(crate) fn new(request: &Request, spec: &Path) -> Folders {
+    /// The folders for a spec, last those that its head names if this program wrote it.
+    pub(crate) fn new(request: &Request, spec: &Path, text: &str) -> Folders {
         let mut folders = Vec::new();
         folders.extend(request.data.iter().map(|d| (d.clone(), "--data")));
         folders.extend(request.further_data.iter().map(|d| (d.clone(), "PHISINDY_DATA")));
         let given = !folders.is_empty();
-        folders.push((spec.parent().map(Path::to_owned).unwrap_or_default(), "beside the spec"));
+        let beside = spec.parent().map(Path::to_owned).unwrap_or_default();
+        let named =
+            named_data(text).into_iter().map(|folder| (beside.join(folder), "named in the head of the spec"));
+        folders.push((beside.clone(), "beside the spec"));
+        folders.extend(named);
         Folders { folders, given }
     }
 

@@ -103,7 +103,7 @@ pub fn load_text(
     let mut loader = Loader {
         request,
         source,
-        folders: Folders::new(request, path),
+        folders: Folders::new(request, path, &text),
         sources,
         found,
         trends: Trends::default(),
@@ -154,6 +154,29 @@ pub fn open_text(text: &str, path: &Path, request: &Request, purpose: Purpose) -
     }
 }
 
+/// Endings of data files, in small letters.
+const DATA: [&str; 21] = [
+    "csv", "tsv", "txt", "dat", "asc", "xlsx", "xls", "xlsb", "ods", "mat", "npy", "npz", "tdms", "unv",
+    "uff", "uf", "h5", "hdf5", "parquet", "lvm", "log",
+];
+
+/// What to say to a data file where a spec is expected; `None` if the name does not end as those of data files do, or if
+/// the text begins as a spec does.
+fn data_file(path: &Path, bytes: &[u8]) -> Option<Diagnostic> {
+    let ending = path.extension()?.to_str()?.to_lowercase();
+    let text = String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]);
+    let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with("//"));
+    let spec = lines.next().is_some_and(|line| line.starts_with('(') || line.starts_with("#!["));
+    let shown = path.display();
+    (DATA.contains(&ending.as_str()) && !spec).then(|| {
+        let written = path.with_extension("ron");
+        let written = written.file_name().map_or_else(|| "case.ron".into(), |name| name.to_string_lossy());
+        Diagnostic::error(format!("`{shown}` is a data file, not a spec"))
+            .help(format!("`phisindy new {shown} --out {written}` looks at it and writes a spec for it"))
+            .help(format!("`phisindy go {shown}` does that and looks for what is missing at once"))
+    })
+}
+
 /// The text of the spec.
 pub fn spec_text(path: &Path) -> Result<String, Diagnostic> {
     let shown = path.display();
@@ -163,6 +186,7 @@ pub fn spec_text(path: &Path) -> Result<String, Diagnostic> {
                 "name a text file that exists and that you may read; `phisindy new DATA.csv` writes one",
             )
         })
+        .and_then(|bytes| data_file(path, &bytes).map_or(Ok(bytes), Err))
         .and_then(|bytes| {
             let text = String::from_utf8(bytes);
             text.map_err(|_| {

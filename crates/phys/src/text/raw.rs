@@ -256,18 +256,54 @@ impl Outline<'_> {
             return Ok(Entry { key: None, value: self.value()? });
         }
         let key = self.value()?;
+        if shape == Shape::Group && key.shape == Shape::Text {
+            let (name, span) = (self.slice(key.span).to_owned(), key.span);
+            return Err(Mistake::new(
+                "names in quotes stand in a map `{...}`",
+                span,
+                "in a group `(...)` here",
+            )
+            .help(format!("put braces in place of the round brackets: {{ {name}: ... }}")));
+        }
         if self.peek_kind() != Some(Kind::Colon) {
             let end = key.span.end;
-            return Err(Mistake::new(
+            let mistake = Mistake::new(
                 "expected `:` and a value after this key",
                 Span::new(end, end),
                 "`:` is missing",
-            )
-            .also(key.span, "the key"));
+            );
+            // `"k": 801,0` reads as a number, a comma, and another key.
+            let before = &self.text[..key.span.start];
+            let whole =
+                before.strip_suffix(',').and_then(|text| text.rsplit([' ', ':', '(', '{', '[']).next());
+            let comma = whole.filter(|_| key.shape == Shape::Number).filter(|w| decimal(w));
+            return Err(match comma {
+                Some(whole) => mistake.help(decimal_help(whole, self.slice(key.span))),
+                None => mistake.also(key.span, "the key"),
+            });
         }
         self.next += 1;
         Ok(Entry { key: Some(key), value: self.value()? })
     }
+}
+
+/// Whether a text is a plain number without a point.
+fn decimal(text: &str) -> bool {
+    let digits = text.trim_start_matches(['-', '+']);
+    !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit())
+}
+
+fn decimal_help(whole: &str, part: &str) -> String {
+    format!("decimals take a point: {whole}.{part}")
+}
+
+/// Advice about a decimal comma in a text such as `(801,0, "N/m")`.
+pub(crate) fn comma_advice(text: &str) -> Option<String> {
+    let words: Vec<&str> = text.trim_matches(['(', ')']).split(',').collect();
+    let mut pairs = words.windows(2);
+    let found = pairs
+        .find(|w| decimal(w[0].trim()) && !w[1].is_empty() && w[1].bytes().all(|b| b.is_ascii_digit()))?;
+    Some(decimal_help(found[0].trim(), found[1]))
 }
 
 /// The content of a string literal, without quotes, and whether it was written raw; none if it is something

@@ -91,6 +91,17 @@ impl Axis {
         ((spread(value) - a) / (b - a)).clamp(-1.0, 2.0)
     }
 
+    /// The axis for the script of the page: ends, scale, name and unit, separated by bars.
+    pub(super) fn told(&self) -> String {
+        let scale = match self.scale {
+            Scale::Linear => "linear",
+            Scale::Log => "log",
+            Scale::FromZero => "from-zero",
+        };
+        let name = if self.bare { "" } else { &self.name };
+        format!("{:e}|{:e}|{scale}|{name}|{}", self.from, self.to, self.unit)
+    }
+
     /// The power of ten that all labels share, which keeps them short.
     fn power(&self) -> i32 {
         let largest = self.from.abs().max(self.to.abs());

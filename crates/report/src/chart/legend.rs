@@ -1,6 +1,7 @@
-//! The legend: one row above the panels.
+//! The legend: rows above the panels.
 
 use super::label::{at, width_of, word};
+use super::sheet::Sheet;
 use crate::markup::{Element, element};
 
 /// The sample in front of an entry.
@@ -17,11 +18,21 @@ pub(crate) enum Swatch {
 /// Class of the marks, their sample, and their meaning.
 pub(crate) type Entry = (&'static str, Swatch, String);
 
-/// The row with its left end at `x` and its base line at `y`.
-pub(crate) fn legend(entries: &[Entry], mut x: f64, y: f64) -> Vec<Element> {
+/// Height of a row.
+const ROW: f64 = 20.0;
+
+/// The legend at the top of a picture, and where the panels may begin below it. Rows are broken where they would be
+/// wider than the sheet.
+pub(crate) fn legend(entries: &[Entry], sheet: Sheet) -> (Vec<Element>, f64) {
+    let first = if sheet.is_phone() { 6.0 } else { 20.0 };
+    let (mut x, mut y) = (first, ROW);
     let mut out = Vec::new();
     for (class, swatch, text) in entries {
-        out.push(match swatch {
+        let wide = 32.0 + width_of(text);
+        if x > first && x + wide > sheet.width() {
+            (x, y) = (first, y + ROW);
+        }
+        let sample = match swatch {
             Swatch::Line => element("path").class(class).with("d", format!("M{} {}h26", at(x), at(y - 4.5))),
             Swatch::Box => element("rect")
                 .class(class)
@@ -34,9 +45,11 @@ pub(crate) fn legend(entries: &[Entry], mut x: f64, y: f64) -> Vec<Element> {
                 .with("cx", at(x + 13.0))
                 .with("cy", at(y - 4.5))
                 .with("r", 4),
-        });
-        out.push(word("legend", x + 32.0, y, text));
-        x += 32.0 + width_of(text) + 26.0;
+        };
+        // The script of the page makes a switch of each entry.
+        let entry = element("g").class("key").with("data-of", class);
+        out.push(entry.add(sample).add(word("legend", x + 32.0, y, text)));
+        x += wide + 26.0;
     }
-    out
+    (out, y + 28.0)
 }

@@ -7,6 +7,9 @@ use crate::markup::{Element, element};
 /// Points; those that are not finite interrupt a line.
 pub(crate) type Points = Vec<(f64, f64)>;
 
+/// Dots of a smaller radius are strokes.
+const SPECK: f64 = 3.0;
+
 /// A mark; the style sheet defines colour and stroke by `class`.
 #[derive(Clone, Debug)]
 pub(crate) enum Mark {
@@ -22,6 +25,8 @@ pub(crate) enum Mark {
     Level { class: &'static str, y: f64 },
     /// A vertical line from zero to each point.
     Stems { class: &'static str, points: Points },
+    /// A name that ends at a point, above it.
+    Name { x: f64, y: f64, words: String },
     /// Rectangles: left, right, lower, upper.
     Boxes { class: &'static str, boxes: Vec<(f64, f64, f64, f64)> },
 }
@@ -34,13 +39,26 @@ impl Mark {
         match self {
             Mark::Line { class, points } => vec![coordinates.clipped(path(class, coordinates.path(points)))],
             Mark::Dots { class, points, radius } => {
+                let finite = points.iter().filter(|p| p.0.is_finite() && p.1.is_finite());
+                // A stroke of no length with round ends is a dot that stays round when its panel is zoomed.
+                if *radius < SPECK {
+                    let dot = |&(x, y): &(f64, f64)| {
+                        format!("M{} {}h0", at(coordinates.x(x)), at(coordinates.y(y)))
+                    };
+                    let speck = element("path")
+                        .class(format!("speck {class}"))
+                        .with("d", finite.map(dot).collect::<String>());
+                    return vec![
+                        coordinates
+                            .clipped(vec![speck.with("style", format!("stroke-width:{}", at(2.0 * radius)))]),
+                    ];
+                }
                 // One path of small circles takes a tenth of the text that single elements take.
                 let r = at(*radius);
                 let circle = |&(x, y): &(f64, f64)| {
                     let (x, y) = (at(coordinates.x(x) - radius), at(coordinates.y(y)));
                     format!("M{x} {y}a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0 -{d} 0z", d = at(2.0 * radius))
                 };
-                let finite = points.iter().filter(|p| p.0.is_finite() && p.1.is_finite());
                 path(&format!("dot {class}"), finite.map(circle).collect())
             }
             Mark::Band { class, points } => {
@@ -58,13 +76,16 @@ impl Mark {
                 let edge = edge.with("y1", at(top)).with("y2", at(top + height));
                 // The words stand above the area, right-aligned if there is no room on the right.
                 let fits = a + width_of(words) <= left + width;
-                let (class, x) = if fits { ("small", a + 1.0) } else { ("small end", b - 1.0) };
-                vec![area, edge, word(class, x, top - 6.0, words)]
+                let (class, x) = if fits { ("small span", a + 1.0) } else { ("small span end", b - 1.0) };
+                vec![coordinates.clipped(vec![area, edge]), word(class, x, top - 6.0, words)]
             }
             Mark::Level { class, y } => {
                 let y = at(coordinates.y(*y));
                 let line = element("line").class(class).with("x1", at(left)).with("x2", at(left + width));
                 vec![line.with("y1", &y).with("y2", &y)]
+            }
+            Mark::Name { x, y, words } => {
+                vec![word("small end halo", coordinates.x(*x), coordinates.y(*y) - 5.0, words)]
             }
             Mark::Stems { class, points } => {
                 let zero = at(coordinates.y(0.0));

@@ -22,6 +22,15 @@ pub(crate) struct Panel {
 }
 
 impl Panel {
+    /// The panel as a group that tells the script of the page its axes and where they lie.
+    pub(crate) fn live(&self, place: Place) -> Element {
+        let Place { x, y, width, height } = place;
+        let place_words = [x, y, width, height].map(at).join(" ");
+        let group = element("g").class("panel").with("data-place", place_words);
+        let group = group.with("data-x", self.x.told()).with("data-y", self.y.told());
+        group.all(self.drawn(place))
+    }
+
     /// The panel as elements.
     pub(crate) fn drawn(&self, place: Place) -> Vec<Element> {
         let coordinates = Coordinates { x: &self.x, y: &self.y, place };
@@ -48,13 +57,14 @@ impl Panel {
             words.push(word("heading", left, top - 10.0, &self.heading));
         }
         let label = self.y.label();
-        // A label longer than the axis would overlap the next panel, so it stands above the panel.
-        if width_of(&label) <= height + 24.0 {
+        // A label longer than the axis would overlap the next panel, so it stands above the panel; so it does where
+        // there is no room beside it.
+        if width_of(&label) <= height + 24.0 && left >= 60.0 {
             let (x, y) = (at(left - 56.0), at(top + 0.5 * height));
             let turned = word("label middle", 0.0, 0.0, &label);
             words.push(turned.with("transform", format!("translate({x} {y}) rotate(-90)")));
         } else {
-            words.push(word("label", left - 56.0, top - 10.0, &label));
+            words.push(word("label", (left - 56.0).max(4.0), top - 10.0, &label));
         }
         let path = |class: &str, d: String| element("path").class(class).with("d", d);
         let frame = format!("M{} {}V{}H{}", at(left), at(top), at(bottom), at(right));

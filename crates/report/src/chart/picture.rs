@@ -6,11 +6,8 @@ use crate::markup::{Element, element};
 /// The style sheet of charts; its classes are those of the marks.
 pub(crate) const STYLE: &str = include_str!("chart.css");
 
-/// Width of a picture that fills its page, in pixels.
-pub(crate) const WIDTH: f64 = 760.0;
-
-/// Below this width labels are too small to read.
-const LEAST: f64 = 580.0;
+/// A picture is drawn at most so much larger than it is.
+const LARGER: f64 = 1.06;
 
 /// A picture with a description for readers who do not see it.
 #[derive(Clone, Debug)]
@@ -38,9 +35,11 @@ impl Chart {
         self.body.extend(parts);
     }
 
-    /// The picture as an element of a page that includes the style sheet.
-    pub(crate) fn inline(&self) -> Element {
-        let (title, description) = (format!("{}-title", self.name), format!("{}-desc", self.name));
+    /// The picture as an element of a page that includes the style sheet. `variant` tells pictures of one name
+    /// apart.
+    pub(crate) fn inline(&self, variant: &str) -> Element {
+        let id = |part: &str| format!("{}{variant}-{part}", self.name);
+        let (title, description) = (id("title"), id("desc"));
         self.frame()
             .with("aria-labelledby", format!("{title} {description}"))
             .add(element("title").with("id", title).text(&self.title))
@@ -68,7 +67,6 @@ impl Chart {
             .with("viewBox", format!("0 0 {} {}", self.width, self.height))
             .with("width", self.width)
             .with("height", self.height)
-            // A narrow page scrolls a wide picture: scaled down, its labels would be unreadable.
-            .with("style", format!("min-width:{}px", at(self.width.min(LEAST.max(0.8 * self.width)))))
+            .with("style", format!("max-width:{}px", at(LARGER * self.width)))
     }
 }

@@ -17,13 +17,22 @@ pub(crate) struct Strip<'a> {
 }
 
 impl Strip<'_> {
+    /// The strip as a group that tells the script of the page its axes and where they lie.
+    pub(crate) fn live(&self, place: Place) -> Element {
+        let Place { x, y, width, height } = place;
+        let place_words = [x, y, width, height].map(at).join(" ");
+        let group = element("g").class("panel").with("data-place", place_words);
+        group.with("data-x", self.x.told()).with("data-y", Axis::bare().told()).all(self.drawn(place))
+    }
+
     /// The strip as elements.
-    pub(crate) fn drawn(&self, place: Place) -> Vec<Element> {
+    fn drawn(&self, place: Place) -> Vec<Element> {
         let y = Axis::bare();
         let coordinates = Coordinates { x: self.x, y: &y, place };
         let frame = element("rect").class("grid").with("x", at(place.x)).with("y", at(place.y));
         let mut out = vec![frame.with("width", at(place.width)).with("height", at(place.height))];
-        out.extend(self.marks.iter().flat_map(|m| m.drawn(&coordinates)));
+        let marks = self.marks.iter().flat_map(|m| m.drawn(&coordinates)).collect();
+        out.push(coordinates.clipped(marks));
         out.push(word("label end", place.x - 8.0, place.y + 0.5 * place.height + 4.5, self.name));
         out
     }

@@ -7,7 +7,7 @@ use phisindy_phys::LawEntry;
 use phisindy_phys::spec::Role;
 
 /// A larger gap is more than noise.
-const NOISE: f64 = 1.1;
+pub(super) const NOISE: f64 = 1.1;
 /// Length of the bars, in characters.
 const BAR: usize = 24;
 
@@ -161,7 +161,7 @@ fn limit(found: &Gap) -> &'static str {
 
 /// If the motion on Validate records is sensitive to uncertain parameters: the gap that remains when these
 /// move within their errors.
-fn sensitivity(found: &Gap) -> String {
+pub(super) fn sensitivity(found: &Gap) -> String {
     match (found.after.1, found.predictive) {
         (Some(gap), Some(left)) if gap > NOISE && left < NOISE => {
             format!(
@@ -266,7 +266,7 @@ fn deciding(own: &LawEntry, rival: &Rival, catalogue: &[LawEntry]) -> Option<Str
 }
 
 /// A gap as a bar on a logarithmic scale from 1 to the initial gap.
-fn bar(value: f64, whole: f64) -> String {
+pub(super) fn bar(value: f64, whole: f64) -> String {
     let full = whole.max(1.5).ln();
     let part = (value.max(1.0).ln() / full).clamp(0.0, 1.0);
     let cells = (part * BAR as f64).round() as usize;

@@ -1,11 +1,11 @@
 //! Correlations of the estimates.
 
-use crate::chart::{Chart, digits, heatmap};
+use crate::chart::{Chart, Sheet, digits, heatmap};
 use phisindy_learn::Identified;
 use phisindy_phys::System;
 
 /// The matrix as a chart; none with fewer than two estimates.
-pub(crate) fn chart(system: &System, found: &Identified) -> Option<(Chart, String)> {
+pub(crate) fn chart(system: &System, found: &Identified, sheet: Sheet) -> Option<(Chart, String)> {
     let terms = found.terms.iter().map(|f| {
         let term = &system.terms[f.term];
         format!("{} in {}'", term.candidate, system.states[term.state].name)
@@ -28,6 +28,11 @@ pub(crate) fn chart(system: &System, found: &Identified) -> Option<(Chart, Strin
         names[i]
     );
     let title = "Correlations of the estimates";
-    let chart = heatmap("correlation", title, &said, &names, &values);
-    Some((chart, format!("{title}: near ±1 two numbers cannot be told apart. {said}")))
+    let chart = heatmap("correlation", title, &said, &names, &values, sheet);
+    let list: Vec<String> = names.iter().enumerate().map(|(k, name)| format!("{} {name}", k + 1)).collect();
+    let caption = format!(
+        "{title}: near ±1 two numbers cannot be told apart. {said} The numbers: {}.",
+        list.join(", ")
+    );
+    Some((chart, caption))
 }

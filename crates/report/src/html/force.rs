@@ -1,81 +1,180 @@
-//! The force of an effect that `gap` added, against the displacement, velocity or time that its law depends
-//! on.
+//! The force of an effect that `gap` added, against the displacement, velocity or time that its law depends on, beside
+//! the force that the measured motion asks for.
 
 use super::table::unit as unit_words;
-use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Swatch, WIDTH, digits, legend};
-use phisindy_gap::{ForceHistory, Gap, Step, force_history};
-use phisindy_phys::Record;
+use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Sheet, Swatch, digits, legend};
+use crate::gap::{Balance, RecordForce};
+use phisindy_gap::Step;
 
-const LEFT: f64 = 70.0;
 const HIGH: f64 = 220.0;
 /// Most dots of all records together.
-const DOTS: usize = 3000;
+const DOTS: usize = 1500;
+/// Part of the measured points that may lie outside of the picture at each end: those at the ends of stops.
+const OUTLIERS: f64 = 0.01;
 
-/// The chart of a step; none for an effect on a sensor.
-pub(crate) fn chart(found: &Gap, number: usize, step: &Step, records: &[Record]) -> Option<(Chart, String)> {
-    let history = force_history(found, step, records)?;
+/// The chart of a step with a short caption: what to see.
+pub(crate) fn first(step: &Step, balance: &Balance, sheet: Sheet) -> (Chart, String) {
+    let (chart, _) = chart("force", step, balance, sheet);
     let law = &step.effect.entry.law.name;
-    let what = match (history.push, history.force) {
+    let what = if balance.axes.function { "with the band of its numbers (95 %)" } else { "along the motion" };
+    let points = points(balance);
+    (chart, format!("{law} at {} against {}, {what}.{points}", step.effect.place.at, balance.axes.over))
+}
+
+/// The chart of a step.
+pub(crate) fn chart(name: &str, step: &Step, balance: &Balance, sheet: Sheet) -> (Chart, String) {
+    let axes = &balance.axes;
+    let law = &step.effect.entry.law.name;
+    let what = match (axes.push, axes.force) {
         (true, _) => "push",
         (false, true) => "resisting force",
         (false, false) => "resistance",
     };
-    let all = || history.records.iter().flat_map(|(_, points)| points.iter().copied());
-    let marks = [Mark::Level { class: "zero", y: 0.0 }].into_iter().chain(marks(&history)).collect();
-    let panel = Panel {
-        heading: String::new(),
-        x: Axis::around(&history.over, &unit_words(&history.over_unit), all().map(|p| p.0)),
-        y: Axis::around(what, &unit_words(&history.unit), all().map(|p| p.1).chain([0.0])),
-        marks,
-        labelled: true,
-    };
+    let drawn = || balance.records.iter().flat_map(|r| r.law.iter());
+    let forces = drawn().flat_map(|p| [p.1, p.2.0, p.2.1]).chain([0.0]).chain(middle(balance));
+    let x = Axis::around(&axes.over, &unit_words(&axes.over_unit), drawn().map(|p| p.0));
+    let y = Axis::around(what, &unit_words(&axes.unit), forces);
+    let (left, right) = x.ends();
+    let mut marks = vec![Mark::Level { class: "zero", y: 0.0 }];
+    marks.extend(dots(balance, (left, right), y.ends(), sheet));
+    marks.extend(lines(balance));
+    marks.extend(names(balance));
+    let panel = Panel { heading: String::new(), x, y, marks, labelled: true };
     let title = format!("{law} at {}", step.effect.place.at);
-    let said = said(&history, what);
-    let entries: [Entry; 1] = if history.function {
-        [("model", Swatch::Line, law.clone())]
+    let said = said(balance, what);
+    let (keys, top) = legend(&entries(balance, law), sheet);
+    let mut chart = Chart::new(name, &title, &said, (sheet.width(), top + HIGH + 50.0));
+    chart.draw(keys);
+    chart.draw([panel.live(Place { x: sheet.left(), y: top, width: sheet.inner(), height: HIGH })]);
+    (chart, format!("{title}: {said}"))
+}
+
+fn has_points(balance: &Balance) -> bool {
+    balance.records.iter().any(|r| !r.measured.is_empty())
+}
+
+fn entries(balance: &Balance, law: &str) -> Vec<Entry> {
+    let mut out: Vec<Entry> = vec![];
+    if has_points(balance) {
+        out.push(("measured", Swatch::Dot, "measured force balance".to_owned()));
+    }
+    if balance.axes.function {
+        out.push(("model", Swatch::Line, law.to_owned()));
+        out.push(("band", Swatch::Box, "95 % band".to_owned()));
     } else {
-        [("model", Swatch::Dot, format!("{law}, along the simulated motion"))]
-    };
-    let mut chart = Chart::new(&format!("effect-{number}"), &title, &said, (WIDTH, HIGH + 106.0));
-    chart.draw(legend(&entries, 20.0, 20.0));
-    chart.draw(panel.drawn(Place { x: LEFT, y: 44.0, width: WIDTH - LEFT - 14.0, height: HIGH }));
-    Some((chart, format!("{title}: {said}")))
+        out.push(("model", Swatch::Dot, law.to_owned()));
+    }
+    out
 }
 
-/// A line for each record, or dots.
-fn marks(history: &ForceHistory) -> Vec<Mark> {
-    let count: usize = history.records.iter().map(|(_, points)| points.len()).sum();
+/// The measured forces without the outermost ones.
+fn middle(balance: &Balance) -> Vec<f64> {
+    let mut all: Vec<f64> = balance.records.iter().flat_map(|r| r.measured.iter().map(|p| p.1)).collect();
+    all.sort_unstable_by(f64::total_cmp);
+    let out = (OUTLIERS * all.len() as f64).ceil() as usize;
+    if all.len() > 2 * out { all[out..all.len() - out].to_vec() } else { vec![] }
+}
+
+/// The points of the force balance inside of the picture.
+fn dots(balance: &Balance, across: (f64, f64), up: (f64, f64), sheet: Sheet) -> Vec<Mark> {
+    let inside = |(x, y): &(f64, f64)| *x >= across.0 && *x <= across.1 && *y >= up.0 && *y <= up.1;
+    let count: usize = balance.records.iter().map(|r| r.measured.len()).sum();
+    let most = if sheet.is_phone() { DOTS / 3 } else { DOTS };
+    let every = count.div_ceil(most).max(1);
+    let of = |r: &RecordForce| {
+        let points = r.measured.iter().copied().filter(inside).step_by(every).collect();
+        Mark::Dots { class: "measured faint", points, radius: 1.5 }
+    };
+    balance.records.iter().filter(|r| !r.measured.is_empty()).map(of).collect()
+}
+
+/// A band and a line for each record, or dots.
+fn lines(balance: &Balance) -> Vec<Mark> {
+    let count: usize = balance.records.iter().map(|r| r.law.len()).sum();
     let every = count.div_ceil(DOTS).max(1);
-    let mark = |(_, points): &(String, Vec<(f64, f64)>)| {
-        if history.function {
-            Mark::Line { class: "model", points: points.clone() }
+    let mut out = vec![];
+    for r in &balance.records {
+        if balance.axes.function {
+            out.push(Mark::Band {
+                class: "band",
+                points: r.law.iter().map(|p| (p.0, p.2.0, p.2.1)).collect(),
+            });
+            out.push(Mark::Line { class: "model", points: r.law.iter().map(|p| (p.0, p.1)).collect() });
         } else {
-            let points = points.iter().step_by(every).copied().collect();
-            Mark::Dots { class: "model", points, radius: 1.4 }
+            let points = r.law.iter().step_by(every).map(|p| (p.0, p.1)).collect();
+            out.push(Mark::Dots { class: "model", points, radius: 1.4 });
         }
-    };
-    history.records.iter().map(mark).collect()
+    }
+    out
 }
 
-/// What it is, and over which range.
-fn said(history: &ForceHistory, what: &str) -> String {
-    let all = || history.records.iter().flat_map(|(_, points)| points.iter().copied());
+/// Names of records whose curves differ, at the end of the curve.
+fn names(balance: &Balance) -> Vec<Mark> {
+    let height = |r: &RecordForce| r.law.iter().map(|p| p.1).fold(f64::NEG_INFINITY, f64::max);
+    // A curve has its name at its end, a cloud at its top.
+    let place = |r: &RecordForce| {
+        let better =
+            |a: f64, b: &(f64, f64, (f64, f64))| if balance.axes.function { b.0 >= a } else { b.1 >= a };
+        let mut best: Option<(f64, f64)> = None;
+        for p in &r.law {
+            let best_value = best.map(|b| if balance.axes.function { b.0 } else { b.1 });
+            if best_value.is_none_or(|a| better(a, p)) {
+                best = Some((p.0, p.1));
+            }
+        }
+        best
+    };
+    let size = balance.records.iter().map(height).fold(0.0, f64::max);
+    let mut told: Vec<f64> = vec![];
+    let mut out = vec![];
+    for r in &balance.records {
+        let y = height(r);
+        let Some((end, _)) = place(r) else { continue };
+        // Records with the same curve share a name.
+        if told.iter().all(|other| (other - y).abs() > 0.08 * size) {
+            told.push(y);
+            out.push(Mark::Name { x: end, y, words: r.name.clone() });
+        }
+    }
+    if told.len() > 1 { out } else { vec![] }
+}
+
+/// What the measured points are.
+fn points(balance: &Balance) -> String {
+    match (has_points(balance), balance.smoothed) {
+        (false, _) => String::new(),
+        (true, 0.0) => {
+            " Grey dots: what the measured motion asks for, inertia times acceleration less the known forces."
+                .to_owned()
+        }
+        (true, time) => format!(
+            " Grey dots: what the measured motion asks for, inertia times acceleration less the known forces, smoothed over {} ms at most; no dots where it sticks or turns.",
+            digits(1e3 * time, 2)
+        ),
+    }
+}
+
+/// What it is, over which range, and what to see.
+fn said(balance: &Balance, what: &str) -> String {
+    let axes = &balance.axes;
+    let all = || balance.records.iter().flat_map(|r| r.law.iter());
     let range = |values: &mut dyn Iterator<Item = f64>| {
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
         format!("{} to {}", digits(low, 3), digits(high, 3))
     };
     let unit = |unit: &str| if unit.is_empty() { String::new() } else { format!(" {}", unit_words(unit)) };
-    let how = if history.function {
+    let how = if axes.function {
         String::new()
     } else {
-        format!(" It depends on more than {}, so that it is a cloud.", history.over)
+        format!(" It depends on more than {}, so that it is a cloud.", axes.over)
     };
+    let points = points(balance);
     format!(
-        "{what} from {}{} while {} goes from {}{}.{how}",
+        "{what} from {}{} while {} goes from {}{}.{how}{points}",
         range(&mut all().map(|p| p.1)),
-        unit(&history.unit),
-        history.over,
+        unit(&axes.unit),
+        axes.over,
         range(&mut all().map(|p| p.0)),
-        unit(&history.over_unit)
+        unit(&axes.over_unit)
     )
 }

@@ -1,13 +1,12 @@
 //! The identified part of a rate against velocity, with its band and, for synthetic data, the truth.
 
 use super::table::unit as unit_words;
-use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Swatch, WIDTH, digits, legend};
+use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Sheet, Swatch, digits, legend};
 use phisindy_learn::{Curve, Identified, PartValues, UnknownPart, unknown_parts};
 use phisindy_phys::unit::{Dimension, Unit};
 use phisindy_phys::{Case, Record};
 
-const LEFT: f64 = 70.0;
-const HIGH: f64 = 250.0;
+const HIGH: f64 = 220.0;
 /// Most dots of a cloud.
 const DOTS: usize = 3000;
 
@@ -15,10 +14,15 @@ const DOTS: usize = 3000;
 const FORCES: [(&str, &str); 2] = [("m/s^2", "N"), ("rad/s^2", "N*m")];
 
 /// A chart for each state whose rate has an identified part that depends on a velocity.
-pub(crate) fn charts(case: &Case, records: &[Record], found: &Identified) -> Vec<(Chart, String)> {
+pub(crate) fn charts(
+    case: &Case,
+    records: &[Record],
+    found: &Identified,
+    sheet: Sheet,
+) -> Vec<(Chart, String)> {
     let scale = case.system.states.iter().any(|s| force_unit(&s.unit).is_some());
     let parts = unknown_parts(case, records, found, scale);
-    parts.iter().flat_map(|part| part_charts(case, part)).collect()
+    parts.iter().flat_map(|part| part_charts(case, part, sheet)).collect()
 }
 
 /// The unit of the force that corresponds to the rate of a state.
@@ -36,7 +40,7 @@ fn rate(state: &str) -> Option<Dimension> {
 }
 
 /// One chart per curve, so that bands do not overlap; one for a cloud.
-fn part_charts(case: &Case, part: &UnknownPart) -> Vec<(Chart, String)> {
+fn part_charts(case: &Case, part: &UnknownPart, sheet: Sheet) -> Vec<(Chart, String)> {
     let state = &case.system.states[part.state];
     let unit = match (part.force, force_unit(&state.unit)) {
         (true, Some(force)) => force.to_owned(),
@@ -45,7 +49,8 @@ fn part_charts(case: &Case, part: &UnknownPart) -> Vec<(Chart, String)> {
     };
     let unit = unit_words(&unit);
     let what = if part.force { "resisting force" } else { "resistance" };
-    let axes = Axes { unit, what, part, state: &state.name, velocity: velocity_unit(case, &part.velocity) };
+    let velocity = velocity_unit(case, &part.velocity);
+    let axes = Axes { unit, what, part, state: &state.name, velocity, sheet };
     match &part.values {
         PartValues::Curves(curves) => {
             let of =
@@ -54,6 +59,41 @@ fn part_charts(case: &Case, part: &UnknownPart) -> Vec<(Chart, String)> {
         }
         PartValues::Cloud(cloud) => vec![axes.cloud(cloud)],
     }
+}
+
+/// Part of the largest velocity that counts as low.
+const LOW: f64 = 0.05;
+/// A force that changes there by this part of its range is drawn once more, larger.
+const CHANGES: f64 = 0.08;
+
+/// A panel of the low positive velocities, where friction changes fast: the lower right of a friction curve is empty.
+fn low_speeds(panel: &Panel) -> Option<Panel> {
+    let line = panel.marks.iter().find_map(|m| match m {
+        Mark::Line { class: "model", points } => Some(points),
+        _ => None,
+    })?;
+    let range = |points: &mut dyn Iterator<Item = f64>| {
+        let (low, high) = points.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        (low, high, high - low)
+    };
+    let fastest = line.iter().map(|p| p.0).fold(0.0, f64::max);
+    let slow = || line.iter().filter(|p| p.0 > 0.0 && p.0 < LOW * fastest);
+    let (lowest, _, whole) = range(&mut line.iter().map(|p| p.1));
+    let (low, high, part) = range(&mut slow().map(|p| p.1));
+    // The corner must be free: friction at positive velocities is positive, and there is something below zero.
+    if slow().count() < 8 || part < CHANGES * whole || low < 0.0 || lowest > -0.2 * whole {
+        return None;
+    }
+    let points: Vec<(f64, f64)> = slow().copied().collect();
+    let x = Axis::between("", "", 0.0, LOW * fastest);
+    let marks = vec![Mark::Line { class: "model", points }];
+    Some(Panel {
+        heading: "low speeds".to_owned(),
+        x,
+        y: Axis::around("", "", [low, high]),
+        marks,
+        labelled: true,
+    })
 }
 
 /// The unit of the velocity; a difference of velocities has that of the first.
@@ -74,6 +114,7 @@ struct Axes<'a> {
     part: &'a UnknownPart,
     state: &'a str,
     velocity: String,
+    sheet: Sheet,
 }
 
 impl Axes<'_> {
@@ -88,9 +129,20 @@ impl Axes<'_> {
             0 => format!("friction-{}", self.state),
             k => format!("friction-{}-{}", self.state, k + 1),
         };
-        let mut chart = Chart::new(&name, title, said, (WIDTH, HIGH + 106.0));
-        chart.draw(legend(entries, 20.0, 20.0));
-        chart.draw(panel.drawn(Place { x: LEFT, y: 44.0, width: WIDTH - LEFT - 14.0, height: HIGH }));
+        let sheet = self.sheet;
+        let (keys, top) = legend(entries, sheet);
+        let mut chart = Chart::new(&name, title, said, (sheet.width(), top + HIGH + 50.0));
+        chart.draw(keys);
+        let place = Place { x: sheet.left(), y: top, width: sheet.inner(), height: HIGH };
+        chart.draw([panel.live(place)]);
+        if let Some(inset) = low_speeds(panel) {
+            chart.draw(inset.drawn(Place {
+                x: place.x + 0.62 * place.width,
+                y: place.y + 0.6 * place.height,
+                width: 0.34 * place.width,
+                height: 0.24 * place.height,
+            }));
+        }
         chart
     }
 

@@ -1,38 +1,90 @@
 //! The report of `gap`.
 
 use super::data::{Model, Seen, notes};
-use super::page::{Banner, Page, Tone, add_remarks, capital, paragraph};
+use super::leaderboard::leaderboard;
+use super::page::{Banner, Page, Tone, add_data_remarks, add_warnings, capital, paragraph};
 use super::table::{Cell, code, in_unit, parameters, table, text};
-use super::{force, map, mathml, motion, reproduction, residual, shrink};
-use crate::chart::digits;
+use super::{force, hero, map, mathml, motion, next, reproduction, residual, shrink};
+use crate::chart::{Sheet, digits};
 use crate::equation::equations;
 use crate::format::role_name as role;
-use crate::gap::{GapReport, outcome, rivals, vetoes};
+use crate::gap::{Balance, Finding, GapReport, balance, finding, rivals, vetoes};
 use crate::input::{Ending, Invocation};
 use crate::markup::{Element, element};
-use phisindy_gap::{ColumnGap, ColumnRepeat, Gap, Region, Status, Step};
+use phisindy_gap::{ColumnGap, ColumnRepeat, Gap, Region, Status, Step, Warning};
 use phisindy_phys::{LawEntry, SourceId, check_names, spec};
 
 /// The page.
 pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     let GapReport { input, gap: found, catalogue, ending } = *report;
+    let seen = seen(report);
+    let mut page = Page::new(input, banner(found, ending));
+    let balances: Vec<Option<Balance>> =
+        found.steps.iter().map(|s| balance(found, s, input.records)).collect();
+    first_screen(&mut page, found, &seen, &balances);
+    if found.status == Status::Unexplained {
+        next::add(&mut page, &next::after_unexplained(input.name), None);
+    }
+    page.section("All laws that were tried", leaderboard(found, catalogue));
+    missing(&mut page, found, catalogue, &balances);
+    // A law that is ruled out is told beside its step.
+    let warnings = found.warnings.iter().filter(|w| !matches!(w, Warning::Vetoed(_)));
+    add_warnings(&mut page, &warnings.map(ToString::to_string).collect::<Vec<_>>());
+    if !found.steps.is_empty() || !found.partial.is_empty() {
+        page.section("The completed equation", completed(found));
+    }
+    let maps = page.drawn(Sheet::Page, |sheet| map::charts(&seen, &found.noise, sheet));
+    page.section("Where the gap sits", located(found).into_iter().chain(maps));
+    page.figures("Measured against simulated", |sheet| motion::charts(&seen, sheet));
+    page.section("Records", [records(found), repeatability(found)].into_iter().flatten());
+    page.figures("What is left", |sheet| residual::charts(&seen, sheet));
+    page.section("Parameters", parameters(&found.parameters));
+    add_data_remarks(&mut page, input.doubts, &notes(input));
+    reproduction::add(&mut page, input, invocation);
+    page
+}
+
+/// The records with the model before and after effects were added.
+pub(crate) fn seen<'a>(report: &GapReport<'a>) -> Seen<'a> {
+    let found = report.gap;
     let (was, now) = (&found.initial, &found.simulated);
-    let seen = Seen {
-        system: &input.case.system,
-        records: input.records,
+    Seen {
+        system: &report.input.case.system,
+        records: report.input.records,
         was: (!found.steps.is_empty()).then(|| Model::new(&was.system, &[], &was.records)),
         model: Some(Model::new(&now.system, &[], &now.records)),
-    };
-    let mut page = Page::new(input, banner(found, ending));
-    let warnings: Vec<String> = found.warnings.iter().map(ToString::to_string).collect();
-    add_remarks(&mut page, &warnings, input.doubts, &notes(input));
-    page.figures("The gap", vec![shrink::chart(found)]);
+    }
+}
+
+/// The finding in pictures: the motion before and after, the force that was found first (of a law of the catalogue or
+/// a discovered formula: both are steps), the shrinking gap.
+fn first_screen(page: &mut Page, found: &Gap, seen: &Seen<'_>, balances: &[Option<Balance>]) {
+    let column = found.located.first().map(|r| r.column.as_str());
+    let mut figures = page.drawn(Sheet::Half, |sheet| hero::chart(seen, column, sheet).into_iter().collect());
+    let shown = found.steps.iter().zip(balances).find_map(|(step, b)| b.as_ref().map(|b| (step, b)));
+    let gap = |sheet| vec![shrink::chart(found, sheet)];
+    match shown {
+        Some((step, balance)) => {
+            figures.extend(page.drawn(Sheet::Half, |sheet| vec![force::first(step, balance, sheet)]));
+            let below = page.drawn(Sheet::Page, gap);
+            page.first(figures, vec![element("div").class("beside").all(below)]);
+        }
+        None => {
+            figures.extend(page.drawn(Sheet::Half, gap));
+            page.first(figures, vec![]);
+        }
+    }
+}
+
+/// What was added, and what helps.
+fn missing(page: &mut Page, found: &Gap, catalogue: &[LawEntry], balances: &[Option<Balance>]) {
     // A remark that applies to several steps is made once.
     let mut told = Vec::new();
     let mut missing = Vec::new();
-    for (k, step) in found.steps.iter().enumerate() {
-        let picture = force::chart(found, k + 1, step, input.records);
-        let picture = picture.map(|(chart, said)| page.figure(chart, &said));
+    for (k, (step, balance)) in found.steps.iter().zip(balances).enumerate() {
+        let name = format!("effect-{}", k + 1);
+        let draw = |sheet| balance.iter().map(|b| force::chart(&name, step, b, sheet)).collect();
+        let picture = page.drawn(Sheet::Page, draw).pop();
         missing.extend(shown(Some(k + 1), step, catalogue, picture, &mut told));
     }
     let whole = found.status != Status::Unexplained;
@@ -42,33 +94,24 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
         helps.extend(shown(None, step, catalogue, None, &mut told));
     }
     page.section("What helps, but does not explain", helps);
-    if !found.steps.is_empty() || !found.partial.is_empty() {
-        page.section("The completed equation", completed(found));
-    }
-    let maps: Vec<Element> =
-        map::charts(&seen, &found.noise).into_iter().map(|(chart, said)| page.figure(chart, &said)).collect();
-    page.section("Where the gap sits", located(found).into_iter().chain(maps));
-    page.figures("Measured against simulated", motion::charts(&seen));
-    page.section("Records", [records(found), repeatability(found)].into_iter().flatten());
-    page.figures("What is left", residual::charts(&seen));
-    page.section("Parameters", parameters(&found.parameters));
-    reproduction::add(&mut page, input, invocation);
-    page
 }
 
 fn banner(found: &Gap, how: Ending) -> Banner {
-    let (tone, headline) = match found.status {
-        Status::NothingMissing => (Tone::Good, "Nothing missing"),
-        Status::Explained => (Tone::Good, "Explained"),
-        Status::Unexplained => (Tone::Open, "Unexplained"),
+    let tone = match found.status {
+        Status::NothingMissing | Status::Explained => Tone::Good,
+        Status::Unexplained => Tone::Open,
     };
     let stopped = how
         .stopped_words()
         .map_or(String::new(), |stopped| format!(" {} before the end.", capital(&stopped)));
+    let Finding { headline, sentence } = finding(found);
+    let laws: std::collections::BTreeSet<&str> = found.tried.iter().map(|t| t.at.law.as_str()).collect();
+    let tried = if laws.is_empty() { String::new() } else { format!("{} laws tried, ", laws.len()) };
     Banner {
         tone,
         headline: headline.to_owned(),
-        text: format!("{}. {} s.{stopped}", capital(&outcome(found)), digits(how.seconds, 2)),
+        text: sentence,
+        how: format!("{}{} s.{stopped}", capital(&tried), digits(how.seconds, 2)),
     }
 }
 

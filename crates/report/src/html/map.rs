@@ -1,9 +1,12 @@
 //! The misfit over time: rms of residual over noise in intervals of each record, darker for more.
 
 use super::data::{Model, Seen};
-use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Strip, Swatch, WIDTH, digits, legend};
+use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Sheet, Strip, Swatch, digits, legend};
 
-const LEFT: f64 = 150.0;
+/// Room for the name of a column.
+const NAMES: f64 = 150.0;
+/// The same on a phone.
+const SHORT_NAMES: f64 = 96.0;
 const HIGH: f64 = 22.0;
 /// Number of intervals of a chain.
 const CELLS: usize = 72;
@@ -20,17 +23,23 @@ const LEVELS: [(f64, &str); 5] = [
 type Cell = (f64, f64, f64);
 
 /// A chart for each chain; `noise` is the standard deviation of each column (SI).
-pub(crate) fn charts(seen: &Seen<'_>, noise: &[(String, f64)]) -> Vec<(Chart, String)> {
-    seen.chains().iter().enumerate().map(|(k, chain)| chart(seen, noise, chain, k + 1)).collect()
+pub(crate) fn charts(seen: &Seen<'_>, noise: &[(String, f64)], sheet: Sheet) -> Vec<(Chart, String)> {
+    let all = seen.chains();
+    all.iter().enumerate().map(|(k, chain)| chart(seen, noise, chain, (k + 1, sheet))).collect()
 }
 
-fn chart(seen: &Seen<'_>, noise: &[(String, f64)], chain: &[usize], number: usize) -> (Chart, String) {
+fn chart(
+    seen: &Seen<'_>,
+    noise: &[(String, f64)],
+    chain: &[usize],
+    (number, sheet): (usize, Sheet),
+) -> (Chart, String) {
     let (from, to) = seen.span(chain);
     let mut rows: Vec<(String, Vec<Cell>)> = Vec::new();
     for column in seen.columns(chain) {
         let sigma = noise.iter().find(|(name, _)| name == column.name).map_or(1.0, |n| n.1);
-        let was = seen.was.as_ref().map(|m| (format!("{}, as it was", column.name), m));
-        let after = if was.is_some() { ", completed" } else { "" };
+        let was = seen.was.as_ref().map(|m| (format!("{}, before", column.name), m));
+        let after = if was.is_some() { ", after" } else { "" };
         let now = seen.model.as_ref().map(|m| (format!("{}{after}", column.name), m));
         rows.extend(
             was.into_iter().chain(now).map(|(name, m)| (name, cells(seen, m, chain, column.name, sigma))),
@@ -40,21 +49,23 @@ fn chart(seen: &Seen<'_>, noise: &[(String, f64)], chain: &[usize], number: usiz
     let names = seen.names(chain);
     let title = format!("Where in time the gap sits: {names}");
     let high = HIGH + 8.0;
-    let size = (WIDTH, 40.0 + high * rows.len() as f64 + 50.0);
-    let mut chart = Chart::new(&format!("map-{number}"), &title, &said.join(" "), size);
     let entry =
         |&(level, class): &(f64, &'static str)| -> Entry { (class, Swatch::Box, format!("over {level}×")) };
-    chart.draw(legend(&LEVELS.iter().map(entry).collect::<Vec<_>>(), LEFT - 3.0, 20.0));
+    let (keys, top) = legend(&LEVELS.iter().map(entry).collect::<Vec<_>>(), sheet);
+    let size = (sheet.width(), top - 8.0 + high * rows.len() as f64 + 50.0);
+    let mut chart = Chart::new(&format!("map-{number}"), &title, &said.join(" "), size);
+    chart.draw(keys);
     let time = Axis::between("time", "s", from, to);
-    let width = WIDTH - LEFT - 14.0;
-    let mut y = 36.0;
+    let left = if sheet.is_phone() { SHORT_NAMES } else { NAMES };
+    let width = sheet.left() + sheet.inner() - left;
+    let mut y = top - 12.0;
     for (name, cells) in &rows {
         let strip = Strip { name, x: &time, marks: marks(cells) };
-        chart.draw(strip.drawn(Place { x: LEFT, y, width, height: HIGH }));
+        chart.draw([strip.live(Place { x: left, y, width, height: HIGH })]);
         y += high;
     }
     let foot = Panel { heading: String::new(), x: time, y: Axis::bare(), marks: vec![], labelled: true };
-    chart.draw(foot.drawn(Place { x: LEFT, y: y - 8.0, width, height: 0.0 }));
+    chart.draw([foot.live(Place { x: left, y: y - 8.0, width, height: 0.0 })]);
     (chart, format!("{title}. Residual (rms) in multiples of the noise. {}", said.join(" ")))
 }
 

@@ -4,29 +4,30 @@
 use super::data::{Column, Model, Seen};
 use super::regimes;
 use super::table::unit;
-use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Swatch, WIDTH, digits, legend};
+use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Sheet, Swatch, digits, legend};
 
-const LEFT: f64 = 70.0;
 const HIGH: f64 = 168.0;
 const GAP: f64 = 24.0;
 /// Up to this number of samples, the measurement is drawn as dots.
 const DOTS: usize = 400;
 
 /// A chart for each chain.
-pub(crate) fn charts(seen: &Seen<'_>) -> Vec<(Chart, String)> {
-    seen.chains().iter().enumerate().map(|(k, chain)| chart(seen, chain, k + 1)).collect()
+pub(crate) fn charts(seen: &Seen<'_>, sheet: Sheet) -> Vec<(Chart, String)> {
+    seen.chains().iter().enumerate().map(|(k, chain)| chart(seen, chain, k + 1, sheet)).collect()
 }
 
-fn chart(seen: &Seen<'_>, chain: &[usize], number: usize) -> (Chart, String) {
+fn chart(seen: &Seen<'_>, chain: &[usize], number: usize, sheet: Sheet) -> (Chart, String) {
     let columns = seen.columns(chain);
     let (from, to) = seen.span(chain);
     let time = Axis::between("time", "s", from, to);
     let strips = regimes::strips(seen, chain, &time);
-    let width = WIDTH - LEFT - 14.0;
-    let top = 48.0;
-    let below = top + columns.len() as f64 * (HIGH + GAP) - GAP;
+    let (left, width) = (sheet.left(), sheet.inner());
+    let (keys, top) = legend(&entries(seen, chain, !strips.is_empty()), sheet);
+    // Labels that stand above their panel need room there.
+    let (top, gap) = if sheet.is_phone() { (top + 12.0, GAP + 8.0) } else { (top, GAP) };
+    let below = top + columns.len() as f64 * (HIGH + gap) - gap;
     let strips_high = strips.len() as f64 * 26.0;
-    let size = (WIDTH, below + strips_high + 58.0);
+    let size = (sheet.width(), below + strips_high + 58.0);
     let names = seen.names(chain);
     let what = if seen.model.is_some() { "Measured and simulated motion" } else { "Measured motion" };
     let said: Vec<String> = columns.iter().map(|c| described(seen, c)).collect();
@@ -39,20 +40,20 @@ fn chart(seen: &Seen<'_>, chain: &[usize], number: usize) -> (Chart, String) {
     );
     let name = format!("motion-{number}");
     let mut chart = Chart::new(&name, &format!("{what}: {names}"), &description, size);
-    chart.draw(legend(&entries(seen, chain, !strips.is_empty()), 20.0, 20.0));
+    chart.draw(keys);
     let mut y = top;
     for (k, column) in columns.iter().enumerate() {
         let last = k + 1 == columns.len() && strips.is_empty();
         let panel = panel(seen, chain, column, &time, last);
-        chart.draw(panel.drawn(Place { x: LEFT, y, width, height: HIGH }));
-        y += HIGH + GAP;
+        chart.draw([panel.live(Place { x: left, y, width, height: HIGH })]);
+        y += HIGH + gap;
     }
     let mut y = below + 10.0;
     for (k, strip) in strips.iter().enumerate() {
-        chart.draw(strip.drawn(Place { x: LEFT, y, width, height: 18.0 }));
+        chart.draw([strip.live(Place { x: left, y, width, height: 18.0 })]);
         y += 26.0;
         if k + 1 == strips.len() {
-            chart.draw(below_labels(&time, Place { x: LEFT, y: y - 8.0, width, height: 0.0 }));
+            chart.draw([below_labels(&time, Place { x: left, y: y - 8.0, width, height: 0.0 })]);
         }
     }
     let caption = format!("{names}. {}{rests}", said.join(" "));
@@ -60,10 +61,10 @@ fn chart(seen: &Seen<'_>, chain: &[usize], number: usize) -> (Chart, String) {
 }
 
 /// Ticks and label of the time axis below the strips.
-fn below_labels(time: &Axis, place: Place) -> Vec<crate::markup::Element> {
+fn below_labels(time: &Axis, place: Place) -> crate::markup::Element {
     let y = Axis::bare();
     let panel = Panel { heading: String::new(), x: time.clone(), y, marks: vec![], labelled: true };
-    panel.drawn(place)
+    panel.live(place)
 }
 
 /// Values to draw for a record, from its index and its samples.

@@ -1,10 +1,11 @@
-//! The page: header, banner, sections, figures.
+//! The page: header with the finding, first figures, contents, sections, figures.
 
-use crate::chart::{self, Chart};
+use crate::chart::{self, Chart, Sheet};
 use crate::input::Input;
 use crate::markup::{Element, element};
 
 const STYLE: &str = include_str!("style.css");
+const SCRIPT: &str = include_str!("script.js");
 
 /// The tone of a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,11 +32,15 @@ impl Tone {
 /// The result in a few words.
 pub(crate) struct Banner {
     pub(crate) tone: Tone,
+    /// One word.
     pub(crate) headline: String,
+    /// The finding in a sentence, with its numbers.
     pub(crate) text: String,
+    /// How it was found; may be empty.
+    pub(crate) how: String,
 }
 
-/// A finished report: one page that needs no network and no script, and its figures as files.
+/// A finished report: one page that needs no network, and its figures as files.
 #[derive(Clone, Debug)]
 pub struct HtmlReport {
     /// The page.
@@ -44,27 +49,41 @@ pub struct HtmlReport {
     pub figures: Vec<(String, String)>,
 }
 
+/// A section with the name by which links reach it.
+struct Section {
+    id: String,
+    heading: String,
+    element: Element,
+}
+
 /// A report under construction.
 pub(crate) struct Page {
     title: String,
     spec: String,
     banner: Banner,
-    sections: Vec<Element>,
+    /// Figures of the first screen.
+    first: Vec<Element>,
+    /// Number of sections that stand before them.
+    early: usize,
+    sections: Vec<Section>,
     charts: Vec<Chart>,
 }
+
+/// A picture with its caption.
+pub(crate) type Captioned = (Chart, String);
 
 impl Page {
     /// A page about a spec.
     pub(crate) fn new(input: Input<'_>, banner: Banner) -> Page {
         let title = &input.case.system.title;
         let title = if title.is_empty() { input.name.to_owned() } else { title.clone() };
-        Page { title, spec: input.name.to_owned(), banner, sections: vec![], charts: vec![] }
+        Page { title, ..Page::of_refusal(input.name, banner) }
     }
 
     /// A page about a spec that could not be read.
     pub(crate) fn of_refusal(spec: &str, banner: Banner) -> Page {
         let [title, spec] = [spec, spec].map(str::to_owned);
-        Page { title, spec, banner, sections: vec![], charts: vec![] }
+        Page { title, spec, banner, first: vec![], early: 0, sections: vec![], charts: vec![] }
     }
 
     /// Adds a section unless it is empty.
@@ -72,31 +91,51 @@ impl Page {
         let content: Vec<Element> = content.into_iter().collect();
         if !content.is_empty() {
             let id: String = heading.to_lowercase().replace(|c: char| !c.is_ascii_alphanumeric(), "-");
-            let heading = element("h2").with("id", &id).text(heading);
-            self.sections.push(element("section").with("aria-labelledby", &id).add(heading).all(content));
+            let title = element("h2").with("id", &id).text(heading);
+            let section = element("section").with("aria-labelledby", &id).add(title).all(content);
+            self.sections.push(Section { id, heading: heading.to_owned(), element: section });
         }
     }
 
     /// Adds a section with a list unless it is empty.
     pub(crate) fn list(&mut self, heading: &str, lines: &[String]) {
-        let items = lines.iter().map(|line| element("li").text(line));
+        let items = lines.iter().map(|line| worded(element("li"), line));
         let list = element("ul").all(items);
         self.section(heading, (!lines.is_empty()).then_some(list));
     }
 
     /// Adds a section with figures and captions unless it is empty.
-    pub(crate) fn figures(&mut self, heading: &str, charts: Vec<(Chart, String)>) {
-        let figures: Vec<Element> =
-            charts.into_iter().map(|(chart, caption)| self.figure(chart, &caption)).collect();
+    pub(crate) fn figures(&mut self, heading: &str, draw: impl Fn(Sheet) -> Vec<Captioned>) {
+        let figures = self.drawn(Sheet::Page, draw);
         self.section(heading, figures);
     }
 
-    /// A chart with its caption as an element; the chart becomes a figure file of the report.
-    pub(crate) fn figure(&mut self, chart: Chart, caption: &str) -> Element {
-        let group = element("div").class("scroll").with("tabindex", 0).with("role", "group");
-        let drawn = group.with("aria-label", &chart.title).add(chart.inline());
-        self.charts.push(chart);
-        element("figure").add(drawn).add(element("figcaption").text(caption))
+    /// Charts with their captions as elements, each drawn for a page and for a phone; the charts become figure files of
+    /// the report.
+    pub(crate) fn drawn(&mut self, sheet: Sheet, draw: impl Fn(Sheet) -> Vec<Captioned>) -> Vec<Element> {
+        let both = draw(sheet).into_iter().zip(draw(Sheet::Phone));
+        let figures = both.map(|((wide, caption), (narrow, _))| self.figure(wide, &narrow, &caption));
+        figures.collect()
+    }
+
+    fn figure(&mut self, wide: Chart, narrow: &Chart, caption: &str) -> Element {
+        let on = |class: &str, chart: Element| element("div").class(class).add(chart);
+        let figure = element("figure")
+            .add(on("wide", wide.inline("")))
+            .add(on("narrow", narrow.inline("-phone")))
+            .add(element("figcaption").text(caption));
+        self.charts.push(wide);
+        figure
+    }
+
+    /// Adds the figures of the first screen, side by side, and what stands below them. Sections that were added before
+    /// stand above.
+    pub(crate) fn first(&mut self, figures: Vec<Element>, below: Vec<Element>) {
+        self.early = self.sections.len();
+        if !figures.is_empty() {
+            self.first.push(element("div").class("pair").all(figures));
+        }
+        self.first.extend(below);
     }
 
     /// The page and the figures as texts.
@@ -106,7 +145,6 @@ impl Page {
     }
 
     fn page(&self) -> String {
-        let (class, sign) = self.banner.tone.class_and_sign();
         let meta = |name: &str, content: &str| element("meta").with("name", name).with("content", content);
         let head = element("head")
             .add(element("meta").with("charset", "utf-8"))
@@ -115,22 +153,45 @@ impl Page {
             .add(meta("generator", concat!("phisindy ", env!("CARGO_PKG_VERSION"))))
             .add(element("title").text(format!("{}: {}", self.title, self.banner.headline.to_lowercase())))
             .add(element("style").raw(format!("{STYLE}{}", chart::STYLE)));
-        let banner = element("div")
-            .class(format!("banner {class}"))
-            .add(element("span").class("sign").with("aria-hidden", "true").text(sign))
-            .add(
-                element("div")
-                    .add(element("p").class("verdict").text(&self.banner.headline))
-                    .add(element("p").text(&self.banner.text)),
-            );
-        let top = element("header")
-            .add(element("p").class("kind").text("phisindy report"))
-            .add(element("h1").text(&self.title))
-            .add(element("p").class("spec").add(element("code").text(&self.spec)))
-            .add(banner);
-        let body = element("body").add(element("main").add(top).all(self.sections.iter().cloned()));
+        let sections: Vec<Element> = self.sections.iter().map(|s| s.element.clone()).collect();
+        let (early, late) = sections.split_at(self.early);
+        let first = self.first.iter().chain(late).cloned();
+        let main = element("main").add(self.top()).all(early.iter().cloned()).all(first);
+        let body = element("body").all(self.contents()).add(main).add(element("script").raw(SCRIPT));
         let html = element("html").with("lang", "en").add(head).add(body);
         format!("<!DOCTYPE html>\n{html}\n")
+    }
+
+    /// Title and finding.
+    fn top(&self) -> Element {
+        let (class, sign) = self.banner.tone.class_and_sign();
+        let verdict = element("p")
+            .class("verdict")
+            .add(element("span").class("sign").with("aria-hidden", "true").text(sign))
+            .text(" ")
+            .text(&self.banner.headline);
+        let how = element("p").class("how").text(&self.banner.how);
+        let banner = element("div")
+            .class(format!("banner {class}"))
+            .add(verdict)
+            .add(element("p").class("finding").text(&self.banner.text))
+            .all((!self.banner.how.is_empty()).then_some(how));
+        let spec = element("span").class("spec").text(" · ").add(element("code").text(&self.spec));
+        element("div")
+            .class("top")
+            .add(element("p").class("kind").text("phisindy report").add(spec))
+            .add(element("h1").with("id", "top").text(&self.title))
+            .add(banner)
+    }
+
+    /// Links to the sections, if there are enough to get lost.
+    fn contents(&self) -> Option<Element> {
+        let link = |id: &str, words: &str| {
+            element("li").add(element("a").with("href", format!("#{id}")).text(words))
+        };
+        let links = self.sections.iter().map(|s| link(&s.id, &s.heading));
+        let list = element("ul").add(link("top", &self.banner.headline)).all(links);
+        (self.sections.len() > 2).then(|| element("nav").with("aria-label", "Contents").add(list))
     }
 }
 
@@ -148,12 +209,30 @@ pub(crate) fn block(text: &str, label: &str) -> Element {
 
 /// A paragraph.
 pub(crate) fn paragraph(text: &str) -> Element {
-    element("p").text(text)
+    worded(element("p"), text)
 }
 
-/// Adds warnings, doubts about the data and notes on their processing, each in its section.
-pub(crate) fn add_remarks(page: &mut Page, warnings: &[String], doubts: &[String], notes: &[String]) {
+/// The element with a text in which what stands between back ticks is code.
+pub(crate) fn worded(element_: Element, text: &str) -> Element {
+    let parts: Vec<&str> = text.split('`').collect();
+    // A single back tick is itself.
+    if parts.len() % 2 == 0 {
+        return element_.text(text);
+    }
+    let add = |out: Element, (k, part): (usize, &&str)| match k % 2 {
+        0 => out.text(part),
+        _ => out.add(element("code").text(part)),
+    };
+    parts.iter().enumerate().fold(element_, add)
+}
+
+/// Adds the warnings: what a careful reader should know of the result.
+pub(crate) fn add_warnings(page: &mut Page, warnings: &[String]) {
     page.list("Warnings", warnings);
+}
+
+/// Adds doubts about the data and notes on their processing, each in its section.
+pub(crate) fn add_data_remarks(page: &mut Page, doubts: &[String], notes: &[String]) {
     page.list("What is odd about the data", doubts);
     page.list("What was done to the data", notes);
 }

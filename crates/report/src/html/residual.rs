@@ -2,26 +2,35 @@
 
 use super::data::{Column, Model, Part, Seen};
 use super::table::unit;
-use crate::chart::{Axis, Chart, Mark, Panel, Place, Swatch, WIDTH, digits, legend};
+use crate::chart::{Axis, Chart, Mark, Panel, Place, Sheet, Swatch, digits, legend};
 use phisindy_phys::spec::Role;
 use phisindy_signal::autocorrelation;
 
 const HIGH: f64 = 150.0;
-const LEFT: f64 = 70.0;
-const MIDDLE: f64 = 500.0;
+/// Part of the width that the residual over time takes beside its autocorrelation.
+const SHARE: f64 = 0.63;
+/// Between the two, for ticks and a label.
+const BETWEEN: f64 = 78.0;
+/// Below each row, for ticks and a label.
+const BELOW: f64 = 62.0;
 /// Half width of a 95 % interval of the normal distribution, in standard deviations.
 const REACH: f64 = 1.96;
 /// Most lags shown.
 const LAGS: usize = 160;
 
 /// A chart for each chain on which the model runs.
-pub(crate) fn charts(seen: &Seen<'_>) -> Vec<(Chart, String)> {
+pub(crate) fn charts(seen: &Seen<'_>, sheet: Sheet) -> Vec<(Chart, String)> {
     let Some(model) = &seen.model else { return vec![] };
     let all = seen.chains();
-    all.iter().enumerate().filter_map(|(k, chain)| chart(seen, model, chain, k + 1)).collect()
+    all.iter().enumerate().filter_map(|(k, chain)| chart(seen, model, chain, (k + 1, sheet))).collect()
 }
 
-fn chart(seen: &Seen<'_>, model: &Model<'_>, chain: &[usize], number: usize) -> Option<(Chart, String)> {
+fn chart(
+    seen: &Seen<'_>,
+    model: &Model<'_>,
+    chain: &[usize],
+    (number, sheet): (usize, Sheet),
+) -> Option<(Chart, String)> {
     let columns: Vec<Column<'_>> = seen.columns(chain);
     let left: Vec<(&Column<'_>, Vec<Part>)> = columns
         .iter()
@@ -33,22 +42,33 @@ fn chart(seen: &Seen<'_>, model: &Model<'_>, chain: &[usize], number: usize) -> 
     }
     let names = seen.names(chain);
     let said: Vec<String> = left.iter().map(|(c, parts)| described(seen, c, parts)).collect();
-    let size = (WIDTH, 48.0 + left.len() as f64 * (HIGH + 62.0));
+    let entries = [
+        ("model", Swatch::Line, "measured − simulated".to_owned()),
+        ("limit", Swatch::Line, "95 % of the estimated noise; of white noise".to_owned()),
+    ];
+    let (keys, top) = legend(&entries, sheet);
+    let rows = left.len() * if sheet.is_phone() { 2 } else { 1 };
+    let size = (sheet.width(), top + rows as f64 * (HIGH + BELOW));
     let title = format!("Residual and its autocorrelation: {names}");
     let description = format!("Measured less simulated. {}", said.join(" "));
     let mut chart = Chart::new(&format!("residual-{number}"), &title, &description, size);
-    let entries = [
-        ("model", Swatch::Line, "measured − simulated".to_owned()),
-        ("limit", Swatch::Line, "95 % of the estimated noise; right: of white noise".to_owned()),
-    ];
-    chart.draw(legend(&entries, 20.0, 20.0));
-    let mut y = 48.0;
+    chart.draw(keys);
+    let mut y = top;
     for (column, parts) in &left {
-        let place = Place { x: LEFT, y, width: MIDDLE - LEFT, height: HIGH };
-        chart.draw(over_time(seen, model, chain, column, parts).drawn(place));
-        let place = Place { x: MIDDLE + 78.0, y, width: WIDTH - MIDDLE - 92.0, height: HIGH };
-        chart.draw(correlogram(seen, shown(seen, parts)).drawn(place));
-        y += HIGH + 62.0;
+        let (x, whole, height) = (sheet.left(), sheet.inner(), HIGH);
+        let residual = over_time(seen, model, chain, column, parts);
+        let lags = correlogram(seen, shown(seen, parts));
+        if sheet.is_phone() {
+            chart.draw([residual.live(Place { x, y, width: whole, height })]);
+            y += HIGH + BELOW;
+            chart.draw([lags.live(Place { x, y, width: whole, height })]);
+        } else {
+            let width = SHARE * whole;
+            chart.draw([residual.live(Place { x, y, width, height })]);
+            let (x, width) = (x + width + BETWEEN, whole - width - BETWEEN);
+            chart.draw([lags.live(Place { x, y, width, height })]);
+        }
+        y += HIGH + BELOW;
     }
     Some((chart, format!("{names}. {}", said.join(" "))))
 }

@@ -1,52 +1,82 @@
 //! The report of `run`.
 
 use super::data::{Model, Seen};
-use super::page::{Banner, Page, Tone, add_remarks, capital, paragraph};
+use super::page::{Banner, Page, Tone, add_data_remarks, add_warnings, capital, paragraph};
 use super::table::{Cell, code, estimate, in_unit, parameters, table, text, unit};
-use super::{correlation, friction, mathml, motion, reproduction, residual, selection};
-use crate::chart::digits;
+use super::{correlation, friction, hero, mathml, motion, next, reproduction, residual, selection};
+use crate::chart::{Sheet, digits};
 use crate::equation::names_of_records;
 use crate::format::{method_name as method, role_name as role};
 use crate::input::Invocation;
-use crate::markup::Element;
+use crate::markup::{Element, element};
 use crate::run::RunReport;
-use phisindy_learn::Verdict;
+use crate::table::with_error;
+use phisindy_learn::{Estimate, RecordFit, Verdict};
 use phisindy_phys::spec::Role;
 
 /// The page.
 pub(crate) fn page(report: &RunReport<'_>, invocation: &Invocation) -> Page {
     let (input, case, found) = (report.input, report.input.case, report.identified);
-    let terms: Vec<usize> = found.terms.iter().map(|f| f.term).collect();
-    let model = Model::new(&case.system, &terms, &found.records);
-    let seen = Seen { system: &case.system, records: input.records, was: None, model: Some(model) };
-
+    let seen = seen(report);
     let mut page = Page::new(input, banner(report));
-    add_remarks(&mut page, &report.warnings, input.doubts, &report.notes);
+    if let Verdict::Rejected(why) = &found.verdict {
+        next::add(&mut page, &next::after_rejection(why, input.name), None);
+    }
+    first_screen(&mut page, report, &seen);
+    add_warnings(&mut page, &report.warnings);
     page.section("Equation", equations(report));
     page.section("Coefficients", coefficients(report));
     page.section("Parameters", parameters(&found.parameters));
-    page.figures("Friction against velocity", friction::charts(case, input.records, found));
-    page.figures("Measured against simulated", motion::charts(&seen));
+    page.figures("Measured against simulated", |sheet| motion::charts(&seen, sheet));
     page.section("Records", records(report));
     page.section("Numbers of their own", adapted(report));
-    page.figures("What is left", residual::charts(&seen));
-    page.figures("Choice of terms", selection::chart(found).into_iter().collect());
-    page.figures(
-        "What the data can tell apart",
-        correlation::chart(&case.system, found).into_iter().collect(),
-    );
+    page.figures("What is left", |sheet| residual::charts(&seen, sheet));
+    page.figures("Choice of terms", |sheet| selection::chart(found, sheet).into_iter().collect());
+    page.figures("What the data can tell apart", |sheet| {
+        correlation::chart(&case.system, found, sheet).into_iter().collect()
+    });
+    add_data_remarks(&mut page, input.doubts, &report.notes);
     reproduction::add(&mut page, input, invocation);
     page
+}
+
+/// The records with the identified model.
+pub(crate) fn seen<'a>(report: &'a RunReport<'_>) -> Seen<'a> {
+    let (system, found) = (&report.input.case.system, report.identified);
+    let terms: Vec<usize> = found.terms.iter().map(|f| f.term).collect();
+    let model = Model::new(system, &terms, &found.records);
+    Seen { system, records: report.input.records, was: None, model: Some(model) }
+}
+
+/// The finding in pictures: the motion, and the friction against velocity.
+fn first_screen(page: &mut Page, report: &RunReport<'_>, seen: &Seen<'_>) {
+    let (case, records) = (report.input.case, report.input.records);
+    let friction = |sheet| friction::charts(case, records, report.identified, sheet);
+    let forces = page.drawn(Sheet::Half, friction);
+    // The motion stands beside one picture of a force, or above several.
+    let sheet = if forces.len() == 1 { Sheet::Half } else { Sheet::Full };
+    let motion = page.drawn(sheet, |sheet| hero::chart(seen, None, sheet).into_iter().collect());
+    if sheet == Sheet::Half {
+        page.first(motion.into_iter().chain(forces).collect(), vec![]);
+    } else {
+        page.first(
+            vec![],
+            vec![element("div").class("full").all(motion), element("div").class("pair").all(forces)],
+        );
+    }
 }
 
 fn banner(report: &RunReport<'_>) -> Banner {
     let found = report.identified;
     let worst = |role: Role| {
-        let of = found.records.iter().filter(|r| r.role == role).map(|r| r.worst());
-        of.reduce(f64::max).map(|e| digits(e, 2))
+        let of = found.records.iter().filter(|r| r.role == role);
+        of.max_by(|a, b| a.worst().total_cmp(&b.worst()))
+            .map(|r| (digits(100.0 * r.worst(), 2), noises(report, r)))
     };
-    let fit = worst(Role::Fit).map(|e| format!("{e} fitted"));
-    let validate = worst(Role::Validate).map(|e| format!("{e} predicted"));
+    let fit = worst(Role::Fit)
+        .map(|(e, noise)| format!("{e} % of its standard deviation{noise} where it was fitted"));
+    let validate =
+        worst(Role::Validate).map(|(e, noise)| format!("{e} %{noise} where it was only predicted"));
     let errors: Vec<String> = fit.into_iter().chain(validate).collect();
     let how = format!(
         "{}Method {}, {} s.",
@@ -61,13 +91,66 @@ fn banner(report: &RunReport<'_>) -> Banner {
         Verdict::Identified => Banner {
             tone: Tone::Good,
             headline: "Identified".to_owned(),
-            text: format!("The free runs follow the data: worst NRMSE {}. {how}", errors.join(", ")),
+            text: format!(
+                "{}. Run freely, the model misses the motion by at most {}.",
+                capital(&named(report)),
+                errors.join(" and ")
+            ),
+            how,
         },
         Verdict::Rejected(why) => Banner {
             tone: Tone::Bad,
             headline: "Rejected".to_owned(),
-            text: format!("{}. {how}", capital(&why.to_string())),
+            text: format!("{}.", capital(&why.to_string())),
+            how,
         },
+    }
+}
+
+/// What a free run leaves of the worst column of a record, in units of its noise: ` (1.0 times its noise)`.
+fn noises(report: &RunReport<'_>, record: &RecordFit) -> String {
+    let system = &report.input.case.system;
+    let worst = record.nrmse.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    let ratio = worst.and_then(|(column, _)| {
+        let noise = record.noise.iter().find(|(name, _)| name == column)?.1;
+        let left = record.residuals.get(system.column(column)?)?;
+        let rms = (left.iter().map(|e| e * e).sum::<f64>() / left.len().max(1) as f64).sqrt();
+        Some(rms / noise).filter(|x| x.is_finite() && *x > 0.0)
+    });
+    ratio.map_or(String::new(), |x| format!(" ({} times its noise)", digits(x, 2)))
+}
+
+/// Most numbers in the sentence of the finding.
+const NUMBERS: usize = 4;
+
+/// The numbers that were found, with half of their 95 % intervals: coefficients of terms first, then parameters.
+fn named(report: &RunReport<'_>) -> String {
+    let system = &report.input.case.system;
+    let in_unit = |unit: &str| if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    let half = |e: &Estimate, factor: f64| 0.5 * (e.ci95.1 - e.ci95.0).abs() / factor;
+    let terms = report.identified.terms.iter().map(|f| {
+        let term = &system.terms[f.term];
+        let factor = term.factor_text.trim();
+        let (minus, factor) = factor.strip_prefix('-').map_or(("", factor), |rest| ("−", rest));
+        let factors = [factor, term.candidate.as_str()].into_iter().filter(|f| *f != "1");
+        let what: String = factors.map(|f| format!("·{f}")).collect();
+        let own = term.unit.map_or(String::new(), |u| unit(&u.to_string()));
+        let (scale, own) = report.force(f).map_or((1.0, own), |(force, dimension)| {
+            (force / f.coefficient.value, unit(&dimension.to_string()))
+        });
+        let value = with_error(f.coefficient.value * scale, half(&f.coefficient, 1.0 / scale.abs()));
+        let shown = if minus.is_empty() && !value.contains('±') { value } else { format!("({value})") };
+        format!("{minus}{shown}{}{what} in d{}/dt", in_unit(&own), system.states[term.state].name)
+    });
+    let parameters = report.identified.parameters.iter().filter(|p| p.id.constant().is_some()).map(|p| {
+        let value = with_error(p.estimate.value / p.factor, half(&p.estimate, p.factor));
+        format!("{} = {value}{}", p.id, in_unit(&unit(&p.unit)))
+    });
+    let all: Vec<String> = terms.chain(parameters).collect();
+    match all.len() {
+        0 => "the known part is complete".to_owned(),
+        n if n > NUMBERS => format!("{} and {} more numbers", all[..NUMBERS].join(", "), n - NUMBERS),
+        _ => all.join(", "),
     }
 }
 

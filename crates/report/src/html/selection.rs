@@ -1,12 +1,12 @@
 //! The path of term selection: criterion against number of terms.
 
 use super::page::capital;
-use crate::chart::{Axis, Chart, Mark, Panel, Place, Scale, Swatch, WIDTH, digits, legend};
+use crate::chart::{Axis, Chart, Mark, Panel, Place, Scale, Sheet, Swatch, digits, legend};
 use phisindy_learn::Identified;
 use phisindy_phys::spec::Method;
 
 /// The chart; none if there was no choice.
-pub(crate) fn chart(found: &Identified) -> Option<(Chart, String)> {
+pub(crate) fn chart(found: &Identified, sheet: Sheet) -> Option<(Chart, String)> {
     // Of several models with the same number of terms the best one counts.
     let mut path: Vec<(usize, f64)> = Vec::new();
     for point in found.selection.iter().filter(|p| p.criterion.is_finite()) {
@@ -32,12 +32,13 @@ pub(crate) fn chart(found: &Identified) -> Option<(Chart, String)> {
     let what = if step { "one-step loss" } else { "criterion above the least" };
     let description = format!("{}, by number of terms. {}.", capital(what), said.join("; "));
     let title = "Error against number of terms";
-    let mut chart = Chart::new("selection", title, &description, (WIDTH, 300.0));
     let entries = [
         ("model", Swatch::Line, format!("{what}, along the path")),
         ("chosen", Swatch::Dot, format!("chosen: {}", count(found.terms.len()))),
     ];
-    chart.draw(legend(&entries, 20.0, 20.0));
+    let (keys, top) = legend(&entries, sheet);
+    let mut chart = Chart::new("selection", title, &description, (sheet.width(), top + 256.0));
+    chart.draw(keys);
     let marks = vec![
         Mark::Line { class: "model", points: points.clone() },
         Mark::Dots { class: "model", points, radius: 3.5 },
@@ -51,7 +52,8 @@ pub(crate) fn chart(found: &Identified) -> Option<(Chart, String)> {
         Axis::between(what, "", 0.0, 1.6 * highest.max(1.0)).on(Scale::FromZero)
     };
     let panel = Panel { heading: String::new(), x, y, marks, labelled: true };
-    chart.draw(panel.drawn(Place { x: 70.0, y: 44.0, width: WIDTH - 84.0, height: 200.0 }));
+    let place = Place { x: sheet.left(), y: top, width: sheet.inner(), height: 200.0 };
+    chart.draw([panel.live(place)]);
     let counts = if step {
         "the loss at the end of each stage"
     } else {

@@ -1,6 +1,7 @@
 //! Tables. Numbers are shown with five digits; the full value is in the `value` attribute.
 
 use crate::markup::{Element, element};
+pub(crate) use crate::table::raised as unit;
 use crate::table::{ends, short};
 use phisindy_learn::{Estimate, FoundParameter};
 
@@ -16,6 +17,8 @@ pub(crate) enum Cell {
     Number(f64),
     /// An interval.
     Interval(f64, f64),
+    /// Anything else.
+    Made(Element),
 }
 
 /// Words in a cell.
@@ -34,7 +37,9 @@ pub(crate) fn table(caption: &str, head: &[&str], rows: Vec<Vec<Cell>>) -> Optio
         return None;
     }
     let heads = head.iter().map(|h| element("th").with("scope", "col").text(h));
-    let body = rows.into_iter().map(|row| element("tr").all(row.into_iter().map(cell)));
+    // On a phone a row is a card, and each cell of it says what it is.
+    let labelled = |(c, h): (Cell, &&str)| cell(c).with("data-label", h);
+    let body = rows.into_iter().map(|row| element("tr").all(row.into_iter().zip(head).map(labelled)));
     let table = element("table")
         .add(element("caption").text(caption))
         .add(element("thead").add(element("tr").all(heads)))
@@ -54,11 +59,16 @@ fn cell(cell: Cell) -> Element {
     match cell {
         Cell::Text(text) => td.text(text),
         Cell::Code(text) => td.add(element("code").text(text)),
-        Cell::CodeOf(name, record) => td.add(element("code").text(name)).text(format!(" of {record}")),
+        Cell::CodeOf(name, record) => {
+            td.add(element("span").add(element("code").text(name)).text(format!(" of {record}")))
+        }
+        Cell::Made(element) => td.add(element),
         Cell::Number(x) => td.class("number").add(number(x)),
         Cell::Interval(a, b) => {
             let (low, high) = ends(a, b);
-            td.class("number").text("[").add(shown(a, &low)).text(", ").add(shown(b, &high)).text("]")
+            let inside =
+                element("span").text("[").add(shown(a, &low)).text(", ").add(shown(b, &high)).text("]");
+            td.class("number").add(inside)
         }
     }
 }
@@ -100,24 +110,6 @@ pub(crate) fn parameters(found: &[FoundParameter]) -> Option<Element> {
     let mut head = vec!["parameter", "unit", "value", "std. error", "95 % interval", "bounds"];
     head.extend(bounded.then_some("remark"));
     table("Parameters that were fitted", &head, found.iter().map(row).collect())
-}
-
-/// A unit with raised exponents; empty for a plain number.
-pub(crate) fn unit(unit: &str) -> String {
-    const RAISED: [(&str, &str); 8] = [
-        ("^-1", "⁻¹"),
-        ("^-2", "⁻²"),
-        ("^-3", "⁻³"),
-        ("^2", "²"),
-        ("^3", "³"),
-        ("^4", "⁴"),
-        ("^5", "⁵"),
-        ("*", "·"),
-    ];
-    if unit == "1" {
-        return String::new();
-    }
-    RAISED.iter().fold(unit.to_owned(), |text, (plain, raised)| text.replace(plain, raised))
 }
 
 /// A unit in a cell; a dash for a plain number.

@@ -17,7 +17,7 @@ pub fn completed(report: &GapReport<'_>) -> (String, Option<String>) {
     let GapReport { input, gap: found, .. } = *report;
     let measured = input.case.records.iter().any(|plan| matches!(plan.origin, Origin::Csv(_)));
     let data = if measured {
-        " --data DIR      (DIR: where its data files are)"
+        "      (with --data DIR where its data files have moved)"
     } else {
         "\n// Synthetic records are made anew from `known` and `truth`: take out of `truth` what now stands in `known`, or it acts twice."
     };

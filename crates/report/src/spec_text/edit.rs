@@ -47,3 +47,39 @@ pub(super) fn number(x: f64) -> String {
 pub fn head(command: &str) -> String {
     format!("// What `phisindy {command} ")
 }
+
+/// The start of a line that says where the data files of a written spec are.
+const DATA: &str = "// Data files in: ";
+
+/// The text of a written spec with the folders of its data files, relative to its own, in its head.
+pub fn with_data(text: &str, folders: &[String]) -> String {
+    let lines: String = folders.iter().map(|folder| format!("{DATA}{folder}\n")).collect();
+    match text.split_once('\n') {
+        Some((first, rest)) => format!("{first}\n{lines}{rest}"),
+        None => text.to_owned(),
+    }
+}
+
+/// The folders of the data files that the head of a spec names, relative to its own folder; none of a spec that no
+/// command wrote.
+pub fn named_data(text: &str) -> Vec<&str> {
+    let mut lines = text.lines();
+    let ours = lines.next().is_some_and(|first| ["run", "gap"].iter().any(|c| first.starts_with(&head(c))));
+    let named = lines.map_while(|line| line.strip_prefix(DATA)).map(str::trim);
+    if ours { named.collect() } else { vec![] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_written_spec_knows_its_data() {
+        let text = format!("{}a.ron` found.\n// More.\n()\n", head("run"));
+        assert_eq!(named_data(&text), Vec::<&str>::new());
+        let with = with_data(&text, &["..".to_owned(), "../my data".to_owned()]);
+        assert_eq!(named_data(&with), ["..", "../my data"]);
+        assert!(with.ends_with("// More.\n()\n"));
+        assert_eq!(named_data("// Data files in: /etc\n()"), Vec::<&str>::new());
+    }
+}

@@ -49,7 +49,7 @@ pub fn identified(input: Input<'_>, found: &Identified) -> Result<String, String
         Verdict::Rejected(why) => format!("REJECTED: {why}"),
     };
     let measured = spec.data.iter().any(|d| matches!(d, DataSpec::Csv(_)));
-    let data = if measured { " --data DIR      (DIR: where its data files are)" } else { "" };
+    let data = if measured { "      (with --data DIR where its data files have moved)" } else { "" };
     let head = format!(
         "{}{}` (version {}) found: {verdict}.\n// The identified terms stand in `known`, their coefficients and the fitted \
          numbers in `constants`, `sensors` and `start`. To predict:\n//     phisindy simulate identified.ron{data}\n",

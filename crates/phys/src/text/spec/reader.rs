@@ -2,7 +2,7 @@
 
 use super::{Number, Text};
 use crate::text::diagnostic::{Diagnostic, SourceId};
-use crate::text::raw::{Node, Shape};
+use crate::text::raw::{Node, Shape, comma_advice};
 use phisindy_expr::{Span, nearest};
 use std::collections::HashMap;
 
@@ -76,6 +76,8 @@ impl<'t> Reader<'t> {
             (Shape::Group, Some(name)) => format!("`{}(...)`", self.slice(name)),
             (Shape::Group, None) => "a group `(...)`".into(),
         };
+        let comma = (node.shape == Shape::Group).then(|| comma_advice(self.slice(node.span))).flatten();
+        let help = comma.as_deref().unwrap_or(help);
         self.wrong(node.span, format!("expected {what}, found {found}"), &format!("should be {what}"), help)
     }
 

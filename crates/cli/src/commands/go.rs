@@ -1,0 +1,72 @@
+//! `phisindy go`: from a data file to the report of `gap`, without a stop.
+
+use super::{gap, new};
+use crate::args::{GoArgs, NewArgs, Options};
+use crate::outdir;
+use crate::terminal::{complain, remark};
+use anyhow::Result;
+use std::io::{self, IsTerminal};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Writes a spec for a data file unless it is there, looks for what is missing, and opens the report; returns the exit
+/// code of `gap`.
+///
+/// # Errors
+/// A file cannot be written.
+pub(crate) fn command(args: &GoArgs, options: &Options) -> Result<u8> {
+    let stem = args.path.file_stem().map_or("data".into(), |s| s.to_string_lossy().into_owned());
+    let out = options.out.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}-found")));
+    outdir::OutDir::create(&out)?;
+    let spec = out.join(format!("{stem}.ron"));
+    // A spec that is there may hold edits: they count.
+    if spec.exists() {
+        say(options, &format!("{} is there and is used as it is", spec.display()));
+    } else {
+        say(options, &format!("looking at {}", args.path.display()));
+        let draft = NewArgs { path: args.path.clone(), sheet: args.sheet.clone(), force: false };
+        let quiet = Options { quiet: true, out: Some(spec.clone()), ..options.clone() };
+        let code = new::command(&draft, &quiet)?;
+        if code != 0 {
+            return Ok(code);
+        }
+        say(
+            options,
+            &format!(
+                "{} is written: a guess. Look at its lines marked EDIT, change them, and type the same command again",
+                spec.display()
+            ),
+        );
+    }
+    let beside = args.path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let data = options.data.clone().or_else(|| Some(beside.to_owned()));
+    let code = gap::gap(&spec, &Options { data, out: Some(out.clone()), ..options.clone() })?;
+    let report = out.join("report.html");
+    if !args.no_open && io::stdout().is_terminal() && report.is_file() {
+        open(&report);
+    }
+    Ok(code)
+}
+
+fn say(options: &Options, words: &str) {
+    if !options.quiet {
+        remark(words);
+    }
+}
+
+/// Opens a file with the program that the desktop has for it, and does not wait for it.
+fn open(path: &Path) {
+    let (program, first): (&str, &[&str]) = if cfg!(target_os = "macos") {
+        ("open", &[])
+    } else if cfg!(windows) {
+        ("cmd", &["/c", "start", ""])
+    } else {
+        ("xdg-open", &[])
+    };
+    let quiet = || Stdio::null();
+    let started =
+        Command::new(program).args(first).arg(path).stdin(quiet()).stdout(quiet()).stderr(quiet()).spawn();
+    if started.is_err() {
+        complain(&format!("cannot open `{}`: open it in a browser", path.display()));
+    }
+}

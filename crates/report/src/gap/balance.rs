@@ -1,0 +1,273 @@
+//! The force that a step adds, beside the force that the measured motion asks for: inertia times measured
+//! acceleration less the forces that the model knows.
+
+mod local_cubic;
+
+use local_cubic::LocalCubic;
+use phisindy_expr::{Id, Scratch, Tape};
+use phisindy_gap::{ForceHistory, Gap, Site, Step, force_history};
+use phisindy_learn::{FoundParameter, parameter_values};
+use phisindy_phys::unit::Unit;
+use phisindy_phys::{Record, System};
+
+/// Most samples of a record that are looked at.
+const SAMPLES: usize = 600;
+/// Half width of a 95 % interval of the normal distribution, in standard deviations.
+const REACH: f64 = 1.96;
+
+/// The force of a step in one record.
+pub(crate) struct RecordForce {
+    /// Name of the record.
+    pub(crate) name: String,
+    /// The law: abscissa, force, and the 95 % band of its numbers, each moved by itself and added in squares. Sorted by
+    /// the abscissa where the force is a function of it, else by time.
+    pub(crate) law: Vec<(f64, f64, (f64, f64))>,
+    /// The force balance of the measured motion; empty where the motion of its body is not measured.
+    pub(crate) measured: Vec<(f64, f64)>,
+}
+
+/// The force of a step in all records.
+pub(crate) struct Balance {
+    /// What the abscissa and the force are, and their units.
+    pub(crate) axes: ForceHistory,
+    /// One for each record with a run.
+    pub(crate) records: Vec<RecordForce>,
+    /// The longest time (s) over which displacements were smoothed for the acceleration; 0 where it is measured.
+    pub(crate) smoothed: f64,
+}
+
+/// The force of a step; `None` for an effect on sensors or inputs, or where no record has a run.
+pub(crate) fn balance(found: &Gap, step: &Step, records: &[Record]) -> Option<Balance> {
+    let axes = force_history(found, step, records)?;
+    let body = Body::of(found, step, &axes)?;
+    let mut out = Balance { axes, records: vec![], smoothed: 0.0 };
+    for (r, record) in records.iter().enumerate() {
+        let Some((force, smoothed)) = body.in_record(found, step, record, r, out.axes.function) else {
+            continue;
+        };
+        out.smoothed = out.smoothed.max(smoothed);
+        out.records.push(force);
+    }
+    (!out.records.is_empty()).then_some(out)
+}
+
+/// How the acceleration of a body is known.
+enum Acceleration {
+    /// The displacement state, whose column is measured.
+    OfDisplacement(usize),
+    /// The velocity state, whose column is measured.
+    OfVelocity(usize),
+    /// The column of an output that reads it, or the force itself.
+    Read(usize),
+    /// Not at all.
+    Unknown,
+}
+
+/// The body that a force acts on.
+struct Body<'a> {
+    system: &'a System,
+    tape: Tape,
+    /// From a residual of the rate to one of the force: inertia with its sign.
+    sign: f64,
+    acceleration: Acceleration,
+    /// The velocity state, if there is one.
+    state: Option<usize>,
+    /// From SI to the units of the axes.
+    units: (f64, f64),
+    sticks: bool,
+}
+
+impl<'a> Body<'a> {
+    fn of(found: &'a Gap, step: &Step, axes: &ForceHistory) -> Option<Body<'a>> {
+        let Site::Force { displacement, velocity, acts, shows, .. } = &step.effect.place.site else {
+            return None;
+        };
+        let system = &found.simulated.system;
+        let law = &step.effect.entry.law;
+        let named = |text: &str| text.trim_start_matches('(').trim_end_matches(')') == axes.over;
+        let place = match displacement {
+            Some(x) if named(&x.text) => x.node,
+            _ if named(&velocity.text) => velocity.node,
+            _ => system.time,
+        };
+        let force = step.force?;
+        let first = acts.first();
+        let one = system.time;
+        let rate = first.map_or(one, |(s, _)| system.known[*s]);
+        let inertia = first.and_then(|(s, _)| system.inertia[*s]);
+        let nodes: [Id; 5] = [place, force, velocity.node, rate, inertia.unwrap_or(one)];
+        let tape = Tape::compile(&system.graph, &system.arguments(), &nodes).ok()?;
+        let factor = |unit: &str| Unit::parse(unit).map_or(1.0, |u| u.factor);
+        let size = if axes.push { -1.0 } else { 1.0 } / factor(&axes.unit);
+        let acceleration = match (first, shows.first()) {
+            (Some((s, _)), _) => Acceleration::of(system, *s),
+            (None, Some((output, _))) => Acceleration::Read(system.states.len() + output),
+            (None, None) => Acceleration::Unknown,
+        };
+        Some(Body {
+            system,
+            tape,
+            sign: first.map_or_else(|| shows.first().map_or(1.0, |s| s.1), |f| f.1),
+            acceleration,
+            state: first.map(|f| f.0),
+            units: (1.0 / factor(&axes.over_unit), size),
+            sticks: law.sticks(),
+        })
+    }
+
+    /// The force in a record, and over which time the acceleration was smoothed.
+    fn in_record(
+        &self,
+        found: &Gap,
+        step: &Step,
+        record: &Record,
+        r: usize,
+        function: bool,
+    ) -> Option<(RecordForce, f64)> {
+        let fit = found.simulated.records.get(r)?;
+        let run = fit.run.as_ref()?;
+        let owner = record.continues.unwrap_or(r);
+        let numbers = parameter_values(&found.parameters, self.system, owner);
+        let every = record.len().div_ceil(SAMPLES).max(1);
+        let mut scratch = Scratch::<1>::new(&self.tape);
+        let mut evaluated = |i: usize, states: &[f64], numbers: &[f64]| -> [f64; 5] {
+            let t = record.time[i];
+            let inputs = record.inputs.iter().map(|u| u.value(t));
+            let rest = numbers.iter().chain(&record.constants).copied();
+            scratch.at([t].into_iter().chain(states.iter().copied()).chain(inputs).chain(rest));
+            [0, 1, 2, 3, 4].map(|k| scratch.output(k)[0])
+        };
+        let moved = self.moved(found, step, owner, &numbers);
+        let (across, size) = self.units;
+        let mut law = Vec::new();
+        for i in (0..record.len()).step_by(every) {
+            let states = run.state_at(i);
+            let [place, force, speed, ..] = evaluated(i, states, &numbers);
+            if (self.sticks && speed == 0.0) || !(place.is_finite() && force.is_finite()) {
+                continue;
+            }
+            let reach: f64 = moved
+                .iter()
+                .map(|(low, high)| 0.5 * (evaluated(i, states, high)[1] - evaluated(i, states, low)[1]))
+                .filter(|d| d.is_finite())
+                .map(|d| d * d)
+                .sum();
+            let (y, reach) = (size * force, (size * reach.sqrt()).abs());
+            law.push((across * place, y, (y - reach, y + reach)));
+        }
+        if function {
+            law.sort_by(|a, b| a.0.total_cmp(&b.0));
+        }
+        let typical = law.iter().map(|p| (p.1 / size).abs()).fold(0.0, f64::max);
+        let (measured, smoothed) = self.measured(found, record, r, typical, &numbers, &mut evaluated);
+        (law.len() > 1).then(|| (RecordForce { name: record.name.clone(), law, measured }, smoothed))
+    }
+
+    /// The numbers of the model with each of the step's own at the ends of its interval.
+    fn moved(&self, found: &Gap, step: &Step, owner: usize, numbers: &[f64]) -> Vec<(Vec<f64>, Vec<f64>)> {
+        let own = |p: &&FoundParameter| {
+            let name = p.id.constant().map(|k| self.system.parameters[k].name.as_str());
+            p.id.holds_in(owner) && step.parameters.iter().any(|s| Some(s.constant.as_str()) == name)
+        };
+        let ends = |p: &FoundParameter| {
+            let with = |sign: f64| {
+                let mut all = numbers.to_vec();
+                let value = p.estimate.value + sign * REACH * p.estimate.std_error;
+                if let Some(k) = p.id.constant() {
+                    all[k] = value.clamp(p.bounds.0, p.bounds.1);
+                }
+                all
+            };
+            (with(-1.0), with(1.0))
+        };
+        let known = found.parameters.iter().filter(own).filter(|p| p.estimate.std_error.is_finite());
+        known.map(ends).collect()
+    }
+
+    /// The force balance of the measured motion. With `m a = K - F` it is `F = F(model) + m (a(model) - a(measured))`,
+    /// both at the measured state, so that the law itself cancels. `typical` is the largest force of the law (SI).
+    fn measured(
+        &self,
+        found: &Gap,
+        record: &Record,
+        r: usize,
+        typical: f64,
+        numbers: &[f64],
+        evaluated: &mut dyn FnMut(usize, &[f64], &[f64]) -> [f64; 5],
+    ) -> (Vec<(f64, f64)>, f64) {
+        let fit = &found.simulated.records[r];
+        let Some(run) = &fit.run else { return (vec![], 0.0) };
+        let residual = |k: usize| fit.residuals.get(k).filter(|e| !e.is_empty());
+        let (across, size) = self.units;
+        let every = record.len().div_ceil(SAMPLES).max(1);
+        let mut out = Vec::new();
+        let mut keep = |place: f64, force: f64| {
+            if place.is_finite() && force.is_finite() {
+                out.push((across * place, size * force));
+            }
+        };
+        let (column, displacement) = match self.acceleration {
+            Acceleration::Read(k) => {
+                let Some(left) = residual(k) else { return (vec![], 0.0) };
+                for i in (0..record.len()).step_by(every) {
+                    let [place, force, _, _, inertia] = evaluated(i, run.state_at(i), numbers);
+                    let inertia = if self.state.is_some() { self.inertia(inertia) } else { 1.0 };
+                    keep(place, force + self.sign * inertia * left[i]);
+                }
+                return (out, 0.0);
+            }
+            Acceleration::OfDisplacement(x) => (x, Some(x)),
+            Acceleration::OfVelocity(v) => (v, None),
+            Acceleration::Unknown => return (vec![], 0.0),
+        };
+        let (Some(left), Some(v)) = (residual(column), self.state) else { return (vec![], 0.0) };
+        let values: Vec<f64> = (0..record.len()).map(|i| run.state_at(i)[column] + left[i]).collect();
+        let noise = {
+            let name = self.system.states[column].name.as_str();
+            found.noise.iter().find(|(column, _)| column == name).map_or(0.0, |n| n.1)
+        };
+        let inertia = self.inertia(evaluated(0, run.state_at(0), numbers)[4]);
+        let Some(smooth) =
+            LocalCubic::new(&record.time, &values, noise * inertia.abs() / typical, displacement.is_some())
+        else {
+            return (vec![], 0.0);
+        };
+        let half = smooth.half_width();
+        for i in (0..record.len()).step_by(every) {
+            let t = record.time[i];
+            // Over a change of mode the smoothed acceleration is a mean of two.
+            let changes = run.events.iter().any(|e| (e.time - t).abs() < half);
+            let switches = run.modes.len() / record.len().max(1);
+            let held = run.modes[i * switches..(i + 1) * switches].contains(&0);
+            let Some([value, slope, curvature]) = smooth.at(i) else { continue };
+            let mut states = run.state_at(i).to_vec();
+            if changes || held {
+                continue;
+            }
+            states[column] = value;
+            let mut acceleration = slope;
+            if displacement.is_some() {
+                (states[v], acceleration) = (slope, curvature);
+            }
+            let [place, force, _, rate, inertia] = evaluated(i, &states, numbers);
+            keep(place, force - self.sign * self.inertia(inertia) * (rate - acceleration));
+        }
+        (out, 2.0 * half)
+    }
+
+    /// The inertia of the body; 1 where the spec has none, so that forces are rates.
+    fn inertia(&self, value: f64) -> f64 {
+        self.state.and_then(|s| self.system.inertia[s]).map_or(1.0, |_| value)
+    }
+}
+
+impl Acceleration {
+    fn of(system: &System, state: usize) -> Acceleration {
+        let read = system.rate_symbols.iter().find(|(s, _)| *s == state).map(|(_, symbol)| *symbol);
+        if let Some(k) = system.outputs.iter().position(|o| Some(o.node) == read) {
+            return Acceleration::Read(system.states.len() + k);
+        }
+        let of = system.states.iter().position(|s| s.velocity == Some(state));
+        of.map_or(Acceleration::OfVelocity(state), Acceleration::OfDisplacement)
+    }
+}

@@ -1,0 +1,131 @@
+//! The finding in one sentence, with its numbers.
+
+use super::text::{NOISE, basis, outcome, sensitivity};
+use crate::table::{raised, short, with_error};
+use phisindy_gap::{Gap, Status, Step, StepParameter, Warning};
+
+/// Most parameters of one effect in the sentence; the others stand in its table.
+const NUMBERS: usize = 2;
+
+/// The verdict in a word and the finding in a sentence.
+pub(crate) struct Finding {
+    /// `Explained`.
+    pub(crate) headline: &'static str,
+    /// What is missing, how much, and what is left.
+    pub(crate) sentence: String,
+}
+
+/// The gap that counts: on Validate records where there are any.
+pub(crate) fn counted((fit, validate): (f64, Option<f64>)) -> f64 {
+    validate.unwrap_or(fit)
+}
+
+/// The finding.
+pub(crate) fn finding(found: &Gap) -> Finding {
+    let (before, after) = (counted(found.before), counted(found.after));
+    let all: Vec<String> = found.steps.iter().map(effect).collect();
+    let fall = fall(before, after);
+    let which = basis(found);
+    match found.status {
+        Status::NothingMissing => {
+            Finding { headline: "Nothing missing", sentence: capital(&outcome(found)) + "." }
+        }
+        Status::Explained => {
+            let sentence = format!(
+                "{} {} {fall} of the gap {which} ({} → {} times the noise); {}.",
+                capital(&joined(&all)),
+                if all.len() == 1 { "explains" } else { "explain" },
+                short3(before),
+                short3(after),
+                rest(found, after)
+            );
+            Finding { headline: "Explained", sentence }
+        }
+        Status::Unexplained => {
+            let place =
+                found.left.first().map_or(String::new(), |r| format!(", mostly in {}, {r}", r.column));
+            let brought = match all.is_empty() {
+                true => format!("a gap of {} times the noise is left {which}", short3(after)),
+                false => format!(
+                    "{} {} it from {} to {} times the noise {which}",
+                    joined(&all),
+                    if all.len() == 1 { "brings" } else { "bring" },
+                    short3(before),
+                    short3(after)
+                ),
+            };
+            let opening = match found.alternative {
+                Some(_) => {
+                    "No law of the catalogue explains the gap, but something else would (see the warnings)"
+                }
+                None => "Something is missing that no law of the catalogue explains",
+            };
+            Finding { headline: "Unexplained", sentence: format!("{opening}: {brought}{place}.") }
+        }
+    }
+}
+
+/// What is left where the gap is explained.
+fn rest(found: &Gap, after: f64) -> &'static str {
+    if after <= NOISE {
+        "the rest is noise"
+    } else if !sensitivity(found).is_empty() {
+        "the rest is within the error bars of the numbers"
+    } else if found.warnings.iter().any(|w| matches!(w, Warning::CoarseInput(_))) {
+        "the few samples of the input allow no more"
+    } else {
+        "the rest is about what the motion itself repeats to"
+    }
+}
+
+/// `Coulomb friction at v (mu = 0.298 ± 0.008)`.
+pub(crate) fn effect(step: &Step) -> String {
+    let numbers: Vec<String> = step.parameters.iter().take(NUMBERS).map(number).collect();
+    let more = if step.parameters.len() > NUMBERS { ", …" } else { "" };
+    let numbers = if numbers.is_empty() { String::new() } else { format!(" ({}{more})", numbers.join(", ")) };
+    format!("{} at {}{numbers}", step.effect.entry.law.name, step.effect.place.at)
+}
+
+/// `mu = 0.298 ± 0.008`, with half the 95 % interval; the range of the values that records have of their own.
+fn number(p: &StepParameter) -> String {
+    let unit = raised(&p.unit);
+    let unit = if unit.is_empty() { unit } else { format!(" {unit}") };
+    let values = || p.each.iter().map(|r| r.value);
+    let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+    if p.each.is_empty() {
+        format!("{} = {}{unit}", p.name, with_error(p.value, 0.5 * (p.ci95.1 - p.ci95.0)))
+    } else {
+        format!("{} = {} to {}{unit}", p.name, short3(low), short3(high))
+    }
+}
+
+/// How much of the gap is gone.
+fn fall(before: f64, after: f64) -> String {
+    let part = 100.0 * (1.0 - after / before);
+    if part.is_finite() {
+        format!("{:.*} %", usize::from(part > 99.0 && part < 99.95), part.max(0.0))
+    } else {
+        "most".to_owned()
+    }
+}
+
+/// A gap with three digits.
+fn short3(x: f64) -> String {
+    let rounded = format!("{x:.2e}").parse::<f64>().unwrap_or(x);
+    short(rounded)
+}
+
+/// `a, b and c`.
+fn joined(all: &[String]) -> String {
+    match all {
+        [] => "nothing".to_owned(),
+        [one] => one.clone(),
+        [front @ .., last] => format!("{} and {last}", front.join(", ")),
+    }
+}
+
+/// The text with a capital.
+fn capital(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}

@@ -1,0 +1,102 @@
+//! The result of `run` at a terminal.
+
+use super::report::RunReport;
+use crate::format::{method_name, role_name};
+use crate::html::hero;
+use crate::html::run::seen;
+use crate::table::{aligned, raised, short, with_error};
+use crate::terminal::{Ink, Look, unicode};
+use phisindy_learn::{Estimate, Verdict};
+
+/// The text.
+pub(crate) fn text(report: &RunReport<'_>, look: Look) -> String {
+    let (found, system) = (report.identified, &report.input.case.system);
+    let mut out = vec![verdict(report, look), look.ink(Ink::Faint, &look.wrapped(&report.basis(), 2))];
+    if !report.equations.is_empty() {
+        out.push(String::new());
+    }
+    let half = |e: &Estimate| 0.5 * (e.ci95.1 - e.ci95.0).abs();
+    let terms = found.terms.iter().map(|f| (f.coefficient.value, half(&f.coefficient)));
+    let numbers = terms.chain(found.parameters.iter().map(|p| (p.estimate.value, half(&p.estimate))));
+    let numbers: Vec<(f64, f64)> = numbers.collect();
+    for e in &report.equations {
+        let left = unicode::rate(&system.states[e.state].name);
+        let right = look.wrapped(&unicode::expression(&e.text, &numbers), left.chars().count() + 4);
+        out.push(format!("  {} = {}", look.ink(Ink::Strong, &left), right.trim_start()));
+    }
+    let mut rows = Vec::new();
+    for f in &found.terms {
+        let term = &system.terms[f.term];
+        let unit = term.unit.map_or(String::new(), |u| raised(&u.to_string()));
+        let what = format!("{}·{}", term.factor_text, term.candidate);
+        let what = what.trim_start_matches("1·").trim_end_matches("·1").to_owned();
+        let bound = if f.at_bound { "at its bound".to_owned() } else { String::new() };
+        // A force, where the inertia is known.
+        let (value, unit) = match report.force(f) {
+            Some((force, dimension)) => {
+                let scale = (force / f.coefficient.value).abs();
+                (with_error(force, half(&f.coefficient) * scale), raised(&dimension.to_string()))
+            }
+            None => (with_error(f.coefficient.value, half(&f.coefficient)), unit),
+        };
+        rows.push(vec![format!("  {}", unicode::expression(&what, &[])), value, unit, bound]);
+    }
+    for p in &found.parameters {
+        let value = with_error(p.estimate.value / p.factor, half(&p.estimate) / p.factor);
+        let bound = if p.at_bound { "at its bound".to_owned() } else { String::new() };
+        rows.push(vec![format!("  {}", p.id), value, raised(&p.unit), bound]);
+    }
+    if !rows.is_empty() {
+        out.push(String::new());
+        out.extend(aligned(&rows));
+    }
+    let records = found.records.iter().map(|r| {
+        let errors: Vec<String> =
+            r.nrmse.iter().map(|(name, e)| format!("{name} {}", short(three(*e)))).collect();
+        let errors = r.failure.as_ref().map_or(errors.join(", "), |why| format!("failed: {why}"));
+        vec![format!("  {}", r.name), role_name(r.role).to_owned(), format!("NRMSE {errors}")]
+    });
+    let records: Vec<Vec<String>> = records.collect();
+    if !records.is_empty() {
+        out.push(String::new());
+        out.extend(aligned(&records));
+    }
+    out.push(String::new());
+    out.extend(look.plot(hero::series(&seen(report), None)));
+    out.extend(warnings(&report.warnings, look));
+    out.join("\n") + "\n"
+}
+
+/// Each warning once, set off.
+pub(crate) fn warnings(all: &[String], look: Look) -> Vec<String> {
+    let mut told: Vec<&String> = vec![];
+    for warning in all {
+        if !told.contains(&warning) {
+            told.push(warning);
+        }
+    }
+    let line = |w: &&String| look.wrapped(&format!("{} {w}", look.ink(Ink::Open, "warning:")), 0);
+    told.iter().map(line).collect()
+}
+
+fn verdict(report: &RunReport<'_>, look: Look) -> String {
+    let found = report.identified;
+    let word = match &found.verdict {
+        Verdict::Identified if found.terms.is_empty() && !report.input.case.system.terms.is_empty() => {
+            look.ink(Ink::Good, "identified: nothing of the dictionary is missing")
+        }
+        Verdict::Identified => look.ink(Ink::Good, "identified"),
+        Verdict::Rejected(why) => format!("{} {why}", look.ink(Ink::Bad, "rejected:")),
+    };
+    let stopped =
+        report.ending.stopped_words().map_or(String::new(), |s| format!("{s} before the end; so far "));
+    let title = &report.input.case.system.title;
+    let title = if title.is_empty() { report.input.name } else { title };
+    let how = format!("method {}, {:.1} s", method_name(found.method), report.ending.seconds);
+    format!("{stopped}{word}  {}  {}", look.ink(Ink::Strong, title), look.ink(Ink::Faint, &how))
+}
+
+/// Three significant digits.
+fn three(x: f64) -> f64 {
+    format!("{x:.2e}").parse().unwrap_or(x)
+}
