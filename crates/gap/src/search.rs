@@ -433,7 +433,8 @@ impl Search<'_> {
 
     /// Fits the models whose segment cost is within `race` of the best, sorted by the criterion, without
     /// those that evidence rules out. If the leader is ruled out, the race is repeated among the others,
-    /// which it may have eliminated wrongly.
+    /// which it may have eliminated wrongly. A law with memory has a start state more in every segment, so its segments
+    /// leave less whatever its force is: it does not race against laws without.
     fn fit_race(
         &self,
         models: Vec<TrialModel>,
@@ -458,10 +459,16 @@ impl Search<'_> {
         // Fitted models with their segment costs.
         let mut done: Vec<(f64, Fitted)> = Vec::new();
         loop {
-            let costs = waiting.iter().map(Waiting::cost).chain(done.iter().map(|(cost, _)| *cost));
-            let least = costs.fold(rival, f64::min);
+            let raced = waiting.iter().map(|w| (w.model.remembers(), w.cost()));
+            let raced: Vec<(bool, f64)> =
+                raced.chain(done.iter().map(|(cost, f)| (f.model.remembers(), *cost))).collect();
+            let least = |memory: bool| {
+                let others = raced.iter().filter(|(other, _)| memory || !other);
+                others.map(|(_, cost)| *cost).fold(rival, f64::min)
+            };
+            let limits = [false, true].map(|memory| race * least(memory));
             let (now, later): (Vec<_>, Vec<_>) =
-                waiting.into_iter().partition(|waiting| waiting.cost() <= race * least);
+                waiting.into_iter().partition(|w| w.cost() <= limits[usize::from(w.model.remembers())]);
             done.extend(self.fitted(now, candidates));
             let by = Measure::of(done.iter().map(|(_, f)| &f.score), candidates);
             done.sort_by(|(_, a), (_, b)| by.criterion(&a.score).total_cmp(&by.criterion(&b.score)));

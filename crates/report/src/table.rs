@@ -81,11 +81,11 @@ pub fn with_error(value: f64, error: f64) -> String {
     let (value, error) = (value / scale, error / scale);
     let first = error / 10f64.powi(decade(error));
     let places = (if first < 1.95 { 1 } else { 0 }) - decade(error);
+    let decimals = places.max(0) as usize;
     // An error above ten rounds tens and more.
     let tens = 10f64.powi((-places).max(0));
-    let (value, error, decimals) =
-        (tens * (value / tens).round(), tens * (error / tens).round(), places.max(0) as usize);
-    let text = format!("{value:.decimals$} ± {error:.decimals$}").replace('-', "−");
+    let shown = |x: f64| if places < 0 { tens * (x / tens).round() } else { x };
+    let text = format!("{:.decimals$} ± {:.decimals$}", shown(value), shown(error)).replace('-', "−");
     if shared == 0 { text } else { format!("({text})·10{}", exponent(shared)) }
 }
 
