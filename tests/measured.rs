@@ -230,3 +230,21 @@ fn a_cart_on_a_relay_is_drafted_without_a_spring() {
     let mass: f64 = mass.and_then(|m| m.parse().ok()).expect("a mass");
     assert!((5.5..7.2).contains(&mass), "{mass}");
 }
+
+/// Friction in proportion to the load, before the small effects: laws with memory, whose segments always leave little,
+/// once kept the plain laws out of the race.
+#[test]
+fn a_frame_under_two_loads_has_coulomb_friction() {
+    let Some(data) = data("frame_stickslip_250g.csv") else { return };
+    let data = data.to_str().expect("UTF-8");
+    let said = phisindy(&["gap", "specs/frame_gap.ron", "--data", data, "--format", "json", "--quiet"]);
+    let found: Value = serde_json::from_str(&said.out).unwrap_or_else(|e| panic!("{e}: {}", said.err));
+    let first = &found["steps"][0];
+    assert_eq!(
+        (found["status"].as_str(), first["law"].as_str()),
+        (Some("explained"), Some("coulomb")),
+        "{found}"
+    );
+    assert_eq!(first["scales_with"], "N", "{first}");
+    near(first["parameters"]["mu"]["value"].as_f64().unwrap_or(0.0), 0.298, 0.05);
+}
