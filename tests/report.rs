@@ -143,7 +143,7 @@ fn sound(made: &Made) {
     assert_eq!(ids.len(), all, "ids are unique");
     let figures = made.figures();
     // Each is drawn for a desk and for a phone; one of them is shown.
-    for (mark, times) in [("<figure>", 1), ("<figcaption>", 1), ("role=\"img\"", 2)] {
+    for (mark, times) in [("<figure>", 1), ("<figcaption>", 1), (" role=\"img\"", 2)] {
         assert_eq!(html.matches(mark).count(), times * figures.len(), "{mark} for each file");
     }
     for link in html.split("href=\"").skip(1).filter_map(|s| s.split('"').next()) {

@@ -33,7 +33,7 @@
   document.body.append(note);
   const line = (panel) => {
     if (!panel.line) {
-      panel.line = document.createElementNS("http://www.w3.org/2000/svg", "line");
+      panel.line = document.createElementNS(panel.group.namespaceURI, "line");
       panel.line.setAttribute("class", "cursor");
       panel.line.setAttribute("y1", panel.y);
       panel.line.setAttribute("y2", panel.y + panel.height);
@@ -128,7 +128,7 @@
       const where = (t) => p.x + p.width * ((t - p.across.from) / whole - a) / (b - a);
       marks?.setAttribute("d", list.map(([t]) => `M${where(t)} ${below}v5`).join(""));
       if (p.words.length) for (const [t, text] of list) {
-        const word = document.createElementNS("http://www.w3.org/2000/svg", "text");
+        const word = document.createElementNS(p.group.namespaceURI, "text");
         word.setAttribute("class", "middle new");
         word.setAttribute("x", where(t));
         word.setAttribute("y", below + 20);
