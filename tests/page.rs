@@ -260,7 +260,7 @@ impl Browser {
         let names = ["chromium", "chromium-browser", "google-chrome"];
         let there =
             |name: &&str| Command::new(name).arg("--version").output().is_ok_and(|o| o.status.success());
-        let name = names.into_iter().find(|name| there(&name))?;
+        let name = names.into_iter().find(there)?;
         let profile = tempfile::tempdir().expect("a folder");
         let shell = format!(
             "exec {name} --headless --no-sandbox --disable-gpu --disable-dev-shm-usage --no-first-run --disable-background-networking \
