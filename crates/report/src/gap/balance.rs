@@ -77,6 +77,9 @@ struct Body<'a> {
     sticks: bool,
 }
 
+/// What the graph gives at a sample of states and inputs.
+type Evaluated<'e> = dyn FnMut(usize, &[f64], &[f64]) -> [f64; 5] + 'e;
+
 impl<'a> Body<'a> {
     fn of(found: &'a Gap, step: &Step, axes: &ForceHistory) -> Option<Body<'a>> {
         let Site::Force { displacement, velocity, acts, shows, .. } = &step.effect.place.site else {
@@ -193,7 +196,7 @@ impl<'a> Body<'a> {
         r: usize,
         typical: f64,
         numbers: &[f64],
-        evaluated: &mut dyn FnMut(usize, &[f64], &[f64]) -> [f64; 5],
+        evaluated: &mut Evaluated<'_>,
     ) -> (Vec<(f64, f64)>, f64) {
         let fit = &found.simulated.records[r];
         let Some(run) = &fit.run else { return (vec![], 0.0) };

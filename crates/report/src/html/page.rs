@@ -216,7 +216,7 @@ pub(crate) fn paragraph(text: &str) -> Element {
 pub(crate) fn worded(element_: Element, text: &str) -> Element {
     let parts: Vec<&str> = text.split('`').collect();
     // A single back tick is itself.
-    if parts.len() % 2 == 0 {
+    if parts.len().is_multiple_of(2) {
         return element_.text(text);
     }
     let add = |out: Element, (k, part): (usize, &&str)| match k % 2 {

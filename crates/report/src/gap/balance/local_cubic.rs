@@ -52,7 +52,7 @@ impl<'a> LocalCubic<'a> {
     /// Value, slope and curvature at a sample; `None` near the ends of the record.
     pub(super) fn at(&self, i: usize) -> Option<[f64; 3]> {
         let from = i.checked_sub(self.side)?;
-        let window = from..(i + self.side + 1 <= self.time.len()).then_some(i + self.side + 1)?;
+        let window = from..(i + self.side < self.time.len()).then_some(i + self.side + 1)?;
         let scale = self.half_width();
         // Normal equations of 1, u, u^2, u^3 with u = (t - t_i)/scale, with the right side as a fifth column.
         let mut rows = [[0.0; 5]; 4];
