@@ -154,6 +154,11 @@ decisions! {
     /// A minimisation ends when it gains less than this in the logarithm of the likelihood.
     LIKELIHOOD_GAIN: f64 = 0.01, "nats", Basis::Derived("far below any difference that decides");
 
+    /// Samples of a segment of a chain.
+    CHAIN_SAMPLES: usize = 10, "samples", Basis::Judgement("a few for each number of a start state");
+    /// Standard deviations of the jumps at the joints of a chain, in turn.
+    CHAIN_JOINTS: [f64; 7] = [1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001], "of the noise", Basis::Derived("half decades, down to where a jump is nothing beside what is known of a state");
+
     // Method trajectory: noise and whiteness.
 
     /// The floor of the additive noise.

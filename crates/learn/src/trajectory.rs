@@ -8,6 +8,7 @@
 
 pub(crate) mod agreement;
 pub(crate) mod calibrate;
+pub(crate) mod chain;
 pub(crate) mod cost;
 pub(crate) mod delayed_samples;
 pub(crate) mod error_bars;

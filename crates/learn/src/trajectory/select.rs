@@ -87,7 +87,10 @@ pub(crate) fn select<'a>(
 /// leave, each with the rise of the cost. Everything else that was fitted follows along.
 fn elimination(fit: &Fit<'_>) -> Vec<(usize, f64)> {
     let p = fit.problem.terms.len();
-    let full = covariance(&fit.normal.matrix);
+    let full = match fit.problem.chained {
+        true => covariance(&fit.normal.reduced(p).matrix),
+        false => covariance(&fit.normal.matrix),
+    };
     let mut c: Vec<Vec<f64>> = (0..p).map(|i| (0..p).map(|j| full[(i, j)]).collect()).collect();
     let mut x: Vec<f64> = fit.x[..p].to_vec();
     let mut alive: Vec<usize> = (0..p).collect();
@@ -230,6 +233,11 @@ fn quadratic_model<'a>(
     }
     x[terms.len()..].copy_from_slice(&now.x[now.problem.terms.len()..]);
     let normal = problem.normal(&x, &now.weights).ok()?;
+    if problem.chained {
+        // What all the start states do for the others is the same for each change.
+        x.truncate(terms.len());
+        return Some((terms, x, normal.reduced(problem.terms.len())));
+    }
     Some((terms, x, normal))
 }
 
