@@ -157,7 +157,12 @@ decisions! {
     /// Samples of a segment of a chain.
     CHAIN_SAMPLES: usize = 10, "samples", Basis::Judgement("a few for each number of a start state");
     /// Standard deviations of the jumps at the joints of a chain, in turn.
-    CHAIN_JOINTS: [f64; 7] = [1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001], "of the noise", Basis::Derived("half decades, down to where a jump is nothing beside what is known of a state");
+    CHAIN_JOINTS: [f64; 6] = [1.0, 0.1, 0.01, 1e-3, 1e-4, 1e-5], "of the noise", Basis::Derived("decades, down to where a jump is nothing beside what is known of a state");
+
+    /// Refits of a selection on a chain at most.
+    CHAIN_REFITS: usize = 30, "refits", NUMERICS;
+    /// Choices of terms by exchange of pairs that a selection on a chain looks at.
+    CHAIN_PAIRS: usize = 100_000, "choices", Basis::Judgement("cost: a second of one core");
 
     // Method trajectory: noise and whiteness.
 

@@ -6,22 +6,41 @@
 //! Bock, 1983; soft continuity: Ribeiro et al., Automatica 121 (2020) 109158). Start states couple to their neighbours
 //! alone, so the work grows with their number.
 
-use crate::decisions::{CHAIN_JOINTS, CHAIN_MINIMUM, CHAIN_SAMPLES, NOISE_FLOOR};
+use crate::decisions::{CHAIN_JOINTS, CHAIN_MINIMUM, CHAIN_SAMPLES, NOISE_FLOOR, START_GAIN};
 use crate::least_squares::Limits;
-use crate::trajectory::fit::{Context, Fit};
+use crate::trajectory::fit::{Context, Fit, transfer};
 use crate::trajectory::initial::Regression;
 use crate::trajectory::noise::ColumnNoise;
 use crate::trajectory::problem::{Noise, Problem};
-use crate::trajectory::select::{Selection, select};
+use crate::trajectory::chain_selection::select_on_chain;
+use crate::trajectory::select::Selection;
 use phisindy_signal::noise_level;
 
 impl<'a> Context<'a> {
     /// The fit of a chain, its terms selected from the whole dictionary.
     pub(crate) fn chained(&self, regression: &Regression, all: &[usize]) -> Option<Selection<'a>> {
         let full = self.chain_of(all, &regression.solve(all))?;
-        let found = select(self, full, all, &mut vec![]);
+        let mut found = select_on_chain(self, full);
+        found.fit = self.resettle(found.fit);
+        if let Some(single) = self.unchained(&found.fit) { found.fit = single; }
         eprintln!("chain selected {:?} cost {} white {}", found.fit.problem.terms, found.fit.normal.cost, found.fit.is_white());
         Some(found)
+    }
+
+    /// A chain as one run from where it starts; `None` if no single run follows it.
+    fn unchained(&self, chain: &Fit<'a>) -> Option<Fit<'a>> {
+        let terms = &chain.problem.terms;
+        let problem = Problem::new(self.system, terms, &self.records, &vec![1; self.records.len()]).ok()?;
+        let mut x = problem.guess(&chain.x[..terms.len()], None, &self.smooth);
+        transfer(&chain.problem, &chain.x, &problem, &mut x);
+        for segment in &problem.segments {
+            let first = chain.problem.segments.iter().find(|s| s.record == segment.record)?;
+            let n = self.system.states.len();
+            x[segment.start..segment.start + n].copy_from_slice(&chain.x[first.start..first.start + n]);
+        }
+        let single = self.settle(problem, x, chain.noise.clone(), 3)?;
+        eprintln!("single {:?} chain {:?}", self.misfit(&single), self.misfit(chain));
+        (self.misfit(&single)? <= (1.0 + START_GAIN) * self.misfit(chain)?).then_some(single)
     }
 
     /// The fit of a chain with these terms.

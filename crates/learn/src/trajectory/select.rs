@@ -87,10 +87,7 @@ pub(crate) fn select<'a>(
 /// leave, each with the rise of the cost. Everything else that was fitted follows along.
 fn elimination(fit: &Fit<'_>) -> Vec<(usize, f64)> {
     let p = fit.problem.terms.len();
-    let full = match fit.problem.chained {
-        true => covariance(&fit.normal.reduced(p).matrix),
-        false => covariance(&fit.normal.matrix),
-    };
+    let full = covariance(&fit.normal.matrix);
     let mut c: Vec<Vec<f64>> = (0..p).map(|i| (0..p).map(|j| full[(i, j)]).collect()).collect();
     let mut x: Vec<f64> = fit.x[..p].to_vec();
     let mut alive: Vec<usize> = (0..p).collect();
@@ -234,9 +231,10 @@ fn quadratic_model<'a>(
     x[terms.len()..].copy_from_slice(&now.x[now.problem.terms.len()..]);
     let normal = problem.normal(&x, &now.weights).ok()?;
     if problem.chained {
-        // What all the start states do for the others is the same for each change.
+        // The start states follow each change alike.
         x.truncate(terms.len());
-        return Some((terms, x, normal.reduced(problem.terms.len())));
+        let normal = normal.reduced(x.len());
+        return Some((terms, x, normal));
     }
     Some((terms, x, normal))
 }
@@ -380,13 +378,13 @@ pub(crate) fn without_noise_of_inputs<'a>(context: &Context<'a>, mut fit: Fit<'a
 }
 
 /// A term that is a negligible part of the unknown rate of its state, if there is one; the smallest.
-fn negligible(fit: &Fit<'_>) -> Option<usize> {
+pub(crate) fn negligible(fit: &Fit<'_>) -> Option<usize> {
     if fit.problem.terms.len() < 2 {
         return None;
     }
     let sizes = crate::trajectory::term_sizes::term_sizes(fit)?;
     let system = fit.problem.system;
-    let cov = covariance(&fit.normal.matrix);
+    let cov = if fit.problem.chained { covariance(&fit.normal.reduced(fit.problem.terms.len()).matrix) } else { covariance(&fit.normal.matrix) };
     let mut smallest: Option<(f64, usize)> = None;
     for (k, &t) in fit.problem.terms.iter().enumerate() {
         let state = system.terms[t].state;
