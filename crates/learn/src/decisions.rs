@@ -156,9 +156,12 @@ decisions! {
 
     /// Samples of a segment of a chain.
     CHAIN_SAMPLES: usize = 10, "samples", Basis::Judgement("a few for each number of a start state");
-    /// Standard deviations of the jumps at the joints of a chain, in turn.
-    CHAIN_JOINTS: [f64; 6] = [1.0, 0.1, 0.01, 1e-3, 1e-4, 1e-5], "of the noise", Basis::Derived("decades, down to where a jump is nothing beside what is known of a state");
-
+    /// Standard deviations of the jumps at the joints of a chain with all terms, in turn ...
+    LOOSE_JOINTS: [f64; 2] = [1.0, 0.1], "of the noise", Basis::Derived("from where a joint holds as well as a reading to where a jump cannot be read");
+    /// ... and of one that stands for a single run.
+    TIGHT_JOINTS: [f64; 4] = [1e-2, 1e-3, 1e-4, 1e-5], "of the noise", Basis::Derived("decades, down to the accuracy of the simulations");
+    /// A disturbance of the start that grows more than this over a record leaves a fit of single runs in doubt.
+    FORGOTTEN: f64 = 30.0, "times", Basis::Judgement("such a run leaves its linear neighbourhood with a start that is wrong by a thirtieth of the motion");
     /// Refits of a selection on a chain at most.
     CHAIN_REFITS: usize = 30, "refits", NUMERICS;
     /// Choices of terms by exchange of pairs that a selection on a chain looks at.

@@ -6,25 +6,83 @@
 //! Bock, 1983; soft continuity: Ribeiro et al., Automatica 121 (2020) 109158). Start states couple to their neighbours
 //! alone, so the work grows with their number.
 
-use crate::decisions::{CHAIN_JOINTS, CHAIN_MINIMUM, CHAIN_SAMPLES, NOISE_FLOOR, START_GAIN};
+use crate::decisions::{
+    CHAIN_MINIMUM, CHAIN_SAMPLES, FIRST_NOISE, FORGOTTEN, LOOSE_JOINTS, NOISE_FLOOR, START_GAIN, TIGHT_JOINTS,
+};
 use crate::least_squares::Limits;
 use crate::trajectory::fit::{Context, Fit, transfer};
 use crate::trajectory::initial::Regression;
+use crate::trajectory::layout::Segment;
 use crate::trajectory::noise::ColumnNoise;
 use crate::trajectory::problem::{Noise, Problem};
-use crate::trajectory::chain_selection::select_on_chain;
+use crate::trajectory::chain_selection::{Criterion, select_on_chain};
 use crate::trajectory::select::Selection;
+use phisindy_phys::Record;
+use phisindy_phys::spec::SegmentsSpec;
 use phisindy_signal::noise_level;
 
 impl<'a> Context<'a> {
-    /// The fit of a chain, its terms selected from the whole dictionary.
-    pub(crate) fn chained(&self, regression: &Regression, all: &[usize]) -> Option<Selection<'a>> {
-        let full = self.chain_of(all, &regression.solve(all))?;
-        let mut found = select_on_chain(self, full);
-        found.fit = self.resettle(found.fit);
-        if let Some(single) = self.unchained(&found.fit) { found.fit = single; }
-        eprintln!("chain selected {:?} cost {} white {}", found.fit.problem.terms, found.fit.normal.cost, found.fit.is_white());
-        Some(found)
+    /// The fit of a chain with its terms selected from the whole dictionary, if the motion forgets its start or no
+    /// single run has come near it, and if that is the better description.
+    pub(crate) fn chained(&self, found: &Fit<'a>, regression: &Regression) -> Option<Selection<'a>> {
+        if !self.forgets_its_start(found) {
+            return None;
+        }
+        let all: Vec<usize> = (0..self.system.terms.len()).collect();
+        let loose = self.loose_chain(&all, &regression.solve(&all))?;
+        // A rich model bends in the joints where a poor one cannot, and a tight chain may end in a side minimum: terms
+        // are selected after the tightening, and before it too.
+        let after = self.tightened(&loose).map(|full| select_on_chain(self, full));
+        let before = select_on_chain(self, self.refit(&loose, &all)?);
+        let before = self.tightened(&before.fit).map(|fit| select_on_chain(self, fit));
+        let criterion = Criterion::new(self.system, &loose);
+        let of = |s: &Selection<'_>| criterion.of_fit(&s.fit);
+        for s in after.iter().chain(&before) { eprintln!("{:?} {}", s.fit.problem.terms, of(s)); }
+        let best = after.into_iter().chain(before).min_by(|a, b| of(a).total_cmp(&of(b)))?;
+        let Selection { fit, path } = best;
+        let fit = match self.unchained(&fit) {
+            Some(single) => single,
+            None => fit,
+        };
+        let better = fit.is_white() && fit.problem.terms != found.problem.terms;
+        better.then_some(Selection { fit, path })
+    }
+
+    /// Whether a disturbance of the start grows so much along the record that a fit of single runs is in doubt, or no
+    /// such fit was found; asked of motion without contacts of which every state is measured.
+    fn forgets_its_start(&self, found: &Fit<'a>) -> bool {
+        let n = self.system.states.len();
+        let measured = |r: &&Record| r.columns[..n].iter().all(Option::is_some);
+        if !self.system.contacts.is_empty() || self.segments != SegmentsSpec::Auto || !self.records.iter().all(measured) {
+            return false;
+        }
+        !found.is_white() || found.most_pieces() > 1 || growth(found) > FORGOTTEN
+    }
+
+    /// A chain with these terms whose joints hold as well as the readings do.
+    fn loose_chain(&self, terms: &[usize], coefficients: &[f64]) -> Option<Fit<'a>> {
+        let pieces: Vec<usize> = self.records.iter().map(|r| (r.len() / CHAIN_SAMPLES).max(1)).collect();
+        let mut problem = Problem::new(self.system, terms, &self.records, &pieces).ok()?;
+        problem.chained = true;
+        let noise = self.spectral_noise(&problem);
+        let weights = problem.weights(&noise, None);
+        let mut x = problem.guess(coefficients, None, &self.smooth);
+        for tight in LOOSE_JOINTS {
+            problem.continuity = Some(jumps(&problem, &noise, tight));
+            problem.minimise(&mut x, &weights, Limits::of(CHAIN_MINIMUM)).ok()?;
+        }
+        self.settle(problem, x, noise, 1)
+    }
+
+    /// The same with joints that are as tight as the simulation is accurate.
+    fn tightened(&self, loose: &Fit<'a>) -> Option<Fit<'a>> {
+        let mut problem = self.problem(&loose.problem.terms, loose)?;
+        let mut x = loose.x.clone();
+        for tight in TIGHT_JOINTS {
+            problem.continuity = Some(jumps(&problem, &loose.noise, tight));
+            problem.minimise(&mut x, &loose.weights, Limits::of(CHAIN_MINIMUM)).ok()?;
+        }
+        self.settle(problem, x, loose.noise.clone(), 3)
     }
 
     /// A chain as one run from where it starts; `None` if no single run follows it.
@@ -39,29 +97,7 @@ impl<'a> Context<'a> {
             x[segment.start..segment.start + n].copy_from_slice(&chain.x[first.start..first.start + n]);
         }
         let single = self.settle(problem, x, chain.noise.clone(), 3)?;
-        eprintln!("single {:?} chain {:?}", self.misfit(&single), self.misfit(chain));
         (self.misfit(&single)? <= (1.0 + START_GAIN) * self.misfit(chain)?).then_some(single)
-    }
-
-    /// The fit of a chain with these terms.
-    fn chain_of(&self, terms: &[usize], coefficients: &[f64]) -> Option<Fit<'a>> {
-        let pieces: Vec<usize> = self.records.iter().map(|r| (r.len() / CHAIN_SAMPLES).max(1)).collect();
-        let mut problem = Problem::new(self.system, terms, &self.records, &pieces).ok()?;
-        problem.chained = true;
-        let noise = self.spectral_noise(&problem);
-        let loose: Vec<f64> = (0..self.system.states.len()).map(|k| free_jump(&problem, &noise, k)).collect();
-        let weights = problem.weights(&noise, None);
-        let mut x = problem.guess(coefficients, None, &self.smooth);
-        for tight in CHAIN_JOINTS {
-            problem.continuity = Some(loose.iter().map(|j| tight * j).collect());
-            let t = std::time::Instant::now();
-            let end = problem.minimise(&mut x, &weights, Limits::of(CHAIN_MINIMUM)).ok()?;
-            let samples: usize = self.records.iter().map(|r| r.len() * 3).sum();
-            eprintln!("joint {tight} cost per sample {:.4} in {:?}", end.cost / samples as f64, t.elapsed());
-        }
-        for (t, c) in terms.iter().zip(&x) { eprint!("{t}:{c:.3} "); }
-        eprintln!();
-        self.settle(problem, x, noise, 3)
     }
 
     /// The noise of each column from its spectrum above the motion.
@@ -75,9 +111,28 @@ impl<'a> Context<'a> {
     }
 }
 
-/// How far a state may jump at a joint that is as uncertain as a reading; a hundredth of its size without a column.
-fn free_jump(problem: &Problem<'_>, noise: &Noise, state: usize) -> f64 {
-    let read = problem.records.iter().zip(noise).filter(|(r, _)| r.columns[state].is_some());
-    let largest = read.map(|(_, noise)| noise[state].additive).fold(0.0, f64::max);
-    if largest > 0.0 { largest } else { 0.01 * problem.scale[state] }
+/// How far each state may jump at a joint: this part of its noise, or of a hundredth of its size without a column.
+fn jumps(problem: &Problem<'_>, noise: &Noise, part: f64) -> Vec<f64> {
+    let free = |k: usize| {
+        let read = problem.records.iter().zip(noise).filter(|(r, _)| r.columns[k].is_some());
+        let largest = read.map(|(_, noise)| noise[k].additive).fold(0.0, f64::max);
+        if largest > 0.0 { largest } else { FIRST_NOISE * problem.scale[k] }
+    };
+    (0..problem.system.states.len()).map(|k| part * free(k)).collect()
+}
+
+/// By how much a disturbance of a start grows at most over a single run, each state in units of its size.
+fn growth(fit: &Fit<'_>) -> f64 {
+    let (problem, n) = (&fit.problem, fit.problem.system.states.len());
+    let of_segment = |segment: &Segment| -> f64 {
+        let Ok(sampled) = problem.run(segment, &fit.x, true) else { return f64::INFINITY };
+        let run = &sampled.run;
+        let entry = |i: usize, k: usize, j: usize| {
+            (run.sensitivities[(i * run.n + k) * run.m + j] * problem.scale[j] / problem.scale[k]).abs()
+        };
+        let last = run.samples() - 1;
+        let entries = (0..n).flat_map(|k| (0..n).map(move |j| (k, j)));
+        entries.map(|(k, j)| entry(last, k, j)).fold(0.0, f64::max)
+    };
+    problem.segments.iter().map(of_segment).fold(0.0, f64::max)
 }

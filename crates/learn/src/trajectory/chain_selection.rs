@@ -7,29 +7,39 @@ use crate::trajectory::description::descriptions;
 use crate::trajectory::fit::{Context, Fit};
 use crate::trajectory::quadratic::Quadratic;
 use crate::trajectory::select::{Selection, negligible, price};
+use phisindy_phys::System;
 use rayon::prelude::*;
 
 /// The criterion: the cost, the price of so many terms, and what it takes to write them down.
-struct Criterion {
+pub(crate) struct Criterion {
     inflation: f64,
     independent: f64,
     descriptions: Vec<f64>,
 }
 
 impl Criterion {
+    /// With as many independent samples as a fit has.
+    pub(crate) fn new(system: &System, fit: &Fit<'_>) -> Criterion {
+        let (inflation, independent) = (fit.inflation(), fit.effective);
+        Criterion { inflation, independent, descriptions: descriptions(system) }
+    }
+
     fn of(&self, cost: f64, terms: &[usize]) -> f64 {
         let written: f64 = terms.iter().map(|&t| self.descriptions[t]).sum();
         cost / self.inflation + price(terms.len(), self.descriptions.len(), self.independent) + written
+    }
+
+    /// Of a fit with a noise of its own: twice the negative logarithm of its likelihood in the place of the cost.
+    pub(crate) fn of_fit(&self, fit: &Fit<'_>) -> f64 {
+        let samples = fit.weights.iter().flatten().flatten();
+        let spread: f64 = samples.filter(|w| w.is_finite() && **w > 0.0).map(|w| -w.ln()).sum();
+        self.of(fit.normal.cost + spread, &fit.problem.terms)
     }
 }
 
 /// Selects among all terms of the dictionary, from a chain with all of them or a part.
 pub(crate) fn select_on_chain<'a>(context: &Context<'a>, first: Fit<'a>) -> Selection<'a> {
-    let criterion = Criterion {
-        inflation: first.inflation(),
-        independent: first.effective,
-        descriptions: descriptions(context.system),
-    };
+    let criterion = Criterion::new(context.system, &first);
     let of = |fit: &Fit<'_>| criterion.of(fit.normal.cost, &fit.problem.terms);
     let mut path = vec![PathPoint { terms: first.problem.terms.len(), criterion: of(&first), nrmse: None }];
     let (mut now, mut tried) = (first, Vec::new());
