@@ -162,6 +162,8 @@ decisions! {
     TIGHT_JOINTS: [f64; 4] = [1e-2, 1e-3, 1e-4, 1e-5], "of the noise", Basis::Derived("decades, down to the accuracy of the simulations");
     /// A disturbance of the start that grows more than this over a record leaves a fit of single runs in doubt.
     FORGOTTEN: f64 = 30.0, "times", Basis::Judgement("such a run leaves its linear neighbourhood with a start that is wrong by a thirtieth of the motion");
+    /// Stretches of the regression for each term that it starts a chain with, where there are fewer stretches than candidates.
+    STRETCHES_PER_TERM: usize = 4, "stretches", Basis::Judgement("a regression with fewer follows the noise");
     /// Refits of a selection on a chain at most.
     CHAIN_REFITS: usize = 30, "refits", NUMERICS;
     /// Choices of terms by exchange of pairs that a selection on a chain looks at.

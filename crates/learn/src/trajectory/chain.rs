@@ -7,7 +7,8 @@
 //! alone, so the work grows with their number.
 
 use crate::decisions::{
-    CHAIN_MINIMUM, CHAIN_SAMPLES, FIRST_NOISE, FORGOTTEN, LOOSE_JOINTS, NOISE_FLOOR, START_GAIN, TIGHT_JOINTS,
+    CHAIN_MINIMUM, CHAIN_SAMPLES, FIRST_NOISE, FORGOTTEN, LONGEST_STRETCH, LOOSE_JOINTS, NOISE_FLOOR, START_GAIN, STRETCHES_PER_TERM,
+    TIGHT_JOINTS,
 };
 use crate::least_squares::Limits;
 use crate::trajectory::fit::{Context, Fit, transfer};
@@ -28,16 +29,15 @@ impl<'a> Context<'a> {
         if !self.forgets_its_start(found) {
             return None;
         }
-        let all: Vec<usize> = (0..self.system.terms.len()).collect();
-        let loose = self.loose_chain(&all, &regression.solve(&all))?;
+        let start = self.richest(regression);
+        let loose = self.loose_chain(&start, &regression.solve(&start))?;
         // A rich model bends in the joints where a poor one cannot, and a tight chain may end in a side minimum: terms
         // are selected after the tightening, and before it too.
         let after = self.tightened(&loose).map(|full| select_on_chain(self, full));
-        let before = select_on_chain(self, self.refit(&loose, &all)?);
+        let before = select_on_chain(self, self.refit(&loose, &start)?);
         let before = self.tightened(&before.fit).map(|fit| select_on_chain(self, fit));
         let criterion = Criterion::new(self.system, &loose);
         let of = |s: &Selection<'_>| criterion.of_fit(&s.fit);
-        for s in after.iter().chain(&before) { eprintln!("{:?} {}", s.fit.problem.terms, of(s)); }
         let best = after.into_iter().chain(before).min_by(|a, b| of(a).total_cmp(&of(b)))?;
         let Selection { fit, path } = best;
         let fit = match self.unchained(&fit) {
@@ -57,6 +57,16 @@ impl<'a> Context<'a> {
             return false;
         }
         !found.is_white() || found.most_pieces() > 1 || growth(found) > FORGOTTEN
+    }
+
+    /// The terms that a chain starts with: all, or of a dictionary that has more of them in an equation than the
+    /// regression has stretches the best ones of it.
+    fn richest(&self, regression: &Regression) -> Vec<usize> {
+        let of_state = |k: usize| self.system.terms.iter().filter(|t| t.state == k).count();
+        let most = (0..self.system.states.len()).map(of_state).max().unwrap_or(0);
+        let stretches: usize = self.records.iter().map(|r| r.len() / LONGEST_STRETCH).sum();
+        let cut = if most > stretches { (stretches / STRETCHES_PER_TERM).max(1) } else { most };
+        regression.best(self.system, cut)
     }
 
     /// A chain with these terms whose joints hold as well as the readings do.

@@ -49,7 +49,6 @@ pub(crate) fn select_on_chain<'a>(context: &Context<'a>, first: Fit<'a>) -> Sele
         let Some(model) = &quadratic else { break };
         let Some(terms) = promising(model, &criterion, &now.problem.terms, &tried) else { break };
         let next = context.refit(&now, &terms);
-        eprintln!("{:?} -> {terms:?}: {:.2} -> {:.2}", now.problem.terms, of(&now), next.as_ref().map_or(f64::NAN, of));
         match next {
             Some(next) if of(&next) < of(&now) => {
                 path.push(PathPoint { terms: terms.len(), criterion: of(&next), nrmse: None });
