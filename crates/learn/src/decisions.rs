@@ -162,6 +162,10 @@ decisions! {
     TIGHT_JOINTS: [f64; 4] = [1e-2, 1e-3, 1e-4, 1e-5], "of the noise", Basis::Derived("decades, down to the accuracy of the simulations");
     /// A disturbance of the start that grows more than this over a record leaves a fit of single runs in doubt.
     FORGOTTEN: f64 = 30.0, "times", Basis::Judgement("such a run leaves its linear neighbourhood with a start that is wrong by a thirtieth of the motion");
+    /// A free run of a chaotic motion whose mean is this far from that of the data is of another motion ...
+    CHAOTIC_MEAN: f64 = 6.0, "standard errors", Basis::Judgement("the standard error of a mean of a few turns is itself uncertain by half");
+    /// ... and so is one of another size.
+    CHAOTIC_SIZE: f64 = 2.0, "times the standard deviation", Basis::Judgement("a motion of twice the size is another one");
     /// Stretches of the regression for each term that it starts a chain with, where there are fewer stretches than candidates.
     STRETCHES_PER_TERM: usize = 4, "stretches", Basis::Judgement("a regression with fewer follows the noise");
     /// Refits of a selection on a chain at most.

@@ -10,6 +10,7 @@ pub(crate) mod agreement;
 pub(crate) mod calibrate;
 pub(crate) mod chain;
 pub(crate) mod chain_selection;
+pub(crate) mod chaos;
 pub(crate) mod cost;
 pub(crate) mod delayed_samples;
 pub(crate) mod description;

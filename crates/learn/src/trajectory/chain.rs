@@ -98,7 +98,8 @@ impl<'a> Context<'a> {
     /// A chain as one run from where it starts; `None` if no single run follows it.
     fn unchained(&self, chain: &Fit<'a>) -> Option<Fit<'a>> {
         let terms = &chain.problem.terms;
-        let problem = Problem::new(self.system, terms, &self.records, &vec![1; self.records.len()]).ok()?;
+        let mut problem = Problem::new(self.system, terms, &self.records, &vec![1; self.records.len()]).ok()?;
+        problem.chained = true;
         let mut x = problem.guess(&chain.x[..terms.len()], None, &self.smooth);
         transfer(&chain.problem, &chain.x, &problem, &mut x);
         for segment in &problem.segments {
