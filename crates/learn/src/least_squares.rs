@@ -193,6 +193,17 @@ mod tests {
         assert_relative_eq!(x[1], 0.25, max_relative = 1e-6);
     }
 
+    /// `(a + b - 3)^2 + (b - 1)^2 + 4` at zero, the second unknown at its minimum for each value of the first:
+    /// `(a - 2)^2 / 2 + 4`.
+    #[test]
+    fn the_others_follow_in_the_reduced_equations() {
+        let normal = Normal { cost: 14.0, matrix: symmetric(&[1.0, 1.0, 2.0], 2), gradient: vec![-3.0, -4.0] };
+        let reduced = normal.reduced(1);
+        assert_relative_eq!(reduced.cost, 6.0, max_relative = 1e-12);
+        assert_relative_eq!(reduced.matrix[(0, 0)], 0.5, max_relative = 1e-12);
+        assert_relative_eq!(reduced.gradient[0], -1.0, max_relative = 1e-12);
+    }
+
     /// How often the start alone, of all points, was evaluated and what was tried beside it.
     fn calls_on_a_cliff(iterations: usize) -> usize {
         let (mut calls, mut x) = (0, [-1.2, 1.0]);

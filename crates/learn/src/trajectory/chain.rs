@@ -21,6 +21,7 @@ use crate::trajectory::select::Selection;
 use phisindy_phys::Record;
 use phisindy_phys::spec::SegmentsSpec;
 use phisindy_signal::noise_level;
+use std::iter::successors;
 
 impl<'a> Context<'a> {
     /// The fit of a chain with its terms selected from the whole dictionary, if the motion forgets its start or no
@@ -29,23 +30,26 @@ impl<'a> Context<'a> {
         if !self.forgets_its_start(found) {
             return None;
         }
-        let start = self.richest(regression);
-        let loose = self.loose_chain(&start, &regression.solve(&start))?;
-        // A rich model bends in the joints where a poor one cannot, and a tight chain may end in a side minimum: terms
-        // are selected after the tightening, and before it too.
+        // Where a rich start blows up or ends in a side minimum, one of half as many terms may not.
+        let starts = successors(Some(self.richest()), |n| (*n > 1).then_some(n / 2));
+        let selected = starts.filter_map(|most| {
+            let Selection { fit, path } = self.selected(&regression.best(self.system, most), regression)?;
+            let fit = self.unchained(&fit).unwrap_or(fit);
+            fit.is_white().then_some(Selection { fit, path })
+        });
+        selected.take(1).find(|s| s.fit.problem.terms != found.problem.terms)
+    }
+
+    /// The better of two selections on a chain that starts with these terms. A rich model bends in the joints where a
+    /// poor one cannot, and a tight chain may end in a side minimum: terms are selected after the tightening, and before.
+    fn selected(&self, start: &[usize], regression: &Regression) -> Option<Selection<'a>> {
+        let loose = self.loose_chain(start, &regression.solve(start))?;
         let after = self.tightened(&loose).map(|full| select_on_chain(self, full));
-        let before = select_on_chain(self, self.refit(&loose, &start)?);
-        let before = self.tightened(&before.fit).map(|fit| select_on_chain(self, fit));
+        let before = self.refit(&loose, start).map(|fit| select_on_chain(self, fit));
+        let before = before.and_then(|s| self.tightened(&s.fit)).map(|fit| select_on_chain(self, fit));
         let criterion = Criterion::new(self.system, &loose);
         let of = |s: &Selection<'_>| criterion.of_fit(&s.fit);
-        let best = after.into_iter().chain(before).min_by(|a, b| of(a).total_cmp(&of(b)))?;
-        let Selection { fit, path } = best;
-        let fit = match self.unchained(&fit) {
-            Some(single) => single,
-            None => fit,
-        };
-        let better = fit.is_white() && fit.problem.terms != found.problem.terms;
-        better.then_some(Selection { fit, path })
+        after.into_iter().chain(before).min_by(|a, b| of(a).total_cmp(&of(b)))
     }
 
     /// Whether a disturbance of the start grows so much along the record that a fit of single runs is in doubt, or no
@@ -59,14 +63,13 @@ impl<'a> Context<'a> {
         !found.is_white() || found.most_pieces() > 1 || growth(found) > FORGOTTEN
     }
 
-    /// The terms that a chain starts with: all, or of a dictionary that has more of them in an equation than the
+    /// With how many terms of each equation a chain starts: all, or of a dictionary that has more of them than the
     /// regression has stretches the best ones of it.
-    fn richest(&self, regression: &Regression) -> Vec<usize> {
+    fn richest(&self) -> usize {
         let of_state = |k: usize| self.system.terms.iter().filter(|t| t.state == k).count();
         let most = (0..self.system.states.len()).map(of_state).max().unwrap_or(0);
         let stretches: usize = self.records.iter().map(|r| r.len() / LONGEST_STRETCH).sum();
-        let cut = if most > stretches { (stretches / STRETCHES_PER_TERM).max(1) } else { most };
-        regression.best(self.system, cut)
+        if most > stretches { (stretches / STRETCHES_PER_TERM).max(1) } else { most }
     }
 
     /// A chain with these terms whose joints hold as well as the readings do.

@@ -101,3 +101,31 @@ fn exponent(fit: &Fit<'_>) -> Option<f64> {
     }
     (time > 0.0).then(|| logarithm / time).filter(|e| e.is_finite())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::line_models::scatter;
+
+    #[test]
+    fn means_are_as_far_apart_as_their_errors_allow() {
+        let a = scatter(4000);
+        assert!(distance_of_means(&a, &a) < 1e-12);
+        let deviation = standard_deviation(&a);
+        let apart: Vec<f64> = a.iter().map(|x| x + 10.0 * deviation * (2.0 / 4000.0_f64).sqrt()).collect();
+        let found = distance_of_means(&a, &apart);
+        assert!((found - 10.0).abs() < 2.0, "{found}");
+        // Samples that are held for twenty count as few.
+        let held = |x: &[f64]| (0..4000).map(|i| x[i / 20 * 20]).collect::<Vec<f64>>();
+        assert!(distance_of_means(&held(&a), &held(&apart)) < 0.5 * found);
+    }
+
+    #[test]
+    fn another_motion_is_not_the_one_of_the_data() {
+        let right = Chaos { pieces: 100, exponent: 0.9, nrmse: 0.2, noise: 0.2, mean: 2.0, size: 1.1 };
+        assert!(right.holds());
+        assert!(!Chaos { nrmse: 0.6, ..right.clone() }.holds());
+        assert!(!Chaos { mean: 7.0, ..right.clone() }.holds());
+        assert!(!Chaos { size: 2.5, ..right }.holds());
+    }
+}

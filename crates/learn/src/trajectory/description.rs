@@ -39,3 +39,27 @@ fn letter(system: &System, id: Id) -> Symbol {
         Node::Binary(op, ..) => Symbol::Operation(format!("{op:?}")),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use phisindy_phys::{SourceId, check, spec};
+
+    fn of(candidates: &str) -> Vec<f64> {
+        let text = format!(
+            r#"(states: {{ "x": "", "y": "" }}, known: {{ "x": "0", "y": "0" }}, unknown: {{ "y": (factor: "1", candidates: [{candidates}]) }},
+                data: [ Synthetic(truth: {{}}, start: {{ "x": 1.0 }}, duration: 1.0, step: 0.01, noise: None, seed: 1) ])"#
+        );
+        let (spec, _) = spec::read(&text, SourceId(0)).unwrap();
+        descriptions(&check(&spec, SourceId(0)).unwrap().0.system)
+    }
+
+    #[test]
+    fn long_candidates_cost_more_and_the_shortest_nothing() {
+        // Letters: x, y, the product; x*y is three of them.
+        let letters = 3_f64.ln();
+        let found = of(r#""x", "y", "x*y""#);
+        assert!(found.iter().zip([0.0, 0.0, 4.0 * letters]).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
+        assert!(of(r#""sin(x)", "cos(x)", "sin(y)""#).iter().all(|d| *d == 0.0));
+    }
+}

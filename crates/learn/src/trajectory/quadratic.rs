@@ -37,3 +37,28 @@ impl Quadratic {
         if within { self.rest - fall } else { f64::INFINITY }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linear::symmetric;
+    use approx::assert_relative_eq;
+
+    /// `(a + b - 3)^2 + (b - 1)^2 + 4` at `a = b = 0`: 4 with both, 4 + 1 with the first alone, 4 + 2 with the second.
+    #[test]
+    fn the_least_cost_of_each_choice_of_coefficients() {
+        let normal = Normal { cost: 14.0, matrix: symmetric(&[1.0, 1.0, 2.0], 2), gradient: vec![-3.0, -4.0] };
+        let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
+        let model = Quadratic::new(&normal, &[0.0, 0.0], &free);
+        for (of, due) in [(&[0, 1][..], 4.0), (&[0], 5.0), (&[1], 6.0), (&[], 14.0)] {
+            assert_relative_eq!(model.least(of), due, max_relative = 1e-12);
+        }
+        // From anywhere else it is the same function: at a = 1, b = 2 the cost is 5.
+        let normal = Normal { cost: 5.0, gradient: vec![0.0, 1.0], ..normal };
+        let elsewhere = Quadratic::new(&normal, &[1.0, 2.0], &free);
+        assert_relative_eq!(elsewhere.least(&[1]), 6.0, max_relative = 1e-12);
+        // What would leave its bounds is no choice: a alone wants 3.
+        let held = Quadratic::new(&normal, &[1.0, 2.0], &[(-1.0, 2.5), free[1]]);
+        assert_eq!(held.least(&[0]), f64::INFINITY);
+    }
+}
