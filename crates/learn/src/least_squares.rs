@@ -197,7 +197,8 @@ mod tests {
     /// `(a - 2)^2 / 2 + 4`.
     #[test]
     fn the_others_follow_in_the_reduced_equations() {
-        let normal = Normal { cost: 14.0, matrix: symmetric(&[1.0, 1.0, 2.0], 2), gradient: vec![-3.0, -4.0] };
+        let normal =
+            Normal { cost: 14.0, matrix: symmetric(&[1.0, 1.0, 2.0], 2), gradient: vec![-3.0, -4.0] };
         let reduced = normal.reduced(1);
         assert_relative_eq!(reduced.cost, 6.0, max_relative = 1e-12);
         assert_relative_eq!(reduced.matrix[(0, 0)], 0.5, max_relative = 1e-12);

@@ -10,7 +10,8 @@ const TRUE: [usize; 7] = [1, 2, 11, 12, 16, 23, 25];
 
 fn lorenz(duration: f64, noise: f64) -> Identified {
     let ten = r#"["1", "x", "y", "z", "x^2", "x*y", "x*z", "y^2", "y*z", "z^2"]"#;
-    let unknown = ["x", "y", "z"].map(|state| format!(r#""{state}": (factor: "1", candidates: {ten})"#)).join(", ");
+    let unknown =
+        ["x", "y", "z"].map(|state| format!(r#""{state}": (factor: "1", candidates: {ten})"#)).join(", ");
     let text = format!(
         r#"(states: {{ "x": "", "y": "", "z": "" }}, known: {{ "x": "0", "y": "0", "z": "0" }}, unknown: {{ {unknown} }},
             data: [ Synthetic(truth: {{ "x": "10*(y - x)", "y": "x*(28 - z) - y", "z": "x*y - 8/3*z" }},

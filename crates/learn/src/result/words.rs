@@ -1,6 +1,5 @@
 //! Every sentence of this crate that a user reads.
 
-use crate::trajectory::chaos::Chaos;
 use super::error::{DataError, LearnError, ModelError, NumericsError, TruthError};
 use super::identified::NoiseModel;
 use super::passivity_violation::PassivityViolation;
@@ -9,6 +8,7 @@ use super::verdict::{FitFailure, Rejection, Unfulfilled};
 use super::warning::Warning;
 use crate::decisions::{FEWEST_SAMPLES, RIVAL};
 use crate::input_noise::Bias;
+use crate::trajectory::chaos::Chaos;
 use std::fmt::{Display, Formatter, Result};
 
 /// `1 in v'`.

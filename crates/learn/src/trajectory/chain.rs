@@ -7,16 +7,16 @@
 //! alone, so the work grows with their number.
 
 use crate::decisions::{
-    CHAIN_MINIMUM, CHAIN_SAMPLES, FIRST_NOISE, FORGOTTEN, LONGEST_STRETCH, LOOSE_JOINTS, NOISE_FLOOR, START_GAIN, STRETCHES_PER_TERM,
-    TIGHT_JOINTS,
+    CHAIN_MINIMUM, CHAIN_SAMPLES, FIRST_NOISE, FORGOTTEN, LONGEST_STRETCH, LOOSE_JOINTS, NOISE_FLOOR,
+    START_GAIN, STRETCHES_PER_TERM, TIGHT_JOINTS,
 };
 use crate::least_squares::Limits;
+use crate::trajectory::chain_selection::{Criterion, select_on_chain};
 use crate::trajectory::fit::{Context, Fit, transfer};
 use crate::trajectory::initial::Regression;
 use crate::trajectory::layout::Segment;
 use crate::trajectory::noise::ColumnNoise;
 use crate::trajectory::problem::{Noise, Problem};
-use crate::trajectory::chain_selection::{Criterion, select_on_chain};
 use crate::trajectory::select::Selection;
 use phisindy_phys::Record;
 use phisindy_phys::spec::SegmentsSpec;
@@ -57,7 +57,10 @@ impl<'a> Context<'a> {
     fn forgets_its_start(&self, found: &Fit<'a>) -> bool {
         let n = self.system.states.len();
         let measured = |r: &&Record| r.columns[..n].iter().all(Option::is_some);
-        if !self.system.contacts.is_empty() || self.segments != SegmentsSpec::Auto || !self.records.iter().all(measured) {
+        if !self.system.contacts.is_empty()
+            || self.segments != SegmentsSpec::Auto
+            || !self.records.iter().all(measured)
+        {
             return false;
         }
         !found.is_white() || found.most_pieces() > 1 || growth(found) > FORGOTTEN
@@ -101,7 +104,8 @@ impl<'a> Context<'a> {
     /// A chain as one run from where it starts; `None` if no single run follows it.
     fn unchained(&self, chain: &Fit<'a>) -> Option<Fit<'a>> {
         let terms = &chain.problem.terms;
-        let mut problem = Problem::new(self.system, terms, &self.records, &vec![1; self.records.len()]).ok()?;
+        let mut problem =
+            Problem::new(self.system, terms, &self.records, &vec![1; self.records.len()]).ok()?;
         problem.chained = true;
         let mut x = problem.guess(&chain.x[..terms.len()], None, &self.smooth);
         transfer(&chain.problem, &chain.x, &problem, &mut x);

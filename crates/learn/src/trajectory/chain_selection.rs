@@ -97,7 +97,9 @@ fn promising(
     let mut least = here;
     loop {
         let mut next = best(neighbours(&now, model.len()));
-        if next.as_ref().is_none_or(|(value, _)| *value >= least) && pairs(now.len(), model.len()) <= CHAIN_PAIRS {
+        if next.as_ref().is_none_or(|(value, _)| *value >= least)
+            && pairs(now.len(), model.len()) <= CHAIN_PAIRS
+        {
             next = best(neighbours_of_neighbours(&now, model.len()));
         }
         match next {

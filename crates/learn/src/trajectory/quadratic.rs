@@ -47,7 +47,8 @@ mod tests {
     /// `(a + b - 3)^2 + (b - 1)^2 + 4` at `a = b = 0`: 4 with both, 4 + 1 with the first alone, 4 + 2 with the second.
     #[test]
     fn the_least_cost_of_each_choice_of_coefficients() {
-        let normal = Normal { cost: 14.0, matrix: symmetric(&[1.0, 1.0, 2.0], 2), gradient: vec![-3.0, -4.0] };
+        let normal =
+            Normal { cost: 14.0, matrix: symmetric(&[1.0, 1.0, 2.0], 2), gradient: vec![-3.0, -4.0] };
         let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
         let model = Quadratic::new(&normal, &[0.0, 0.0], &free);
         for (of, due) in [(&[0, 1][..], 4.0), (&[0], 5.0), (&[1], 6.0), (&[], 14.0)] {

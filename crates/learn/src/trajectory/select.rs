@@ -384,7 +384,11 @@ pub(crate) fn negligible(fit: &Fit<'_>) -> Option<usize> {
     }
     let sizes = crate::trajectory::term_sizes::term_sizes(fit)?;
     let system = fit.problem.system;
-    let cov = if fit.problem.chained { covariance(&fit.normal.reduced(fit.problem.terms.len()).matrix) } else { covariance(&fit.normal.matrix) };
+    let cov = if fit.problem.chained {
+        covariance(&fit.normal.reduced(fit.problem.terms.len()).matrix)
+    } else {
+        covariance(&fit.normal.matrix)
+    };
     let mut smallest: Option<(f64, usize)> = None;
     for (k, &t) in fit.problem.terms.iter().enumerate() {
         let state = system.terms[t].state;
