@@ -158,6 +158,25 @@ decisions! {
     /// A minimisation ends when it gains less than this in the logarithm of the likelihood.
     LIKELIHOOD_GAIN: f64 = 0.01, "nats", Basis::Derived("far below any difference that decides");
 
+    /// Samples of a segment of a chain.
+    CHAIN_SAMPLES: usize = 10, "samples", Basis::Judgement("a few for each number of a start state");
+    /// Standard deviations of the jumps at the joints of a chain with all terms, in turn ...
+    LOOSE_JOINTS: [f64; 2] = [1.0, 0.1], "of the noise", Basis::Derived("from where a joint holds as well as a reading to where a jump cannot be read");
+    /// ... and of one that stands for a single run.
+    TIGHT_JOINTS: [f64; 4] = [1e-2, 1e-3, 1e-4, 1e-5], "of the noise", Basis::Derived("decades, down to the accuracy of the simulations");
+    /// A disturbance of the start that grows more than this over a record leaves a fit of single runs in doubt.
+    FORGOTTEN: f64 = 30.0, "times", Basis::Judgement("such a run leaves its linear neighbourhood with a start that is wrong by a thirtieth of the motion");
+    /// A free run of a chaotic motion whose mean is this far from that of the data is of another motion ...
+    CHAOTIC_MEAN: f64 = 6.0, "standard errors", Basis::Judgement("the standard error of a mean of a few turns is itself uncertain by half");
+    /// ... and so is one of another size.
+    CHAOTIC_SIZE: f64 = 2.0, "times the standard deviation", Basis::Judgement("a motion of twice the size is another one");
+    /// Stretches of the regression for each term that it starts a chain with, where there are fewer stretches than candidates.
+    STRETCHES_PER_TERM: usize = 4, "stretches", Basis::Judgement("a regression with fewer follows the noise");
+    /// Refits of a selection on a chain at most.
+    CHAIN_REFITS: usize = 30, "refits", NUMERICS;
+    /// Choices of terms by exchange of pairs that a selection on a chain looks at.
+    CHAIN_PAIRS: usize = 100_000, "choices", Basis::Judgement("cost: a second of one core");
+
     // Method trajectory: noise and whiteness.
 
     /// The floor of the additive noise.

@@ -6,6 +6,7 @@ use crate::decisions::{
 };
 use crate::linear::solve_damped;
 use faer::Mat;
+use rayon::prelude::*;
 
 /// Cost `sum r^2` at a point, `J^T J` and `J^T r`.
 #[derive(Clone, Debug)]
@@ -13,6 +14,29 @@ pub(crate) struct Normal {
     pub(crate) cost: f64,
     pub(crate) matrix: Mat<f64>,
     pub(crate) gradient: Vec<f64>,
+}
+
+impl Normal {
+    /// The normal equations in the first `count` unknowns, the others at their minimum for each value of these:
+    /// Schur's complement.
+    pub(crate) fn reduced(&self, count: usize) -> Normal {
+        let n = self.gradient.len();
+        let inner = Mat::from_fn(n - count, n - count, |i, j| self.matrix[(count + i, count + j)]);
+        let solved = |right: &dyn Fn(usize) -> f64| -> Vec<f64> {
+            let right: Vec<f64> = (count..n).map(right).collect();
+            solve_damped(&inner, &right, 0.0).unwrap_or_else(|| vec![0.0; n - count])
+        };
+        let columns: Vec<Vec<f64>> =
+            (0..count).into_par_iter().map(|j| solved(&|i| self.matrix[(i, j)])).collect();
+        let shift = solved(&|i| self.gradient[i]);
+        let along = |row: usize, column: &[f64]| -> f64 {
+            (count..n).zip(column).map(|(i, c)| self.matrix[(row, i)] * c).sum()
+        };
+        let matrix = Mat::from_fn(count, count, |i, j| self.matrix[(i, j)] - along(i, &columns[j]));
+        let gradient: Vec<f64> = (0..count).map(|i| self.gradient[i] - along(i, &shift)).collect();
+        let fall: f64 = (count..n).zip(&shift).map(|(i, s)| self.gradient[i] * s).sum();
+        Normal { cost: self.cost - fall, matrix, gradient }
+    }
 }
 
 /// When to stop.
@@ -48,6 +72,17 @@ pub(crate) fn minimise(
     values: &mut [f64],
     bounds: &[(f64, f64)],
     limits: Limits,
+    evaluate: impl FnMut(&[f64], f64) -> Option<Normal>,
+) -> Option<Normal> {
+    minimise_by(None, values, bounds, limits, evaluate)
+}
+
+/// As [`minimise`], with steps damped by these curvatures in the place of the diagonal of `J^T J`.
+pub(crate) fn minimise_by(
+    metric: Option<&[f64]>,
+    values: &mut [f64],
+    bounds: &[(f64, f64)],
+    limits: Limits,
     mut evaluate: impl FnMut(&[f64], f64) -> Option<Normal>,
 ) -> Option<Normal> {
     let n = values.len();
@@ -64,7 +99,7 @@ pub(crate) fn minimise(
         let mut better = None;
         let mut ceiling = f64::INFINITY;
         while damping < MOST_DAMPING && tries < most {
-            let step = bounded_step(&now, values, bounds, damping);
+            let step = bounded_step(&now, values, bounds, damping, metric);
             let Some(step) = step else {
                 damping *= DAMPING_RISE;
                 continue;
@@ -102,7 +137,13 @@ pub(crate) fn minimise(
 }
 
 /// The damped step; unknowns at a bound that would leave it are fixed.
-fn bounded_step(now: &Normal, values: &[f64], bounds: &[(f64, f64)], damping: f64) -> Option<Vec<f64>> {
+fn bounded_step(
+    now: &Normal,
+    values: &[f64],
+    bounds: &[(f64, f64)],
+    damping: f64,
+    metric: Option<&[f64]>,
+) -> Option<Vec<f64>> {
     let n = values.len();
     let mut matrix = now.matrix.clone();
     let mut right: Vec<f64> = now.gradient.iter().map(|g| -g).collect();
@@ -115,7 +156,9 @@ fn bounded_step(now: &Normal, values: &[f64], bounds: &[(f64, f64)], damping: f6
             });
         }
     }
-    solve_damped(&matrix, &right, damping)
+    let Some(metric) = metric else { return solve_damped(&matrix, &right, damping) };
+    (0..n).for_each(|k| matrix[(k, k)] += damping * metric[k]);
+    solve_damped(&matrix, &right, 0.0)
 }
 
 #[cfg(test)]
@@ -148,6 +191,18 @@ mod tests {
         minimise(&mut x, &[(-2.0, 0.5), (-2.0, 2.0)], limits, |x, _| rosenbrock(x)).unwrap();
         assert_relative_eq!(x[0], 0.5, max_relative = 1e-8);
         assert_relative_eq!(x[1], 0.25, max_relative = 1e-6);
+    }
+
+    /// `(a + b - 3)^2 + (b - 1)^2 + 4` at zero, the second unknown at its minimum for each value of the first:
+    /// `(a - 2)^2 / 2 + 4`.
+    #[test]
+    fn the_others_follow_in_the_reduced_equations() {
+        let normal =
+            Normal { cost: 14.0, matrix: symmetric(&[1.0, 1.0, 2.0], 2), gradient: vec![-3.0, -4.0] };
+        let reduced = normal.reduced(1);
+        assert_relative_eq!(reduced.cost, 6.0, max_relative = 1e-12);
+        assert_relative_eq!(reduced.matrix[(0, 0)], 0.5, max_relative = 1e-12);
+        assert_relative_eq!(reduced.gradient[0], -1.0, max_relative = 1e-12);
     }
 
     /// How often the start alone, of all points, was evaluated and what was tried beside it.

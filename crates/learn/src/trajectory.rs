@@ -8,8 +8,12 @@
 
 pub(crate) mod agreement;
 pub(crate) mod calibrate;
+pub(crate) mod chain;
+pub(crate) mod chain_selection;
+pub(crate) mod chaos;
 pub(crate) mod cost;
 pub(crate) mod delayed_samples;
+pub(crate) mod description;
 pub(crate) mod error_bars;
 pub(crate) mod fit;
 pub(crate) mod free_run;
@@ -23,6 +27,7 @@ pub(crate) mod method;
 pub(crate) mod noise;
 pub(crate) mod problem;
 pub(crate) mod profile;
+pub(crate) mod quadratic;
 pub(crate) mod regular_start;
 pub(crate) mod report;
 pub(crate) mod segment_length;

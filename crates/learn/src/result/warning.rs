@@ -6,6 +6,7 @@ use super::quantity::{Quantity, TermId};
 use super::record_fit::RecordFit;
 use super::verdict::Unfulfilled;
 use crate::input_noise::Bias;
+use crate::trajectory::chaos::Chaos;
 use phisindy_phys::Note;
 use phisindy_phys::spec::Optimiser;
 use phisindy_signal::Differentiator;
@@ -122,6 +123,8 @@ pub enum Warning {
         /// Segments of the record that has most.
         pieces: usize,
     },
+    /// The motion forgets its start within the record, so the verdict rests on short predictions and on what it keeps.
+    Chaotic(Chaos),
     /// The start state of a Validate record, and numbers of its own, took more of it than usual: neighbouring
     /// motions part fast, or these numbers are nearly collinear.
     SensitiveStart {

@@ -8,6 +8,7 @@ use super::verdict::{FitFailure, Rejection, Unfulfilled};
 use super::warning::Warning;
 use crate::decisions::{FEWEST_SAMPLES, RIVAL};
 use crate::input_noise::Bias;
+use crate::trajectory::chaos::Chaos;
 use std::fmt::{Display, Formatter, Result};
 
 /// `1 in v'`.
@@ -148,6 +149,13 @@ impl Display for Warning {
             Warning::NotNoise => f.write_str(
                 "the residual is not white: what is left is small, but it is not noise; something is still missing, or a number of the known part is a \
                  little wrong, and the intervals, which take it as exact, may miss",
+            ),
+            Warning::Chaotic(Chaos { pieces, exponent, nrmse, noise, mean, size }) => write!(
+                f,
+                "a disturbance of the start grows e-fold in {:.3} s, so no run follows a record to its end: the verdict rests on up to {pieces} segments, each \
+                 predicted from its start (NRMSE up to {nrmse:.3}, noise {noise:.3}), and on what such a motion keeps: the mean of a free run is within \
+                 {mean:.1} standard errors of that of the data, its standard deviation within a factor of {size:.2}",
+                1.0 / exponent
             ),
             Warning::Segmented { pieces } => write!(
                 f,

@@ -1,6 +1,6 @@
 //! The cost of a trajectory problem and its derivatives, from simulations of all segments.
 
-use crate::least_squares::{Limits, Normal, minimise};
+use crate::least_squares::{Limits, Normal, minimise_by};
 use crate::trajectory::delayed_samples::SampledRun;
 use crate::trajectory::jumps::Miss;
 use crate::trajectory::layout::{Segment, Source};
@@ -17,6 +17,19 @@ struct Share {
     at: Vec<usize>,
     matrix: Mat<f64>,
     gradient: Vec<f64>,
+}
+
+/// Which rows of `J` are gathered, and how.
+#[derive(Clone, Copy)]
+struct Rows {
+    /// Each multiplied by its residual: the meat of the sandwich.
+    meat: bool,
+    /// Those of the joints of segments too.
+    joints: bool,
+}
+
+impl Rows {
+    const ALL: Rows = Rows { meat: false, joints: true };
 }
 
 impl Problem<'_> {
@@ -42,7 +55,13 @@ impl Problem<'_> {
         limits: Limits,
     ) -> Result<Normal, SimError> {
         let mut failure = None;
-        let end = minimise(x, bounds, limits, |x, ceiling| {
+        // Tight joints would damp steps along the chain that the data ask for.
+        let metric = match self.chained {
+            true => Some(self.gathered(x, weights, Rows { joints: false, ..Rows::ALL })?.matrix),
+            false => None,
+        };
+        let metric: Option<Vec<f64>> = metric.map(|m| (0..x.len()).map(|k| m[(k, k)]).collect());
+        let end = minimise_by(metric.as_deref(), x, bounds, limits, |x, ceiling| {
             // A step that is likely to fail is tried without derivatives, which are most of the work.
             if ceiling.is_finite() && self.cost(x, weights).ok()? > ceiling {
                 return None;
@@ -59,7 +78,7 @@ impl Problem<'_> {
             .par_iter()
             .map(|s| {
                 let sampled = self.run(s, x, false)?;
-                Ok(sum_of_squares(&self.misses(s, x, weights, &sampled)))
+                Ok(sum_of_squares(&self.misses(s, x, weights, &sampled, true)))
             })
             .collect::<Result<_, _>>()?;
         let prior = |&(k, centre, sigma): &(usize, f64, f64)| {
@@ -78,6 +97,7 @@ impl Problem<'_> {
         x: &[f64],
         weights: &[Vec<Vec<f64>>],
         sampled: &SampledRun,
+        joints: bool,
     ) -> Vec<f64> {
         let (first, last) = segment.samples;
         let record = self.records[segment.record];
@@ -104,7 +124,7 @@ impl Problem<'_> {
                 }
             }
         }
-        if let (Some(next), Some(tau)) = (self.next(segment), &self.continuity) {
+        if let (Some(next), Some(tau)) = (self.next(segment).filter(|_| joints), &self.continuity) {
             let (n, at) = (self.system.states.len(), (last - first) * sampled.run.n);
             let (states, rates) = (&sampled.run.states[at..], &sampled.run.rates[at..]);
             let late = sampled.end - record.time[last];
@@ -116,22 +136,22 @@ impl Problem<'_> {
     /// Cost and normal equations, residuals weighted by the noise at `weights` (predictions of an earlier
     /// iterate, so that weights do not chase the fit).
     pub(crate) fn normal(&self, x: &[f64], weights: &[Vec<Vec<f64>>]) -> Result<Normal, SimError> {
-        self.gathered(x, weights, false)
+        self.gathered(x, weights, Rows::ALL)
     }
 
     /// As [`Problem::normal`], but each row of `J` is multiplied by its weighted residual: the meat of the
     /// sandwich that makes error bars right where the noise model is not (White, Econometrica 48 (1980)
     /// 817-838).
     pub(crate) fn meat(&self, x: &[f64], weights: &[Vec<Vec<f64>>]) -> Result<Mat<f64>, SimError> {
-        self.gathered(x, weights, true).map(|n| n.matrix)
+        self.gathered(x, weights, Rows { meat: true, ..Rows::ALL }).map(|n| n.matrix)
     }
 
-    fn gathered(&self, x: &[f64], weights: &[Vec<Vec<f64>>], meat: bool) -> Result<Normal, SimError> {
+    fn gathered(&self, x: &[f64], weights: &[Vec<Vec<f64>>], rows: Rows) -> Result<Normal, SimError> {
         let d = self.unknowns;
         let parts: Vec<Share> = self
             .segments
             .par_iter()
-            .map(|s| self.normal_of_segment(s, x, weights, meat))
+            .map(|s| self.normal_of_segment(s, x, weights, rows))
             .collect::<Result<_, _>>()?;
         let mut total = Normal { cost: 0.0, matrix: Mat::zeros(d, d), gradient: vec![0.0; d] };
         for Share { cost, at, matrix, gradient } in parts {
@@ -180,20 +200,20 @@ impl Problem<'_> {
         segment: &Segment,
         x: &[f64],
         weights: &[Vec<Vec<f64>>],
-        meat: bool,
+        Rows { meat, joints: joined }: Rows,
     ) -> Result<Share, SimError> {
         let sampled = self.run(segment, x, true)?;
         let run = &sampled.run;
         let (n, m, r) = (self.system.states.len(), run.m, segment.record);
         let (mut at, sensor_slots) = self.unknowns_of(segment);
-        let next = self.next(segment);
+        let next = self.next(segment).filter(|_| joined);
         let joints = at.len();
         at.extend(next.iter().flat_map(|s| s.start..s.start + n));
         let width = at.len();
         let mut matrix = vec![0.0; width * width];
         let mut gradient = vec![0.0; width];
         let mut row = vec![0.0; width];
-        let misses = self.misses(segment, x, weights, &sampled);
+        let misses = self.misses(segment, x, weights, &sampled, joined);
         let mut of_samples = misses.iter().copied();
         wide(
             #[inline(always)]

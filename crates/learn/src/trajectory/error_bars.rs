@@ -40,7 +40,8 @@ impl<'a> ErrorBars<'a> {
     /// An unknown with its interval by profile likelihood.
     pub(crate) fn estimate(&self, k: usize) -> Estimate {
         // Over short segments a run is nearly linear in its numbers, and a profile would fit all their starts anew.
-        if self.fit.most_pieces() > STAGES[0] {
+        // Where a motion forgets its start a single run follows a fixed number only along a bent valley.
+        if self.fit.most_pieces() > STAGES[0] || self.fit.problem.chained {
             return self.quadratic(k);
         }
         let (error, curvature) = (self.error(k), self.curvature[(k, k)].sqrt());

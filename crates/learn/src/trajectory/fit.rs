@@ -276,6 +276,7 @@ impl<'a> Context<'a> {
     pub(crate) fn problem(&self, terms: &[usize], like: &Fit<'a>) -> Option<Problem<'a>> {
         let mut problem = Problem::new(self.system, terms, &self.records, &like.pieces).ok()?;
         problem.continuity = like.problem.continuity.clone();
+        problem.chained = like.problem.chained;
         problem.budget = Some(like.budget(1));
         Some(problem)
     }

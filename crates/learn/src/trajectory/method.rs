@@ -41,6 +41,8 @@ pub(crate) fn by_trajectory(
     let chosen = case.learn.selection.unwrap_or(SelectionSpec::Auto);
     let auto = chosen == SelectionSpec::Auto;
     let Selection { fit, path } = start(&context, &all, &regression, auto, &mut hear)?;
+    let chain = auto.then(|| context.chained(&fit, &regression)).flatten();
+    let Selection { fit, path } = chain.unwrap_or(Selection { fit, path });
     let Selection { fit, path } = match chosen {
         SelectionSpec::Auto => Selection { fit, path },
         SelectionSpec::All => Selection { fit: with_all_terms(&context, fit, &all), path },

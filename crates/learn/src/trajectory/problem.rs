@@ -43,6 +43,9 @@ pub(crate) struct Problem<'a> {
     /// Soft continuity: by how much each state may jump from one segment to the next; `None` leaves the start
     /// states free.
     pub(crate) continuity: Option<Vec<f64>>,
+    /// Whether the segments are a chain that stands for one run, or the run is what such a chain became: steps are damped
+    /// by what the data say, not by the joints.
+    pub(crate) chained: bool,
     /// Steps that a simulation may take; `None` for a generous guess.
     pub(crate) budget: Option<usize>,
     /// Local error of the simulations, relative to the size of each state.
@@ -111,6 +114,7 @@ impl<'a> Problem<'a> {
             deviations,
             jump_noise,
             continuity: None,
+            chained: false,
             budget: None,
             tolerance: TOLERANCE,
         };

@@ -11,6 +11,7 @@ use crate::result::term::FoundTerm;
 use crate::result::verdict::{FitFailure, Rejection, Verdict, verdict};
 use crate::result::warning::{Warning, at_bounds, sensitive_starts};
 use crate::trajectory::agreement::{Agreement, disagreements};
+use crate::trajectory::chaos::Chaos;
 use crate::trajectory::error_bars::ErrorBars;
 use crate::trajectory::fit::{Fit, misfit};
 use crate::trajectory::free_run::{Solution, free_runs};
@@ -57,10 +58,13 @@ pub(crate) fn report(
     let colour = coloured(fit);
     let only_noise = colour.is_none();
     warnings.extend(colour);
-    warnings.extend(segmented(fit));
 
     let mut solution = unknowns.solution();
     let mut fits = free_runs(system, records, filled, &mut solution);
+    let of_fitted: Vec<&RecordFit> = unknowns.fitted.iter().map(|&r| &fits[r]).collect();
+    let chaos = Chaos::new(fit, &of_fitted);
+    let holds = chaos.as_ref().is_some_and(Chaos::holds);
+    warnings.extend(chaos.map(Warning::Chaotic).or_else(|| segmented(fit)));
     warnings.extend(sensitive_starts(&fits));
     let Agreement { warnings: apart, scatter } =
         disagreements(fit, &bars.sandwich, &solution, records, filled, &fits);
@@ -74,6 +78,8 @@ pub(crate) fn report(
     }
     let without = free_runs(system, records, filled, &mut known_part(solution, records));
     let verdict = match (verdict(system, &terms, &fits, &without, only_noise), failure) {
+        // No run from a fitted start could follow such a motion.
+        (Verdict::Rejected(Rejection::RunMisses { .. }), None) if holds && only_noise => Verdict::Identified,
         (Verdict::Rejected(_), Some(failure)) => Verdict::Rejected(Rejection::FitFailed(failure)),
         (Verdict::Identified, _) => {
             let against = |without| against_laws(without, fit, &parameters, &fits, only_noise);

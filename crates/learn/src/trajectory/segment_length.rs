@@ -17,7 +17,11 @@ impl<'a> Context<'a> {
     /// that shrinks the error bars, which know both: correlated samples count as few, and start states are unknowns.
     pub(crate) fn resegmented(&self, mut fit: Fit<'a>) -> Fit<'a> {
         let single = fit.pieces.iter().all(|&p| p == 1);
-        if self.segments != SegmentsSpec::Auto || single && fit.is_white() || !self.drifts(&fit) {
+        if fit.problem.chained
+            || self.segments != SegmentsSpec::Auto
+            || single && fit.is_white()
+            || !self.drifts(&fit)
+        {
             return fit;
         }
         let (mut blur, coarse) = (blur(&fit), fit.most_pieces());

@@ -230,6 +230,12 @@ fn quadratic_model<'a>(
     }
     x[terms.len()..].copy_from_slice(&now.x[now.problem.terms.len()..]);
     let normal = problem.normal(&x, &now.weights).ok()?;
+    if problem.chained {
+        // The start states follow each change alike.
+        x.truncate(terms.len());
+        let normal = normal.reduced(x.len());
+        return Some((terms, x, normal));
+    }
     Some((terms, x, normal))
 }
 
@@ -372,13 +378,17 @@ pub(crate) fn without_noise_of_inputs<'a>(context: &Context<'a>, mut fit: Fit<'a
 }
 
 /// A term that is a negligible part of the unknown rate of its state, if there is one; the smallest.
-fn negligible(fit: &Fit<'_>) -> Option<usize> {
+pub(crate) fn negligible(fit: &Fit<'_>) -> Option<usize> {
     if fit.problem.terms.len() < 2 {
         return None;
     }
     let sizes = crate::trajectory::term_sizes::term_sizes(fit)?;
     let system = fit.problem.system;
-    let cov = covariance(&fit.normal.matrix);
+    let cov = if fit.problem.chained {
+        covariance(&fit.normal.reduced(fit.problem.terms.len()).matrix)
+    } else {
+        covariance(&fit.normal.matrix)
+    };
     let mut smallest: Option<(f64, usize)> = None;
     for (k, &t) in fit.problem.terms.iter().enumerate() {
         let state = system.terms[t].state;

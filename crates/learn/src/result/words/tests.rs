@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::result::quantity::{RecordId, SensorPart};
+use crate::trajectory::chaos::Chaos;
 use phisindy_phys::Note;
 use phisindy_phys::spec::Optimiser;
 use phisindy_signal::{Differentiator, Smoothing};
@@ -114,6 +115,17 @@ fn warnings() {
         (
             Warning::Segmented { pieces: 20 },
             "a single run drifts away from the data, so each record was fitted in up to 20 segments with start states of their own",
+        ),
+        (
+            Warning::Chaotic(Chaos {
+                pieces: 300,
+                exponent: 0.8,
+                nrmse: 0.1512,
+                noise: 0.15,
+                mean: 1.23,
+                size: 1.054,
+            }),
+            "a disturbance of the start grows e-fold in 1.250 s, so no run follows a record to its end: the verdict rests on up to 300 segments, each predicted from its start (NRMSE up to 0.151, noise 0.150), and on what such a motion keeps: the mean of a free run is within 1.2 standard errors of that of the data, its standard deviation within a factor of 1.05",
         ),
         (
             Warning::SensitiveStart { record: "r".into(), fitted: 200, samples: 400, own: false },
