@@ -167,6 +167,24 @@ decisions! {
     LITTLE_LEFT: f64 = 1.1, "of the noise", BLIND;
     /// The model does not follow a column with a larger NRMSE.
     STANDS_STILL: f64 = 0.95, "NRMSE", Basis::Derived("a model that stands still has the NRMSE 1");
+    // Formulas.
+
+    /// Most rows of the response in which formulas are sought; neighbouring rows are averaged.
+    FORMULA_ROWS: usize = 3_000, "rows", Basis::Judgement("cost; a motion has some tens of periods of which each needs some tens of rows");
+    /// Symbols of which expressions are made: the price of one is twice the logarithm of this.
+    FORMULA_ALPHABET: usize = 18, "symbols", Basis::Derived("operations, functions, variables and numbers that occur in the table of atoms");
+    /// Most terms of a formula.
+    FORMULA_TERMS: usize = 4, "terms", Basis::Judgement("four free curves fit anything, see ELEPHANT");
+    /// Sums that are kept at each length of the selection.
+    FORMULA_BEAM: usize = 60, "sums", Basis::Judgement("cost");
+    /// Sums whose inner numbers are refined.
+    FORMULA_REFINED: usize = 60, "sums", Basis::Judgement("cost");
+    /// Sums of a place that are handed on.
+    FORMULA_ENTRIES: usize = 20, "sums", Basis::Judgement("no more are fitted");
+    /// Formulas that are fitted in full in a pass.
+    FORMULAS_FITTED: usize = 8, "models", Basis::Judgement("cost");
+    /// Passes: each one goes along the run of the best formula of the one before.
+    FORMULA_PASSES: usize = 3, "passes", Basis::Judgement("the run of the second is within the noise of that of the third");
     // Evidence.
 
     /// A contact is not elastic if its deflection is a smaller fraction of the predicted one.

@@ -5,6 +5,7 @@ use crate::data_mistakes::data_mistakes;
 use crate::decisions::{REPEATS, SAME_FREQUENCY, SUBSTANTIAL};
 use crate::drive::Drive;
 use crate::drive_frequency::drive_frequency;
+use crate::formula::DISCOVERED;
 use crate::input_interpolation::{Redrawn, coarse_inputs, redrawn};
 use crate::model::{Applied, Fitted, Measure, TrialModel, current, expression, text_with};
 use crate::other_causes::{causes, input_noise};
@@ -80,6 +81,11 @@ impl<'s, 'a> Ending<'s, 'a> {
         self.warnings.extend(warning);
         let (status, determined) = self.doubts(status);
         let (status, alternative) = self.other_explanations(status, repeats)?;
+        let found = |a: &Applied| a.effect.entry.id == DISCOVERED;
+        let status = match status {
+            Status::Explained if self.last.model.effects.iter().any(found) => Status::Described,
+            other => other,
+        };
         self.warnings.extend(alternative.clone().map(Warning::Alternative));
         self.warnings.extend(at_bounds(&self.last.cal.parameters).into_iter().map(Warning::Fit));
         self.warnings.extend(sensitive_starts(&self.last.cal.records).into_iter().map(Warning::Fit));

@@ -21,6 +21,7 @@ mod drive_frequency;
 mod ending;
 mod evaluate;
 mod evidence;
+mod formula;
 mod input_interpolation;
 mod memory;
 mod model;

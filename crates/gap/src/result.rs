@@ -32,7 +32,9 @@ pub enum Status {
     NothingMissing,
     /// It does so with the effects that were added.
     Explained,
-    /// Something is missing that no law of the catalogue explains.
+    /// It does so with a formula that was found in the data, which is in no catalogue.
+    Described,
+    /// Something is missing that no law of the catalogue and no formula explains.
     Unexplained,
 }
 
@@ -42,6 +44,7 @@ impl Status {
         match self {
             Status::NothingMissing => "nothing-missing",
             Status::Explained => "explained",
+            Status::Described => "described",
             Status::Unexplained => "unexplained",
         }
     }

@@ -423,7 +423,7 @@ impl Search<'_> {
     /// Fits the models whose segment cost is within `race` of the best, sorted by the criterion, without
     /// those that evidence rules out. If the leader is ruled out, the race is repeated among the others,
     /// which it may have eliminated wrongly.
-    fn fit_race(
+    pub(crate) fn fit_race(
         &self,
         models: Vec<TrialModel>,
         race: f64,

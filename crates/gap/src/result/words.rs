@@ -50,6 +50,8 @@ impl Display for Activity {
             Activity::Screening => "looking at every law at every place",
             Activity::FittingLaws => "fitting the best of them",
             Activity::FittingPairs => "fitting the best pairs",
+            Activity::Formulas => "looking for a formula",
+            Activity::FittingFormulas => "fitting the best formulas",
             Activity::ErrorBars => "error bars",
             Activity::Constants => "constants that are held",
             Activity::OtherCauses => "other causes",

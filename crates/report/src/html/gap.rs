@@ -60,6 +60,7 @@ fn banner(found: &Gap, how: Ending) -> Banner {
     let (tone, headline) = match found.status {
         Status::NothingMissing => (Tone::Good, "Nothing missing"),
         Status::Explained => (Tone::Good, "Explained"),
+        Status::Described => (Tone::Good, "Described by a formula"),
         Status::Unexplained => (Tone::Open, "Unexplained"),
     };
     let stopped = how
