@@ -170,7 +170,7 @@ decisions! {
     // Formulas.
 
     /// Most rows of the response in which formulas are sought; neighbouring rows are averaged.
-    FORMULA_ROWS: usize = 3_000, "rows", Basis::Judgement("cost; a motion has some tens of periods of which each needs some tens of rows");
+    FORMULA_ROWS: usize = 2_400, "rows", Basis::Judgement("cost; a motion has some tens of periods of which each needs some tens of rows");
     /// Symbols of which expressions are made: the price of one is twice the logarithm of this.
     FORMULA_ALPHABET: usize = 18, "symbols", Basis::Derived("operations, functions, variables and numbers that occur in the table of atoms");
     /// Most terms of a formula.
@@ -178,11 +178,11 @@ decisions! {
     /// Sums that are kept at each length of the selection.
     FORMULA_BEAM: usize = 60, "sums", Basis::Judgement("cost");
     /// Sums whose inner numbers are refined.
-    FORMULA_REFINED: usize = 60, "sums", Basis::Judgement("cost");
-    /// Sums of a place that are handed on.
-    FORMULA_ENTRIES: usize = 20, "sums", Basis::Judgement("no more are fitted");
+    FORMULA_REFINED: usize = 40, "sums", Basis::Judgement("cost");
+    /// Columns of each shape that begin a sum: the best of its grid.
+    FORMULA_SINGLES: usize = 3, "columns", Basis::Judgement("cost; the best alone, and its neighbours");
     /// Formulas that are fitted in full in a pass.
-    FORMULAS_FITTED: usize = 8, "models", Basis::Judgement("cost");
+    FORMULAS_FITTED: usize = 16, "models", Basis::Judgement("cost");
     /// Passes: each one goes along the run of the best formula of the one before.
     FORMULA_PASSES: usize = 3, "passes", Basis::Judgement("the run of the second is within the noise of that of the third");
     // Evidence.

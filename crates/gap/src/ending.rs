@@ -7,7 +7,7 @@ use crate::drive::Drive;
 use crate::drive_frequency::drive_frequency;
 use crate::formula::DISCOVERED;
 use crate::input_interpolation::{Redrawn, coarse_inputs, redrawn};
-use crate::model::{Applied, Fitted, Measure, TrialModel, current, expression, text_with};
+use crate::model::{Applied, Fitted, Measure, TrialModel, current, expression, text_with, values};
 use crate::other_causes::{causes, input_noise};
 use crate::plausibility::{cancelling, vetoed};
 use crate::result::verdict::{bent, helpful, refused, status};
@@ -273,6 +273,7 @@ impl<'s, 'a> Ending<'s, 'a> {
             effect: applied.effect.clone(),
             expression: expression(applied),
             force: applied.force,
+            formula: with_numbers(&self.last, applied),
             parameters: parameters(&self.last, applied),
             fit: (a.fit, b.fit),
             validate: a.validate.zip(b.validate),
@@ -364,6 +365,24 @@ fn path(base: &Fitted, last: &Fitted, noise: &[Vec<f64>]) -> Vec<Fitted> {
         path.push(fitted.filter(|f| f.score.fit.is_finite()).unwrap_or(before));
     }
     path
+}
+
+/// The force of an effect without memory with its numbers (SI), in the language of the spec.
+fn with_numbers(last: &Fitted, applied: &Applied) -> Option<String> {
+    if applied.effect.entry.law.has_memory() {
+        return None;
+    }
+    let system = &last.model.system;
+    let mut graph = system.graph.clone();
+    let numbers = values(last, &applied.names, &applied.effect.start);
+    let with = applied.parameters.iter().zip(numbers).map(|(&k, value)| {
+        // More digits than any record tells.
+        let rounded = format!("{value:.6e}").parse().unwrap_or(value);
+        (system.parameters[k].node, graph.constant(rounded))
+    });
+    let with = with.collect();
+    let force = graph.replace(&[applied.force?], &with)[0];
+    Some(graph.text(force, &system.names))
 }
 
 /// The parameters of an effect in the final model.

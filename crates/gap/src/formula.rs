@@ -15,18 +15,19 @@ mod scale;
 mod shape;
 
 use crate::decisions::{FORMULA_ALPHABET, FORMULA_PASSES, FORMULAS_FITTED, RACE, RIVALS, WORTH};
-use crate::model::{Fitted, Measure, TrialModel};
+use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::{Effect, Place, Site, fits};
 use crate::result::{Activity, PlacedLaw, Rival, StopReason, Vetoed};
-use crate::screen::{Footing, Ground};
+use crate::screen::Ground;
 use crate::search::{Round, Search, Searched};
-use front::{Entry, Grammar, Selection, structure};
+use front::{Entry, Grammar, Selection, shortest, structure};
 use phisindy_learn::Calibration;
 use scale::Scale;
-use shape::{Shape, formula};
+use phisindy_phys::{LawEntry, LawError, LawRole};
+use shape::{Shape, Term, formula};
 
 /// The id of a law that was found.
-pub(crate) const DISCOVERED: &str = "discovered";
+pub const DISCOVERED: &str = "discovered";
 
 /// A formula at a place, ready for a fit.
 struct Candidate {
@@ -106,34 +107,21 @@ impl Search<'_> {
                 }
                 candidates.extend(candidates_at(&ground, &model, place));
             }
-            candidates.sort_by(|a, b| a.length.total_cmp(&b.length));
-            candidates.retain(|c| {
-                let same = |t: &Tried| {
-                    let last = t.fitted.model.effects.last().map(|a| &a.effect.place);
-                    t.shapes == c.shapes && last.is_some_and(|p| p.is(&c.effect.place))
-                };
-                c.length < 0.0 && !tried.iter().any(same)
-            });
-            candidates.truncate(FORMULAS_FITTED);
+            candidates.retain(|c| c.length < 0.0 && !has(&tried, c));
+            let candidates =
+                shortest(candidates, FORMULAS_FITTED, |c| c.shapes.len(), |c| c.length);
             if candidates.is_empty() || (self.observe)(0.91, Activity::FittingFormulas) {
                 break;
             }
-            let models: Vec<TrialModel> = candidates.iter().filter_map(|c| model.with(&c.effect).ok()).collect();
             let before = best_of(&tried, &value);
-            for fitted in self.fit_race(models, RACE, 1, &mut vetoed) {
-                let own = |c: &&Candidate| {
-                    fitted.model.effects.last().is_some_and(|a| a.effect.same(&c.effect))
-                };
-                let Some(c) = candidates.iter().find(own) else { continue };
-                let (shapes, scales) = (c.shapes.clone(), c.scales.clone());
-                tried.push(Tried { shapes, scales, symbols: c.symbols, fitted });
-            }
+            self.fit_formulas(&model, &candidates, &mut tried, &mut vetoed);
             let Some(best) = best_of(&tried, &value) else { break };
             if before == Some(best) {
                 break;
             }
             runs = Some(tried[best].fitted.cal.clone());
         }
+        self.prune(&model, &mut tried, &mut vetoed, &value);
         let best = best_of(&tried, &value)?;
         let by = Measure::of(tried.iter().map(|t| &t.fitted.score).chain([&now.score]), 1);
         let own = value(&tried[best], by);
@@ -141,18 +129,75 @@ impl Search<'_> {
         if !self.explained(&tried[best].fitted) || gain < WORTH {
             return None;
         }
-        let mut rivals: Vec<Rival> = Vec::new();
-        for (k, t) in tried.iter().enumerate().filter(|(k, _)| *k != best) {
-            let Some(applied) = t.fitted.model.effects.last() else { continue };
-            let _ = k;
-            let laws = vec![PlacedLaw::of(&applied.effect)];
-            rivals.push(Rival { laws, delta_bic: value(t, by) - own });
-        }
+        let best = tried.swap_remove(best);
+        let rival = |t: &Tried| {
+            let laws = vec![PlacedLaw::of(&t.fitted.model.effects.last()?.effect)];
+            Some(Rival { laws, delta_bic: value(t, by) - own })
+        };
+        let mut rivals: Vec<Rival> = tried.iter().filter_map(rival).collect();
         rivals.retain(|r| r.delta_bic.is_finite());
         rivals.sort_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic));
         rivals.truncate(RIVALS);
-        Some(Found { best: tried.swap_remove(best), rivals, vetoed })
+        Some(Found { best, rivals, vetoed })
     }
+
+    /// Tries the best formula without each of its terms, from the numbers of its fit, until none is needless.
+    fn prune(
+        &self,
+        model: &TrialModel,
+        tried: &mut Vec<Tried>,
+        vetoed: &mut Vec<Vetoed>,
+        value: &dyn Fn(&Tried, Measure) -> f64,
+    ) {
+        while let Some(best) = best_of(tried, value) {
+            let from = &tried[best];
+            let shorter: Vec<Candidate> =
+                (0..from.shapes.len()).filter_map(|k| without(from, k)).filter(|c| !has(tried, c)).collect();
+            let before = tried.len();
+            self.fit_formulas(model, &shorter, tried, vetoed);
+            if tried.len() == before || best_of(tried, value) == Some(best) {
+                break;
+            }
+        }
+    }
+
+    /// Fits formulas in full and adds them to what was tried.
+    fn fit_formulas(
+        &self,
+        model: &TrialModel,
+        candidates: &[Candidate],
+        tried: &mut Vec<Tried>,
+        vetoed: &mut Vec<Vetoed>,
+    ) {
+        let models: Vec<TrialModel> = candidates.iter().filter_map(|c| model.with(&c.effect).ok()).collect();
+        for fitted in self.fit_race(models, RACE, 1, vetoed) {
+            let own =
+                |c: &&Candidate| fitted.model.effects.last().is_some_and(|a| a.effect.same(&c.effect));
+            let Some(c) = candidates.iter().find(own) else { continue };
+            let (shapes, scales) = (c.shapes.clone(), c.scales.clone());
+            tried.push(Tried { shapes, scales, symbols: c.symbols, fitted });
+        }
+    }
+}
+
+/// Whether a formula was fitted at this place.
+fn has(tried: &[Tried], c: &Candidate) -> bool {
+    let at = |t: &Tried| t.fitted.model.effects.last().is_some_and(|a| a.effect.place.is(&c.effect.place));
+    tried.iter().any(|t| t.shapes == c.shapes && at(t))
+}
+
+/// A fitted formula without its term `k`, from the numbers of the fit; `None` if it has no other.
+fn without(from: &Tried, k: usize) -> Option<Candidate> {
+    let effect = current(&from.fitted).pop()?;
+    let mut shapes = from.shapes.clone();
+    let first: usize = shapes[..k].iter().map(|s| 1 + s.inner().len()).sum();
+    let gone = shapes.remove(k);
+    if shapes.is_empty() {
+        return None;
+    }
+    let mut start = effect.start.clone();
+    start.drain(first..=first + gone.inner().len());
+    written(shapes, Effect { start, ..effect }, &from.scales, 0.0)
 }
 
 /// The index of the best formula.
@@ -170,30 +215,21 @@ fn candidates_at(ground: &Ground, model: &TrialModel, place: &Place) -> Vec<Cand
     for &sticks in ways {
         let Some(selection) = Selection::new(ground, &at, &grammar, &model.system, sticks) else { continue };
         let found = selection.best();
-        all.extend(found.into_iter().filter_map(|entry| candidate(entry, place, &at, &grammar)));
+        all.extend(found.into_iter().filter_map(|entry| candidate(entry, place, &grammar)));
     }
     all
 }
 
 /// An entry of the front as a law at its place.
-fn candidate(entry: Entry, place: &Place, _at: &Footing, grammar: &Grammar) -> Option<Candidate> {
-    let shapes = entry.shapes();
-    let law = formula("formula", "A formula", "", &shapes, &grammar.scales).ok()?;
-    // The id says what it is, in the list of rivals.
-    let id = law.entry.law.force.clone()?;
-    let symbols = law.symbols;
-    let entry_law = phisindy_phys::LawEntry { id, ..law.entry };
-    if !fits(&entry_law.law, place) {
-        return None;
-    }
-    let start = entry
-        .terms
-        .iter()
-        .zip(&entry.coefficients)
-        .flat_map(|(term, c)| [*c].into_iter().chain(term.inner.iter().copied()))
-        .collect();
+fn candidate(entry: Entry, place: &Place, grammar: &Grammar) -> Option<Candidate> {
+    let with = |(term, c): (&Term, &f64)| -> Vec<f64> {
+        [*c].into_iter().chain(term.inner.iter().copied()).collect()
+    };
+    let shapes = entry.terms.iter().map(|t| t.shape).collect();
+    let start = entry.terms.iter().zip(&entry.coefficients).flat_map(with).collect();
+    let none = LawEntry::read(DISCOVERED, r#"(name: "none", force: "0")"#).ok()?;
     let effect = Effect {
-        entry: entry_law,
+        entry: none,
         place: place.clone(),
         mirror: false,
         load: None,
@@ -201,7 +237,17 @@ fn candidate(entry: Entry, place: &Place, _at: &Footing, grammar: &Grammar) -> O
         start,
         beside: entry.beside,
     };
-    Some(Candidate { effect, shapes, symbols, length: entry.length, scales: grammar.scales.clone() })
+    written(shapes, effect, &grammar.scales, entry.length)
+}
+
+/// A sum of shapes as a law in the place of that of an effect, whose starts are its numbers.
+fn written(shapes: Vec<Shape>, effect: Effect, scales: &[Scale; 2], length: f64) -> Option<Candidate> {
+    let law = formula("formula", "A formula", "", &shapes, scales).ok()?;
+    // The id says what it is, in the list of rivals.
+    let entry = LawEntry { id: law.entry.law.force.clone()?, ..law.entry };
+    let effect = Effect { entry, ..effect };
+    let acts = fits(&effect.entry.law, &effect.place);
+    acts.then(|| Candidate { effect, shapes, symbols: law.symbols, length, scales: scales.clone() })
 }
 
 /// The law of a formula by the name under which it is reported, with the region in which it is known.
@@ -209,15 +255,15 @@ fn named(
     shapes: &[Shape],
     scales: &[Scale; 2],
     effect: &Effect,
-) -> Result<phisindy_phys::LawEntry, phisindy_phys::LawError> {
+) -> Result<LawEntry, LawError> {
     let law = &effect.entry.law;
     let range = |name: &str, scale: &Scale| {
         let (low, high) = scale.range();
         format!("{name} from {} to {}", short(low), short(high))
     };
     let mut known = Vec::new();
-    known.extend(law.role(phisindy_phys::LawRole::Displacement).map(|x| range(x, &scales[0])));
-    known.extend(law.role(phisindy_phys::LawRole::Velocity).map(|v| range(v, &scales[1])));
+    known.extend(law.role(LawRole::Displacement).map(|x| range(x, &scales[0])));
+    known.extend(law.role(LawRole::Velocity).map(|v| range(v, &scales[1])));
     let region = if known.is_empty() { String::new() } else { format!(" Known for {} (SI).", known.join(" and ")) };
     let about = format!("The shortest formula that explains the data in which it was found.{region}");
     Ok(formula(DISCOVERED, "Discovered law", &about, shapes, scales)?.entry)

@@ -42,6 +42,7 @@ mod whiteness;
 mod workflow;
 
 pub use decisions::decisions;
+pub use formula::DISCOVERED;
 pub use model::{Applied, SpecTextError, TrialModel};
 pub use place::{Effect, EffectError, Place, Quantity, Site, places};
 pub use repeat::{Repeat, repeatability};

@@ -112,6 +112,9 @@ pub struct Step {
     pub expression: String,
     /// The subtracted force, a node of the final system; `None` for an effect on sensors.
     pub force: Option<phisindy_expr::Id>,
+    /// The same with its numbers in SI, in the language of the spec; `None` for an effect on sensors or inputs and for a
+    /// law with memory.
+    pub formula: Option<String>,
     /// Its parameters in the final model.
     pub parameters: Vec<StepParameter>,
     /// Gap on the Fit records before and after.

@@ -9,7 +9,7 @@ use super::atom::Inner;
 use super::scale::Scale;
 use super::shape::{Program, Shape, Term, shapes};
 use crate::decisions::{
-    FORMULA_ALPHABET, FORMULA_BEAM, FORMULA_ENTRIES, FORMULA_REFINED, FORMULA_TERMS,
+    FORMULA_ALPHABET, FORMULA_BEAM, FORMULA_REFINED, FORMULA_SINGLES, FORMULA_TERMS,
 };
 use crate::screen::{Footing, Ground, Response, dot, norm};
 use phisindy_phys::System;
@@ -21,18 +21,10 @@ use std::collections::BTreeMap;
 pub(super) struct Entry {
     pub(super) terms: Vec<Term>,
     pub(super) coefficients: Vec<f64>,
-    /// Decrease of chi^2.
-    pub(super) gain: f64,
     /// Description length less that of nothing.
     pub(super) length: f64,
     /// The movable constants beside it.
     pub(super) beside: Vec<(String, f64)>,
-}
-
-impl Entry {
-    pub(super) fn shapes(&self) -> Vec<Shape> {
-        self.terms.iter().map(|t| t.shape).collect()
-    }
 }
 
 /// The shapes of a place, compiled, and the scales of its motion.
@@ -114,18 +106,14 @@ impl<'a> Selection<'a> {
         if columns.is_empty() {
             return vec![];
         }
-        let gram = products(&columns);
         let right: Vec<f64> = columns.iter().map(|c| dot(&c.rows, &self.target)).collect();
+        let mut gram = Gram { rows: vec![None; columns.len()] };
         let mut kept: BTreeMap<Vec<usize>, Set> = BTreeMap::new();
-        // All single columns, then every pair, then the best of these with one more.
-        let mut beam: Vec<Set> = (0..columns.len())
-            .map(|k| {
-                let gain = right[k].powi(2);
-                Set { at: vec![k], gain, length: self.length(gain, [columns[k].shape].into_iter()) }
-            })
-            .collect();
+        // The best columns of each shape, then each with any other column, then the best of these with one more.
+        let mut beam = self.singles(&columns, &right);
         kept.extend(self.by_shapes(&beam, &columns));
         for _ in 1..FORMULA_TERMS {
+            gram.fill(&beam, &columns);
             let grown: Vec<Vec<Set>> =
                 beam.par_iter().map(|set| self.grown(set, &columns, &gram, &right)).collect();
             let grown: Vec<Set> = grown.into_iter().flatten().collect();
@@ -137,15 +125,29 @@ impl<'a> Selection<'a> {
         if self.sticks {
             all.retain(|set| set.at.iter().any(|&k| self.grammar.programs[columns[k].shape].sticks));
         }
-        all.sort_by(|a, b| a.length.total_cmp(&b.length));
-        all.truncate(FORMULA_REFINED);
-        let mut found: Vec<Entry> = all
-            .par_iter()
-            .filter_map(|set| self.refined(set, &columns))
-            .collect();
+        let mut found: Vec<Entry> =
+            shortest(all, FORMULA_REFINED, |set| set.at.len(), |set| set.length)
+                .par_iter()
+                .filter_map(|set| self.refined(set, &columns))
+                .collect();
         found.sort_by(|a, b| a.length.total_cmp(&b.length));
-        found.truncate(FORMULA_ENTRIES);
         found
+    }
+
+    /// The columns that gain most of each shape, as sets of one.
+    fn singles(&self, columns: &[Column], right: &[f64]) -> Vec<Set> {
+        let mut by: Vec<usize> = (0..columns.len()).collect();
+        by.sort_by(|&a, &b| {
+            columns[a].shape.cmp(&columns[b].shape).then(right[b].abs().total_cmp(&right[a].abs()))
+        });
+        let of = |own: &[usize]| -> Vec<Set> {
+            let one = |&k: &usize| {
+                let gain = right[k].powi(2);
+                Set { at: vec![k], gain, length: self.length(gain, [columns[k].shape].into_iter()) }
+            };
+            own.iter().take(FORMULA_SINGLES).map(one).collect()
+        };
+        by.chunk_by(|&a, &b| columns[a].shape == columns[b].shape).flat_map(of).collect()
     }
 
     /// The best sets of different shapes, by these: of the same shapes with other inner numbers the best one counts.
@@ -193,14 +195,14 @@ impl<'a> Selection<'a> {
     }
 
     /// A set with one more column of each shape, the one that gains most.
-    fn grown(&self, set: &Set, columns: &[Column], gram: &[Vec<f64>], right: &[f64]) -> Vec<Set> {
+    fn grown(&self, set: &Set, columns: &[Column], gram: &Gram, right: &[f64]) -> Vec<Set> {
         // Cholesky of the set's Gram matrix, then one more row for each column.
         let m = set.at.len();
         let mut l = vec![vec![0.0; m]; m];
         for i in 0..m {
             for j in 0..=i {
                 let sum: f64 = (0..j).map(|k| l[i][k] * l[j][k]).sum();
-                let g = entry(gram, set.at[i], set.at[j]) - sum;
+                let g = gram.entry(set.at[i], set.at[j]) - sum;
                 l[i][j] = if i == j { g.max(1e-12).sqrt() } else { g / l[j][j] };
             }
         }
@@ -221,7 +223,7 @@ impl<'a> Selection<'a> {
             if twice {
                 continue;
             }
-            let w = solved(&|i| entry(gram, set.at[i], j));
+            let w = solved(&|i| gram.entry(set.at[i], j));
             let rest = 1.0 - dot(&w, &w);
             if rest < COLLINEAR {
                 continue;
@@ -257,8 +259,10 @@ impl<'a> Selection<'a> {
     /// A set with its inner numbers refined, each between its neighbours on the grid: the outer numbers are solved for
     /// (variable projection, Golub and Pereyra 1973, doi 10.1137/0710036).
     fn refined(&self, set: &Set, columns: &[Column]) -> Option<Entry> {
-        let mut shapes: Vec<usize> = set.at.iter().map(|&k| columns[k].shape).collect();
-        let mut inner: Vec<Vec<f64>> = set.at.iter().map(|&k| columns[k].inner.clone()).collect();
+        let mut own = set.at.clone();
+        own.sort_by_key(|&k| columns[k].shape);
+        let mut shapes: Vec<usize> = own.iter().map(|&k| columns[k].shape).collect();
+        let mut inner: Vec<Vec<f64>> = own.iter().map(|&k| columns[k].inner.clone()).collect();
         let mut responses: Vec<Response> =
             shapes.iter().zip(&inner).map(|(&s, g)| self.response(s, g)).collect::<Option<_>>()?;
         let (mut gain, _) = self.solved(&responses)?;
@@ -297,7 +301,7 @@ impl<'a> Selection<'a> {
             .zip(inner)
             .map(|(s, inner)| Term { shape: self.grammar.shapes[s], inner })
             .collect();
-        Some(Entry { terms, coefficients, gain, length, beside })
+        Some(Entry { terms, coefficients, length, beside })
     }
 
     /// Gain and coefficients of a least-squares fit of the target.
@@ -331,9 +335,9 @@ impl<'a> Selection<'a> {
 /// What is left of a column beside others, below which it is one of them.
 const COLLINEAR: f64 = 1e-7;
 /// Sweeps over the inner numbers.
-const SWEEPS: i32 = 3;
+const SWEEPS: i32 = 2;
 /// Evaluations of one number in a sweep.
-const EVALUATIONS: usize = 8;
+const EVALUATIONS: usize = 7;
 
 /// The price of an expression with this many symbols.
 pub(super) fn structure(symbols: usize) -> f64 {
@@ -383,14 +387,46 @@ fn golden(
     best
 }
 
-/// The lower triangle of the Gram matrix.
-fn products(columns: &[Column]) -> Vec<Vec<f64>> {
-    let row = |i: usize| -> Vec<f64> { (0..=i).map(|j| dot(&columns[i].rows, &columns[j].rows)).collect() };
-    (0..columns.len()).into_par_iter().map(row).collect()
+/// Rows of the Gram matrix, as they are needed.
+struct Gram {
+    rows: Vec<Option<Vec<f64>>>,
 }
 
-fn entry(gram: &[Vec<f64>], i: usize, j: usize) -> f64 {
-    gram[i.max(j)][i.min(j)]
+impl Gram {
+    /// Fills the rows of the columns of these sets.
+    fn fill(&mut self, sets: &[Set], columns: &[Column]) {
+        let mut wanted: Vec<usize> = sets.iter().flat_map(|set| set.at.iter().copied()).collect();
+        wanted.sort_unstable();
+        wanted.dedup();
+        wanted.retain(|&k| self.rows[k].is_none());
+        let row = |&k: &usize| -> Vec<f64> { columns.iter().map(|c| dot(&columns[k].rows, &c.rows)).collect() };
+        let found: Vec<Vec<f64>> = wanted.par_iter().map(row).collect();
+        wanted.into_iter().zip(found).for_each(|(k, row)| self.rows[k] = Some(row));
+    }
+
+    /// Of a column whose row is filled, and any other.
+    fn entry(&self, i: usize, j: usize) -> f64 {
+        self.rows[i].as_ref().map_or(0.0, |row| row[j])
+    }
+}
+
+/// The shortest of each number of terms in turn, so that no number of terms crowds out the others.
+pub(super) fn shortest<T>(
+    mut all: Vec<T>,
+    count: usize,
+    terms: impl Fn(&T) -> usize,
+    length: impl Fn(&T) -> f64,
+) -> Vec<T> {
+    all.sort_by(|a, b| length(a).total_cmp(&length(b)));
+    let mut ranked: Vec<(usize, usize, T)> = Vec::with_capacity(all.len());
+    let mut seen: BTreeMap<usize, usize> = BTreeMap::new();
+    for (k, one) in all.into_iter().enumerate() {
+        let rank = seen.entry(terms(&one)).or_insert(0);
+        ranked.push((*rank, k, one));
+        *rank += 1;
+    }
+    ranked.sort_by_key(|(rank, k, _)| (*rank, *k));
+    ranked.into_iter().take(count).map(|(_, _, one)| one).collect()
 }
 
 /// Takes out of rows their part along a column of unit size.

@@ -87,6 +87,8 @@ struct StepOut<'a> {
     delta_bic: f64,
     expression: &'a str,
     fit: Change,
+    /// The force that is subtracted, with its numbers, in SI.
+    force: Option<&'a str>,
     law: &'a str,
     mirror: bool,
     name: &'a str,
@@ -234,6 +236,7 @@ fn step(s: &Step) -> StepOut<'_> {
         delta_bic: s.delta_bic,
         expression: &s.expression,
         fit: change(s.fit),
+        force: s.formula.as_deref(),
         law: &s.effect.entry.id,
         mirror: s.effect.mirror,
         name: &s.effect.entry.law.name,
