@@ -178,11 +178,11 @@ decisions! {
     /// Sums that are kept at each length of the selection.
     FORMULA_BEAM: usize = 60, "sums", Basis::Judgement("cost");
     /// Sums whose inner numbers are refined.
-    FORMULA_REFINED: usize = 40, "sums", Basis::Judgement("cost");
+    FORMULA_REFINED: usize = 80, "sums", Basis::Judgement("cost");
     /// Columns of each shape that begin a sum: the best of its grid.
     FORMULA_SINGLES: usize = 3, "columns", Basis::Judgement("cost; the best alone, and its neighbours");
     /// Formulas that are fitted in full in a pass.
-    FORMULAS_FITTED: usize = 16, "models", Basis::Judgement("cost");
+    FORMULAS_FITTED: usize = 24, "models", Basis::Judgement("cost");
     /// Passes: each one goes along the run of the best formula of the one before.
     FORMULA_PASSES: usize = 3, "passes", Basis::Judgement("the run of the second is within the noise of that of the third");
     // Evidence.

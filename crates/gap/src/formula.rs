@@ -17,13 +17,13 @@ mod shape;
 use crate::decisions::{FORMULA_ALPHABET, FORMULA_PASSES, FORMULAS_FITTED, RACE, RIVALS, WORTH};
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::{Effect, Place, Site, fits};
-use crate::result::{Activity, PlacedLaw, Rival, StopReason, Vetoed};
+use crate::result::{Activity, PlacedLaw, Rival, StopReason};
 use crate::screen::Ground;
 use crate::search::{Round, Search, Searched};
 use front::{Entry, Grammar, Selection, shortest, structure};
 use phisindy_learn::Calibration;
-use scale::Scale;
 use phisindy_phys::{LawEntry, LawError, LawRole};
+use scale::Scale;
 use shape::{Shape, Term, formula};
 
 /// The id of a law that was found.
@@ -50,7 +50,6 @@ struct Tried {
 struct Found {
     best: Tried,
     rivals: Vec<Rival>,
-    vetoed: Vec<Vetoed>,
 }
 
 impl Search<'_> {
@@ -66,7 +65,7 @@ impl Search<'_> {
         }
         for now in starts {
             let Some(found) = self.formula_beside(&now) else { continue };
-            let Found { best, rivals, vetoed } = found;
+            let Found { best, rivals } = found;
             let before = now.model.effects.len();
             let mut last = best.fitted;
             if let Some(applied) = last.model.effects.last_mut()
@@ -75,7 +74,7 @@ impl Search<'_> {
                 applied.effect.entry = named;
             }
             let mut rounds = if before == 0 { vec![] } else { searched.rounds };
-            rounds.push(Round { before, rivals, vetoed, fitted: vec![] });
+            rounds.push(Round { before, rivals, vetoed: vec![], fitted: vec![] });
             let expressions = FORMULA_ALPHABET.saturating_pow(best.symbols.min(12) as u32);
             return Searched {
                 last,
@@ -92,7 +91,6 @@ impl Search<'_> {
     fn formula_beside(&mut self, now: &Fitted) -> Option<Found> {
         let model = now.settled();
         let mut tried: Vec<Tried> = Vec::new();
-        let mut vetoed = Vec::new();
         let mut runs: Option<Calibration> = None;
         let value = |t: &Tried, by: Measure| by.criterion(&t.fitted.score) + structure(t.symbols);
         for _ in 0..FORMULA_PASSES {
@@ -108,20 +106,19 @@ impl Search<'_> {
                 candidates.extend(candidates_at(&ground, &model, place));
             }
             candidates.retain(|c| c.length < 0.0 && !has(&tried, c));
-            let candidates =
-                shortest(candidates, FORMULAS_FITTED, |c| c.shapes.len(), |c| c.length);
+            let candidates = shortest(candidates, FORMULAS_FITTED, |c| c.shapes.len(), |c| c.length);
             if candidates.is_empty() || (self.observe)(0.91, Activity::FittingFormulas) {
                 break;
             }
             let before = best_of(&tried, &value);
-            self.fit_formulas(&model, &candidates, &mut tried, &mut vetoed);
+            self.fit_formulas(&model, &candidates, &mut tried);
             let Some(best) = best_of(&tried, &value) else { break };
             if before == Some(best) {
                 break;
             }
             runs = Some(tried[best].fitted.cal.clone());
         }
-        self.prune(&model, &mut tried, &mut vetoed, &value);
+        self.prune(&model, &mut tried, &value);
         let best = best_of(&tried, &value)?;
         let by = Measure::of(tried.iter().map(|t| &t.fitted.score).chain([&now.score]), 1);
         let own = value(&tried[best], by);
@@ -138,23 +135,20 @@ impl Search<'_> {
         rivals.retain(|r| r.delta_bic.is_finite());
         rivals.sort_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic));
         rivals.truncate(RIVALS);
-        Some(Found { best, rivals, vetoed })
+        Some(Found { best, rivals })
     }
 
-    /// Tries the best formula without each of its terms, from the numbers of its fit, until none is needless.
-    fn prune(
-        &self,
-        model: &TrialModel,
-        tried: &mut Vec<Tried>,
-        vetoed: &mut Vec<Vetoed>,
-        value: &dyn Fn(&Tried, Measure) -> f64,
-    ) {
+    /// Tries the best formula without each of its terms, and with each atom replaced by what it is where its inner
+    /// number has no say, from the numbers of its fit, until nothing is needless.
+    fn prune(&self, model: &TrialModel, tried: &mut Vec<Tried>, value: &dyn Fn(&Tried, Measure) -> f64) {
         while let Some(best) = best_of(tried, value) {
             let from = &tried[best];
-            let shorter: Vec<Candidate> =
-                (0..from.shapes.len()).filter_map(|k| without(from, k)).filter(|c| !has(tried, c)).collect();
+            let terms = 0..from.shapes.len();
+            let limits = terms.clone().flat_map(|k| [0, 1].map(|quantity| at_limit(from, k, quantity)));
+            let shorter = terms.map(|k| without(from, k)).chain(limits).flatten();
+            let shorter: Vec<Candidate> = shorter.filter(|c| !has(tried, c)).collect();
             let before = tried.len();
-            self.fit_formulas(model, &shorter, tried, vetoed);
+            self.fit_formulas(model, &shorter, tried);
             if tried.len() == before || best_of(tried, value) == Some(best) {
                 break;
             }
@@ -162,17 +156,10 @@ impl Search<'_> {
     }
 
     /// Fits formulas in full and adds them to what was tried.
-    fn fit_formulas(
-        &self,
-        model: &TrialModel,
-        candidates: &[Candidate],
-        tried: &mut Vec<Tried>,
-        vetoed: &mut Vec<Vetoed>,
-    ) {
+    fn fit_formulas(&self, model: &TrialModel, candidates: &[Candidate], tried: &mut Vec<Tried>) {
         let models: Vec<TrialModel> = candidates.iter().filter_map(|c| model.with(&c.effect).ok()).collect();
-        for fitted in self.fit_race(models, RACE, 1, vetoed) {
-            let own =
-                |c: &&Candidate| fitted.model.effects.last().is_some_and(|a| a.effect.same(&c.effect));
+        for fitted in self.fit_race(models, RACE, 1, &mut vec![]) {
+            let own = |c: &&Candidate| fitted.model.effects.last().is_some_and(|a| a.effect.same(&c.effect));
             let Some(c) = candidates.iter().find(own) else { continue };
             let (shapes, scales) = (c.shapes.clone(), c.scales.clone());
             tried.push(Tried { shapes, scales, symbols: c.symbols, fitted });
@@ -198,6 +185,22 @@ fn without(from: &Tried, k: usize) -> Option<Candidate> {
     let mut start = effect.start.clone();
     start.drain(first..=first + gone.inner().len());
     written(shapes, Effect { start, ..effect }, &from.scales, 0.0)
+}
+
+/// A fitted formula with the atom of a quantity (0 displacement, 1 velocity) of its term `k` replaced by its limit.
+fn at_limit(from: &Tried, k: usize, quantity: usize) -> Option<Candidate> {
+    let effect = current(&from.fitted).pop()?;
+    let mut shapes = from.shapes.clone();
+    let first: usize = shapes[..k].iter().map(|s| 1 + s.inner().len()).sum();
+    let at = shapes[k].inner().iter().position(|(of, _)| *of == quantity)?;
+    let (shape, power) = shapes[k].at_limit(quantity)?;
+    shapes[k] = shape;
+    let mut start = effect.start.clone();
+    let inner = start.remove(first + 1 + at);
+    start[first] *= inner.powi(power);
+    // Twice the same term is one.
+    let again = (0..shapes.len()).any(|j| j != k && shapes[j] == shapes[k] && shapes[k].inner().is_empty());
+    if again { None } else { written(shapes, Effect { start, ..effect }, &from.scales, 0.0) }
 }
 
 /// The index of the best formula.
@@ -251,11 +254,7 @@ fn written(shapes: Vec<Shape>, effect: Effect, scales: &[Scale; 2], length: f64)
 }
 
 /// The law of a formula by the name under which it is reported, with the region in which it is known.
-fn named(
-    shapes: &[Shape],
-    scales: &[Scale; 2],
-    effect: &Effect,
-) -> Result<LawEntry, LawError> {
+fn named(shapes: &[Shape], scales: &[Scale; 2], effect: &Effect) -> Result<LawEntry, LawError> {
     let law = &effect.entry.law;
     let range = |name: &str, scale: &Scale| {
         let (low, high) = scale.range();
@@ -264,7 +263,8 @@ fn named(
     let mut known = Vec::new();
     known.extend(law.role(LawRole::Displacement).map(|x| range(x, &scales[0])));
     known.extend(law.role(LawRole::Velocity).map(|v| range(v, &scales[1])));
-    let region = if known.is_empty() { String::new() } else { format!(" Known for {} (SI).", known.join(" and ")) };
+    let region =
+        if known.is_empty() { String::new() } else { format!(" Known for {} (SI).", known.join(" and ")) };
     let about = format!("The shortest formula that explains the data in which it was found.{region}");
     Ok(formula(DISCOVERED, "Discovered law", &about, shapes, scales)?.entry)
 }
@@ -273,4 +273,57 @@ fn named(
 fn short(x: f64) -> String {
     let rounded: f64 = format!("{x:.2e}").parse().unwrap_or(x);
     format!("{rounded}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_models::{fitted, model};
+    use phisindy_phys::{Law, SourceId};
+    use shape::shapes;
+
+    /// A driven mass on a spring that lacks `truth`.
+    fn rig(truth: &str) -> (TrialModel, Vec<Vec<f64>>) {
+        let data = |seed: u32, role: &str| {
+            format!(
+                r#"Synthetic(truth: {{ "v": "{truth}" }}, start: {{ "x": 0.3, "v": 0.0 }}, duration: 40.0, step: 0.04, noise: Relative(0.02), seed: {seed}{role})"#
+            )
+        };
+        model(&format!(
+            r#"(states: {{ "x": "m", "v": "m/s" }}, constants: {{ "k": (1.0, "N/m"), "m": (1.0, "kg"), "c": (0.1, "N*s/m"), "F0": (1.0, "N"), "W": (0.7, "rad/s") }},
+            known: {{ "x": "v", "v": "(-k*x - c*v + F0*cos(W*t) + F0*sin(1.9*W*t))/m" }}, inertia: {{ "v": "m" }}, unknown: {{}},
+            data: [ {}, {} ])"#,
+            data(1, ""),
+            data(2, ", role: Validate")
+        ))
+    }
+
+    /// The formula beside a model, as text.
+    fn found(truth: &str) -> Option<String> {
+        let (model, noise) = rig(truth);
+        let now = fitted(model, &noise);
+        let mut search = Search { catalogue: &[], noise: &noise, floor: 0.0, observe: &mut |_, _| false };
+        let found = search.formula_beside(&now)?;
+        found.best.fitted.model.effects.last().map(|a| a.effect.entry.id.clone())
+    }
+
+    #[test]
+    fn a_law_of_no_catalogue_is_found_and_none_where_nothing_is_missing() {
+        assert_eq!(found("-0.4*abs(v)^1.5*sgn(v)").as_deref(), Some("c*abs(v)^1.5*sgn(v)"));
+        assert_eq!(found("-0.5*atan(x/0.2)").as_deref(), Some("c*atan(x/l)"));
+        assert_eq!(found("0*x"), None);
+    }
+
+    /// Every shape is a law that the check accepts, its units included.
+    #[test]
+    fn every_shape_is_a_law() {
+        let scales = [vec![-1.0, 0.5, 2.0], vec![-0.4, 0.1, 0.3]].map(|v| Scale::new(&[v]));
+        let all = shapes(true);
+        for shape in &all {
+            let law = formula("a", "A law", "", &[*shape, all[1]], &scales).expect("a law");
+            let checked = Law::checked(&law.entry.text, SourceId(0));
+            assert!(checked.is_ok(), "{}: {:?}", law.entry.text, checked.err());
+        }
+        assert!(all.len() > 150, "{}", all.len());
+    }
 }

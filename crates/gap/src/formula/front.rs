@@ -8,9 +8,7 @@
 use super::atom::Inner;
 use super::scale::Scale;
 use super::shape::{Program, Shape, Term, shapes};
-use crate::decisions::{
-    FORMULA_ALPHABET, FORMULA_BEAM, FORMULA_REFINED, FORMULA_SINGLES, FORMULA_TERMS,
-};
+use crate::decisions::{FORMULA_ALPHABET, FORMULA_BEAM, FORMULA_REFINED, FORMULA_SINGLES, FORMULA_TERMS};
 use crate::screen::{Footing, Ground, Response, dot, norm};
 use phisindy_phys::System;
 use rayon::prelude::*;
@@ -125,11 +123,10 @@ impl<'a> Selection<'a> {
         if self.sticks {
             all.retain(|set| set.at.iter().any(|&k| self.grammar.programs[columns[k].shape].sticks));
         }
-        let mut found: Vec<Entry> =
-            shortest(all, FORMULA_REFINED, |set| set.at.len(), |set| set.length)
-                .par_iter()
-                .filter_map(|set| self.refined(set, &columns))
-                .collect();
+        let mut found: Vec<Entry> = shortest(all, FORMULA_REFINED, |set| set.at.len(), |set| set.length)
+            .par_iter()
+            .filter_map(|set| self.refined(set, &columns))
+            .collect();
         found.sort_by(|a, b| a.length.total_cmp(&b.length));
         found
     }
@@ -399,7 +396,8 @@ impl Gram {
         wanted.sort_unstable();
         wanted.dedup();
         wanted.retain(|&k| self.rows[k].is_none());
-        let row = |&k: &usize| -> Vec<f64> { columns.iter().map(|c| dot(&columns[k].rows, &c.rows)).collect() };
+        let row =
+            |&k: &usize| -> Vec<f64> { columns.iter().map(|c| dot(&columns[k].rows, &c.rows)).collect() };
         let found: Vec<Vec<f64>> = wanted.par_iter().map(row).collect();
         wanted.into_iter().zip(found).for_each(|(k, row)| self.rows[k] = Some(row));
     }

@@ -7,9 +7,9 @@ const TOP: f64 = 0.99;
 /// Radians across the largest value that are tried: the first, the last, and the step between two.
 const WAVES: (f64, f64, f64) = (0.4, 16.0, 0.3);
 /// Sizes that are tried, as parts of the largest value: first, last, and how many.
-const SIZES: (f64, f64, usize) = (0.02, 3.0, 18);
+const SIZES: (f64, f64, usize) = (0.02, 3.0, 24);
 /// Rates that are tried, times the largest value.
-const RATES: (f64, f64, usize) = (0.25, 6.0, 9);
+const RATES: (f64, f64, usize) = (0.25, 6.0, 16);
 /// Powers that are tried.
 const POWERS: [f64; 9] = [0.25, 0.75, 1.25, 1.75, 2.25, 2.75, 3.5, 4.0, 6.0];
 /// Corners that are tried, as quantiles of the values.
@@ -46,9 +46,7 @@ impl Scale {
                 let count = ((WAVES.1 - WAVES.0) / WAVES.2) as usize;
                 (0..=count).map(|k| (WAVES.0 + k as f64 * WAVES.2) / top).collect()
             }
-            Inner::Corner => {
-                (1..CORNERS).map(|k| quantile(sorted, k as f64 / CORNERS as f64)).collect()
-            }
+            Inner::Corner => (1..CORNERS).map(|k| quantile(sorted, k as f64 / CORNERS as f64)).collect(),
             Inner::Power => POWERS.to_vec(),
         };
         let pairs = if inner == Inner::Rate { 2 } else { 1 };
@@ -77,9 +75,8 @@ impl Scale {
     /// How far one step of the grid goes from a value: the neighbours between which it is refined.
     pub(super) fn step(&self, inner: Inner, value: f64, coarse: bool) -> f64 {
         let every = if coarse { 2.0 } else { 1.0 };
-        let ratio = |(first, last, count): (f64, f64, usize)| {
-            (last / first).powf(every / (count - 1) as f64) - 1.0
-        };
+        let ratio =
+            |(first, last, count): (f64, f64, usize)| (last / first).powf(every / (count - 1) as f64) - 1.0;
         match inner {
             Inner::No => 0.0,
             Inner::Size => ratio(SIZES) * value.abs(),

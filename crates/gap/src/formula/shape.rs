@@ -58,6 +58,21 @@ impl Shape {
         all
     }
 
+    /// The shape with the atom of a quantity replaced by its limit, and the power of the inner number that becomes a
+    /// factor.
+    pub(super) fn at_limit(&self, quantity: usize) -> Option<(Shape, i32)> {
+        let limit = match quantity {
+            0 => self.displacement?.limit(DISPLACEMENT)?,
+            _ => self.velocity?.limit(VELOCITY)?,
+        };
+        let mut shape = *self;
+        match quantity {
+            0 => shape.displacement = limit.atom,
+            _ => shape.velocity = limit.atom,
+        }
+        Some((shape, limit.power))
+    }
+
     /// Its expression with names for the inner numbers.
     fn text(&self, names: &[String]) -> String {
         let mut names = names.iter();
@@ -66,7 +81,8 @@ impl Shape {
             .into_iter()
             .filter_map(|(atom, quantity, unit)| {
                 let atom = atom?;
-                let inner = if atom.inner == Inner::No { "" } else { names.next().map_or("", String::as_str) };
+                let inner =
+                    if atom.inner == Inner::No { "" } else { names.next().map_or("", String::as_str) };
                 Some(atom.written(quantity, inner, unit))
             })
             .collect();
@@ -134,7 +150,11 @@ pub(super) fn formula(
     let (mut parameters, mut terms) = (vec![], vec![]);
     for (k, shape) in of.iter().enumerate() {
         let c = numbered("c", k);
-        parameters.push(format!("        \"{c}\": (unit: \"{}\", within: ({:?}, {LARGE:?})),", shape.unit(), -LARGE));
+        parameters.push(format!(
+            "        \"{c}\": (unit: \"{}\", within: ({:?}, {LARGE:?})),",
+            shape.unit(),
+            -LARGE
+        ));
         let mut names = vec![];
         for (quantity, inner) in shape.inner() {
             let name = numbered(letter(quantity, inner), k);

@@ -88,15 +88,8 @@ impl Ground {
         let total: usize = data.iter().map(RegressionData::height).sum();
         let block = total.div_ceil(FORMULA_ROWS).max(1);
         let FreeColumns { all, movable, .. } = FreeColumns::new(&base, model, &of, &data);
-        let mut ground = Ground {
-            data,
-            block,
-            basis: vec![],
-            triangle: vec![],
-            movable,
-            target: vec![],
-            along: vec![],
-        };
+        let mut ground =
+            Ground { data, block, basis: vec![], triangle: vec![], movable, target: vec![], along: vec![] };
         let mut all = all.into_iter();
         let target = ground.averaged(&all.next()?);
         for column in all {
@@ -183,8 +176,7 @@ impl Ground {
             let mut rows = data.response(&g, &vec![0.0; n]);
             let signed: Vec<(usize, Vec<f64>)> =
                 at.shows.iter().map(|&(o, sign)| (o, force.iter().map(|f| sign * f).collect())).collect();
-            let shown =
-                |output: usize| signed.iter().find(|(o, _)| *o == output).map(|(_, f)| f.as_slice());
+            let shown = |output: usize| signed.iter().find(|(o, _)| *o == output).map(|(_, f)| f.as_slice());
             data.add_to_outputs(&mut rows, &shown);
             column.extend(rows);
         }
