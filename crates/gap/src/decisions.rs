@@ -185,6 +185,10 @@ decisions! {
     FORMULAS_FITTED: usize = 24, "models", Basis::Judgement("cost");
     /// Passes: each one goes along the run of the best formula of the one before.
     FORMULA_PASSES: usize = 3, "passes", Basis::Judgement("the run of the second is within the noise of that of the third");
+    /// Knots of a force without a formula over one quantity.
+    FORCE_KNOTS: [usize; 4] = [4, 8, 16, 32], "knots", Basis::Judgement("the description length chooses among them");
+    /// Knots of a force over displacement and velocity, of each.
+    FORCE_SURFACE_KNOTS: [usize; 3] = [4, 7, 11], "knots", Basis::Judgement("the description length chooses among them; cost");
     // Evidence.
 
     /// A contact is not elastic if its deflection is a smaller fraction of the predicted one.

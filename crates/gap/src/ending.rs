@@ -12,9 +12,9 @@ use crate::other_causes::{causes, input_noise};
 use crate::plausibility::{cancelling, vetoed};
 use crate::result::verdict::{bent, helpful, refused, status};
 use crate::result::{
-    Activity, Alternative, Cancelling, ColumnGap, ColumnRepeat, Gap, GapError, NotTried, PlacedLaw,
-    RecordValue, Region, Rival, Simulated, Status, Step, StepParameter, StopReason, Tried, Veto, Warning,
-    regions,
+    Activity, Alternative, Cancelling, ColumnGap, ColumnRepeat, Gap, GapError, MissingForce, NotTried,
+    PlacedLaw, RecordValue, Region, Rival, Simulated, Status, Step, StepParameter, StopReason, Tried, Veto,
+    Warning, regions,
 };
 use crate::search::{Round, Search, Searched, placed, refitted};
 use crate::sensor_linearity::sensor_nonlinearity;
@@ -36,6 +36,7 @@ pub(crate) struct Ending<'s, 'a> {
     /// The effects without which nothing as good was found.
     needed: Vec<PlacedLaw>,
     tried: (Vec<Tried>, Vec<NotTried>),
+    force: Option<MissingForce>,
     noise: Vec<Vec<f64>>,
     warnings: Vec<Warning>,
 }
@@ -48,7 +49,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         search: &'s mut Search<'a>,
         mut warnings: Vec<Warning>,
     ) -> Result<Self, GapError> {
-        let Searched { base, last, rounds, candidates, stop, needed, tried } = searched;
+        let Searched { base, last, rounds, candidates, stop, needed, tried, force } = searched;
         // A white residual is the noise itself: a better estimate than the one from the columns.
         let noise = if last.score.is_white() { last.noise(search.noise) } else { search.noise.to_vec() };
         let (base, last) = (base.measured_by(&noise), last.measured_by(&noise));
@@ -68,7 +69,20 @@ impl<'s, 'a> Ending<'s, 'a> {
         if !last.model.effects.is_empty() {
             path.push(last.clone());
         }
-        Ok(Ending { search, base, last, path, rounds, candidates, stop, needed, tried, noise, warnings })
+        Ok(Ending {
+            search,
+            base,
+            last,
+            path,
+            rounds,
+            candidates,
+            stop,
+            needed,
+            tried,
+            force,
+            noise,
+            warnings,
+        })
     }
 
     /// The result.
@@ -109,7 +123,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         }
         let completed =
             text_with(text, &self.last.model, redrawn).map_err(|e| GapError::Numerics(e.into()))?;
-        let Ending { base, last, stop, noise, warnings, tried: (tried, not_tried), .. } = self;
+        let Ending { base, last, stop, noise, warnings, tried: (tried, not_tried), force, .. } = self;
         Ok(Gap {
             status,
             stop,
@@ -120,6 +134,7 @@ impl<'s, 'a> Ending<'s, 'a> {
             partial,
             tried,
             not_tried,
+            force: force.filter(|_| status == Status::Unexplained),
             before: (base.score.fit, base.score.validate),
             after: (last.score.fit, last.score.validate),
             predictive: last.score.predictive,

@@ -10,6 +10,7 @@
 //! same evidence against it. It counts only if it passes what a law of the catalogue must pass.
 
 mod atom;
+mod force;
 mod front;
 mod scale;
 mod shape;
@@ -17,7 +18,7 @@ mod shape;
 use crate::decisions::{FORMULA_ALPHABET, FORMULA_PASSES, FORMULAS_FITTED, RACE, RIVALS, WORTH};
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::{Effect, Place, Site, fits};
-use crate::result::{Activity, PlacedLaw, Rival, StopReason};
+use crate::result::{Activity, MissingForce, PlacedLaw, Rival, StopReason};
 use crate::screen::Ground;
 use crate::search::{Round, Search, Searched};
 use front::{Entry, Grammar, Selection, shortest, structure};
@@ -84,7 +85,24 @@ impl Search<'_> {
                 ..searched
             };
         }
-        searched
+        let force = self.missing_force(&searched.last);
+        Searched { force, ..searched }
+    }
+
+    /// The force that a model lacks, at the place where it explains most.
+    fn missing_force(&mut self, now: &Fitted) -> Option<MissingForce> {
+        if (self.observe)(0.91, Activity::Formulas) {
+            return None;
+        }
+        let model = now.settled();
+        let ground = Ground::new(&model, &now.cal, None, self.noise)?;
+        let at_place = |place: &Place| {
+            let at = ground.footing(&model.system, place)?;
+            force::missing_force(&ground, &at, &place.at)
+        };
+        let all: Vec<(f64, MissingForce)> = model.places().iter().filter_map(at_place).collect();
+        let best = all.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        (best.0 < 0.0).then_some(best.1)
     }
 
     /// The best formula beside a fitted model; `None` if none explains the data and is worth its length.

@@ -49,9 +49,9 @@ pub use repeat::{Repeat, repeatability};
 pub use requested_laws::{WrittenLaw, WrittenOut, requested_laws, written_out};
 pub use result::{
     Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, ColumnGap, ColumnRepeat,
-    DataError, DataMistake, DriveFrequency, ForceHistory, Gap, GapError, InputNoise, Location, ModelError,
-    Named, NamedValue, Needs, NotTried, PlacedLaw, RecordValue, Region, Rival, SensorNonlinearity, Simulated,
-    SpecMistake, Status, Step, StepParameter, StopReason, Tried, Veto, Vetoed, Warning, WhyNot,
-    force_history,
+    DataError, DataMistake, Dependence, DriveFrequency, ForceHistory, ForcePoint, Gap, GapError, InputNoise,
+    Location, MissingForce, ModelError, Named, NamedValue, Needs, NotTried, PlacedLaw, RecordValue, Region,
+    Rival, SensorNonlinearity, Simulated, SpecMistake, Status, Step, StepParameter, StopReason, Tried, Veto,
+    Vetoed, Warning, WhyNot, force_history,
 };
 pub use workflow::gap;

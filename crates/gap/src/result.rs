@@ -3,6 +3,7 @@
 mod error;
 mod finding;
 mod force_history;
+mod missing_force;
 mod region;
 pub(crate) mod tried;
 pub(crate) mod verdict;
@@ -14,6 +15,7 @@ pub use finding::{
     InputNoise, Named, NamedValue, SensorNonlinearity, SpecMistake, StopReason, Veto, Vetoed, Warning,
 };
 pub use force_history::{ForceHistory, force_history};
+pub use missing_force::{Dependence, ForcePoint, MissingForce};
 pub(crate) use region::regions;
 pub use region::{Location, Region};
 pub use tried::{Needs, NotTried, Tried, WhyNot};
@@ -191,6 +193,8 @@ pub struct Gap {
     pub tried: Vec<Tried>,
     /// The laws of the catalogue that were not tried, and why.
     pub not_tried: Vec<NotTried>,
+    /// The missing force without a formula, where neither a law nor a formula explains the data.
+    pub force: Option<MissingForce>,
     /// The gap of the initial model, on Fit and Validate records.
     pub before: (f64, Option<f64>),
     /// The gap of the final model.

@@ -20,7 +20,9 @@ use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::Effect;
 use crate::plausibility::{may_be_undetermined, vetoed};
 use crate::result::tried::weighed;
-use crate::result::{Activity, ModelError, NotTried, PlacedLaw, Rival, StopReason, Tried, Vetoed};
+use crate::result::{
+    Activity, MissingForce, ModelError, NotTried, PlacedLaw, Rival, StopReason, Tried, Vetoed,
+};
 use crate::screen::{Candidate, Screening, screen};
 use compare::{makes_progress, predicts_no_better};
 use phisindy_learn::{Effort, SegmentFit};
@@ -62,6 +64,8 @@ pub(crate) struct Searched {
     pub(crate) needed: Vec<PlacedLaw>,
     /// What was tried beside the model as it is, and what was not.
     pub(crate) tried: (Vec<Tried>, Vec<NotTried>),
+    /// The missing force without a formula, where neither a law nor a formula explains the data.
+    pub(crate) force: Option<MissingForce>,
 }
 
 /// State at the start of a round.
@@ -191,7 +195,7 @@ impl Search<'_> {
         let first = first
             .or_else(|| Some(screened(&screen(&base.settled(), &base.cal, self.catalogue, self.noise)?)));
         let tried = after_fits(first.unwrap_or_default(), rounds.first());
-        Ok(Searched { base, last: now, rounds, candidates, stop, needed: vec![], tried })
+        Ok(Searched { base, last: now, rounds, candidates, stop, needed: vec![], tried, force: None })
     }
 
     /// The reason why the search ends after this number of rounds, `weak` of which were weak; `None` if it

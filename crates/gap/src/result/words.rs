@@ -2,8 +2,8 @@
 
 use super::{
     Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, DataError, DataMistake,
-    DriveFrequency, GapError, InputNoise, Location, ModelError, Named, NamedValue, PlacedLaw, Rival,
-    SensorNonlinearity, SpecMistake, Veto, Vetoed, Warning,
+    Dependence, DriveFrequency, GapError, InputNoise, Location, MissingForce, ModelError, Named, NamedValue,
+    PlacedLaw, Rival, SensorNonlinearity, SpecMistake, Veto, Vetoed, Warning,
 };
 use std::f64::consts::TAU;
 use std::fmt::{Display, Formatter, Result};
@@ -41,6 +41,25 @@ impl Display for Rival {
 
 fn joined<T: AsRef<str>>(parts: impl Iterator<Item = T>, between: &str) -> String {
     parts.map(|p| p.as_ref().to_owned()).collect::<Vec<_>>().join(between)
+}
+
+impl Display for MissingForce {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let on = match self.on {
+            Dependence::Velocity => "depends on the velocity alone",
+            Dependence::Displacement => "depends on the displacement alone",
+            Dependence::Sum => "is a force of the displacement and one of the velocity",
+            Dependence::Together => "depends on displacement and velocity together",
+            Dependence::More => {
+                return write!(
+                    f,
+                    "the missing force at {} differs at the same displacement and velocity ({:.2} times the noise is left): it depends on the past (hysteresis), on time or on an input, or acts in several places",
+                    self.at, self.left
+                );
+            }
+        };
+        write!(f, "the missing force at {} {on}", self.at)
+    }
 }
 
 impl Display for Activity {

@@ -5,7 +5,7 @@
 
 use super::report::GapReport;
 use crate::format::role_name;
-use phisindy_gap::{Gap, Region, Step, Tried};
+use phisindy_gap::{ForcePoint, Gap, MissingForce, Region, Step, Tried};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -16,6 +16,8 @@ struct Outcome<'a> {
     last: FinalGap,
     initial: InitialGap,
     left: Vec<RegionOut<'a>>,
+    /// The missing force without a formula, SI.
+    missing_force: Option<MissingForceOut<'a>>,
     /// Standard deviation of the noise of each column, SI.
     noise: BTreeMap<&'a str, f64>,
     not_tried: Vec<NotTriedOut<'a>>,
@@ -55,6 +57,23 @@ struct FinalGap {
     validate: Option<f64>,
     /// The gap on Validate records with the numbers of the model moved within their errors.
     within_errors: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct MissingForceOut<'a> {
+    at: &'a str,
+    depends_on: &'a str,
+    left: f64,
+    points: Vec<ForcePointOut>,
+}
+
+/// A point of its curve; the band is half the 95 % interval.
+#[derive(Serialize)]
+struct ForcePointOut {
+    band: f64,
+    displacement: Option<f64>,
+    force: f64,
+    velocity: Option<f64>,
 }
 
 #[derive(Serialize)]
@@ -175,6 +194,7 @@ fn outcome<'a>(report: &GapReport<'a>) -> Outcome<'a> {
         last: FinalGap { fit: found.after.0, validate: found.after.1, within_errors: found.predictive },
         initial: InitialGap { fit: found.before.0, validate: found.before.1 },
         left: found.left.iter().map(region).collect(),
+        missing_force: found.force.as_ref().map(missing_force),
         noise: found.noise.iter().map(|(name, sigma)| (name.as_str(), *sigma)).collect(),
         not_tried: found
             .not_tried
@@ -195,6 +215,21 @@ fn outcome<'a>(report: &GapReport<'a>) -> Outcome<'a> {
         warnings: found.warnings.iter().map(ToString::to_string).collect(),
         located: found.located.iter().map(region).collect(),
         whiteness: change(found.whiteness),
+    }
+}
+
+fn missing_force(of: &MissingForce) -> MissingForceOut<'_> {
+    let point = |p: &ForcePoint| ForcePointOut {
+        band: p.band,
+        displacement: p.displacement,
+        force: p.force,
+        velocity: p.velocity,
+    };
+    MissingForceOut {
+        at: &of.at,
+        depends_on: of.on.name(),
+        left: of.left,
+        points: of.points.iter().map(point).collect(),
     }
 }
 
