@@ -342,6 +342,6 @@ mod tests {
             let checked = Law::checked(&law.entry.text, SourceId(0));
             assert!(checked.is_ok(), "{}: {:?}", law.entry.text, checked.err());
         }
-        assert!(all.len() > 150, "{}", all.len());
+        assert!(all.len() > 100, "{}", all.len());
     }
 }
