@@ -171,12 +171,16 @@ Examples:
   phisindy gap specs/silverbox.ron --data DIR --laws my-laws",
         after_help = "\
 Tries every law of the catalogue (`phisindy laws`) at every place where it fits: velocities, differences of velocities, sensors.
-Exit codes: 0 nothing is missing, or what is missing was found; 1 something is missing that no law explains."
+Where none explains the data it looks for a formula, which --out keeps as laws/discovered-1.ron.
+Exit codes: 0 nothing is missing, or what is missing was found; 1 something is missing that no law and no formula explains."
     )]
     Gap {
         /// The spec
         #[arg(value_name = "SPEC")]
         spec: PathBuf,
+        /// Leave a law of the catalogue out; repeatable
+        #[arg(long, value_name = "LAW")]
+        without: Vec<String>,
     },
     /// Write an identified model so that it runs elsewhere: Python, C, Modelica, FMU, JSON
     #[command(

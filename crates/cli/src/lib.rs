@@ -102,7 +102,7 @@ fn execute(args: &Args) -> Result<u8> {
     start_threads(options)?;
     match &args.command {
         Command::Run { specs } => commands::run::run(specs, options),
-        Command::Gap { spec } => commands::gap::gap(spec, options),
+        Command::Gap { spec, without } => commands::gap::gap(spec, without, options),
         Command::Simulate { spec, record } => commands::simulate::simulate(spec, record.as_deref(), options),
         Command::Check { specs } => Ok(commands::check::check(specs, options)),
         Command::Go(args) => commands::go::command(args, options),

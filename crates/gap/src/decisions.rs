@@ -189,6 +189,28 @@ decisions! {
     LITTLE_LEFT: f64 = 1.1, "of the noise", BLIND;
     /// The model does not follow a column with a larger NRMSE.
     STANDS_STILL: f64 = 0.95, "NRMSE", Basis::Derived("a model that stands still has the NRMSE 1");
+    // Formulas.
+
+    /// Most rows of the response in which formulas are sought; neighbouring rows are averaged.
+    FORMULA_ROWS: usize = 2_400, "rows", Basis::Judgement("cost; a motion has some tens of periods of which each needs some tens of rows");
+    /// Symbols of which expressions are made: the price of one is twice the logarithm of this.
+    FORMULA_ALPHABET: usize = 18, "symbols", Basis::Derived("operations, functions, variables and numbers that occur in the table of atoms");
+    /// Most terms of a formula.
+    FORMULA_TERMS: usize = 4, "terms", Basis::Judgement("four free curves fit anything, see ELEPHANT");
+    /// Sums that are kept at each length of the selection.
+    FORMULA_BEAM: usize = 60, "sums", Basis::Judgement("cost");
+    /// Sums whose inner numbers are refined.
+    FORMULA_REFINED: usize = 80, "sums", Basis::Judgement("cost");
+    /// Columns of each shape that begin a sum: the best of its grid.
+    FORMULA_SINGLES: usize = 3, "columns", Basis::Judgement("cost; the best alone, and its neighbours");
+    /// Formulas that are fitted in full in a pass.
+    FORMULAS_FITTED: usize = 24, "models", Basis::Judgement("cost");
+    /// Passes: each one goes along the run of the best formula of the one before.
+    FORMULA_PASSES: usize = 3, "passes", Basis::Judgement("the run of the second is within the noise of that of the third");
+    /// Knots of a force without a formula over one quantity.
+    FORCE_KNOTS: [usize; 4] = [4, 8, 16, 32], "knots", Basis::Judgement("the description length chooses among them");
+    /// Knots of a force over displacement and velocity, of each.
+    FORCE_SURFACE_KNOTS: [usize; 3] = [4, 7, 11], "knots", Basis::Judgement("the description length chooses among them; cost");
     // Evidence.
 
     /// A contact is not elastic if its deflection is a smaller fraction of the predicted one.

@@ -5,15 +5,18 @@ use crate::data_mistakes::data_mistakes;
 use crate::decisions::{REPEATS, SAME_FREQUENCY, SUBSTANTIAL};
 use crate::drive::Drive;
 use crate::drive_frequency::drive_frequency;
+use crate::formula::DISCOVERED;
 use crate::input_interpolation::{Redrawn, coarse_inputs, redrawn};
-use crate::model::{Applied, ColumnError, Fitted, Measure, TrialModel, current, expression, text_with};
+use crate::model::{
+    Applied, ColumnError, Fitted, Measure, TrialModel, current, expression, text_with, values,
+};
 use crate::other_causes::{causes, input_noise};
 use crate::plausibility::{cancelling, vetoed};
 use crate::result::verdict::{bent, helpful, refused, status};
 use crate::result::{
-    Activity, Alternative, Cancelling, ColumnGap, ColumnRepeat, Gap, GapError, InputError, Named, NotTried,
-    PlacedLaw, RecordValue, Region, Rival, Simulated, Status, Step, StepParameter, StopReason, Tried, Veto,
-    Warning, regions,
+    Activity, Alternative, Cancelling, ColumnGap, ColumnRepeat, Gap, GapError, InputError, MissingForce,
+    Named, NotTried, PlacedLaw, RecordValue, Region, Rival, Simulated, Status, Step, StepParameter,
+    StopReason, Tried, Veto, Warning, regions,
 };
 use crate::search::{Round, Search, Searched, placed, refitted};
 use crate::sensor_linearity::sensor_nonlinearity;
@@ -35,6 +38,7 @@ pub(crate) struct Ending<'s, 'a> {
     /// The effects without which nothing as good was found.
     needed: Vec<PlacedLaw>,
     tried: (Vec<Tried>, Vec<NotTried>),
+    force: Option<MissingForce>,
     noise: Vec<Vec<f64>>,
     warnings: Vec<Warning>,
 }
@@ -47,7 +51,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         search: &'s mut Search<'a>,
         mut warnings: Vec<Warning>,
     ) -> Result<Self, GapError> {
-        let Searched { base, last, rounds, candidates, stop, needed, tried } = searched;
+        let Searched { base, last, rounds, candidates, stop, needed, tried, force } = searched;
         // A white residual is the noise itself: a better estimate than the one from the columns.
         let noise = if last.score.is_white() { last.noise(search.noise) } else { search.noise.to_vec() };
         let (base, last) = (base.measured_by(&noise), last.measured_by(&noise));
@@ -67,7 +71,20 @@ impl<'s, 'a> Ending<'s, 'a> {
         if !last.model.effects.is_empty() {
             path.push(last.clone());
         }
-        Ok(Ending { search, base, last, path, rounds, candidates, stop, needed, tried, noise, warnings })
+        Ok(Ending {
+            search,
+            base,
+            last,
+            path,
+            rounds,
+            candidates,
+            stop,
+            needed,
+            tried,
+            force,
+            noise,
+            warnings,
+        })
     }
 
     /// The result.
@@ -80,6 +97,11 @@ impl<'s, 'a> Ending<'s, 'a> {
         self.warnings.extend(warning);
         let (status, determined) = self.doubts(status);
         let (status, alternative) = self.other_explanations(status, repeats)?;
+        let found = |a: &Applied| a.effect.entry.id == DISCOVERED;
+        let status = match status {
+            Status::Explained if self.last.model.effects.iter().any(found) => Status::Described,
+            other => other,
+        };
         self.warnings.extend(alternative.clone().map(Warning::Alternative));
         self.warnings.extend(input_errors(&self.last).into_iter().map(Warning::InputError));
         self.warnings.extend(at_bounds(&self.last.cal.parameters).into_iter().map(Warning::Fit));
@@ -104,7 +126,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         }
         let completed =
             text_with(text, &self.last.model, redrawn).map_err(|e| GapError::Numerics(e.into()))?;
-        let Ending { base, last, stop, noise, warnings, tried: (tried, not_tried), .. } = self;
+        let Ending { base, last, stop, noise, warnings, tried: (tried, not_tried), force, .. } = self;
         Ok(Gap {
             status,
             stop,
@@ -115,6 +137,7 @@ impl<'s, 'a> Ending<'s, 'a> {
             partial,
             tried,
             not_tried,
+            force: force.filter(|_| status == Status::Unexplained),
             before: (base.score.fit, base.score.validate),
             after: (last.score.fit, last.score.validate),
             predictive: last.score.predictive,
@@ -270,6 +293,7 @@ impl<'s, 'a> Ending<'s, 'a> {
             effect: applied.effect.clone(),
             expression: expression(applied),
             force: applied.force,
+            formula: with_numbers(&self.last, applied),
             parameters: parameters(&self.last, applied),
             fit: (a.fit, b.fit),
             validate: a.validate.zip(b.validate),
@@ -379,6 +403,24 @@ fn path(base: &Fitted, last: &Fitted, noise: &[Vec<f64>]) -> Vec<Fitted> {
         path.push(fitted.filter(|f| f.score.fit.is_finite()).unwrap_or(before));
     }
     path
+}
+
+/// The force of an effect without memory with its numbers (SI), in the language of the spec.
+fn with_numbers(last: &Fitted, applied: &Applied) -> Option<String> {
+    if applied.effect.entry.law.has_memory() {
+        return None;
+    }
+    let system = &last.model.system;
+    let mut graph = system.graph.clone();
+    let numbers = values(last, &applied.names, &applied.effect.start);
+    let with = applied.parameters.iter().zip(numbers).map(|(&k, value)| {
+        // More digits than any record tells.
+        let rounded = format!("{value:.6e}").parse().unwrap_or(value);
+        (system.parameters[k].node, graph.constant(rounded))
+    });
+    let with = with.collect();
+    let force = graph.replace(&[applied.force?], &with)[0];
+    Some(graph.text(force, &system.names))
 }
 
 /// The parameters of an effect in the final model.

@@ -21,6 +21,7 @@ mod drive_frequency;
 mod ending;
 mod evaluate;
 mod evidence;
+mod formula;
 mod input_interpolation;
 mod memory;
 mod model;
@@ -41,15 +42,16 @@ mod whiteness;
 mod workflow;
 
 pub use decisions::decisions;
+pub use formula::DISCOVERED;
 pub use model::{Applied, SpecTextError, TrialModel};
 pub use place::{Effect, EffectError, Place, Quantity, Site, places};
 pub use repeat::{Repeat, repeatability};
 pub use requested_laws::{WrittenLaw, WrittenOut, requested_laws, written_out};
 pub use result::{
     Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, ColumnGap, ColumnRepeat,
-    DataError, DataMistake, DriveFrequency, ForceHistory, Gap, GapError, InputError, InputNoise, Location,
-    ModelError, Named, NamedValue, Needs, NotTried, PlacedLaw, RecordValue, Region, Rival,
-    SensorNonlinearity, Simulated, SpecMistake, Status, Step, StepParameter, StopReason, Tried, Veto, Vetoed,
-    Warning, WhyNot, force_history,
+    DataError, DataMistake, Dependence, DriveFrequency, ForceHistory, ForcePoint, Gap, GapError, InputError,
+    InputNoise, Location, MissingForce, ModelError, Named, NamedValue, Needs, NotTried, PlacedLaw,
+    RecordValue, Region, Rival, SensorNonlinearity, Simulated, SpecMistake, Status, Step, StepParameter,
+    StopReason, Tried, Veto, Vetoed, Warning, WhyNot, force_history,
 };
 pub use workflow::gap;

@@ -5,7 +5,7 @@ mod effect;
 mod known_force;
 
 pub use effect::{Effect, EffectError};
-pub(crate) use effect::{bindings, fits, is_force, needs};
+pub(crate) use effect::{bindings, fits, is_force, needs, product};
 pub(crate) use known_force::known_forces;
 
 use phisindy_expr::Id;

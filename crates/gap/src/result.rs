@@ -3,6 +3,7 @@
 mod error;
 mod finding;
 mod force_history;
+mod missing_force;
 mod region;
 pub(crate) mod tried;
 pub(crate) mod verdict;
@@ -15,6 +16,7 @@ pub use finding::{
     Warning,
 };
 pub use force_history::{ForceHistory, force_history};
+pub use missing_force::{Dependence, ForcePoint, MissingForce};
 pub(crate) use region::regions;
 pub use region::{Location, Region};
 pub use tried::{Needs, NotTried, Tried, WhyNot};
@@ -33,7 +35,9 @@ pub enum Status {
     NothingMissing,
     /// It does so with the effects that were added.
     Explained,
-    /// Something is missing that no law of the catalogue explains.
+    /// It does so with a formula that was found in the data, which is in no catalogue.
+    Described,
+    /// Something is missing that no law of the catalogue and no formula explains.
     Unexplained,
 }
 
@@ -43,6 +47,7 @@ impl Status {
         match self {
             Status::NothingMissing => "nothing-missing",
             Status::Explained => "explained",
+            Status::Described => "described",
             Status::Unexplained => "unexplained",
         }
     }
@@ -110,6 +115,9 @@ pub struct Step {
     pub expression: String,
     /// The subtracted force, a node of the final system; `None` for an effect on sensors.
     pub force: Option<phisindy_expr::Id>,
+    /// The same with its numbers in SI, in the language of the spec; `None` for an effect on sensors or inputs and for a
+    /// law with memory.
+    pub formula: Option<String>,
     /// Its parameters in the final model.
     pub parameters: Vec<StepParameter>,
     /// Gap on the Fit records before and after.
@@ -189,6 +197,8 @@ pub struct Gap {
     pub tried: Vec<Tried>,
     /// The laws of the catalogue that were not tried, and why.
     pub not_tried: Vec<NotTried>,
+    /// The missing force without a formula, where neither a law nor a formula explains the data.
+    pub force: Option<MissingForce>,
     /// The gap of the initial model, on Fit and Validate records.
     pub before: (f64, Option<f64>),
     /// The gap of the final model.

@@ -20,7 +20,9 @@ use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::Effect;
 use crate::plausibility::{may_be_undetermined, vetoed};
 use crate::result::tried::weighed;
-use crate::result::{Activity, ModelError, NotTried, PlacedLaw, Rival, StopReason, Tried, Vetoed};
+use crate::result::{
+    Activity, MissingForce, ModelError, NotTried, PlacedLaw, Rival, StopReason, Tried, Vetoed,
+};
 use crate::screen::{Candidate, Screening, screen};
 use compare::{makes_progress, predicts_no_better};
 use phisindy_learn::{Effort, SegmentFit};
@@ -62,6 +64,8 @@ pub(crate) struct Searched {
     pub(crate) needed: Vec<PlacedLaw>,
     /// What was tried beside the model as it is, and what was not.
     pub(crate) tried: (Vec<Tried>, Vec<NotTried>),
+    /// The missing force without a formula, where neither a law nor a formula explains the data.
+    pub(crate) force: Option<MissingForce>,
 }
 
 /// State at the start of a round.
@@ -193,7 +197,7 @@ impl Search<'_> {
         let first = first
             .or_else(|| Some(screened(&screen(&base.settled(), &base.cal, self.catalogue, self.noise)?)));
         let tried = after_fits(first.unwrap_or_default(), rounds.first());
-        Ok(Searched { base, last: now, rounds, candidates, stop, needed: vec![], tried })
+        Ok(Searched { base, last: now, rounds, candidates, stop, needed: vec![], tried, force: None })
     }
 
     /// The reason why the search ends after this number of rounds, `weak` of which were weak; `None` if it
@@ -435,7 +439,7 @@ impl Search<'_> {
     /// those that evidence rules out. If the leader is ruled out, the race is repeated among the others,
     /// which it may have eliminated wrongly. A law with memory has a start state more in every segment, so its segments
     /// leave less whatever its force is: it does not race against laws without.
-    fn fit_race(
+    pub(crate) fn fit_race(
         &self,
         models: Vec<TrialModel>,
         race: f64,

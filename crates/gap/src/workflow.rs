@@ -92,18 +92,24 @@ fn on_shortened(
     whole: TrialModel,
     short: Option<TrialModel>,
 ) -> Result<Searched, ModelError> {
-    let Some(short) = short else { return search.run_until_determined(whole) };
-    let mut searched = search.run_until_determined(short)?;
+    let Some(short) = short else { return described(search, whole) };
+    let mut searched = described(search, short)?;
     let full = whole.with_all(&current(&searched.last)).ok();
     let full = full.and_then(|model| Fitted::new(model, search.noise, Effort::Plain).ok());
     let stands_for_all =
         full.as_ref().is_some_and(|full| full.score.fit <= EXPLAINED || search.at_floor(full));
     if searched.last.score.fit <= EXPLAINED && !stands_for_all && searched.stop != StopReason::Interrupted {
-        return search.run_until_determined(whole);
+        return described(search, whole);
     }
     searched.base = Fitted::new(whole, search.noise, Effort::Plain)?;
     searched.last = full.unwrap_or_else(|| searched.base.clone());
     Ok(searched)
+}
+
+/// The search of the catalogue, and where it ends without an explanation that of a formula.
+fn described(search: &mut Search<'_>, model: TrialModel) -> Result<Searched, ModelError> {
+    let searched = search.run_until_determined(model)?;
+    Ok(search.described(searched))
 }
 
 /// Checks that the records can be searched.

@@ -23,6 +23,12 @@ impl Catalogue {
         }
     }
 
+    /// The catalogue without the laws of these ids.
+    pub fn without(mut self, ids: &[String]) -> Catalogue {
+        self.laws.retain(|law| !ids.contains(&law.id));
+        self
+    }
+
     /// The catalogue with a further law, in place of one with the same id.
     ///
     /// ```

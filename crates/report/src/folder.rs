@@ -6,6 +6,7 @@ use crate::input::Invocation;
 use crate::run::RunReport;
 use crate::spec_text::{COMPLETED, IDENTIFIED, completed, identified};
 use crate::{Format, Input};
+use phisindy_gap::DISCOVERED;
 use phisindy_learn::Identified;
 
 /// The files of a result.
@@ -39,6 +40,10 @@ impl Folder {
         let (text, lacks) = completed(report);
         all.lacks = lacks.map(|why| format!("{COMPLETED} has no start states and sensors: {why}"));
         all.add(COMPLETED, text);
+        let found = report.gap.steps.iter().filter(|s| s.effect.entry.id == DISCOVERED);
+        for (k, step) in found.enumerate() {
+            all.add(&format!("laws/{DISCOVERED}-{}.ron", k + 1), step.effect.entry.text.clone());
+        }
         all.add_report(html::gap(report, how));
         all
     }

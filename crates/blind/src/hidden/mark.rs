@@ -64,10 +64,13 @@ pub(super) fn mark(truth: &Truth, result: &Value) -> Mark {
         truth.effects.iter().map(|e| Placed { law: e.law.clone(), at: e.at.clone() }).collect();
     let alike = |set: &Vec<Placed>| sorted(set) == sorted(&named);
     let verdict = match truth.kind.as_str() {
-        _ if !matches!(status.as_str(), "nothing-missing" | "explained" | "unexplained") => Verdict::Failed,
+        _ if !matches!(status.as_str(), "nothing-missing" | "explained" | "described" | "unexplained") => {
+            Verdict::Failed
+        }
         "nothing" if !named.is_empty() => Verdict::FalseAlarm,
         "nothing" if status == "nothing-missing" => Verdict::Right,
-        "outside" if status == "unexplained" => Verdict::Right,
+        // No law is named; a formula is none of the catalogue.
+        "outside" if matches!(status.as_str(), "unexplained" | "described") => Verdict::Right,
         "one" | "two" if alike(&own) => Verdict::Right,
         "one" | "two" if truth.alternatives.iter().any(alike) => Verdict::Equivalent,
         _ => Verdict::Wrong,

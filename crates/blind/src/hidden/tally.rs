@@ -124,7 +124,7 @@ fn row(name: &str, sets: &[&Marked]) -> Vec<String> {
     let told: Vec<bool> = named.iter().filter(|m| m.mark.told).filter_map(|m| m.mark.values()).collect();
     let intervals = named.iter().fold((0, 0), |s, m| (s.0 + m.mark.intervals.0, s.1 + m.mark.intervals.1));
     let mut before: Vec<f64> = named.iter().map(|m| m.truth.gap_before.validate).collect();
-    let explained = |m: &Marked| m.mark.status == "explained";
+    let explained = |m: &Marked| matches!(m.mark.status.as_str(), "explained" | "described");
     let mut after: Vec<f64> = named.iter().filter(|m| explained(m)).filter_map(|m| m.mark.after).collect();
     let seconds: Vec<f64> = sets.iter().filter_map(|m| m.mark.seconds).collect();
     let number = |x: Option<f64>, digits: usize| x.map_or("-".to_owned(), |x| format!("{x:.digits$}"));

@@ -7,7 +7,7 @@ use crate::interrupt;
 use crate::outdir;
 use crate::progress::Progress;
 use crate::terminal::{INPUT, NUMERICS, REJECTED, print, remark, tell_report};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use phisindy::files::{Purpose, beside};
 use phisindy_gap::{GapError, Status};
 use phisindy_report::spec_text::IDENTIFIED;
@@ -16,8 +16,9 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
-/// Runs the workflow on one spec, prints and keeps what it found, and returns the exit code.
-pub(crate) fn gap(spec: &Path, options: &Options) -> Result<u8> {
+/// Runs the workflow on one spec without some laws of the catalogue, prints and keeps what it found, and returns the
+/// exit code.
+pub(crate) fn gap(spec: &Path, without: &[String], options: &Options) -> Result<u8> {
     let begin = Instant::now();
     let folder = match &options.out {
         Some(out) => outdir::folders(out, &[spec.to_path_buf()])?.pop(),
@@ -29,6 +30,13 @@ pub(crate) fn gap(spec: &Path, options: &Options) -> Result<u8> {
         Err(code) => return Ok(code),
     };
     let catalogue = beside(spec, &options.request())?;
+    let ids = || catalogue.laws().iter().map(|law| law.id.as_str());
+    if let Some(id) = without.iter().find(|id| !ids().any(|known| known == *id)) {
+        let near = phisindy_expr::nearest(id, ids())
+            .map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+        bail!("--without {id}: there is no law `{id}` (`phisindy laws` lists them){near}");
+    }
+    let catalogue = catalogue.without(without);
     let found = {
         let mut progress = Progress::new(&loaded.spec, options.quiet);
         let (case, records) = (loaded.case.clone(), loaded.records.clone());

@@ -40,7 +40,7 @@ pub(crate) fn command(args: &GoArgs, options: &Options) -> Result<u8> {
     }
     let beside = args.path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let data = options.data.clone().or_else(|| Some(beside.to_owned()));
-    let code = gap::gap(&spec, &Options { data, out: Some(out.clone()), ..options.clone() })?;
+    let code = gap::gap(&spec, &[], &Options { data, out: Some(out.clone()), ..options.clone() })?;
     let report = out.join("report.html");
     if !args.no_open && io::stdout().is_terminal() && report.is_file() {
         open(&report);

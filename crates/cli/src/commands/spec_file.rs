@@ -95,12 +95,10 @@ pub(super) fn keep(files: &Folder, folder: &OutDir) -> Result<()> {
     if let Some(why) = &files.lacks {
         complain(why);
     }
-    let figures = files.files.iter().any(|(path, _)| path.starts_with("figures/"));
-    let inner = figures.then(|| OutDir::create(&folder.path().join("figures"))).transpose()?;
     for (path, text) in &files.files {
-        match (path.strip_prefix("figures/"), &inner) {
-            (Some(name), Some(inner)) => inner.write(name, text)?,
-            _ => folder.write(path, text)?,
+        match path.rsplit_once('/') {
+            Some((inner, name)) => OutDir::create(&folder.path().join(inner))?.write(name, text)?,
+            None => folder.write(path, text)?,
         }
     }
     Ok(())

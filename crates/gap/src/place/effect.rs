@@ -231,7 +231,7 @@ pub(crate) fn is_force(unit: &str) -> bool {
 }
 
 /// Text of a unit from powers of its parts, e.g. `N*s/m`.
-fn product(parts: &[(&str, f64)]) -> String {
+pub(crate) fn product(parts: &[(&str, f64)]) -> String {
     let mut parts: Vec<(&str, f64)> = parts.iter().copied().filter(|(u, _)| !u.is_empty()).collect();
     // A unit may occur twice; its powers are added.
     for k in (1..parts.len()).rev() {

@@ -38,6 +38,10 @@ pub enum Activity {
     },
     /// Fitting the best pairs of laws.
     FittingPairs,
+    /// Looking for a formula, where no law of the catalogue explains the data.
+    Formulas,
+    /// Fitting the best formulas in full.
+    FittingFormulas,
     /// Computing error bars.
     ErrorBars,
     /// Trying fixed constants of the spec.

@@ -2,8 +2,8 @@
 
 use super::{
     Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, DataError, DataMistake,
-    DriveFrequency, GapError, InputError, InputNoise, Location, ModelError, Named, NamedValue, PlacedLaw,
-    Rival, SensorNonlinearity, SpecMistake, Veto, Vetoed, Warning,
+    Dependence, DriveFrequency, GapError, InputError, InputNoise, Location, MissingForce, ModelError, Named,
+    NamedValue, PlacedLaw, Rival, SensorNonlinearity, SpecMistake, Veto, Vetoed, Warning,
 };
 use std::f64::consts::TAU;
 use std::fmt::{Display, Formatter, Result};
@@ -43,6 +43,25 @@ fn joined<T: AsRef<str>>(parts: impl Iterator<Item = T>, between: &str) -> Strin
     parts.map(|p| p.as_ref().to_owned()).collect::<Vec<_>>().join(between)
 }
 
+impl Display for MissingForce {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let on = match self.on {
+            Dependence::Velocity => "depends on the velocity alone",
+            Dependence::Displacement => "depends on the displacement alone",
+            Dependence::Sum => "is a force of the displacement and one of the velocity",
+            Dependence::Together => "depends on displacement and velocity together",
+            Dependence::More => {
+                return write!(
+                    f,
+                    "the missing force at {} differs at the same displacement and velocity ({:.2} times the noise is left): it depends on the past (hysteresis), on time or on an input, or acts in several places",
+                    self.at, self.left
+                );
+            }
+        };
+        write!(f, "the missing force at {} {on}", self.at)
+    }
+}
+
 impl Display for Activity {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         if let Activity::FittingLaws { round, trials, gap: (first, now) } = self {
@@ -58,6 +77,8 @@ impl Display for Activity {
             Activity::Screening => "looking at every law at every place",
             Activity::FittingLaws { .. } => "fitting the best of them",
             Activity::FittingPairs => "fitting the best pairs",
+            Activity::Formulas => "looking for a formula",
+            Activity::FittingFormulas => "fitting the best formulas",
             Activity::ErrorBars => "error bars",
             Activity::Constants => "constants that are held",
             Activity::OtherCauses => "other causes",

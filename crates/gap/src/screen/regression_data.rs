@@ -13,6 +13,7 @@ use crate::whiteness::lines;
 use phisindy_expr::{Id, Tape};
 use phisindy_learn::Calibration;
 use phisindy_phys::System;
+use phisindy_sim::Trajectory;
 
 /// One record, prepared for the regression.
 pub(super) struct RegressionData {
@@ -91,9 +92,26 @@ impl Base {
         noise: &[Vec<f64>],
         stride: usize,
     ) -> Option<RegressionData> {
+        self.data_along(model, record, fitted, noise, stride, None)
+    }
+
+    /// The same along the motion of a run, if there is one, of a model of the same states.
+    pub(super) fn data_along(
+        &self,
+        model: &TrialModel,
+        record: usize,
+        fitted: &Calibration,
+        noise: &[Vec<f64>],
+        stride: usize,
+        run: Option<&Trajectory>,
+    ) -> Option<RegressionData> {
         let (n, system) = (self.n, &model.system);
         let data = &model.records[record];
-        let motion = Motion::new(system, data, &model.smooth[record], record, fitted);
+        let mut motion = Motion::new(system, data, &model.smooth[record], record, fitted);
+        if let Some(run) = run {
+            let own = |i: usize| run.states[i * run.n..i * run.n + n].iter().copied();
+            motion.states = (0..motion.samples()).flat_map(own).collect();
+        }
         let samples = motion.samples();
         let values = evaluated(&self.tape, &motion, &[], &[]);
         if values[..n + n * n].iter().flatten().any(|v| !v.is_finite()) {

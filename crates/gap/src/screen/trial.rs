@@ -211,7 +211,7 @@ impl Program {
 
 /// The rates that hold a body at these samples: at rest, friction balances the other forces. `unit` is the
 /// rate that unit friction gives each body.
-fn holding_rates(
+pub(super) fn holding_rates(
     at_rest: &[usize],
     unit: &[Vec<f64>],
     acts: &[(usize, f64)],

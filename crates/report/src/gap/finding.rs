@@ -2,7 +2,7 @@
 
 use super::text::{NOISE, basis, outcome, sensitivity};
 use crate::table::{raised, short, with_error};
-use phisindy_gap::{Gap, Status, Step, StepParameter, Warning};
+use phisindy_gap::{DISCOVERED, Gap, Status, Step, StepParameter, Warning};
 
 /// Most parameters of one effect in the sentence; the others stand in its table.
 const NUMBERS: usize = 2;
@@ -30,7 +30,7 @@ pub(crate) fn finding(found: &Gap) -> Finding {
         Status::NothingMissing => {
             Finding { headline: "Nothing missing", sentence: capital(&outcome(found)) + "." }
         }
-        Status::Explained => {
+        Status::Explained | Status::Described => {
             let sentence = format!(
                 "{} {} {fall} of the gap {which} ({} → {} times the noise); {}.",
                 capital(&joined(&all)),
@@ -39,7 +39,8 @@ pub(crate) fn finding(found: &Gap) -> Finding {
                 short3(after),
                 rest(found, after)
             );
-            Finding { headline: "Explained", sentence }
+            let described = found.status == Status::Described;
+            Finding { headline: if described { "Described by a formula" } else { "Explained" }, sentence }
         }
         Status::Unexplained => {
             let place =
@@ -83,7 +84,12 @@ pub(crate) fn effect(step: &Step) -> String {
     let numbers: Vec<String> = step.parameters.iter().take(NUMBERS).map(number).collect();
     let more = if step.parameters.len() > NUMBERS { ", …" } else { "" };
     let numbers = if numbers.is_empty() { String::new() } else { format!(" ({}{more})", numbers.join(", ")) };
-    format!("{} at {}{numbers}", step.effect.entry.law.name, step.effect.place.at)
+    // A formula that was found is its own name.
+    let name = match &step.formula {
+        Some(force) if step.effect.entry.id == DISCOVERED => format!("the force {force}"),
+        _ => step.effect.entry.law.name.clone(),
+    };
+    format!("{name} at {}{numbers}", step.effect.place.at)
 }
 
 /// `mu = 0.298 ± 0.008`, with half the 95 % interval; the range of the values that records have of their own.

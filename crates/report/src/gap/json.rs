@@ -5,7 +5,7 @@
 
 use super::report::GapReport;
 use crate::format::role_name;
-use phisindy_gap::{Gap, Region, Step, Tried};
+use phisindy_gap::{ForcePoint, Gap, MissingForce, Region, Step, Tried};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -16,6 +16,8 @@ struct Outcome<'a> {
     last: FinalGap,
     initial: InitialGap,
     left: Vec<RegionOut<'a>>,
+    /// The missing force without a formula, SI.
+    missing_force: Option<MissingForceOut<'a>>,
     /// Standard deviation of the noise of each column, SI.
     noise: BTreeMap<&'a str, f64>,
     not_tried: Vec<NotTriedOut<'a>>,
@@ -58,6 +60,23 @@ struct FinalGap {
 }
 
 #[derive(Serialize)]
+struct MissingForceOut<'a> {
+    at: &'a str,
+    depends_on: &'a str,
+    left: f64,
+    points: Vec<ForcePointOut>,
+}
+
+/// A point of its curve; the band is half the 95 % interval.
+#[derive(Serialize)]
+struct ForcePointOut {
+    band: f64,
+    displacement: Option<f64>,
+    force: f64,
+    velocity: Option<f64>,
+}
+
+#[derive(Serialize)]
 struct RegionOut<'a> {
     column: &'a str,
     region: String,
@@ -87,6 +106,8 @@ struct StepOut<'a> {
     delta_bic: f64,
     expression: &'a str,
     fit: Change,
+    /// The force that is subtracted, with its numbers, in SI.
+    force: Option<&'a str>,
     law: &'a str,
     mirror: bool,
     name: &'a str,
@@ -174,6 +195,7 @@ fn outcome<'a>(report: &GapReport<'a>) -> Outcome<'a> {
         last: FinalGap { fit: found.after.0, validate: found.after.1, within_errors: found.predictive },
         initial: InitialGap { fit: found.before.0, validate: found.before.1 },
         left: found.left.iter().map(region).collect(),
+        missing_force: found.force.as_ref().map(missing_force),
         noise: found.noise.iter().map(|(name, sigma)| (name.as_str(), *sigma)).collect(),
         not_tried: found
             .not_tried
@@ -194,6 +216,21 @@ fn outcome<'a>(report: &GapReport<'a>) -> Outcome<'a> {
         warnings: found.warnings.iter().map(ToString::to_string).collect(),
         located: found.located.iter().map(region).collect(),
         whiteness: change(found.whiteness),
+    }
+}
+
+fn missing_force(of: &MissingForce) -> MissingForceOut<'_> {
+    let point = |p: &ForcePoint| ForcePointOut {
+        band: p.band,
+        displacement: p.displacement,
+        force: p.force,
+        velocity: p.velocity,
+    };
+    MissingForceOut {
+        at: &of.at,
+        depends_on: of.on.name(),
+        left: of.left,
+        points: of.points.iter().map(point).collect(),
     }
 }
 
@@ -235,6 +272,7 @@ fn step(s: &Step) -> StepOut<'_> {
         delta_bic: s.delta_bic,
         expression: &s.expression,
         fit: change(s.fit),
+        force: s.formula.as_deref(),
         law: &s.effect.entry.id,
         mirror: s.effect.mirror,
         name: &s.effect.entry.law.name,

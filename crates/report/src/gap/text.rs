@@ -42,6 +42,7 @@ pub(crate) fn text(report: &GapReport<'_>) -> String {
         out.push(format!("where: in {}{share}, {first}", first.column));
     }
     out.extend(found.alternative.as_ref().map(ToString::to_string));
+    out.extend(found.force.as_ref().map(ToString::to_string));
     if found.status == Status::Unexplained && !found.steps.is_empty() {
         out.push("brings the gap far down, whatever else is missing:".into());
     }
@@ -127,7 +128,7 @@ pub(crate) fn outcome(found: &Gap) -> String {
             let to = if noise { " to their noise" } else { limit(found) };
             format!("the model explains the data{to} (gap {}{sensitive})", short(last))
         }
-        Status::Explained => {
+        Status::Explained | Status::Described => {
             let why = match sensitivity(found) {
                 words if !words.is_empty() => words,
                 _ if last > NOISE => limit(found).to_owned(),
@@ -142,7 +143,7 @@ pub(crate) fn outcome(found: &Gap) -> String {
                 "{}: a gap of {} is left{place}",
                 match found.alternative {
                     Some(_) => "no law here explains it, but something else would, as is said beside it",
-                    None => "something is missing that no law here explains",
+                    None => "something is missing that no law here and no formula explains",
                 },
                 short(last)
             )

@@ -98,7 +98,7 @@ fn missing(page: &mut Page, found: &Gap, catalogue: &[LawEntry], balances: &[Opt
 
 fn banner(found: &Gap, how: Ending) -> Banner {
     let tone = match found.status {
-        Status::NothingMissing | Status::Explained => Tone::Good,
+        Status::NothingMissing | Status::Explained | Status::Described => Tone::Good,
         Status::Unexplained => Tone::Open,
     };
     let stopped = how

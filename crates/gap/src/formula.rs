@@ -1,0 +1,347 @@
+//! A law that is in no catalogue, found as a formula: where the search ended without an explanation.
+//!
+//! ```text
+//! what is left --front, at each place--> shortest sums of products of atoms --shape--> laws --fit in full--> best
+//!      ^                                                                                          |
+//!      +------------------------- the motion is its run, which has no noise ----------------------+
+//! ```
+//!
+//! A formula is a law like any other from there on: the same fit, the same contacts, the same Validate records, the
+//! same evidence against it. It counts only if it passes what a law of the catalogue must pass.
+
+mod atom;
+mod force;
+mod front;
+mod scale;
+mod shape;
+
+use crate::decisions::{FORMULA_ALPHABET, FORMULA_PASSES, FORMULAS_FITTED, RACE, RIVALS, WORTH};
+use crate::model::{Fitted, Measure, TrialModel, current};
+use crate::place::{Effect, Place, Site, fits};
+use crate::result::{Activity, MissingForce, PlacedLaw, Rival, StopReason};
+use crate::screen::Ground;
+use crate::search::{Round, Search, Searched};
+use front::{Entry, Grammar, Selection, shortest, structure};
+use phisindy_learn::Calibration;
+use phisindy_phys::{LawEntry, LawError, LawRole};
+use scale::Scale;
+use shape::{Shape, Term, formula};
+
+/// The id of a law that was found.
+pub const DISCOVERED: &str = "discovered";
+
+/// A formula at a place, ready for a fit.
+struct Candidate {
+    effect: Effect,
+    shapes: Vec<Shape>,
+    symbols: usize,
+    length: f64,
+    scales: [Scale; 2],
+}
+
+/// A formula that was fitted in full.
+struct Tried {
+    fitted: Fitted,
+    shapes: Vec<Shape>,
+    symbols: usize,
+    scales: [Scale; 2],
+}
+
+/// The best formula beside a model.
+struct Found {
+    best: Tried,
+    rivals: Vec<Rival>,
+}
+
+impl Search<'_> {
+    /// A search that ended without an explanation, with a formula if there is one that explains the data: beside the
+    /// model as it is, else beside the effects that were found.
+    pub(crate) fn described(&mut self, searched: Searched) -> Searched {
+        if self.explained(&searched.last) || searched.stop == StopReason::Interrupted {
+            return searched;
+        }
+        let mut starts = vec![searched.base.clone()];
+        if !searched.last.model.effects.is_empty() {
+            starts.push(searched.last.clone());
+        }
+        for now in starts {
+            let Some(found) = self.formula_beside(&now) else { continue };
+            let Found { best, rivals } = found;
+            let before = now.model.effects.len();
+            let mut last = best.fitted;
+            if let Some(applied) = last.model.effects.last_mut()
+                && let Ok(named) = named(&best.shapes, &best.scales, &applied.effect)
+            {
+                applied.effect.entry = named;
+            }
+            let mut rounds = if before == 0 { vec![] } else { searched.rounds };
+            rounds.push(Round { before, rivals, vetoed: vec![], fitted: vec![] });
+            let expressions = FORMULA_ALPHABET.saturating_pow(best.symbols.min(12) as u32);
+            return Searched {
+                last,
+                rounds,
+                candidates: searched.candidates.max(expressions),
+                stop: StopReason::White,
+                ..searched
+            };
+        }
+        let force = self.missing_force(&searched.last);
+        Searched { force, ..searched }
+    }
+
+    /// The force that a model lacks, at the place where it explains most.
+    fn missing_force(&mut self, now: &Fitted) -> Option<MissingForce> {
+        if (self.observe)(0.91, Activity::Formulas) {
+            return None;
+        }
+        let model = now.settled();
+        let ground = Ground::new(&model, &now.cal, None, self.noise)?;
+        let at_place = |place: &Place| {
+            let at = ground.footing(&model.system, place)?;
+            force::missing_force(&ground, &at, &place.at)
+        };
+        let all: Vec<(f64, MissingForce)> = model.places().iter().filter_map(at_place).collect();
+        let best = all.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        (best.0 < 0.0).then_some(best.1)
+    }
+
+    /// The best formula beside a fitted model; `None` if none explains the data and is worth its length.
+    fn formula_beside(&mut self, now: &Fitted) -> Option<Found> {
+        let model = now.settled();
+        let mut tried: Vec<Tried> = Vec::new();
+        let mut runs: Option<Calibration> = None;
+        let value = |t: &Tried, by: Measure| by.criterion(&t.fitted.score) + structure(t.symbols);
+        for _ in 0..FORMULA_PASSES {
+            if (self.observe)(0.9, Activity::Formulas) {
+                break;
+            }
+            let Some(ground) = Ground::new(&model, &now.cal, runs.as_ref(), self.noise) else { break };
+            let mut candidates = Vec::new();
+            for place in model.places().iter().filter(|p| matches!(p.site, Site::Force { .. })) {
+                if (self.observe)(0.9, Activity::Formulas) {
+                    break;
+                }
+                candidates.extend(candidates_at(&ground, &model, place));
+            }
+            candidates.retain(|c| c.length < 0.0 && !has(&tried, c));
+            let candidates = shortest(candidates, FORMULAS_FITTED, |c| c.shapes.len(), |c| c.length);
+            if candidates.is_empty() || (self.observe)(0.91, Activity::FittingFormulas) {
+                break;
+            }
+            let before = best_of(&tried, &value);
+            self.fit_formulas(&model, &candidates, &mut tried);
+            let Some(best) = best_of(&tried, &value) else { break };
+            if before == Some(best) {
+                break;
+            }
+            runs = Some(tried[best].fitted.cal.clone());
+        }
+        self.prune(&model, &mut tried, &value);
+        let best = best_of(&tried, &value)?;
+        let by = Measure::of(tried.iter().map(|t| &t.fitted.score).chain([&now.score]), 1);
+        let own = value(&tried[best], by);
+        let gain = by.criterion(&now.score) - own;
+        if !self.explained(&tried[best].fitted) || gain < WORTH {
+            return None;
+        }
+        let best = tried.swap_remove(best);
+        let rival = |t: &Tried| {
+            let laws = vec![PlacedLaw::of(&t.fitted.model.effects.last()?.effect)];
+            Some(Rival { laws, delta_bic: value(t, by) - own })
+        };
+        let mut rivals: Vec<Rival> = tried.iter().filter_map(rival).collect();
+        rivals.retain(|r| r.delta_bic.is_finite());
+        rivals.sort_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic));
+        rivals.truncate(RIVALS);
+        Some(Found { best, rivals })
+    }
+
+    /// Tries the best formula without each of its terms, and with each atom replaced by what it is where its inner
+    /// number has no say, from the numbers of its fit, until nothing is needless.
+    fn prune(&self, model: &TrialModel, tried: &mut Vec<Tried>, value: &dyn Fn(&Tried, Measure) -> f64) {
+        while let Some(best) = best_of(tried, value) {
+            let from = &tried[best];
+            let terms = 0..from.shapes.len();
+            let limits = terms.clone().flat_map(|k| [0, 1].map(|quantity| at_limit(from, k, quantity)));
+            let shorter = terms.map(|k| without(from, k)).chain(limits).flatten();
+            let shorter: Vec<Candidate> = shorter.filter(|c| !has(tried, c)).collect();
+            let before = tried.len();
+            self.fit_formulas(model, &shorter, tried);
+            if tried.len() == before || best_of(tried, value) == Some(best) {
+                break;
+            }
+        }
+    }
+
+    /// Fits formulas in full and adds them to what was tried.
+    fn fit_formulas(&self, model: &TrialModel, candidates: &[Candidate], tried: &mut Vec<Tried>) {
+        let models: Vec<TrialModel> = candidates.iter().filter_map(|c| model.with(&c.effect).ok()).collect();
+        for fitted in self.fit_race(models, RACE, 1, &mut vec![]) {
+            let own = |c: &&Candidate| fitted.model.effects.last().is_some_and(|a| a.effect.same(&c.effect));
+            let Some(c) = candidates.iter().find(own) else { continue };
+            let (shapes, scales) = (c.shapes.clone(), c.scales.clone());
+            tried.push(Tried { shapes, scales, symbols: c.symbols, fitted });
+        }
+    }
+}
+
+/// Whether a formula was fitted at this place.
+fn has(tried: &[Tried], c: &Candidate) -> bool {
+    let at = |t: &Tried| t.fitted.model.effects.last().is_some_and(|a| a.effect.place.is(&c.effect.place));
+    tried.iter().any(|t| t.shapes == c.shapes && at(t))
+}
+
+/// A fitted formula without its term `k`, from the numbers of the fit; `None` if it has no other.
+fn without(from: &Tried, k: usize) -> Option<Candidate> {
+    let effect = current(&from.fitted).pop()?;
+    let mut shapes = from.shapes.clone();
+    let first: usize = shapes[..k].iter().map(|s| 1 + s.inner().len()).sum();
+    let gone = shapes.remove(k);
+    if shapes.is_empty() {
+        return None;
+    }
+    let mut start = effect.start.clone();
+    start.drain(first..=first + gone.inner().len());
+    written(shapes, Effect { start, ..effect }, &from.scales, 0.0)
+}
+
+/// A fitted formula with the atom of a quantity (0 displacement, 1 velocity) of its term `k` replaced by its limit.
+fn at_limit(from: &Tried, k: usize, quantity: usize) -> Option<Candidate> {
+    let effect = current(&from.fitted).pop()?;
+    let mut shapes = from.shapes.clone();
+    let first: usize = shapes[..k].iter().map(|s| 1 + s.inner().len()).sum();
+    let at = shapes[k].inner().iter().position(|(of, _)| *of == quantity)?;
+    let (shape, power) = shapes[k].at_limit(quantity)?;
+    shapes[k] = shape;
+    let mut start = effect.start.clone();
+    let inner = start.remove(first + 1 + at);
+    start[first] *= inner.powi(power);
+    // Twice the same term is one.
+    let again = (0..shapes.len()).any(|j| j != k && shapes[j] == shapes[k] && shapes[k].inner().is_empty());
+    if again { None } else { written(shapes, Effect { start, ..effect }, &from.scales, 0.0) }
+}
+
+/// The index of the best formula.
+fn best_of(tried: &[Tried], value: &dyn Fn(&Tried, Measure) -> f64) -> Option<usize> {
+    let by = Measure::of(tried.iter().map(|t| &t.fitted.score), 1);
+    (0..tried.len()).min_by(|&a, &b| value(&tried[a], by).total_cmp(&value(&tried[b], by)))
+}
+
+/// The formulas of a place, shortest description first.
+fn candidates_at(ground: &Ground, model: &TrialModel, place: &Place) -> Vec<Candidate> {
+    let Some(at) = ground.footing(&model.system, place) else { return vec![] };
+    let grammar = Grammar::new(&at);
+    let ways: &[bool] = if at.rested() { &[true, false] } else { &[false] };
+    let mut all = Vec::new();
+    for &sticks in ways {
+        let Some(selection) = Selection::new(ground, &at, &grammar, &model.system, sticks) else { continue };
+        let found = selection.best();
+        all.extend(found.into_iter().filter_map(|entry| candidate(entry, place, &grammar)));
+    }
+    all
+}
+
+/// An entry of the front as a law at its place.
+fn candidate(entry: Entry, place: &Place, grammar: &Grammar) -> Option<Candidate> {
+    let with = |(term, c): (&Term, &f64)| -> Vec<f64> {
+        [*c].into_iter().chain(term.inner.iter().copied()).collect()
+    };
+    let shapes = entry.terms.iter().map(|t| t.shape).collect();
+    let start = entry.terms.iter().zip(&entry.coefficients).flat_map(with).collect();
+    let none = LawEntry::read(DISCOVERED, r#"(name: "none", force: "0")"#).ok()?;
+    let effect = Effect {
+        entry: none,
+        place: place.clone(),
+        mirror: false,
+        load: None,
+        pressed_by: None,
+        start,
+        beside: entry.beside,
+    };
+    written(shapes, effect, &grammar.scales, entry.length)
+}
+
+/// A sum of shapes as a law in the place of that of an effect, whose starts are its numbers.
+fn written(shapes: Vec<Shape>, effect: Effect, scales: &[Scale; 2], length: f64) -> Option<Candidate> {
+    let law = formula("formula", "A formula", "", &shapes, scales).ok()?;
+    // The id says what it is, in the list of rivals.
+    let entry = LawEntry { id: law.entry.law.force.clone()?, ..law.entry };
+    let effect = Effect { entry, ..effect };
+    let acts = fits(&effect.entry.law, &effect.place);
+    acts.then(|| Candidate { effect, shapes, symbols: law.symbols, length, scales: scales.clone() })
+}
+
+/// The law of a formula by the name under which it is reported, with the region in which it is known.
+fn named(shapes: &[Shape], scales: &[Scale; 2], effect: &Effect) -> Result<LawEntry, LawError> {
+    let law = &effect.entry.law;
+    let range = |name: &str, scale: &Scale| {
+        let (low, high) = scale.range();
+        format!("{name} from {} to {}", short(low), short(high))
+    };
+    let mut known = Vec::new();
+    known.extend(law.role(LawRole::Displacement).map(|x| range(x, &scales[0])));
+    known.extend(law.role(LawRole::Velocity).map(|v| range(v, &scales[1])));
+    let region =
+        if known.is_empty() { String::new() } else { format!(" Known for {} (SI).", known.join(" and ")) };
+    let about = format!("The shortest formula that explains the data in which it was found.{region}");
+    Ok(formula(DISCOVERED, "Discovered law", &about, shapes, scales)?.entry)
+}
+
+/// A number with three digits.
+fn short(x: f64) -> String {
+    let rounded: f64 = format!("{x:.2e}").parse().unwrap_or(x);
+    format!("{rounded}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_models::{fitted, model};
+    use phisindy_phys::{Law, SourceId};
+    use shape::shapes;
+
+    /// A driven mass on a spring that lacks `truth`.
+    fn rig(truth: &str) -> (TrialModel, Vec<Vec<f64>>) {
+        let data = |seed: u32, role: &str| {
+            format!(
+                r#"Synthetic(truth: {{ "v": "{truth}" }}, start: {{ "x": 0.3, "v": 0.0 }}, duration: 40.0, step: 0.04, noise: Relative(0.02), seed: {seed}{role})"#
+            )
+        };
+        model(&format!(
+            r#"(states: {{ "x": "m", "v": "m/s" }}, constants: {{ "k": (1.0, "N/m"), "m": (1.0, "kg"), "c": (0.1, "N*s/m"), "F0": (1.0, "N"), "W": (0.7, "rad/s") }},
+            known: {{ "x": "v", "v": "(-k*x - c*v + F0*cos(W*t) + F0*sin(1.9*W*t))/m" }}, inertia: {{ "v": "m" }}, unknown: {{}},
+            data: [ {}, {} ])"#,
+            data(1, ""),
+            data(2, ", role: Validate")
+        ))
+    }
+
+    /// The formula beside a model, as text.
+    fn found(truth: &str) -> Option<String> {
+        let (model, noise) = rig(truth);
+        let now = fitted(model, &noise);
+        let mut search = Search { catalogue: &[], noise: &noise, floor: 0.0, observe: &mut |_, _| false };
+        let found = search.formula_beside(&now)?;
+        found.best.fitted.model.effects.last().map(|a| a.effect.entry.id.clone())
+    }
+
+    #[test]
+    fn a_law_of_no_catalogue_is_found_and_none_where_nothing_is_missing() {
+        assert_eq!(found("-0.4*abs(v)^1.5*sgn(v)").as_deref(), Some("c*abs(v)^1.5*sgn(v)"));
+        assert_eq!(found("-0.5*atan(x/0.2)").as_deref(), Some("c*atan(x/l)"));
+        assert_eq!(found("0*x"), None);
+    }
+
+    /// Every shape is a law that the check accepts, its units included.
+    #[test]
+    fn every_shape_is_a_law() {
+        let scales = [vec![-1.0, 0.5, 2.0], vec![-0.4, 0.1, 0.3]].map(|v| Scale::new(&[v]));
+        let all = shapes(true);
+        for shape in &all {
+            let law = formula("a", "A law", "", &[*shape, all[1]], &scales).expect("a law");
+            let checked = Law::checked(&law.entry.text, SourceId(0));
+            assert!(checked.is_ok(), "{}: {:?}", law.entry.text, checked.err());
+        }
+        assert!(all.len() > 100, "{}", all.len());
+    }
+}

@@ -1,0 +1,269 @@
+//! The ground on which any force can be tried: the measured motion at a place, the linear response to a force there,
+//! and what is projected out of it.
+
+use super::free_columns::{FreeColumns, Movable};
+use super::regression_data::{Base, RegressionData};
+use super::trial::holding_rates;
+use crate::decisions::FORMULA_ROWS;
+use crate::evaluate::evaluated;
+use crate::model::TrialModel;
+use crate::place::{Place, Site};
+use phisindy_expr::Tape;
+use phisindy_learn::Calibration;
+use phisindy_phys::System;
+use phisindy_phys::spec::Role;
+
+/// What is left of a column, as a fraction of it, below which the free columns explain it.
+const EXPLAINED_BY_FREE: f64 = 1e-4;
+
+/// The records of a model, ready for the responses to forces.
+pub(crate) struct Ground {
+    data: Vec<RegressionData>,
+    /// Rows of a record and column that are averaged to one.
+    block: usize,
+    /// Orthonormal columns that span what is projected out, and what makes the free columns of them.
+    basis: Vec<Vec<f64>>,
+    triangle: Vec<Vec<f64>>,
+    movable: Vec<Movable>,
+    /// What the known part leaves, in units of the noise, without its projection; and its part along the basis.
+    target: Vec<f64>,
+    along: Vec<f64>,
+}
+
+/// A place along the motion of each record.
+pub(crate) struct Footing {
+    acts: Vec<(usize, f64)>,
+    shows: Vec<(usize, f64)>,
+    place: Place,
+    /// Displacement (empty where there is none) and velocity at each sample, by record.
+    pub(crate) displacement: Vec<Vec<f64>>,
+    pub(crate) velocity: Vec<Vec<f64>>,
+    /// The rate that unit force gives each body, by record.
+    unit: Vec<Vec<Vec<f64>>>,
+    /// Where the place rests, by record.
+    rests: Vec<Vec<bool>>,
+}
+
+impl Footing {
+    /// Whether it comes to rest.
+    pub(crate) fn rested(&self) -> bool {
+        self.rests.iter().flatten().any(|r| *r)
+    }
+
+    pub(crate) fn has_displacement(&self) -> bool {
+        self.displacement.iter().all(|x| !x.is_empty())
+    }
+}
+
+/// A response without what the free columns explain of it.
+pub(crate) struct Response {
+    /// What is left.
+    pub(crate) rows: Vec<f64>,
+    /// Its parts along the basis of the free columns.
+    along: Vec<f64>,
+}
+
+impl Ground {
+    /// For the Fit records of a model fitted to `fitted`. `along_runs`: the motion is that of the runs of `fitted`
+    /// rather than the measured one. `None` if the known rates cannot be evaluated along the data.
+    pub(crate) fn new(
+        model: &TrialModel,
+        fitted: &Calibration,
+        runs: Option<&Calibration>,
+        noise: &[Vec<f64>],
+    ) -> Option<Ground> {
+        let of: Vec<usize> =
+            (0..model.records.len()).filter(|&r| model.records[r].role == Role::Fit).collect();
+        let base = Base::new(&model.system)?;
+        let data: Vec<RegressionData> = of
+            .iter()
+            .map(|&r| {
+                let run = match runs {
+                    Some(cal) => Some(cal.records.get(r)?.run.as_ref()?),
+                    None => None,
+                };
+                base.data_along(model, r, fitted, noise, 1, run)
+            })
+            .collect::<Option<_>>()?;
+        let total: usize = data.iter().map(RegressionData::height).sum();
+        let block = total.div_ceil(FORMULA_ROWS).max(1);
+        let FreeColumns { all, movable, .. } = FreeColumns::new(&base, model, &of, &data);
+        let mut ground =
+            Ground { data, block, basis: vec![], triangle: vec![], movable, target: vec![], along: vec![] };
+        let mut all = all.into_iter();
+        let target = ground.averaged(&all.next()?);
+        for column in all {
+            ground.add_free(&column);
+        }
+        let Response { rows, along } = ground.projected(target);
+        (ground.target, ground.along) = (rows, along);
+        Some(ground)
+    }
+
+    /// Adds a free column to the basis.
+    fn add_free(&mut self, column: &[f64]) {
+        let column = self.averaged(column);
+        let size = norm(&column);
+        let Response { rows, mut along } = self.projected(column);
+        let left = norm(&rows);
+        // What the others explain leaves a zero, so that its coefficient stays as it is.
+        if left > 1e-9 * size && left > 0.0 {
+            along.push(left);
+            self.basis.push(rows.iter().map(|v| v / left).collect());
+        } else {
+            along.push(0.0);
+            self.basis.push(vec![0.0; rows.len()]);
+        }
+        self.triangle.push(along);
+    }
+
+    /// What the known part leaves, projected.
+    pub(crate) fn target(&self) -> &[f64] {
+        &self.target
+    }
+
+    /// A place along the motion.
+    pub(crate) fn footing(&self, system: &System, place: &Place) -> Option<Footing> {
+        let Site::Force { displacement, velocity, acts, shows, .. } = &place.site else { return None };
+        let mut graph = system.graph.clone();
+        let one = graph.constant(1.0);
+        let mut roots = vec![velocity.node];
+        for &(state, sign) in acts {
+            let over = graph.div(one, system.inertia[state].unwrap_or(one));
+            roots.push(if sign < 0.0 { graph.neg(over) } else { over });
+        }
+        roots.extend(displacement.as_ref().map(|d| d.node));
+        let tape = Tape::compile(&graph, &system.arguments(), &roots).ok()?;
+        let mut out = Footing {
+            acts: acts.clone(),
+            shows: shows.clone(),
+            place: place.clone(),
+            displacement: vec![],
+            velocity: vec![],
+            unit: vec![],
+            rests: vec![],
+        };
+        for data in &self.data {
+            let mut values = evaluated(&tape, &data.motion, &[], &[]);
+            out.displacement.push(displacement.as_ref().and_then(|_| values.pop()).unwrap_or_default());
+            out.unit.push(values.split_off(1));
+            out.velocity.append(&mut values);
+            let still = data.still.iter().find(|s| s.at == place.at);
+            out.rests.push(still.map_or(vec![false; data.motion.samples()], |s| s.rests.clone()));
+        }
+        let all = out.displacement.iter().chain(&out.velocity).flatten();
+        all.into_iter().all(|v| v.is_finite()).then_some(out)
+    }
+
+    /// The response to a force (by record and sample). `sticks`: friction there holds what rests, so that other
+    /// forces act on what moves only.
+    pub(crate) fn response(&self, at: &Footing, force: &[Vec<f64>], sticks: bool) -> Option<Response> {
+        let mut column = Vec::new();
+        for (r, data) in self.data.iter().enumerate() {
+            let samples = data.motion.samples();
+            let n = data.bracket.len() / samples;
+            let force = &force[r];
+            if force.iter().any(|f| !f.is_finite()) {
+                return None;
+            }
+            let mut g = vec![0.0; samples * n];
+            for (j, &(state, _)) in at.acts.iter().enumerate() {
+                for i in (0..samples).filter(|&i| !(sticks && at.rests[r][i])) {
+                    g[i * n + state] = force[i] * at.unit[r][j][i];
+                }
+            }
+            data.zero_at_rest(&mut g);
+            let mut rows = data.response(&g, &vec![0.0; n]);
+            let signed: Vec<(usize, Vec<f64>)> =
+                at.shows.iter().map(|&(o, sign)| (o, force.iter().map(|f| sign * f).collect())).collect();
+            let shown = |output: usize| signed.iter().find(|(o, _)| *o == output).map(|(_, f)| f.as_slice());
+            data.add_to_outputs(&mut rows, &shown);
+            column.extend(rows);
+        }
+        self.kept(&column)
+    }
+
+    /// The response to the force that holds a place at rest.
+    pub(crate) fn holding(&self, at: &Footing, system: &System) -> Option<Response> {
+        let mut column = Vec::new();
+        for (r, data) in self.data.iter().enumerate() {
+            let samples = data.motion.samples();
+            let n = data.bracket.len() / samples;
+            let at_rest: Vec<usize> = (0..samples).filter(|&i| at.rests[r][i]).collect();
+            let g = holding_rates(&at_rest, &at.unit[r], &at.acts, system, &at.place, data);
+            column.extend(data.response(&g, &vec![0.0; n]));
+        }
+        self.kept(&column)
+    }
+
+    /// A column averaged and projected; `None` where nothing of it is left.
+    fn kept(&self, column: &[f64]) -> Option<Response> {
+        if column.iter().any(|v| !v.is_finite()) {
+            return None;
+        }
+        let column = self.averaged(column);
+        let size = norm(&column);
+        let out = self.projected(column);
+        (norm(&out.rows) > EXPLAINED_BY_FREE * size && size > 0.0).then_some(out)
+    }
+
+    /// Means of neighbouring rows, weighted to unit noise.
+    fn averaged(&self, column: &[f64]) -> Vec<f64> {
+        let (block, mut first) = (self.block, 0);
+        let mut out = Vec::with_capacity(column.len() / block + 1);
+        for data in &self.data {
+            let samples = data.motion.samples();
+            for _ in 0..data.height() / samples {
+                let rows = &column[first..first + samples];
+                out.extend(rows.chunks(block).map(|c| c.iter().sum::<f64>() / (c.len() as f64).sqrt()));
+                first += samples;
+            }
+        }
+        out
+    }
+
+    fn projected(&self, mut rows: Vec<f64>) -> Response {
+        let mut along = vec![0.0; self.basis.len()];
+        // Twice, for rounding.
+        for _ in 0..2 {
+            for (basis, sum) in self.basis.iter().zip(&mut along) {
+                let part = dot(basis, &rows);
+                *sum += part;
+                rows.iter_mut().zip(basis).for_each(|(r, b)| *r -= part * b);
+            }
+        }
+        Response { rows, along }
+    }
+
+    /// Values of the movable constants beside forces with these coefficients.
+    pub(crate) fn beside(&self, forces: &[(f64, &Response)]) -> Vec<(String, f64)> {
+        let mut right = self.along.clone();
+        for (c, response) in forces {
+            right.iter_mut().zip(&response.along).for_each(|(r, a)| *r -= c * a);
+        }
+        // Back substitution: free column k is the sum of triangle[k][j] basis[j].
+        let mut moves = vec![0.0; right.len()];
+        for k in (0..right.len()).rev() {
+            let diagonal = self.triangle[k][k];
+            let rest: f64 = (k + 1..right.len()).map(|j| self.triangle[j][k] * moves[j]).sum();
+            moves[k] = if diagonal > 0.0 { (right[k] - rest) / diagonal } else { 0.0 };
+        }
+        let of = |m: &Movable| (m.name.clone(), m.now + moves[m.row]);
+        self.movable.iter().map(of).filter(|(_, value)| value.is_finite()).collect()
+    }
+}
+
+/// The inner product, in eight sums that run side by side.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    let mut sums = [0.0; 8];
+    for (a, b) in a.iter().zip(b) {
+        (0..8).for_each(|k| sums[k] += a[k] * b[k]);
+    }
+    a_rest.iter().zip(b_rest).enumerate().for_each(|(k, (a, b))| sums[k] += a * b);
+    sums.iter().sum()
+}
+
+pub(crate) fn norm(a: &[f64]) -> f64 {
+    dot(a, a).sqrt()
+}
