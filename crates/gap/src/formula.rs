@@ -136,7 +136,10 @@ impl Search<'_> {
             }
             runs = Some(tried[best].fitted.cal.clone());
         }
-        self.prune(&model, &mut tried, &value);
+        // Fewer terms and limits shorten a formula; they do not explain what it does not.
+        if best_of(&tried, &value).is_some_and(|best| self.explained(&tried[best].fitted)) {
+            self.prune(&model, &mut tried, &value);
+        }
         let best = best_of(&tried, &value)?;
         let by = Measure::of(tried.iter().map(|t| &t.fitted.score).chain([&now.score]), 1);
         let own = value(&tried[best], by);

@@ -46,10 +46,10 @@ fn joined<T: AsRef<str>>(parts: impl Iterator<Item = T>, between: &str) -> Strin
 impl Display for MissingForce {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let on = match self.on {
-            Dependence::Velocity => "depends on the velocity alone",
-            Dependence::Displacement => "depends on the displacement alone",
-            Dependence::Sum => "is a force of the displacement and one of the velocity",
-            Dependence::Together => "depends on displacement and velocity together",
+            Dependence::Velocity => "the velocity alone",
+            Dependence::Displacement => "the displacement alone",
+            Dependence::Sum => "the displacement and the velocity, as a sum",
+            Dependence::Together => "displacement and velocity together",
             Dependence::More => {
                 return write!(
                     f,
@@ -58,7 +58,12 @@ impl Display for MissingForce {
                 );
             }
         };
-        write!(f, "the missing force at {} {on}", self.at)
+        // The screen is exact near the data only, and one loop run through again and again hides what the past does.
+        write!(
+            f,
+            "along these records the missing force at {} goes with {on}, to first order; no formula of it passes as a simulation, so the past, time or another place may have a say",
+            self.at
+        )
     }
 }
 
