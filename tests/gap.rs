@@ -584,13 +584,16 @@ fn of_positions(truth: &str, noise: f64) -> String {
 /// feeds itself is not a sum of drag, friction and a negative damper.
 #[test]
 fn a_law_is_not_named_for_what_it_imitates() {
-    for (name, truth, noise, never) in [
-        ("gap-smooth", "-0.4*tanh(v/0.15)", 0.02, "stribeck"),
-        ("gap-galloping", "0.2*v-0.2*v^3", 0.05, "viscous"),
+    for (name, truth, noise, never, shape) in [
+        ("gap-smooth", "-0.4*tanh(v/0.15)", 0.02, "stribeck", Some("tanh(")),
+        ("gap-galloping", "0.2*v-0.2*v^3", 0.05, "viscous", None),
     ] {
         let (found, code) = gap(&folder(name), &of_positions(&format!("\"v\": \"{truth}\""), noise));
-        assert_eq!((found["status"].as_str(), code), (Some("unexplained"), 1), "{truth}: {found}");
+        let expected = if shape.is_some() { ("described", 0) } else { ("unexplained", 1) };
+        assert_eq!((found["status"].as_str().unwrap_or_default(), code), expected, "{truth}: {found}");
         assert!(named(&found).iter().all(|(law, _)| law != never), "{truth}: {:?}", named(&found));
+        let force = found["steps"][0]["force"].as_str().unwrap_or_default();
+        assert!(shape.is_none_or(|shape| force.contains(shape)), "{truth}: {force}");
     }
 }
 

@@ -311,6 +311,7 @@ impl Reader<'_> {
         let open =
             law.forces.iter().map(|(_, text)| text).chain(law.internal.iter().map(|(_, _, rate)| rate));
         let (mut outside, mut used): (Vec<String>, Vec<String>) = (vec![], vec![]);
+        let told = self.found.len();
         for text in open {
             for name in self.names_of(text) {
                 used.push(name.clone());
@@ -319,8 +320,9 @@ impl Reader<'_> {
                 }
             }
         }
-        // The value of a property of a sensor stands in no expression.
-        for p in law.parameters.iter().filter(|p| !law.forces.is_empty() && !used.contains(&p.name.value)) {
+        // The value of a property of a sensor stands in no expression, and what cannot be read may use any name.
+        let all_read = !law.forces.is_empty() && self.found.len() == told;
+        for p in law.parameters.iter().filter(|p| all_read && !used.contains(&p.name.value)) {
             let message = format!("nothing depends on the parameter `{}`", p.name.value);
             self.wrong::<()>(p.name.span, message, "", "use it in the force or in a rate, or leave it out");
         }
