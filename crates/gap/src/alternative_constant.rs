@@ -9,7 +9,7 @@ use crate::evidence::against;
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::Effect;
 use crate::result::{AlternativeConstant, NamedValue, PlacedLaw};
-use crate::screen::screen;
+use crate::screen::{Target, screen};
 use crate::search::placed;
 use phisindy_learn::Effort;
 use phisindy_phys::LawEntry;
@@ -162,7 +162,7 @@ fn screened_with<'c>(
     alone.truncate(CONSTANTS_SCREENED);
     let beside = |(constant, free): &(&'c Constant, Fitted)| -> Option<Vec<(&'c Constant, TrialModel)>> {
         let model = free.settled();
-        let screening = screen(&model, &free.cal, catalogue, noise)?;
+        let screening = screen(&model, &free.cal, catalogue, noise, Target::AlongData)?;
         let best = screening.candidates.iter().take(FITTED_IN_FULL);
         Some(best.filter_map(|c| Some((*constant, model.with(&c.effect).ok()?))).collect())
     };

@@ -7,7 +7,7 @@ use crate::model::{
 };
 use crate::place::{Effect, Site, fits, places};
 use crate::result::ModelError;
-use crate::screen::{screen, sibling_starts};
+use crate::screen::{Target, screen, sibling_starts};
 use crate::search::neutral;
 use phisindy_learn::Effort;
 use phisindy_phys::spec::{Role, Spec, Text};
@@ -167,7 +167,7 @@ fn with_fitted_starts(
 fn best(now: &Fitted, wanted: &Effect, entries: &[LawEntry], noise: &[Vec<f64>]) -> Option<Fitted> {
     let model = now.settled();
     let here = |e: &Effect| e.place.is(&wanted.place) && !e.mirror && e.load.is_none();
-    let proposed: Vec<Effect> = match screen(&model, &now.cal, entries, noise) {
+    let proposed: Vec<Effect> = match screen(&model, &now.cal, entries, noise, Target::AlongData) {
         Some(screening) => {
             let all = screening.candidates.into_iter().flat_map(|c| [c.effect].into_iter().chain(c.others));
             all.filter(here).collect()

@@ -65,12 +65,23 @@ pub(crate) struct Screening {
     pub(crate) samples: f64,
 }
 
+/// What the regression explains.
+#[derive(Clone, Copy)]
+pub(crate) enum Target<'a> {
+    /// What the known rates miss along the measured motion: exact however far the model is from the data, up to the
+    /// errors of the smoothed motion and of the inputs between their samples.
+    AlongData,
+    /// The residuals of a fit that leaves only noise: exact to first order, without those errors.
+    OfFit(&'a Calibration),
+}
+
 /// Screens the catalogue beside a fitted model. `None` if the known rates cannot be evaluated along the data.
 pub(crate) fn screen(
     model: &TrialModel,
     fitted: &Calibration,
     catalogue: &[LawEntry],
     noise: &[Vec<f64>],
+    target: Target<'_>,
 ) -> Option<Screening> {
     let system = &model.system;
     let of: Vec<usize> = (0..model.records.len()).filter(|&r| model.records[r].role == Role::Fit).collect();
@@ -80,7 +91,7 @@ pub(crate) fn screen(
     let data: Vec<RegressionData> =
         of.iter().map(|&r| base.data(model, r, fitted, noise, stride)).collect::<Option<_>>()?;
     // The columns that are projected out, and the target.
-    let FreeColumns { all: fixed, movable, .. } = FreeColumns::new(&base, model, &of, &data);
+    let FreeColumns { all: fixed, movable, .. } = FreeColumns::new(&base, model, &of, &data, target);
     let free = Free::new(&fixed, &movable, stride as f64);
     let effects = effects(model, catalogue);
     let screened: Vec<Screened> = effects

@@ -13,7 +13,7 @@ pub(crate) use task::Search;
 
 use crate::decisions::{
     EXPLAINED, FAMILY_ROUNDS, FAR_OFF, MORE_STARTS, MOST_EFFECTS, ON_THE_WAY, PAIRS_RACED, RACE, REPEATS,
-    RICHER, RIVALS, SEARCHES_AGAIN, SHRINKS, SIMPLER, WEAK_ROUND, WORTH, WORTH_STARTS,
+    RICHER, RIVALS, SEARCHES_AGAIN, SEEDED_STRIDE, SHRINKS, SIMPLER, WEAK_ROUND, WORTH, WORTH_STARTS,
 };
 use crate::evidence::against;
 use crate::model::{Fitted, Measure, TrialModel, current};
@@ -23,7 +23,7 @@ use crate::result::tried::weighed;
 use crate::result::{
     Activity, MissingForce, ModelError, NotTried, PlacedLaw, Rival, StopReason, Tried, Vetoed,
 };
-use crate::screen::{Candidate, Screening, screen};
+use crate::screen::{Candidate, Screening, Target, screen};
 use compare::{makes_progress, predicts_no_better};
 use phisindy_learn::{Effort, SegmentFit};
 use proposals::{friction_pairs, is_composed, singles};
@@ -153,7 +153,8 @@ impl Search<'_> {
                 break StopReason::Interrupted;
             }
             let model = now.settled();
-            let Some(screening) = screen(&model, &now.cal, self.catalogue, self.noise) else {
+            let Some(screening) = screen(&model, &now.cal, self.catalogue, self.noise, Target::AlongData)
+            else {
                 break StopReason::NothingHelps;
             };
             candidates = candidates.max(screening.candidates.len());
@@ -194,8 +195,15 @@ impl Search<'_> {
             }
         }
         // A model that leaves nothing but noise was screened by the second pass alone.
-        let first = first
-            .or_else(|| Some(screened(&screen(&base.settled(), &base.cal, self.catalogue, self.noise)?)));
+        let first = first.or_else(|| {
+            Some(screened(&screen(
+                &base.settled(),
+                &base.cal,
+                self.catalogue,
+                self.noise,
+                Target::AlongData,
+            )?))
+        });
         let tried = after_fits(first.unwrap_or_default(), rounds.first());
         Ok(Searched { base, last: now, rounds, candidates, stop, needed: vec![], tried, force: None })
     }
@@ -328,11 +336,17 @@ impl Search<'_> {
                 |pair: &[Effect]| pair.iter().map(|e| e.size(model.fit_records())).sum::<usize>();
             pairs.retain(|pair| model.size() + parameters(pair) <= enough);
         }
-        let models = pairs.iter().filter_map(|list| model.with_all(list).ok()).collect();
+        let mut models: Vec<TrialModel> = pairs.iter().filter_map(|list| model.with_all(list).ok()).collect();
         // Segments tell little of a motion that sticks.
         let smooth = |b: &&Fitted| b.score.is_white() && !b.rests() && !b.has_clearance();
-        let rival = single.filter(smooth).and_then(|b| b.settled().segment_fit(self.noise));
-        let rival = rival.map_or(f64::INFINITY, |fit| fit.cost);
+        let single = single.filter(smooth).map(Fitted::settled);
+        let cost = |model: &TrialModel, stride: usize| model.segment_cost(self.noise, stride);
+        if let Some(part) = single.as_ref().and_then(|b| cost(b, SEEDED_STRIDE)) {
+            // Most pairs are so far behind that a part of the segments shows it.
+            let near = |m: &TrialModel| cost(m, SEEDED_STRIDE).is_some_and(|own| own <= RACE * RACE * part);
+            models = models.into_par_iter().filter(near).collect();
+        }
+        let rival = single.and_then(|b| cost(&b, 1)).unwrap_or(f64::INFINITY);
         let mut pairs = self.fit_race_against(rival, models, RACE, *candidates, vetoed);
         if let Some(pair) = self.worthy(now, &pairs, *candidates).filter(|pair| pair.score.is_white()) {
             pairs = self.with_competitors(pairs, singles, &pair, *candidates, vetoed);
@@ -358,7 +372,9 @@ impl Search<'_> {
             return nothing;
         }
         let model = now.settled();
-        let Some(mut screening) = screen(&model, &now.cal, self.catalogue, self.noise) else {
+        let Some(mut screening) =
+            screen(&model, &now.cal, self.catalogue, self.noise, Target::OfFit(&now.cal))
+        else {
             return nothing;
         };
         let candidates = candidates.max(screening.candidates.len());
@@ -414,7 +430,8 @@ impl Search<'_> {
             return pairs;
         };
         let model = single.settled();
-        let Some(mut screening) = screen(&model, &single.cal, self.catalogue, self.noise) else {
+        let Some(mut screening) = screen(&model, &single.cal, self.catalogue, self.noise, Target::AlongData)
+        else {
             return pairs;
         };
         let own = |c: &Candidate| pair.model.effects.iter().any(|a| a.effect.same(&c.effect));
@@ -497,17 +514,18 @@ impl Search<'_> {
             };
             models.into_par_iter().filter_map(fit).collect()
         };
-        // Laws with memory take most of the time, so the others go first, and of them the one that leaves least on
-        // segments: beside a law that explains the records one that leaves more even there need not be fitted to the end.
-        let (mut slow, fast): (Vec<_>, Vec<_>) = models.into_iter().partition(|w| w.model.remembers());
-        slow.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
-        let rest = slow.split_off(slow.len().min(1));
-        let mut all = fit(fast, Effort::Plain);
-        for slow in [slow, rest] {
-            let explained = all.iter().any(|(_, f)| f.score.explains());
-            let rival = Effort::Rival { most: EXPLAINED * EXPLAINED };
-            all.extend(fit(slow, if explained { rival } else { Effort::Plain }));
-        }
+        // The best over segments with and without memory go first: where one of them explains the records, a law that
+        // leaves more even on segments need not be fitted to the end.
+        let mut models = models;
+        models.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+        let mut seen = [false; 2];
+        let (first, rest): (Vec<_>, Vec<_>) = models
+            .into_iter()
+            .partition(|w| !std::mem::replace(&mut seen[usize::from(w.model.remembers())], true));
+        let mut all = fit(first, Effort::Plain);
+        let explained = all.iter().any(|(_, f)| f.score.explains());
+        let rival = Effort::Rival { most: EXPLAINED * EXPLAINED };
+        all.extend(fit(rest, if explained { rival } else { Effort::Plain }));
         all.retain(|(_, f)| f.score.fit.is_finite());
         let by = Measure::of(all.iter().map(|(_, f)| &f.score), candidates);
         all.sort_by(|(_, a), (_, b)| by.criterion(&a.score).total_cmp(&by.criterion(&b.score)));

@@ -1,6 +1,7 @@
 //! The columns of all free quantities, projected out of every regression: start states, movable constants,
 //! sensor parameters.
 
+use super::Target;
 use super::regression_data::{Base, RegressionData};
 use crate::evaluate::evaluated;
 use crate::model::TrialModel;
@@ -26,13 +27,19 @@ pub(super) struct FreeColumns {
 
 impl FreeColumns {
     /// For the Fit records `of` of a model, each with its regression data.
-    pub(super) fn new(base: &Base, model: &TrialModel, of: &[usize], data: &[RegressionData]) -> FreeColumns {
+    pub(super) fn new(
+        base: &Base,
+        model: &TrialModel,
+        of: &[usize],
+        data: &[RegressionData],
+        target: Target<'_>,
+    ) -> FreeColumns {
         let total: usize = data.iter().map(RegressionData::height).sum();
-        let mut target = Vec::with_capacity(total);
-        for data in data {
-            let predicted = data.predicted();
-            target.extend(data.measured().iter().zip(&predicted).map(|(y, p)| y - p));
-        }
+        let target = data.iter().zip(of).flat_map(|(data, &r)| match target {
+            Target::AlongData => data.missed(),
+            Target::OfFit(fit) => data.weighted(&fit.records[r].residuals),
+        });
+        let target: Vec<f64> = target.collect();
         let mut columns = FreeColumns { all: vec![target], movable: vec![], total };
         columns.start_states(base.n, data);
         columns.parameters(base, model, of, data);

@@ -1,6 +1,7 @@
 //! The ground on which any force can be tried: the measured motion at a place, the linear response to a force there,
 //! and what is projected out of it.
 
+use super::Target;
 use super::free_columns::{FreeColumns, Movable};
 use super::regression_data::{Base, RegressionData};
 use super::trial::holding_rates;
@@ -87,7 +88,7 @@ impl Ground {
             .collect::<Option<_>>()?;
         let total: usize = data.iter().map(RegressionData::height).sum();
         let block = total.div_ceil(FORMULA_ROWS).max(1);
-        let FreeColumns { all, movable, .. } = FreeColumns::new(&base, model, &of, &data);
+        let FreeColumns { all, movable, .. } = FreeColumns::new(&base, model, &of, &data, Target::AlongData);
         let mut ground =
             Ground { data, block, basis: vec![], triangle: vec![], movable, target: vec![], along: vec![] };
         let mut all = all.into_iter();

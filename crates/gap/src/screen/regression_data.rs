@@ -213,17 +213,18 @@ impl RegressionData {
         self.rows.len() * self.motion.samples().div_ceil(self.stride)
     }
 
-    /// The measured columns as rows.
-    pub(super) fn measured(&self) -> Vec<f64> {
-        self.rows.iter().flat_map(|row| self.every(|i| row.weight * row.values[i])).collect()
-    }
-
-    /// What the known rates make of the measured columns, as the sensors read it.
-    pub(super) fn predicted(&self) -> Vec<f64> {
+    /// What the known rates along the measured motion miss of the measured columns, as the sensors read it.
+    pub(super) fn missed(&self) -> Vec<f64> {
         let of = |row: &Row| -> Vec<f64> {
             let (gain, offset) = self.motion.sensors[row.column];
-            self.every(|i| row.weight * (gain * row.known[i] + offset))
+            self.every(|i| row.weight * (row.values[i] - gain * row.known[i] - offset))
         };
+        self.rows.iter().flat_map(of).collect()
+    }
+
+    /// Residuals of a run, by column.
+    pub(super) fn weighted(&self, residuals: &[Vec<f64>]) -> Vec<f64> {
+        let of = |row: &Row| -> Vec<f64> { self.every(|i| row.weight * residuals[row.column][i]) };
         self.rows.iter().flat_map(of).collect()
     }
 
