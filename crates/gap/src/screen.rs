@@ -44,6 +44,8 @@ pub(crate) struct Candidate {
     /// The same effect from other grid values, next best first.
     pub(crate) others: Vec<Effect>,
     columns: Vec<usize>,
+    /// Which of the law's columns the free quantities do not explain; those that they do explain count as zero.
+    seen: Vec<bool>,
     grid: Vec<f64>,
     regressors: usize,
 }
@@ -71,7 +73,7 @@ pub(crate) enum Target<'a> {
     /// What the known rates miss along the measured motion: exact however far the model is from the data, up to the
     /// errors of the smoothed motion and of the inputs between their samples.
     AlongData,
-    /// The residuals of a fit that leaves only noise: exact to first order, without those errors.
+    /// The residuals of a fit that leaves only noise. Free of those errors; the mean linear response ranks laws less well.
     OfFit(&'a Calibration),
 }
 
@@ -120,7 +122,7 @@ pub(crate) fn screen(
         let Some((candidate, own)) = of.best else { continue };
         // Column indices after projection: column 0 is the target, projected columns are gone.
         let first = columns.len() - fixed.len() + 1;
-        let at = (first..first + own.len()).collect();
+        let at = (0..own.len()).filter(|&k| candidate.seen[k]).map(|k| first + k).collect();
         columns.extend(own);
         candidates.push(Candidate { columns: at, regressors: k, ..candidate });
     }
@@ -232,19 +234,23 @@ impl<'a> Free<'a> {
             (false, true) => cross[(j, i - fixed)],
         });
         let Projected { gram, kept, follow } = projected(&gram, fixed);
-        let at: Vec<usize> = (1..=own.len()).collect();
-        if !at.iter().all(|&k| kept[k]) {
+        // What a free constant of the model does as well is left to it: the viscous part of a friction law beside a free
+        // damper.
+        let seen = kept[1..].to_vec();
+        let at: Vec<usize> = (1..=own.len()).filter(|&k| kept[k]).collect();
+        if at.is_empty() {
             return Err(WhyNot::NotSeen);
         }
         let of = || {
             let (gain, coefficients) = solve(&gram, &at)?;
-            let effect = seeded(&trial.effect, regressors, &coefficients, &trial.grid)?;
+            let all = with_zeros(&seen, &coefficients);
+            let effect = seeded(&trial.effect, regressors, &all, &trial.grid)?;
             let beside = moved(self.movable, &follow, &at, &coefficients);
             Some((self.stride * gain, Effect { beside, ..effect }))
         };
         let (gain, effect) = of().ok_or(WhyNot::OutOfBounds)?;
         let (size, grid) = (trial.effect.entry.law.parameters.len(), trial.grid.clone());
-        Ok(Candidate { effect, gain, size, others: vec![], columns: vec![], grid, regressors: 0 })
+        Ok(Candidate { effect, gain, size, others: vec![], columns: vec![], seen, grid, regressors: 0 })
     }
 }
 
@@ -342,7 +348,8 @@ impl Screening {
 
     /// Start values of a candidate from its coefficients; `None` outside the law's bounds.
     fn start(&self, c: &Candidate, coefficients: &[f64]) -> Option<Vec<f64>> {
-        start(&c.effect.entry.law, self.regressors[c.regressors].as_ref(), coefficients, &c.grid)
+        let all = with_zeros(&c.seen, coefficients);
+        start(&c.effect.entry.law, self.regressors[c.regressors].as_ref(), &all, &c.grid)
     }
 }
 
@@ -410,6 +417,12 @@ fn effects(model: &TrialModel, catalogue: &[LawEntry]) -> Vec<Effect> {
     }
     all.retain(|e| !model.effects.iter().any(|own| excludes(&own.effect, e)));
     all
+}
+
+/// The coefficients of all columns of a law from those of the columns that are seen.
+fn with_zeros(seen: &[bool], coefficients: &[f64]) -> Vec<f64> {
+    let mut next = coefficients.iter();
+    seen.iter().map(|seen| if *seen { next.next().copied().unwrap_or(0.0) } else { 0.0 }).collect()
 }
 
 /// The effect with parameters from coefficients and grid values; `None` outside the law's bounds.

@@ -372,14 +372,16 @@ impl Search<'_> {
             return nothing;
         }
         let model = now.settled();
-        let Some(mut screening) =
-            screen(&model, &now.cal, self.catalogue, self.noise, Target::OfFit(&now.cal))
-        else {
-            return nothing;
-        };
+        let screened = |target| screen(&model, &now.cal, self.catalogue, self.noise, target);
+        let Some(mut screening) = screened(Target::AlongData) else { return nothing };
+        let Some(of_fit) = screened(Target::OfFit(&now.cal)) else { return nothing };
         let candidates = candidates.max(screening.candidates.len());
         let price = (now.cal.samples as f64).ln();
-        screening.candidates.retain(|c| c.gain > price * c.size as f64);
+        let pays = |c: &Candidate| c.gain > price * c.size as f64;
+        // What the residuals of the fit do not hold is an error of the smoothed motion, or of the inputs between samples.
+        let held =
+            |c: &Candidate| of_fit.candidates.iter().any(|own| own.effect.same(&c.effect) && pays(own));
+        screening.candidates.retain(|c| pays(c) && held(c));
         let mut vetoed = Vec::new();
         let all = self.fit_race(self.extended(&model, now, &screening), RACE, candidates, &mut vetoed);
         // A base model may be complete, so a first effect must gain twice the usual amount.
