@@ -51,7 +51,7 @@ pub(crate) fn disagreements(
         (0..records.len()).filter(|&r| records[r].role == Role::Validate && runs[r].run.is_some());
     let all: Vec<Compared> = validated
         .filter_map(|r| {
-            if let Some(chain) = &chains[r] {
+            if let Some(Some(chain)) = chains.get(r) {
                 return of_chain(fit, cov, &records[r], chain);
             }
             // A record that continues another one has its sensors and its own numbers.
@@ -101,14 +101,10 @@ fn compared(
 }
 
 /// As [`compared`], along a chain.
-fn of_chain(
-    fit: &Fit<'_>,
-    cov: &Mat<f64>,
-    record: &Record,
-    chain: &ValidatedChain<'_>,
-) -> Option<Compared> {
+fn of_chain(fit: &Fit<'_>, cov: &Mat<f64>, record: &Record, chain: &ValidatedChain<'_>) -> Option<Compared> {
     let mut problem =
-        Problem::new(chain.problem.system, &chain.problem.terms, &[record], &[chain.problem.segments.len()]).ok()?;
+        Problem::new(chain.problem.system, &chain.problem.terms, &[record], &[chain.problem.segments.len()])
+            .ok()?;
     (problem.continuity, problem.chained) = (chain.problem.continuity.clone(), true);
     refitted(fit, cov, record, (problem, chain.x.clone()), &chain.noise, &chain.weights)
 }
