@@ -132,11 +132,10 @@ fn remarks(system: &System, found: &mut Identified) {
             found.warnings.push(Warning::MayBeZero { term: TermId::new(system, found_term.term) });
         }
     }
-    let worst = |role: Role, of: fn(&RecordFit) -> f64| {
-        found.records.iter().filter(|r| r.role == role).map(of).fold(0.0, f64::max)
+    let worst = |role: Role| {
+        found.records.iter().filter(|r| r.role == role).map(RecordFit::judged).fold(0.0, f64::max)
     };
-    let (fit, validate) =
-        (worst(Role::Fit, RecordFit::worst), worst(Role::Validate, RecordFit::worst_of_motion));
+    let (fit, validate) = (worst(Role::Fit), worst(Role::Validate));
     if validate > FINE_NRMSE && validate > WORSE * fit {
         found.warnings.push(Warning::ValidationWorse { fit, validate });
     }

@@ -37,4 +37,5 @@ pub(crate) mod state_scale;
 pub(crate) mod tally;
 pub(crate) mod term_sizes;
 pub(crate) mod unknowns;
+pub(crate) mod validated_chain;
 pub(crate) mod worth_of_laws;

@@ -41,6 +41,7 @@ fn ran(role: Role, nrmse: &[f64]) -> RecordFit {
         start: vec![],
         run: Some(Trajectory::default()),
         failure: None,
+        segments: None,
     }
 }
 

@@ -61,6 +61,9 @@ pub struct RecordFit {
     pub run: Option<Trajectory>,
     /// Why the free run failed.
     pub failure: Option<ModelError>,
+    /// The largest NRMSE of a column where each of many short segments is predicted from its own start; `None` for
+    /// motion that does not forget its start, which the free run judges.
+    pub segments: Option<f64>,
 }
 
 impl RecordFit {
@@ -86,6 +89,13 @@ impl RecordFit {
             |k: usize, e: f64| residuals.get(k).is_some_and(|r| noise_level(r) * e > NOISE_ONLY * rms(r));
         let moves = self.nrmse.iter().enumerate().filter(|(k, (_, e))| !rests(*k, *e));
         moves.map(|(_, (_, e))| *e).fold(0.0, f64::max)
+    }
+
+    /// The NRMSE that the record is judged by.
+    pub(crate) fn judged(&self) -> f64 {
+        // What is fitted must move; what is validated may have come to rest.
+        let free = || if self.role == Role::Fit { self.worst() } else { self.worst_of_motion() };
+        self.segments.unwrap_or_else(free)
     }
 
     /// The largest NRMSE of all columns; infinite if the run failed.

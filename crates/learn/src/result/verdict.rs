@@ -7,7 +7,6 @@ use super::record_fit::RecordFit;
 use super::term::FoundTerm;
 use crate::decisions::{COMPLETE, WORST_NRMSE};
 use phisindy_phys::System;
-use phisindy_phys::spec::Role;
 
 /// Whether to believe a result.
 #[derive(Clone, Debug, PartialEq)]
@@ -124,12 +123,12 @@ fn rejection(
         if let Some(failure) = &fit.failure {
             return Some(Rejection::RunFails { record: fit.name.clone(), failure: failure.clone() });
         }
-        // What is fitted must move; what is validated may have come to rest.
-        let nrmse = if fit.role == Role::Fit { fit.worst() } else { fit.worst_of_motion() };
+        let nrmse = fit.judged();
         if nrmse > WORST_NRMSE {
             return Some(Rejection::RunMisses { record: fit.name.clone(), nrmse });
         }
     }
-    let mean = |fits: &[RecordFit]| fits.iter().map(RecordFit::worst).sum::<f64>() / fits.len().max(1) as f64;
+    let left = |f: &RecordFit| f.segments.unwrap_or_else(|| f.worst());
+    let mean = |fits: &[RecordFit]| fits.iter().map(left).sum::<f64>() / fits.len().max(1) as f64;
     (!terms.is_empty() && mean(without) <= mean(fits)).then_some(Rejection::NoBetter)
 }

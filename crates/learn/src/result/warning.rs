@@ -180,10 +180,10 @@ pub fn at_bounds(parameters: &[FoundParameter]) -> Vec<Warning> {
     parameters.iter().filter_map(warning).collect()
 }
 
-/// A warning for every Validate record whose motion hangs on its start.
+/// A warning for every Validate record whose motion hangs on its start and that is judged by its free run.
 pub fn sensitive_starts(records: &[RecordFit]) -> Vec<Warning> {
     let warning = |f: &RecordFit| {
-        let part = f.adapted.as_ref().filter(|a| a.took_more)?;
+        let part = f.adapted.as_ref().filter(|a| a.took_more && f.segments.is_none())?;
         let (record, own) = (f.name.clone(), !part.values.is_empty());
         Some(Warning::SensitiveStart { record, fitted: part.samples, samples: f.samples, own })
     };
@@ -213,6 +213,7 @@ mod tests {
             residuals: vec![],
             start: vec![],
             run: None,
+            segments: None,
             failure: None,
         };
         let told = sensitive_starts(&[fit("steady", None), fit("chaotic", Some(200))]);

@@ -11,8 +11,9 @@ use crate::result::record_fit::RecordFit;
 use crate::result::warning::Warning;
 use crate::trajectory::fit::Fit;
 use crate::trajectory::free_run::Solution;
-use crate::trajectory::problem::{Meaning, Problem};
+use crate::trajectory::problem::{Meaning, Noise, Problem};
 use crate::trajectory::tally::{inflation, tally};
+use crate::trajectory::validated_chain::ValidatedChain;
 use faer::Mat;
 use phisindy_phys::spec::Role;
 use phisindy_phys::unit::Unit;
@@ -36,7 +37,7 @@ struct Compared {
 }
 
 /// Compares the numbers of the fit with those of each Validate record. `cov` is the covariance of the unknowns of
-/// the fit.
+/// the fit, `chains` are those of records whose motion forgets its start.
 pub(crate) fn disagreements(
     fit: &Fit<'_>,
     cov: &Mat<f64>,
@@ -44,11 +45,15 @@ pub(crate) fn disagreements(
     records: &[Record],
     filled: &[Record],
     runs: &[RecordFit],
+    chains: &[Option<ValidatedChain<'_>>],
 ) -> Agreement {
     let validated =
         (0..records.len()).filter(|&r| records[r].role == Role::Validate && runs[r].run.is_some());
     let all: Vec<Compared> = validated
         .filter_map(|r| {
+            if let Some(Some(chain)) = chains.get(r) {
+                return of_chain(fit, cov, &records[r], chain);
+            }
             // A record that continues another one has its sensors and its own numbers.
             let owner = records[r].continues.filter(|&j| runs[j].run.is_some()).unwrap_or(r);
             compared(fit, cov, solution, &records[r], &filled[r..=r], &runs[r], owner)
@@ -86,22 +91,40 @@ fn compared(
     let fitted: usize = fit.problem.records.iter().map(|r| r.len()).sum();
     let pieces =
         if fit.most_pieces() == 1 { 1 } else { (fit.problem.segments.len() * record.len()).div_ceil(fitted) };
-    let mut problem = Problem::new(system, terms, &[record], &[pieces]).ok()?;
-    let mut x = problem.guess(&solution.coefficients, Some(&solution.parameters[owner]), filled);
+    let problem = Problem::new(system, terms, &[record], &[pieces]).ok()?;
+    let mut x = solution.guess(&problem, owner, filled);
     let start = problem.segments[0].start;
     x[start..start + run.start.len()].copy_from_slice(&run.start);
-    for (k, meaning) in problem.meanings().into_iter().enumerate() {
-        if let Meaning::Sensor(_, state, which) = meaning {
-            x[k] = solution.sensors[owner][state][which];
-        }
-    }
     let noise = vec![fit.noise.first()?.clone()];
     let weights = problem.weights(&noise, problem.residuals(&x).ok().as_deref());
+    refitted(fit, cov, record, (problem, x), &noise, &weights)
+}
+
+/// As [`compared`], along a chain.
+fn of_chain(fit: &Fit<'_>, cov: &Mat<f64>, record: &Record, chain: &ValidatedChain<'_>) -> Option<Compared> {
+    let mut problem =
+        Problem::new(chain.problem.system, &chain.problem.terms, &[record], &[chain.problem.segments.len()])
+            .ok()?;
+    (problem.continuity, problem.chained) = (chain.problem.continuity.clone(), true);
+    refitted(fit, cov, record, (problem, chain.x.clone()), &chain.noise, &chain.weights)
+}
+
+/// Fits the numbers of a fit again from `x`, and compares.
+fn refitted(
+    fit: &Fit<'_>,
+    cov: &Mat<f64>,
+    record: &Record,
+    (mut problem, mut x): (Problem<'_>, Vec<f64>),
+    noise: &Noise,
+    weights: &[Vec<Vec<f64>>],
+) -> Option<Compared> {
+    let (system, terms) = (fit.problem.system, &fit.problem.terms);
+    let t = terms.len() + system.parameters.iter().filter(|p| !p.each).count();
     // The numbers that both records see and the start state move; everything else is fixed.
     let seen = |k: usize, normal: &Normal| {
         cov[(k, k)].is_finite() && normal.matrix[(k, k)] > 0.0 && problem.bounds[k].0 < problem.bounds[k].1
     };
-    let here = problem.normal(&x, &weights).ok()?;
+    let here = problem.normal(&x, weights).ok()?;
     let meanings = problem.meanings();
     let moves = |k: &usize| match meanings[*k] {
         Meaning::Coefficient(_) | Meaning::Parameter(_, None) => seen(*k, &here),
@@ -116,8 +139,8 @@ fn compared(
     for k in (0..x.len()).filter(|k| !moving.contains(k)) {
         problem.bounds[k] = (x[k], x[k]);
     }
-    let normal = problem.minimise(&mut x, &weights, Limits::of(AGREEMENT_MINIMUM)).ok()?;
-    let told = tally(&noise, &problem.residuals(&x).ok()?);
+    let normal = problem.minimise(&mut x, weights, Limits::of(AGREEMENT_MINIMUM)).ok()?;
+    let told = tally(noise, &problem.residuals(&x).ok()?);
     let inflation = inflation(told.samples, told.effective);
     let curvature = Mat::from_fn(moving.len(), moving.len(), |i, j| normal.matrix[(moving[i], moving[j])]);
     let own =

@@ -63,7 +63,7 @@ impl<'a> Context<'a> {
         {
             return false;
         }
-        !found.is_white() || found.most_pieces() > 1 || growth(found) > FORGOTTEN
+        !found.is_white() || found.most_pieces() > 1 || growth(&found.problem, &found.x) > FORGOTTEN
     }
 
     /// With how many terms of each equation a chain starts: all, or of a dictionary that has more of them than the
@@ -130,7 +130,7 @@ impl<'a> Context<'a> {
 }
 
 /// How far each state may jump at a joint: this part of its noise, or of a hundredth of its size without a column.
-fn jumps(problem: &Problem<'_>, noise: &Noise, part: f64) -> Vec<f64> {
+pub(crate) fn jumps(problem: &Problem<'_>, noise: &Noise, part: f64) -> Vec<f64> {
     let free = |k: usize| {
         let read = problem.records.iter().zip(noise).filter(|(r, _)| r.columns[k].is_some());
         let largest = read.map(|(_, noise)| noise[k].additive).fold(0.0, f64::max);
@@ -140,10 +140,10 @@ fn jumps(problem: &Problem<'_>, noise: &Noise, part: f64) -> Vec<f64> {
 }
 
 /// By how much a disturbance of a start grows at most over a single run, each state in units of its size.
-fn growth(fit: &Fit<'_>) -> f64 {
-    let (problem, n) = (&fit.problem, fit.problem.system.states.len());
+pub(crate) fn growth(problem: &Problem<'_>, x: &[f64]) -> f64 {
+    let n = problem.system.states.len();
     let of_segment = |segment: &Segment| -> f64 {
-        let Ok(sampled) = problem.run(segment, &fit.x, true) else { return f64::INFINITY };
+        let Ok(sampled) = problem.run(segment, x, true) else { return f64::INFINITY };
         let run = &sampled.run;
         let entry = |i: usize, k: usize, j: usize| {
             (run.sensitivities[(i * run.n + k) * run.m + j] * problem.scale[j] / problem.scale[k]).abs()

@@ -7,6 +7,8 @@
 use crate::decisions::{CHAOTIC_MEAN, CHAOTIC_SIZE, WORST_NRMSE};
 use crate::result::record_fit::RecordFit;
 use crate::trajectory::fit::Fit;
+use crate::trajectory::problem::{Noise, Problem};
+use crate::trajectory::validated_chain::ValidatedChain;
 use phisindy_signal::{effective_samples, standard_deviation};
 
 /// What a chain of segments that no single run follows says of a model.
@@ -27,21 +29,31 @@ pub struct Chaos {
 }
 
 impl Chaos {
-    /// Of a chain; `None` for single runs, and where no start grows. `fits` are the free runs of its records.
-    pub(crate) fn new(fit: &Fit<'_>, fits: &[&RecordFit]) -> Option<Chaos> {
+    /// Of a chain of fitted records; `None` for single runs, and where no start grows. `fits` are their free runs.
+    pub(crate) fn of_fit(fit: &Fit<'_>, fits: &[&RecordFit]) -> Option<Chaos> {
         if !fit.problem.chained || fit.most_pieces() == 1 {
             return None;
         }
-        let exponent = exponent(fit).filter(|e| *e > 0.0)?;
-        let residuals = fit.problem.residuals(&fit.x).ok()?;
-        let mut out =
-            Chaos { pieces: fit.most_pieces(), exponent, nrmse: 0.0, noise: 0.0, mean: 0.0, size: 1.0 };
+        Chaos::of(&fit.problem, &fit.x, &fit.noise, fits)
+    }
+
+    /// Of the chain of a Validate record and its free run.
+    pub(crate) fn of_validated(chain: &ValidatedChain<'_>, free: &RecordFit) -> Option<Chaos> {
+        Chaos::of(&chain.problem, &chain.x, &chain.noise, &[free])
+    }
+
+    fn of(problem: &Problem<'_>, x: &[f64], noise: &Noise, fits: &[&RecordFit]) -> Option<Chaos> {
+        let exponent = exponent(problem, x).filter(|e| *e > 0.0)?;
+        let residuals = problem.residuals(x).ok()?;
+        let pieces = |r: usize| problem.segments.iter().filter(|s| s.record == r).count();
+        let pieces = (0..fits.len()).map(pieces).max()?;
+        let mut out = Chaos { pieces, exponent, nrmse: 0.0, noise: 0.0, mean: 0.0, size: 1.0 };
         for (r, free) in fits.iter().enumerate() {
             free.run.as_ref()?;
-            for (k, column) in fit.problem.records[r].columns.iter().enumerate() {
+            for (k, column) in problem.records[r].columns.iter().enumerate() {
                 let Some(column) = column else { continue };
-                let deviation = fit.problem.deviations[r][k];
-                let noise = fit.noise[r][k].variance(deviation).sqrt();
+                let deviation = problem.deviations[r][k];
+                let noise = noise[r][k].variance(deviation).sqrt();
                 let left = &residuals[r][k].residual;
                 let nrmse = (left.iter().map(|e| e * e).sum::<f64>() / left.len() as f64).sqrt() / deviation;
                 if nrmse > out.nrmse {
@@ -54,6 +66,19 @@ impl Chaos {
             }
         }
         Some(out)
+    }
+
+    /// The worse of two in each number.
+    pub(crate) fn worse(self, other: Chaos) -> Chaos {
+        let worst = if other.nrmse > self.nrmse { &other } else { &self };
+        Chaos {
+            pieces: self.pieces.max(other.pieces),
+            exponent: self.exponent.max(other.exponent),
+            nrmse: worst.nrmse,
+            noise: worst.noise,
+            mean: self.mean.max(other.mean),
+            size: self.size.max(other.size),
+        }
     }
 
     /// Whether the model is one of the motion.
@@ -75,8 +100,8 @@ fn distance_of_means(a: &[f64], b: &[f64]) -> f64 {
 
 /// The largest Lyapunov exponent: the mean rate at which a disturbance grows along the chain (Benettin et al., Meccanica
 /// 15 (1980) 9-20). `None` where a segment cannot be simulated.
-fn exponent(fit: &Fit<'_>) -> Option<f64> {
-    let (problem, n) = (&fit.problem, fit.problem.system.states.len());
+fn exponent(problem: &Problem<'_>, x: &[f64]) -> Option<f64> {
+    let n = problem.system.states.len();
     let (mut logarithm, mut time) = (0.0, 0.0);
     let mut disturbance: Vec<f64> = problem.scale.clone();
     for segment in &problem.segments {
@@ -88,7 +113,7 @@ fn exponent(fit: &Fit<'_>) -> Option<f64> {
         if problem.next(segment).is_none() {
             continue;
         }
-        let run = problem.run(segment, &fit.x, true).ok()?.run;
+        let run = problem.run(segment, x, true).ok()?.run;
         let i = last - first;
         let grown: Vec<f64> = (0..n)
             .map(|k| (0..n).map(|j| run.sensitivities[(i * run.n + k) * run.m + j] * disturbance[j]).sum())

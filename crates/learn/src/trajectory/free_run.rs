@@ -46,6 +46,17 @@ impl Solution {
             starts: vec![None; records.len()],
         }
     }
+
+    /// The unknowns of a problem of one record alone, with the numbers of a record; start states from the columns.
+    pub(crate) fn guess(&self, problem: &Problem<'_>, of: usize, filled: &[Record]) -> Vec<f64> {
+        let mut x = problem.guess(&self.coefficients, Some(&self.parameters[of]), filled);
+        for (k, meaning) in problem.meanings().into_iter().enumerate() {
+            if let Meaning::Sensor(_, state, which) = meaning {
+                x[k] = self.sensors[of][state][which];
+            }
+        }
+        x
+    }
 }
 
 /// Simulates every record from its start state, which is fitted where `solution` has none. What a Validate record
@@ -85,6 +96,7 @@ fn one(
         start: vec![],
         run: None,
         failure: None,
+        segments: None,
     };
     let mut problem = match Problem::new(system, &solution.terms, &[record], &[1]) {
         Ok(problem) => problem,
@@ -94,12 +106,7 @@ fn one(
         }
     };
     let source = record.continues.filter(|&j| done[j].run.is_some()).unwrap_or(r);
-    let mut x = problem.guess(&solution.coefficients, Some(&solution.parameters[source]), &filled[r..=r]);
-    for (k, meaning) in problem.meanings().into_iter().enumerate() {
-        if let Meaning::Sensor(_, state, which) = meaning {
-            x[k] = solution.sensors[source][state][which];
-        }
-    }
+    let mut x = solution.guess(&problem, source, &filled[r..=r]);
     let whole = problem.segments[0];
     let run = if source != r {
         continued(&problem, &records[source], &done[source], record, &x)

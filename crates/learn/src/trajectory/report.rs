@@ -19,6 +19,7 @@ use crate::trajectory::jacobian::Singular;
 use crate::trajectory::problem::Meaning;
 use crate::trajectory::separability::inseparable;
 use crate::trajectory::unknowns::Unknowns;
+use crate::trajectory::validated_chain::ValidatedChain;
 use crate::trajectory::worth_of_laws::against_laws;
 use phisindy_phys::spec::Method;
 use phisindy_phys::{Case, Note, Record, System};
@@ -61,13 +62,17 @@ pub(crate) fn report(
 
     let mut solution = unknowns.solution();
     let mut fits = free_runs(system, records, filled, &mut solution);
-    let of_fitted: Vec<&RecordFit> = unknowns.fitted.iter().map(|&r| &fits[r]).collect();
-    let chaos = Chaos::new(fit, &of_fitted);
-    let holds = chaos.as_ref().is_some_and(Chaos::holds);
+    let chains = ValidatedChain::all(system, fit, &solution, records, filled, &fits);
+    let judged = chaos_of(fit, &unknowns.fitted, &chains, &fits);
+    let chaos = judged.iter().map(|(_, chaos)| chaos.clone()).reduce(Chaos::worse);
+    // No run from a fitted start could follow such a motion.
+    if failure.is_none() && only_noise && chaos.as_ref().is_some_and(Chaos::holds) {
+        judged.iter().for_each(|(r, chaos)| fits[*r].segments = Some(chaos.nrmse));
+    }
     warnings.extend(chaos.map(Warning::Chaotic).or_else(|| segmented(fit)));
     warnings.extend(sensitive_starts(&fits));
     let Agreement { warnings: apart, scatter } =
-        disagreements(fit, &bars.sandwich, &solution, records, filled, &fits);
+        disagreements(fit, &bars.sandwich, &solution, records, filled, &fits, &chains);
     warnings.extend(apart);
     let of = |all: &[f64], k: usize| all.get(k).copied().unwrap_or(0.0);
     let variance = |k: usize| of(&scatter, k) + of(&input_noise.variance, k);
@@ -78,8 +83,6 @@ pub(crate) fn report(
     }
     let without = free_runs(system, records, filled, &mut known_part(solution, records));
     let verdict = match (verdict(system, &terms, &fits, &without, only_noise), failure) {
-        // No run from a fitted start could follow such a motion.
-        (Verdict::Rejected(Rejection::RunMisses { .. }), None) if holds && only_noise => Verdict::Identified,
         (Verdict::Rejected(_), Some(failure)) => Verdict::Rejected(Rejection::FitFailed(failure)),
         (Verdict::Identified, _) => {
             let against = |without| against_laws(without, fit, &parameters, &fits, only_noise);
@@ -103,6 +106,21 @@ pub(crate) fn report(
         verdict,
         stop_reason,
     }
+}
+
+/// What the chains of records whose motion forgets its start say, each with the place of its record.
+fn chaos_of(
+    fit: &Fit<'_>,
+    fitted: &[usize],
+    chains: &[Option<ValidatedChain<'_>>],
+    fits: &[RecordFit],
+) -> Vec<(usize, Chaos)> {
+    let of_fitted: Vec<&RecordFit> = fitted.iter().map(|&r| &fits[r]).collect();
+    let of_fit = Chaos::of_fit(fit, &of_fitted);
+    let together = fitted.iter().filter_map(|&r| Some((r, of_fit.clone()?)));
+    let of_validated =
+        |(r, chain): (usize, &Option<_>)| Some((r, Chaos::of_validated(chain.as_ref()?, &fits[r])?));
+    together.chain(chains.iter().enumerate().filter_map(of_validated)).collect()
 }
 
 /// Why a fit did not move; `None` if it did, or had nothing to move.

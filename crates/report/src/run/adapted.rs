@@ -110,6 +110,7 @@ mod tests {
             start: vec![0.003],
             run: None,
             failure: None,
+            segments: None,
         };
         let told = |fit: &RecordFit| words(&case.system, fit);
         assert_eq!(

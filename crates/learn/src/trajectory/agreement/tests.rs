@@ -39,7 +39,7 @@ fn said(case: &Case, records: &[Record], found: &[f64], cov: &Mat<f64>, effectiv
     let parameters: Vec<f64> = case.system.parameters.iter().map(|p| p.start).collect();
     let mut solution = Solution::new(fit.problem.terms.clone(), found.to_vec(), &parameters, records);
     let runs = free_runs(&case.system, records, records, &mut solution);
-    texts(&disagreements(&fit, cov, &solution, records, records, &runs).warnings)
+    texts(&disagreements(&fit, cov, &solution, records, records, &runs, &[]).warnings)
 }
 
 /// The least-squares slope of samples.
@@ -139,7 +139,7 @@ fn the_scatter_between_records_is_in_the_error_bars() {
     let cov = Mat::from_fn(2, 2, |i, j| if i == j { own } else { 0.0 });
     let mut solution = Solution::new(vec![0], vec![fit.x[0]], &[], &records);
     let runs = free_runs(&case.system, &records, &records, &mut solution);
-    let found = disagreements(&fit, &cov, &solution, &records, &records, &runs);
+    let found = disagreements(&fit, &cov, &solution, &records, &records, &runs, &[]);
     // The variance of 1 and 3 round their mean is 2.
     assert_relative_eq!(found.scatter[0], 2.0, max_relative = 0.01);
     let mut slope = crate::Estimate::normal(fit.x[0], own.sqrt());
@@ -160,7 +160,7 @@ fn a_constant_that_does_not_carry_over_is_told() {
     let cov = Mat::from_fn(2, 2, |i, j| if i == j { own } else { 0.0 });
     let mut solution = Solution::new(vec![], vec![], &fit.x[..1], &records);
     let runs = free_runs(&case.system, &records, &records, &mut solution);
-    let found = disagreements(&fit, &cov, &solution, &records, &records, &runs);
+    let found = disagreements(&fit, &cov, &solution, &records, &records, &runs, &[]);
     let text = found.warnings[0].to_string();
     assert!(text.starts_with("q is 2.99") && text.contains("by r1 alone and 0.99"), "{text}");
 }
@@ -183,7 +183,7 @@ fn who_has_no_say() {
     let mut solution = Solution::new(vec![0], vec![1.0], &[], &records);
     let mut runs = free_runs(&case.system, &records, &records, &mut solution);
     runs[2].run = None;
-    let left = disagreements(&fit, &cov(1e-6), &solution, &records, &records, &runs);
+    let left = disagreements(&fit, &cov(1e-6), &solution, &records, &records, &runs, &[]);
     assert_eq!(left, Agreement::default());
 
     // No term, no coefficient.
@@ -208,7 +208,7 @@ fn sensors_stay_as_they_were_found() {
         let mut solution = Solution::new(vec![0], vec![fit.x[0]], &[], &records);
         let runs = free_runs(&case.system, &records, &records, &mut solution);
         solution.sensors[1][0][1] = gain;
-        texts(&disagreements(&fit, &cov, &solution, &records, &records, &runs).warnings)
+        texts(&disagreements(&fit, &cov, &solution, &records, &records, &runs, &[]).warnings)
     };
     assert_eq!(with_gain(2.0), Vec::<String>::new());
     assert_eq!(with_gain(1.0).len(), 1);
