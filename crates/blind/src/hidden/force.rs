@@ -42,7 +42,12 @@ impl Force {
 }
 
 /// The sum of forces on each mass along a motion; `None` if a text is no expression of the states.
-pub(super) fn on_masses(rig: &Rig, forces: &[Effect], motion: &Motion, times: &[f64]) -> Option<Vec<Vec<f64>>> {
+pub(super) fn on_masses(
+    rig: &Rig,
+    forces: &[Effect],
+    motion: &Motion,
+    times: &[f64],
+) -> Option<Vec<Vec<f64>>> {
     let mut out = vec![vec![0.0; times.len()]; rig.count()];
     let names: Vec<&str> = rig.x.iter().chain(&rig.v).map(String::as_str).chain(["t"]).collect();
     for effect in forces {
@@ -186,12 +191,20 @@ mod tests {
         (place.x, place.v) = ("x".to_owned(), "v".to_owned());
         let scales = Scales { x: 1.0, v: 1.0, force: 1.0, time: 10.0 };
         let effect = never::draw(name, &place, scales, &mut dice).expect("a law");
-        let states: Vec<(f64, f64)> =
-            (0..500).map(|k| (f64::from(k) * 0.13).sin()).zip((0..500).map(|k| (f64::from(k) * 0.31).cos())).collect();
-        let text = found.replace("TRUTH", &effect.written(match &effect.action {
-            Action::Force { force, .. } => force,
-            _ => "0",
-        }, false));
+        let states: Vec<(f64, f64)> = (0..500)
+            .map(|k| (f64::from(k) * 0.13).sin())
+            .zip((0..500).map(|k| (f64::from(k) * 0.31).cos()))
+            .collect();
+        let text = found.replace(
+            "TRUTH",
+            &effect.written(
+                match &effect.action {
+                    Action::Force { force, .. } => force,
+                    _ => "0",
+                },
+                false,
+            ),
+        );
         same_form(&effect, &place, &text, &states)
     }
 

@@ -4,8 +4,8 @@ use super::determined::determined;
 use super::effect::{Effect, Scales, draw, draw_input, draw_sensor};
 use super::experiment::{experiments, first_part, first_part_of_motion};
 use super::fair::{steady, visible};
-use super::never;
 use super::motion::{ACCELERATION, Experiment, Motion, earlier, motion};
+use super::never;
 use super::outside;
 use super::place::{Place, places};
 use super::rig::{Constant, Drive, Extra, Line, Rig};
@@ -275,7 +275,10 @@ impl Drawn {
         if let Some(accuracy) = wish.told {
             let freedom: usize = self.effects.iter().map(Effect::freedom).sum();
             let error = (freedom as f64 / judgement.visible).sqrt();
-            return if error < accuracy { Ok(judgement) } else { Err("the record does not tell the force") };
+            let measured: Vec<(usize, f64)> = columns.iter().map(|(k, _, noise)| (*k, *noise)).collect();
+            let told = error < accuracy
+                && determined(&self.rig, &self.effects, &self.experiments[0], self.split, &measured);
+            return if told { Ok(judgement) } else { Err("the record does not tell the force") };
         }
         let outside = matches!(wish.kind, Kind::Outside(_));
         if judgement.visible < VISIBLE {
