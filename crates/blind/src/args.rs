@@ -7,6 +7,7 @@ const EXAMPLES: &str = "\
 Examples:
   phisindy-blind hidden --out sets --sets 200 --seed 7      data sets with a hidden effect, the truth beside each
   phisindy-blind score --out sets                           `phisindy gap` on each of them, compared with the truth
+  phisindy-blind formula --sets 48 --noise 2                laws of no catalogue: is the force found as a formula?
   phisindy-blind wrong --sets 105 --seed 7                  known parts with one mistake: does `run` tell of it?
   phisindy-blind paper --write docs/results.md              every case of the paper with both methods
   phisindy-blind sweep --seeds 100 --write docs/results.md  many seeds of every case
@@ -33,6 +34,8 @@ pub(crate) enum Command {
     /// Run `phisindy gap` on the sets of a folder and compare with their truths; the seconds are those of one
     /// thread
     Score(ScoreArgs),
+    /// Hide laws that no catalogue has: is the force found as a formula? The seconds are those of `--threads`
+    Formula(FormulaArgs),
     /// Identify models with one mistake in the known part: is it told?
     Wrong(WrongArgs),
     /// Each case beside what the paper prints
@@ -116,6 +119,48 @@ pub(crate) struct ScoreArgs {
     /// Also run the sets that have a result already
     #[arg(long)]
     pub(crate) again: bool,
+}
+
+/// Which sets for formulas.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct FormulaArgs {
+    /// What is hidden
+    #[arg(long, value_enum, default_value_t = Missing::Never)]
+    pub(crate) what: Missing,
+    /// Number of sets
+    #[arg(long, value_name = "N", default_value_t = 24)]
+    pub(crate) sets: usize,
+    /// Seed of all draws
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Noise, per cent of the standard deviation of each column
+    #[arg(long, value_name = "P", default_value_t = 2.0)]
+    pub(crate) noise: f64,
+    /// Hide this law only
+    #[arg(long, value_name = "LAW")]
+    pub(crate) only: Option<String>,
+    /// Keep sets and results in this folder; the same command goes on from there [default: a temporary folder]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Run the sets that have a result already, too
+    #[arg(long)]
+    pub(crate) again: bool,
+    /// Threads of each run
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) threads: u16,
+}
+
+/// What a set for formulas hides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Missing {
+    /// A static law that is in no catalogue
+    Never,
+    /// A static law of the catalogue, which is left out of it
+    LeaveOneOut,
+    /// Nothing
+    Nothing,
+    /// A law with memory, where all laws with memory are left out
+    Memory,
 }
 
 /// Which known parts to get wrong.

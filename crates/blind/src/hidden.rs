@@ -6,15 +6,19 @@
 //!      --write--> spec.ron, *.csv | truth.json
 //! DIR/NNN --run--> result.json --scored, with truth.json--> marks --tally--> table
 //! ```
+//! `phisindy-blind formula` makes sets with a law that is left out of the catalogue, or in none, and compares forces.
 
 mod determined;
 mod effect;
 mod experiment;
 mod fair;
+mod force;
+mod formula;
 mod linear;
 mod made;
 mod mark;
 mod motion;
+mod never;
 mod outside;
 mod place;
 mod rig;
@@ -27,7 +31,7 @@ mod wish;
 mod write;
 
 use crate::Table;
-use crate::args::{HiddenArgs, Options, ScoreArgs};
+use crate::args::{FormulaArgs, HiddenArgs, Options, ScoreArgs};
 use crate::dice::Dice;
 use crate::folder::{Folder, print};
 use crate::interrupt;
@@ -41,6 +45,14 @@ use rayon::prelude::*;
 /// There are no sets, or files cannot be read or written.
 pub(crate) fn score(args: &ScoreArgs, options: &Options) -> Result<Option<Table>> {
     score::score(args, options)
+}
+
+/// Sets for formulas, made, run and scored; none if the user stopped it.
+///
+/// # Errors
+/// A set that cannot be made, or files that cannot be read or written.
+pub(crate) fn formula(args: &FormulaArgs, options: &Options) -> Result<Option<Table>> {
+    formula::formula(args, options)
 }
 
 /// Makes the sets; false if the user stopped it.

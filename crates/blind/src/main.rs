@@ -4,6 +4,7 @@
 //! ```text
 //! seed --hidden--> DIR/NNN: spec and data of a rig with an effect that the spec lacks | truth.json
 //! DIR/NNN --phisindy gap--> result.json --score, with truth.json--> table
+//! seed --formula--> sets with a law of no catalogue --phisindy gap--> compared forces --> table
 //! seed --wrong--> specs with one mistake in the known part --identify--> is it reported? --> table
 //! specs of the paper --phisindy run, phisindy sweep--> tables of docs/results.md
 //! ```
@@ -69,6 +70,7 @@ fn run(args: &Args) -> Result<bool> {
         Command::Hidden(args) => return hidden::make(args, options),
         Command::Book { query } => return book::preprocess(query).map(|()| true),
         Command::Score(args) => hidden::score(args, options)?,
+        Command::Formula(args) => hidden::formula(args, options)?,
         Command::Wrong(args) => wrong::table(args, options)?,
         Command::Paper(args) => readme::paper(args, options)?.map(|table| Table::new("paper", table)),
         Command::Sweep(args) => readme::sweep(args, options)?.map(|table| Table::new("sweep", table)),

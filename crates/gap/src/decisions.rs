@@ -204,13 +204,19 @@ decisions! {
     /// Columns of each shape that begin a sum: the best of its grid.
     FORMULA_SINGLES: usize = 3, "columns", Basis::Judgement("cost; the best alone, and its neighbours");
     /// Formulas that are fitted in full in a pass.
-    FORMULAS_FITTED: usize = 24, "models", Basis::Judgement("cost");
+    FORMULAS_FITTED: usize = 12, "models", Basis::Judgement("cost");
     /// Passes: each one goes along the run of the best formula of the one before.
     FORMULA_PASSES: usize = 3, "passes", Basis::Judgement("the run of the second is within the noise of that of the third");
     /// Knots of a force without a formula over one quantity.
     FORCE_KNOTS: [usize; 4] = [4, 8, 16, 32], "knots", Basis::Judgement("the description length chooses among them");
     /// Knots of a force over displacement and velocity, of each.
     FORCE_SURFACE_KNOTS: [usize; 3] = [4, 7, 11], "knots", Basis::Judgement("the description length chooses among them; cost");
+    /// Deflections at which springs slip, for a force that remembers.
+    FORCE_DEFLECTIONS: [f64; 5] = [0.05, 0.1, 0.2, 0.4, 0.8], "of the largest displacement", Basis::Judgement("octaves: their sum is any hysteresis");
+    /// Times after which springs behind dashpots forget.
+    FORCE_TIMES: [f64; 5] = [0.05, 0.15, 0.5, 1.5, 5.0], "of half a swing", Basis::Judgement("half decades: their sum is any relaxation");
+    /// Knots of a spline over the time, for a force that drifts.
+    FORCE_TIME_KNOTS: usize = 4, "knots", Basis::Judgement("a drift is slow");
     // Evidence.
 
     /// A contact is not elastic if its deflection is a smaller fraction of the predicted one.

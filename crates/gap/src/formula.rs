@@ -15,7 +15,7 @@ mod front;
 mod scale;
 mod shape;
 
-use crate::decisions::{FORMULA_ALPHABET, FORMULA_PASSES, FORMULAS_FITTED, RACE, RIVALS, WORTH};
+use crate::decisions::{FAR_OFF, FORMULA_ALPHABET, FORMULA_PASSES, FORMULAS_FITTED, RACE, RIVALS, WORTH};
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::{Effect, Place, Site, fits};
 use crate::result::{Activity, MissingForce, PlacedLaw, Rival, StopReason};
@@ -36,6 +36,8 @@ struct Candidate {
     shapes: Vec<Shape>,
     symbols: usize,
     length: f64,
+    /// What it leaves beyond the noise, in the same units.
+    excess: f64,
     scales: [Scale; 2],
 }
 
@@ -98,7 +100,7 @@ impl Search<'_> {
         let ground = Ground::new(&model, &now.cal, None, self.noise)?;
         let at_place = |place: &Place| {
             let at = ground.footing(&model.system, place)?;
-            force::missing_force(&ground, &at, &place.at)
+            force::missing_force(&ground, &at, &model.system, &place.at)
         };
         let all: Vec<(f64, MissingForce)> = model.places().iter().filter_map(at_place).collect();
         let best = all.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
@@ -123,13 +125,15 @@ impl Search<'_> {
                 }
                 candidates.extend(candidates_at(&ground, &model, place));
             }
-            candidates.retain(|c| c.length < 0.0 && !has(&tried, c));
-            let candidates = shortest(candidates, FORMULAS_FITTED, |c| c.shapes.len(), |c| c.length);
-            if candidates.is_empty() || (self.observe)(0.91, Activity::FittingFormulas) {
+            let (first, longer) = promising(candidates, &tried);
+            if (first.is_empty() && longer.is_empty()) || (self.observe)(0.91, Activity::FittingFormulas) {
                 break;
             }
             let before = best_of(&tried, &value);
-            self.fit_formulas(&model, &candidates, &mut tried);
+            self.fit_formulas(&model, &first, &mut tried);
+            if !best_of(&tried, &value).is_some_and(|best| self.explained(&tried[best].fitted)) {
+                self.fit_formulas(&model, &longer, &mut tried);
+            }
             let Some(best) = best_of(&tried, &value) else { break };
             if before == Some(best) {
                 break;
@@ -165,7 +169,9 @@ impl Search<'_> {
         while let Some(best) = best_of(tried, value) {
             let from = &tried[best];
             let terms = 0..from.shapes.len();
-            let limits = terms.clone().flat_map(|k| [0, 1].map(|quantity| at_limit(from, k, quantity)));
+            let kinds = [(0, false), (1, false), (0, true), (1, true)];
+            let limits =
+                terms.clone().flat_map(|k| kinds.map(|(quantity, step)| at_limit(from, k, quantity, step)));
             let shorter = terms.map(|k| without(from, k)).chain(limits).flatten();
             let shorter: Vec<Candidate> = shorter.filter(|c| !has(tried, c)).collect();
             let before = tried.len();
@@ -188,6 +194,29 @@ impl Search<'_> {
     }
 }
 
+/// The formulas of a pass that are fitted in full: of those that are worth their length, the ones that may be the right
+/// one. The response is not exact, and the right formula may leave as much as the shortest one does; what is longer
+/// than it by more than that, and the evidence that counts, is another. Second, sums that have all terms of a shorter
+/// formula and some more: they are fitted where no shorter one explains the data.
+fn promising(mut all: Vec<Candidate>, tried: &[Tried]) -> (Vec<Candidate>, Vec<Candidate>) {
+    let best = all.iter().min_by(|a, b| a.length.total_cmp(&b.length));
+    let Some(most) = best.map(|b| b.length + b.excess + 2.0 * WORTH) else { return (vec![], vec![]) };
+    all.retain(|c| c.length < most.min(0.0));
+    let within = |a: &Candidate, b: &Candidate| {
+        a.shapes.len() < b.shapes.len()
+            && a.length < b.length
+            && a.effect.place.is(&b.effect.place)
+            && a.shapes.iter().all(|s| b.shapes.contains(s))
+    };
+    let longer: Vec<bool> = all.iter().map(|b| all.iter().any(|a| within(a, b))).collect();
+    let (mut first, mut more) = (vec![], vec![]);
+    for (c, longer) in all.into_iter().zip(longer).filter(|(c, _)| !has(tried, c)) {
+        if longer { more.push(c) } else { first.push(c) }
+    }
+    let some = |all| shortest(all, FORMULAS_FITTED, |c: &Candidate| c.shapes.len(), |c| c.length);
+    (some(first), some(more))
+}
+
 /// Whether a formula was fitted at this place.
 fn has(tried: &[Tried], c: &Candidate) -> bool {
     let at = |t: &Tried| t.fitted.model.effects.last().is_some_and(|a| a.effect.place.is(&c.effect.place));
@@ -205,23 +234,24 @@ fn without(from: &Tried, k: usize) -> Option<Candidate> {
     }
     let mut start = effect.start.clone();
     start.drain(first..=first + gone.inner().len());
-    written(shapes, Effect { start, ..effect }, &from.scales, 0.0)
+    written(shapes, Effect { start, ..effect }, &from.scales, (0.0, 0.0))
 }
 
-/// A fitted formula with the atom of a quantity (0 displacement, 1 velocity) of its term `k` replaced by its limit.
-fn at_limit(from: &Tried, k: usize, quantity: usize) -> Option<Candidate> {
+/// A fitted formula with the atom of a quantity (0 displacement, 1 velocity) of its term `k` replaced by its limit, or
+/// by the step that it is for a small size.
+fn at_limit(from: &Tried, k: usize, quantity: usize, step: bool) -> Option<Candidate> {
     let effect = current(&from.fitted).pop()?;
     let mut shapes = from.shapes.clone();
     let first: usize = shapes[..k].iter().map(|s| 1 + s.inner().len()).sum();
     let at = shapes[k].inner().iter().position(|(of, _)| *of == quantity)?;
-    let (shape, power) = shapes[k].at_limit(quantity)?;
+    let (shape, power) = shapes[k].at_limit(quantity, step)?;
     shapes[k] = shape;
     let mut start = effect.start.clone();
     let inner = start.remove(first + 1 + at);
     start[first] *= inner.powi(power);
     // Twice the same term is one.
     let again = (0..shapes.len()).any(|j| j != k && shapes[j] == shapes[k] && shapes[k].inner().is_empty());
-    if again { None } else { written(shapes, Effect { start, ..effect }, &from.scales, 0.0) }
+    if again { None } else { written(shapes, Effect { start, ..effect }, &from.scales, (0.0, 0.0)) }
 }
 
 /// The index of the best formula.
@@ -233,6 +263,11 @@ fn best_of(tried: &[Tried], value: &dyn Fn(&Tried, Measure) -> f64) -> Option<us
 /// The formulas of a place, shortest description first.
 fn candidates_at(ground: &Ground, model: &TrialModel, place: &Place) -> Vec<Candidate> {
     let Some(at) = ground.footing(&model.system, place) else { return vec![] };
+    // What no force of displacement and velocity explains here, no formula of them does.
+    let free = force::missing_force(ground, &at, &model.system, &place.at);
+    if free.is_none_or(|(_, force)| force.left > FAR_OFF) {
+        return vec![];
+    }
     let grammar = Grammar::new(&at);
     let ways: &[bool] = if at.rested() { &[true, false] } else { &[false] };
     let mut all = Vec::new();
@@ -261,17 +296,22 @@ fn candidate(entry: Entry, place: &Place, grammar: &Grammar) -> Option<Candidate
         start,
         beside: entry.beside,
     };
-    written(shapes, effect, &grammar.scales, entry.length)
+    written(shapes, effect, &grammar.scales, (entry.length, entry.excess))
 }
 
 /// A sum of shapes as a law in the place of that of an effect, whose starts are its numbers.
-fn written(shapes: Vec<Shape>, effect: Effect, scales: &[Scale; 2], length: f64) -> Option<Candidate> {
+fn written(
+    shapes: Vec<Shape>,
+    effect: Effect,
+    scales: &[Scale; 2],
+    (length, excess): (f64, f64),
+) -> Option<Candidate> {
     let law = formula("formula", "A formula", "", &shapes, scales).ok()?;
     // The id says what it is, in the list of rivals.
     let entry = LawEntry { id: law.entry.law.force.clone()?, ..law.entry };
     let effect = Effect { entry, ..effect };
     let acts = fits(&effect.entry.law, &effect.place);
-    acts.then(|| Candidate { effect, shapes, symbols: law.symbols, length, scales: scales.clone() })
+    acts.then(|| Candidate { effect, shapes, symbols: law.symbols, length, excess, scales: scales.clone() })
 }
 
 /// The law of a formula by the name under which it is reported, with the region in which it is known.

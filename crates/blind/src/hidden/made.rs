@@ -5,6 +5,7 @@ use super::effect::{Effect, Scales, draw, draw_input, draw_sensor};
 use super::experiment::{experiments, first_part, first_part_of_motion};
 use super::fair::{steady, visible};
 use super::motion::{ACCELERATION, Experiment, Motion, earlier, motion};
+use super::never;
 use super::outside;
 use super::place::{Place, places};
 use super::rig::{Constant, Drive, Extra, Line, Rig};
@@ -53,6 +54,10 @@ pub(super) struct Made {
     /// The amplitude of the drive is a constant of each record.
     pub(super) own_amplitude: bool,
     pub(super) truth: Truth,
+    pub(super) effects: Vec<Effect>,
+    pub(super) experiments: Vec<Experiment>,
+    /// The exact motion of each record.
+    pub(super) motions: Vec<Motion>,
 }
 
 /// Draws until a set is fair.
@@ -78,10 +83,17 @@ fn attempt(wish: &Wish, dice: &mut Dice) -> Result<Made, &'static str> {
         Kind::Nothing => false,
     };
     let mut rig = Rig::draw(dice, wish.two_masses, friction && wish.holds);
+    // A single cosine draws one closed curve over displacement and velocity, along which many formulas are the same.
+    let forced = matches!(rig.drive, Drive::Explicit(_) | Drive::Force(_)) && rig.lines.len() > 1;
+    if wish.told.is_some() && !forced {
+        return Err("not forced by several cosines");
+    }
     if wish.kind == Kind::Nothing && dice.chance(0.25) {
         add_nonlinear_term(&mut rig, dice);
     }
-    movables(&mut rig, wish, dice);
+    if wish.told.is_none() {
+        movables(&mut rig, wish, dice);
+    }
     let (experiments, split) = experiments(&rig, dice);
     let run = |effects: &[Effect], before: f64| -> Result<Vec<Motion>, &'static str> {
         let one = |c: &Experiment| motion(&rig, effects, c, before).map_err(|_| "not simulated");
@@ -124,12 +136,12 @@ fn attempt(wish: &Wish, dice: &mut Dice) -> Result<Made, &'static str> {
         return Err("the motion is too sensitive to its start");
     }
     let truth = drawn.truth(wish, &records, gaps, stuck_share, judgement, &sigma);
-    let Drawn { rig, measured, .. } = drawn;
+    let Drawn { rig, measured, effects, experiments, motions, .. } = drawn;
     let own_amplitude = records.len() == 2
         && matches!(rig.drive, Drive::Explicit(_))
         && records[0].lines.len() == 1
         && records[0].lines != records[1].lines;
-    Ok(Made { rig, measured, records, split, own_amplitude, truth })
+    Ok(Made { rig, measured, records, split, own_amplitude, truth, effects, experiments, motions })
 }
 
 /// Adds a known Coulomb friction or a known cubic spring to a rig in which nothing is hidden.
@@ -260,6 +272,14 @@ impl Drawn {
         };
         visible(&seen)?;
         let judgement = judge(&seen);
+        if let Some(accuracy) = wish.told {
+            let freedom: usize = self.effects.iter().map(Effect::freedom).sum();
+            let error = (freedom as f64 / judgement.visible).sqrt();
+            let measured: Vec<(usize, f64)> = columns.iter().map(|(k, _, noise)| (*k, *noise)).collect();
+            let told = error < accuracy
+                && determined(&self.rig, &self.effects, &self.experiments[0], self.split, &measured);
+            return if told { Ok(judgement) } else { Err("the record does not tell the force") };
+        }
         let outside = matches!(wish.kind, Kind::Outside(_));
         if judgement.visible < VISIBLE {
             return Err("start states and constants absorb it");
@@ -394,7 +414,8 @@ fn effects(
         Kind::Laws(laws) => laws,
         Kind::Outside(kind) => {
             let place = dice.pick(&all);
-            let drawn = outside::draw(kind, place, scales(place), rig, duration, dice, wish.holds);
+            let drawn = never::draw(kind, place, scales(place), dice)
+                .or_else(|| outside::draw(kind, place, scales(place), rig, duration, dice, wish.holds));
             return drawn.map(|e| vec![e]).ok_or("no such effect");
         }
     };

@@ -53,7 +53,7 @@ fn marked(set: &Path, options: &Options, again: bool) -> Result<Option<Marked>> 
         if interrupt::requested() {
             return Ok(None);
         }
-        let Some(result) = run(set, &Program::find(options)?)? else { return Ok(None) };
+        let Some(result) = run(set, &Program::find(options)?, &[], 1)? else { return Ok(None) };
         Folder::create(set)?.write("result.json", &(serde_json::to_string_pretty(&result)? + "\n"))?;
     }
     let result: Value = read(&kept, "is damaged; delete it to run its set again")?;
@@ -81,12 +81,16 @@ fn sets(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(all)
 }
 
-/// Runs the workflow on a set as a user does, on one thread, with its messages in `gap.log`. None if the
-/// user stopped it.
-fn run(set: &Path, program: &Program) -> Result<Option<Value>> {
+/// Runs the workflow on a set as a user does, without some laws, with its messages in `gap.log`. None if the user
+/// stopped it.
+pub(super) fn run(set: &Path, program: &Program, without: &[&str], threads: u16) -> Result<Option<Value>> {
     let log = set.join("gap.log");
     let mut command = program.command();
-    command.arg("gap").arg(set.join("spec.ron")).args(["--format", "json", "--quiet", "--jobs", "1"]);
+    command.arg("gap").arg(set.join("spec.ron")).args(["--format", "json", "--quiet", "--jobs"]);
+    command.arg(threads.to_string());
+    for law in without {
+        command.args(["--without", law]);
+    }
     // The data are only beside the spec.
     command.arg("--data").arg(set);
     let Some(output) = program.output(&mut command, Some(PATIENCE))? else { return Ok(None) };

@@ -23,6 +23,9 @@ pub(super) struct Wish {
     /// Whether a friction is to hold a mass at rest somewhere.
     pub(super) holds: bool,
     pub(super) sensors: Sensors,
+    /// A set for a formula: forced by several cosines, the constants known, and a record that tells the force of the
+    /// right formula to this accuracy.
+    pub(super) told: Option<f64>,
 }
 
 /// Laws that an accelerometer does not show: a constant force, which is also what makes friction asymmetric, and
@@ -164,6 +167,7 @@ pub(super) fn wish(seed: u64, index: usize, only: Option<&str>, sensors: Sensors
         two_masses: twice || dice.chance(0.4),
         holds,
         sensors,
+        told: None,
     })
 }
 

@@ -32,6 +32,8 @@ pub(super) struct Atom {
     /// The text of the atom that it becomes where its inner number has no say: a size that is large, a rate that is
     /// small. Empty where it becomes constant, or has no such limit.
     limit: &'static str,
+    /// The same for a size that is small: a step.
+    step: &'static str,
 }
 
 /// What an atom becomes where its inner number has no say.
@@ -44,7 +46,12 @@ pub(super) struct Limit {
 }
 
 const fn atom(text: &'static str, inner: Inner, unit: f64, factor: bool, limit: &'static str) -> Atom {
-    Atom { text, inner, unit, factor, limit }
+    Atom { text, inner, unit, factor, limit, step: "" }
+}
+
+/// An atom that becomes a step where its size is small.
+const fn stepping(text: &'static str, unit: f64, factor: bool) -> Atom {
+    Atom { text, inner: Inner::Size, unit, factor, limit: "y", step: "sgn(y)" }
 }
 
 /// Atoms in the displacement.
@@ -60,25 +67,28 @@ pub(super) const DISPLACEMENT: &[Atom] = &[
     atom("y*abs(y)", Inner::No, 2.0, false, ""),
     atom("sgn(y)", Inner::No, 0.0, false, ""),
     atom("abs(y)^0.5*sgn(y)", Inner::No, 0.5, false, ""),
-    atom("abs(y)^1.5*sgn(y)", Inner::No, 1.5, false, ""),
-    atom("abs(y)^2.5*sgn(y)", Inner::No, 2.5, false, ""),
-    atom("(abs(y)/Y)^n*sgn(y)", Inner::Power, 0.0, false, ""),
+    atom("y*abs(y)^0.5", Inner::No, 1.5, false, ""),
+    atom("y*abs(y)^1.5", Inner::No, 2.5, false, ""),
+    atom("y*(abs(y)/Y)^n", Inner::Power, 1.0, false, ""),
     atom("sin(n*y)", Inner::Wave, 0.0, true, "y"),
     atom("cos(n*y)", Inner::Wave, 0.0, true, "1"),
     atom("y*cos(n*y)", Inner::Wave, 1.0, false, "y"),
     atom("y*sin(n*y)", Inner::Wave, 1.0, false, "y^2"),
-    atom("tanh(y/n)", Inner::Size, 0.0, false, "y"),
-    atom("atan(y/n)", Inner::Size, 0.0, false, "y"),
+    stepping("tanh(y/n)", 0.0, false),
+    stepping("atan(y/n)", 0.0, false),
     atom("exp(n*y)", Inner::Rate, 0.0, true, "1"),
     atom("y*exp(n*y)", Inner::Rate, 1.0, false, "y"),
     atom("exp(-(y/n)^2)", Inner::Size, 0.0, true, "1"),
     atom("y*exp(-(y/n)^2)", Inner::Size, 1.0, false, "y"),
     atom("1/(1 + (y/n)^2)", Inner::Size, 0.0, true, "1"),
     atom("y/(1 + (y/n)^2)", Inner::Size, 1.0, false, "y"),
-    atom("y/(1 + abs(y)/n)", Inner::Size, 1.0, false, "y"),
+    stepping("y/(1 + abs(y)/n)", 1.0, false),
     atom("pos(y - n)", Inner::Corner, 1.0, false, ""),
     atom("pos(n - y)", Inner::Corner, 1.0, false, ""),
     atom("dead(y, n)", Inner::Size, 1.0, false, ""),
+    atom("abs(y)^0.5", Inner::No, 0.5, true, ""),
+    atom("(exp(n*y) - 1)", Inner::Rate, 0.0, false, "y"),
+    atom("ln(1 + abs(y)/n)*sgn(y)", Inner::Size, 0.0, false, "y"),
 ];
 
 /// Atoms in the velocity.
@@ -95,22 +105,27 @@ pub(super) const VELOCITY: &[Atom] = &[
     atom("abs(y)^1.5*sgn(y)", Inner::No, 1.5, true, ""),
     atom("abs(y)^2.5*sgn(y)", Inner::No, 2.5, false, ""),
     atom("(abs(y)/Y)^n*sgn(y)", Inner::Power, 0.0, false, ""),
-    atom("tanh(y/n)", Inner::Size, 0.0, true, "y"),
-    atom("atan(y/n)", Inner::Size, 0.0, false, "y"),
+    stepping("tanh(y/n)", 0.0, true),
+    stepping("atan(y/n)", 0.0, false),
     atom("sgn(y)*exp(-(y/n)^2)", Inner::Size, 0.0, false, "sgn(y)"),
     atom("sgn(y)*exp(-abs(y)/n)", Inner::Size, 0.0, false, "sgn(y)"),
     atom("sgn(y)/(1 + abs(y)/n)", Inner::Size, 0.0, false, "sgn(y)"),
     atom("sgn(y)/(1 + (y/n)^2)", Inner::Size, 0.0, false, "sgn(y)"),
     atom("y*exp(-(y/n)^2)", Inner::Size, 1.0, false, "y"),
     atom("y/(1 + (y/n)^2)", Inner::Size, 1.0, false, "y"),
-    atom("y/(1 + abs(y)/n)", Inner::Size, 1.0, false, "y"),
+    stepping("y/(1 + abs(y)/n)", 1.0, false),
     atom("exp(n*y)", Inner::Rate, 0.0, false, "1"),
+    atom("(exp(n*y) - 1)", Inner::Rate, 0.0, false, "y"),
+    atom("ln(1 + abs(y)/n)*sgn(y)", Inner::Size, 0.0, false, "y"),
+    atom("y^3/(1 + (y/n)^2)", Inner::Size, 3.0, false, "y^3"),
+    atom("y*exp(-abs(y)/n)", Inner::Size, 1.0, false, "y"),
 ];
 
 impl Atom {
-    /// What it becomes where its inner number has no say.
-    pub(super) fn limit(&self, table: &'static [Atom]) -> Option<Limit> {
-        let atom = table.iter().find(|a| a.text == self.limit);
+    /// What it becomes where its inner number has no say; `step`: where that is a small size.
+    pub(super) fn limit(&self, table: &'static [Atom], step: bool) -> Option<Limit> {
+        let limit = if step { self.step } else { self.limit };
+        let atom = table.iter().find(|a| a.text == limit);
         // A shape over `n` that is not divided by its unit loses a length, an angle gives one.
         let gained = atom.map_or(0.0, |a| a.unit) - self.unit;
         let power = match self.inner {
@@ -118,7 +133,7 @@ impl Atom {
             Inner::Wave | Inner::Rate => gained as i32,
             _ => 0,
         };
-        (!self.limit.is_empty()).then_some(Limit { atom, power })
+        (!limit.is_empty()).then_some(Limit { atom, power })
     }
 
     /// The text with the name of the quantity and of the inner number.
@@ -159,8 +174,15 @@ mod tests {
     fn limits_keep_the_unit() {
         let of = |text: &str| {
             let atom = DISPLACEMENT.iter().find(|a| a.text == text).expect("a row");
-            atom.limit(DISPLACEMENT).map(|l| (l.atom.map(|a| a.text), l.power))
+            atom.limit(DISPLACEMENT, false).map(|l| (l.atom.map(|a| a.text), l.power))
         };
+        let step = |text: &str| {
+            let atom = VELOCITY.iter().find(|a| a.text == text).expect("a row");
+            atom.limit(VELOCITY, true).map(|l| (l.atom.map(|a| a.text), l.power))
+        };
+        assert_eq!(step("tanh(y/n)"), Some((Some("sgn(y)"), 0)));
+        assert_eq!(step("y/(1 + abs(y)/n)"), Some((Some("sgn(y)"), 1)));
+        assert_eq!(step("y*exp(-(y/n)^2)"), None);
         assert_eq!(of("tanh(y/n)"), Some((Some("y"), -1)));
         assert_eq!(of("sin(n*y)"), Some((Some("y"), 1)));
         assert_eq!(of("y*sin(n*y)"), Some((Some("y^2"), 1)));

@@ -1,9 +1,13 @@
 //! The missing force without a formula: a spline of degree one over displacement, velocity or both, in the linear
 //! response. The number of knots and what it depends on are those of the least description length.
 
-use crate::decisions::{FAR_OFF, FORCE_KNOTS, FORCE_SURFACE_KNOTS};
+use super::front::project;
+use crate::decisions::{
+    FAR_OFF, FORCE_DEFLECTIONS, FORCE_KNOTS, FORCE_SURFACE_KNOTS, FORCE_TIME_KNOTS, FORCE_TIMES,
+};
 use crate::result::{Dependence, ForcePoint, MissingForce};
 use crate::screen::{Footing, Ground, Response, dot, norm};
+use phisindy_phys::System;
 use rayon::prelude::*;
 
 /// Weight of a small force for coefficients that the data do not see, relative to those that they see best.
@@ -24,13 +28,21 @@ impl Knots {
         Knots(knots)
     }
 
-    /// Spline `k` at a value: 1 at its knot, 0 at the others.
+    /// Spline `k` at a value: 1 at its knot, 0 at the others. The one after the last is a step at zero, for friction.
     fn hat(&self, k: usize, value: f64) -> f64 {
+        if k == self.0.len() {
+            return sign(value);
+        }
         let own = self.0[k];
         let up = if k > 0 { (value - self.0[k - 1]) / (own - self.0[k - 1]) } else { 1.0 };
         let down = if k + 1 < self.0.len() { (self.0[k + 1] - value) / (self.0[k + 1] - own) } else { 1.0 };
         up.min(down).clamp(0.0, 1.0)
     }
+}
+
+/// -1, 0 or 1.
+fn sign(x: f64) -> f64 {
+    if x == 0.0 { 0.0 } else { x.signum() }
 }
 
 /// A column of a basis: knots of the displacement, of the velocity.
@@ -46,81 +58,201 @@ struct Fit {
 }
 
 /// The force of a place, and the description length of it.
-pub(super) fn missing_force(ground: &Ground, at: &Footing, name: &str) -> Option<(f64, MissingForce)> {
+pub(super) fn missing_force(
+    ground: &Ground,
+    at: &Footing,
+    system: &System,
+    name: &str,
+) -> Option<(f64, MissingForce)> {
     let x = at.has_displacement();
+    let mut plains = vec![Plain { ground, at, target: ground.target().to_vec(), holding: None }];
+    if at.rested()
+        && let Some(holding) = ground.holding(at, system)
+    {
+        let size = norm(&holding.rows);
+        let rows: Vec<f64> = holding.rows.iter().map(|v| v / size).collect();
+        let mut target = ground.target().to_vec();
+        project(&mut target, &rows);
+        plains.push(Plain { ground, at, target, holding: Some(rows) });
+    }
+    let fits = |knots: (&Knots, &Knots), cells: &[Cell], on: Dependence| -> Vec<Fit> {
+        plains.iter().filter_map(|plain| plain.fit(knots, cells, &[], on)).collect()
+    };
     let knots = |count: usize| {
         let of = |values: &[Vec<f64>]| Knots::new(values, count);
         (if x { of(&at.displacement) } else { Knots(vec![]) }, of(&at.velocity))
     };
-    let mut fits: Vec<Fit> = Vec::new();
+    let mut all: Vec<Fit> = Vec::new();
     for count in FORCE_KNOTS {
         let (xs, vs) = knots(count);
         let over_x: Vec<Cell> = (0..xs.0.len()).map(|k| (Some(k), None)).collect();
-        let over_v: Vec<Cell> = (0..vs.0.len()).map(|k| (None, Some(k))).collect();
+        let over_v: Vec<Cell> = (0..=vs.0.len()).map(|k| (None, Some(k))).collect();
         let both: Vec<Cell> = over_x.iter().chain(&over_v).copied().collect();
-        fits.extend(fit(ground, at, (&xs, &vs), &over_v, Dependence::Velocity));
+        all.extend(fits((&xs, &vs), &over_v, Dependence::Velocity));
         if x {
-            fits.extend(fit(ground, at, (&xs, &vs), &over_x, Dependence::Displacement));
-            fits.extend(fit(ground, at, (&xs, &vs), &both, Dependence::Sum));
+            all.extend(fits((&xs, &vs), &over_x, Dependence::Displacement));
+            all.extend(fits((&xs, &vs), &both, Dependence::Sum));
         }
     }
     for count in FORCE_SURFACE_KNOTS.into_iter().filter(|_| x) {
         let (xs, vs) = knots(count);
-        let cell = |k: usize| (Some(k / vs.0.len()), Some(k % vs.0.len()));
-        let surface: Vec<Cell> = (0..xs.0.len() * vs.0.len()).map(cell).collect();
-        fits.extend(fit(ground, at, (&xs, &vs), &surface, Dependence::Together));
+        let columns = vs.0.len() + 1;
+        let cell = |k: usize| (Some(k / columns), Some(k % columns));
+        let surface: Vec<Cell> = (0..xs.0.len() * columns).map(cell).collect();
+        all.extend(fits((&xs, &vs), &surface, Dependence::Together));
     }
-    let best = fits.into_iter().min_by(|a, b| a.length.total_cmp(&b.length))?;
+    let best = all.into_iter().min_by(|a, b| a.length.total_cmp(&b.length))?;
     let left = best.left.sqrt();
-    let on = if left > FAR_OFF { Dependence::More } else { best.on };
+    let on = if left > FAR_OFF { beyond(&plains, at, best.left, FORCE_KNOTS[1]) } else { best.on };
     Some((best.length, MissingForce { at: name.to_owned(), on, left, points: best.points }))
 }
 
-/// A force over the cells of a basis by least squares.
-fn fit(
-    ground: &Ground,
-    at: &Footing,
-    (xs, vs): (&Knots, &Knots),
-    cells: &[Cell],
-    on: Dependence,
-) -> Option<Fit> {
-    let force = |&(i, j): &Cell| -> Vec<Vec<f64>> {
-        let value = |x: f64, v: f64| i.map_or(1.0, |i| xs.hat(i, x)) * j.map_or(1.0, |j| vs.hat(j, v));
-        let along = |(x, v): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
-            v.iter().enumerate().map(|(s, v)| value(x.get(s).copied().unwrap_or(0.0), *v)).collect()
+/// What a force depends on that displacement and velocity do not determine, which leave `left`: the past or the time,
+/// if forces of one of them leave half as much.
+fn beyond(plains: &[Plain<'_>], at: &Footing, left: f64, count: usize) -> Dependence {
+    if !at.has_displacement() {
+        return Dependence::More;
+    }
+    let (xs, vs) = (Knots::new(&at.displacement, count), Knots::new(&at.velocity, count));
+    let over_x = (0..xs.0.len()).map(|k| (Some(k), None));
+    let cells: Vec<Cell> = over_x.chain((0..=vs.0.len()).map(|k| (None, Some(k)))).collect();
+    let kinds = [(remembering(at), Dependence::Past), (drifting(at), Dependence::Time)];
+    let with = |(more, on): &(Vec<Series>, Dependence)| {
+        plains.iter().filter_map(|plain| plain.fit((&xs, &vs), &cells, more, *on)).collect::<Vec<Fit>>()
+    };
+    let all: Vec<Fit> = kinds.iter().flat_map(with).collect();
+    let best = all.into_iter().min_by(|a, b| a.length.total_cmp(&b.length));
+    best.filter(|best| best.left - 1.0 < 0.5 * (left - 1.0)).map_or(Dependence::More, |best| best.on)
+}
+
+/// A force by record and sample.
+type Series = Vec<Vec<f64>>;
+
+/// Forces that remember: springs that slip at a deflection (Prandtl 1928, doi 10.1002/zamm.19280080202), of which any
+/// hysteresis that does not depend on the speed is a sum, and springs behind dashpots.
+fn remembering(at: &Footing) -> Vec<Series> {
+    let mut sizes: Vec<f64> = at.displacement.iter().flatten().map(|x| x.abs()).collect();
+    sizes.sort_unstable_by(f64::total_cmp);
+    let top = sizes.get(sizes.len() * 99 / 100).copied().unwrap_or(0.0);
+    let turns = |v: &Vec<f64>| v.windows(2).filter(|w| (w[0] > 0.0) != (w[1] > 0.0)).count();
+    let turns: usize = at.velocity.iter().map(turns).sum();
+    let swing = at.velocity.iter().map(Vec::len).sum::<usize>() as f64 / turns.max(1) as f64;
+    let along = |next: &dyn Fn(f64, f64) -> f64| -> Series {
+        let of = |x: &Vec<f64>| {
+            let mut z = 0.0;
+            let mut out = vec![0.0; x.len()];
+            for i in 1..x.len() {
+                z = next(z, x[i] - x[i - 1]);
+                out[i] = z;
+            }
+            out
         };
-        at.displacement.iter().zip(&at.velocity).map(along).collect()
+        at.displacement.iter().map(of).collect()
     };
-    let responses: Vec<Option<Response>> =
-        cells.par_iter().map(|cell| ground.response(at, &force(cell), at.rested())).collect();
-    let seen: Vec<(Cell, Response)> =
-        cells.iter().copied().zip(responses).filter_map(|(c, r)| Some((c, r?))).collect();
-    let sizes: Vec<f64> = seen.iter().map(|(_, r)| norm(&r.rows)).collect();
-    let n = seen.len();
-    let row = |i: usize| -> Vec<f64> {
-        (0..=i).map(|j| dot(&seen[i].1.rows, &seen[j].1.rows) / (sizes[i] * sizes[j])).collect()
+    let slips = FORCE_DEFLECTIONS.map(|part| along(&|z, dx| (z + dx).clamp(-part * top, part * top)));
+    let relaxes = FORCE_TIMES.map(|part| along(&|z, dx| (z + dx) * (-1.0 / (part * swing)).exp()));
+    slips.into_iter().chain(relaxes).collect()
+}
+
+/// Forces of the motion whose size changes in the course of a record, as a spline over the time.
+fn drifting(at: &Footing) -> Vec<Series> {
+    let knots = FORCE_TIME_KNOTS;
+    let over_time = |of: &dyn Fn(f64, f64) -> f64| -> Vec<Series> {
+        let along = |k: usize| -> Series {
+            let one = |(x, v): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
+                let last = v.len().max(2) as f64 - 1.0;
+                let hat = |i: usize| (1.0 - (i as f64 / last * (knots - 1) as f64 - k as f64).abs()).max(0.0);
+                (0..v.len()).map(|i| hat(i) * of(x[i], v[i])).collect()
+            };
+            at.displacement.iter().zip(&at.velocity).map(one).collect()
+        };
+        (0..knots).map(along).collect()
     };
-    let gram: Vec<Vec<f64>> = (0..n).into_par_iter().map(row).collect();
-    let m = faer::Mat::from_fn(n, n, |i, j| gram[i.max(j)][i.min(j)] + if i == j { RIDGE } else { 0.0 });
-    let right: Vec<f64> = (0..n).map(|i| dot(&seen[i].1.rows, ground.target()) / sizes[i]).collect();
-    let llt = m.llt(faer::Side::Lower).ok()?;
-    use faer::linalg::solvers::Solve;
-    let solved = llt.solve(&faer::Mat::from_fn(n, 1, |i, _| right[i]));
-    let inverse = llt.solve(&faer::Mat::<f64>::identity(n, n));
-    let gain: f64 = (0..n).map(|i| solved[(i, 0)] * right[i]).sum();
-    let target = dot(ground.target(), ground.target());
-    let rows = ground.target().len() as f64;
-    let left = ((target - gain).max(0.0)) / rows;
-    let cost = |ratio: f64| if ratio > 1.0 { rows * (1.0 + ratio.ln()) } else { rows * ratio };
-    let length = cost(left) - cost(target / rows) + n as f64 * rows.ln();
-    let point = |(k, (cell, _)): (usize, &(Cell, Response))| ForcePoint {
-        displacement: cell.0.map(|i| xs.0[i]),
-        velocity: cell.1.map(|j| vs.0[j]),
-        force: solved[(k, 0)] / sizes[k],
-        band: HALF_INTERVAL * (inverse[(k, k)] * left.max(1.0)).sqrt() / sizes[k],
-    };
-    let points = seen.iter().enumerate().map(point).collect();
-    length.is_finite().then_some(Fit { on, length, left, points })
+    let kinds: [&dyn Fn(f64, f64) -> f64; 4] = [&|_, _| 1.0, &|x, _| x, &|_, v| v, &|_, v| sign(v)];
+    kinds.into_iter().flat_map(over_time).collect()
+}
+
+/// What is left at a place; where the place rests there is a second view, with friction that holds it.
+struct Plain<'a> {
+    ground: &'a Ground,
+    at: &'a Footing,
+    target: Vec<f64>,
+    /// The response to the holding force, of unit size, projected out.
+    holding: Option<Vec<f64>>,
+}
+
+impl Plain<'_> {
+    /// The response to a force.
+    fn response(&self, force: &[Vec<f64>]) -> Option<Response> {
+        let mut out = self.ground.response(self.at, force, self.holding.is_some())?;
+        if let Some(holding) = &self.holding {
+            project(&mut out.rows, holding);
+        }
+        Some(out)
+    }
+
+    /// A force over the cells of a basis, and more forces, by least squares.
+    fn fit(
+        &self,
+        (xs, vs): (&Knots, &Knots),
+        cells: &[Cell],
+        more: &[Series],
+        on: Dependence,
+    ) -> Option<Fit> {
+        let Plain { ground, at, target: own, .. } = self;
+        let force = |&(i, j): &Cell| -> Vec<Vec<f64>> {
+            let value = |x: f64, v: f64| i.map_or(1.0, |i| xs.hat(i, x)) * j.map_or(1.0, |j| vs.hat(j, v));
+            let along = |(x, v): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
+                v.iter().enumerate().map(|(s, v)| value(x.get(s).copied().unwrap_or(0.0), *v)).collect()
+            };
+            at.displacement.iter().zip(&at.velocity).map(along).collect()
+        };
+        let of_cells = cells.par_iter().map(|cell| (Some(*cell), self.response(&force(cell))));
+        let of_more = more.par_iter().map(|force| (None, self.response(force)));
+        let responses: Vec<(Option<Cell>, Option<Response>)> = of_cells.chain(of_more).collect();
+        let seen: Vec<(Option<Cell>, Response)> =
+            responses.into_iter().filter_map(|(c, r)| Some((c, r?))).collect();
+        let sizes: Vec<f64> = seen.iter().map(|(_, r)| norm(&r.rows)).collect();
+        let n = seen.len();
+        let row = |i: usize| -> Vec<f64> {
+            (0..=i).map(|j| dot(&seen[i].1.rows, &seen[j].1.rows) / (sizes[i] * sizes[j])).collect()
+        };
+        let gram: Vec<Vec<f64>> = (0..n).into_par_iter().map(row).collect();
+        let m = faer::Mat::from_fn(n, n, |i, j| gram[i.max(j)][i.min(j)] + if i == j { RIDGE } else { 0.0 });
+        let right: Vec<f64> = (0..n).map(|i| dot(&seen[i].1.rows, own) / sizes[i]).collect();
+        let llt = m.llt(faer::Side::Lower).ok()?;
+        use faer::linalg::solvers::Solve;
+        let solved = llt.solve(&faer::Mat::from_fn(n, 1, |i, _| right[i]));
+        let inverse = llt.solve(&faer::Mat::<f64>::identity(n, n));
+        let gain: f64 = (0..n).map(|i| solved[(i, 0)] * right[i]).sum();
+        let (before, target) = (dot(ground.target(), ground.target()), dot(own, own));
+        let rows = own.len() as f64;
+        let left = ((target - gain).max(0.0)) / rows;
+        let cost = |ratio: f64| if ratio > 1.0 { rows * (1.0 + ratio.ln()) } else { rows * ratio };
+        let length = cost(left) - cost(before / rows) + n as f64 * rows.ln();
+        let step = |at: Option<usize>| {
+            let own = seen.iter().position(|(cell, _)| *cell == Some((at, Some(vs.0.len()))));
+            own.map_or(0.0, |k| solved[(k, 0)] / sizes[k])
+        };
+        let point = |(k, (cell, _)): (usize, &(Option<Cell>, Response))| {
+            let cell = (*cell)?;
+            let velocity = cell.1.map(|j| vs.0.get(j).copied());
+            // The step is part of the points at either side of it.
+            let jump = match velocity {
+                Some(None) => return None,
+                Some(Some(v)) => step(cell.0) * sign(v),
+                None => 0.0,
+            };
+            Some(ForcePoint {
+                displacement: cell.0.map(|i| xs.0[i]),
+                velocity: velocity.flatten(),
+                force: solved[(k, 0)] / sizes[k] + jump,
+                band: HALF_INTERVAL * (inverse[(k, k)] * left.max(1.0)).sqrt() / sizes[k],
+            })
+        };
+        let points = seen.iter().enumerate().filter_map(point).collect();
+        length.is_finite().then_some(Fit { on, length, left, points })
+    }
 }
 
 #[cfg(test)]

@@ -21,6 +21,8 @@ pub(super) struct Entry {
     pub(super) coefficients: Vec<f64>,
     /// Description length less that of nothing.
     pub(super) length: f64,
+    /// The misfit beyond that of the noise, in the same units.
+    pub(super) excess: f64,
     /// The movable constants beside it.
     pub(super) beside: Vec<(String, f64)>,
 }
@@ -235,14 +237,20 @@ impl<'a> Selection<'a> {
         out.into_values().collect()
     }
 
+    /// The misfit that is left where this is gained.
+    fn left(&self, gain: f64) -> f64 {
+        self.cost((dot(&self.target, &self.target) - gain).max(0.0))
+    }
+
+    /// The misfit of a chi square: beyond the noise it sets the scatter itself.
+    fn cost(&self, chi2: f64) -> f64 {
+        let ratio = chi2 / self.rows;
+        if ratio > 1.0 { self.rows * (1.0 + ratio.ln()) } else { chi2 }
+    }
+
     /// The description length of a sum of shapes that gains this, less that of nothing.
     fn length(&self, gain: f64, of: impl Iterator<Item = usize>) -> f64 {
         let before = dot(self.ground.target(), self.ground.target());
-        let left = (dot(&self.target, &self.target) - gain).max(0.0);
-        let cost = |chi2: f64| {
-            let ratio = chi2 / self.rows;
-            if ratio > 1.0 { self.rows * (1.0 + ratio.ln()) } else { chi2 }
-        };
         let (mut numbers, mut symbols, mut terms) = (0, 0, 0);
         for shape in of {
             numbers += 1 + self.grammar.shapes[shape].inner().len();
@@ -250,7 +258,7 @@ impl<'a> Selection<'a> {
             terms += 1;
         }
         let symbols = symbols + terms.max(1) - 1;
-        cost(left) - cost(before) + numbers as f64 * self.rows.ln() + structure(symbols)
+        self.left(gain) - self.cost(before) + numbers as f64 * self.rows.ln() + structure(symbols)
     }
 
     /// A set with its inner numbers refined, each between its neighbours on the grid: the outer numbers are solved for
@@ -298,7 +306,8 @@ impl<'a> Selection<'a> {
             .zip(inner)
             .map(|(s, inner)| Term { shape: self.grammar.shapes[s], inner })
             .collect();
-        Some(Entry { terms, coefficients, length, beside })
+        let excess = (self.left(gain) - self.rows).max(0.0);
+        Some(Entry { terms, coefficients, length, excess, beside })
     }
 
     /// Gain and coefficients of a least-squares fit of the target.
@@ -428,7 +437,7 @@ pub(super) fn shortest<T>(
 }
 
 /// Takes out of rows their part along a column of unit size.
-fn project(rows: &mut [f64], along: &[f64]) {
+pub(super) fn project(rows: &mut [f64], along: &[f64]) {
     let part = dot(along, rows);
     rows.iter_mut().zip(along).for_each(|(r, a)| *r -= part * a);
 }

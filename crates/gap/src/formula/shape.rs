@@ -59,11 +59,11 @@ impl Shape {
     }
 
     /// The shape with the atom of a quantity replaced by its limit, and the power of the inner number that becomes a
-    /// factor.
-    pub(super) fn at_limit(&self, quantity: usize) -> Option<(Shape, i32)> {
+    /// factor; `step`: the limit of a small size.
+    pub(super) fn at_limit(&self, quantity: usize, step: bool) -> Option<(Shape, i32)> {
         let limit = match quantity {
-            0 => self.displacement?.limit(DISPLACEMENT)?,
-            _ => self.velocity?.limit(VELOCITY)?,
+            0 => self.displacement?.limit(DISPLACEMENT, step)?,
+            _ => self.velocity?.limit(VELOCITY, step)?,
         };
         let mut shape = *self;
         match quantity {

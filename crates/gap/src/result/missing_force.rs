@@ -11,6 +11,10 @@ pub enum Dependence {
     Sum,
     /// On both together.
     Together,
+    /// At the same displacement and velocity it differs with what went before.
+    Past,
+    /// At the same displacement and velocity it changes in the course of a record.
+    Time,
     /// Displacement and velocity do not determine it.
     More,
 }
@@ -23,6 +27,8 @@ impl Dependence {
             Dependence::Displacement => "displacement",
             Dependence::Sum => "displacement + velocity",
             Dependence::Together => "displacement and velocity",
+            Dependence::Past => "the past",
+            Dependence::Time => "time",
             Dependence::More => "more than displacement and velocity",
         }
     }

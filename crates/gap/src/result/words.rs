@@ -50,6 +50,20 @@ impl Display for MissingForce {
             Dependence::Displacement => "the displacement alone",
             Dependence::Sum => "the displacement and the velocity, as a sum",
             Dependence::Together => "displacement and velocity together",
+            Dependence::Past => {
+                return write!(
+                    f,
+                    "the missing force at {} depends on the past: at the same displacement and velocity it differs with what went before (hysteresis, a contact that gives way, a spring behind a dashpot); no force of displacement and velocity leaves less than {:.2} times the noise",
+                    self.at, self.left
+                );
+            }
+            Dependence::Time => {
+                return write!(
+                    f,
+                    "the missing force at {} changes with time: at the same displacement and velocity it differs in the course of a record; no force of displacement and velocity leaves less than {:.2} times the noise",
+                    self.at, self.left
+                );
+            }
             Dependence::More => {
                 return write!(
                     f,
