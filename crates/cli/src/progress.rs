@@ -36,13 +36,14 @@ impl Progress {
         self.bar.set_message(what.to_owned());
     }
 
-    /// Draws a fraction of the work.
+    /// Draws a fraction of the work. It never goes back: a search that begins another round has more to do than it knew.
     pub(crate) fn at(&mut self, fraction: f64) {
         if !self.measured {
-            self.bar.set_style(style("{spinner} {bar:24} {percent:>3} % {elapsed} {wide_msg}"));
+            self.bar.set_style(style("{spinner} {bar:12} {percent:>3} % {elapsed} {wide_msg}"));
             self.measured = true;
         }
-        self.bar.set_position((fraction.clamp(0.0, 1.0) * STEPS as f64) as u64);
+        let position = (fraction.clamp(0.0, 1.0) * STEPS as f64) as u64;
+        self.bar.set_position(position.max(self.bar.position()));
     }
 }
 

@@ -6,7 +6,7 @@ use crate::decisions::{CLOCK_CAUSE, CLOCK_HELPS, CLOCK_OFF, SAME_RATIO};
 use crate::drive::Drive;
 use crate::model::{Fitted, TrialModel, shortened};
 use crate::result::{Activity, DriveFrequency};
-use crate::search::{Search, placed};
+use crate::search::{Observe, Search, placed};
 use crate::whiteness::{lines, mean_step};
 use phisindy_learn::Effort;
 use phisindy_phys::spec::Role;
@@ -30,8 +30,8 @@ pub(crate) fn drive_frequency(base: &Fitted, search: &mut Search<'_>) -> Option<
     let mut best = alone;
     let helps = !best.score.explains() && best.score.fit < CLOCK_HELPS * base.score.fit;
     if helps && shortened(&best.model.records).is_none() {
-        let mut observe = |_: f64, what: Activity| (search.observe)(LATE, what);
-        let mut beside = Search { observe: &mut observe, ..*search };
+        let late = Late(search.observer);
+        let mut beside = Search { observer: &late, ..*search };
         let searched = beside.run(best.settled());
         best = searched.ok().map(|s| s.last).filter(|f| f.score.explains()).unwrap_or(best);
     }
@@ -82,4 +82,17 @@ fn with_free_clock(base: &TrialModel, start: f64) -> Option<(TrialModel, String)
     let known = system.known.clone();
     system.known = system.graph.replace(&known, &HashMap::from([(system.time, own_time)]));
     Some((model, name))
+}
+
+/// The progress of a search near the end of the work.
+struct Late<'a>(&'a dyn Observe);
+
+impl Observe for Late<'_> {
+    fn tell(&self, _: f64, what: Activity) -> bool {
+        self.0.tell(LATE, what)
+    }
+
+    fn stopped(&self) -> bool {
+        self.0.stopped()
+    }
 }

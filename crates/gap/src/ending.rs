@@ -56,7 +56,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         let noise = if last.score.is_white() { last.noise(search.noise) } else { search.noise.to_vec() };
         let (base, last) = (base.measured_by(&noise), last.measured_by(&noise));
         warnings.extend(data_mistakes(&base).into_iter().map(Warning::Data));
-        (search.observe)(0.92, Activity::ErrorBars);
+        search.observer.tell(0.92, Activity::ErrorBars);
         let mut path = path(&base, &last, &noise);
         let mut last = last;
         // Drops the last effect while the model is as good without it.
@@ -228,7 +228,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         let interrupted = self.stop == StopReason::Interrupted;
         let mut alternative = None;
         if status != Status::NothingMissing && !repeats && !interrupted {
-            (self.search.observe)(0.95, Activity::Constants);
+            self.search.observer.tell(0.95, Activity::Constants);
             let catalogue = self.search.catalogue;
             if let Some(found) = alternative_constant(&whole, catalogue, &self.noise, self.candidates) {
                 if found.much_better {
@@ -240,7 +240,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         if status != Status::Unexplained {
             return Ok((status, alternative));
         }
-        (self.search.observe)(0.97, Activity::OtherCauses);
+        self.search.observer.tell(0.97, Activity::OtherCauses);
         let mixed = if interrupted { None } else { spec_mistake(&self.base, &whole, &self.noise) };
         let drive = if alternative.is_none() && mixed.is_none() && !interrupted {
             drive_frequency(&self.base, self.search)

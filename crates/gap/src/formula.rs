@@ -93,7 +93,7 @@ impl Search<'_> {
 
     /// The force that a model lacks, at the place where it explains most.
     fn missing_force(&mut self, now: &Fitted) -> Option<MissingForce> {
-        if (self.observe)(0.91, Activity::Formulas) {
+        if self.observer.tell(0.91, Activity::Formulas) {
             return None;
         }
         let model = now.settled();
@@ -114,19 +114,20 @@ impl Search<'_> {
         let mut runs: Option<Calibration> = None;
         let value = |t: &Tried, by: Measure| by.criterion(&t.fitted.score) + structure(t.symbols);
         for _ in 0..FORMULA_PASSES {
-            if (self.observe)(0.9, Activity::Formulas) {
+            if self.observer.tell(0.9, Activity::Formulas) {
                 break;
             }
             let Some(ground) = Ground::new(&model, &now.cal, runs.as_ref(), self.noise) else { break };
             let mut candidates = Vec::new();
             for place in model.places().iter().filter(|p| matches!(p.site, Site::Force { .. })) {
-                if (self.observe)(0.9, Activity::Formulas) {
+                if self.observer.tell(0.9, Activity::Formulas) {
                     break;
                 }
                 candidates.extend(candidates_at(&ground, &model, place));
             }
             let (first, longer) = promising(candidates, &tried);
-            if (first.is_empty() && longer.is_empty()) || (self.observe)(0.91, Activity::FittingFormulas) {
+            if (first.is_empty() && longer.is_empty()) || self.observer.tell(0.91, Activity::FittingFormulas)
+            {
                 break;
             }
             let before = best_of(&tried, &value);
@@ -339,6 +340,7 @@ fn short(x: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::search::Observer;
     use crate::test_models::{fitted, model};
     use phisindy_phys::{Law, SourceId};
     use shape::shapes;
@@ -363,7 +365,9 @@ mod tests {
     fn found(truth: &str) -> Option<String> {
         let (model, noise) = rig(truth);
         let now = fitted(model, &noise);
-        let mut search = Search { catalogue: &[], noise: &noise, floor: 0.0, observe: &mut |_, _| false };
+        let mut nobody = |_: f64, _: Activity| false;
+        let observer = Observer::new(&mut nobody);
+        let mut search = Search { catalogue: &[], noise: &noise, floor: 0.0, observer: &observer };
         let found = search.formula_beside(&now)?;
         found.best.fitted.model.effects.last().map(|a| a.effect.entry.id.clone())
     }

@@ -12,8 +12,8 @@ mod words;
 pub use error::{DataError, GapError, ModelError};
 pub use finding::{
     Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, DataMistake, DriveFrequency,
-    InputError, InputNoise, Named, NamedValue, SensorNonlinearity, SpecMistake, StopReason, Veto, Vetoed,
-    Warning,
+    InputError, InputNoise, Leader, Named, NamedValue, SensorNonlinearity, SpecMistake, StopReason, Veto,
+    Vetoed, Warning,
 };
 pub use force_history::{ForceHistory, force_history};
 pub use missing_force::{Dependence, ForcePoint, MissingForce};

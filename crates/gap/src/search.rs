@@ -9,7 +9,7 @@ mod task;
 pub(crate) use compare::{label, placed, preferred, rank};
 pub(crate) use proposals::neutral;
 pub(crate) use refine::refitted;
-pub(crate) use task::Search;
+pub(crate) use task::{Observe, Observer, Search};
 
 use crate::decisions::{
     EXPLAINED, FAMILY_ROUNDS, FAR_OFF, MORE_STARTS, MOST_EFFECTS, ON_THE_WAY, PAIRS_RACED, RACE, REPEATS,
@@ -21,13 +21,15 @@ use crate::place::Effect;
 use crate::plausibility::{may_be_undetermined, vetoed};
 use crate::result::tried::weighed;
 use crate::result::{
-    Activity, MissingForce, ModelError, NotTried, PlacedLaw, Rival, StopReason, Tried, Vetoed,
+    Activity, Leader, MissingForce, ModelError, NotTried, PlacedLaw, Rival, StopReason, Tried, Vetoed,
 };
 use crate::screen::{Candidate, Screening, Target, screen};
 use compare::{makes_progress, predicts_no_better};
 use phisindy_learn::{Effort, SegmentFit};
 use proposals::{friction_pairs, is_composed, singles};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// Race limit that fits all models. Used for few models, whose segment costs may be wrong about sticking.
 const ALL: f64 = f64::INFINITY;
@@ -107,8 +109,7 @@ impl Search<'_> {
                 break;
             }
             catalogue.retain(|entry| !doubted.iter().any(|v| v.law.law == entry.id));
-            let mut observe = |part: f64, what: Activity| (self.observe)(part, what);
-            let mut again = Search { catalogue: &catalogue, observe: &mut observe, ..*self };
+            let mut again = Search { catalogue: &catalogue, ..*self };
             let other = again.run(base.clone())?;
             let candidates = found.candidates.max(other.candidates);
             let done = self.explained(&other.last);
@@ -138,7 +139,7 @@ impl Search<'_> {
 
     /// Runs the search from a model.
     pub(crate) fn run(&mut self, base: TrialModel) -> Result<Searched, ModelError> {
-        (self.observe)(0.02, Activity::Calibrating);
+        self.observer.tell(0.02, Activity::Calibrating);
         let base = Fitted::new(base, self.noise, Effort::Plain)?;
         let mut now = base.clone();
         let mut rounds = Vec::new();
@@ -149,7 +150,7 @@ impl Search<'_> {
                 break stop;
             }
             let part = 0.1 + 0.8 * (rounds.len() as f64 / MOST_EFFECTS as f64);
-            if (self.observe)(part, Activity::Screening) {
+            if self.observer.tell(part, Activity::Screening) {
                 break StopReason::Interrupted;
             }
             let model = now.settled();
@@ -159,11 +160,11 @@ impl Search<'_> {
             };
             candidates = candidates.max(screening.candidates.len());
             first.get_or_insert_with(|| screened(&screening));
-            let (round, trials) = (rounds.len() + 1, screening.candidates.len());
-            let gap = (base.score.gap(), now.score.gap());
-            (self.observe)(part + 0.03, Activity::FittingLaws { round, trials, gap });
             let start = Start { now: &now, model, screening, candidates };
-            let Some((next, round)) = self.round(&start) else { break StopReason::NothingHelps };
+            let Some((next, round)) = self.round(&start) else {
+                let stopped = self.observer.stopped();
+                break if stopped { StopReason::Interrupted } else { StopReason::NothingHelps };
+            };
             // Near the repeatability of the rig an effect may describe the rig's scatter. It counts if its
             // residual is white, or if it predicts what was not used clearly better.
             if self.at_floor(&now) && !next.score.is_white() {
@@ -180,7 +181,7 @@ impl Search<'_> {
             weak += usize::from(next.score.fit > FAR_OFF.max(WEAK_ROUND * now.score.fit));
             now = next;
         };
-        if stop != StopReason::Interrupted {
+        if stop != StopReason::Interrupted && !self.observer.stopped() {
             match self.second_pass(&now, candidates) {
                 SecondPass::More(more, round) => {
                     rounds.push(round);
@@ -242,7 +243,6 @@ impl Search<'_> {
             let best = self.exchanged(self.relocated(best, candidates), candidates);
             return Some((best.clone(), round(now, &best, &singles, vetoed, candidates)));
         }
-        (self.observe)(0.1 + 0.8 * (before as f64 + 0.5) / MOST_EFFECTS as f64, Activity::FittingPairs);
         let (pairs, pair) = self.best_pairs(start, &singles, best.as_ref(), &mut vetoed);
         let settled = pair.as_ref().filter(|pair| !pair.score.is_white()).map(|pair| placed(&pair.model));
         let all: Vec<Fitted> = singles.into_iter().chain(pairs).collect();
@@ -477,8 +477,7 @@ impl Search<'_> {
         candidates: usize,
         vetoed: &mut Vec<Vetoed>,
     ) -> Vec<Fitted> {
-        let mut waiting: Vec<Waiting> =
-            models.into_par_iter().map(|model| Waiting::new(model, self.noise)).collect();
+        let mut waiting: Vec<Waiting> = self.compared(models);
         // Fitted models with their segment costs.
         let mut done: Vec<(f64, Fitted)> = Vec::new();
         loop {
@@ -507,12 +506,30 @@ impl Search<'_> {
         }
     }
 
+    /// The first iterations of the fit of each model over segments.
+    fn compared(&self, models: Vec<TrialModel>) -> Vec<Waiting> {
+        let (all, done) = (models.len(), AtomicUsize::new(0));
+        let compare = |model: TrialModel| {
+            let segments = if self.observer.stopped() { None } else { model.segment_fit(self.noise) };
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            self.observer.tell(part(&model), Activity::Comparing { done, all });
+            Waiting { model, segments }
+        };
+        models.into_par_iter().map(compare).collect()
+    }
+
     /// Fits models, each given with its segment cost; failed fits are dropped.
     fn fitted(&self, models: Vec<Waiting>, candidates: usize) -> Vec<(f64, Fitted)> {
+        let tally = Tally::of(models.len());
         let fit = |models: Vec<Waiting>, effort: Effort| -> Vec<(f64, Fitted)> {
             let fit = |w: Waiting| {
-                let cost = w.cost();
-                Some((cost, Fitted::from(w.model, w.segments.as_ref(), self.noise, effort).ok()?))
+                if self.observer.stopped() {
+                    return None;
+                }
+                let (cost, part) = (w.cost(), part(&w.model));
+                let fitted = Fitted::from(w.model, w.segments.as_ref(), self.noise, effort).ok();
+                self.observer.tell(part, tally.one_more(fitted.as_ref()));
+                Some((cost, fitted?))
             };
             models.into_par_iter().filter_map(fit).collect()
         };
@@ -562,13 +579,39 @@ struct Waiting {
 }
 
 impl Waiting {
-    fn new(model: TrialModel, noise: &[Vec<f64>]) -> Waiting {
-        Waiting { segments: model.segment_fit(noise), model }
-    }
-
     /// The cost over segments; infinite where the model cannot be simulated.
     fn cost(&self) -> f64 {
         self.segments.as_ref().map_or(f64::INFINITY, |fit| fit.cost)
+    }
+}
+
+/// The part of a search that is done where models of so many effects are fitted.
+fn part(model: &TrialModel) -> f64 {
+    0.1 + 0.8 * model.effects.len() as f64 / (MOST_EFFECTS + 1) as f64
+}
+
+/// Counts the fits of a race.
+struct Tally {
+    all: usize,
+    /// Fits that ended, and the best of them.
+    so_far: Mutex<(usize, Option<Leader>)>,
+}
+
+impl Tally {
+    fn of(all: usize) -> Tally {
+        Tally { all, so_far: Mutex::new((0, None)) }
+    }
+
+    /// One more fit has ended.
+    fn one_more(&self, fitted: Option<&Fitted>) -> Activity {
+        let mut so_far = self.so_far.lock().unwrap_or_else(PoisonError::into_inner);
+        so_far.0 += 1;
+        if let Some(fitted) = fitted
+            && so_far.1.as_ref().is_none_or(|best| fitted.score.gap() < best.gap)
+        {
+            so_far.1 = Some(Leader { laws: placed(&fitted.model), gap: fitted.score.gap() });
+        }
+        Activity::Fitting { done: so_far.0, all: self.all, best: so_far.1.clone() }
     }
 }
 

@@ -6,7 +6,7 @@ use crate::ending::Ending;
 use crate::model::{Fitted, SpecTextError, TrialModel, current, noise_of, shortened};
 use crate::repeat::{prediction, repeatability};
 use crate::result::{Activity, ColumnRepeat, DataError, Gap, GapError, ModelError, StopReason, Warning};
-use crate::search::{Search, Searched};
+use crate::search::{Observer, Search, Searched};
 use phisindy_learn::{Effort, dead_column};
 use phisindy_phys::spec::{self, Role, Spec};
 use phisindy_phys::{Case, LawEntry, Record, SourceId, System, splice};
@@ -46,7 +46,7 @@ pub fn gap(
     case: Case,
     records: Vec<Record>,
     catalogue: &[LawEntry],
-    observe: &mut dyn FnMut(f64, Activity) -> ControlFlow<()>,
+    observe: &mut (dyn FnMut(f64, Activity) -> ControlFlow<()> + Send),
 ) -> Result<Gap, GapError> {
     suitable(&case.system, &records)?;
     let noise = noise_of(&records);
@@ -61,7 +61,8 @@ pub fn gap(
     let (repeat, floor) = floor(&case, &records, &noise);
     let whole = without_candidates(spec, case, records).ok_or_else(unreadable)?;
     let mut observe = |part: f64, what: Activity| observe(part, what).is_break();
-    let mut search = Search { catalogue, noise: &noise, floor, observe: &mut observe };
+    let observer = Observer::new(&mut observe);
+    let mut search = Search { catalogue, noise: &noise, floor, observer: &observer };
     let searched = from_estimate_or_rest(&mut search, whole).map_err(GapError::Numerics)?;
     Ending::new(searched, &mut search, warnings)?.finished(&text, repeat)
 }

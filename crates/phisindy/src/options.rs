@@ -27,8 +27,8 @@ pub struct Options<'a> {
     pub observe: Option<&'a Observer<'a>>,
 }
 
-/// Is told of the progress; `Break` stops the work.
-pub type Observer<'a> = dyn Fn(Progress<'_>) -> ControlFlow<()> + 'a;
+/// Is told of the progress, from any thread; `Break` stops the work.
+pub type Observer<'a> = dyn Fn(Progress<'_>) -> ControlFlow<()> + Sync + 'a;
 
 /// How far the work is.
 #[derive(Clone, Copy, Debug, PartialEq)]

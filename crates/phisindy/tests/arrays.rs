@@ -2,8 +2,8 @@
 #![allow(missing_docs)]
 
 use phisindy::{Case, Error, Options, Progress, Record, RecordError, Role, Status, gap, identify, simulate};
-use std::cell::Cell;
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A mass on a spring, in millimetres.
 const MILLIMETRES: &str = r#"(states: { "x": "mm", "v": "mm/s" }, constants: { "k": (1.0, "1/s^2") },
@@ -102,10 +102,10 @@ fn an_observer_hears_of_the_progress_and_may_stop_it() {
     let (t, x) = swings();
     let case = case();
     let record = case.record(&[("t", &t), ("x", &x)]).expect("a record");
-    let calls = Cell::new(0);
+    let calls = AtomicUsize::new(0);
     let observe = |progress: Progress<'_>| {
         assert!((0.0..=1.0).contains(&progress.fraction));
-        calls.set(calls.get() + 1);
+        calls.fetch_add(1, Ordering::Relaxed);
         ControlFlow::Break(())
     };
     let options = Options { observe: Some(&observe), ..Options::default() };
@@ -113,7 +113,7 @@ fn an_observer_hears_of_the_progress_and_may_stop_it() {
         Ok(found) => assert!(found.stopped()),
         Err(error) => assert!(matches!(error, Error::Identify(_)), "{error}"),
     }
-    assert!(calls.get() > 0);
+    assert!(calls.into_inner() > 0);
 }
 
 #[test]
@@ -137,6 +137,28 @@ fn the_search_names_a_missing_law_and_its_case_can_be_identified() {
     assert_eq!(found.steps()[0].effect.entry.id, "coulomb");
     assert!(found.after().0 < found.before().0);
     assert!(found.case().expect("a case").text().contains("sgn(v)"));
+}
+
+/// An observer that ends the work is heard between fits, on whatever thread they run.
+#[test]
+fn a_search_ends_between_fits() {
+    let case = Case::read(
+        r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (1.0, "1/s^2") }, known: { "x": "v", "v": "-k*x" },
+            data: [
+                Synthetic(truth: { "v": "-0.05*sgn(v) - 0.05*v" }, start: { "x": 2.0, "v": 0.0 }, duration: 40.0, step: 0.05, noise: Additive(0.02), seed: 1),
+            ])"#,
+    )
+    .expect("a spec");
+    let records = case.synthetic(None);
+    let fits = AtomicUsize::new(0);
+    let observe = |progress: Progress<'_>| {
+        fits.fetch_add(usize::from(progress.activity.contains(" compared")), Ordering::Relaxed);
+        if fits.load(Ordering::Relaxed) > 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let found =
+        gap(&case, &records, &Options { observe: Some(&observe), ..Options::default() }).expect("a result");
+    assert!(found.stopped() && found.steps().is_empty(), "{:?}", found.steps().len());
+    assert!(fits.into_inner() > 0);
 }
 
 #[test]

@@ -21,23 +21,28 @@ pub enum StopReason {
 }
 
 /// What the workflow is doing.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Activity {
     /// Calibrating the initial model.
     Calibrating,
     /// Screening every law at every place.
     Screening,
-    /// Fitting the best laws in full.
-    FittingLaws {
-        /// The round, from 1.
-        round: usize,
-        /// Laws at places that the regression ranked.
-        trials: usize,
-        /// The gap of the initial model and of the present one.
-        gap: (f64, f64),
+    /// Comparing models over short segments of the records.
+    Comparing {
+        /// Models that are compared.
+        done: usize,
+        /// All of them.
+        all: usize,
     },
-    /// Fitting the best pairs of laws.
-    FittingPairs,
+    /// Fitting the best models in full.
+    Fitting {
+        /// Models that are fitted.
+        done: usize,
+        /// All of them.
+        all: usize,
+        /// The best one so far.
+        best: Option<Leader>,
+    },
     /// Looking for a formula, where no law of the catalogue explains the data.
     Formulas,
     /// Fitting the best formulas in full.
@@ -48,6 +53,15 @@ pub enum Activity {
     Constants,
     /// Looking for other causes.
     OtherCauses,
+}
+
+/// The best one of some models.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Leader {
+    /// Its laws.
+    pub laws: Vec<PlacedLaw>,
+    /// The gap that it leaves.
+    pub gap: f64,
 }
 
 /// The evidence that rules out a law.

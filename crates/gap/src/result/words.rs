@@ -83,19 +83,18 @@ impl Display for MissingForce {
 
 impl Display for Activity {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        if let Activity::FittingLaws { round, trials, gap: (first, now) } = self {
-            let before = if *round > 1 { format!("{} → ", rounded(*first)) } else { String::new() };
-            return write!(
-                f,
-                "round {round}: fitting the best of {trials} laws, gap {before}{}",
-                rounded(*now)
-            );
-        }
         f.write_str(match self {
+            Activity::Comparing { done, all } => {
+                return write!(f, "{done} of {all} models compared over short segments");
+            }
+            Activity::Fitting { done, all, best } => {
+                write!(f, "{done} of {all} fits")?;
+                let Some(best) = best else { return Ok(()) };
+                let laws = joined(best.laws.iter().map(PlacedLaw::to_string), " + ");
+                return write!(f, ", best {laws}: gap {}", rounded(best.gap));
+            }
             Activity::Calibrating => "fitting what may move",
             Activity::Screening => "looking at every law at every place",
-            Activity::FittingLaws { .. } => "fitting the best of them",
-            Activity::FittingPairs => "fitting the best pairs",
             Activity::Formulas => "looking for a formula",
             Activity::FittingFormulas => "fitting the best formulas",
             Activity::ErrorBars => "error bars",
