@@ -49,10 +49,19 @@ fn undetermined(last: &Fitted, applied: &Applied) -> Option<Veto> {
     if at_end.is_some() {
         return at_end;
     }
-    // An interval from one bound to the other is what was known before.
+    // An interval from one bound to the other is what was known before. A coefficient for which a free constant of the
+    // model can stand, as the viscous part of a friction law beside a free damper, is theirs together: both are open.
+    let own = |p: &FoundParameter| {
+        let all = last.model.effects.iter().flat_map(|a| &a.parameters);
+        p.id.constant().is_some_and(|c| all.into_iter().any(|own| *own == c))
+    };
+    let constants = last.cal.parameters.iter().filter(|p| p.id.constant().is_some() && !own(p));
+    let shared = constants.into_iter().any(FoundParameter::reaches_both_bounds);
+    let coefficients = law.linear_parameters();
     let open = |&k: &usize| {
         !law.parameters[k].1.each
             && !law.parameters[k].1.whole
+            && !(shared && coefficients.contains(&k))
             && found(k).is_some_and(FoundParameter::reaches_both_bounds)
     };
     if let Some(k) = (0..law.parameters.len()).find(open) {

@@ -491,7 +491,7 @@ impl Search<'_> {
             let limits = [false, true].map(|memory| race * least(memory));
             let (now, later): (Vec<_>, Vec<_>) =
                 waiting.into_iter().partition(|w| w.cost() <= limits[usize::from(w.model.remembers())]);
-            done.extend(self.fitted(now, candidates));
+            done.extend(self.fitted(now, rival.is_finite(), candidates));
             let by = Measure::of(done.iter().map(|(_, f)| &f.score), candidates);
             done.sort_by(|(_, a), (_, b)| by.criterion(&a.score).total_cmp(&by.criterion(&b.score)));
             let names = |of: &[(f64, Fitted)]| of.iter().map(|(_, f)| placed(&f.model)).collect::<Vec<_>>();
@@ -518,8 +518,9 @@ impl Search<'_> {
         models.into_par_iter().map(compare).collect()
     }
 
-    /// Fits models, each given with its segment cost; failed fits are dropped.
-    fn fitted(&self, models: Vec<Waiting>, candidates: usize) -> Vec<(f64, Fitted)> {
+    /// Fits models, each given with its segment cost; failed fits are dropped. `explained` if a model explains the
+    /// records already.
+    fn fitted(&self, models: Vec<Waiting>, explained: bool, candidates: usize) -> Vec<(f64, Fitted)> {
         let tally = Tally::of(models.len());
         let fit = |models: Vec<Waiting>, effort: Effort| -> Vec<(f64, Fitted)> {
             let fit = |w: Waiting| {
@@ -537,12 +538,12 @@ impl Search<'_> {
         // leaves more even on segments need not be fitted to the end.
         let mut models = models;
         models.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
-        let mut seen = [false; 2];
+        let mut seen = [explained; 2];
         let (first, rest): (Vec<_>, Vec<_>) = models
             .into_iter()
             .partition(|w| !std::mem::replace(&mut seen[usize::from(w.model.remembers())], true));
         let mut all = fit(first, Effort::Plain);
-        let explained = all.iter().any(|(_, f)| f.score.explains());
+        let explained = explained || all.iter().any(|(_, f)| f.score.explains());
         let rival = Effort::Rival { most: EXPLAINED * EXPLAINED };
         all.extend(fit(rest, if explained { rival } else { Effort::Plain }));
         all.retain(|(_, f)| f.score.fit.is_finite());
