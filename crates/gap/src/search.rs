@@ -12,8 +12,8 @@ pub(crate) use refine::refitted;
 pub(crate) use task::{Observe, Observer, Search};
 
 use crate::decisions::{
-    EXPLAINED, FAMILY_ROUNDS, FAR_OFF, MORE_STARTS, MOST_EFFECTS, ON_THE_WAY, PAIRS_RACED, RACE, REPEATS,
-    RICHER, RIVALS, SEARCHES_AGAIN, SEEDED_STRIDE, SHRINKS, SIMPLER, WEAK_ROUND, WORTH, WORTH_STARTS,
+    FAMILY_ROUNDS, FAR_OFF, MORE_STARTS, MOST_EFFECTS, ON_THE_WAY, PAIRS_RACED, RACE, REPEATS, RICHER,
+    RIVALS, SEARCHES_AGAIN, SEEDED_STRIDE, SEGMENTS_END, SHRINKS, SIMPLER, WEAK_ROUND, WORTH, WORTH_STARTS,
 };
 use crate::evidence::against;
 use crate::model::{Fitted, Measure, TrialModel, current};
@@ -339,14 +339,15 @@ impl Search<'_> {
         let mut models: Vec<TrialModel> = pairs.iter().filter_map(|list| model.with_all(list).ok()).collect();
         // Segments tell little of a motion that sticks.
         let smooth = |b: &&Fitted| b.score.is_white() && !b.rests() && !b.has_clearance();
-        let single = single.filter(smooth).map(Fitted::settled);
+        let leader = single.filter(smooth);
+        let single = leader.map(Fitted::settled);
         let cost = |model: &TrialModel, stride: usize| model.segment_cost(self.noise, stride);
         if let Some(part) = single.as_ref().and_then(|b| cost(b, SEEDED_STRIDE)) {
             // Most pairs are so far behind that a part of the segments shows it.
             let near = |m: &TrialModel| cost(m, SEEDED_STRIDE).is_some_and(|own| own <= RACE * RACE * part);
             models = models.into_par_iter().filter(near).collect();
         }
-        let rival = single.and_then(|b| cost(&b, 1)).unwrap_or(f64::INFINITY);
+        let rival = leader.zip(single.and_then(|b| cost(&b, 1)));
         let mut pairs = self.fit_race_against(rival, models, RACE, *candidates, vetoed);
         if let Some(pair) = self.worthy(now, &pairs, *candidates).filter(|pair| pair.score.is_white()) {
             pairs = self.with_competitors(pairs, singles, &pair, *candidates, vetoed);
@@ -465,13 +466,13 @@ impl Search<'_> {
         candidates: usize,
         vetoed: &mut Vec<Vetoed>,
     ) -> Vec<Fitted> {
-        self.fit_race_against(f64::INFINITY, models, race, candidates, vetoed)
+        self.fit_race_against(None, models, race, candidates, vetoed)
     }
 
-    /// The same race, where a model with segment cost `rival` runs too.
+    /// The same race, where a fitted model that explains the records runs too, with its segment cost.
     fn fit_race_against(
         &self,
-        rival: f64,
+        rival: Option<(&Fitted, f64)>,
         models: Vec<TrialModel>,
         race: f64,
         candidates: usize,
@@ -486,19 +487,19 @@ impl Search<'_> {
                 raced.chain(done.iter().map(|(cost, f)| (f.model.remembers(), *cost))).collect();
             let least = |memory: bool| {
                 let others = raced.iter().filter(|(other, _)| memory || !other);
-                others.map(|(_, cost)| *cost).fold(rival, f64::min)
+                others.map(|(_, cost)| *cost).fold(rival.map_or(f64::INFINITY, |(_, cost)| cost), f64::min)
             };
             let limits = [false, true].map(|memory| race * least(memory));
             let (now, later): (Vec<_>, Vec<_>) =
                 waiting.into_iter().partition(|w| w.cost() <= limits[usize::from(w.model.remembers())]);
-            done.extend(self.fitted(now, rival.is_finite(), candidates));
+            done.extend(self.fitted(now, rival.map(|(fitted, _)| fitted), candidates));
             let by = Measure::of(done.iter().map(|(_, f)| &f.score), candidates);
             done.sort_by(|(_, a), (_, b)| by.criterion(&a.score).total_cmp(&by.criterion(&b.score)));
             let names = |of: &[(f64, Fitted)]| of.iter().map(|(_, f)| placed(&f.model)).collect::<Vec<_>>();
             let all = names(&done);
             done.retain(|(_, f)| !ruled_out(f, vetoed));
             let left = names(&done);
-            if later.is_empty() || rival.is_finite() || all.first() == left.first() {
+            if later.is_empty() || rival.is_some() || all.first() == left.first() {
                 return done.into_iter().map(|(_, f)| f).collect();
             }
             waiting = later;
@@ -518,16 +519,18 @@ impl Search<'_> {
         models.into_par_iter().map(compare).collect()
     }
 
-    /// Fits models, each given with its segment cost; failed fits are dropped. `explained` if a model explains the
-    /// records already.
-    fn fitted(&self, models: Vec<Waiting>, explained: bool, candidates: usize) -> Vec<(f64, Fitted)> {
+    /// Fits models, each given with its segment cost; failed fits are dropped. `leader` explains the
+    /// records.
+    fn fitted(&self, models: Vec<Waiting>, leader: Option<&Fitted>, candidates: usize) -> Vec<(f64, Fitted)> {
         let tally = Tally::of(models.len());
-        let fit = |models: Vec<Waiting>, effort: Effort| -> Vec<(f64, Fitted)> {
+        let fit = |models: Vec<Waiting>, beside_leader: Option<&Fitted>| -> Vec<(f64, Fitted)> {
             let fit = |w: Waiting| {
                 if self.observer.stopped() {
                     return None;
                 }
                 let (cost, part) = (w.cost(), part(&w.model));
+                // A law that loses is shown with what it leaves, a pair is not.
+                let effort = beside_leader.map_or(Effort::Plain, |b| beside(b, &w.model, leader.is_none()));
                 let fitted = Fitted::from(w.model, w.segments.as_ref(), self.noise, effort).ok();
                 self.observer.tell(part, tally.one_more(fitted.as_ref()));
                 Some((cost, fitted?))
@@ -538,21 +541,24 @@ impl Search<'_> {
         // leaves more even on segments need not be fitted to the end.
         let mut models = models;
         models.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
-        let mut seen = [explained; 2];
+        let mut seen = [leader.is_some(); 2];
         let (first, rest): (Vec<_>, Vec<_>) = models
             .into_iter()
             .partition(|w| !std::mem::replace(&mut seen[usize::from(w.model.remembers())], true));
-        let mut all = fit(first, Effort::Plain);
-        let explained = explained || all.iter().any(|(_, f)| f.score.explains());
-        let rival = Effort::Rival { most: EXPLAINED * EXPLAINED };
-        all.extend(fit(rest, if explained { rival } else { Effort::Plain }));
+        let mut all = fit(first, None);
+        let explains = all.iter().map(|(_, f)| f).filter(|f| f.score.explains());
+        let least = explains.min_by(|a, b| a.score.fit.total_cmp(&b.score.fit)).cloned();
+        all.extend(fit(rest, leader.or(least.as_ref())));
         all.retain(|(_, f)| f.score.fit.is_finite());
         let by = Measure::of(all.iter().map(|(_, f)| &f.score), candidates);
         all.sort_by(|(_, a), (_, b)| by.criterion(&a.score).total_cmp(&by.criterion(&b.score)));
         // Models near the best are fitted again from more starts: runs through stops have local minima.
         let least = all.iter().map(|(_, f)| f.score.fit).fold(f64::INFINITY, f64::min);
-        let near =
-            |f: &Fitted| (f.score.fit < WORTH_STARTS * least || f.score.fit < WORTH_STARTS) && f.may_gain();
+        let near = |f: &Fitted| {
+            (f.score.fit < WORTH_STARTS * least || f.score.fit < WORTH_STARTS)
+                && f.may_gain()
+                && !f.cal.hopeless
+        };
         all.par_iter_mut().take(MORE_STARTS).filter(|(_, f)| near(f)).for_each(|(_, f)| {
             let thorough = Fitted::new(f.settled(), self.noise, Effort::Thorough);
             if let Ok(better) = thorough
@@ -584,6 +590,15 @@ impl Waiting {
     fn cost(&self) -> f64 {
         self.segments.as_ref().map_or(f64::INFINITY, |fit| fit.cost)
     }
+}
+
+/// How hard to fit a rival of a model that explains the records. Segments leave no more than a single run, so one that
+/// leaves more there than the leader in its runs, by more than its parameters are cheaper, loses.
+fn beside(leader: &Fitted, rival: &TrialModel, runs: bool) -> Effort {
+    let samples = leader.cal.samples as f64;
+    let cheaper = leader.score.parameters.saturating_sub(rival.size()) as f64 * samples.ln();
+    let left = leader.score.fit.powi(2);
+    Effort::Rival { most: left * (SEGMENTS_END + (WORTH + cheaper) / samples), runs }
 }
 
 /// The part of a search that is done where models of so many effects are fitted.

@@ -9,6 +9,8 @@ pub enum ModelError {
     Unbound(String),
     /// The simulation failed.
     Simulation(SimError),
+    /// Its segments leave more than a rival, and its runs were not asked for.
+    Beaten,
 }
 
 impl ModelError {

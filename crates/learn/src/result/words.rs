@@ -285,6 +285,7 @@ impl Display for ModelError {
         match self {
             ModelError::Unbound(text) => f.write_str(text),
             ModelError::Simulation(error) => write!(f, "{error}"),
+            ModelError::Beaten => f.write_str("over short segments it leaves more than another model"),
         }
     }
 }

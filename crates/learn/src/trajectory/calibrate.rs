@@ -78,8 +78,8 @@ pub fn calibrate_from(
     let samples: usize = records.iter().filter(|r| r.role == Role::Fit).map(Record::readings).sum();
     let mut setup = Setup { begun: segments, ..Setup::new(records, smooth, noise) };
     let effort = match effort {
-        Effort::Rival { most } => {
-            setup.most = most * samples as f64;
+        Effort::Rival { most, runs } => {
+            (setup.most, setup.runs) = (most * samples as f64, runs);
             Effort::Plain
         }
         other => other,
@@ -125,7 +125,7 @@ pub fn calibrate_from(
 /// Fits over fewer and fewer segments, each stage from where the one before ended. Returns the last two stages.
 ///
 /// # Errors
-/// No stage can be simulated; the error is that of the last one.
+/// No stage can be simulated; the error is that of the last one. Or it is beaten.
 fn stages<'a>(
     system: &'a System,
     setup: &'a Setup<'a>,
@@ -137,6 +137,9 @@ fn stages<'a>(
     let stages: &[usize] = if effort == Effort::Plain { &STAGES } else { &STAGES[STAGES.len() - 1..] };
     for &pieces in stages {
         match Stage::new(system, setup, pieces, effort, samples, best.as_ref()) {
+            Ok(stage) if !setup.runs && pieces > 1 && stage.cost > setup.most => {
+                return Err(ModelError::Beaten);
+            }
             Ok(stage) => before = best.replace(stage),
             Err(e) => trouble = Some(e),
         }
@@ -369,8 +372,10 @@ pub enum Effort {
     /// One fit, through shorter segments to single runs.
     Plain,
     /// The same for a rival of a model that explains the records. Where its segments leave more, its single runs do too:
-    /// they get a few steps, so that it is known how far behind they are.
+    /// they get a few steps, so that it is known how far behind they are, or none.
     Rival {
+        /// Whether its single runs are asked for where it is hopeless; else the fit fails there.
+        runs: bool,
         /// chi^2 per sample of segments from which on it is hopeless.
         most: f64,
     },
@@ -460,6 +465,8 @@ struct Setup<'a> {
     smooth: Vec<Record>,
     /// chi^2 of segments from which on a fit is hopeless.
     most: f64,
+    /// Whether a hopeless fit is asked for its runs.
+    runs: bool,
 }
 
 impl<'a> Setup<'a> {
@@ -479,6 +486,7 @@ impl<'a> Setup<'a> {
             noise: of.iter().map(|&r| row(r)).collect(),
             smooth: of.iter().map(|&r| smooth[r].clone()).collect(),
             most: f64::INFINITY,
+            runs: true,
             begun: None,
         }
     }

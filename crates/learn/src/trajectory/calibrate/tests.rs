@@ -240,7 +240,7 @@ fn a_rival_that_segments_rule_out_is_given_up() {
     for (samples, hopeless) in [(line(), false), (parabola, true)] {
         let (case, records) = records(LINE, &[(Role::Fit, samples)]);
         let of = |effort: Effort| calibrate(&case.system, &records, &records, &noise, effort).unwrap();
-        let (plain, rival) = (of(Effort::Plain), of(Effort::Rival { most: 2.0 }));
+        let (plain, rival) = (of(Effort::Plain), of(Effort::Rival { most: 2.0, runs: true }));
         assert_eq!((plain.hopeless, rival.hopeless), (false, hopeless));
         assert_relative_eq!(plain.chi2, rival.chi2, max_relative = 1e-6);
         let segments = segment_fit(&case.system, &records, &records, &noise, 1);
