@@ -7,11 +7,11 @@
 //! alone, so the work grows with their number.
 
 use crate::decisions::{
-    CHAIN_MINIMUM, CHAIN_SAMPLES, FIRST_NOISE, FORGOTTEN, LONGEST_STRETCH, LOOSE_JOINTS, NOISE_FLOOR,
+    CHAIN_MINIMUM, CHAIN_SAMPLES, FIRST_NOISE, FORGOTTEN, LONGEST_STRETCH, LOOSE_JOINTS, LOST, NOISE_FLOOR,
     START_GAIN, STRETCHES_PER_TERM, TIGHT_JOINTS,
 };
 use crate::least_squares::Limits;
-use crate::trajectory::chain_selection::{Criterion, select_on_chain};
+use crate::trajectory::chain_selection::{Criterion, addition, select_on_chain};
 use crate::trajectory::fit::{Context, Fit, transfer};
 use crate::trajectory::initial::Regression;
 use crate::trajectory::layout::Segment;
@@ -66,6 +66,14 @@ impl<'a> Context<'a> {
         !found.is_white() || found.most_pieces() > 1 || growth(&found.problem, &found.x) > FORGOTTEN
     }
 
+    /// The term beside those of a fit that the data ask for most, if they nearly ask for it, and by how much the
+    /// criterion is worse with it; asked of motion that forgets its start, which shows its numbers through noise that
+    /// hides terms.
+    pub(crate) fn nearly_there(&self, fit: &Fit<'a>) -> Option<(usize, f64)> {
+        let forgets = fit.problem.chained || growth(&fit.problem, &fit.x) > FORGOTTEN;
+        (forgets && self.forgets_its_start(fit)).then(|| addition(self, fit))?
+    }
+
     /// With how many terms of each equation a chain starts: all, or of a dictionary that has more of them than the
     /// regression has stretches the best ones of it.
     fn richest(&self) -> usize {
@@ -115,6 +123,10 @@ impl<'a> Context<'a> {
             x[segment.start..segment.start + n].copy_from_slice(&chain.x[first.start..first.start + n]);
         }
         let single = self.settle(problem, x, chain.noise.clone(), 3)?;
+        // Along such a run the numbers cannot be told from the start: they would have no error bars.
+        if growth(&single.problem, &single.x) > LOST {
+            return None;
+        }
         (self.misfit(&single)? <= (1.0 + START_GAIN) * self.misfit(chain)?).then_some(single)
     }
 
