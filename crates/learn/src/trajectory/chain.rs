@@ -41,15 +41,20 @@ impl<'a> Context<'a> {
     }
 
     /// The better of two selections on a chain that starts with these terms. A rich model bends in the joints where a
-    /// poor one cannot, and a tight chain may end in a side minimum: terms are selected after the tightening, and before.
+    /// poor one cannot, and a tight chain may end in a side minimum: terms are selected after the tightening, and along
+    /// it. Joints that are loose stand for small terms, and along those that are tight a term can hardly be added, for
+    /// all other numbers must follow it through a bent valley: in between neither holds.
     fn selected(&self, start: &[usize], regression: &Regression) -> Option<Selection<'a>> {
         let loose = self.loose_chain(start, &regression.solve(start))?;
-        let after = self.tightened(&loose).map(|full| select_on_chain(self, full));
-        let before = self.refit(&loose, start).map(|fit| select_on_chain(self, fit));
-        let before = before.and_then(|s| self.tightened(&s.fit)).map(|fit| select_on_chain(self, fit));
+        let after = self.tightened(&loose, &TIGHT_JOINTS).map(|full| select_on_chain(self, full));
+        let (half, whole) = TIGHT_JOINTS.split_at(1);
+        let first = self.refit(&loose, start).map(|fit| select_on_chain(self, fit));
+        let along = [half, whole].iter().fold(first, |selected, joints| {
+            self.tightened(&selected?.fit, joints).map(|fit| select_on_chain(self, fit))
+        });
         let criterion = Criterion::new(self.system, &loose);
         let of = |s: &Selection<'_>| criterion.of_fit(&s.fit);
-        after.into_iter().chain(before).min_by(|a, b| of(a).total_cmp(&of(b)))
+        after.into_iter().chain(along).min_by(|a, b| of(a).total_cmp(&of(b)))
     }
 
     /// Whether a disturbance of the start grows so much along the record that a fit of single runs is in doubt, or no
@@ -98,11 +103,11 @@ impl<'a> Context<'a> {
         self.settle(problem, x, noise, 1)
     }
 
-    /// The same with joints that are as tight as the simulation is accurate.
-    fn tightened(&self, loose: &Fit<'a>) -> Option<Fit<'a>> {
+    /// The same with tighter joints.
+    fn tightened(&self, loose: &Fit<'a>, joints: &[f64]) -> Option<Fit<'a>> {
         let mut problem = self.problem(&loose.problem.terms, loose)?;
         let mut x = loose.x.clone();
-        for tight in TIGHT_JOINTS {
+        for &tight in joints {
             problem.continuity = Some(jumps(&problem, &loose.noise, tight));
             problem.minimise(&mut x, &loose.weights, Limits::of(CHAIN_MINIMUM)).ok()?;
         }
