@@ -166,6 +166,8 @@ decisions! {
     TIGHT_JOINTS: [f64; 4] = [1e-2, 1e-3, 1e-4, 1e-5], "of the noise", Basis::Derived("decades, down to the accuracy of the simulations");
     /// A disturbance of the start that grows more than this over a record leaves a fit of single runs in doubt.
     FORGOTTEN: f64 = 30.0, "times", Basis::Judgement("such a run leaves its linear neighbourhood with a start that is wrong by a thirtieth of the motion");
+    /// ... and where it grows more than this no single run stands for a chain.
+    LOST: f64 = 1e6, "times", Basis::Derived("its square, the condition of the normal equations of such a run, leaves four digits of sixteen");
     /// A free run of a chaotic motion whose mean is this far from that of the data is of another motion ...
     CHAOTIC_MEAN: f64 = 6.0, "standard errors", Basis::Judgement("the standard error of a mean of a few turns is itself uncertain by half");
     /// ... and so is one of another size.

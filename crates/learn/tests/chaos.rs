@@ -63,6 +63,17 @@ fn thirty_unknown_terms_of_a_chaotic_motion() {
     }
 }
 
+/// In twenty seconds one run still follows the record, but along it the numbers cannot be told from the start.
+#[test]
+fn numbers_of_a_run_that_is_all_but_lost_have_error_bars() {
+    let found = lorenz(20.0, 1.2753);
+    assert_eq!((terms(&found), &found.verdict), (TRUE.to_vec(), &Verdict::Identified));
+    for (term, due) in found.terms.iter().zip([-10.0, 10.0, 28.0, -1.0, -1.0, -8.0 / 3.0, 1.0]) {
+        let (value, error) = (term.coefficient.value, term.coefficient.std_error);
+        assert!(error.is_finite() && (value - due).abs() < 4.0 * error, "{value} +- {error} for {due}");
+    }
+}
+
 /// In forty seconds a disturbance grows by sixteen decades.
 #[test]
 fn a_run_that_no_start_can_follow_is_judged_by_what_it_keeps() {

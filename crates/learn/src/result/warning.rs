@@ -74,6 +74,13 @@ pub enum Warning {
         /// By how much the criterion is worse with it.
         worse: f64,
     },
+    /// With one term more the data are described nearly as well.
+    Further {
+        /// The term.
+        term: TermId,
+        /// By how much the criterion is worse with it.
+        worse: f64,
+    },
     /// A candidate is not finite everywhere on the data.
     SingularCandidate {
         /// Which.

@@ -95,6 +95,11 @@ impl Display for Warning {
                 other.candidate,
                 RIVAL
             ),
+            Warning::Further { term, worse } => write!(
+                f,
+                "{term} beside the other terms describes the data as well (criterion {worse:.1} higher, below {RIVAL:.0} is no evidence): it may be there, \
+                 and the intervals hold only if it is not; a longer record or less noise would tell"
+            ),
             Warning::SingularCandidate { term } => write!(
                 f,
                 "candidate {} of {}' is not finite everywhere on the data: it was hardly considered",

@@ -7,11 +7,11 @@
 //! alone, so the work grows with their number.
 
 use crate::decisions::{
-    CHAIN_MINIMUM, CHAIN_SAMPLES, FIRST_NOISE, FORGOTTEN, LONGEST_STRETCH, LOOSE_JOINTS, NOISE_FLOOR,
+    CHAIN_MINIMUM, CHAIN_SAMPLES, FIRST_NOISE, FORGOTTEN, LONGEST_STRETCH, LOOSE_JOINTS, LOST, NOISE_FLOOR,
     START_GAIN, STRETCHES_PER_TERM, TIGHT_JOINTS,
 };
 use crate::least_squares::Limits;
-use crate::trajectory::chain_selection::{Criterion, select_on_chain};
+use crate::trajectory::chain_selection::{Criterion, addition, select_on_chain};
 use crate::trajectory::fit::{Context, Fit, transfer};
 use crate::trajectory::initial::Regression;
 use crate::trajectory::layout::Segment;
@@ -41,15 +41,20 @@ impl<'a> Context<'a> {
     }
 
     /// The better of two selections on a chain that starts with these terms. A rich model bends in the joints where a
-    /// poor one cannot, and a tight chain may end in a side minimum: terms are selected after the tightening, and before.
+    /// poor one cannot, and a tight chain may end in a side minimum: terms are selected after the tightening, and along
+    /// it. Joints that are loose stand for small terms, and along those that are tight a term can hardly be added, for
+    /// all other numbers must follow it through a bent valley: in between neither holds.
     fn selected(&self, start: &[usize], regression: &Regression) -> Option<Selection<'a>> {
         let loose = self.loose_chain(start, &regression.solve(start))?;
-        let after = self.tightened(&loose).map(|full| select_on_chain(self, full));
-        let before = self.refit(&loose, start).map(|fit| select_on_chain(self, fit));
-        let before = before.and_then(|s| self.tightened(&s.fit)).map(|fit| select_on_chain(self, fit));
+        let after = self.tightened(&loose, &TIGHT_JOINTS).map(|full| select_on_chain(self, full));
+        let (half, whole) = TIGHT_JOINTS.split_at(1);
+        let first = self.refit(&loose, start).map(|fit| select_on_chain(self, fit));
+        let along = [half, whole].iter().fold(first, |selected, joints| {
+            self.tightened(&selected?.fit, joints).map(|fit| select_on_chain(self, fit))
+        });
         let criterion = Criterion::new(self.system, &loose);
         let of = |s: &Selection<'_>| criterion.of_fit(&s.fit);
-        after.into_iter().chain(before).min_by(|a, b| of(a).total_cmp(&of(b)))
+        after.into_iter().chain(along).min_by(|a, b| of(a).total_cmp(&of(b)))
     }
 
     /// Whether a disturbance of the start grows so much along the record that a fit of single runs is in doubt, or no
@@ -64,6 +69,14 @@ impl<'a> Context<'a> {
             return false;
         }
         !found.is_white() || found.most_pieces() > 1 || growth(&found.problem, &found.x) > FORGOTTEN
+    }
+
+    /// The term beside those of a fit that the data ask for most, if they nearly ask for it, and by how much the
+    /// criterion is worse with it; asked of motion that forgets its start, which shows its numbers through noise that
+    /// hides terms.
+    pub(crate) fn nearly_there(&self, fit: &Fit<'a>) -> Option<(usize, f64)> {
+        let forgets = fit.problem.chained || growth(&fit.problem, &fit.x) > FORGOTTEN;
+        (forgets && self.forgets_its_start(fit)).then(|| addition(self, fit))?
     }
 
     /// With how many terms of each equation a chain starts: all, or of a dictionary that has more of them than the
@@ -90,11 +103,11 @@ impl<'a> Context<'a> {
         self.settle(problem, x, noise, 1)
     }
 
-    /// The same with joints that are as tight as the simulation is accurate.
-    fn tightened(&self, loose: &Fit<'a>) -> Option<Fit<'a>> {
+    /// The same with tighter joints.
+    fn tightened(&self, loose: &Fit<'a>, joints: &[f64]) -> Option<Fit<'a>> {
         let mut problem = self.problem(&loose.problem.terms, loose)?;
         let mut x = loose.x.clone();
-        for tight in TIGHT_JOINTS {
+        for &tight in joints {
             problem.continuity = Some(jumps(&problem, &loose.noise, tight));
             problem.minimise(&mut x, &loose.weights, Limits::of(CHAIN_MINIMUM)).ok()?;
         }
@@ -115,6 +128,10 @@ impl<'a> Context<'a> {
             x[segment.start..segment.start + n].copy_from_slice(&chain.x[first.start..first.start + n]);
         }
         let single = self.settle(problem, x, chain.noise.clone(), 3)?;
+        // Along such a run the numbers cannot be told from the start: they would have no error bars.
+        if growth(&single.problem, &single.x) > LOST {
+            return None;
+        }
         (self.misfit(&single)? <= (1.0 + START_GAIN) * self.misfit(chain)?).then_some(single)
     }
 

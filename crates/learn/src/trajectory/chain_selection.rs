@@ -1,7 +1,7 @@
 //! Selection of terms on a chain of segments: a search among the subsets by the quadratic model of the cost, in which
 //! start states follow along, each step of it confirmed by a refit.
 
-use crate::decisions::{CHAIN_PAIRS, CHAIN_REFITS};
+use crate::decisions::{CHAIN_PAIRS, CHAIN_REFITS, RIVAL, RIVAL_REACH};
 use crate::result::identified::PathPoint;
 use crate::trajectory::description::descriptions;
 use crate::trajectory::fit::{Context, Fit};
@@ -64,6 +64,27 @@ pub(crate) fn select_on_chain<'a>(context: &Context<'a>, first: Fit<'a>) -> Sele
         now = fit;
     }
     Selection { fit: now, path }
+}
+
+/// The term with which the criterion is least worse, if it is so little worse that it is no evidence against the term.
+pub(crate) fn addition<'a>(context: &Context<'a>, now: &Fit<'a>) -> Option<(usize, f64)> {
+    let (criterion, own) = (Criterion::new(context.system, now), &now.problem.terms);
+    let model = whole_dictionary(context, now)?;
+    let here = criterion.of(now.normal.cost, own);
+    let outside = (0..model.len()).filter(|t| !own.contains(t));
+    let promised = outside.map(|t| {
+        let terms = changed(own, &[], &[t]);
+        (t, criterion.of(model.least(&terms), &terms) - here)
+    });
+    let (term, promised) = promised.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    // The quadratic model may promise too little: a refit decides.
+    if promised > RIVAL_REACH * RIVAL {
+        return None;
+    }
+    let terms = changed(own, &[], &[term]);
+    let fit = context.refit(now, &terms)?;
+    let worse = (criterion.of(fit.normal.cost, &terms) - here).max(0.0);
+    (worse < RIVAL).then_some((term, worse))
 }
 
 /// The quadratic model in the coefficients of all terms, where a fit of some of them has ended.

@@ -53,10 +53,12 @@ pub(crate) fn by_trajectory(
     let near = if auto { rivals(&context, &fit, &all) } else { vec![] };
     let alternative =
         near.first().and_then(|(terms, worse)| alternative(system, &fit.problem.terms, terms, *worse));
+    let further = if auto { context.nearly_there(&fit) } else { None };
+    let further = further.map(|(t, worse)| Warning::Further { term: TermId::new(system, t), worse });
     let stop_reason = if stopped { StopReason::Interrupted } else { StopReason::Finished };
     let fit = context.resegmented(context.with_starts_at_rest(fit));
     let mut found = report(case, records, filled, &fit, path, stop_reason);
-    found.warnings.extend(alternative);
+    found.warnings.extend(alternative.into_iter().chain(further));
     let singular = |&k: &usize| Warning::SingularCandidate { term: TermId::new(system, k) };
     found.warnings.extend(regression.singular.iter().map(singular));
     Ok(found)

@@ -84,6 +84,10 @@ fn warnings() {
             "x in the place of 1 in v' describes the data as well (criterion 1.3 higher, below 6 is no evidence): the intervals hold only if the terms are the right ones; a record at another amplitude or speed would tell",
         ),
         (
+            Warning::Further { term: term("x"), worse: 1.26 },
+            "x in v' beside the other terms describes the data as well (criterion 1.3 higher, below 6 is no evidence): it may be there, and the intervals hold only if it is not; a longer record or less noise would tell",
+        ),
+        (
             Warning::SingularCandidate { term: term("ln(x)") },
             "candidate ln(x) of v' is not finite everywhere on the data: it was hardly considered",
         ),
