@@ -87,11 +87,12 @@ impl Search<'_> {
                 ..searched
             };
         }
-        let force = self.missing_force(&searched.last);
+        let force = self.missing_force(&searched.base);
         Searched { force, ..searched }
     }
 
-    /// The force that a model lacks, at the place where it explains most.
+    /// The force that a model lacks, at the place where it explains most; beside a few laws that do not explain the data
+    /// it would be what these leave, which is no force of its own.
     fn missing_force(&mut self, now: &Fitted) -> Option<MissingForce> {
         if (self.observe)(0.91, Activity::Formulas) {
             return None;
@@ -339,6 +340,7 @@ fn short(x: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::result::Dependence;
     use crate::test_models::{fitted, model};
     use phisindy_phys::{Law, SourceId};
     use shape::shapes;
@@ -373,6 +375,21 @@ mod tests {
         assert_eq!(found("-0.4*abs(v)^1.5*sgn(v)").as_deref(), Some("c*abs(v)^1.5*sgn(v)"));
         assert_eq!(found("-0.5*atan(x/0.2)").as_deref(), Some("c*atan(x/l)"));
         assert_eq!(found("0*x"), None);
+    }
+
+    /// What the missing force depends on.
+    fn depends(truth: &str) -> Option<Dependence> {
+        let (model, noise) = rig(truth);
+        let now = fitted(model, &noise);
+        let mut search = Search { catalogue: &[], noise: &noise, floor: 0.0, observe: &mut |_, _| false };
+        search.missing_force(&now).map(|force| force.on)
+    }
+
+    #[test]
+    fn what_a_force_depends_on_is_told() {
+        assert_eq!(depends("-0.3*sgn(v)"), Some(Dependence::Velocity));
+        assert_eq!(depends("-0.5*x^3"), Some(Dependence::Displacement));
+        assert_eq!(depends("-0.03*t*v"), Some(Dependence::Time));
     }
 
     /// Every shape is a law that the check accepts, its units included.
