@@ -15,14 +15,17 @@ mod front;
 mod scale;
 mod shape;
 
-use crate::decisions::{FAR_OFF, FORMULA_ALPHABET, FORMULA_PASSES, FORMULAS_FITTED, RACE, RIVALS, WORTH};
+use crate::decisions::{
+    FAR_OFF, FORMULA_ALPHABET, FORMULA_PASSES, FORMULAS_FITTED, RACE, RIVALS, SEARCHES_AGAIN, WORTH,
+};
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::{Effect, Place, Site, fits};
-use crate::result::{Activity, MissingForce, PlacedLaw, Rival, StopReason};
+use crate::plausibility::{cancelling, vetoed};
+use crate::result::{Activity, MissingForce, PlacedLaw, Rival, StopReason, Veto, Vetoed};
 use crate::screen::Ground;
 use crate::search::{Round, Search, Searched};
 use front::{Entry, Grammar, Selection, shortest, structure};
-use phisindy_learn::Calibration;
+use phisindy_learn::{Calibration, Effort};
 use phisindy_phys::{LawEntry, LawError, LawRole};
 use scale::Scale;
 use shape::{Shape, Term, formula};
@@ -56,14 +59,16 @@ struct Found {
 }
 
 impl Search<'_> {
-    /// A search that ended without an explanation, with a formula if there is one that explains the data: beside the
-    /// model as it is, else beside the effects that were found.
+    /// A search that ended without an explanation, or with one that evidence speaks against, with a formula if there is
+    /// one that explains the data: beside the model as it is, else beside the effects that were found.
     pub(crate) fn described(&mut self, searched: Searched) -> Searched {
-        if self.explained(&searched.last) || searched.stop == StopReason::Interrupted {
+        let explained = self.explained(&searched.last);
+        let done = explained && !doubted(&searched.last, &searched.needed, self.noise);
+        if done || searched.stop == StopReason::Interrupted {
             return searched;
         }
         let mut starts = vec![searched.base.clone()];
-        if !searched.last.model.effects.is_empty() {
+        if !explained && !searched.last.model.effects.is_empty() {
             starts.push(searched.last.clone());
         }
         for now in starts {
@@ -86,6 +91,9 @@ impl Search<'_> {
                 stop: StopReason::White,
                 ..searched
             };
+        }
+        if explained {
+            return searched;
         }
         let force = self.missing_force(&searched.base);
         Searched { force, ..searched }
@@ -141,11 +149,22 @@ impl Search<'_> {
             }
             runs = Some(tried[best].fitted.cal.clone());
         }
-        // Fewer terms and limits shorten a formula; they do not explain what it does not.
-        if best_of(&tried, &value).is_some_and(|best| self.explained(&tried[best].fitted)) {
+        // Fewer terms and limits shorten a formula; they do not explain what it does not. One that evidence rules out
+        // gives way to the next.
+        let mut again = 0;
+        let best = loop {
+            let best = best_of(&tried, &value)?;
+            if !self.explained(&tried[best].fitted) {
+                return None;
+            }
             self.prune(&model, &mut tried, &value);
-        }
-        let best = best_of(&tried, &value)?;
+            let best = best_of(&tried, &value)?;
+            if again == SEARCHES_AGAIN || !doubted(&tried[best].fitted, &[], self.noise) {
+                break best;
+            }
+            tried.swap_remove(best);
+            again += 1;
+        };
         let by = Measure::of(tried.iter().map(|t| &t.fitted.score).chain([&now.score]), 1);
         let own = value(&tried[best], by);
         let gain = by.criterion(&now.score) - own;
@@ -193,6 +212,17 @@ impl Search<'_> {
             tried.push(Tried { shapes, scales, symbols: c.symbols, fitted });
         }
     }
+}
+
+/// Whether evidence speaks against an effect of a model, other than that the records leave the numbers of a law open
+/// that they need.
+fn doubted(last: &Fitted, needed: &[PlacedLaw], noise: &[Vec<f64>]) -> bool {
+    if last.model.effects.is_empty() {
+        return false;
+    }
+    let Ok(last) = Fitted::new(last.settled(), noise, Effort::Errors) else { return false };
+    let counts = |v: &Vetoed| !(matches!(v.why, Veto::Undetermined(_)) && needed.contains(&v.law));
+    vetoed(&last).iter().any(|(_, v)| counts(v)) || cancelling(&last).is_some()
 }
 
 /// The formulas of a pass that are fitted in full: of those that are worth their length, the ones that may be the right

@@ -117,10 +117,11 @@ pub(super) fn missing_force(
     Some((best.length, MissingForce { at: name.to_owned(), on, left, points: best.points }))
 }
 
-/// What a force depends on that displacement and velocity do not determine, where the best force of these leaves more
-/// than the noise: the past or the time, if forces of one of them leave half as much and are worth their numbers.
+/// What a force depends on that displacement and velocity do not determine, where neither of these alone is enough: the
+/// past or the time, if forces of one of them are the shorter description.
 fn beyond(plains: &[Plain<'_>], at: &Footing, best: &Fit, count: usize) -> Option<Dependence> {
-    if !at.has_displacement() || best.left.sqrt() < EXPLAINED {
+    let one = matches!(best.on, Dependence::Velocity | Dependence::Displacement);
+    if !at.has_displacement() || (one && best.left.sqrt() < EXPLAINED) {
         return None;
     }
     let (xs, vs) = (Knots::new(&at.displacement, count), Knots::new(&at.velocity, count));
@@ -131,8 +132,7 @@ fn beyond(plains: &[Plain<'_>], at: &Footing, best: &Fit, count: usize) -> Optio
         plains.iter().filter_map(|plain| plain.fit((&xs, &vs), &cells, more, *on)).collect::<Vec<Fit>>()
     };
     let other = kinds.iter().flat_map(with).min_by(|a, b| a.length.total_cmp(&b.length))?;
-    let less = other.left - 1.0 < 0.5 * (best.left - 1.0) && other.length + WORTH < best.length;
-    less.then_some(other.on)
+    (other.length + WORTH < best.length).then_some(other.on)
 }
 
 /// A force by record and sample.
