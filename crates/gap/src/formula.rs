@@ -15,9 +15,7 @@ mod front;
 mod scale;
 mod shape;
 
-use crate::decisions::{
-    FAR_OFF, FORMULA_ALPHABET, FORMULA_PASSES, FORMULAS_FITTED, RACE, RIVALS, SEARCHES_AGAIN, WORTH,
-};
+use crate::decisions::{FAR_OFF, FORMULA_PASSES, FORMULAS_FITTED, RACE, RIVALS, SEARCHES_AGAIN, WORTH};
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::{Effect, Place, Site, fits};
 use crate::plausibility::{cancelling, vetoed};
@@ -28,7 +26,7 @@ use front::{Entry, Grammar, Selection, shortest, structure};
 use phisindy_learn::{Calibration, Effort};
 use phisindy_phys::{LawEntry, LawError, LawRole};
 use scale::Scale;
-use shape::{Shape, Term, formula};
+use shape::{Shape, Term, formula, shapes};
 
 /// The id of a law that was found.
 pub const DISCOVERED: &str = "discovered";
@@ -83,7 +81,7 @@ impl Search<'_> {
             }
             let mut rounds = if before == 0 { vec![] } else { searched.rounds };
             rounds.push(Round { before, rivals, vetoed: vec![], fitted: vec![] });
-            let expressions = FORMULA_ALPHABET.saturating_pow(best.symbols.min(12) as u32);
+            let expressions = expressions(&best.shapes, &best.scales);
             return Searched {
                 last,
                 rounds,
@@ -345,6 +343,14 @@ fn written(
     acts.then(|| Candidate { effect, shapes, symbols: law.symbols, length, excess, scales: scales.clone() })
 }
 
+/// How many formulas of as many terms there are with no more symbols in each: among so many it was chosen.
+fn expressions(of: &[Shape], scales: &[Scale; 2]) -> usize {
+    let symbols = |shape: Shape| Some(formula("term", "a term", "", &[shape], scales).ok()?.symbols);
+    let all: Vec<usize> = shapes(true).into_iter().filter_map(symbols).collect();
+    let no_longer = |own: usize| all.iter().filter(|other| **other <= own).count();
+    of.iter().filter_map(|shape| symbols(*shape)).fold(1, |n: usize, own| n.saturating_mul(no_longer(own)))
+}
+
 /// The law of a formula by the name under which it is reported, with the region in which it is known.
 fn named(shapes: &[Shape], scales: &[Scale; 2], effect: &Effect) -> Result<LawEntry, LawError> {
     let law = &effect.entry.law;
@@ -373,7 +379,6 @@ mod tests {
     use crate::result::Dependence;
     use crate::test_models::{fitted, model};
     use phisindy_phys::{Law, SourceId};
-    use shape::shapes;
 
     /// A driven mass on a spring that lacks `truth`.
     fn rig(truth: &str) -> (TrialModel, Vec<Vec<f64>>) {
@@ -420,6 +425,19 @@ mod tests {
         assert_eq!(depends("-0.3*sgn(v)"), Some(Dependence::Velocity));
         assert_eq!(depends("-0.5*x^3"), Some(Dependence::Displacement));
         assert_eq!(depends("-0.03*t*v"), Some(Dependence::Time));
+    }
+
+    /// A damper is one of few formulas of its length, a product one of many.
+    #[test]
+    fn longer_formulas_are_chosen_among_more() {
+        let scales = [vec![-1.0, 0.5, 2.0], vec![-0.4, 0.1, 0.3]].map(|v| Scale::new(&[v]));
+        let all = shapes(true);
+        let plain = all.iter().find(|s| s.displacement.is_none() && s.velocity.is_some()).expect("a damper");
+        let product =
+            all.iter().find(|s| s.displacement.is_some() && s.velocity.is_some()).expect("a product");
+        let count = |of: &[Shape]| expressions(of, &scales);
+        assert!(count(&[*plain]) < 10 && count(&[*product]) > 10);
+        assert_eq!(count(&[*plain, *product]), count(&[*plain]) * count(&[*product]));
     }
 
     /// Every shape is a law that the check accepts, its units included.
