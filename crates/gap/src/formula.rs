@@ -15,13 +15,14 @@ mod front;
 mod scale;
 mod shape;
 
-use crate::decisions::{FAR_OFF, FORMULA_PASSES, FORMULAS_FITTED, RACE, RIVALS, SEARCHES_AGAIN, WORTH};
+use crate::decisions::{FORMULA_PASSES, FORMULAS_FITTED, RACE, RIVALS, SEARCHES_AGAIN, WORTH};
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::{Effect, Place, Site, fits};
 use crate::plausibility::{cancelling, vetoed};
 use crate::result::{Activity, MissingForce, PlacedLaw, Rival, StopReason, Veto, Vetoed};
 use crate::screen::Ground;
 use crate::search::{Round, Search, Searched};
+use force::Free;
 use front::{Entry, Grammar, Selection, shortest, structure};
 use phisindy_learn::{Calibration, Effort};
 use phisindy_phys::{LawEntry, LawError, LawRole};
@@ -109,9 +110,9 @@ impl Search<'_> {
             let at = ground.footing(&model.system, place)?;
             force::missing_force(&ground, &at, &model.system, &place.at)
         };
-        let all: Vec<(f64, MissingForce)> = model.places().iter().filter_map(at_place).collect();
-        let best = all.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
-        (best.0 < 0.0).then_some(best.1)
+        let all: Vec<Free> = model.places().iter().filter_map(at_place).collect();
+        let best = all.into_iter().min_by(|a, b| a.length.total_cmp(&b.length))?;
+        (best.length < 0.0).then_some(best.force)
     }
 
     /// The best formula beside a fitted model; `None` if none explains the data and is worth its length.
@@ -294,7 +295,7 @@ fn candidates_at(ground: &Ground, model: &TrialModel, place: &Place) -> Vec<Cand
     let Some(at) = ground.footing(&model.system, place) else { return vec![] };
     // What no force of displacement and velocity explains here, no formula of them does.
     let free = force::missing_force(ground, &at, &model.system, &place.at);
-    if free.is_none_or(|(_, force)| force.left > FAR_OFF) {
+    if !free.is_some_and(|free| free.may_explain) {
         return vec![];
     }
     let grammar = Grammar::new(&at);

@@ -3,8 +3,8 @@
 
 use super::front::project;
 use crate::decisions::{
-    EXPLAINED, FAR_OFF, FORCE_DEFLECTIONS, FORCE_KNOTS, FORCE_SURFACE_KNOTS, FORCE_TIME_KNOTS, FORCE_TIMES,
-    WORTH,
+    EXPLAINED, FAR_OFF, FORCE_AT_REST, FORCE_DEFLECTIONS, FORCE_KNOTS, FORCE_SURFACE_KNOTS, FORCE_TIME_KNOTS,
+    FORCE_TIMES, WORTH,
 };
 use crate::result::{Dependence, ForcePoint, MissingForce};
 use crate::screen::{Footing, Ground, Response, dot, norm};
@@ -58,13 +58,17 @@ struct Fit {
     points: Vec<ForcePoint>,
 }
 
-/// The force of a place, and the description length of it.
-pub(super) fn missing_force(
-    ground: &Ground,
-    at: &Footing,
-    system: &System,
-    name: &str,
-) -> Option<(f64, MissingForce)> {
+/// A force without a formula.
+pub(super) struct Free {
+    /// The description length, less that of nothing.
+    pub(super) length: f64,
+    pub(super) force: MissingForce,
+    /// Whether a force of displacement and velocity may be all that is missing.
+    pub(super) may_explain: bool,
+}
+
+/// The force of a place.
+pub(super) fn missing_force(ground: &Ground, at: &Footing, system: &System, name: &str) -> Option<Free> {
     let x = at.has_displacement();
     let mut plains = vec![Plain { ground, at, target: ground.target().to_vec(), holding: None }];
     if at.rested()
@@ -109,12 +113,17 @@ pub(super) fn missing_force(
     let some = all.iter().any(enough);
     let best = all.into_iter().filter(|f| !some || enough(f)).min_by(|a, b| a.length.total_cmp(&b.length))?;
     let left = best.left.sqrt();
+    // The response to friction that holds is not exact where a place rests.
+    let before = norm(ground.target()) / (ground.target().len().max(1) as f64).sqrt();
+    let most = if at.rested() { FAR_OFF.max(FORCE_AT_REST * before) } else { FAR_OFF };
+    let may_explain = left <= most;
     let on = match beyond(&plains, at, &best, FORCE_KNOTS[1]) {
         Some(on) => on,
-        None if left > FAR_OFF => Dependence::More,
+        None if !may_explain => Dependence::More,
         None => best.on,
     };
-    Some((best.length, MissingForce { at: name.to_owned(), on, left, points: best.points }))
+    let force = MissingForce { at: name.to_owned(), on, left, points: best.points };
+    Some(Free { length: best.length, force, may_explain })
 }
 
 /// What a force depends on that displacement and velocity do not determine, where neither of these alone is enough: the
