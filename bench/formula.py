@@ -1,105 +1,121 @@
 #!/usr/bin/env python3
-"""Formulas of laws that are in no catalogue: makes sets, runs `phisindy gap`, compares the force.
+"""The oscillators of LLM-SR (Shojaee et al. 2025): the right side as a formula, by `phisindy gap` and by symbolic regression.
 
-    bench/formula.py PROGRAM FOLDER [NOISE [SEED]]
+    bench/formula.py PROGRAM DATA FOLDER [NOISE [SEED]]
 
-Each set is a driven mass on a spring that lacks one force; its records are made by the program. The force that is found
-(`steps[].force`) is compared with the true one along a motion of 1.0 and of 1.4 times the excitation that is not used.
+DATA holds `oscillator{1,2}_{train,test_id,test_ood}.csv` of github.com/deep-symbolic-mathematics/LLM-SR. The program gets positions with
+noise (a part of their standard deviation; with 0, positions and velocities), and no more of the equation than the drive that depends on time.
+PyOperon (`pip install pyoperon`), if it is there, gets the same positions, differentiated by a Savitzky-Golay filter. The error is that of
+LLM-SR: the mean square of the acceleration that is missed over its variance, in and out of the domain of the training data.
 """
 
+import csv
 import json
-import math
 import pathlib
 import re
 import subprocess
 import sys
+import time
 
-LAWS = {
-    "power 1.5": "0.35*abs(v)^1.5*sgn(v)",
-    "root of v": "0.25*abs(v)^0.5*sgn(v)",
-    "root of x": "0.5*abs(x)^0.5*sgn(x)",
-    "fifth power": "0.03*x^5 - 0.1*x^3",
-    "sine": "0.6*sin(3*x)",
-    "|x| v": "0.4*abs(x)*v",
-    "rational friction": "0.35*sgn(v)/(1 + abs(v)/0.3)",
-    "exponential": "0.2*(exp(1.2*x) - 1)",
-    "x |x|": "0.5*x*abs(x)",
-    "atan": "0.5*atan(v/0.2)",
-    "v exp(-x^2)": "0.6*v*exp(-x^2)",
-    "tanh": "0.8*tanh(3*x)",
-    "x^2 v": "0.5*x^2*v - 0.15*v",
-    "falling damper": "0.9*v/(1 + v^2)",
-    "cos x v": "0.3*cos(2*x)*v + 0.1*v",
-    "x v^2": "0.3*x*v^2",
-    "damper and spring": "0.3*abs(v)^1.5*sgn(v) + 0.1*x^5",
-    "nothing": "0",
-}
+import numpy as np
+
+STEP = 0.002000040000800016
+EVERY = 4
+DRIVES = {1: 0.0, 2: 0.3}
 
 
-def spec(force, noise, seed, size=1.0):
-    def record(seed, role, size, start):
-        return (
-            f'Synthetic(truth: {{ "v": "-({force})" }}, start: {{ "x": {start}, "v": 0.0 }}, duration: 60.0, step: 0.02, '
-            f'noise: {f"Relative({noise})" if noise else "None"}, constants: {{ "A": ({size}, "N") }}, seed: {seed}{role}),'
-        )
+def table(path):
+    with open(path, newline="") as file:
+        rows = list(csv.DictReader(file))
+    return {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
 
+
+def drive(number, data):
+    return DRIVES[number] * np.sin(data["t"]) if "t" in data else 0.0 * data["x"]
+
+
+def value(force, x, v):
+    names = {
+        "abs": np.abs, "sgn": np.sign, "sin": np.sin, "cos": np.cos, "tanh": np.tanh, "atan": np.arctan, "exp": np.exp, "ln": np.log,
+        "pos": lambda a: np.maximum(a, 0.0), "dead": lambda a, g: np.sign(a) * np.maximum(np.abs(a) - g, 0.0), "x": x, "v": v,
+    }
+    return eval(re.sub(r"\^", "**", force), {"__builtins__": {}}, names)
+
+
+def error(found, due):
+    return float(np.mean((found - due) ** 2) / np.var(due))
+
+
+def spec(number, name, times, noise):
+    columns = '{ "x": "x" }' if noise else '{ "x": "x", "v": "v" }'
+    split = times[0] + 0.7 * (times[-1] - times[0])
+    force, constants = ("0", "") if number == 1 else ("F*sin(W*t)", ', "F": (0.3, "N"), "W": (1.0, "rad/s")')
     return f"""(
-    constants: {{ "m": (1.0, "kg"), "d": (0.1, "N*s/m"), "k": (1.0, "N/m") }},
-    states: {{ "x": "m", "v": "m/s" }},
-    known: {{ "x": "v", "v": "(-d*v - k*x + A*cos(0.7*t) + 0.6*A*sin(1.9*t) + 0.4*A*cos(0.31*t))/m" }},
-    inertia: {{ "v": "m" }},
-    unknown: {{}},
+    states: {{ "x": "m", "v": "m/s" }}, constants: {{ "m": (1.0, "kg"){constants} }},
+    known: {{ "x": "v", "v": "({force})/m" }}, inertia: {{ "v": "m" }}, unknown: {{}},
     data: [
-        {record(seed, "", size, 0.3)}
-        {record(seed + 1000, ", role: Validate", 0.9 * size, -0.4)}
+        Csv(path: "{name}.csv", name: "first", time: "t", columns: {columns}, window: ({times[0]:.6f}, {split:.6f})),
+        Csv(path: "{name}.csv", name: "second", time: "t", columns: {columns}, window: ({split:.6f}, {times[-1]:.6f}), role: Validate),
     ],
 )
 """
 
 
-def value(force, x, v):
-    names = {
-        "abs": abs, "sgn": lambda a: (a > 0) - (a < 0), "sin": math.sin, "cos": math.cos, "tanh": math.tanh,
-        "atan": math.atan, "exp": math.exp, "pos": lambda a: max(a, 0.0), "x": x, "v": v,
-        "dead": lambda a, g: math.copysign(max(abs(a) - g, 0.0), a),
-    }
-    text = re.sub(r"\|([^|]+)\|", r"abs(\1)", force).replace("^", "**")
-    return eval(text, {"__builtins__": {}}, names)
+def by_program(program, folder, number, times, x, v, noise):
+    name = f"oscillator{number}"
+    np.savetxt(folder / f"{name}.csv", np.stack([times, x, v], 1), delimiter=",", header="t,x,v", comments="", fmt="%.12g")
+    (folder / f"{name}.ron").write_text(spec(number, name, times, noise))
+    run = [program, "gap", str(folder / f"{name}.ron"), "--data", str(folder), "--format", "json", "-q"]
+    found = json.loads(subprocess.run(run, capture_output=True, text=True).stdout)
+    steps = found["steps"] + found["partial"]
+    forces = [step["force"] for step in steps]
+    text = " + ".join(f"({f})" for f in forces) if forces and all(forces) else ""
+    return found["status"], text, found["seconds"]
 
 
-def motion(program, folder, force, size):
-    path = folder / "motion.ron"
-    path.write_text(spec(force, 0, 7, size))
-    out = subprocess.run([program, "simulate", str(path), "-q"], capture_output=True, text=True, check=True).stdout
-    lines = [line for line in out.splitlines() if line and line[0] not in "#"]
-    names = [re.split(r"[ (\[]", name.strip())[0] for name in lines[0].split(",")]
-    rows = [line.split(",") for line in lines[1:]]
-    return [(float(r[names.index("x")]), float(r[names.index("v")])) for r in rows[::5]]
+def by_operon(x, noise):
+    """A model of the acceleration without its drive, from positions alone."""
+    from pyoperon.sklearn import SymbolicRegressor
+    from scipy.signal import savgol_filter
 
-
-def error(found, true, points):
-    due = [value(true, x, v) for x, v in points]
-    got = [value(found, x, v) for x, v in points]
-    size = math.sqrt(sum(d * d for d in due))
-    return math.sqrt(sum((d - g) ** 2 for d, g in zip(due, got))) / size if size else float("nan")
+    # The window that the noise asks for: a fiftieth of the record, or the shortest.
+    window = 201 if noise else 11
+    smooth = [savgol_filter(x, window, 4, deriv=k, delta=EVERY * STEP) for k in range(3)]
+    return SymbolicRegressor, smooth, slice(window, -window)
 
 
 def main():
-    program, folder = sys.argv[1], pathlib.Path(sys.argv[2])
-    noise, seed = float(sys.argv[3] if len(sys.argv) > 3 else 0.02), int(sys.argv[4] if len(sys.argv) > 4 else 1)
+    program, data, folder = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
+    noise, seed = float(sys.argv[4] if len(sys.argv) > 4 else 0.01), int(sys.argv[5] if len(sys.argv) > 5 else 1)
     folder.mkdir(parents=True, exist_ok=True)
-    print("| hidden | status | found | error of the force | at 1.4 times | s |\n| --- | --- | --- | --- | --- | --- |")
-    for name, force in LAWS.items():
-        path = folder / "set.ron"
-        path.write_text(spec(force, noise, seed))
-        run = subprocess.run([program, "gap", str(path), "--format", "json", "-q"], capture_output=True, text=True)
-        found = json.loads(run.stdout)
-        forces = [step["force"] for step in found["steps"] if step.get("force")]
-        text = " + ".join(f"({f})" for f in forces)
-        errors = ["", ""]
-        if text and name != "nothing":
-            errors = [f"{error(text, force, motion(program, folder, force, s)):.4f}" for s in (1.0, 1.4)]
-        print(f"| {name} | {found['status']} | `{text}` | {errors[0]} | {errors[1]} | {found['seconds']:.0f} |", flush=True)
+    print("| oscillator | noise | by | status, formula | error in domain | out of domain | s |\n| --- | --- | --- | --- | --- | --- | --- |")
+    for number in DRIVES:
+        train = table(data / f"oscillator{number}_train.csv")
+        tests = [table(data / f"oscillator{number}_test_{kind}.csv") for kind in ("id", "ood")]
+        random = np.random.default_rng(seed)
+        noisy = [train[k] + noise * train[k].std() * random.standard_normal(len(train[k])) for k in ("x", "v")]
+        times = train["t"] if "t" in train else STEP * np.arange(len(train["x"]))
+        times, x, v = (column[::EVERY] for column in (times, *noisy))
+
+        def row(by, what, model, seconds):
+            errors = [f"{error(model(t) + drive(number, t), t['a']):.1e}" for t in tests] if model else ["-", "-"]
+            print(f"| {number} | {noise:g} | {by} | {what} | {errors[0]} | {errors[1]} | {seconds:.0f} |", flush=True)
+
+        status, force, seconds = by_program(program, folder, number, times, x, v, noise)
+        model = (lambda t: -value(force, t["x"], t["v"])) if force else None
+        row("phisindy gap", f"{status}: `{force}`", model, seconds)
+        try:
+            regressor, (xs, vs, accelerations), inner = by_operon(x, noise)
+        except ImportError:
+            continue
+        begin = time.time()
+        due = accelerations - (DRIVES[number] * np.sin(times))
+        fitted = regressor(
+            allowed_symbols="add,sub,mul,div,sin,cos,exp,tanh,constant,variable", time_limit=60, max_evaluations=1_000_000,
+            optimizer_iterations=10, max_length=40, n_threads=1, random_state=seed,
+        ).fit(np.stack([xs, vs], 1)[inner], due[inner])
+        formula = fitted.get_model_string(fitted.model_, 4, ["x", "v"]) if hasattr(fitted, "model_") else ""
+        row("PyOperon", f"`{formula}`", lambda t: fitted.predict(np.stack([t["x"], t["v"]], 1)), time.time() - begin)
 
 
 if __name__ == "__main__":

@@ -145,6 +145,9 @@ pub(crate) struct FormulaArgs {
     /// Run the sets that have a result already, too
     #[arg(long)]
     pub(crate) again: bool,
+    /// Leave out the whole catalogue: the search of formulas alone
+    #[arg(long)]
+    pub(crate) bare: bool,
     /// Threads of each run
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) threads: u16,

@@ -214,6 +214,8 @@ decisions! {
     FORCE_KNOTS: [usize; 4] = [4, 8, 16, 32], "knots", Basis::Judgement("the description length chooses among them");
     /// Knots of a force over displacement and velocity, of each.
     FORCE_SURFACE_KNOTS: [usize; 3] = [4, 7, 11], "knots", Basis::Judgement("the description length chooses among them; cost");
+    /// At a place that rests a force may be all that is missing if it leaves this, or what is far from the noise elsewhere.
+    FORCE_AT_REST: f64 = 0.1, "of the gap", Basis::SetOn("blind sets with friction that holds, where the response is not exact");
     /// Deflections at which springs slip, for a force that remembers.
     FORCE_DEFLECTIONS: [f64; 5] = [0.05, 0.1, 0.2, 0.4, 0.8], "of the largest displacement", Basis::Judgement("octaves: their sum is any hysteresis");
     /// Times after which springs behind dashpots forget.

@@ -15,17 +15,19 @@ mod front;
 mod scale;
 mod shape;
 
-use crate::decisions::{FAR_OFF, FORMULA_ALPHABET, FORMULA_PASSES, FORMULAS_FITTED, RACE, RIVALS, WORTH};
+use crate::decisions::{FORMULA_PASSES, FORMULAS_FITTED, RACE, RIVALS, SEARCHES_AGAIN, WORTH};
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::{Effect, Place, Site, fits};
-use crate::result::{Activity, MissingForce, PlacedLaw, Rival, StopReason};
+use crate::plausibility::{cancelling, vetoed};
+use crate::result::{Activity, MissingForce, PlacedLaw, Rival, StopReason, Veto, Vetoed};
 use crate::screen::Ground;
 use crate::search::{Round, Search, Searched};
+use force::Free;
 use front::{Entry, Grammar, Selection, shortest, structure};
-use phisindy_learn::Calibration;
+use phisindy_learn::{Calibration, Effort};
 use phisindy_phys::{LawEntry, LawError, LawRole};
 use scale::Scale;
-use shape::{Shape, Term, formula};
+use shape::{Shape, Term, formula, shapes};
 
 /// The id of a law that was found.
 pub const DISCOVERED: &str = "discovered";
@@ -56,14 +58,16 @@ struct Found {
 }
 
 impl Search<'_> {
-    /// A search that ended without an explanation, with a formula if there is one that explains the data: beside the
-    /// model as it is, else beside the effects that were found.
+    /// A search that ended without an explanation, or with one that evidence speaks against, with a formula if there is
+    /// one that explains the data: beside the model as it is, else beside the effects that were found.
     pub(crate) fn described(&mut self, searched: Searched) -> Searched {
-        if self.explained(&searched.last) || searched.stop == StopReason::Interrupted {
+        let explained = self.explained(&searched.last);
+        let done = explained && !doubted(&searched.last, &searched.needed, self.noise);
+        if done || searched.stop == StopReason::Interrupted {
             return searched;
         }
         let mut starts = vec![searched.base.clone()];
-        if !searched.last.model.effects.is_empty() {
+        if !explained && !searched.last.model.effects.is_empty() {
             starts.push(searched.last.clone());
         }
         for now in starts {
@@ -78,7 +82,7 @@ impl Search<'_> {
             }
             let mut rounds = if before == 0 { vec![] } else { searched.rounds };
             rounds.push(Round { before, rivals, vetoed: vec![], fitted: vec![] });
-            let expressions = FORMULA_ALPHABET.saturating_pow(best.symbols.min(12) as u32);
+            let expressions = expressions(&best.shapes, &best.scales);
             return Searched {
                 last,
                 rounds,
@@ -87,11 +91,15 @@ impl Search<'_> {
                 ..searched
             };
         }
-        let force = self.missing_force(&searched.last);
+        if explained {
+            return searched;
+        }
+        let force = self.missing_force(&searched.base);
         Searched { force, ..searched }
     }
 
-    /// The force that a model lacks, at the place where it explains most.
+    /// The force that a model lacks, at the place where it explains most; beside a few laws that do not explain the data
+    /// it would be what these leave, which is no force of its own.
     fn missing_force(&mut self, now: &Fitted) -> Option<MissingForce> {
         if self.observer.tell(0.91, Activity::Formulas) {
             return None;
@@ -102,9 +110,9 @@ impl Search<'_> {
             let at = ground.footing(&model.system, place)?;
             force::missing_force(&ground, &at, &model.system, &place.at)
         };
-        let all: Vec<(f64, MissingForce)> = model.places().iter().filter_map(at_place).collect();
-        let best = all.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
-        (best.0 < 0.0).then_some(best.1)
+        let all: Vec<Free> = model.places().iter().filter_map(at_place).collect();
+        let best = all.into_iter().min_by(|a, b| a.length.total_cmp(&b.length))?;
+        (best.length < 0.0).then_some(best.force)
     }
 
     /// The best formula beside a fitted model; `None` if none explains the data and is worth its length.
@@ -141,11 +149,22 @@ impl Search<'_> {
             }
             runs = Some(tried[best].fitted.cal.clone());
         }
-        // Fewer terms and limits shorten a formula; they do not explain what it does not.
-        if best_of(&tried, &value).is_some_and(|best| self.explained(&tried[best].fitted)) {
+        // Fewer terms and limits shorten a formula; they do not explain what it does not. One that evidence rules out
+        // gives way to the next.
+        let mut again = 0;
+        let best = loop {
+            let best = best_of(&tried, &value)?;
+            if !self.explained(&tried[best].fitted) {
+                return None;
+            }
             self.prune(&model, &mut tried, &value);
-        }
-        let best = best_of(&tried, &value)?;
+            let best = best_of(&tried, &value)?;
+            if again == SEARCHES_AGAIN || !doubted(&tried[best].fitted, &[], self.noise) {
+                break best;
+            }
+            tried.swap_remove(best);
+            again += 1;
+        };
         let by = Measure::of(tried.iter().map(|t| &t.fitted.score).chain([&now.score]), 1);
         let own = value(&tried[best], by);
         let gain = by.criterion(&now.score) - own;
@@ -193,6 +212,17 @@ impl Search<'_> {
             tried.push(Tried { shapes, scales, symbols: c.symbols, fitted });
         }
     }
+}
+
+/// Whether evidence speaks against an effect of a model, other than that the records leave the numbers of a law open
+/// that they need.
+fn doubted(last: &Fitted, needed: &[PlacedLaw], noise: &[Vec<f64>]) -> bool {
+    if last.model.effects.is_empty() {
+        return false;
+    }
+    let Ok(last) = Fitted::new(last.settled(), noise, Effort::Errors) else { return false };
+    let counts = |v: &Vetoed| !(matches!(v.why, Veto::Undetermined(_)) && needed.contains(&v.law));
+    vetoed(&last).iter().any(|(_, v)| counts(v)) || cancelling(&last).is_some()
 }
 
 /// The formulas of a pass that are fitted in full: of those that are worth their length, the ones that may be the right
@@ -266,7 +296,7 @@ fn candidates_at(ground: &Ground, model: &TrialModel, place: &Place) -> Vec<Cand
     let Some(at) = ground.footing(&model.system, place) else { return vec![] };
     // What no force of displacement and velocity explains here, no formula of them does.
     let free = force::missing_force(ground, &at, &model.system, &place.at);
-    if free.is_none_or(|(_, force)| force.left > FAR_OFF) {
+    if !free.is_some_and(|free| free.may_explain) {
         return vec![];
     }
     let grammar = Grammar::new(&at);
@@ -315,6 +345,14 @@ fn written(
     acts.then(|| Candidate { effect, shapes, symbols: law.symbols, length, excess, scales: scales.clone() })
 }
 
+/// How many formulas of as many terms there are with no more symbols in each: among so many it was chosen.
+fn expressions(of: &[Shape], scales: &[Scale; 2]) -> usize {
+    let symbols = |shape: Shape| Some(formula("term", "a term", "", &[shape], scales).ok()?.symbols);
+    let all: Vec<usize> = shapes(true).into_iter().filter_map(symbols).collect();
+    let no_longer = |own: usize| all.iter().filter(|other| **other <= own).count();
+    of.iter().filter_map(|shape| symbols(*shape)).fold(1, |n: usize, own| n.saturating_mul(no_longer(own)))
+}
+
 /// The law of a formula by the name under which it is reported, with the region in which it is known.
 fn named(shapes: &[Shape], scales: &[Scale; 2], effect: &Effect) -> Result<LawEntry, LawError> {
     let law = &effect.entry.law;
@@ -340,10 +378,10 @@ fn short(x: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::result::Dependence;
     use crate::search::Observer;
     use crate::test_models::{fitted, model};
     use phisindy_phys::{Law, SourceId};
-    use shape::shapes;
 
     /// A driven mass on a spring that lacks `truth`.
     fn rig(truth: &str) -> (TrialModel, Vec<Vec<f64>>) {
@@ -377,6 +415,36 @@ mod tests {
         assert_eq!(found("-0.4*abs(v)^1.5*sgn(v)").as_deref(), Some("c*abs(v)^1.5*sgn(v)"));
         assert_eq!(found("-0.5*atan(x/0.2)").as_deref(), Some("c*atan(x/l)"));
         assert_eq!(found("0*x"), None);
+    }
+
+    /// What the missing force depends on.
+    fn depends(truth: &str) -> Option<Dependence> {
+        let (model, noise) = rig(truth);
+        let now = fitted(model, &noise);
+        let mut nobody = |_: f64, _: Activity| false;
+        let observer = Observer::new(&mut nobody);
+        let mut search = Search { catalogue: &[], noise: &noise, floor: 0.0, observer: &observer };
+        search.missing_force(&now).map(|force| force.on)
+    }
+
+    #[test]
+    fn what_a_force_depends_on_is_told() {
+        assert_eq!(depends("-0.3*sgn(v)"), Some(Dependence::Velocity));
+        assert_eq!(depends("-0.5*x^3"), Some(Dependence::Displacement));
+        assert_eq!(depends("-0.03*t*v"), Some(Dependence::Time));
+    }
+
+    /// A damper is one of few formulas of its length, a product one of many.
+    #[test]
+    fn longer_formulas_are_chosen_among_more() {
+        let scales = [vec![-1.0, 0.5, 2.0], vec![-0.4, 0.1, 0.3]].map(|v| Scale::new(&[v]));
+        let all = shapes(true);
+        let plain = all.iter().find(|s| s.displacement.is_none() && s.velocity.is_some()).expect("a damper");
+        let product =
+            all.iter().find(|s| s.displacement.is_some() && s.velocity.is_some()).expect("a product");
+        let count = |of: &[Shape]| expressions(of, &scales);
+        assert!(count(&[*plain]) < 10 && count(&[*product]) > 10);
+        assert_eq!(count(&[*plain, *product]), count(&[*plain]) * count(&[*product]));
     }
 
     /// Every shape is a law that the check accepts, its units included.

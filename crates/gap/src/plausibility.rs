@@ -59,10 +59,9 @@ fn undetermined(last: &Fitted, applied: &Applied) -> Option<Veto> {
     let shared = constants.into_iter().any(FoundParameter::reaches_both_bounds);
     let coefficients = law.linear_parameters();
     let open = |&k: &usize| {
-        !law.parameters[k].1.each
-            && !law.parameters[k].1.whole
-            && !(shared && coefficients.contains(&k))
-            && found(k).is_some_and(FoundParameter::reaches_both_bounds)
+        let p = &law.parameters[k].1;
+        let excused = p.each || p.whole || (shared && coefficients.contains(&k));
+        !excused && found(k).is_some_and(FoundParameter::reaches_both_bounds)
     };
     if let Some(k) = (0..law.parameters.len()).find(open) {
         return Some(Veto::NotSeen(law.parameters[k].0.clone()));

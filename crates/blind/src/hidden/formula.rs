@@ -5,7 +5,7 @@ use super::force::{error, on_masses, same_form};
 use super::made::{Made, made};
 use super::motion::{Experiment, motion};
 use super::place::{Place, places, same_place};
-use super::wish::{HOLDING, Kind, Wish};
+use super::wish::{HOLDING, Kind, LAWS, Wish};
 use super::{never, score, write};
 use crate::Table;
 use crate::args::{FormulaArgs, Missing, Options, Sensors};
@@ -168,6 +168,7 @@ fn marked(
             let files = Folder::create(folder)?;
             write::write(&files, index, &made, &mut dice)?;
             let without = match args.what {
+                _ if args.bare => LAWS.to_vec(),
                 Missing::LeaveOneOut => law.into_iter().collect(),
                 Missing::Memory => MEMORY.to_vec(),
                 Missing::Never | Missing::Nothing => vec![],
@@ -208,7 +209,7 @@ fn compared(
         same: false,
         gap: result["final"]["validate"].as_f64(),
         beyond: None,
-        past: depends.starts_with("more") || depends.contains("past"),
+        past: depends == "the past",
         seconds: result["seconds"].as_f64(),
         what,
         accepted,
@@ -283,7 +284,7 @@ fn each(all: &[Mark]) -> String {
             number(m.gap),
             number(m.beyond),
             m.seconds.map_or("-".to_owned(), |s| format!("{s:.0}")),
-        )
+        ) + if m.past { "    it depends on the past\n" } else { "" }
     };
     all.iter().map(line).collect()
 }
@@ -306,7 +307,7 @@ fn head(what: Missing) -> Vec<&'static str> {
     let mut head = vec!["hidden", "sets"];
     head.extend(match what {
         Missing::Nothing => vec!["nothing added"],
-        Missing::Memory => vec!["no force of displacement and velocity", "said to depend on more than these"],
+        Missing::Memory => vec!["no force of displacement and velocity", "said to depend on the past"],
         Missing::Never | Missing::LeaveOneOut => vec![
             "force right",
             "the same form",

@@ -3,7 +3,8 @@
 
 use super::front::project;
 use crate::decisions::{
-    FAR_OFF, FORCE_DEFLECTIONS, FORCE_KNOTS, FORCE_SURFACE_KNOTS, FORCE_TIME_KNOTS, FORCE_TIMES,
+    EXPLAINED, FAR_OFF, FORCE_AT_REST, FORCE_DEFLECTIONS, FORCE_KNOTS, FORCE_SURFACE_KNOTS, FORCE_TIME_KNOTS,
+    FORCE_TIMES, WORTH,
 };
 use crate::result::{Dependence, ForcePoint, MissingForce};
 use crate::screen::{Footing, Ground, Response, dot, norm};
@@ -57,13 +58,17 @@ struct Fit {
     points: Vec<ForcePoint>,
 }
 
-/// The force of a place, and the description length of it.
-pub(super) fn missing_force(
-    ground: &Ground,
-    at: &Footing,
-    system: &System,
-    name: &str,
-) -> Option<(f64, MissingForce)> {
+/// A force without a formula.
+pub(super) struct Free {
+    /// The description length, less that of nothing.
+    pub(super) length: f64,
+    pub(super) force: MissingForce,
+    /// Whether a force of displacement and velocity may be all that is missing.
+    pub(super) may_explain: bool,
+}
+
+/// The force of a place.
+pub(super) fn missing_force(ground: &Ground, at: &Footing, system: &System, name: &str) -> Option<Free> {
     let x = at.has_displacement();
     let mut plains = vec![Plain { ground, at, target: ground.target().to_vec(), holding: None }];
     if at.rested()
@@ -101,17 +106,32 @@ pub(super) fn missing_force(
         let surface: Vec<Cell> = (0..xs.0.len() * columns).map(cell).collect();
         all.extend(fits((&xs, &vs), &surface, Dependence::Together));
     }
-    let best = all.into_iter().min_by(|a, b| a.length.total_cmp(&b.length))?;
+    // One quantity is enough where it leaves no more than the noise.
+    let enough = |f: &Fit| {
+        matches!(f.on, Dependence::Velocity | Dependence::Displacement) && f.left.sqrt() < EXPLAINED
+    };
+    let some = all.iter().any(enough);
+    let best = all.into_iter().filter(|f| !some || enough(f)).min_by(|a, b| a.length.total_cmp(&b.length))?;
     let left = best.left.sqrt();
-    let on = if left > FAR_OFF { beyond(&plains, at, best.left, FORCE_KNOTS[1]) } else { best.on };
-    Some((best.length, MissingForce { at: name.to_owned(), on, left, points: best.points }))
+    // The response to friction that holds is not exact where a place rests.
+    let before = norm(ground.target()) / (ground.target().len().max(1) as f64).sqrt();
+    let most = if at.rested() { FAR_OFF.max(FORCE_AT_REST * before) } else { FAR_OFF };
+    let may_explain = left <= most;
+    let on = match beyond(&plains, at, &best, FORCE_KNOTS[1]) {
+        Some(on) => on,
+        None if !may_explain => Dependence::More,
+        None => best.on,
+    };
+    let force = MissingForce { at: name.to_owned(), on, left, points: best.points };
+    Some(Free { length: best.length, force, may_explain })
 }
 
-/// What a force depends on that displacement and velocity do not determine, which leave `left`: the past or the time,
-/// if forces of one of them leave half as much.
-fn beyond(plains: &[Plain<'_>], at: &Footing, left: f64, count: usize) -> Dependence {
-    if !at.has_displacement() {
-        return Dependence::More;
+/// What a force depends on that displacement and velocity do not determine, where neither of these alone is enough: the
+/// past or the time, if forces of one of them are the shorter description.
+fn beyond(plains: &[Plain<'_>], at: &Footing, best: &Fit, count: usize) -> Option<Dependence> {
+    let one = matches!(best.on, Dependence::Velocity | Dependence::Displacement);
+    if !at.has_displacement() || (one && best.left.sqrt() < EXPLAINED) {
+        return None;
     }
     let (xs, vs) = (Knots::new(&at.displacement, count), Knots::new(&at.velocity, count));
     let over_x = (0..xs.0.len()).map(|k| (Some(k), None));
@@ -120,9 +140,8 @@ fn beyond(plains: &[Plain<'_>], at: &Footing, left: f64, count: usize) -> Depend
     let with = |(more, on): &(Vec<Series>, Dependence)| {
         plains.iter().filter_map(|plain| plain.fit((&xs, &vs), &cells, more, *on)).collect::<Vec<Fit>>()
     };
-    let all: Vec<Fit> = kinds.iter().flat_map(with).collect();
-    let best = all.into_iter().min_by(|a, b| a.length.total_cmp(&b.length));
-    best.filter(|best| best.left - 1.0 < 0.5 * (left - 1.0)).map_or(Dependence::More, |best| best.on)
+    let other = kinds.iter().flat_map(with).min_by(|a, b| a.length.total_cmp(&b.length))?;
+    (other.length + WORTH < best.length).then_some(other.on)
 }
 
 /// A force by record and sample.
@@ -137,21 +156,24 @@ fn remembering(at: &Footing) -> Vec<Series> {
     let turns = |v: &Vec<f64>| v.windows(2).filter(|w| (w[0] > 0.0) != (w[1] > 0.0)).count();
     let turns: usize = at.velocity.iter().map(turns).sum();
     let swing = at.velocity.iter().map(Vec::len).sum::<usize>() as f64 / turns.max(1) as f64;
-    let along = |next: &dyn Fn(f64, f64) -> f64| -> Series {
-        let of = |x: &Vec<f64>| {
-            let mut z = 0.0;
-            let mut out = vec![0.0; x.len()];
-            for i in 1..x.len() {
-                z = next(z, x[i] - x[i - 1]);
-                out[i] = z;
-            }
-            out
-        };
-        at.displacement.iter().map(of).collect()
-    };
-    let slips = FORCE_DEFLECTIONS.map(|part| along(&|z, dx| (z + dx).clamp(-part * top, part * top)));
-    let relaxes = FORCE_TIMES.map(|part| along(&|z, dx| (z + dx) * (-1.0 / (part * swing)).exp()));
+    let of = &at.displacement;
+    let slips = FORCE_DEFLECTIONS.map(|part| remembered(of, |z, dx| (z + dx).clamp(-part * top, part * top)));
+    let relaxes = FORCE_TIMES.map(|part| remembered(of, |z, dx| (z + dx) * (-1.0 / (part * swing)).exp()));
     slips.into_iter().chain(relaxes).collect()
+}
+
+/// The state that follows displacements from rest: `next` of a state and what the displacement moves.
+fn remembered(displacement: &[Vec<f64>], next: impl Fn(f64, f64) -> f64) -> Series {
+    let of = |x: &Vec<f64>| {
+        let mut z = 0.0;
+        let mut out = vec![0.0; x.len()];
+        for i in 1..x.len() {
+            z = next(z, x[i] - x[i - 1]);
+            out[i] = z;
+        }
+        out
+    };
+    displacement.iter().map(of).collect()
 }
 
 /// Forces of the motion whose size changes in the course of a record, as a spline over the time.
@@ -258,6 +280,16 @@ impl Plain<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A spring that slips is one of the forces that remember.
+    #[test]
+    fn a_slipping_spring_remembers() {
+        let x = vec![0.0, 0.5, 1.0, 0.5, 0.0, -1.0];
+        assert_eq!(
+            remembered(&[x], |z, dx| (z + dx).clamp(-0.75, 0.75)),
+            [[0.0, 0.5, 0.75, 0.25, -0.25, -0.75]]
+        );
+    }
 
     #[test]
     fn hats_add_up_to_one() {
