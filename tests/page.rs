@@ -278,6 +278,12 @@ impl Browser {
     }
 
     fn call(&mut self, method: &str, parameters: Value) -> Value {
+        let answer = self.answer(method, parameters);
+        assert!(answer["error"].is_null(), "{method}: {answer}");
+        answer["result"].clone()
+    }
+
+    fn answer(&mut self, method: &str, parameters: Value) -> Value {
         self.next += 1;
         let mut message = json!({ "id": self.next, "method": method, "params": parameters });
         if let Some(session) = &self.session {
@@ -290,8 +296,7 @@ impl Browser {
             assert!(!bytes.is_empty(), "the browser has ended");
             let answer: Value = serde_json::from_slice(&bytes[..bytes.len() - 1]).expect("JSON");
             if answer["id"] == self.next {
-                assert!(answer["error"].is_null(), "{method}: {answer}");
-                return answer["result"].clone();
+                return answer;
             }
         }
     }
@@ -303,11 +308,20 @@ impl Browser {
         self.session = session["sessionId"].as_str().map(str::to_owned);
     }
 
+    /// Between two pages there is nothing that could evaluate a script.
     fn evaluated(&mut self, script: &str) -> Value {
-        self.call(
-            "Runtime.evaluate",
-            json!({ "expression": script, "returnByValue": true, "awaitPromise": true }),
-        )
+        let since = Instant::now();
+        let parameters = json!({ "expression": script, "returnByValue": true, "awaitPromise": true });
+        loop {
+            let answer = self.answer("Runtime.evaluate", parameters.clone());
+            let between = answer["error"]["message"].as_str().is_some_and(|m| m.contains("context"));
+            if !between {
+                assert!(answer["error"].is_null(), "{script}: {answer}");
+                return answer["result"].clone();
+            }
+            assert!(since.elapsed() < PATIENCE, "{script}: {answer}");
+            std::thread::sleep(Duration::from_millis(50));
+        }
     }
 
     fn value(&mut self, script: &str) -> Value {

@@ -15,6 +15,7 @@ mod front;
 mod scale;
 mod shape;
 
+use crate::alternative_constant::a_constant_explains;
 use crate::decisions::{FORMULA_PASSES, FORMULAS_FITTED, RACE, RIVALS, SEARCHES_AGAIN, WORTH};
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::{Effect, Place, Site, fits};
@@ -64,6 +65,10 @@ impl Search<'_> {
         let explained = self.explained(&searched.last);
         let done = explained && !doubted(&searched.last, &searched.needed, self.noise);
         if done || searched.stop == StopReason::Interrupted {
+            return searched;
+        }
+        // A number of the model that is wrong is no law: a formula would say the same with more words.
+        if a_constant_explains(&searched.base, self.noise) {
             return searched;
         }
         let mut starts = vec![searched.base.clone()];
