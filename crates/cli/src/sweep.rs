@@ -105,12 +105,16 @@ impl Checked {
         found: &mut Vec<Diagnostic>,
     ) -> Result<(Checked, Loaded), Refusal> {
         let loaded = load_text(spec, cell.text.clone(), &options.request(), Purpose::Run, sources, found)?;
-        let truth = match loaded.case.laws.first() {
-            Some((_, law)) => Err(format!(
+        let truth = match (loaded.case.laws.first(), loaded.case.searches.first()) {
+            (Some((_, law)), _) => Err(format!(
                 "`unknown` names the law `{}`, and laws have no terms to count: `run` fits them, candidates can be swept",
                 law.value
             )),
-            None => project(&loaded.case, &loaded.records).map_err(|e| e.to_string()),
+            (None, Some(_)) => Err(
+                "`unknown` asks for a formula, which has no terms to count: `run` finds it, candidates can be swept"
+                    .to_owned(),
+            ),
+            (None, None) => project(&loaded.case, &loaded.records).map_err(|e| e.to_string()),
         };
         let truth = truth.map(|truth| {
             let names = truth.terms.iter().map(|&t| term_name(&loaded.case, t)).collect();

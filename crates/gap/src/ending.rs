@@ -5,7 +5,7 @@ use crate::data_mistakes::data_mistakes;
 use crate::decisions::{REPEATS, SAME_FREQUENCY, SUBSTANTIAL};
 use crate::drive::Drive;
 use crate::drive_frequency::drive_frequency;
-use crate::formula::DISCOVERED;
+use crate::formula::{DISCOVERED, expansion};
 use crate::input_interpolation::{Redrawn, coarse_inputs, redrawn};
 use crate::model::{
     Applied, ColumnError, Fitted, Measure, TrialModel, current, expression, text_with, values,
@@ -16,7 +16,7 @@ use crate::result::verdict::{bent, helpful, refused, status};
 use crate::result::{
     Activity, Alternative, Cancelling, ColumnGap, ColumnRepeat, Gap, GapError, InputError, MissingForce,
     Named, NotTried, PlacedLaw, RecordValue, Region, Rival, Simulated, Status, Step, StepParameter,
-    StopReason, Tried, Veto, Warning, regions,
+    StopReason, Tried, Veto, Warning, regions, seen_ranges,
 };
 use crate::search::{Round, Search, Searched, placed, refitted};
 use crate::sensor_linearity::sensor_nonlinearity;
@@ -289,7 +289,11 @@ impl<'s, 'a> Ending<'s, 'a> {
         let other = |r: &&Rival| !r.laws.iter().all(|law| own.contains(law));
         let rivals: Vec<Rival> = round.map_or(vec![], |r| r.rivals.iter().filter(other).cloned().collect());
         let against: f64 = rivals.iter().map(|r| (-0.5 * r.delta_bic).exp()).sum();
+        let discovered = applied.effect.entry.id == DISCOVERED;
+        let numbers = values(&self.last, &applied.names, &applied.effect.start);
         Step {
+            seen: seen_ranges(&self.last, applied),
+            expansion: if discovered { expansion(&applied.effect.entry.law, &numbers) } else { None },
             effect: applied.effect.clone(),
             expression: expression(applied),
             force: applied.force,

@@ -10,6 +10,7 @@
 //! same evidence against it. It counts only if it passes what a law of the catalogue must pass.
 
 mod atom;
+mod expansion;
 mod force;
 mod front;
 mod scale;
@@ -23,6 +24,7 @@ use crate::plausibility::{cancelling, vetoed};
 use crate::result::{Activity, MissingForce, PlacedLaw, Rival, StopReason, Veto, Vetoed};
 use crate::screen::Ground;
 use crate::search::{Round, Search, Searched};
+pub(crate) use expansion::expansion;
 use force::Free;
 use front::{Entry, Grammar, Selection, shortest, structure};
 use phisindy_learn::{Calibration, Effort};
@@ -32,6 +34,28 @@ use shape::{Shape, Term, formula, shapes};
 
 /// The id of a law that was found.
 pub const DISCOVERED: &str = "discovered";
+
+/// Where a formula is looked for, and in which quantities.
+#[derive(Clone, Debug)]
+pub(crate) struct Sought {
+    pub(crate) place: Place,
+    pub(crate) displacement: bool,
+    pub(crate) velocity: bool,
+}
+
+impl Sought {
+    /// Every place of a model where a force can act, in all that the force may depend on.
+    fn everywhere(model: &TrialModel) -> Vec<Sought> {
+        let forces = model.places().iter().filter(|p| matches!(p.site, Site::Force { .. }));
+        forces.map(|place| Sought { place: place.clone(), displacement: true, velocity: true }).collect()
+    }
+
+    /// The same in a model with nodes of its own.
+    fn of(&self, model: &TrialModel) -> Vec<Sought> {
+        let here = model.places().iter().filter(|p| p.is(&self.place));
+        here.map(|place| Sought { place: place.clone(), ..*self }).collect()
+    }
+}
 
 /// A formula at a place, ready for a fit.
 struct Candidate {
@@ -50,6 +74,19 @@ struct Tried {
     shapes: Vec<Shape>,
     symbols: usize,
     scales: [Scale; 2],
+}
+
+impl Tried {
+    /// The fitted model, with the formula as a law that is told as such.
+    fn discovered(self) -> Fitted {
+        let mut last = self.fitted;
+        if let Some(applied) = last.model.effects.last_mut()
+            && let Ok(named) = named(&self.shapes, &self.scales, &applied.effect)
+        {
+            applied.effect.entry = named;
+        }
+        last
+    }
 }
 
 /// The best formula beside a model.
@@ -76,18 +113,13 @@ impl Search<'_> {
             starts.push(searched.last.clone());
         }
         for now in starts {
-            let Some(found) = self.formula_beside(&now) else { continue };
+            let Some(found) = self.formula_beside(&now, Sought::everywhere) else { continue };
             let Found { best, rivals } = found;
             let before = now.model.effects.len();
-            let mut last = best.fitted;
-            if let Some(applied) = last.model.effects.last_mut()
-                && let Ok(named) = named(&best.shapes, &best.scales, &applied.effect)
-            {
-                applied.effect.entry = named;
-            }
+            let expressions = expressions(&best.shapes, &best.scales);
+            let last = best.discovered();
             let mut rounds = if before == 0 { vec![] } else { searched.rounds };
             rounds.push(Round { before, rivals, vetoed: vec![], fitted: vec![] });
-            let expressions = expressions(&best.shapes, &best.scales);
             return Searched {
                 last,
                 rounds,
@@ -101,6 +133,12 @@ impl Search<'_> {
         }
         let force = self.missing_force(&searched.base);
         Searched { force, ..searched }
+    }
+
+    /// A fitted model with the formula that explains the data, sought at one place; `None` if there is none.
+    pub(crate) fn formula_at(&mut self, now: &Fitted, sought: &Sought) -> Option<Fitted> {
+        let found = self.formula_beside(now, |model| sought.of(model))?;
+        Some(found.best.discovered())
     }
 
     /// The force that a model lacks, at the place where it explains most; beside a few laws that do not explain the data
@@ -121,7 +159,7 @@ impl Search<'_> {
     }
 
     /// The best formula beside a fitted model; `None` if none explains the data and is worth its length.
-    fn formula_beside(&mut self, now: &Fitted) -> Option<Found> {
+    fn formula_beside(&mut self, now: &Fitted, sought: impl Fn(&TrialModel) -> Vec<Sought>) -> Option<Found> {
         let model = now.settled();
         let mut tried: Vec<Tried> = Vec::new();
         let mut runs: Option<Calibration> = None;
@@ -132,11 +170,11 @@ impl Search<'_> {
             }
             let Some(ground) = Ground::new(&model, &now.cal, runs.as_ref(), self.noise) else { break };
             let mut candidates = Vec::new();
-            for place in model.places().iter().filter(|p| matches!(p.site, Site::Force { .. })) {
+            for sought in sought(&model) {
                 if self.observer.tell(0.9, Activity::Formulas) {
                     break;
                 }
-                candidates.extend(candidates_at(&ground, &model, place));
+                candidates.extend(candidates_at(&ground, &model, &sought));
             }
             let (first, longer) = promising(candidates, &tried);
             if (first.is_empty() && longer.is_empty()) || self.observer.tell(0.91, Activity::FittingFormulas)
@@ -297,15 +335,16 @@ fn best_of(tried: &[Tried], value: &dyn Fn(&Tried, Measure) -> f64) -> Option<us
 }
 
 /// The formulas of a place, shortest description first.
-fn candidates_at(ground: &Ground, model: &TrialModel, place: &Place) -> Vec<Candidate> {
+fn candidates_at(ground: &Ground, model: &TrialModel, sought: &Sought) -> Vec<Candidate> {
+    let place = &sought.place;
     let Some(at) = ground.footing(&model.system, place) else { return vec![] };
     // What no force of displacement and velocity explains here, no formula of them does.
     let free = force::missing_force(ground, &at, &model.system, &place.at);
     if !free.is_some_and(|free| free.may_explain) {
         return vec![];
     }
-    let grammar = Grammar::new(&at);
-    let ways: &[bool] = if at.rested() { &[true, false] } else { &[false] };
+    let grammar = Grammar::new(&at, sought);
+    let ways: &[bool] = if at.rested() && sought.velocity { &[true, false] } else { &[false] };
     let mut all = Vec::new();
     for &sticks in ways {
         let Some(selection) = Selection::new(ground, &at, &grammar, &model.system, sticks) else { continue };

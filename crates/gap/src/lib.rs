@@ -30,6 +30,7 @@ mod other_causes;
 mod place;
 mod plausibility;
 mod repeat;
+mod requested_formulas;
 mod requested_laws;
 mod result;
 mod screen;
@@ -46,12 +47,13 @@ pub use formula::DISCOVERED;
 pub use model::{Applied, SpecTextError, TrialModel};
 pub use place::{Effect, EffectError, Place, Quantity, Site, places};
 pub use repeat::{Repeat, repeatability};
+pub use requested_formulas::{RequestedFormula, WithFormulas, requested_formulas, with_formulas};
 pub use requested_laws::{WrittenLaw, WrittenOut, requested_laws, written_out};
 pub use result::{
     Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, ColumnGap, ColumnRepeat,
     DataError, DataMistake, Dependence, DriveFrequency, ForceHistory, ForcePoint, Gap, GapError, InputError,
     InputNoise, Leader, Location, MissingForce, ModelError, Named, NamedValue, Needs, NotTried, PlacedLaw,
-    RecordValue, Region, Rival, SensorNonlinearity, Simulated, SpecMistake, Status, Step, StepParameter,
-    StopReason, Tried, Veto, Vetoed, Warning, WhyNot, force_history,
+    RecordValue, Region, Rival, SeenRange, SensorNonlinearity, Simulated, SpecMistake, Status, Step,
+    StepParameter, StopReason, Tried, Veto, Vetoed, Warning, WhyNot, force_history,
 };
 pub use workflow::gap;

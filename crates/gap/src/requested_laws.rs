@@ -10,7 +10,7 @@ use crate::result::ModelError;
 use crate::screen::{Target, screen, sibling_starts};
 use crate::search::neutral;
 use phisindy_learn::Effort;
-use phisindy_phys::spec::{Role, Spec, Text};
+use phisindy_phys::spec::{Role, Spec, Text, UnknownSpec};
 use phisindy_phys::{Case, Diagnostic, LawEntry, Record, SourceId, spec, splice};
 use rayon::prelude::*;
 
@@ -127,11 +127,11 @@ pub fn written_out(
 ) -> Result<WrittenOut, ModelError> {
     let (spec, _) = spec::read(text, SourceId(0)).map_err(|_| ModelError::Spec)?;
     let whole = TrialModel::base(spec.clone(), case, records);
-    let plain = whole.variant(without_laws(spec.clone())).ok_or(ModelError::Spec)?;
+    let plain = whole.variant(without(spec.clone(), |u| u.laws.clear())).ok_or(ModelError::Spec)?;
     let effects =
         with_fitted_starts(&whole, spec.clone(), effects, catalogue).unwrap_or_else(|| effects.to_vec());
     let full = plain.with_all(&effects)?;
-    let text = text_with(&text_without_laws(text, &spec)?, &full, None)?;
+    let text = text_with(&text_without(text, &spec, |u| u.laws.is_empty(), "laws")?, &full, None)?;
     let written = |a: &Applied| {
         let names = a.effect.entry.law.parameters.iter().map(|(name, _)| name.clone());
         WrittenLaw { entry: a.effect.entry.clone(), names: names.zip(a.names.clone()).collect() }
@@ -208,28 +208,43 @@ fn best(now: &Fitted, wanted: &Effect, entries: &[LawEntry], noise: &[Vec<f64>])
     fitted.into_iter().min_by(|a, b| a.cal.chi2.total_cmp(&b.cal.chi2))
 }
 
-/// The spec without names of laws, and without entries of `unknown` that hold nothing else.
-fn without_laws(mut spec: Spec) -> Spec {
-    spec.unknown.retain(|(_, u)| !u.candidates.is_empty());
-    spec.unknown.iter_mut().for_each(|(_, u)| u.laws.clear());
+/// The spec without what `clear` takes out of its unknown parts, and without those that then hold nothing.
+pub(crate) fn without(mut spec: Spec, clear: impl Fn(&mut UnknownSpec)) -> Spec {
+    spec.unknown.iter_mut().for_each(|(_, u)| clear(u));
+    spec.unknown.retain(|(_, u)| asks(u));
     spec
 }
 
-/// The same in its text.
-fn text_without_laws(text: &str, spec: &Spec) -> Result<String, ModelError> {
+/// Whether an unknown part asks for anything.
+fn asks(u: &UnknownSpec) -> bool {
+    !(u.candidates.is_empty() && u.laws.is_empty() && u.search.is_empty())
+}
+
+/// The text of a spec with this list taken out of its unknown parts, which some do not have (`lacks`), and without parts
+/// that hold nothing else.
+pub(crate) fn text_without(
+    text: &str,
+    spec: &Spec,
+    lacks: impl Fn(&UnknownSpec) -> bool,
+    list: &str,
+) -> Result<String, ModelError> {
     let set = |text: &str, path: &str, value: &str| {
         let wrong = |why: splice::SetError| SpecTextError { path: path.to_owned(), why: why.to_string() };
         splice::set(text, path, value).map_err(wrong)
     };
+    let others = |u: &UnknownSpec| {
+        let lists = [("candidates", u.candidates.len()), ("laws", u.laws.len()), ("search", u.search.len())];
+        lists.iter().any(|(name, count)| *name != list && *count > 0)
+    };
     let mut out = text.to_owned();
-    if spec.unknown.iter().any(|(_, u)| u.candidates.is_empty()) {
-        let kept = spec.unknown.iter().filter(|(_, u)| !u.candidates.is_empty());
+    if spec.unknown.iter().any(|(_, u)| !others(u)) {
+        let kept = spec.unknown.iter().filter(|(_, u)| others(u));
         let entries = kept.map(|(name, u)| format!("\"{}\": {}", name.value, &text[u.span.range()]));
         let entries = format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "));
         out = set(&out, "unknown", &entries)?;
     }
-    for (name, _) in spec.unknown.iter().filter(|(_, u)| !u.candidates.is_empty() && !u.laws.is_empty()) {
-        out = set(&out, &format!("unknown.{}.laws", name.value), "[]")?;
+    for (name, _) in spec.unknown.iter().filter(|(_, u)| others(u) && !lacks(u)) {
+        out = set(&out, &format!("unknown.{}.{list}", name.value), "[]")?;
     }
     Ok(out)
 }
@@ -249,7 +264,7 @@ mod tests {
         };
         let left = |unknown: &str| {
             let (read, _) = spec::read(&text(unknown), SourceId(0)).unwrap();
-            text_without_laws(&text(unknown), &read).unwrap()
+            text_without(&text(unknown), &read, |u| u.laws.is_empty(), "laws").unwrap()
         };
         assert_eq!(left("\"v\": (laws: [\"coulomb\"])"), text(""));
         assert_eq!(

@@ -5,6 +5,7 @@ mod finding;
 mod force_history;
 mod missing_force;
 mod region;
+mod seen_range;
 pub(crate) mod tried;
 pub(crate) mod verdict;
 mod words;
@@ -19,6 +20,8 @@ pub use force_history::{ForceHistory, force_history};
 pub use missing_force::{Dependence, ForcePoint, MissingForce};
 pub(crate) use region::regions;
 pub use region::{Location, Region};
+pub use seen_range::SeenRange;
+pub(crate) use seen_range::seen_ranges;
 pub use tried::{Needs, NotTried, Tried, WhyNot};
 
 use crate::model::Fitted;
@@ -118,6 +121,12 @@ pub struct Step {
     /// The same with its numbers in SI, in the language of the spec; `None` for an effect on sensors or inputs and for a
     /// law with memory.
     pub formula: Option<String>,
+    /// Where a force without memory is known: the displacements and velocities of the records, of those that it depends
+    /// on. Empty for other effects.
+    pub seen: Vec<SeenRange>,
+    /// The terms of a discovered force about zero, to third order in its `x` and `v` (SI), where it is smooth and no
+    /// polynomial: `12*x - 3.1*x^3`.
+    pub expansion: Option<String>,
     /// Its parameters in the final model.
     pub parameters: Vec<StepParameter>,
     /// Gap on the Fit records before and after.

@@ -27,6 +27,8 @@ impl Loaded {
     pub fn identify(self, options: &Options<'_>) -> Result<Identified, Error> {
         self.comparable()?;
         let loaded = self.with_laws(options)?;
+        let mut observe = |fraction: f64, activity: &str| options.progress(fraction, activity);
+        let loaded = loaded.with_formulas(&mut observe)?;
         let learn = LearnOptions { method: options.method };
         let mut observe = |fraction| options.progress(fraction, "");
         let result = learn::identify(&loaded.case, &loaded.records, &learn, &mut observe)?;

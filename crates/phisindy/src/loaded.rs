@@ -1,11 +1,17 @@
 //! A checked spec with its records, wherever they come from.
 
+use crate::error::Error;
+use crate::error::SpecError;
 use crate::laws::Catalogue;
-use phisindy_gap::{Effect, WrittenLaw, requested_laws, written_out};
+use phisindy_gap::{
+    Activity, Effect, GapError, WithFormulas, WrittenLaw, requested_formulas, requested_laws, with_formulas,
+    written_out,
+};
 use phisindy_phys::spec::Spec;
 use phisindy_phys::{Case, Diagnostic, LawEntry, Origin, Record, RecordPlan, Requirement, SourceId, Sources};
 use phisindy_report::Input;
 use phisindy_sim::Trajectory;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 /// A checked spec with its records, from memory or from files: what [`crate::identify`], [`crate::gap`] and
@@ -38,6 +44,39 @@ impl Loaded {
             records: &self.records,
             doubts: &self.doubts,
         }
+    }
+
+    /// The same with the formulas that `unknown` asks for: found in the records, and written into the model. Where none
+    /// explains the records, a doubt says so. `observe` receives the progress as a fraction and an activity, and may stop
+    /// the search.
+    ///
+    /// # Errors
+    /// A formula is asked for where no force acts, or the model cannot be fitted without it.
+    pub fn with_formulas(
+        mut self,
+        observe: &mut (dyn FnMut(f64, &str) -> ControlFlow<()> + Send),
+    ) -> Result<Loaded, Error> {
+        if self.parsed.unknown.iter().all(|(_, unknown)| unknown.search.is_empty()) {
+            return Ok(self);
+        }
+        let mut sources = Sources::default();
+        let source = sources.add(self.spec.clone(), self.text.clone());
+        let requested = requested_formulas(&self.case, source)
+            .map_err(|mistakes| SpecError::new(mistakes, sources.clone()))?;
+        let mut tell = |part: f64, what: Activity| observe(part, &what.to_string());
+        let records = self.records.clone();
+        let found = with_formulas(&self.text, self.case.clone(), records, &requested, &mut tell);
+        let WithFormulas { text, records, without } = found.map_err(GapError::Numerics)?;
+        let source = sources.add(format!("{} (with its formulas)", self.spec), text.clone());
+        let (parsed, case, _) =
+            checked(&text, source).map_err(|mistakes| SpecError::new(mistakes, sources.clone()))?;
+        let Case { laws, searches, requirements, system, without_laws, .. } = self.case;
+        let without_laws = without_laws.or_else(|| Some(Arc::new(system)));
+        self.doubts.extend(without.iter().map(|what| {
+            format!("no formula in {what} explains the records; `phisindy gap` shows what the missing force depends on")
+        }));
+        let case = Case { laws, searches, requirements, without_laws, ..case };
+        Ok(Loaded { text, parsed, case, records, ..self })
     }
 
     /// The plans of the records that are simulated: of a model with an unknown part the synthetic ones.

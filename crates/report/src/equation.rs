@@ -19,14 +19,14 @@ pub struct Equation {
     pub text: String,
 }
 
-/// The equations of all states that have candidates. If the spec names laws, or has no candidates at all,
+/// The equations of all states that have candidates. If the spec names laws, asks for formulas, or has no candidates at all,
 /// also those of all states whose rate is more than another state.
 pub fn equations(case: &Case, terms: &[FoundTerm], parameters: &[FoundParameter]) -> Vec<Equation> {
     let system = &case.system;
     let mut shown: Vec<bool> =
         (0..system.states.len()).map(|k| system.terms.iter().any(|t| t.state == k)).collect();
-    // A law may add a state.
-    if !shown.contains(&true) || !case.laws.is_empty() {
+    // A law may add a state; a formula stands in the known part.
+    if !shown.contains(&true) || !case.laws.is_empty() || !case.searches.is_empty() {
         shown
             .iter_mut()
             .zip(&system.states)

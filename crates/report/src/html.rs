@@ -14,6 +14,7 @@ pub(crate) mod hero;
 mod leaderboard;
 mod map;
 mod mathml;
+mod missing_force;
 mod motion;
 mod next;
 mod page;

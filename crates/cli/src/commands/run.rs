@@ -44,6 +44,14 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
         Ok(loaded) => loaded,
         Err(code) => return Ok(code),
     };
+    let loaded = match with_formulas(loaded, options) {
+        Ok(loaded) => loaded,
+        Err(error) => {
+            failed(&spec.display().to_string(), &error.to_string(), error.diverged());
+            interrupt::tell();
+            return Ok(NUMERICS);
+        }
+    };
     let found = match identify_with_progress(&loaded, options) {
         Ok(found) => found,
         Err(error) => {
@@ -96,6 +104,24 @@ fn caution(report: &RunReport<'_>, options: &Options) {
         let said: Vec<Diagnostic> = report.warnings.iter().map(|w| Diagnostic::warning(w.clone())).collect();
         draw::show(&said, &Sources::default());
     }
+}
+
+/// Finds the formulas that the spec asks for, with a progress bar.
+fn with_formulas(loaded: Loaded, options: &Options) -> Result<Loaded, phisindy::Error> {
+    let known = loaded.doubts.len();
+    let mut progress = Progress::new(&loaded.spec, options.quiet);
+    let loaded = loaded.with_formulas(&mut |fraction, activity| {
+        progress.doing(activity);
+        progress.at(fraction);
+        if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    })?;
+    drop(progress);
+    let new: Vec<Diagnostic> =
+        loaded.doubts[known..].iter().map(|d| Diagnostic::warning(d.clone())).collect();
+    if !options.quiet {
+        draw::show(&new, &Sources::default());
+    }
+    Ok(loaded)
 }
 
 /// Runs the identification with a progress bar, until an early end is requested.

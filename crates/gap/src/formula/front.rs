@@ -5,6 +5,7 @@
 //! number of expressions with as many symbols: `2 ln S` for each symbol of an alphabet of `S`. That is also the price
 //! of the search, for no more expressions of a length than these were tried.
 
+use super::Sought;
 use super::atom::Inner;
 use super::scale::Scale;
 use super::shape::{Program, Shape, Term, shapes};
@@ -35,9 +36,10 @@ pub(super) struct Grammar {
 }
 
 impl Grammar {
-    pub(super) fn new(at: &Footing) -> Grammar {
+    pub(super) fn new(at: &Footing, sought: &Sought) -> Grammar {
         let scales = [Scale::new(&at.displacement), Scale::new(&at.velocity)];
-        let all = shapes(at.has_displacement()).into_iter();
+        let all = shapes(at.has_displacement() && sought.displacement).into_iter();
+        let all = all.filter(|s| s.velocity.is_none() || sought.velocity);
         let (shapes, programs) = all.filter_map(|s| Some((s, Program::new(s, &scales)?))).unzip();
         Grammar { shapes, programs, scales }
     }

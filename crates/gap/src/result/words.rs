@@ -288,7 +288,7 @@ impl Display for Warning {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
             Warning::UnknownLeftOut { candidates } => {
-                let what = if *candidates { "has candidates" } else { "names laws" };
+                let what = if *candidates { "has candidates" } else { "asks for laws or formulas" };
                 write!(f, "`unknown` {what}: `gap` leaves them out and searches the catalogue instead")
             }
             Warning::Curve { count, at } => write!(

@@ -9,6 +9,7 @@ use crate::error::{Error, SpecError};
 use crate::laws::Catalogue;
 use crate::loaded::{Laws, Loaded, NotWritten, checked};
 use phisindy_expr::Span;
+use phisindy_gap::requested_formulas;
 use phisindy_phys::spec::{ColumnSpec, CsvSpec, InputSpec, Role, Text};
 use phisindy_phys::{
     Case, Diagnostic, Note, Origin, Record, RecordPlan, Severity, SourceId, Sources, Table, Units,
@@ -90,6 +91,11 @@ pub fn load_text(
     };
     // A law with a mistake is told whatever the spec names: its author wants it tried.
     let catalogue = laws::checked_beside(path, request, sources, found);
+    let wanted = matches!(purpose, Purpose::Run | Purpose::Check) && !case.searches.is_empty();
+    if let Err(mistakes) = if wanted { requested_formulas(&case, source).map(|_| ()) } else { Ok(()) } {
+        found.extend(mistakes);
+        return Err(Refusal::Input);
+    }
     let named = |catalogue: Catalogue| match purpose {
         Purpose::Run | Purpose::Check if !case.laws.is_empty() => {
             Laws::of(&case, &catalogue, source).map(Some)

@@ -29,6 +29,8 @@ pub struct Case {
     /// Laws of the catalogue that `unknown` names, each with the state whose rate it may be missing in. The
     /// catalogue is not known here: whoever has it writes them into `known`.
     pub laws: Vec<(usize, Text)>,
+    /// States whose rate lacks a formula that is looked for, each with the displacements and velocities that it may hold.
+    pub searches: Vec<(usize, Vec<Text>)>,
     /// What must hold of the constants of laws that were written out.
     pub requirements: Vec<Requirement>,
     /// The system without the laws that were written out; `None` where none were.
@@ -36,9 +38,9 @@ pub struct Case {
 }
 
 impl Case {
-    /// Whether something in its rates is asked for: candidates or laws.
+    /// Whether something in its rates is asked for: candidates, laws or formulas.
     pub fn is_open(&self) -> bool {
-        !self.system.terms.is_empty() || !self.laws.is_empty()
+        !self.system.terms.is_empty() || !self.laws.is_empty() || !self.searches.is_empty()
     }
 }
 
@@ -123,11 +125,16 @@ fn checked(
     if diagnostics.iter().any(Diagnostic::is_error) {
         return Err(diagnostics);
     }
-    let laws = checker.laws;
-    Ok((
-        Case { system, records, learn: spec.learn.clone(), laws, requirements: vec![], without_laws: None },
-        diagnostics,
-    ))
+    let case = Case {
+        system,
+        records,
+        learn: spec.learn.clone(),
+        laws: checker.laws,
+        searches: checker.searches,
+        requirements: vec![],
+        without_laws: None,
+    };
+    Ok((case, diagnostics))
 }
 
 /// Plans every record of a spec.

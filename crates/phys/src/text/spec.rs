@@ -133,6 +133,8 @@ pub struct UnknownSpec {
     pub within: Vec<(Text, (f64, f64))>,
     /// Names of laws of the catalogue.
     pub laws: Vec<Text>,
+    /// Displacements and velocities in which a formula is looked for.
+    pub search: Vec<Text>,
     /// The whole form.
     pub span: Span,
 }

@@ -3,6 +3,7 @@
 //! Keys are in alphabetical order, which is the order of the fields here. Numbers that are not finite become
 //! null.
 
+use super::discovered::nearest;
 use super::report::GapReport;
 use crate::format::role_name;
 use phisindy_gap::{ForcePoint, Gap, MissingForce, Region, Step, Tried};
@@ -104,6 +105,8 @@ struct NotTriedOut<'a> {
 struct StepOut<'a> {
     at: &'a str,
     delta_bic: f64,
+    /// Its terms about zero, to third order, where it is a smooth formula and no polynomial.
+    expansion: Option<&'a str>,
     expression: &'a str,
     fit: Change,
     /// The force that is subtracted, with its numbers, in SI.
@@ -111,12 +114,24 @@ struct StepOut<'a> {
     law: &'a str,
     mirror: bool,
     name: &'a str,
+    /// Of a discovered force: the laws of the catalogue that come nearest.
+    nearest: Vec<NearestOut<'a>>,
     parameters: BTreeMap<&'a str, StepParameterOut<'a>>,
     probability: Option<f64>,
+    /// Least and largest value (SI) of each quantity that a force without memory depends on: where it is known.
+    region: BTreeMap<&'a str, [f64; 2]>,
     rivals: Vec<RivalOut>,
     scales_with: Option<&'a str>,
     validate: Option<Change>,
     vetoed: Vec<VetoOut<'a>>,
+}
+
+/// A law of the catalogue beside a discovered one.
+#[derive(Serialize)]
+struct NearestOut<'a> {
+    at: &'a str,
+    gap: Option<f64>,
+    law: &'a str,
 }
 
 #[derive(Serialize)]
@@ -203,13 +218,13 @@ fn outcome<'a>(report: &GapReport<'a>) -> Outcome<'a> {
             .map(|n| NotTriedOut { law: &n.law, why: n.why.to_string() })
             .collect(),
         parameters: parameters(found),
-        partial: found.partial.iter().map(step).collect(),
+        partial: found.partial.iter().map(|s| step(found, s)).collect(),
         records: records(found),
         repeatability: repeatability(found),
         seconds: ending.seconds,
         spec: input.name,
         status: found.status.name(),
-        steps: found.steps.iter().map(step).collect(),
+        steps: found.steps.iter().map(|s| step(found, s)).collect(),
         title: &input.case.system.title,
         tried: found.tried.iter().map(tried).collect(),
         version: env!("CARGO_PKG_VERSION"),
@@ -253,7 +268,7 @@ fn region(r: &Region) -> RegionOut<'_> {
     RegionOut { column: &r.column, region: r.to_string(), share: r.share }
 }
 
-fn step(s: &Step) -> StepOut<'_> {
+fn step<'a>(found: &'a Gap, s: &'a Step) -> StepOut<'a> {
     let parameters = s.parameters.iter().map(|p| {
         let each =
             p.each.iter().map(|r| (r.record.as_str(), ValueOut { ci95: r.ci95.into(), value: r.value }));
@@ -267,17 +282,21 @@ fn step(s: &Step) -> StepOut<'_> {
         (p.name.as_str(), out)
     });
     let rivals = s.rivals.iter().map(|r| RivalOut { at: r.at(), delta_bic: r.delta_bic, law: r.law() });
+    let nearest = nearest(found, s).map(|t| NearestOut { at: &t.at.at, gap: t.gap, law: &t.at.law });
     StepOut {
         at: &s.effect.place.at,
         delta_bic: s.delta_bic,
+        expansion: s.expansion.as_deref(),
         expression: &s.expression,
         fit: change(s.fit),
         force: s.formula.as_deref(),
         law: &s.effect.entry.id,
         mirror: s.effect.mirror,
         name: &s.effect.entry.law.name,
+        nearest: nearest.collect(),
         parameters: parameters.collect(),
         probability: s.probability,
+        region: s.seen.iter().map(|range| (range.quantity.as_str(), [range.low, range.high])).collect(),
         rivals: rivals.collect(),
         scales_with: s.effect.load.as_deref(),
         validate: s.validate.map(change),

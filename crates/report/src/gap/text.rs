@@ -1,5 +1,6 @@
 //! The result of `gap` for people.
 
+use super::discovered::{beyond, remarks};
 use super::report::GapReport;
 use crate::table::{interval, short};
 use phisindy_gap::{Gap, Rival, Status, Step, Tried, Warning};
@@ -54,13 +55,13 @@ pub(crate) fn text(report: &GapReport<'_>) -> String {
             s.effect.place.at,
             s.expression
         ));
-        details(s, catalogue, &mut out);
+        details(found, s, catalogue, &mut out);
     }
     if !found.partial.is_empty() {
         out.push("helps, but does not explain:".into());
         for s in &found.partial {
             out.push(format!("  {} at {}: {}", s.effect.entry.law.name, s.effect.place.at, s.expression));
-            details(s, catalogue, &mut out);
+            details(found, s, catalogue, &mut out);
         }
     }
     out.extend(moved(found));
@@ -175,7 +176,7 @@ pub(super) fn sensitivity(found: &Gap) -> String {
 }
 
 /// The parameters of a step, and those of its rivals that earlier steps do not list.
-fn details(s: &Step, catalogue: &[LawEntry], out: &mut Vec<String>) {
+fn details(found: &Gap, s: &Step, catalogue: &[LawEntry], out: &mut Vec<String>) {
     for p in &s.parameters {
         let line = |record: &str, value: f64, ci95: (f64, f64)| {
             format!("     {}{record} = {} {} {}", p.constant, short(value), p.unit, interval(ci95.0, ci95.1))
@@ -185,6 +186,7 @@ fn details(s: &Step, catalogue: &[LawEntry], out: &mut Vec<String>) {
         }
         out.extend(p.each.iter().map(|r| line(&format!(" [{}]", r.record), r.value, r.ci95)));
     }
+    out.extend(remarks(found, s, catalogue).into_iter().map(|remark| format!("     {remark}")));
     for (rival, what) in rivals(s, catalogue) {
         let rival = format!("     {rival}");
         if !out.contains(&rival) {
@@ -229,7 +231,7 @@ pub(crate) fn rivals(s: &Step, catalogue: &[LawEntry]) -> Vec<(String, Option<St
         } else {
             format!("BIC {} higher", short(r.delta_bic))
         };
-        let what = deciding(&s.effect.entry, r, catalogue);
+        let what = beyond(s).or_else(|| deciding(&s.effect.entry, r, catalogue));
         (format!("not excluded: {r} ({by})"), what.map(|what| format!("{what} would decide")))
     });
     let same = s.effect.entry.law.indistinguishable.iter();

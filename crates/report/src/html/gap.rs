@@ -4,11 +4,11 @@ use super::data::{Model, Seen, notes};
 use super::leaderboard::leaderboard;
 use super::page::{Banner, Page, Tone, add_data_remarks, add_warnings, capital, paragraph};
 use super::table::{Cell, code, in_unit, parameters, table, text};
-use super::{force, hero, map, mathml, motion, next, reproduction, residual, shrink};
+use super::{force, hero, map, mathml, missing_force, motion, next, reproduction, residual, shrink};
 use crate::chart::{Sheet, digits};
 use crate::equation::equations;
 use crate::format::role_name as role;
-use crate::gap::{Balance, Finding, GapReport, balance, finding, rivals, vetoes};
+use crate::gap::{Balance, Finding, GapReport, balance, finding, remarks, rivals, vetoes};
 use crate::input::{Ending, Invocation};
 use crate::markup::{Element, element};
 use phisindy_gap::{ColumnGap, ColumnRepeat, Gap, Region, Status, Step, Warning};
@@ -70,8 +70,13 @@ fn first_screen(page: &mut Page, found: &Gap, seen: &Seen<'_>, balances: &[Optio
             page.first(figures, vec![element("div").class("beside").all(below)]);
         }
         None => {
-            figures.extend(page.drawn(Sheet::Half, gap));
-            page.first(figures, vec![]);
+            let Some(force) = &found.force else {
+                figures.extend(page.drawn(Sheet::Half, gap));
+                return page.first(figures, vec![]);
+            };
+            figures.extend(page.drawn(Sheet::Half, |sheet| vec![missing_force::chart(force, sheet)]));
+            let below = page.drawn(Sheet::Page, gap);
+            page.first(figures, vec![element("div").class("beside").all(below)]);
         }
     }
 }
@@ -85,13 +90,16 @@ fn missing(page: &mut Page, found: &Gap, catalogue: &[LawEntry], balances: &[Opt
         let name = format!("effect-{}", k + 1);
         let draw = |sheet| balance.iter().map(|b| force::chart(&name, step, b, sheet)).collect();
         let picture = page.drawn(Sheet::Page, draw).pop();
-        missing.extend(shown(Some(k + 1), step, catalogue, picture, &mut told));
+        missing.extend(shown(found, Some(k + 1), step, catalogue, picture, &mut told));
     }
     let whole = found.status != Status::Unexplained;
     page.section(if whole { "What is missing" } else { "What brings the gap far down" }, missing);
+    if let (Some(force), false) = (&found.force, found.steps.is_empty()) {
+        page.figures("The missing force without a formula", |sheet| vec![missing_force::chart(force, sheet)]);
+    }
     let mut helps = Vec::new();
     for step in &found.partial {
-        helps.extend(shown(None, step, catalogue, None, &mut told));
+        helps.extend(shown(found, None, step, catalogue, None, &mut told));
     }
     page.section("What helps, but does not explain", helps);
 }
@@ -117,6 +125,7 @@ fn banner(found: &Gap, how: Ending) -> Banner {
 
 /// A step: law, place, parameters, picture, and the remarks about rivals and vetoes that are not in `told`.
 fn shown(
+    found: &Gap,
     number: Option<usize>,
     s: &Step,
     catalogue: &[LawEntry],
@@ -153,7 +162,8 @@ fn shown(
     let others = rivals(s, catalogue)
         .into_iter()
         .map(|(rival, what)| capital(&rival) + &what.map_or(String::new(), |what| format!("; {what}")) + ".");
-    let lines: Vec<String> = others.chain(vetoes(s).map(|v| capital(&v) + ".")).collect();
+    let own = remarks(found, s, catalogue).into_iter().map(|remark| capital(&remark) + ".");
+    let lines: Vec<String> = own.chain(others).chain(vetoes(s).map(|v| capital(&v) + ".")).collect();
     let new: Vec<String> = lines.into_iter().filter(|line| !told.contains(line)).collect();
     let said = (!new.is_empty()).then(|| element("ul").all(new.iter().map(|line| element("li").text(line))));
     told.extend(new);

@@ -268,6 +268,7 @@ mod tests {
             candidates: vec![],
             within: vec![],
             laws: vec![],
+            search: vec![],
             span: Span::new(0, 0),
         };
         let terms: Vec<(String, &str)> = terms.iter().map(|&(name, c)| (name.to_owned(), c)).collect();

@@ -23,6 +23,8 @@ pub(super) struct Checker {
     pub(super) used: HashSet<String>,
     /// Laws of the catalogue that `unknown` names, each with its state.
     pub(super) laws: Vec<(usize, Text)>,
+    /// What `unknown` asks a formula for.
+    pub(super) searches: Vec<(usize, Vec<Text>)>,
 }
 
 impl Checker {
@@ -36,6 +38,7 @@ impl Checker {
             constants: Constants::default(),
             used: HashSet::new(),
             laws: vec![],
+            searches: vec![],
         }
     }
 

@@ -162,7 +162,15 @@ impl Checker {
             Some(text) => self.expression(text, allowed),
             None => Some(one),
         };
-        if unknown.candidates.is_empty() && unknown.laws.is_empty() {
+        if !unknown.search.is_empty() {
+            self.searches.push((state, unknown.search.clone()));
+        }
+        if let (Some(first), Some(_)) = (unknown.search.first(), unknown.candidates.first()) {
+            self.error("candidates and a search at the same place", first.span, "searched beside candidates")
+                .help
+                .push("give one of them: a formula may be any of the candidates".into());
+        }
+        if unknown.candidates.is_empty() && unknown.laws.is_empty() && unknown.search.is_empty() {
             self.error("there is nothing to look for: `candidates` is empty", unknown.span, "")
                 .help
                 .push("list candidates such as \"1\", or leave this entry out".into());
@@ -262,8 +270,11 @@ impl Checker {
             }
             let mut roots: Vec<Id> = known.to_vec();
             roots.extend(terms.iter().map(|t| t.value));
-            // Laws may contribute friction; their forces are not known here.
-            if self.laws.is_empty() && !contains_sign(&mut self.graph, &roots, node) {
+            // Laws and formulas may contribute friction; their forces are not known here.
+            if self.laws.is_empty()
+                && self.searches.is_empty()
+                && !contains_sign(&mut self.graph, &roots, node)
+            {
                 let message = format!(
                     "no rate holds `sgn({0})`: contact `{0}` has no friction and never sticks, unless `gap` finds some there",
                     text.value

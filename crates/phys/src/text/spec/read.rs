@@ -120,24 +120,32 @@ impl Reader<'_> {
     }
 
     fn unknown(&mut self, node: &Node) -> Option<UnknownSpec> {
-        let fields = self.fields(node, "an unknown part", &["factor", "candidates", "within", "laws"])?;
+        let fields =
+            self.fields(node, "an unknown part", &["factor", "candidates", "within", "laws", "search"])?;
         let factor = self.optional(&fields, "factor", Self::words);
         let mut texts = |name| self.optional(&fields, name, |r: &mut Self, n| r.list(n, Self::words));
-        let (candidates, laws) = (texts("candidates"), texts("laws"));
+        let (candidates, laws, search) = (texts("candidates"), texts("laws"), texts("search"));
         let within = self.pairs(&fields, "within", Self::coefficient_bounds);
         let nothing = |name| fields.get(name).is_none_or(|list: &Node| list.entries.is_empty());
-        if nothing("candidates") && nothing("laws") {
+        if nothing("candidates") && nothing("laws") && nothing("search") {
             let span = fields.get("candidates").map_or(node.span, |list| list.span);
             let help = "list what might be missing: candidates: [\"1\", ...]";
             return self.wrong(
                 span,
-                "the unknown part has neither candidates nor laws",
+                "the unknown part has neither candidates, nor laws, nor a search",
                 "nothing to find",
                 help,
             );
         }
         let (candidates, laws) = (candidates.unwrap_or_default(), laws.unwrap_or_default());
-        Some(UnknownSpec { factor, candidates, within, laws, span: node.span })
+        Some(UnknownSpec {
+            factor,
+            candidates,
+            within,
+            laws,
+            search: search.unwrap_or_default(),
+            span: node.span,
+        })
     }
 
     /// `Positive`, `Negative` or `(0.0, 5.0)`.

@@ -20,7 +20,7 @@ const MAPS: &[&str] = &[
     "interpolate",
 ];
 /// Fields that are lists: there is nothing to create in them by index.
-const LISTS: &[&str] = &["contacts", "data", "candidates", "laws", "measure", "epochs", "rates"];
+const LISTS: &[&str] = &["contacts", "data", "candidates", "laws", "search", "measure", "epochs", "rates"];
 /// Maps whose values are plain, so that no path goes deeper.
 const PLAIN: &[&str] = &["states", "known", "inertia", "truth", "start", "rows", "interpolate", "derive"];
 
