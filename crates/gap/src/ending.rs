@@ -51,7 +51,8 @@ impl<'s, 'a> Ending<'s, 'a> {
         search: &'s mut Search<'a>,
         mut warnings: Vec<Warning>,
     ) -> Result<Self, GapError> {
-        let Searched { base, last, rounds, candidates, stop, needed, tried, force } = searched;
+        let (base, last) = (searched.base.clone().chosen(), searched.last.clone().chosen());
+        let Searched { rounds, candidates, stop, needed, tried, force, .. } = searched;
         // A white residual is the noise itself: a better estimate than the one from the columns.
         let noise = if last.score.is_white() { last.noise(search.noise) } else { search.noise.to_vec() };
         let (base, last) = (base.measured_by(&noise), last.measured_by(&noise));
@@ -126,7 +127,8 @@ impl<'s, 'a> Ending<'s, 'a> {
         }
         let completed =
             text_with(text, &self.last.model, redrawn).map_err(|e| GapError::Numerics(e.into()))?;
-        let Ending { base, last, stop, noise, warnings, tried: (tried, not_tried), force, .. } = self;
+        let stop = if self.interrupted() { StopReason::Interrupted } else { self.stop };
+        let Ending { base, last, noise, warnings, tried: (tried, not_tried), force, .. } = self;
         Ok(Gap {
             status,
             stop,
@@ -153,10 +155,15 @@ impl<'s, 'a> Ending<'s, 'a> {
         })
     }
 
+    /// Whether the work is to end.
+    fn interrupted(&self) -> bool {
+        self.stop == StopReason::Interrupted || self.search.observer.stopped()
+    }
+
     /// Draws the inputs between their samples in the way that explains the data, if there is one; returns it.
     fn redraw_inputs(&mut self) -> Result<Option<Interpolation>, GapError> {
         let complete = self.last.score.explains() && self.last.model.effects.is_empty();
-        if complete || self.stop == StopReason::Interrupted {
+        if complete || self.interrupted() {
             return Ok(None);
         }
         let Some(found) = redrawn(&self.path, &self.last, &self.noise, self.candidates) else {
@@ -176,11 +183,8 @@ impl<'s, 'a> Ending<'s, 'a> {
     /// model is as good as that drawing allows. Returns the gap that the drawing leaves.
     fn coarse_inputs(&mut self) -> Result<f64, GapError> {
         let complete = self.last.model.effects.is_empty() && self.last.score.explains();
-        let found = if complete || self.stop == StopReason::Interrupted {
-            None
-        } else {
-            coarse_inputs(&self.path, &self.noise)
-        };
+        let found =
+            if complete || self.interrupted() { None } else { coarse_inputs(&self.path, &self.noise) };
         let Some((left, coarse)) = found else { return Ok(0.0) };
         let open = (1.0 + coarse.open.powi(2)).sqrt();
         if self.path[left].score.gap() > REPEATS * open {
@@ -201,7 +205,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         // The data need a law that nothing replaces, although the intervals of its coefficients hold zero.
         vetoed.retain(|(_, v)| !(matches!(v.why, Veto::Undetermined(_)) && self.needed.contains(&v.law)));
         let cancelling = cancelling(&self.last);
-        let explained = status == Status::Explained && self.stop != StopReason::Interrupted;
+        let explained = status == Status::Explained && !self.interrupted();
         let curve = if explained { sensor_nonlinearity(&self.last, &self.noise) } else { None };
         if vetoed.is_empty() && cancelling.is_none() && curve.is_none() {
             return (status, all);
@@ -225,7 +229,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         repeats: bool,
     ) -> Result<(Status, Option<Alternative>), GapError> {
         let whole = self.last.clone();
-        let interrupted = self.stop == StopReason::Interrupted;
+        let interrupted = self.interrupted();
         let mut alternative = None;
         if status != Status::NothingMissing && !repeats && !interrupted {
             self.search.observer.tell(0.95, Activity::Constants);

@@ -79,7 +79,7 @@ struct Tried {
 impl Tried {
     /// The fitted model, with the formula as a law that is told as such.
     fn discovered(self) -> Fitted {
-        let mut last = self.fitted;
+        let mut last = self.fitted.chosen();
         if let Some(applied) = last.model.effects.last_mut()
             && let Ok(named) = named(&self.shapes, &self.scales, &applied.effect)
         {
@@ -113,13 +113,18 @@ impl Search<'_> {
             starts.push(searched.last.clone());
         }
         for now in starts {
+            let now = now.on_trial();
             let Some(found) = self.formula_beside(&now, Sought::everywhere) else { continue };
             let Found { best, rivals } = found;
             let before = now.model.effects.len();
             let expressions = expressions(&best.shapes, &best.scales);
             let last = best.discovered();
-            let mut rounds = if before == 0 { vec![] } else { searched.rounds };
-            rounds.push(Round { before, rivals, vetoed: vec![], fitted: vec![] });
+            // The laws that evidence ruled out are told beside the formula.
+            let (mut rounds, vetoed) = match before {
+                0 => (vec![], searched.rounds.into_iter().flat_map(|r| r.vetoed).collect()),
+                _ => (searched.rounds, vec![]),
+            };
+            rounds.push(Round { before, rivals, vetoed, fitted: vec![] });
             return Searched {
                 last,
                 rounds,
@@ -137,7 +142,7 @@ impl Search<'_> {
 
     /// A fitted model with the formula that explains the data, sought at one place; `None` if there is none.
     pub(crate) fn formula_at(&mut self, now: &Fitted, sought: &Sought) -> Option<Fitted> {
-        let found = self.formula_beside(now, |model| sought.of(model))?;
+        let found = self.formula_beside(&now.clone().on_trial(), |model| sought.of(model))?;
         Some(found.best.discovered())
     }
 
@@ -344,10 +349,13 @@ fn candidates_at(ground: &Ground, model: &TrialModel, sought: &Sought) -> Vec<Ca
         return vec![];
     }
     let grammar = Grammar::new(&at, sought);
+    if model.stop.requested() {
+        return vec![];
+    }
     let ways: &[bool] = if at.rested() && sought.velocity { &[true, false] } else { &[false] };
     let mut all = Vec::new();
     for &sticks in ways {
-        let Some(selection) = Selection::new(ground, &at, &grammar, &model.system, sticks) else { continue };
+        let Some(selection) = Selection::new(ground, &at, &grammar, model, sticks) else { continue };
         let found = selection.best();
         all.extend(found.into_iter().filter_map(|entry| candidate(entry, place, &grammar)));
     }
@@ -448,9 +456,10 @@ mod tests {
         let (model, noise) = rig(truth);
         let now = fitted(model, &noise);
         let mut nobody = |_: f64, _: Activity| false;
-        let observer = Observer::new(&mut nobody);
-        let mut search = Search { catalogue: &[], noise: &noise, floor: 0.0, observer: &observer };
-        let found = search.formula_beside(&now)?;
+        let found = Observer::during(&mut nobody, |observer| {
+            let mut search = Search { catalogue: &[], noise: &noise, floor: 0.0, observer };
+            search.formula_beside(&now, Sought::everywhere)
+        })?;
         found.best.fitted.model.effects.last().map(|a| a.effect.entry.id.clone())
     }
 
@@ -466,9 +475,11 @@ mod tests {
         let (model, noise) = rig(truth);
         let now = fitted(model, &noise);
         let mut nobody = |_: f64, _: Activity| false;
-        let observer = Observer::new(&mut nobody);
-        let mut search = Search { catalogue: &[], noise: &noise, floor: 0.0, observer: &observer };
-        search.missing_force(&now).map(|force| force.on)
+        let force = Observer::during(&mut nobody, |observer| {
+            let mut search = Search { catalogue: &[], noise: &noise, floor: 0.0, observer };
+            search.missing_force(&now)
+        })?;
+        Some(force.on)
     }
 
     #[test]

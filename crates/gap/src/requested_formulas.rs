@@ -2,7 +2,7 @@
 
 use crate::formula::Sought;
 use crate::model::{Fitted, TrialModel, current, noise_of, shortened, text_with};
-use crate::place::{Place, Quantity, Site, places};
+use crate::place::{Effect, Place, Quantity, Site, places};
 use crate::requested_laws::{text_without, without};
 use crate::result::{Activity, ModelError};
 use crate::search::{Observer, Search};
@@ -132,16 +132,18 @@ pub fn with_formulas(
         };
         let noise = noise_of(&model.records);
         let mut tell = |part: f64, what: Activity| observe(part, what).is_break();
-        let observer = Observer::new(&mut tell);
-        let mut search = Search { catalogue: &[], noise: &noise, floor: 0.0, observer: &observer };
-        let mut now = Fitted::new(model, &noise, Effort::Plain)?;
-        for one in requested {
-            if let Some(found) = search.formula_at(&now, &one.sought) {
-                now = found;
-                missing.retain(|words| *words != one.words());
+        effects = Observer::during(&mut tell, |observer| -> Result<Vec<Effect>, ModelError> {
+            let model = model.stopped_by(observer.stop());
+            let mut search = Search { catalogue: &[], noise: &noise, floor: 0.0, observer };
+            let mut now = Fitted::new(model, &noise, Effort::Plain)?;
+            for one in requested {
+                if let Some(found) = search.formula_at(&now, &one.sought) {
+                    now = found;
+                    missing.retain(|words| *words != one.words());
+                }
             }
-        }
-        effects = current(&now);
+            Ok(current(&now))
+        })?;
     }
     let full = plain.with_all(&effects)?;
     let text = text_with(&text_without(text, &spec, |u| u.search.is_empty(), "search")?, &full, None)?;

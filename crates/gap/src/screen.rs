@@ -104,6 +104,7 @@ pub(crate) fn screen(
                 free.screened(sensor_trials(effect, &columns, &data), None, &data)
             }
             Site::Input(inputs) => free.screened(input_trials(effect, inputs, system, &data), None, &data),
+            Site::Force { .. } if model.stop.requested() => free.screened(vec![], None, &data),
             Site::Force { .. } => match Regressors::new(effect, system) {
                 Some(regressors) => {
                     let trials = force_trials(effect, &regressors, system, &data);

@@ -141,7 +141,7 @@ impl Search<'_> {
     pub(crate) fn run(&mut self, base: TrialModel) -> Result<Searched, ModelError> {
         self.observer.tell(0.02, Activity::Calibrating);
         let base = Fitted::new(base, self.noise, Effort::Plain)?;
-        let mut now = base.clone();
+        let mut now = base.clone().on_trial();
         let mut rounds = Vec::new();
         let (mut candidates, mut weak) = (1, 0);
         let mut first: Option<(Vec<Tried>, Vec<NotTried>)> = None;

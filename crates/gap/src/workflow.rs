@@ -61,10 +61,12 @@ pub fn gap(
     let (repeat, floor) = floor(&case, &records, &noise);
     let whole = without_candidates(spec, case, records).ok_or_else(unreadable)?;
     let mut observe = |part: f64, what: Activity| observe(part, what).is_break();
-    let observer = Observer::new(&mut observe);
-    let mut search = Search { catalogue, noise: &noise, floor, observer: &observer };
-    let searched = from_estimate_or_rest(&mut search, whole).map_err(GapError::Numerics)?;
-    Ending::new(searched, &mut search, warnings)?.finished(&text, repeat)
+    Observer::during(&mut observe, |observer| {
+        let whole = whole.stopped_by(observer.stop());
+        let mut search = Search { catalogue, noise: &noise, floor, observer };
+        let searched = from_estimate_or_rest(&mut search, whole).map_err(GapError::Numerics)?;
+        Ending::new(searched, &mut search, warnings)?.finished(&text, repeat)
+    })
 }
 
 /// Searches from the estimate of the states that only outputs tell. Where nothing explains the data from there, the
@@ -102,6 +104,9 @@ fn on_shortened(
     if searched.last.score.fit <= EXPLAINED && !stands_for_all && searched.stop != StopReason::Interrupted {
         return described(search, whole);
     }
+    // Of a search that was stopped no fit goes on: it starts where the one on the beginning ended.
+    let stopped = search.observer.stopped();
+    let whole = if stopped { whole.starting_at(&searched.base.estimates(|p| !p.each)) } else { whole };
     searched.base = Fitted::new(whole, search.noise, Effort::Plain)?;
     searched.last = full.unwrap_or_else(|| searched.base.clone());
     Ok(searched)

@@ -126,7 +126,7 @@ fn failed(error: ModelError) -> SimulationError {
     match error {
         ModelError::Unbound(reason) => SimulationError::Model(reason),
         ModelError::Simulation(error) => SimulationError::Run(error),
-        beaten @ ModelError::Beaten => SimulationError::Model(beaten.to_string()),
+        other @ (ModelError::Beaten | ModelError::Stopped) => SimulationError::Model(other.to_string()),
     }
 }
 

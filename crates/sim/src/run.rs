@@ -86,6 +86,9 @@ impl Run<'_> {
         self.step.start(self.t, &self.x, &self.rates);
         self.measure();
         loop {
+            if self.options.stop.aborts() {
+                return Err(SimError::Stopped { time: self.t });
+            }
             if self.out.steps + self.out.rejected > self.options.max_steps {
                 return Err(SimError::TooManySteps { time: self.t });
             }

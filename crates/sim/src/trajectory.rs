@@ -1,6 +1,7 @@
 //! Input and output of a run: drive, options, events, samples, errors.
 
 use crate::decisions::{DEFAULT_DIVERGED, DEFAULT_MAX_STEPS, DEFAULT_TOLERANCE};
+use crate::stop::Stop;
 use phisindy_signal::Signal;
 use std::fmt;
 
@@ -30,6 +31,8 @@ pub struct Options {
     pub max_steps: usize,
     /// A state beyond this many times its reach has diverged.
     pub diverged: f64,
+    /// Ends the run without a result.
+    pub stop: Stop,
 }
 
 impl Default for Options {
@@ -41,6 +44,7 @@ impl Default for Options {
             sensitivities: None,
             max_steps: DEFAULT_MAX_STEPS,
             diverged: DEFAULT_DIVERGED,
+            stop: Stop::default(),
         }
     }
 }
@@ -152,6 +156,11 @@ pub enum SimError {
         /// The switch that chatters.
         switch: String,
     },
+    /// [`Options::stop`] asked for it.
+    Stopped {
+        /// The time reached.
+        time: f64,
+    },
 }
 
 impl fmt::Display for SimError {
@@ -165,6 +174,7 @@ impl fmt::Display for SimError {
             SimError::TooManyEvents { time, switch } => {
                 write!(f, "`{switch}` changes sign without end at t = {time:.6}")
             }
+            SimError::Stopped { time } => write!(f, "it was stopped at t = {time:.6}"),
         }
     }
 }

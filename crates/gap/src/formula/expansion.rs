@@ -92,7 +92,7 @@ mod tests {
             .map(|p| format!("\"{p}\": (unit: \"\", within: (0.0, 9.0))"));
         let names = names.collect::<Vec<_>>().join(", ");
         let text = format!(
-            "(name: \"x\", roles: {{ \"x\": \"\", \"v\": \"\" }}, parameters: {{ {names} }}, force: \"{force}\")"
+            "(name: \"x\", roles: {{ \"x\": \"m\", \"v\": \"m/s\" }}, parameters: {{ {names} }}, force: \"{force}\")"
         );
         expansion(&LawEntry::read("law", &text).expect("a law").law, parameters)
     }

@@ -10,8 +10,9 @@ use super::atom::Inner;
 use super::scale::Scale;
 use super::shape::{Program, Shape, Term, shapes};
 use crate::decisions::{FORMULA_ALPHABET, FORMULA_BEAM, FORMULA_REFINED, FORMULA_SINGLES, FORMULA_TERMS};
+use crate::model::TrialModel;
 use crate::screen::{Footing, Ground, Response, dot, norm};
-use phisindy_phys::System;
+use phisindy_sim::Stop;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -63,6 +64,7 @@ pub(super) struct Selection<'a> {
     ground: &'a Ground,
     at: &'a Footing,
     grammar: &'a Grammar,
+    stop: &'a Stop,
     sticks: bool,
     /// The response to the holding force, of unit size, projected out.
     holding: Option<Vec<f64>>,
@@ -84,12 +86,12 @@ impl<'a> Selection<'a> {
         ground: &'a Ground,
         at: &'a Footing,
         grammar: &'a Grammar,
-        system: &System,
+        model: &'a TrialModel,
         sticks: bool,
     ) -> Option<Selection<'a>> {
         let mut target = ground.target().to_vec();
         let holding = if sticks {
-            let rows = ground.holding(at, system)?.rows;
+            let rows = ground.holding(at, &model.system)?.rows;
             let size = norm(&rows);
             Some(rows.iter().map(|v| v / size).collect::<Vec<f64>>())
         } else {
@@ -99,7 +101,7 @@ impl<'a> Selection<'a> {
         if let Some(h) = &holding {
             project(&mut target, h);
         }
-        Some(Selection { ground, at, grammar, sticks, holding, target, rows })
+        Some(Selection { ground, at, grammar, stop: &model.stop, sticks, holding, target, rows })
     }
 
     /// The best sums, shortest description first, with refined numbers.
@@ -115,6 +117,9 @@ impl<'a> Selection<'a> {
         let mut beam = self.singles(&columns, &right);
         kept.extend(self.by_shapes(&beam, &columns));
         for _ in 1..FORMULA_TERMS {
+            if self.stop.requested() {
+                return vec![];
+            }
             gram.fill(&beam, &columns);
             let grown: Vec<Vec<Set>> =
                 beam.par_iter().map(|set| self.grown(set, &columns, &gram, &right)).collect();
@@ -129,7 +134,7 @@ impl<'a> Selection<'a> {
         }
         let mut found: Vec<Entry> = shortest(all, FORMULA_REFINED, |set| set.at.len(), |set| set.length)
             .par_iter()
-            .filter_map(|set| self.refined(set, &columns))
+            .filter_map(|set| if self.stop.requested() { None } else { self.refined(set, &columns) })
             .collect();
         found.sort_by(|a, b| a.length.total_cmp(&b.length));
         found

@@ -48,7 +48,8 @@ impl Fitted {
         noise: &[Vec<f64>],
         effort: Effort,
     ) -> Result<Fitted, ModelError> {
-        let cal = calibrate_from(segments, &model.system, &model.records, &model.smooth, noise, effort)?;
+        let TrialModel { system, records, smooth, stop, .. } = &model;
+        let cal = calibrate_from(segments, system, records, smooth, noise, effort, stop)?;
         let (fit, validate) = gaps(&cal, noise);
         let whiteness = whiteness(&cal, &model.records, |_| true);
         let effects = || model.effects.iter().map(|a| &a.effect);
@@ -76,6 +77,18 @@ impl Fitted {
         })
     }
 
+    /// The same as the start of trials: fits from here end without a result once the work is to end.
+    pub(crate) fn on_trial(self) -> Fitted {
+        let stop = self.model.stop.aborting();
+        Fitted { model: self.model.stopped_by(stop), ..self }
+    }
+
+    /// The same as a result: fits from here end with what they have.
+    pub(crate) fn chosen(self) -> Fitted {
+        let stop = self.model.stop.finishing();
+        Fitted { model: self.model.stopped_by(stop), ..self }
+    }
+
     /// The whiteness score of the Fit records, where these leave only noise and the Validate records more.
     fn only_noise_on_fit(&self) -> Option<f64> {
         if self.score.validate.is_none() || self.score.fit > LITTLE_LEFT || self.score.is_white() {
@@ -98,7 +111,7 @@ impl Fitted {
     /// samples, and chi^2 of the Fit records rises no more than chance allows (the predictive test of Chow 1960, doi
     /// 10.2307/1910133). The calibration itself stays unchanged.
     fn together(&self, noise: &[Vec<f64>]) -> Option<Together> {
-        self.only_noise_on_fit()?;
+        self.only_noise_on_fit().filter(|_| !self.model.stop.requested())?;
         let model = self.settled();
         let joint = |records: &[Record]| -> Vec<Record> {
             records.iter().map(|r| Record { role: Role::Fit, continues: None, ..r.clone() }).collect()

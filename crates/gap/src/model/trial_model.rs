@@ -6,6 +6,7 @@ use phisindy_phys::unit::Unit;
 use phisindy_phys::{
     Case, Contact, Record, RecordPlan, Sensor, SensorParameter, SourceId, System, check_names, takes_units,
 };
+use phisindy_sim::Stop;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -51,6 +52,8 @@ pub struct TrialModel {
     /// The effects that were added, in their order.
     pub effects: Vec<Applied>,
     pub(crate) given: Arc<Given>,
+    /// Ends fits where they are.
+    pub(crate) stop: Stop,
     /// The model without any effect; `None` if this is it.
     base: Option<Arc<TrialModel>>,
 }
@@ -62,6 +65,11 @@ impl TrialModel {
             records.par_iter().map(|r| phisindy_learn::smoothed(&case.system, r)).collect();
         let records = phisindy_learn::sized(&case.system, &records, &smooth);
         TrialModel::of(spec, case, records, smooth)
+    }
+
+    /// The same model, whose fits end as this says.
+    pub(crate) fn stopped_by(self, stop: Stop) -> TrialModel {
+        TrialModel { stop, ..self }
     }
 
     /// The same model with the states that only outputs tell at rest where fits start; `None` if there are none.
@@ -88,6 +96,7 @@ impl TrialModel {
             smooth: Arc::new(smooth),
             effects: vec![],
             given: Arc::new(Given { spec, plans, places, forces, takes_units }),
+            stop: Stop::default(),
             base: None,
         }
     }
@@ -104,7 +113,7 @@ impl TrialModel {
             records.iter().zip(&case.records).map(with).collect()
         };
         let (records, smooth) = (seen(&base.records), seen(&base.smooth));
-        Some(TrialModel::of(spec, case, records, smooth))
+        Some(TrialModel { stop: base.stop, ..TrialModel::of(spec, case, records, smooth) })
     }
 
     /// The same model on other records, e.g. shortened ones.
@@ -305,6 +314,9 @@ impl TrialModel {
     /// Cost over every `stride`-th of many short segments after a few steps of a fit: chi^2 per sample.
     /// `None` if the model cannot be simulated.
     pub(crate) fn segment_cost(&self, noise: &[Vec<f64>], stride: usize) -> Option<f64> {
+        if self.stop.requested() {
+            return None;
+        }
         phisindy_learn::segment_cost(&self.system, &self.records, &self.smooth, noise, stride)
     }
 

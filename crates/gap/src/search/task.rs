@@ -2,8 +2,10 @@
 
 use crate::result::Activity;
 use phisindy_phys::LawEntry;
+use phisindy_sim::Stop;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
 
 /// The inputs of a search.
 #[derive(Clone, Copy)]
@@ -28,27 +30,66 @@ pub(crate) trait Observe: Sync {
 
 /// Hands the progress on, and remembers that it was asked for an end.
 pub(crate) struct Observer<'a> {
-    tell: Mutex<&'a mut Tell<'a>>,
-    stopped: AtomicBool,
+    told: Mutex<Told<'a>>,
+    stop: Stop,
 }
 
+struct Told<'a> {
+    tell: &'a mut Tell<'a>,
+    /// What was told last.
+    last: Option<(f64, Activity)>,
+}
+
+/// Time between two questions whether the work is to end.
+const ASKS: Duration = Duration::from_millis(100);
+
 impl<'a> Observer<'a> {
-    pub(crate) fn new(tell: &'a mut Tell<'a>) -> Observer<'a> {
-        Observer { tell: Mutex::new(tell), stopped: AtomicBool::new(false) }
+    /// Does some work with an observer that tells of the progress, and tells the last of it again and again while a step
+    /// takes long: so that a wish to end is heard.
+    pub(crate) fn during<T>(tell: &'a mut Tell<'a>, work: impl FnOnce(&Observer<'a>) -> T) -> T {
+        let told = Mutex::new(Told { tell, last: None });
+        let observer = Observer { told, stop: Stop::default() };
+        // Dropped at the end of the work, also where it panics.
+        let (working, ended) = channel::<()>();
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                let ended = ended;
+                while ended.recv_timeout(ASKS) == Err(RecvTimeoutError::Timeout) {
+                    observer.again();
+                }
+            });
+            let _working = working;
+            work(&observer)
+        })
+    }
+
+    /// What ends fits once the end was asked for.
+    pub(crate) fn stop(&self) -> Stop {
+        self.stop.clone()
+    }
+
+    fn again(&self) {
+        if let Ok(mut told) = self.told.lock()
+            && let Some((part, what)) = told.last.clone()
+            && (told.tell)(part, what)
+        {
+            self.stop.request();
+        }
     }
 }
 
 impl Observe for Observer<'_> {
     fn tell(&self, part: f64, what: Activity) -> bool {
-        if let Ok(mut tell) = self.tell.lock()
-            && tell(part, what)
-        {
-            self.stopped.store(true, Ordering::Relaxed);
+        if let Ok(mut told) = self.told.lock() {
+            told.last = Some((part, what.clone()));
+            if (told.tell)(part, what) {
+                self.stop.request();
+            }
         }
         self.stopped()
     }
 
     fn stopped(&self) -> bool {
-        self.stopped.load(Ordering::Relaxed)
+        self.stop.requested()
     }
 }

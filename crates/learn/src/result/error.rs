@@ -11,6 +11,8 @@ pub enum ModelError {
     Simulation(SimError),
     /// Its segments leave more than a rival, and its runs were not asked for.
     Beaten,
+    /// The work was to end.
+    Stopped,
 }
 
 impl ModelError {

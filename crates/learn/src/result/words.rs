@@ -290,6 +290,7 @@ impl Display for ModelError {
         match self {
             ModelError::Unbound(text) => f.write_str(text),
             ModelError::Simulation(error) => write!(f, "{error}"),
+            ModelError::Stopped => f.write_str("the work was stopped"),
             ModelError::Beaten => f.write_str("over short segments it leaves more than another model"),
         }
     }

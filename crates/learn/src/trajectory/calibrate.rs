@@ -22,6 +22,7 @@ use crate::trajectory::unknowns::Unknowns;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Record, System};
 use phisindy_signal::standard_deviation;
+use phisindy_sim::Stop;
 
 /// A calibrated model.
 #[derive(Clone, Debug)]
@@ -60,10 +61,11 @@ pub fn calibrate(
     noise: &[Vec<f64>],
     effort: Effort,
 ) -> Result<Calibration, ModelError> {
-    calibrate_from(None, system, records, smooth, noise, effort)
+    calibrate_from(None, system, records, smooth, noise, effort, &Stop::default())
 }
 
-/// As [`calibrate`], from where a fit over segments of the same model and records has ended.
+/// As [`calibrate`], from where a fit over segments of the same model and records has ended. After `stop` is requested it
+/// ends with the best point found so far, or without a result.
 ///
 /// # Errors
 /// As [`calibrate`].
@@ -74,9 +76,10 @@ pub fn calibrate_from(
     smooth: &[Record],
     noise: &[Vec<f64>],
     effort: Effort,
+    stop: &Stop,
 ) -> Result<Calibration, ModelError> {
     let samples: usize = records.iter().filter(|r| r.role == Role::Fit).map(Record::readings).sum();
-    let mut setup = Setup { begun: segments, ..Setup::new(records, smooth, noise) };
+    let mut setup = Setup { begun: segments, stop: stop.clone(), ..Setup::new(records, smooth, noise) };
     let effort = match effort {
         Effort::Rival { most, runs } => {
             (setup.most, setup.runs) = (most * samples as f64, runs);
@@ -87,7 +90,9 @@ pub fn calibrate_from(
     let (Stage { problem, mut x, hopeless, .. }, segmented) = match stages(system, &setup, effort, samples) {
         Ok(ends) => ends,
         // No single run can be simulated: fit segments instead.
-        Err(_) if effort != Effort::Plain => return calibrate(system, records, smooth, noise, Effort::Plain),
+        Err(_) if effort != Effort::Plain => {
+            return calibrate_from(None, system, records, smooth, noise, Effort::Plain, stop);
+        }
         Err(e) => return Err(e),
     };
     let weights = problem.weights(&setup.noise, None);
@@ -101,6 +106,9 @@ pub fn calibrate_from(
     }
     let (fit, chi2) = finished(problem, x, weights, &setup)?;
     let unknowns = Unknowns::new(system, records, &fit);
+    if stop.aborts() {
+        return Err(ModelError::Stopped);
+    }
     let moved = if effort == Effort::Errors {
         let bars = ErrorBars::new(&fit);
         unknowns.parameters(|k| bars.estimate(k))
@@ -137,6 +145,7 @@ fn stages<'a>(
     let stages: &[usize] = if effort == Effort::Plain { &STAGES } else { &STAGES[STAGES.len() - 1..] };
     for &pieces in stages {
         match Stage::new(system, setup, pieces, effort, samples, best.as_ref()) {
+            _ if setup.stop.aborts() => return Err(ModelError::Stopped),
             Ok(stage) if !setup.runs && pieces > 1 && stage.cost > setup.most => {
                 return Err(ModelError::Beaten);
             }
@@ -218,6 +227,7 @@ impl<'a> Stage<'a> {
     ) -> Result<Stage<'a>, ModelError> {
         let Setup { fitted, noise, smooth: starts, .. } = setup;
         let mut problem = Problem::new(system, &[], fitted, &vec![pieces; fitted.len()])?;
+        problem.stop = setup.stop.clone();
         // Error bars are asked of one model, which need not be quick.
         problem.budget = (effort != Effort::Errors).then(|| budget(&problem));
         if effort == Effort::Plain {
@@ -307,6 +317,9 @@ fn try_start(
     samples: usize,
     start: Vec<f64>,
 ) {
+    if problem.stop.requested() {
+        return;
+    }
     let Ok(now) = problem.cost(x, weights) else { return };
     if now < MISFIT * samples as f64 {
         return;
@@ -467,6 +480,7 @@ struct Setup<'a> {
     most: f64,
     /// Whether a hopeless fit is asked for its runs.
     runs: bool,
+    stop: Stop,
 }
 
 impl<'a> Setup<'a> {
@@ -488,6 +502,7 @@ impl<'a> Setup<'a> {
             most: f64::INFINITY,
             runs: true,
             begun: None,
+            stop: Stop::default(),
         }
     }
 }

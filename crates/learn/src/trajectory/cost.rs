@@ -54,7 +54,7 @@ impl Problem<'_> {
         weights: &[Vec<Vec<f64>>],
         limits: Limits,
     ) -> Result<Normal, SimError> {
-        let mut failure = None;
+        let (mut failure, mut begun) = (None, false);
         // Tight joints would damp steps along the chain that the data ask for.
         let metric = match self.chained {
             true => Some(self.gathered(x, weights, Rows { joints: false, ..Rows::ALL })?.matrix),
@@ -62,6 +62,9 @@ impl Problem<'_> {
         };
         let metric: Option<Vec<f64>> = metric.map(|m| (0..x.len()).map(|k| m[(k, k)]).collect());
         let end = minimise_by(metric.as_deref(), x, bounds, limits, |x, ceiling| {
+            if std::mem::replace(&mut begun, true) && self.stop.requested() {
+                return None;
+            }
             // A step that is likely to fail is tried without derivatives, which are most of the work.
             if ceiling.is_finite() && self.cost(x, weights).ok()? > ceiling {
                 return None;

@@ -41,7 +41,9 @@ impl<'a> ErrorBars<'a> {
     pub(crate) fn estimate(&self, k: usize) -> Estimate {
         // Over short segments a run is nearly linear in its numbers, and a profile would fit all their starts anew.
         // Where a motion forgets its start a single run follows a fixed number only along a bent valley.
-        if self.fit.most_pieces() > STAGES[0] || self.fit.problem.chained {
+        // Work that is to end has no time for profiles.
+        let ends = self.fit.problem.stop.requested();
+        if self.fit.most_pieces() > STAGES[0] || self.fit.problem.chained || ends {
             return self.quadratic(k);
         }
         let (error, curvature) = (self.error(k), self.curvature[(k, k)].sqrt());

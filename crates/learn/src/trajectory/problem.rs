@@ -9,7 +9,7 @@ use crate::trajectory::layout::{DELAY, Layout, Segment, Source};
 use crate::trajectory::noise::ColumnNoise;
 use phisindy_phys::{Record, System};
 use phisindy_signal::{noise_level, standard_deviation};
-use phisindy_sim::{Automaton, Drive, Options, SimError, Trajectory, simulate};
+use phisindy_sim::{Automaton, Drive, Options, SimError, Stop, Trajectory, simulate};
 use rayon::prelude::*;
 
 /// A least-squares problem for a choice of terms and records.
@@ -50,6 +50,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) budget: Option<usize>,
     /// Local error of the simulations, relative to the size of each state.
     pub(crate) tolerance: f64,
+    /// Ends a minimisation where it is.
+    pub(crate) stop: Stop,
 }
 
 /// What an unknown is.
@@ -117,6 +119,7 @@ impl<'a> Problem<'a> {
             chained: false,
             budget: None,
             tolerance: TOLERANCE,
+            stop: Stop::default(),
         };
         problem.scale = vec![1.0; states];
         problem.scale = problem.scales();
@@ -255,6 +258,7 @@ impl<'a> Problem<'a> {
             // A model that needs many more steps is wrong: fail early.
             max_steps: self.budget.unwrap_or(BASE_STEPS + STEPS_PER_SAMPLE * (last - first)),
             diverged: DIVERGED_SIZE,
+            stop: self.stop.clone(),
         };
         let mut samples = self.delayed_samples(segment, x);
         // One more sample, where the next segment takes over. (An early sensor can ask for later times than

@@ -33,6 +33,9 @@ fn end(fit: &Fit<'_>, k: usize, quadratic: f64, target: f64) -> f64 {
     let mut z = quadratic;
     for step in 0..PROFILE_STEPS {
         z = z.clamp(low, high);
+        if fit.problem.stop.requested() {
+            return z;
+        }
         let Some(rise) = rise(fit, k, z, target) else { return z };
         let miss = rise / target;
         // The interval ends at a bound, or near enough to the target.

@@ -244,7 +244,15 @@ fn a_rival_that_segments_rule_out_is_given_up() {
         assert_eq!((plain.hopeless, rival.hopeless), (false, hopeless));
         assert_relative_eq!(plain.chi2, rival.chi2, max_relative = 1e-6);
         let segments = segment_fit(&case.system, &records, &records, &noise, 1);
-        let from = calibrate_from(segments.as_ref(), &case.system, &records, &records, &noise, Effort::Plain);
+        let from = calibrate_from(
+            segments.as_ref(),
+            &case.system,
+            &records,
+            &records,
+            &noise,
+            Effort::Plain,
+            &Stop::default(),
+        );
         assert_relative_eq!(plain.chi2, from.unwrap().chi2, max_relative = 1e-6);
     }
 }
