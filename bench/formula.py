@@ -111,7 +111,7 @@ def main():
         begin = time.time()
         due = accelerations - (DRIVES[number] * np.sin(times))
         fitted = regressor(
-            allowed_symbols="add,sub,mul,div,sin,cos,exp,tanh,constant,variable", time_limit=60, max_evaluations=1_000_000,
+            allowed_symbols="add,sub,mul,div,sin,cos,exp,tanh,constant,variable", max_time=60, max_evaluations=1_000_000,
             optimizer_iterations=10, max_length=40, n_threads=1, random_state=seed,
         ).fit(np.stack([xs, vs], 1)[inner], due[inner])
         formula = fitted.get_model_string(fitted.model_, 4, ["x", "v"]) if hasattr(fitted, "model_") else ""

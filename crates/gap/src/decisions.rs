@@ -113,6 +113,8 @@ decisions! {
     DEGENERATE: f64 = 1e-7, "of a column", Basis::Derived("rounding of a Gram matrix of some thousand rows");
     /// Decay rate of the linear response of a body that comes to rest.
     FORGETS_PER_PERIOD: f64 = 4.0, "1/period", BLIND;
+    /// A mode of the known part this much slower than the motion sums up its forces, and is made to decay.
+    DRIFTS: f64 = 0.1, "of the motion's frequency", Basis::Judgement("a decade: slower than any spring that moves the body");
     /// A start from the force of a sibling is fitted if it explains this fraction of what the best one does.
     NEARLY_BEST: f64 = 0.9, "of the gain", BLIND;
     /// Below this speed the motion counts as resting for such a start.
@@ -196,6 +198,8 @@ decisions! {
 
     /// Most rows of the response in which formulas are sought; neighbouring rows are averaged.
     FORMULA_ROWS: usize = 2_400, "rows", Basis::Judgement("cost; a motion has some tens of periods of which each needs some tens of rows");
+    /// Error of the linear response: no column is taken for cleaner than this where formulas are ranked.
+    RESPONSE_ERROR: f64 = 1e-3, "of the standard deviation", Basis::Judgement("the response is of second order along samples: a thousandth with some fifty samples in a period");
     /// Symbols of which expressions are made: the price of one is twice the logarithm of this.
     FORMULA_ALPHABET: usize = 18, "symbols", Basis::Derived("operations, functions, variables and numbers that occur in the table of atoms");
     /// Most terms of a formula.

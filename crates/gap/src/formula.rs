@@ -17,7 +17,9 @@ mod scale;
 mod shape;
 
 use crate::alternative_constant::a_constant_explains;
-use crate::decisions::{FORMULA_PASSES, FORMULAS_FITTED, RACE, RIVALS, SEARCHES_AGAIN, WORTH};
+use crate::decisions::{
+    FORMULA_PASSES, FORMULAS_FITTED, RACE, RESPONSE_ERROR, RIVALS, SEARCHES_AGAIN, WORTH,
+};
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::{Effect, Place, Site, fits};
 use crate::plausibility::{cancelling, vetoed};
@@ -28,7 +30,8 @@ pub(crate) use expansion::expansion;
 use force::Free;
 use front::{Entry, Grammar, Selection, shortest, structure};
 use phisindy_learn::{Calibration, Effort};
-use phisindy_phys::{LawEntry, LawError, LawRole};
+use phisindy_phys::{LawEntry, LawError, LawRole, Record};
+use phisindy_signal::standard_deviation;
 use scale::Scale;
 use shape::{Shape, Term, formula, shapes};
 
@@ -41,13 +44,16 @@ pub(crate) struct Sought {
     pub(crate) place: Place,
     pub(crate) displacement: bool,
     pub(crate) velocity: bool,
+    /// Only one product of powers, without inner numbers.
+    pub(crate) plain: bool,
 }
 
 impl Sought {
     /// Every place of a model where a force can act, in all that the force may depend on.
-    fn everywhere(model: &TrialModel) -> Vec<Sought> {
+    fn everywhere(model: &TrialModel, plain: bool) -> Vec<Sought> {
         let forces = model.places().iter().filter(|p| matches!(p.site, Site::Force { .. }));
-        forces.map(|place| Sought { place: place.clone(), displacement: true, velocity: true }).collect()
+        let at = |place: &Place| Sought { place: place.clone(), displacement: true, velocity: true, plain };
+        forces.map(at).collect()
     }
 
     /// The same in a model with nodes of its own.
@@ -104,17 +110,17 @@ impl Search<'_> {
         if done || searched.stop == StopReason::Interrupted {
             return searched;
         }
-        // A number of the model that is wrong is no law: a formula would say the same with more words.
-        if a_constant_explains(&searched.base, self.noise) {
-            return searched;
-        }
+        // A number of the model that is wrong is no law: most formulas would say the same with more words. A single
+        // power may be that number (a damper beside a damping that is held), and is told beside it.
+        let plain = a_constant_explains(&searched.base, self.noise);
         let mut starts = vec![searched.base.clone()];
         if !explained && !searched.last.model.effects.is_empty() {
             starts.push(searched.last.clone());
         }
         for now in starts {
             let now = now.on_trial();
-            let Some(found) = self.formula_beside(&now, Sought::everywhere) else { continue };
+            let sought = |model: &TrialModel| Sought::everywhere(model, plain);
+            let Some(found) = self.formula_beside(&now, sought) else { continue };
             let Found { best, rivals } = found;
             let before = now.model.effects.len();
             let expressions = expressions(&best.shapes, &best.scales);
@@ -133,7 +139,7 @@ impl Search<'_> {
                 ..searched
             };
         }
-        if explained {
+        if explained || plain {
             return searched;
         }
         let force = self.missing_force(&searched.base);
@@ -153,7 +159,7 @@ impl Search<'_> {
             return None;
         }
         let model = now.settled();
-        let ground = Ground::new(&model, &now.cal, None, self.noise)?;
+        let ground = Ground::new(&model, &now.cal, None, &of_response(&model, self.noise))?;
         let at_place = |place: &Place| {
             let at = ground.footing(&model.system, place)?;
             force::missing_force(&ground, &at, &model.system, &place.at)
@@ -166,6 +172,7 @@ impl Search<'_> {
     /// The best formula beside a fitted model; `None` if none explains the data and is worth its length.
     fn formula_beside(&mut self, now: &Fitted, sought: impl Fn(&TrialModel) -> Vec<Sought>) -> Option<Found> {
         let model = now.settled();
+        let coarse = of_response(&model, self.noise);
         let mut tried: Vec<Tried> = Vec::new();
         let mut runs: Option<Calibration> = None;
         let value = |t: &Tried, by: Measure| by.criterion(&t.fitted.score) + structure(t.symbols);
@@ -173,7 +180,7 @@ impl Search<'_> {
             if self.observer.tell(0.9, Activity::Formulas) {
                 break;
             }
-            let Some(ground) = Ground::new(&model, &now.cal, runs.as_ref(), self.noise) else { break };
+            let Some(ground) = Ground::new(&model, &now.cal, runs.as_ref(), &coarse) else { break };
             let mut candidates = Vec::new();
             for sought in sought(&model) {
                 if self.observer.tell(0.9, Activity::Formulas) {
@@ -260,6 +267,15 @@ impl Search<'_> {
             tried.push(Tried { shapes, scales, symbols: c.symbols, fitted });
         }
     }
+}
+
+/// The noise of each column, and at least the error of the response: of clean data no formula would leave as little.
+fn of_response(model: &TrialModel, noise: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let of = |(record, noise): (&Record, &Vec<f64>)| {
+        let columns = record.columns.iter().flatten().zip(noise);
+        columns.map(|(c, noise)| noise.max(RESPONSE_ERROR * standard_deviation(c))).collect()
+    };
+    model.records.iter().zip(noise).map(of).collect()
 }
 
 /// Whether evidence speaks against an effect of a model, other than that the records leave the numbers of a law open
@@ -458,7 +474,7 @@ mod tests {
         let mut nobody = |_: f64, _: Activity| false;
         let found = Observer::during(&mut nobody, |observer| {
             let mut search = Search { catalogue: &[], noise: &noise, floor: 0.0, observer };
-            search.formula_beside(&now, Sought::everywhere)
+            search.formula_beside(&now, |model| Sought::everywhere(model, false))
         })?;
         found.best.fitted.model.effects.last().map(|a| a.effect.entry.id.clone())
     }

@@ -34,6 +34,8 @@ pub(super) struct Grammar {
     pub(super) shapes: Vec<Shape>,
     programs: Vec<Program>,
     pub(super) scales: [Scale; 2],
+    /// Most terms of a sum.
+    terms: usize,
 }
 
 impl Grammar {
@@ -41,8 +43,9 @@ impl Grammar {
         let scales = [Scale::new(&at.displacement), Scale::new(&at.velocity)];
         let all = shapes(at.has_displacement() && sought.displacement).into_iter();
         let all = all.filter(|s| s.velocity.is_none() || sought.velocity);
+        let all = all.filter(|s| s.inner().is_empty() || !sought.plain);
         let (shapes, programs) = all.filter_map(|s| Some((s, Program::new(s, &scales)?))).unzip();
-        Grammar { shapes, programs, scales }
+        Grammar { shapes, programs, scales, terms: if sought.plain { 1 } else { FORMULA_TERMS } }
     }
 
     fn force(&self, at: &Footing, shape: usize, inner: &[f64]) -> Vec<Vec<f64>> {
@@ -116,7 +119,7 @@ impl<'a> Selection<'a> {
         // The best columns of each shape, then each with any other column, then the best of these with one more.
         let mut beam = self.singles(&columns, &right);
         kept.extend(self.by_shapes(&beam, &columns));
-        for _ in 1..FORMULA_TERMS {
+        for _ in 1..self.grammar.terms {
             if self.stop.requested() {
                 return vec![];
             }

@@ -2,7 +2,7 @@
 //! each place.
 
 use super::readings::{OutputTape, Readings};
-use super::response::{Linear, shift};
+use super::response::{Linear, drifts, shift};
 use crate::decisions::{FORGETS_PER_PERIOD, RESTS, SHORT_REST};
 use crate::drive::Drive;
 use crate::evaluate::{evaluated, speed};
@@ -138,9 +138,10 @@ impl Base {
             still.push(PlaceAtRest { at: place.at.clone(), rests, stuck_state });
         }
         // A body at rest loses the memory of its motion. The linear system must decay as well, or it carries
-        // errors from before a stop past it.
+        // errors from before a stop past it. So must one that nothing holds, or it sums up small errors of forces.
         let has_stops = still.iter().any(|s| s.rests.iter().filter(|r| **r).count() * RESTS > samples);
-        let decay = shift(&a, n, span).max(if has_stops { FORGETS_PER_PERIOD / motion.period } else { 0.0 });
+        let forgets = has_stops || drifts(&a, n, motion.period);
+        let decay = shift(&a, n, span).max(if forgets { FORGETS_PER_PERIOD / motion.period } else { 0.0 });
         (0..n).for_each(|k| a[k * n + k] -= decay);
         let bracket: Vec<f64> = (0..samples)
             .flat_map(|i| {

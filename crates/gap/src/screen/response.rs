@@ -6,6 +6,7 @@
 //! is a linear regression without local minima, exact however large the gap is. With the mean Jacobian of f
 //! as A, the bracket is nearly free of the noise in x.
 
+use crate::decisions::DRIFTS;
 use faer::Mat;
 
 /// One step of `x' = A x + g(t)` with g linear between samples.
@@ -112,6 +113,13 @@ pub(crate) fn shift(a: &[f64], n: usize, span: f64) -> f64 {
     if fastest * span <= 1.0 { 0.0 } else { 2.0 * fastest }
 }
 
+/// Whether `x' = A x` has a mode that is far slower than a motion of this period: it sums up forces.
+pub(crate) fn drifts(a: &[f64], n: usize, period: f64) -> bool {
+    let m = Mat::from_fn(n, n, |i, j| a[i * n + j]);
+    let slow = DRIFTS * std::f64::consts::TAU / period;
+    m.eigenvalues().is_ok_and(|values| values.iter().any(|z| z.norm() < slow))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -133,5 +141,11 @@ mod tests {
     fn growth_is_turned_into_decay() {
         assert_eq!(shift(&[0.0, 1.0, -4.0, -0.1], 2, 100.0), 0.0);
         assert!(shift(&[0.0, 1.0, 4.0, 0.0], 2, 100.0) > 3.9);
+    }
+
+    #[test]
+    fn a_mass_without_a_spring_drifts() {
+        assert!(drifts(&[0.0, 1.0, 0.0, -2.0], 2, 3.0));
+        assert!(!drifts(&[0.0, 1.0, -4.0, -0.1], 2, 3.0));
     }
 }
