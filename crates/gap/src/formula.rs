@@ -270,7 +270,7 @@ impl Search<'_> {
 }
 
 /// The noise of each column, and at least the error of the response: of clean data no formula would leave as little.
-fn of_response(model: &TrialModel, noise: &[Vec<f64>]) -> Vec<Vec<f64>> {
+pub(crate) fn of_response(model: &TrialModel, noise: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let of = |(record, noise): (&Record, &Vec<f64>)| {
         let columns = record.columns.iter().flatten().zip(noise);
         columns.map(|(c, noise)| noise.max(RESPONSE_ERROR * standard_deviation(c))).collect()

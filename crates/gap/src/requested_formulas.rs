@@ -1,6 +1,6 @@
 //! Formulas that a spec asks for in `unknown`: found by the search of formulas, and written into the spec as laws are.
 
-use crate::formula::Sought;
+use crate::formula::{Sought, of_response};
 use crate::model::{Fitted, TrialModel, current, noise_of, shortened, text_with};
 use crate::place::{Effect, Place, Quantity, Site, places};
 use crate::requested_laws::{text_without, without};
@@ -131,11 +131,14 @@ pub fn with_formulas(
             Some(short) => model.for_records(short),
             None => model,
         };
-        let noise = noise_of(&model.records);
+        // Of clean data a formula that is right to the error of the response is asked for. What it leaves is not white.
+        let measured = noise_of(&model.records);
+        let noise = of_response(&model, &measured);
+        let floor = if noise == measured { 0.0 } else { 1.0 };
         let mut tell = |part: f64, what: Activity| observe(part, what).is_break();
         effects = Observer::during(&mut tell, |observer| -> Result<Vec<Effect>, ModelError> {
             let model = model.stopped_by(observer.stop());
-            let mut search = Search { catalogue: &[], noise: &noise, floor: 0.0, observer };
+            let mut search = Search { catalogue: &[], noise: &noise, floor, observer };
             let mut now = Fitted::new(model, &noise, Effort::Plain)?;
             for one in requested {
                 if let Some(found) = search.formula_at(&now, &one.sought) {
