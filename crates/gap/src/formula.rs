@@ -44,15 +44,15 @@ pub(crate) struct Sought {
     pub(crate) place: Place,
     pub(crate) displacement: bool,
     pub(crate) velocity: bool,
-    /// Only one product of powers, without inner numbers.
-    pub(crate) plain: bool,
+    /// Only a spring or a damper.
+    pub(crate) linear: bool,
 }
 
 impl Sought {
     /// Every place of a model where a force can act, in all that the force may depend on.
-    fn everywhere(model: &TrialModel, plain: bool) -> Vec<Sought> {
+    fn everywhere(model: &TrialModel, linear: bool) -> Vec<Sought> {
         let forces = model.places().iter().filter(|p| matches!(p.site, Site::Force { .. }));
-        let at = |place: &Place| Sought { place: place.clone(), displacement: true, velocity: true, plain };
+        let at = |place: &Place| Sought { place: place.clone(), displacement: true, velocity: true, linear };
         forces.map(at).collect()
     }
 
@@ -110,16 +110,16 @@ impl Search<'_> {
         if done || searched.stop == StopReason::Interrupted {
             return searched;
         }
-        // A number of the model that is wrong is no law: most formulas would say the same with more words. A single
-        // power may be that number (a damper beside a damping that is held), and is told beside it.
-        let plain = a_constant_explains(&searched.base, self.noise);
+        // A number of the model that is wrong is no law: most formulas would say the same with more words. A spring or a
+        // damper beside a stiffness or a damping that is held is the same force, as it is among the laws.
+        let linear = a_constant_explains(&searched.base, self.noise);
         let mut starts = vec![searched.base.clone()];
         if !explained && !searched.last.model.effects.is_empty() {
             starts.push(searched.last.clone());
         }
         for now in starts {
             let now = now.on_trial();
-            let sought = |model: &TrialModel| Sought::everywhere(model, plain);
+            let sought = |model: &TrialModel| Sought::everywhere(model, linear);
             let Some(found) = self.formula_beside(&now, sought) else { continue };
             let Found { best, rivals } = found;
             let before = now.model.effects.len();
@@ -139,7 +139,7 @@ impl Search<'_> {
                 ..searched
             };
         }
-        if explained || plain {
+        if explained || linear {
             return searched;
         }
         let force = self.missing_force(&searched.base);

@@ -68,7 +68,7 @@ fn sought(place: &Place, wanted: &[Text]) -> Option<Sought> {
         place: place.clone(),
         displacement: wanted.iter().any(of_x),
         velocity: wanted.iter().any(of_v),
-        plain: false,
+        linear: false,
     })
 }
 

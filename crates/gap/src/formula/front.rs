@@ -43,9 +43,9 @@ impl Grammar {
         let scales = [Scale::new(&at.displacement), Scale::new(&at.velocity)];
         let all = shapes(at.has_displacement() && sought.displacement).into_iter();
         let all = all.filter(|s| s.velocity.is_none() || sought.velocity);
-        let all = all.filter(|s| s.inner().is_empty() || !sought.plain);
+        let all = all.filter(|s| s.is_linear() || !sought.linear);
         let (shapes, programs) = all.filter_map(|s| Some((s, Program::new(s, &scales)?))).unzip();
-        Grammar { shapes, programs, scales, terms: if sought.plain { 1 } else { FORMULA_TERMS } }
+        Grammar { shapes, programs, scales, terms: if sought.linear { 1 } else { FORMULA_TERMS } }
     }
 
     fn force(&self, at: &Footing, shape: usize, inner: &[f64]) -> Vec<Vec<f64>> {

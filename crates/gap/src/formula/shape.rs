@@ -44,6 +44,12 @@ impl Shape {
         all.filter(|(_, inner)| *inner != Inner::No).collect()
     }
 
+    /// Whether it is a spring or a damper.
+    pub(super) fn is_linear(&self) -> bool {
+        let all: Vec<&Atom> = self.displacement.into_iter().chain(self.velocity).collect();
+        matches!(all[..], [one] if one.text == "y")
+    }
+
     /// The values of the inner numbers that are tried, all combinations.
     pub(super) fn grid(&self, scales: &[Scale; 2]) -> Vec<Vec<f64>> {
         let coarse = self.displacement.is_some() && self.velocity.is_some();
