@@ -222,7 +222,7 @@ fn each_mistake_is_named() {
     check("\"-k*x\"", "k", "k", "put it in quotes: \"k\"");
     check("\"-k*x\"", "2x", "2x", "not a number");
     check("\"-k*x\"", "\"-k\\n*x\"", "\\", "escapes");
-    check("candidates: [\"1\"]", "candidates: []", "[]", "neither candidates nor laws");
+    check("candidates: [\"1\"]", "candidates: []", "[]", "neither candidates, nor laws");
     check("(factor: \"-sgn(y)\", candidates: [\"1\"])", "[\"1\"]", "[\"1\"]", "expected fields");
     check("candidates: [\"1\"]", "candidates: [1]", "1", "expected a text in quotes, found a number");
     check("Synthetic(", "Simulated(", "Simulated", "allowed: Csv, Table, Synthetic");
