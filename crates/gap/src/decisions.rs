@@ -199,7 +199,7 @@ decisions! {
     /// Most rows of the response in which formulas are sought; neighbouring rows are averaged.
     FORMULA_ROWS: usize = 2_400, "rows", Basis::Judgement("cost; a motion has some tens of periods of which each needs some tens of rows");
     /// Error of the linear response: no column is taken for cleaner than this where formulas are ranked.
-    RESPONSE_ERROR: f64 = 1e-3, "of the standard deviation", Basis::Judgement("the right formula leaves one and a half times this on clean data");
+    RESPONSE_ERROR: f64 = 1e-3, "of the standard deviation", Basis::Judgement("of clean data, the error that the right formula leaves is about this large");
     /// Symbols of which expressions are made: the price of one is twice the logarithm of this.
     FORMULA_ALPHABET: usize = 18, "symbols", Basis::Derived("operations, functions, variables and numbers that occur in the table of atoms");
     /// Most terms of a formula.

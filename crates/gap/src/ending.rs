@@ -16,7 +16,7 @@ use crate::result::verdict::{bent, helpful, refused, status};
 use crate::result::{
     Activity, Alternative, Cancelling, ColumnGap, ColumnRepeat, Gap, GapError, InputError, MissingForce,
     Named, NotTried, PlacedLaw, RecordValue, Region, Rival, Simulated, Status, Step, StepParameter,
-    StopReason, Tried, Veto, Warning, regions, seen_ranges,
+    StopReason, Tried, Veto, Warning, observed_ranges, regions,
 };
 use crate::search::{Round, Search, Searched, placed, refitted};
 use crate::sensor_linearity::sensor_nonlinearity;
@@ -51,8 +51,8 @@ impl<'s, 'a> Ending<'s, 'a> {
         search: &'s mut Search<'a>,
         mut warnings: Vec<Warning>,
     ) -> Result<Self, GapError> {
-        let (base, last) = (searched.base.clone().chosen(), searched.last.clone().chosen());
-        let Searched { rounds, candidates, stop, needed, tried, force, .. } = searched;
+        let Searched { base, last, rounds, candidates, stop, needed, tried, force } = searched;
+        let (base, last) = (base.chosen(), last.chosen());
         // A white residual is the noise itself: a better estimate than the one from the columns.
         let noise = if last.score.is_white() { last.noise(search.noise) } else { search.noise.to_vec() };
         let (base, last) = (base.measured_by(&noise), last.measured_by(&noise));
@@ -296,7 +296,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         let discovered = applied.effect.entry.id == DISCOVERED;
         let numbers = values(&self.last, &applied.names, &applied.effect.start);
         Step {
-            seen: seen_ranges(&self.last, applied),
+            observed: observed_ranges(&self.last, applied),
             expansion: if discovered { expansion(&applied.effect.entry.law, &numbers) } else { None },
             effect: applied.effect.clone(),
             expression: expression(applied),

@@ -1,9 +1,11 @@
-//! Expressions along a measured motion.
+//! Expressions along a measured motion, and along the run of a fitted model.
 
 use crate::motion::Motion;
 use crate::place::{Place, Site};
 use phisindy_expr::{Scratch, Tape};
-use phisindy_phys::System;
+use phisindy_learn::{FoundParameter, parameter_values};
+use phisindy_phys::{Record, System};
+use phisindy_sim::Trajectory;
 
 /// All outputs of a tape along a motion. `grid` holds further constant inputs, `series` further inputs by
 /// sample.
@@ -38,4 +40,25 @@ pub(crate) fn speed(system: &System, motion: &Motion, place: &Place) -> Option<V
     let Site::Force { velocity, .. } = &place.site else { return None };
     let tape = Tape::compile(&system.graph, &system.arguments(), &[velocity.node]).ok()?;
     evaluated(&tape, motion, &[], &[]).pop()
+}
+
+/// The first `N` outputs of a tape at every few samples of the run of a record, with the numbers that were found.
+pub(crate) fn along_run<'a, const N: usize>(
+    tape: &'a Tape,
+    (system, parameters): (&System, &[FoundParameter]),
+    (index, record): (usize, &'a Record),
+    run: &'a Trajectory,
+    every: usize,
+) -> impl Iterator<Item = [f64; N]> + 'a {
+    let owner = record.continues.unwrap_or(index);
+    let mut numbers = parameter_values(parameters, system, owner);
+    numbers.extend(&record.constants);
+    let mut scratch = Scratch::<1>::new(tape);
+    (0..record.len()).step_by(every).map(move |i| {
+        let t = record.time[i];
+        let inputs = record.inputs.iter().map(|u| u.value(t));
+        let states = run.state_at(i).iter().copied();
+        scratch.at([t].into_iter().chain(states).chain(inputs).chain(numbers.iter().copied()));
+        std::array::from_fn(|k| scratch.output(k)[0])
+    })
 }

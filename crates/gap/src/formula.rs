@@ -40,7 +40,7 @@ pub const DISCOVERED: &str = "discovered";
 
 /// Where a formula is looked for, and in which quantities.
 #[derive(Clone, Debug)]
-pub(crate) struct Sought {
+pub(crate) struct Scope {
     pub(crate) place: Place,
     pub(crate) displacement: bool,
     pub(crate) velocity: bool,
@@ -48,18 +48,18 @@ pub(crate) struct Sought {
     pub(crate) linear: bool,
 }
 
-impl Sought {
+impl Scope {
     /// Every place of a model where a force can act, in all that the force may depend on.
-    fn everywhere(model: &TrialModel, linear: bool) -> Vec<Sought> {
+    fn everywhere(model: &TrialModel, linear: bool) -> Vec<Scope> {
         let forces = model.places().iter().filter(|p| matches!(p.site, Site::Force { .. }));
-        let at = |place: &Place| Sought { place: place.clone(), displacement: true, velocity: true, linear };
+        let at = |place: &Place| Scope { place: place.clone(), displacement: true, velocity: true, linear };
         forces.map(at).collect()
     }
 
     /// The same in a model with nodes of its own.
-    fn of(&self, model: &TrialModel) -> Vec<Sought> {
+    fn of(&self, model: &TrialModel) -> Vec<Scope> {
         let here = model.places().iter().filter(|p| p.is(&self.place));
-        here.map(|place| Sought { place: place.clone(), ..*self }).collect()
+        here.map(|place| Scope { place: place.clone(), ..*self }).collect()
     }
 }
 
@@ -119,8 +119,8 @@ impl Search<'_> {
         }
         for now in starts {
             let now = now.on_trial();
-            let sought = |model: &TrialModel| Sought::everywhere(model, linear);
-            let Some(found) = self.formula_beside(&now, sought) else { continue };
+            let scopes = |model: &TrialModel| Scope::everywhere(model, linear);
+            let Some(found) = self.formula_beside(&now, scopes) else { continue };
             let Found { best, rivals } = found;
             let before = now.model.effects.len();
             let expressions = expressions(&best.shapes, &best.scales);
@@ -147,8 +147,8 @@ impl Search<'_> {
     }
 
     /// A fitted model with the formula that explains the data, sought at one place; `None` if there is none.
-    pub(crate) fn formula_at(&mut self, now: &Fitted, sought: &Sought) -> Option<Fitted> {
-        let found = self.formula_beside(&now.clone().on_trial(), |model| sought.of(model))?;
+    pub(crate) fn formula_at(&mut self, now: &Fitted, scope: &Scope) -> Option<Fitted> {
+        let found = self.formula_beside(&now.clone().on_trial(), |model| scope.of(model))?;
         Some(found.best.discovered())
     }
 
@@ -159,7 +159,7 @@ impl Search<'_> {
             return None;
         }
         let model = now.settled();
-        let ground = Ground::new(&model, &now.cal, None, &of_response(&model, self.noise))?;
+        let ground = Ground::new(&model, &now.cal, None, &response_noise(&model, self.noise))?;
         let at_place = |place: &Place| {
             let at = ground.footing(&model.system, place)?;
             force::missing_force(&ground, &at, &model.system, &place.at)
@@ -170,9 +170,9 @@ impl Search<'_> {
     }
 
     /// The best formula beside a fitted model; `None` if none explains the data and is worth its length.
-    fn formula_beside(&mut self, now: &Fitted, sought: impl Fn(&TrialModel) -> Vec<Sought>) -> Option<Found> {
+    fn formula_beside(&mut self, now: &Fitted, scopes: impl Fn(&TrialModel) -> Vec<Scope>) -> Option<Found> {
         let model = now.settled();
-        let coarse = of_response(&model, self.noise);
+        let coarse = response_noise(&model, self.noise);
         let mut tried: Vec<Tried> = Vec::new();
         let mut runs: Option<Calibration> = None;
         let value = |t: &Tried, by: Measure| by.criterion(&t.fitted.score) + structure(t.symbols);
@@ -182,11 +182,11 @@ impl Search<'_> {
             }
             let Some(ground) = Ground::new(&model, &now.cal, runs.as_ref(), &coarse) else { break };
             let mut candidates = Vec::new();
-            for sought in sought(&model) {
+            for scope in scopes(&model) {
                 if self.observer.tell(0.9, Activity::Formulas) {
                     break;
                 }
-                candidates.extend(candidates_at(&ground, &model, &sought));
+                candidates.extend(candidates_at(&ground, &model, &scope));
             }
             let (first, longer) = promising(candidates, &tried);
             if (first.is_empty() && longer.is_empty()) || self.observer.tell(0.91, Activity::FittingFormulas)
@@ -270,7 +270,7 @@ impl Search<'_> {
 }
 
 /// The noise of each column, and at least the error of the response: of clean data no formula would leave as little.
-pub(crate) fn of_response(model: &TrialModel, noise: &[Vec<f64>]) -> Vec<Vec<f64>> {
+pub(crate) fn response_noise(model: &TrialModel, noise: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let of = |(record, noise): (&Record, &Vec<f64>)| {
         let columns = record.columns.iter().flatten().zip(noise);
         columns.map(|(c, noise)| noise.max(RESPONSE_ERROR * standard_deviation(c))).collect()
@@ -356,19 +356,19 @@ fn best_of(tried: &[Tried], value: &dyn Fn(&Tried, Measure) -> f64) -> Option<us
 }
 
 /// The formulas of a place, shortest description first.
-fn candidates_at(ground: &Ground, model: &TrialModel, sought: &Sought) -> Vec<Candidate> {
-    let place = &sought.place;
+fn candidates_at(ground: &Ground, model: &TrialModel, scope: &Scope) -> Vec<Candidate> {
+    let place = &scope.place;
     let Some(at) = ground.footing(&model.system, place) else { return vec![] };
     // What no force of displacement and velocity explains here, no formula of them does.
     let free = force::missing_force(ground, &at, &model.system, &place.at);
     if !free.is_some_and(|free| free.may_explain) {
         return vec![];
     }
-    let grammar = Grammar::new(&at, sought);
+    let grammar = Grammar::new(&at, scope);
     if model.stop.requested() {
         return vec![];
     }
-    let ways: &[bool] = if at.rested() && sought.velocity { &[true, false] } else { &[false] };
+    let ways: &[bool] = if at.rested() && scope.velocity { &[true, false] } else { &[false] };
     let mut all = Vec::new();
     for &sticks in ways {
         let Some(selection) = Selection::new(ground, &at, &grammar, model, sticks) else { continue };
@@ -474,7 +474,7 @@ mod tests {
         let mut nobody = |_: f64, _: Activity| false;
         let found = Observer::during(&mut nobody, |observer| {
             let mut search = Search { catalogue: &[], noise: &noise, floor: 0.0, observer };
-            search.formula_beside(&now, |model| Sought::everywhere(model, false))
+            search.formula_beside(&now, |model| Scope::everywhere(model, false))
         })?;
         found.best.fitted.model.effects.last().map(|a| a.effect.entry.id.clone())
     }

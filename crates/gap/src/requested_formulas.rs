@@ -1,6 +1,6 @@
 //! Formulas that a spec asks for in `unknown`: found by the search of formulas, and written into the spec as laws are.
 
-use crate::formula::{Sought, of_response};
+use crate::formula::{Scope, response_noise};
 use crate::model::{Fitted, TrialModel, current, noise_of, shortened, text_with};
 use crate::place::{Effect, Place, Quantity, Site, places};
 use crate::requested_laws::{text_without, without};
@@ -14,7 +14,7 @@ use std::ops::ControlFlow;
 /// A formula that a case asks for: where, and in which quantities.
 #[derive(Clone, Debug)]
 pub struct RequestedFormula {
-    sought: Sought,
+    scope: Scope,
     /// The quantities, as the case has them.
     names: Vec<String>,
 }
@@ -22,7 +22,7 @@ pub struct RequestedFormula {
 impl RequestedFormula {
     /// `x and v at v`.
     fn words(&self) -> String {
-        format!("{} at {}", self.names.join(" and "), self.sought.place.at)
+        format!("{} at {}", self.names.join(" and "), self.scope.place.at)
     }
 }
 
@@ -35,10 +35,10 @@ pub fn requested_formulas(case: &Case, source: SourceId) -> Result<Vec<Requested
     let (mut found, mut mistakes) = (Vec::new(), Vec::new());
     for (state, wanted) in &case.searches {
         let here: Vec<&Place> = all.iter().filter(|p| acts_on(p, *state)).collect();
-        match here.iter().find_map(|place| sought(place, wanted)) {
-            Some(sought) => {
+        match here.iter().find_map(|place| scope(place, wanted)) {
+            Some(scope) => {
                 let names = wanted.iter().map(|w| w.value.clone()).collect();
-                found.push(RequestedFormula { sought, names });
+                found.push(RequestedFormula { scope, names });
             }
             None => mistakes.push(refusal(case, *state, wanted, &here, source)),
         }
@@ -58,13 +58,13 @@ fn bare(text: &str) -> String {
     inside.map_or(text.clone(), str::to_owned)
 }
 
-/// What is sought at a place in these quantities, if they are its displacement or velocity.
-fn sought(place: &Place, wanted: &[Text]) -> Option<Sought> {
+/// The scope of a search at a place in these quantities, if they are its displacement or velocity.
+fn scope(place: &Place, wanted: &[Text]) -> Option<Scope> {
     let Site::Force { displacement, velocity, .. } = &place.site else { return None };
     let is = |wanted: &Text, of: &Quantity| bare(&wanted.value) == bare(&of.text);
     let of_x = |w: &Text| displacement.as_ref().is_some_and(|x| is(w, x));
     let of_v = |w: &Text| is(w, velocity);
-    wanted.iter().all(|w| of_x(w) || of_v(w)).then(|| Sought {
+    wanted.iter().all(|w| of_x(w) || of_v(w)).then(|| Scope {
         place: place.clone(),
         displacement: wanted.iter().any(of_x),
         velocity: wanted.iter().any(of_v),
@@ -133,7 +133,7 @@ pub fn with_formulas(
         };
         // Of clean data a formula that is right to the error of the response is asked for. What it leaves is not white.
         let measured = noise_of(&model.records);
-        let noise = of_response(&model, &measured);
+        let noise = response_noise(&model, &measured);
         let floor = if noise == measured { 0.0 } else { 1.0 };
         let mut tell = |part: f64, what: Activity| observe(part, what).is_break();
         effects = Observer::during(&mut tell, |observer| -> Result<Vec<Effect>, ModelError> {
@@ -141,7 +141,7 @@ pub fn with_formulas(
             let mut search = Search { catalogue: &[], noise: &noise, floor, observer };
             let mut now = Fitted::new(model, &noise, Effort::Plain)?;
             for one in requested {
-                if let Some(found) = search.formula_at(&now, &one.sought) {
+                if let Some(found) = search.formula_at(&now, &one.scope) {
                     now = found;
                     missing.retain(|words| *words != one.words());
                 }
@@ -150,6 +150,6 @@ pub fn with_formulas(
         })?;
     }
     let full = plain.with_all(&effects)?;
-    let text = text_with(&text_without(text, &spec, |u| u.search.is_empty(), "search")?, &full, None)?;
+    let text = text_with(&text_without(text, &spec, "search")?, &full, None)?;
     Ok(WithFormulas { text, records: full.records.to_vec(), without: missing })
 }

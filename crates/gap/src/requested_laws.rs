@@ -131,7 +131,7 @@ pub fn written_out(
     let effects =
         with_fitted_starts(&whole, spec.clone(), effects, catalogue).unwrap_or_else(|| effects.to_vec());
     let full = plain.with_all(&effects)?;
-    let text = text_with(&text_without(text, &spec, |u| u.laws.is_empty(), "laws")?, &full, None)?;
+    let text = text_with(&text_without(text, &spec, "laws")?, &full, None)?;
     let written = |a: &Applied| {
         let names = a.effect.entry.law.parameters.iter().map(|(name, _)| name.clone());
         WrittenLaw { entry: a.effect.entry.clone(), names: names.zip(a.names.clone()).collect() }
@@ -220,22 +220,17 @@ fn asks(u: &UnknownSpec) -> bool {
     !(u.candidates.is_empty() && u.laws.is_empty() && u.search.is_empty())
 }
 
-/// The text of a spec with this list taken out of its unknown parts, which some do not have (`lacks`), and without parts
-/// that hold nothing else.
-pub(crate) fn text_without(
-    text: &str,
-    spec: &Spec,
-    lacks: impl Fn(&UnknownSpec) -> bool,
-    list: &str,
-) -> Result<String, ModelError> {
+/// The text of a spec with this list taken out of its unknown parts, and without parts that hold nothing else.
+pub(crate) fn text_without(text: &str, spec: &Spec, list: &str) -> Result<String, ModelError> {
     let set = |text: &str, path: &str, value: &str| {
         let wrong = |why: splice::SetError| SpecTextError { path: path.to_owned(), why: why.to_string() };
         splice::set(text, path, value).map_err(wrong)
     };
-    let others = |u: &UnknownSpec| {
+    let has = |u: &UnknownSpec, this: bool| {
         let lists = [("candidates", u.candidates.len()), ("laws", u.laws.len()), ("search", u.search.len())];
-        lists.iter().any(|(name, count)| *name != list && *count > 0)
+        lists.iter().any(|(name, count)| (*name == list) == this && *count > 0)
     };
+    let others = |u: &UnknownSpec| has(u, false);
     let mut out = text.to_owned();
     if spec.unknown.iter().any(|(_, u)| !others(u)) {
         let kept = spec.unknown.iter().filter(|(_, u)| others(u));
@@ -243,7 +238,7 @@ pub(crate) fn text_without(
         let entries = format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "));
         out = set(&out, "unknown", &entries)?;
     }
-    for (name, _) in spec.unknown.iter().filter(|(_, u)| others(u) && !lacks(u)) {
+    for (name, _) in spec.unknown.iter().filter(|(_, u)| others(u) && has(u, true)) {
         out = set(&out, &format!("unknown.{}.{list}", name.value), "[]")?;
     }
     Ok(out)
@@ -264,7 +259,7 @@ mod tests {
         };
         let left = |unknown: &str| {
             let (read, _) = spec::read(&text(unknown), SourceId(0)).unwrap();
-            text_without(&text(unknown), &read, |u| u.laws.is_empty(), "laws").unwrap()
+            text_without(&text(unknown), &read, "laws").unwrap()
         };
         assert_eq!(left("\"v\": (laws: [\"coulomb\"])"), text(""));
         assert_eq!(

@@ -4,8 +4,8 @@ mod error;
 mod finding;
 mod force_history;
 mod missing_force;
+mod observed_range;
 mod region;
-mod seen_range;
 pub(crate) mod tried;
 pub(crate) mod verdict;
 mod words;
@@ -18,10 +18,10 @@ pub use finding::{
 };
 pub use force_history::{ForceHistory, force_history};
 pub use missing_force::{Dependence, ForcePoint, MissingForce};
+pub use observed_range::ObservedRange;
+pub(crate) use observed_range::observed_ranges;
 pub(crate) use region::regions;
 pub use region::{Location, Region};
-pub use seen_range::SeenRange;
-pub(crate) use seen_range::seen_ranges;
 pub use tried::{Needs, NotTried, Tried, WhyNot};
 
 use crate::model::Fitted;
@@ -123,7 +123,7 @@ pub struct Step {
     pub formula: Option<String>,
     /// Where a force without memory is known: the displacements and velocities of the records, of those that it depends
     /// on. Empty for other effects.
-    pub seen: Vec<SeenRange>,
+    pub observed: Vec<ObservedRange>,
     /// The terms of a discovered force about zero, to third order in its `x` and `v` (SI), where it is smooth and no
     /// polynomial: `12*x - 3.1*x^3`.
     pub expansion: Option<String>,

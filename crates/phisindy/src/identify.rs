@@ -28,7 +28,7 @@ impl Loaded {
         self.comparable()?;
         let loaded = self.with_laws(options)?;
         let mut observe = |fraction: f64, activity: &str| options.progress(fraction, activity);
-        let loaded = loaded.with_formulas(&mut observe)?;
+        let loaded = loaded.with_formulas(&mut observe)?.unwrap_or(loaded);
         let learn = LearnOptions { method: options.method };
         let mut observe = |fraction| options.progress(fraction, "");
         let result = learn::identify(&loaded.case, &loaded.records, &learn, &mut observe)?;

@@ -1,7 +1,6 @@
 //! A checked spec with its records, wherever they come from.
 
-use crate::error::Error;
-use crate::error::SpecError;
+use crate::error::{Error, SpecError};
 use crate::laws::Catalogue;
 use phisindy_gap::{
     Activity, Effect, GapError, WithFormulas, WrittenLaw, requested_formulas, requested_laws, with_formulas,
@@ -16,6 +15,7 @@ use std::sync::Arc;
 
 /// A checked spec with its records, from memory or from files: what [`crate::identify`], [`crate::gap`] and
 /// [`crate::simulate`] work on.
+#[derive(Clone)]
 pub struct Loaded {
     /// What the spec is called in messages: its path as it was given, or `the spec`.
     pub spec: String,
@@ -46,37 +46,49 @@ impl Loaded {
         }
     }
 
-    /// The same with the formulas that `unknown` asks for: found in the records, and written into the model. Where none
-    /// explains the records, a doubt says so. `observe` receives the progress as a fraction and an activity, and may stop
-    /// the search.
+    /// The same with the formulas that `unknown` asks for: found in the records, and written into the model. `None` if it
+    /// asks for none. Where no formula explains the records, a doubt says so. `observe` receives the progress as a
+    /// fraction and an activity, and may stop the search.
     ///
     /// # Errors
     /// A formula is asked for where no force acts, or the model cannot be fitted without it.
     pub fn with_formulas(
-        mut self,
+        &self,
         observe: &mut (dyn FnMut(f64, &str) -> ControlFlow<()> + Send),
-    ) -> Result<Loaded, Error> {
+    ) -> Result<Option<Loaded>, Error> {
         if self.parsed.unknown.iter().all(|(_, unknown)| unknown.search.is_empty()) {
-            return Ok(self);
+            return Ok(None);
         }
         let mut sources = Sources::default();
         let source = sources.add(self.spec.clone(), self.text.clone());
         let requested = requested_formulas(&self.case, source)
             .map_err(|mistakes| SpecError::new(mistakes, sources.clone()))?;
-        let mut tell = |part: f64, what: Activity| observe(part, &what.to_string());
+        let mut stopped = false;
+        let mut tell = |part: f64, what: Activity| {
+            let flow = observe(part, &what.to_string());
+            stopped |= flow.is_break();
+            flow
+        };
         let records = self.records.clone();
         let found = with_formulas(&self.text, self.case.clone(), records, &requested, &mut tell);
         let WithFormulas { text, records, without } = found.map_err(GapError::Numerics)?;
         let source = sources.add(format!("{} (with its formulas)", self.spec), text.clone());
-        let (parsed, case, _) =
+        let (parsed, mut case, _) =
             checked(&text, source).map_err(|mistakes| SpecError::new(mistakes, sources.clone()))?;
-        let Case { laws, searches, requirements, system, without_laws, .. } = self.case;
+        let Case { laws, searches, requirements, system, without_laws, .. } = self.case.clone();
         let without_laws = without_laws.or_else(|| Some(Arc::new(system)));
-        self.doubts.extend(without.iter().map(|what| {
+        // The model with its formulas has a graph of its own.
+        let requirements = requirements.iter().filter_map(|r| r.of(&mut case.system)).collect();
+        let mut doubts = self.doubts.clone();
+        doubts.extend(without.iter().map(|what| {
+            if stopped {
+                return format!("the search for a formula in {what} was stopped before its end");
+            }
             format!("no formula in {what} explains the records; `phisindy gap` shows what the missing force depends on")
         }));
         let case = Case { laws, searches, requirements, without_laws, ..case };
-        Ok(Loaded { text, parsed, case, records, ..self })
+        let (spec, truths) = (self.spec.clone(), self.truths.clone());
+        Ok(Some(Loaded { spec, text, parsed, case, records, truths, doubts }))
     }
 
     /// The plans of the records that are simulated: of a model with an unknown part the synthetic ones.

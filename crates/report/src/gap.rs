@@ -1,7 +1,7 @@
 //! The result of `gap`: which effects the model lacks.
 
 mod balance;
-mod discovered;
+mod discovered_force;
 mod finding;
 mod json;
 mod report;
@@ -9,7 +9,7 @@ mod terminal;
 mod text;
 
 pub(crate) use balance::{Balance, RecordForce, balance};
-pub(crate) use discovered::remarks;
+pub(crate) use discovered_force::remarks;
 pub(crate) use finding::{Finding, counted, finding};
 pub use report::GapReport;
 pub(crate) use text::{basis, rivals, vetoes};

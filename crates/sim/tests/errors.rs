@@ -134,3 +134,15 @@ fn errors_say_what_where_and_when() {
 fn a_sample_time_that_is_no_number_is_the_callers_mistake() {
     let _ = common::case_1a().try_run(&[f64::NAN]);
 }
+
+/// A trial whose result is no longer needed ends at its next step; other work runs on to its end.
+#[test]
+fn an_aborting_stop_ends_a_run() {
+    let mut case = Case::new(&[("x", 1.0, "v"), ("v", 0.0, "-x - 0.1*sgn(v)")], &[]);
+    let stop = phisindy_sim::Stop::default();
+    stop.request();
+    case.options.stop = stop.finishing();
+    assert!(case.try_run(&[2.0]).is_ok());
+    case.options.stop = stop.aborting();
+    assert_eq!(case.try_run(&[2.0]).unwrap_err(), SimError::Stopped { time: 0.0 });
+}

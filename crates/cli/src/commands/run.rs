@@ -44,22 +44,22 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
         Ok(loaded) => loaded,
         Err(code) => return Ok(code),
     };
-    let loaded = match with_formulas(loaded, options) {
-        Ok(loaded) => loaded,
+    let fail = |loaded: &Loaded, why: &str, diverged: bool| -> Result<()> {
+        failed(&loaded.spec, why, diverged);
+        interrupt::tell();
+        folder.map_or(Ok(()), |folder| keep_failure(why, diverged, loaded.input(), options, folder))
+    };
+    let loaded = match with_formulas(&loaded, options) {
+        Ok(with) => with.unwrap_or(loaded),
         Err(error) => {
-            failed(&spec.display().to_string(), &error.to_string(), error.diverged());
-            interrupt::tell();
+            fail(&loaded, &error.to_string(), error.diverged())?;
             return Ok(NUMERICS);
         }
     };
     let found = match identify_with_progress(&loaded, options) {
         Ok(found) => found,
         Err(error) => {
-            failed(&loaded.spec, &error.to_string(), error.diverged());
-            interrupt::tell();
-            if let Some(folder) = folder {
-                keep_failure(&error.to_string(), error.diverged(), loaded.input(), options, folder)?;
-            }
+            fail(&loaded, &error.to_string(), error.diverged())?;
             return Ok(match error {
                 LearnError::Data(_) => INPUT,
                 LearnError::Numerics(_) => NUMERICS,
@@ -107,21 +107,20 @@ fn caution(report: &RunReport<'_>, options: &Options) {
 }
 
 /// Finds the formulas that the spec asks for, with a progress bar.
-fn with_formulas(loaded: Loaded, options: &Options) -> Result<Loaded, phisindy::Error> {
-    let known = loaded.doubts.len();
+fn with_formulas(loaded: &Loaded, options: &Options) -> Result<Option<Loaded>, phisindy::Error> {
     let mut progress = Progress::new(&loaded.spec, options.quiet);
-    let loaded = loaded.with_formulas(&mut |fraction, activity| {
+    let with = loaded.with_formulas(&mut |fraction, activity| {
         progress.doing(activity);
         progress.at(fraction);
         if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })?;
     drop(progress);
-    let new: Vec<Diagnostic> =
-        loaded.doubts[known..].iter().map(|d| Diagnostic::warning(d.clone())).collect();
+    let doubts = with.iter().flat_map(|with| &with.doubts[loaded.doubts.len()..]);
+    let new: Vec<Diagnostic> = doubts.map(|d| Diagnostic::warning(d.clone())).collect();
     if !options.quiet {
         draw::show(&new, &Sources::default());
     }
-    Ok(loaded)
+    Ok(with)
 }
 
 /// Runs the identification with a progress bar, until an early end is requested.

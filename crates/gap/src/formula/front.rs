@@ -5,7 +5,7 @@
 //! number of expressions with as many symbols: `2 ln S` for each symbol of an alphabet of `S`. That is also the price
 //! of the search, for no more expressions of a length than these were tried.
 
-use super::Sought;
+use super::Scope;
 use super::atom::Inner;
 use super::scale::Scale;
 use super::shape::{Program, Shape, Term, shapes};
@@ -39,13 +39,13 @@ pub(super) struct Grammar {
 }
 
 impl Grammar {
-    pub(super) fn new(at: &Footing, sought: &Sought) -> Grammar {
+    pub(super) fn new(at: &Footing, scope: &Scope) -> Grammar {
         let scales = [Scale::new(&at.displacement), Scale::new(&at.velocity)];
-        let all = shapes(at.has_displacement() && sought.displacement).into_iter();
-        let all = all.filter(|s| s.velocity.is_none() || sought.velocity);
-        let all = all.filter(|s| s.is_linear() || !sought.linear);
+        let all = shapes(at.has_displacement() && scope.displacement).into_iter();
+        let all = all.filter(|s| s.velocity.is_none() || scope.velocity);
+        let all = all.filter(|s| s.is_linear() || !scope.linear);
         let (shapes, programs) = all.filter_map(|s| Some((s, Program::new(s, &scales)?))).unzip();
-        Grammar { shapes, programs, scales, terms: if sought.linear { 1 } else { FORMULA_TERMS } }
+        Grammar { shapes, programs, scales, terms: if scope.linear { 1 } else { FORMULA_TERMS } }
     }
 
     fn force(&self, at: &Footing, shape: usize, inner: &[f64]) -> Vec<Vec<f64>> {

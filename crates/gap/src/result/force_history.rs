@@ -2,9 +2,9 @@
 
 use super::{Gap, Step};
 use crate::decisions::PICTURE_SAMPLES;
+use crate::evaluate::along_run;
 use crate::place::{Effect, Site};
-use phisindy_expr::{Scratch, Tape};
-use phisindy_learn::parameter_values;
+use phisindy_expr::Tape;
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{LawRole, Record};
 
@@ -56,28 +56,18 @@ pub fn force_history(found: &Gap, step: &Step, records: &[Record]) -> Option<For
     let moving = system.states.iter().map(|s| s.node).chain(system.inputs.iter().map(|u| u.node));
     let function = moving.chain([system.time]).all(|id| id == place || !rest.contains(&id));
     let tape = Tape::compile(graph, &system.arguments(), &[place, force, speed]).ok()?;
-    let mut scratch = Scratch::<1>::new(&tape);
     let mut out = Vec::new();
     for (r, record) in records.iter().enumerate() {
         let Some(run) = found.simulated.records.get(r).and_then(|fit| fit.run.as_ref()) else { continue };
-        let numbers = numbers(found, record, r);
         let every = record.len().div_ceil(PICTURE_SAMPLES).max(1);
-        let mut points = Vec::new();
-        for i in (0..record.len()).step_by(every) {
-            let states = run.state_at(i);
-            let t = record.time[i];
-            let inputs = record.inputs.iter().map(|u| u.value(t));
-            scratch.at([t]
-                .into_iter()
-                .chain(states.iter().copied())
-                .chain(inputs)
-                .chain(numbers.iter().copied()));
-            let [place, force, speed] = [0, 1, 2].map(|k| scratch.output(k)[0]);
+        let told = |[place, force, speed]: [f64; 3]| {
             let sticking = law.sticks() && speed == 0.0;
-            if !sticking && place.is_finite() && force.is_finite() {
-                points.push((length * place, size * force));
-            }
-        }
+            let drawn = !sticking && place.is_finite() && force.is_finite();
+            drawn.then_some((length * place, size * force))
+        };
+        let model = (system, found.parameters.as_slice());
+        let mut points: Vec<(f64, f64)> =
+            along_run(&tape, model, (r, record), run, every).filter_map(told).collect();
         if function {
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             points.dedup();
@@ -96,12 +86,4 @@ pub fn force_history(found: &Gap, step: &Step, records: &[Record]) -> Option<For
         function,
         records: out,
     })
-}
-
-/// The parameters of the final model in a record, then the constants of the record.
-fn numbers(found: &Gap, record: &Record, r: usize) -> Vec<f64> {
-    let owner = record.continues.unwrap_or(r);
-    let mut values = parameter_values(&found.parameters, &found.simulated.system, owner);
-    values.extend(&record.constants);
-    values
 }

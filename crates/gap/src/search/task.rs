@@ -55,7 +55,7 @@ impl<'a> Observer<'a> {
             scope.spawn(|| {
                 let ended = ended;
                 while ended.recv_timeout(ASKS) == Err(RecvTimeoutError::Timeout) {
-                    observer.again();
+                    observer.hand_on(None);
                 }
             });
             let _working = working;
@@ -68,9 +68,11 @@ impl<'a> Observer<'a> {
         self.stop.clone()
     }
 
-    fn again(&self) {
-        if let Ok(mut told) = self.told.lock()
-            && let Some((part, what)) = told.last.clone()
+    /// Tells of the progress, or of the last once more.
+    fn hand_on(&self, progress: Option<(f64, Activity)>) {
+        let Ok(mut told) = self.told.lock() else { return };
+        told.last = progress.or(told.last.take());
+        if let Some((part, what)) = told.last.clone()
             && (told.tell)(part, what)
         {
             self.stop.request();
@@ -80,12 +82,7 @@ impl<'a> Observer<'a> {
 
 impl Observe for Observer<'_> {
     fn tell(&self, part: f64, what: Activity) -> bool {
-        if let Ok(mut told) = self.told.lock() {
-            told.last = Some((part, what.clone()));
-            if (told.tell)(part, what) {
-                self.stop.request();
-            }
-        }
+        self.hand_on(Some((part, what)));
         self.stopped()
     }
 

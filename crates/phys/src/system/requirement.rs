@@ -15,6 +15,8 @@ pub struct Requirement {
     pub simpler: Vec<String>,
     /// The condition, a node of the system's graph: not negative where it holds.
     pub node: Id,
+    /// The same in the language of the specs.
+    text: String,
 }
 
 impl Requirement {
@@ -28,17 +30,66 @@ impl Requirement {
         names: &[(String, String)],
     ) -> Option<Requirement> {
         let text = rename(&need.positive, names).ok()?;
-        let ast = parse(&text).ok()?;
-        // Constants that are held are numbers and not names of the graph.
-        let fixed: Vec<(String, String)> =
-            system.constants.iter().map(|(name, x)| (name.clone(), format!("({x:?})"))).collect();
-        let ast = if ast.names().any(|(name, _)| system.names.get(name).is_none()) {
-            parse(&rename(&text, &fixed).ok()?).ok()?
-        } else {
-            ast
-        };
-        let node = system.graph.lower(&ast, |name| system.names.get(name)).ok()?;
+        let node = lowered(&text, system)?;
         let (law, because, simpler) = (law.to_owned(), need.because.clone(), simpler.to_vec());
-        Some(Requirement { law, because, simpler, node })
+        Some(Requirement { law, because, simpler, node, text })
+    }
+
+    /// The same condition on the constants of another system; `None` if it lacks one of them.
+    pub fn of(&self, system: &mut System) -> Option<Requirement> {
+        Some(Requirement { node: lowered(&self.text, system)?, ..self.clone() })
+    }
+}
+
+/// A condition as a node of a system's graph.
+fn lowered(text: &str, system: &mut System) -> Option<Id> {
+    let mut ast = parse(text).ok()?;
+    // Constants that are held are numbers and not names of the graph.
+    if ast.names().any(|(name, _)| system.names.get(name).is_none()) {
+        let held = system.constants.iter().map(|(name, x)| (name.clone(), format!("({x:?})")));
+        ast = parse(&rename(text, &held.collect::<Vec<_>>()).ok()?).ok()?;
+    }
+    system.graph.lower(&ast, |name| system.names.get(name)).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spec::read;
+    use crate::{SourceId, check};
+    use phisindy_expr::{Scratch, Tape};
+
+    fn system(known: &str) -> System {
+        let text = format!(
+            r#"(
+                constants: {{ "Fc": Find(start: 1.0, within: (0.0, 9.0)),
+                    "Fs": Find(start: 3.0, within: (0.0, 9.0)) }},
+                states: {{ "v": "" }},
+                known: {{ "v": "{known}" }},
+                data: [Csv(path: "a.csv", time: ("t", "s"), columns: {{ "v": "v" }})],
+            )"#
+        );
+        let (spec, _) = read(&text, SourceId(0)).unwrap();
+        check(&spec, SourceId(0)).unwrap().0.system
+    }
+
+    fn value(required: &Requirement, system: &System) -> f64 {
+        let parameters: Vec<Id> = system.parameters.iter().map(|p| p.node).collect();
+        let tape = Tape::compile(&system.graph, &parameters, &[required.node]).unwrap();
+        let mut scratch = Scratch::<1>::new(&tape);
+        scratch.at(system.parameters.iter().map(|p| p.start));
+        scratch.output(0)[0]
+    }
+
+    #[test]
+    fn a_condition_moves_to_another_graph() {
+        let mut first = system("Fs - Fc*sgn(v)");
+        let need = Need { positive: "Fs - Fc".into(), because: "so".into() };
+        let names = [("Fc".to_owned(), "Fc".to_owned()), ("Fs".to_owned(), "Fs".to_owned())];
+        let required = Requirement::new(&mut first, "stribeck", &need, &[], &names).unwrap();
+        let mut other = system("sin(v) + Fs*exp(-v^2) - Fc*sgn(v)");
+        let moved = required.of(&mut other).unwrap();
+        assert_eq!((value(&required, &first), value(&moved, &other)), (2.0, 2.0));
+        assert_ne!(required.node, moved.node);
     }
 }

@@ -3,7 +3,7 @@
 //! Keys are in alphabetical order, which is the order of the fields here. Numbers that are not finite become
 //! null.
 
-use super::discovered::nearest;
+use super::discovered_force::nearest;
 use super::report::GapReport;
 use crate::format::role_name;
 use phisindy_gap::{ForcePoint, Gap, MissingForce, Region, Step, Tried};
@@ -296,7 +296,7 @@ fn step<'a>(found: &'a Gap, s: &'a Step) -> StepOut<'a> {
         nearest: nearest.collect(),
         parameters: parameters.collect(),
         probability: s.probability,
-        region: s.seen.iter().map(|range| (range.quantity.as_str(), [range.low, range.high])).collect(),
+        region: s.observed.iter().map(|range| (range.quantity.as_str(), [range.low, range.high])).collect(),
         rivals: rivals.collect(),
         scales_with: s.effect.load.as_deref(),
         validate: s.validate.map(change),

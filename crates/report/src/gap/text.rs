@@ -1,6 +1,6 @@
 //! The result of `gap` for people.
 
-use super::discovered::{beyond, remarks};
+use super::discovered_force::{beyond, remarks};
 use super::report::GapReport;
 use crate::table::{interval, short};
 use phisindy_gap::{Gap, Rival, Status, Step, Tried, Warning};

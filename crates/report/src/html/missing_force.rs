@@ -15,7 +15,6 @@ type Curve = Vec<(f64, f64, f64)>;
 /// The curves over one quantity.
 struct Over {
     name: &'static str,
-    unit: &'static str,
     /// Each with what else it holds for.
     curves: Vec<(String, Curve)>,
 }
@@ -41,7 +40,7 @@ pub(crate) fn chart(of: &MissingForce, sheet: Sheet) -> (Chart, String) {
 
 fn panel(over: &Over) -> Panel {
     let all = || over.curves.iter().flat_map(|(_, curve)| curve);
-    let x = Axis::around(over.name, over.unit, all().map(|p| p.0));
+    let x = Axis::around(over.name, "SI", all().map(|p| p.0));
     let y = Axis::around("missing force", "SI", all().flat_map(|p| [p.1 - p.2, p.1 + p.2, 0.0]));
     let mut marks = vec![Mark::Level { class: "zero", y: 0.0 }];
     for (name, curve) in &over.curves {
@@ -79,12 +78,15 @@ fn panels(points: &[ForcePoint]) -> Vec<Over> {
     let mut at: Vec<usize> = (0..CURVES).map(|k| k * last / (CURVES - 1)).collect();
     at.dedup();
     let slices = at.into_iter().filter_map(|k| velocities.get(k)).map(|&v| {
-        (format!("at {} m/s", digits(v, 2)), curve(&|p| p.displacement.filter(|_| p.velocity == Some(v))))
+        (
+            format!("at a velocity of {}", digits(v, 2)),
+            curve(&|p| p.displacement.filter(|_| p.velocity == Some(v))),
+        )
     });
-    let displacement = |curves| Over { name: "displacement", unit: "m", curves };
+    let displacement = |curves| Over { name: "displacement", curves };
     let all = [
         displacement(vec![(String::new(), over_x)]),
-        Over { name: "velocity", unit: "m/s", curves: vec![(String::new(), over_v)] },
+        Over { name: "velocity", curves: vec![(String::new(), over_v)] },
         displacement(slices.collect()),
     ];
     all.into_iter().filter(|over| over.curves.iter().any(|(_, curve)| curve.len() > 1)).collect()

@@ -2,7 +2,7 @@
 //! of the catalogue come nearest.
 
 use crate::table::short;
-use phisindy_gap::{DISCOVERED, Gap, SeenRange, Step, Tried};
+use phisindy_gap::{DISCOVERED, Gap, ObservedRange, Step, Tried};
 use phisindy_phys::LawEntry;
 
 /// Most laws that are told as near.
@@ -24,8 +24,8 @@ pub(crate) fn remarks(found: &Gap, step: &Step, catalogue: &[LawEntry]) -> Vec<S
         return vec![];
     }
     let mut all = Vec::new();
-    if !step.seen.is_empty() {
-        let ranges: Vec<String> = step.seen.iter().map(range).collect();
+    if !step.observed.is_empty() {
+        let ranges: Vec<String> = step.observed.iter().map(range).collect();
         all.push(format!("known for {}; beyond that the formula is a guess", ranges.join(" and ")));
     }
     all.extend(step.expansion.as_ref().map(|terms| format!("about zero it is {terms} (SI)")));
@@ -45,22 +45,22 @@ pub(crate) fn remarks(found: &Gap, step: &Step, catalogue: &[LawEntry]) -> Vec<S
 
 /// The run that tells a discovered force from formulas that do as well: one that goes farther.
 pub(super) fn beyond(step: &Step) -> Option<String> {
-    if step.effect.entry.id != DISCOVERED || step.seen.is_empty() {
+    if step.effect.entry.id != DISCOVERED || step.observed.is_empty() {
         return None;
     }
     let far =
-        |of: &SeenRange| format!("|{}| > {}", of.quantity, in_unit(of.low.abs().max(of.high.abs()), of));
-    let all: Vec<String> = step.seen.iter().map(far).collect();
+        |of: &ObservedRange| format!("|{}| > {}", of.quantity, in_unit(of.low.abs().max(of.high.abs()), of));
+    let all: Vec<String> = step.observed.iter().map(far).collect();
     Some(format!("a run to {}", all.join(" or ")))
 }
 
-fn range(of: &SeenRange) -> String {
+fn range(of: &ObservedRange) -> String {
     let low = short(three(of.low / of.factor));
     format!("{} from {low} to {}", of.quantity, in_unit(of.high, of))
 }
 
 /// A value with three digits and its unit.
-fn in_unit(value: f64, of: &SeenRange) -> String {
+fn in_unit(value: f64, of: &ObservedRange) -> String {
     let unit = if of.unit.is_empty() { String::new() } else { format!(" {}", of.unit) };
     format!("{}{unit}", short(three(value / of.factor)))
 }
