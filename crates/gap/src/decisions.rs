@@ -107,6 +107,14 @@ decisions! {
     MOST_NUMBER: f64 = 100.0, "factor", Basis::Judgement("ratios of one law are not larger");
     /// A step of an internal state that would cross a point of rest is halved so often.
     HALVINGS: usize = 20, "halvings", Basis::Derived("to a millionth of the step, the accuracy of numbers that are starts");
+    /// Points of a grid of several axes that are followed to where the law explains most.
+    FOLLOWED: usize = 3, "starts", Basis::Judgement("cost; the best points of a grid lie in one or two valleys");
+    /// Steps by which they are followed, one after the other.
+    FOLLOWS: [f64; 3] = [0.5, 0.25, 0.1], "of the step of a grid", Basis::Judgement("a fit goes on from there");
+    /// Laws are followed that explain this much of what the best law explains.
+    FOLLOWED_FROM: f64 = 0.8, "of the gain", Basis::Judgement("cost; on the right point a law gains a tenth more than beside it");
+    /// A step that gains less ends there.
+    FOLLOWED_GAIN: f64 = 1e-4, "of the gain", Basis::Judgement("less than two laws of one family differ by");
     /// Starts of a law that enter the joint regression, best first.
     GRID_KEPT: usize = 9, "starts", Basis::Judgement("cost; the others are worse in the regression of the law alone");
     /// A column is degenerate if projecting out the free columns leaves less.

@@ -12,7 +12,10 @@ mod response;
 mod sibling_starts;
 mod trial;
 
-use crate::decisions::{GRID_KEPT, GRID_STARTS, PLAIN_GAIN, REGRESSION_ROWS, TONE_STARTS};
+use crate::decisions::{
+    FOLLOWED, FOLLOWED_FROM, FOLLOWED_GAIN, FOLLOWS, GRID_KEPT, GRID_STARTS, PLAIN_GAIN, REGRESSION_ROWS,
+    TONE_STARTS,
+};
 use crate::model::TrialModel;
 
 use crate::constraint;
@@ -23,11 +26,11 @@ use free_columns::{FreeColumns, Movable};
 use gram::{Projected, products, projected, solve};
 use phisindy_learn::Calibration;
 use phisindy_phys::spec::Role;
-use phisindy_phys::{Law, LawEntry, LawRole};
+use phisindy_phys::{Law, LawEntry, LawRole, System};
 use rayon::prelude::*;
 use regression_data::{Base, RegressionData};
 use regressors::{Regressors, Scale};
-use trial::{Trial, force_trials, input_trials, sensor_trials};
+use trial::{ForceTrials, Trial, input_trials, sensor_trials};
 
 pub(crate) use ground::{Footing, Ground, Response, dot, norm};
 pub(crate) use sibling_starts::sibling_starts;
@@ -96,24 +99,28 @@ pub(crate) fn screen(
     let FreeColumns { all: fixed, movable, .. } = FreeColumns::new(&base, model, &of, &data, target);
     let free = Free::new(&fixed, &movable, stride as f64);
     let effects = effects(model, catalogue);
-    let screened: Vec<Screened> = effects
-        .par_iter()
-        .map(|effect| match &effect.place.site {
-            Site::Sensor(names) => {
-                let columns: Vec<usize> = names.iter().filter_map(|name| system.column(name)).collect();
-                free.screened(sensor_trials(effect, &columns, &data), None, &data)
-            }
-            Site::Input(inputs) => free.screened(input_trials(effect, inputs, system, &data), None, &data),
-            Site::Force { .. } if model.stop.requested() => free.screened(vec![], None, &data),
-            Site::Force { .. } => match Regressors::new(effect, system) {
-                Some(regressors) => {
-                    let trials = force_trials(effect, &regressors, system, &data);
-                    free.screened(trials, Some(regressors), &data)
-                }
-                None => free.screened(vec![], None, &data),
-            },
-        })
-        .collect();
+    let seeds = |effect: &Effect| match &effect.place.site {
+        Site::Sensor(names) => {
+            let columns: Vec<usize> = names.iter().filter_map(|name| system.column(name)).collect();
+            free.seeds(sensor_trials(effect, &columns, &data), None)
+        }
+        Site::Input(inputs) => free.seeds(input_trials(effect, inputs, system, &data), None),
+        Site::Force { .. } if model.stop.requested() => free.seeds(vec![], None),
+        Site::Force { .. } => match ForceTrials::new(effect, system, &data) {
+            Some(force) => free.seeds(force.on_grid(), Some(force.regressors)),
+            None => free.seeds(vec![], None),
+        },
+    };
+    let mut seeds: Vec<Seeds> = effects.par_iter().map(seeds).collect();
+    let most = seeds.iter().filter_map(|of| of.all.first()).map(|c| c.gain).fold(0.0, f64::max);
+    let near = |of: &Seeds| of.is_coarse() && of.all.first().is_some_and(|c| c.gain >= FOLLOWED_FROM * most);
+    let follow = |(of, effect): (&mut Seeds, &Effect)| {
+        if near(of) && !model.stop.requested() {
+            free.follow(of, effect, system, &data);
+        }
+    };
+    seeds.par_iter_mut().zip(&effects).for_each(follow);
+    let screened: Vec<Screened> = seeds.into_iter().map(|of| of.best(&data)).collect();
     let rows = fixed[0].len();
     let samples = (rows * stride) as f64;
     let left_out = left_out(model, catalogue, &effects, &screened);
@@ -176,6 +183,36 @@ struct Screened {
     why: Option<WhyNot>,
 }
 
+/// The trials of an effect that may start a fit.
+struct Seeds {
+    regressors: Option<Regressors>,
+    /// Best first.
+    all: Vec<Candidate>,
+    /// The columns of the first one.
+    columns: Vec<Vec<f64>>,
+    /// Why there is none.
+    why: Option<WhyNot>,
+    /// Whether only the best are kept.
+    few: bool,
+}
+
+impl Seeds {
+    /// Whether they lie on a grid of several axes.
+    fn is_coarse(&self) -> bool {
+        self.regressors.iter().flat_map(|r| &r.grid).filter(|axis| axis.is_free()).count() > 1
+    }
+
+    /// The best one, and the starts that come after it.
+    fn best(mut self, data: &[RegressionData]) -> Screened {
+        if self.few {
+            self.all.truncate(GRID_KEPT);
+        }
+        let others = others(&self.all, self.regressors.as_ref(), data);
+        let best = self.all.into_iter().next().map(|seed| (Candidate { others, ..seed }, self.columns));
+        Screened { regressors: self.regressors, best, why: self.why }
+    }
+}
+
 /// The target, the columns that are projected out, their Gram matrix, and the movable constants among them.
 struct Free<'a> {
     columns: Vec<&'a [f64]>,
@@ -194,12 +231,7 @@ impl<'a> Free<'a> {
 
     /// The regression of each trial of an effect beside the free columns. An effect that oscillates keeps all trials, of
     /// any other one few may start a fit.
-    fn screened(
-        &self,
-        trials: Vec<Trial>,
-        regressors: Option<Regressors>,
-        data: &[RegressionData],
-    ) -> Screened {
+    fn seeds(&self, trials: Vec<Trial>, regressors: Option<Regressors>) -> Seeds {
         let tone = regressors.iter().flat_map(|r| &r.grid).any(|axis| axis.scale == Scale::Frequency);
         let few = !tone && trials.len() > GRID_KEPT;
         let none = if trials.is_empty() { Err(WhyNot::NotFinite) } else { Err(WhyNot::NotSeen) };
@@ -208,16 +240,43 @@ impl<'a> Free<'a> {
         // Of many where none is of use the first one tells why, of few the last one.
         let teller = if few { seeds.first() } else { seeds.last() };
         let why = teller.map_or(none, |(seed, _)| seed.clone()).err();
-        let mut seeds: Vec<(Candidate, Trial)> =
+        let mut all: Vec<(Candidate, Trial)> =
             seeds.into_iter().filter_map(|(seed, t)| Some((seed.ok()?, t))).collect();
-        seeds.sort_by(|(a, _), (b, _)| b.gain.total_cmp(&a.gain));
-        if few {
-            seeds.truncate(GRID_KEPT);
+        all.sort_by(|(a, _), (b, _)| b.gain.total_cmp(&a.gain));
+        let (all, mut trials): (Vec<Candidate>, Vec<Trial>) = all.into_iter().unzip();
+        let columns = trials.first_mut().map_or(vec![], |first| std::mem::take(&mut first.columns));
+        Seeds { regressors, all, columns, why, few }
+    }
+
+    /// Follows the best points of a coarse grid to where the law explains most (variable projection: Golub, Pereyra
+    /// 1973, doi 10.1137/0710036).
+    fn follow(&self, seeds: &mut Seeds, effect: &Effect, system: &System, data: &[RegressionData]) {
+        let Some(force) = ForceTrials::new(effect, system, data) else { return };
+        let axes = &force.regressors.grid;
+        // Points beside a better one lie on the same slope.
+        let adjoin =
+            |a: &[f64], b: &[f64]| axes.iter().zip(a.iter().zip(b)).all(|(axis, (a, b))| axis.adjoin(*a, *b));
+        let on_top = |k: &usize| (0..*k).all(|j| !adjoin(&seeds.all[j].grid, &seeds.all[*k].grid));
+        let tops: Vec<usize> = (0..seeds.all.len()).filter(on_top).take(FOLLOWED).collect();
+        let mut top = seeds.all.first().map_or(0.0, |c| c.gain);
+        let better = |now: &Candidate, part: f64| {
+            let tried = force.around(&now.grid, part).into_iter();
+            let found =
+                tried.filter_map(|t| Some((self.candidate(&t, Some(&force.regressors)).ok()?, t.columns)));
+            let best = found.max_by(|(a, _), (b, _)| a.gain.total_cmp(&b.gain));
+            best.filter(|(c, _)| c.gain > now.gain * (1.0 + FOLLOWED_GAIN))
+        };
+        for k in tops {
+            for part in FOLLOWS {
+                while let Some((next, columns)) = better(&seeds.all[k], part) {
+                    if next.gain > top {
+                        (top, seeds.columns) = (next.gain, columns);
+                    }
+                    seeds.all[k] = next;
+                }
+            }
         }
-        let others = others(&seeds, regressors.as_ref(), data);
-        let first = seeds.into_iter().next();
-        let best = first.map(|(seed, trial)| (Candidate { others, ..seed }, trial.columns));
-        Screened { regressors, best, why }
+        seeds.all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     }
 
     /// A trial as a candidate on its own.
@@ -237,13 +296,18 @@ impl<'a> Free<'a> {
         let Projected { gram, kept, follow } = projected(&gram, fixed);
         // What a free constant of the model does as well is left to it: the viscous part of a friction law beside a free
         // damper.
-        let seen = kept[1..].to_vec();
-        let at: Vec<usize> = (1..=own.len()).filter(|&k| kept[k]).collect();
+        let mut seen = kept[1..].to_vec();
+        let mut at: Vec<usize> = (1..=own.len()).filter(|&k| kept[k]).collect();
         if at.is_empty() {
             return Err(WhyNot::NotSeen);
         }
-        let of = || {
-            let (gain, coefficients) = solve(&gram, &at)?;
+        let mut of = || {
+            let (mut gain, mut coefficients) = solve(&gram, &at)?;
+            // A part of a law with memory that would take the wrong sign is not there: no simpler law stands for the rest.
+            while let Some(wrong) = regressors.and_then(|r| r.wrong_sign(&at, &coefficients)) {
+                seen[at.remove(wrong) - 1] = false;
+                (gain, coefficients) = solve(&gram, &at)?;
+            }
             let all = with_zeros(&seen, &coefficients);
             let effect = seeded(&trial.effect, regressors, &all, &trial.grid)?;
             let beside = moved(self.movable, &follow, &at, &coefficients);
@@ -257,18 +321,14 @@ impl<'a> Free<'a> {
 
 /// Further starts of a law from its `seeds`, which are sorted best first. A law that oscillates keeps one
 /// start per spectral line: a body that sticks and slips responds at more lines than its drive has.
-fn others(
-    seeds: &[(Candidate, Trial)],
-    regressors: Option<&Regressors>,
-    data: &[RegressionData],
-) -> Vec<Effect> {
+fn others(seeds: &[Candidate], regressors: Option<&Regressors>, data: &[RegressionData]) -> Vec<Effect> {
     let tone = regressors.and_then(|r| r.grid.iter().position(|axis| axis.scale == Scale::Frequency));
     let Some(tone) = tone else {
-        return seeds.iter().skip(1).take(GRID_STARTS).map(|(c, _)| c.effect.clone()).collect();
+        return seeds.iter().skip(1).take(GRID_STARTS).map(|c| c.effect.clone()).collect();
     };
     let fine = data.iter().map(RegressionData::resolution).fold(0.0, f64::max);
     let mut kept: Vec<&Candidate> = Vec::new();
-    for (seed, _) in seeds {
+    for seed in seeds {
         if kept.iter().all(|k| (k.grid[tone] - seed.grid[tone]).abs() > fine) {
             kept.push(seed);
         }

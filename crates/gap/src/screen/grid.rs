@@ -2,6 +2,7 @@
 
 use super::regression_data::RegressionData;
 use super::regressors::{Axis, Regressors, Scale};
+use crate::constraint::fulfilled;
 use crate::decisions::{
     BESIDE_LINE, GRID_AXIS, GRID_DEFLECTIONS, GRID_FORCES, GRID_GAPS, GRID_LENGTHS, GRID_QUARTERS,
     GRID_SPEEDS, GRID_TIMES, GRID_VALUES, MOST_NUMBER, TOP_QUANTILE,
@@ -59,6 +60,15 @@ pub(super) fn grids(
         all =
             all.iter().flat_map(|g| values.iter().map(|v| g.iter().copied().chain([*v]).collect())).collect();
         all.truncate(GRID_VALUES);
+    }
+    // Where the law's own condition does not hold, a start would be moved, and the regression would say nothing of it.
+    if memory {
+        let law = &effect.entry.law;
+        let holds = |grid: &Vec<f64>| {
+            let parameters = regressors.parameters(&vec![1.0; regressors.columns.len()], grid);
+            parameters.is_none_or(|all| fulfilled(law, &all).is_none_or(|value| value >= 0.0))
+        };
+        all.retain(holds);
     }
     all
 }
@@ -122,7 +132,11 @@ impl Ranges {
                     (false, _) => GRID_LENGTHS,
                 };
                 let half = if negative { count.div_ceil(2) } else { count };
-                let part = if l == 0.0 { t.abs() } else { l.abs() };
+                let part = match (l == 0.0, t == 0.0) {
+                    (true, true) => 1.0,
+                    (true, false) => t.abs(),
+                    (false, _) => l.abs(),
+                };
                 let sign = if l < 0.0 { -1.0 } else { 1.0 };
                 let unit = length.powf(l) * (length / speed).powf(t);
                 let all = geometric(first, last, half).into_iter().map(|q| unit * q.powf(sign * part));

@@ -40,6 +40,38 @@ pub(super) struct Axis {
     pub(super) within: (f64, f64),
 }
 
+impl Axis {
+    /// Whether there is a choice.
+    pub(super) fn is_free(&self) -> bool {
+        self.within.0 < self.within.1
+    }
+
+    /// The values below and above one, apart by a part of the step of a coarse grid: a factor of four, or an eighth of
+    /// the range of a number that may be zero.
+    pub(super) fn beside(&self, value: f64, part: f64) -> [f64; 2] {
+        let (low, high) = self.within;
+        let factor = 4f64.powf(part);
+        let [below, above] = match self.is_range() {
+            true => [-1.0, 1.0].map(|sign| value + sign * part * (high - low) / 8.0),
+            false => [value / factor, value * factor],
+        };
+        [below.clamp(low, high), above.clamp(low, high)]
+    }
+
+    /// Whether two values lie within such a step.
+    pub(super) fn adjoin(&self, a: f64, b: f64) -> bool {
+        let (low, high) = self.within;
+        match self.is_range() {
+            true => (a - b).abs() <= (high - low) / 8.0,
+            false => a == b || (a / b).ln().abs() <= 4f64.ln(),
+        }
+    }
+
+    fn is_range(&self) -> bool {
+        self.scale == Scale::Number && self.within.0 <= 0.0
+    }
+}
+
 /// A law at a place, ready to be evaluated on data.
 pub(super) struct Regressors {
     pub(super) graph: Graph,
@@ -55,6 +87,8 @@ pub(super) struct Regressors {
     /// The grid parameters.
     pub(super) grid: Vec<Axis>,
     back: Back,
+    /// Columns of a law with memory whose coefficient is a parameter that is zero or more.
+    positive: Vec<usize>,
 }
 
 /// The map from coefficients and grid values to parameters.
@@ -120,6 +154,7 @@ impl Regressors {
             velocity: velocity.node,
             grid: vec![],
             back: Back::Direct(vec![]),
+            positive: vec![],
             graph: system.graph,
         };
         match (&of.screen, &law.screen) {
@@ -194,7 +229,9 @@ impl Regressors {
         let mut back = Vec::new();
         for (k, &symbol) in parameters.iter().enumerate() {
             if let Some(j) = linear.iter().position(|&l| l == k) {
-                back.push(Scaled::Coefficient(j + usize::from(scaled)));
+                let column = j + usize::from(scaled);
+                back.push(Scaled::Coefficient(column));
+                self.positive.extend((law.parameters[k].1.within.0 == 0.0).then_some(column));
                 continue;
             }
             let (force, mut length, mut time) = own(k);
@@ -245,6 +282,13 @@ impl Regressors {
             }
         };
         all.iter().all(|v| v.is_finite()).then_some(all)
+    }
+
+    /// The place among these coefficients, of columns `at` (counted from 1), of the most negative one that is a parameter of
+    /// zero or more.
+    pub(super) fn wrong_sign(&self, at: &[usize], coefficients: &[f64]) -> Option<usize> {
+        let wrong = |&k: &usize| self.positive.contains(&(at[k] - 1)) && coefficients[k] < 0.0;
+        (0..at.len()).filter(wrong).min_by(|&a, &b| coefficients[a].total_cmp(&coefficients[b]))
     }
 
     /// Coefficients and grid values that give these parameters, where each parameter is one of them.

@@ -5,7 +5,7 @@ use crate::evaluate::evaluated;
 use crate::memory::internal_states;
 
 use super::grid::grids;
-use super::regressors::Regressors;
+use super::regressors::{Axis, Regressors};
 use crate::motion::Motion;
 use crate::place::{Effect, Place, Site};
 use phisindy_expr::{Id, Tape};
@@ -73,28 +73,66 @@ pub(super) fn input_trials(
     vec![Trial { effect: effect.clone(), grid: vec![], columns: vec![column] }]
 }
 
-/// A force law over its grid.
-pub(super) fn force_trials(
-    effect: &Effect,
-    regressors: &Regressors,
-    system: &System,
-    data: &[RegressionData],
-) -> Vec<Trial> {
-    let Some(program) = Program::new(effect, regressors, system) else { return vec![] };
-    let grids = grids(regressors, effect, system, data, &program.tape);
-    let mut all = Vec::new();
-    for grids in grids.chunks(LANES) {
-        let mut memory = program.memory(data, grids);
-        for (lane, grid) in grids.iter().enumerate() {
-            let memory: Vec<Vec<Vec<f64>>> =
-                memory.iter_mut().map(|of| std::mem::take(&mut of[lane])).collect();
-            let columns = program.columns(effect, system, data, grid, &memory);
-            if columns.iter().flatten().all(|x| x.abs() < LARGEST) {
-                all.push(Trial { effect: effect.clone(), grid: grid.clone(), columns });
+/// A force law at a place, to be tried on the motion of some records.
+pub(super) struct ForceTrials<'a> {
+    effect: &'a Effect,
+    pub(super) regressors: Regressors,
+    system: &'a System,
+    data: &'a [RegressionData],
+    program: Program,
+}
+
+impl<'a> ForceTrials<'a> {
+    /// `None` where the law does not compile there.
+    pub(super) fn new(
+        effect: &'a Effect,
+        system: &'a System,
+        data: &'a [RegressionData],
+    ) -> Option<ForceTrials<'a>> {
+        let regressors = Regressors::new(effect, system)?;
+        let program = Program::new(effect, &regressors, system)?;
+        Some(ForceTrials { effect, regressors, system, data, program })
+    }
+
+    /// The law over its grid.
+    pub(super) fn on_grid(&self) -> Vec<Trial> {
+        let ForceTrials { effect, regressors, system, data, program } = self;
+        self.at(&grids(regressors, effect, system, data, &program.tape))
+    }
+
+    /// The law at these combinations of grid values.
+    fn at(&self, grids: &[Vec<f64>]) -> Vec<Trial> {
+        let ForceTrials { effect, system, data, program, .. } = self;
+        let mut all = Vec::new();
+        for grids in grids.chunks(LANES) {
+            let mut memory = program.memory(data, grids);
+            for (lane, grid) in grids.iter().enumerate() {
+                let memory: Vec<Vec<Vec<f64>>> =
+                    memory.iter_mut().map(|of| std::mem::take(&mut of[lane])).collect();
+                let columns = program.columns(effect, system, data, grid, &memory);
+                if columns.iter().flatten().all(|x| x.abs() < LARGEST) {
+                    all.push(Trial { effect: (*effect).clone(), grid: grid.clone(), columns });
+                }
             }
         }
+        all
     }
-    all
+
+    /// The law near a combination of grid values: each value in turn is moved down and up by a part of the distance to
+    /// its neighbours.
+    pub(super) fn around(&self, grid: &[f64], part: f64) -> Vec<Trial> {
+        let moved = |(k, axis): (usize, &Axis)| {
+            let of = |value: f64| {
+                let mut grid = grid.to_vec();
+                grid[k] = value;
+                grid
+            };
+            axis.beside(grid[k], part).map(of)
+        };
+        let free = self.regressors.grid.iter().enumerate().filter(|(_, axis)| axis.is_free());
+        let all: Vec<Vec<f64>> = free.flat_map(moved).collect();
+        self.at(&all)
+    }
 }
 
 /// A column with a larger number is that of an internal state that grew without bound. Its square is finite.
