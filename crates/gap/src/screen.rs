@@ -303,9 +303,13 @@ impl<'a> Free<'a> {
         }
         let mut of = || {
             let (mut gain, mut coefficients) = solve(&gram, &at)?;
-            // A part of a law with memory that would take the wrong sign is not there: no simpler law stands for the rest.
+            // A part that would take the wrong sign starts at zero: noise may turn the sign of one of several parts that are
+            // nearly collinear, and the law as a whole may be the right one.
             while let Some(wrong) = regressors.and_then(|r| r.wrong_sign(&at, &coefficients)) {
                 seen[at.remove(wrong) - 1] = false;
+                if at.is_empty() {
+                    return None;
+                }
                 (gain, coefficients) = solve(&gram, &at)?;
             }
             let all = with_zeros(&seen, &coefficients);

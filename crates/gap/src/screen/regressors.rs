@@ -87,7 +87,7 @@ pub(super) struct Regressors {
     /// The grid parameters.
     pub(super) grid: Vec<Axis>,
     back: Back,
-    /// Columns of a law with memory whose coefficient is a parameter that is zero or more.
+    /// Columns whose coefficient is a parameter that is zero or more.
     positive: Vec<usize>,
 }
 
@@ -198,6 +198,7 @@ impl Regressors {
             Axis { scale: scale(&p.unit), within: p.within }
         };
         self.grid = nonlinear.iter().map(axis).collect();
+        self.positive = (0..linear.len()).filter(|&j| law.parameters[linear[j]].1.within.0 == 0.0).collect();
         self.back = Back::Direct((0..parameters.len()).map(of).collect());
     }
 
