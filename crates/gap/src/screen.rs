@@ -516,3 +516,39 @@ fn start(law: &Law, regressors: Option<&Regressors>, coefficients: &[f64], grid:
     });
     inside.then(|| constraint::inside(law, &values))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_models::{fitted, model};
+
+    const TWO_PARTS: &str = r#"(
+        name: "Two dampers", about: "A linear and a cubic damper.", reference: "none", roles: { "v": "m/s" },
+        parameters: { "p": (unit: "N*s/m", within: (0.0, 1e6)), "q": (unit: "N*s^3/m^3", within: (0.0, 1e6)) },
+        force: "p*v + q*v^3", sketch: (over: "v", with: { "p": 1.0, "q": 1.0 }),
+    )"#;
+
+    /// A part whose best value has the wrong sign starts at zero. Where all have it the law is out.
+    #[test]
+    fn a_part_of_the_wrong_sign_starts_at_zero() {
+        let screened = |truth: &str| {
+            let (base, noise) = model(&format!(
+                r#"(states: {{ "x": "m", "v": "m/s" }}, constants: {{ "m": (1.0, "kg"), "k": (1.0, "N/m"), "c": (0.3, "N*s/m"),
+                    "F0": (1.0, "N"), "W": (0.7, "rad/s") }},
+                known: {{ "x": "v", "v": "(F0*cos(W*t) - k*x - c*v)/m" }}, inertia: {{ "v": "m" }}, unknown: {{}},
+                data: [ Synthetic(truth: {{ "v": "{truth}" }}, start: {{ "x": 1.0, "v": 0.0 }}, duration: 60.0, step: 0.05,
+                    noise: Additive(0.01), seed: 1) ])"#
+            ));
+            let law = LawEntry::read("two", TWO_PARTS).expect("a law");
+            let fitted = fitted(base, &noise);
+            screen(&fitted.model, &fitted.cal, &[law], &noise, Target::AlongData).expect("a screening")
+        };
+        let one = screened("-0.3*v + 0.02*v^3");
+        let start =
+            &one.candidates.iter().find(|c| c.effect.place.at == "v").expect("a candidate").effect.start;
+        assert!(start[0] > 0.1 && start[1] == 0.0, "{start:?}");
+        let none = screened("0.1*v + 0.01*v^3");
+        assert!(none.candidates.is_empty(), "{:?}", none.candidates.len());
+        assert_eq!(none.left_out.len(), 1);
+    }
+}
