@@ -1,9 +1,8 @@
 //! The reference is current: it names the fields that the program knows.
 
-#[allow(dead_code)] // each test uses its part
-mod common;
+use crate::common::{Scratch, phisindy, top};
 
-use common::{Scratch, phisindy, top};
+#[allow(dead_code)] // each test uses its part
 
 fn reference() -> String {
     std::fs::read_to_string(top().join("docs/reference.md")).expect("the reference")

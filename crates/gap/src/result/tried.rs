@@ -1,7 +1,8 @@
 //! What a search tried, and what it could not try.
 
-use super::PlacedLaw;
+use super::placed_law::PlacedLaw;
 use crate::decisions::EXPLAINED;
+use crate::place::Needs;
 use std::fmt;
 
 /// A law that was tried at a place of the model as it is.
@@ -42,21 +43,6 @@ pub enum WhyNot {
     OutOfBounds,
     /// Its forces are not finite along the records.
     NotFinite,
-}
-
-/// What a law acts on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Needs {
-    /// A velocity.
-    Velocity,
-    /// A velocity that has a displacement.
-    Displacement,
-    /// A column of a sensor.
-    Sensor,
-    /// A recorded input.
-    Input,
-    /// A force of the known part.
-    Load,
 }
 
 impl fmt::Display for WhyNot {

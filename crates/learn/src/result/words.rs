@@ -7,8 +7,7 @@ use super::quantity::{ParameterId, ParameterOf, Quantity, TermId};
 use super::verdict::{FitFailure, Rejection, Unfulfilled};
 use super::warning::Warning;
 use crate::decisions::{FEWEST_SAMPLES, RIVAL};
-use crate::input_noise::Bias;
-use crate::trajectory::chaos::Chaos;
+use crate::result::warning::{Bias, Chaos};
 use std::fmt::{Display, Formatter, Result};
 
 /// `1 in v'`.
