@@ -2,8 +2,6 @@
 
 use crate::common::{Scratch, phisindy, top};
 
-#[allow(dead_code)] // each test uses its part
-
 fn reference() -> String {
     std::fs::read_to_string(top().join("docs/reference.md")).expect("the reference")
 }

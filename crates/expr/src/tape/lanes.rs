@@ -13,7 +13,8 @@ use std::marker::PhantomData;
 pub(super) struct Lanes<'a, const N: usize> {
     slots: *mut [f64; N],
     factors: *const [u32; 2],
-    memory: PhantomData<(&'a [[u32; 2]], &'a mut [[f64; N]])>,
+    /// The slots and the factors live as long.
+    memory: PhantomData<&'a mut [[f64; N]]>,
 }
 
 impl<'a, const N: usize> Lanes<'a, N> {

@@ -1,5 +1,6 @@
 //! What a search tried, and what it could not try.
 
+use super::finding::Veto;
 use super::placed_law::PlacedLaw;
 use crate::decisions::EXPLAINED;
 use crate::place::Needs;
@@ -17,8 +18,8 @@ pub struct Tried {
     /// The probability of the law among those that explain the records by themselves, all equally likely beforehand (G.
     /// Schwarz 1978, doi 10.1214/aos/1176344136); `None` for a law that does not.
     pub probability: Option<f64>,
-    /// Why evidence rules it out, in words.
-    pub vetoed: Option<String>,
+    /// The evidence that rules it out.
+    pub vetoed: Option<Veto>,
 }
 
 /// A law that was not tried.
@@ -87,17 +88,17 @@ mod tests {
 
     #[test]
     fn probabilities_are_those_of_the_laws_that_were_fitted() {
-        let tried = |score: f64, gap: Option<f64>, vetoed: Option<&str>| Tried {
+        let tried = |score: f64, gap: Option<f64>, vetoed: Option<Veto>| Tried {
             at: PlacedLaw { law: "coulomb".into(), at: "v".into() },
             score,
             gap,
             probability: None,
-            vetoed: vetoed.map(str::to_owned),
+            vetoed,
         };
         let mut all = vec![
             tried(100.0, Some(1.0), None),
             tried(100.0 - 2.0 * 3f64.ln(), Some(1.05), None),
-            tried(500.0, Some(0.9), Some("it pushes")),
+            tried(500.0, Some(0.9), Some(Veto::Pushes)),
             tried(90.0, None, None),
             tried(200.0, Some(5.0), None),
         ];
