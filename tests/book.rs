@@ -1,10 +1,9 @@
 //! The documents hang together: every link and anchor leads somewhere, and every page of the book is in its table of contents.
+
 #![allow(missing_docs)]
 
 #[allow(dead_code)] // each test uses its part
-mod common;
-
-use common::top;
+use crate::common::top;
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 

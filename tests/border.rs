@@ -1,11 +1,9 @@
 //! What comes into the program and leaves it: windows that overlap, sensors of synthetic records, units, folders with results of another command,
 //! names that hold ends of lines, exit codes of what is no result.
+
 #![allow(missing_docs)]
 
-#[allow(dead_code)]
-mod common;
-
-use common::{Outcome, Scratch, phisindy};
+use crate::common::{Outcome, Scratch, phisindy};
 
 /// A damped oscillator of 1 kg that rubs; `more` are fields of its record.
 fn oscillator(more: &str) -> String {

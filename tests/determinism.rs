@@ -1,10 +1,8 @@
 //! The same spec, seed and version give the same bits, with any number of threads, again and again; only the seconds differ.
+
 #![allow(missing_docs)]
 
-#[allow(dead_code)]
-mod common;
-
-use common::{Scratch, phisindy};
+use crate::common::{Scratch, phisindy};
 use std::fs;
 
 /// Numbers of threads; the first one twice.

@@ -1,10 +1,8 @@
 //! `phisindy export`: what is exported runs, and moves as `phisindy simulate` says.
+
 #![allow(missing_docs)]
 
-#[allow(dead_code)]
-mod common;
-
-use common::{Scratch, phisindy};
+use crate::common::{self, Scratch, phisindy};
 use std::fs;
 use std::io::Write;
 use std::process::{Command, Stdio};

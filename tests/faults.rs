@@ -3,10 +3,7 @@
 #![allow(missing_docs)]
 #![cfg(unix)]
 
-#[allow(dead_code)]
-mod common;
-
-use common::{Outcome, Scratch, phisindy, program};
+use crate::common::{self, Outcome, Scratch, phisindy, program};
 use serde_json::Value;
 use std::fs::{self, File};
 use std::io::{Read, Write};

@@ -1,11 +1,9 @@
 //! Data files of every format: `new` writes a spec that `check` accepts, and bad files end with exit code 2 and a
 //! reason.
+
 #![allow(missing_docs)]
 
-#[allow(dead_code)]
-mod common;
-
-use common::{Scratch, phisindy, top};
+use crate::common::{Scratch, phisindy, top};
 
 /// The fixtures that are no plain text, made by other programs.
 const FILES: &[&str] = &[

@@ -1,10 +1,8 @@
 //! A formula that a spec asks for: `unknown: { "v": (search: ["x", "v"]) }`.
+
 #![allow(missing_docs)]
 
-#[allow(dead_code)]
-mod common;
-
-use common::{Outcome, Scratch, phisindy};
+use crate::common::{Outcome, Scratch, phisindy};
 use serde_json::Value;
 
 /// A driven mass with a spring, and a force that the model lacks; one record is fitted, one kept.

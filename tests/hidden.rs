@@ -1,10 +1,8 @@
 //! The blind sets for the gap workflow, and what scores them: a few sets of a fixed seed.
+
 #![allow(missing_docs)]
 
-#[allow(dead_code)]
-mod common;
-
-use common::{Scratch, blind, phisindy};
+use crate::common::{Scratch, blind, phisindy};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::PathBuf;

@@ -1,10 +1,8 @@
 //! `identified.ron`: what `run --out` writes is a spec that `simulate` predicts with.
+
 #![allow(missing_docs)]
 
-#[allow(dead_code)]
-mod common;
-
-use common::{Scratch, phisindy, top};
+use crate::common::{Scratch, phisindy, top};
 use serde_json::Value;
 use std::fs;
 

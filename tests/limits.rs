@@ -1,10 +1,8 @@
 //! Sizes beyond a stated limit are refused at once, with the place and what to do; `--limit` ends what takes too long or too much.
+
 #![allow(missing_docs)]
 
-#[allow(dead_code)]
-mod common;
-
-use common::{Outcome, Scratch, phisindy};
+use crate::common::{self, Outcome, Scratch, phisindy};
 use std::fs;
 use std::time::{Duration, Instant};
 

@@ -1,10 +1,8 @@
 //! Other people's measurements, wherever their folder is given by `PHISINDY_DATA`; the files are no part of the repository.
+
 #![allow(missing_docs)]
 
-#[allow(dead_code)]
-mod common;
-
-use common::{Scratch, phisindy, top};
+use crate::common::{Scratch, phisindy, top};
 use serde_json::Value;
 use std::path::PathBuf;
 

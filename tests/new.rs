@@ -1,10 +1,8 @@
 //! `phisindy new`: a data file as people have it becomes a spec that runs.
+
 #![allow(missing_docs)]
 
-#[allow(dead_code)]
-mod common;
-
-use common::{Outcome, Scratch, phisindy};
+use crate::common::{Outcome, Scratch, phisindy};
 use std::fmt::Write;
 
 /// A free oscillator with dry friction, x'' = -k (x - offset) - c v - f sgn v, in small steps: 40 rad/s^2, 0.2 1/s, 0.5 m/s^2. Times and places.

@@ -1,10 +1,8 @@
 //! The program from outside: exit codes, forms of the result, options.
+
 #![allow(missing_docs)]
 
-#[allow(dead_code)]
-mod common;
-
-use common::{Scratch, files, phisindy, program, top};
+use crate::common::{self, Scratch, files, phisindy, program, top};
 use serde_json::Value;
 use std::io::Read;
 use std::process::Stdio;

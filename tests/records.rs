@@ -1,10 +1,8 @@
 //! Records as rigs give them: decimated, detrended, long, and with different columns.
+
 #![allow(missing_docs)]
 
-#[allow(dead_code)]
-mod common;
-
-use common::{Outcome, Scratch, phisindy};
+use crate::common::{Outcome, Scratch, phisindy};
 use serde_json::Value;
 use std::fmt::Write;
 

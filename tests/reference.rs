@@ -1,9 +1,6 @@
 //! The reference is current: it names the fields that the program knows.
 
-#[allow(dead_code)] // each test uses its part
-mod common;
-
-use common::{Scratch, phisindy, top};
+use crate::common::{Scratch, phisindy, top};
 
 fn reference() -> String {
     std::fs::read_to_string(top().join("docs/reference.md")).expect("the reference")

@@ -1,10 +1,8 @@
 //! `report.html` of `run` and `gap`: complete, well formed, of one piece, with the numbers of `result.json`; and, where there is a browser, readable in it.
+
 #![allow(missing_docs)]
 
-#[allow(dead_code)]
-mod common;
-
-use common::{Scratch, phisindy};
+use crate::common::{Scratch, phisindy};
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;

@@ -1,10 +1,8 @@
 //! `phisindy sweep` from outside.
+
 #![allow(missing_docs)]
 
-#[allow(dead_code)]
-mod common;
-
-use common::{Scratch, phisindy, program};
+use crate::common::{self, Scratch, phisindy, program};
 use serde_json::Value;
 use std::fs;
 

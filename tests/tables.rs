@@ -1,10 +1,9 @@
 //! The tables of the documents, by the program that writes them.
+
 #![allow(missing_docs)]
 
 #[allow(dead_code)] // each test uses its part
-mod common;
-
-use common::{Scratch, blind, top};
+use crate::common::{Scratch, blind, top};
 use std::fs;
 
 #[test]

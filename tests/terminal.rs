@@ -1,10 +1,8 @@
 //! What people see at a terminal, which `script` of util-linux stands for; pipes are tested everywhere else.
+
 #![allow(missing_docs)]
 
-#[allow(dead_code)]
-mod common;
-
-use common::{Scratch, program};
+use crate::common::{self, Scratch, program};
 use std::process::{Command, Stdio};
 
 /// Runs a command line at a terminal of 120 columns; `None` where there is no `script`.

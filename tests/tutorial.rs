@@ -1,10 +1,9 @@
 //! The tutorial, the newcomer's log and the guides are played: their commands run, their edits apply, their outputs are what they
+
 //! show.
 
 #[allow(dead_code)] // each test uses its part
-mod common;
-
-use common::{program, top};
+use crate::common::{self, program, top};
 use std::path::{Path, PathBuf};
 
 /// A block of code of a page.
@@ -91,7 +90,7 @@ fn play(page: &str, data: &Path, spec: &str) -> usize {
 
 /// The pictures of the pages: the page, what its commands left, and the picture in `docs/tutorial`. With the variable
 /// PHISINDY_FIGURES the tests make them again:
-/// `PHISINDY_FIGURES=1 PHISINDY_DATA=DIR cargo test -p phisindy-cli --test tutorial`.
+/// `PHISINDY_FIGURES=1 PHISINDY_DATA=DIR cargo test -p phisindy-cli tutorial`.
 const PICTURES: &[(&str, &str, &str)] = &[
     ("tutorial.md", "first/figures/residual-1.svg", "residual.svg"),
     ("tutorial.md", "found/figures/gap.svg", "gap.svg"),

@@ -1,10 +1,8 @@
 //! Every file of specs/wrong holds one mistake; what the program says about it is a snapshot in tests/snapshots.
+
 #![allow(missing_docs)]
 
-#[allow(dead_code)]
-mod common;
-
-use common::{files, phisindy, top};
+use crate::common::{files, phisindy, top};
 
 #[test]
 fn every_mistake_is_drawn_as_in_its_snapshot() {

@@ -30,12 +30,12 @@ mod truth;
 mod wish;
 mod write;
 
-use crate::Table;
 use crate::args::{FormulaArgs, HiddenArgs, Options, ScoreArgs};
 use crate::dice::Dice;
 use crate::folder::{Folder, print};
 use crate::interrupt;
 use crate::progress::Progress;
+use crate::table::Table;
 use anyhow::{Result, anyhow};
 use rayon::prelude::*;
 

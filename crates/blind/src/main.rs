@@ -21,6 +21,7 @@ mod program;
 mod progress;
 mod readme;
 mod synthetic;
+mod table;
 mod wrong;
 
 use anyhow::{Context, Result};
@@ -28,6 +29,7 @@ use args::{Args, Command, Options};
 use clap::Parser;
 use std::io::Write;
 use std::process::ExitCode;
+use table::Table;
 
 /// Exit code of a wrong command line, spec or folder.
 const INPUT: u8 = 2;
@@ -42,20 +44,6 @@ fn main() -> ExitCode {
             let _ = writeln!(std::io::stderr(), "error: {error:#}");
             ExitCode::from(INPUT)
         }
-    }
-}
-
-/// A table, and the list of failures below it.
-struct Table {
-    /// The name of its marks in documents.
-    name: &'static str,
-    table: String,
-    failures: String,
-}
-
-impl Table {
-    fn new(name: &'static str, table: String) -> Table {
-        Table { name, table, failures: String::new() }
     }
 }
 

@@ -16,13 +16,13 @@ mod rig;
 mod tally;
 mod written;
 
-use crate::Table;
 use crate::args::{Options, WrongArgs};
 use crate::dice::Dice;
 use crate::folder::Folder;
 use crate::interrupt;
 use crate::progress::Progress;
 use crate::synthetic::{Loaded, checked, load};
+use crate::table::Table;
 use anyhow::{Result, anyhow, bail};
 use mistake::{KINDS, SMALL, needs_cubic, with_mistake};
 use phisindy_learn::{

@@ -2,7 +2,6 @@
 
 mod clip;
 
-use crate::terminal::colours;
 use clip::Clipped;
 use codespan_reporting::diagnostic as drawn;
 use codespan_reporting::files::{self, Files};
@@ -10,6 +9,11 @@ use codespan_reporting::term::{self, Config, termcolor};
 use phisindy_phys::{Diagnostic, Severity, Sources};
 use std::io::{self, IsTerminal, Write};
 use std::ops::Range;
+
+/// Whether colours are wanted: not if NO_COLOR is set (no-color.org).
+pub(crate) fn colours() -> bool {
+    std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty())
+}
 
 /// Draws on standard error, in colour if that is a terminal and NO_COLOR is not set.
 pub(crate) fn show<'d>(diagnostics: impl IntoIterator<Item = &'d Diagnostic>, sources: &Sources) {

@@ -1,7 +1,7 @@
 //! Early ends of work: Ctrl-C, or a limit. The first Ctrl-C requests that the work ends, the second one ends
 //! the program. A limit ends the program if the work does not end soon after it is met.
 
-use crate::limit::{Limit, held};
+use crate::limit::{Limit, resident_memory};
 use crate::terminal::{NUMERICS, complain};
 use phisindy_report::StopReason;
 use std::sync::OnceLock;
@@ -37,18 +37,19 @@ fn watch(limit: Limit) {
     let begin = Instant::now();
     let met = loop {
         std::thread::sleep(TICK);
-        let (time, memory) = (begin.elapsed(), limit.memory.and_then(|_| held()));
+        let (time, memory) = (begin.elapsed(), limit.memory.and_then(|_| resident_memory()));
         if let Some(most) = limit.time.filter(|most| time >= *most) {
             break StopReason::TimeLimit(most);
         }
-        if let Some(most) = limit.memory.filter(|most| memory.is_some_and(|held| held >= *most)) {
+        if let Some(most) = limit.memory.filter(|most| memory.is_some_and(|now| now >= *most)) {
             break StopReason::MemoryLimit(most);
         }
     };
     let _ = MET.set(met);
     REQUESTED.store(true, Ordering::SeqCst);
     let since = Instant::now();
-    let beyond = || limit.memory.is_some_and(|most| held().is_some_and(|held| held > most + most / 4));
+    let beyond =
+        || limit.memory.is_some_and(|most| resident_memory().is_some_and(|now| now > most + most / 4));
     while since.elapsed() < GRACE && !beyond() {
         std::thread::sleep(TICK);
     }

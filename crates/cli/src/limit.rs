@@ -59,7 +59,7 @@ impl Limit {
 }
 
 /// Resident memory of the program in bytes; `None` on systems without `/proc/self/status`.
-pub(crate) fn held() -> Option<u64> {
+pub(crate) fn resident_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
     Some(line.trim().strip_suffix(" kB")?.parse::<u64>().ok()? * 1024)

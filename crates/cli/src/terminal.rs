@@ -18,14 +18,9 @@ pub(crate) const NUMERICS: u8 = 3;
 pub(crate) const STDOUT: &str =
     "cannot write to standard output: write into a file on a disk with space, or give --out DIR";
 
-/// Whether colours are wanted: not if NO_COLOR is set (no-color.org).
-pub(crate) fn colours() -> bool {
-    std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty())
-}
-
 /// What the terminal behind standard output can show; `None` for a pipe or a file.
 pub(crate) fn look() -> Option<Look> {
-    let colour = colours() && std::env::var_os("TERM").is_none_or(|term| term != "dumb");
+    let colour = draw::colours() && std::env::var_os("TERM").is_none_or(|term| term != "dumb");
     let width = usize::from(console::Term::stdout().size().1);
     io::stdout().is_terminal().then_some(Look { colour, width: if width == 0 { 80 } else { width } })
 }

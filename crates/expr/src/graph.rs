@@ -1,6 +1,6 @@
 //! Expressions as a graph with sharing.
 
-use crate::{Binary, Symbol, Unary, simplify};
+use crate::{Binary, Symbol, Unary};
 use std::collections::HashMap;
 
 /// Handle of a node, valid only in the graph that made it.
@@ -29,7 +29,7 @@ pub enum Node {
 /// An arena in which equal expressions are one node. It only grows. Operands precede operations, so every
 /// pass is one loop.
 ///
-/// The constructors simplify (see `simplify.rs`), only by rules that hold wherever the original is finite.
+/// Operations are made by the constructors in `simplify.rs`, by rules that hold wherever the original is finite.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
@@ -107,41 +107,6 @@ impl Graph {
         self.intern(Node::Symbol(symbol))
     }
 
-    /// A function of one argument, simplified.
-    pub fn unary(&mut self, op: Unary, a: Id) -> Id {
-        simplify::unary(self, op, a).unwrap_or_else(|| self.intern(Node::Unary(op, a)))
-    }
-
-    /// An operation with two operands, simplified.
-    pub fn binary(&mut self, op: Binary, a: Id, b: Id) -> Id {
-        simplify::binary(self, op, a, b).unwrap_or_else(|| self.intern(Node::Binary(op, a, b)))
-    }
-
-    /// `a + b`
-    pub fn add(&mut self, a: Id, b: Id) -> Id {
-        self.binary(Binary::Add, a, b)
-    }
-
-    /// `a - b`
-    pub fn sub(&mut self, a: Id, b: Id) -> Id {
-        self.binary(Binary::Sub, a, b)
-    }
-
-    /// `a * b`
-    pub fn mul(&mut self, a: Id, b: Id) -> Id {
-        self.binary(Binary::Mul, a, b)
-    }
-
-    /// `a / b`
-    pub fn div(&mut self, a: Id, b: Id) -> Id {
-        self.binary(Binary::Div, a, b)
-    }
-
-    /// `-a`
-    pub fn neg(&mut self, a: Id) -> Id {
-        self.unary(Unary::Neg, a)
-    }
-
     /// The number, if the node is one.
     pub fn value(&self, id: Id) -> Option<f64> {
         match self.node(id) {
@@ -201,67 +166,6 @@ impl Graph {
     pub fn symbols(&self, roots: &[Id]) -> Vec<Symbol> {
         let of = |id: Id| if let Node::Symbol(s) = self.node(id) { Some(s) } else { None };
         self.reachable(roots).into_iter().filter_map(of).collect()
-    }
-
-    /// Replaces nodes: every use of a key becomes its value, and everything above is rebuilt (and simplified
-    /// again).
-    ///
-    /// ```
-    /// # use phisindy_expr::*;
-    /// # use std::collections::HashMap;
-    /// # let (mut g, mut n) = (Graph::default(), Names::default());
-    /// # let mut e = |g: &mut Graph, t: &str| g.lower(&parse(t).unwrap(), |s| Some(n.intern(s))).unwrap();
-    /// let (f, sign, mode, one) = (e(&mut g, "a*sgn(v) + x"), e(&mut g, "sgn(v)"), e(&mut g, "s"), e(&mut g, "a*s + x"));
-    /// assert_eq!(g.replace(&[f], &HashMap::from([(sign, mode)])), [one]);
-    /// ```
-    pub fn replace(&mut self, roots: &[Id], with: &HashMap<Id, Id>) -> Vec<Id> {
-        let mut new: HashMap<Id, Id> = HashMap::new();
-        let keys: Vec<Id> = with.keys().copied().collect();
-        for id in self.reachable_above(roots, &keys) {
-            let node = match (with.get(&id), self.node(id)) {
-                (Some(&replacement), _) => replacement,
-                (None, Node::Unary(op, a)) => self.unary(op, new[&a]),
-                (None, Node::Binary(op, a, b)) => self.binary(op, new[&a], new[&b]),
-                (None, _) => id,
-            };
-            new.insert(id, node);
-        }
-        roots.iter().map(|id| new[id]).collect()
-    }
-
-    /// Expressions of another graph, built (and simplified) in this one. `with` maps nodes of `other`, its
-    /// symbols above all, to nodes of this graph.
-    ///
-    /// # Errors
-    /// A symbol of `other` that `with` does not map: the two graphs need not share a table of names.
-    ///
-    /// ```
-    /// # use phisindy_expr::*;
-    /// # use std::collections::HashMap;
-    /// let (mut law, mut own, mut names) = (Graph::default(), Names::default(), Names::default());
-    /// let force = law.lower(&parse("c*v^2").unwrap(), |n| Some(own.intern(n))).unwrap();
-    /// let symbol = |g: &mut Graph, n: &mut Names, name: &str| { let s = n.intern(name); g.symbol(s) };
-    /// let (c, v) = (symbol(&mut law, &mut own, "c"), symbol(&mut law, &mut own, "v"));
-    /// let mut model = Graph::default();
-    /// let (drag, speed) = (symbol(&mut model, &mut names, "drag"), symbol(&mut model, &mut names, "y"));
-    /// let copy = model.graft(&law, &[force], &HashMap::from([(c, drag), (v, speed)])).unwrap();
-    /// assert_eq!(model.text(copy[0], &names), "drag*y^2");
-    /// assert!(model.graft(&law, &[force], &HashMap::new()).is_err());
-    /// ```
-    pub fn graft(&mut self, other: &Graph, roots: &[Id], with: &HashMap<Id, Id>) -> Result<Vec<Id>, Symbol> {
-        let mut new: HashMap<Id, Id> = HashMap::new();
-        let keys: Vec<Id> = with.keys().copied().collect();
-        for id in other.reachable_above(roots, &keys) {
-            let node = match (with.get(&id), other.node(id)) {
-                (Some(&replacement), _) => replacement,
-                (None, Node::Unary(op, a)) => self.unary(op, new[&a]),
-                (None, Node::Binary(op, a, b)) => self.binary(op, new[&a], new[&b]),
-                (None, Node::Constant(bits)) => self.intern(Node::Constant(bits)),
-                (None, Node::Symbol(symbol)) => return Err(symbol),
-            };
-            new.insert(id, node);
-        }
-        Ok(roots.iter().map(|id| new[id]).collect())
     }
 
     /// The border between constant and varying nodes: every node that does not depend on `varying` but is

@@ -39,6 +39,7 @@ pub mod ops;
 mod parser;
 mod print;
 mod rename;
+mod replace;
 mod simplify;
 mod span;
 mod tape;

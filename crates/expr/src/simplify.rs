@@ -1,4 +1,4 @@
-//! Rules applied while a graph is built. Each rule holds wherever the original is finite (except for
+//! Constructors of operations, and the rules that they apply. Each rule holds wherever the original is finite (except for
 //! rounding, and for products near the limits of a double, whose factors may be multiplied in another
 //! order). No rule divides by what may be zero or widens a domain on purpose. A number is folded only if
 //! the result is finite; otherwise the operation stays and fails in its place.
@@ -6,10 +6,48 @@
 //! The rules also bring sums and products to a normal form (the number first, a difference in place of a
 //! negative summand), so that printing and parsing again gives the same node.
 
-use crate::{Binary, Graph, Id, Node, Unary};
+use crate::graph::{Graph, Id, Node};
+use crate::{Binary, Unary};
+
+impl Graph {
+    /// A function of one argument, simplified.
+    pub fn unary(&mut self, op: Unary, a: Id) -> Id {
+        unary(self, op, a).unwrap_or_else(|| self.intern(Node::Unary(op, a)))
+    }
+
+    /// An operation with two operands, simplified.
+    pub fn binary(&mut self, op: Binary, a: Id, b: Id) -> Id {
+        binary(self, op, a, b).unwrap_or_else(|| self.intern(Node::Binary(op, a, b)))
+    }
+
+    /// `a + b`
+    pub fn add(&mut self, a: Id, b: Id) -> Id {
+        self.binary(Binary::Add, a, b)
+    }
+
+    /// `a - b`
+    pub fn sub(&mut self, a: Id, b: Id) -> Id {
+        self.binary(Binary::Sub, a, b)
+    }
+
+    /// `a * b`
+    pub fn mul(&mut self, a: Id, b: Id) -> Id {
+        self.binary(Binary::Mul, a, b)
+    }
+
+    /// `a / b`
+    pub fn div(&mut self, a: Id, b: Id) -> Id {
+        self.binary(Binary::Div, a, b)
+    }
+
+    /// `-a`
+    pub fn neg(&mut self, a: Id) -> Id {
+        self.unary(Unary::Neg, a)
+    }
+}
 
 /// The simpler node for `op(a)`, if a rule applies.
-pub(crate) fn unary(g: &mut Graph, op: Unary, a: Id) -> Option<Id> {
+fn unary(g: &mut Graph, op: Unary, a: Id) -> Option<Id> {
     if let Some(x) = g.value(a) {
         let y = (op.row().value)(x);
         return y.is_finite().then(|| g.constant(y));
@@ -37,7 +75,7 @@ pub(crate) fn unary(g: &mut Graph, op: Unary, a: Id) -> Option<Id> {
 }
 
 /// The simpler node for `op(a, b)`, if a rule applies.
-pub(crate) fn binary(g: &mut Graph, op: Binary, a: Id, b: Id) -> Option<Id> {
+fn binary(g: &mut Graph, op: Binary, a: Id, b: Id) -> Option<Id> {
     let (x, y) = (g.value(a), g.value(b));
     if let (Some(x), Some(y)) = (x, y) {
         let z = (op.row().value)(x, y);

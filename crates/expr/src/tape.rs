@@ -387,7 +387,7 @@ impl Scratch<1> {
 /// Each instruction is a loop over the lanes.
 #[inline(always)]
 fn run<const N: usize>(program: &Program, slots: &mut [[f64; N]]) {
-    let lanes = Lanes::new(program, slots);
+    let lanes = Lanes::new(program.slots, &program.factors, slots);
     for code in &program.code {
         match *code {
             Code::Unary { op, a, out } => op.lanes(lanes.read(a), lanes.write(out)),

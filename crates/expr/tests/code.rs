@@ -1,8 +1,6 @@
 //! Expressions as Python and C, run by a Python and a C compiler, against our own values.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use phisindy_expr::ops::{BINARY, UNARY};
 use phisindy_expr::{Id, Language, Naming};
 use proptest::prelude::*;

@@ -1,8 +1,6 @@
 //! The table of operations, row by row: every evaluator, derivative and printer against the row's own value.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use num_dual::Dual64;
 use phisindy_expr::ops::{BINARY, Function, UNARY, function, function_names};
 use phisindy_expr::{Binary, Graph, Id, Node, Scratch, Span, Symbol, Tape, Unary};

@@ -1,8 +1,6 @@
 //! Text to graph: what is accepted and how it binds, what is refused and what is said.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use phisindy_expr::{Ast, AstKind, Graph, Names, ParseErrorKind as Kind, Span, parse};
 use proptest::prelude::*;
 use std::ops::Range;

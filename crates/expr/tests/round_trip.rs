@@ -1,8 +1,6 @@
 //! Text and LaTeX of random graphs, and that simplifying as they are built keeps their values.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use phisindy_expr::ops::BINARY;
 use phisindy_expr::{Binary, Node, Unary, latex_name, latex_number};
 use proptest::prelude::*;

@@ -1,8 +1,6 @@
 //! Tapes: slots are used again only when their value is no longer needed, and what is odd but allowed works.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use phisindy_expr::{Graph, Id, Names, Node, Scratch, Tape, Unbound};
 use proptest::prelude::*;
 

@@ -1,8 +1,6 @@
 //! Derivatives of whole expressions, against `num-dual` and against each other.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use num_dual::{Dual2_64, Dual64, DualNum};
 use phisindy_expr::{Binary, Graph, Id, Unary};
 use proptest::prelude::*;

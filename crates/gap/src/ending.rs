@@ -115,11 +115,14 @@ impl<'s, 'a> Ending<'s, 'a> {
             partial.splice(0..0, steps.drain(determined..));
         }
         for vetoed in self.rounds.iter().flat_map(|r| &r.vetoed) {
-            // Two rounds may differ in digits that nobody reads.
-            let warning = Warning::Vetoed(vetoed.clone());
-            let same = |w: &Warning| w.to_string() == warning.to_string();
+            // Later rounds see the same evidence with other digits.
+            let kind = std::mem::discriminant(&vetoed.why);
+            let same = |w: &Warning| {
+                let Warning::Vetoed(v) = w else { return false };
+                v.law == vetoed.law && std::mem::discriminant(&v.why) == kind
+            };
             if !self.warnings.iter().any(same) {
-                self.warnings.push(warning);
+                self.warnings.push(Warning::Vetoed(vetoed.clone()));
             }
         }
         if !self.last.model.effects.is_empty() {

@@ -24,7 +24,7 @@ use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::{Effect, Place, Site, fits};
 use crate::plausibility::{cancelling, vetoed};
 use crate::result::{Activity, MissingForce, PlacedLaw, Rival, StopReason, Veto, Vetoed};
-use crate::screen::Ground;
+use crate::screen::PartialRegression;
 use crate::search::{Round, Search, Searched};
 pub(crate) use expansion::expansion;
 use force::Free;
@@ -159,10 +159,10 @@ impl Search<'_> {
             return None;
         }
         let model = now.settled();
-        let ground = Ground::new(&model, &now.cal, None, &response_noise(&model, self.noise))?;
+        let regression = PartialRegression::new(&model, &now.cal, None, &response_noise(&model, self.noise))?;
         let at_place = |place: &Place| {
-            let at = ground.footing(&model.system, place)?;
-            force::missing_force(&ground, &at, &model.system, &place.at)
+            let at = regression.kinematics(&model.system, place)?;
+            force::missing_force(&regression, &at, &model.system, &place.at)
         };
         let all: Vec<Free> = model.places().iter().filter_map(at_place).collect();
         let best = all.into_iter().min_by(|a, b| a.length.total_cmp(&b.length))?;
@@ -180,13 +180,15 @@ impl Search<'_> {
             if self.observer.tell(0.9, Activity::Formulas) {
                 break;
             }
-            let Some(ground) = Ground::new(&model, &now.cal, runs.as_ref(), &coarse) else { break };
+            let Some(regression) = PartialRegression::new(&model, &now.cal, runs.as_ref(), &coarse) else {
+                break;
+            };
             let mut candidates = Vec::new();
             for scope in scopes(&model) {
                 if self.observer.tell(0.9, Activity::Formulas) {
                     break;
                 }
-                candidates.extend(candidates_at(&ground, &model, &scope));
+                candidates.extend(candidates_at(&regression, &model, &scope));
             }
             let (first, longer) = promising(candidates, &tried);
             if (first.is_empty() && longer.is_empty()) || self.observer.tell(0.91, Activity::FittingFormulas)
@@ -356,11 +358,11 @@ fn best_of(tried: &[Tried], value: &dyn Fn(&Tried, Measure) -> f64) -> Option<us
 }
 
 /// The formulas of a place, shortest description first.
-fn candidates_at(ground: &Ground, model: &TrialModel, scope: &Scope) -> Vec<Candidate> {
+fn candidates_at(regression: &PartialRegression, model: &TrialModel, scope: &Scope) -> Vec<Candidate> {
     let place = &scope.place;
-    let Some(at) = ground.footing(&model.system, place) else { return vec![] };
+    let Some(at) = regression.kinematics(&model.system, place) else { return vec![] };
     // What no force of displacement and velocity explains here, no formula of them does.
-    let free = force::missing_force(ground, &at, &model.system, &place.at);
+    let free = force::missing_force(regression, &at, &model.system, &place.at);
     if !free.is_some_and(|free| free.may_explain) {
         return vec![];
     }
@@ -371,7 +373,7 @@ fn candidates_at(ground: &Ground, model: &TrialModel, scope: &Scope) -> Vec<Cand
     let ways: &[bool] = if at.rested() && scope.velocity { &[true, false] } else { &[false] };
     let mut all = Vec::new();
     for &sticks in ways {
-        let Some(selection) = Selection::new(ground, &at, &grammar, model, sticks) else { continue };
+        let Some(selection) = Selection::new(regression, &at, &grammar, model, sticks) else { continue };
         let found = selection.best();
         all.extend(found.into_iter().filter_map(|entry| candidate(entry, place, &grammar)));
     }

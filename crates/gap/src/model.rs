@@ -1,5 +1,6 @@
 //! Models under test: the model of the spec with laws added to its graph, fitted to the records.
 
+mod error;
 mod fitted;
 mod input_error;
 mod noise_form;
@@ -8,6 +9,7 @@ mod score;
 mod spec_text;
 mod trial_model;
 
+pub use error::ModelError;
 pub(crate) use fitted::{Fitted, current, values};
 pub(crate) use input_error::ColumnError;
 pub(crate) use records::{noise_of, shortened};

@@ -3,10 +3,12 @@
 
 mod effect;
 mod known_force;
+mod needs;
 
 pub use effect::{Effect, EffectError};
 pub(crate) use effect::{bindings, fits, is_force, needs, product};
 pub(crate) use known_force::known_forces;
+pub use needs::Needs;
 
 use phisindy_expr::Id;
 use phisindy_phys::unit::{Dimension, Unit};

@@ -5,12 +5,15 @@ mod finding;
 mod force_history;
 mod missing_force;
 mod observed_range;
+mod placed_law;
 mod region;
 pub(crate) mod tried;
 pub(crate) mod verdict;
 mod words;
 
-pub use error::{DataError, GapError, ModelError};
+pub use crate::model::ModelError;
+pub use crate::place::Needs;
+pub use error::{DataError, GapError};
 pub use finding::{
     Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, DataMistake, DriveFrequency,
     InputError, InputNoise, Leader, Named, NamedValue, SensorNonlinearity, SpecMistake, StopReason, Veto,
@@ -20,9 +23,10 @@ pub use force_history::{ForceHistory, force_history};
 pub use missing_force::{Dependence, ForcePoint, MissingForce};
 pub use observed_range::ObservedRange;
 pub(crate) use observed_range::observed_ranges;
+pub use placed_law::PlacedLaw;
 pub(crate) use region::regions;
 pub use region::{Location, Region};
-pub use tried::{Needs, NotTried, Tried, WhyNot};
+pub use tried::{NotTried, Tried, WhyNot};
 
 use crate::model::Fitted;
 use crate::place::Effect;
@@ -83,21 +87,6 @@ pub struct RecordValue {
     pub value: f64,
     /// 95 % interval.
     pub ci95: (f64, f64),
-}
-
-/// A law at a place, by name.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct PlacedLaw {
-    /// The law's id.
-    pub law: String,
-    /// The place, as [`crate::Place::at`].
-    pub at: String,
-}
-
-impl PlacedLaw {
-    pub(crate) fn of(effect: &Effect) -> PlacedLaw {
-        PlacedLaw { law: effect.entry.id.clone(), at: effect.place.at.clone() }
-    }
 }
 
 /// A model that was fitted but not chosen.

@@ -767,7 +767,7 @@ fn after_fits(
         if let Some((_, gap, score)) = own.max_by(|a, b| a.2.total_cmp(&b.2)) {
             (t.gap, t.score) = (Some(*gap), *score);
         }
-        t.vetoed = round.vetoed.iter().find(|v| v.law == t.at).map(|v| v.why.to_string());
+        t.vetoed = round.vetoed.iter().find(|v| v.law == t.at).map(|v| v.why.clone());
     }
     weighed(&mut tried);
     let order = |t: &Tried| (t.gap.is_none(), t.vetoed.is_some());

@@ -1,113 +1,16 @@
 //! Channels of a file that stores one by one: brought to one time where they have rates of their own.
 
-use crate::format::{Refusal, Wanted};
+use crate::channel::{Channel, Clock, MOST_CHANNELS, Values};
+use crate::columns::{Column, Columns};
 use crate::headings::{Heading, Quantity};
 use crate::listing::marked;
-use crate::rows::Line;
-use crate::sheet::{Rows, SEPARATOR, Sheet, push_number, push_word};
+use crate::refusal::{Refusal, Wanted};
+use crate::sheet::{Rows, Sheet};
 use crate::time_column::is_named_time;
 use phisindy_phys::unit::Unit;
 
-/// Most channels of a file: more are no columns of a record, but pictures or the like.
-pub(crate) const MOST_CHANNELS: usize = 4096;
 /// The column of time of channels that have a first time and a step.
 const TIME: &str = "time";
-
-/// A channel as it is stored.
-#[derive(Clone, Debug)]
-pub(crate) struct Channel {
-    /// The group, structure or array that holds it; empty if none does.
-    pub(crate) group: String,
-    /// Its name within the group.
-    pub(crate) name: String,
-    /// Its unit as the file spells it.
-    pub(crate) unit: Option<String>,
-    /// What it holds.
-    pub(crate) values: Values,
-    /// Its own times, if the file stores them with it.
-    pub(crate) clock: Option<Clock>,
-}
-
-/// Times of a channel, in seconds.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Clock {
-    /// The time of the first sample and the step.
-    Even(f64, f64),
-    /// Of each sample.
-    Listed(Vec<f64>),
-}
-
-/// The samples of a channel.
-#[derive(Clone, Debug)]
-pub(crate) enum Values {
-    /// Numbers.
-    Numbers(Vec<f64>),
-    /// Words and times of day.
-    Words(Vec<String>),
-}
-
-impl Values {
-    pub(crate) fn len(&self) -> usize {
-        match self {
-            Values::Numbers(x) => x.len(),
-            Values::Words(x) => x.len(),
-        }
-    }
-}
-
-/// Columns of one length.
-#[derive(Debug)]
-pub(crate) struct Columns {
-    columns: Vec<Column>,
-    rows: usize,
-    /// Rows before the first one that every column covers.
-    first: usize,
-}
-
-#[derive(Debug)]
-struct Column {
-    name: String,
-    unit: Option<String>,
-    values: Values,
-}
-
-impl Columns {
-    /// Whether the columns have names of their own; otherwise they are counted from 1.
-    pub(crate) fn has_names(&self) -> bool {
-        self.columns.iter().enumerate().any(|(k, c)| c.name != (k + 1).to_string())
-    }
-
-    fn has_units(&self) -> bool {
-        self.has_names() && self.columns.iter().any(|c| c.unit.is_some())
-    }
-
-    pub(crate) fn lines(&self) -> usize {
-        self.rows + usize::from(self.has_names()) + usize::from(self.has_units())
-    }
-
-    /// A line: the names, the units, or a row.
-    pub(crate) fn line(&self, k: usize) -> Option<Line> {
-        let mut text = String::with_capacity(12 * self.columns.len());
-        let heading = usize::from(self.has_names());
-        let units = heading + usize::from(self.has_units());
-        let number = if k < units { 0 } else { k - units + self.first + 1 };
-        if k >= units && k - units >= self.rows {
-            return None;
-        }
-        for column in &self.columns {
-            if !text.is_empty() {
-                text.push(SEPARATOR);
-            }
-            match &column.values {
-                _ if k < heading => push_word(&mut text, &column.name),
-                _ if k < units => push_word(&mut text, column.unit.as_deref().unwrap_or("-")),
-                Values::Numbers(x) => push_number(&mut text, x[k - units]),
-                Values::Words(x) => push_word(&mut text, &x[k - units]),
-            }
-        }
-        Some(Line { text, number, ended: true })
-    }
-}
 
 /// Channels with the same times.
 struct Rate {

@@ -10,8 +10,11 @@
 //! `format`, which delivers cells or channels. Everything else is independent of the format.
 
 mod bytes;
+mod cell;
+mod channel;
 mod channels;
 mod clock;
+mod columns;
 mod contradictions;
 mod data_file;
 mod draft;
@@ -20,6 +23,7 @@ mod headings;
 mod listing;
 mod matrix;
 mod records;
+mod refusal;
 mod remarks;
 mod roles;
 mod rows;

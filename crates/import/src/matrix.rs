@@ -1,6 +1,6 @@
 //! Vectors and matrices of a file as channels.
 
-use crate::channels::{Channel, MOST_CHANNELS, Values};
+use crate::channel::{Channel, MOST_CHANNELS, Values};
 
 /// The name of a group within another one, which may be nothing.
 pub(crate) fn inner(group: &str, name: &str) -> String {

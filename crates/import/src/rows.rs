@@ -9,11 +9,12 @@
 mod dialect;
 mod encoding;
 mod header;
+mod line;
 mod lines;
 mod mistakes;
 mod record;
 mod table;
 
-pub(crate) use lines::{Line, LineError};
+pub(crate) use line::{Line, LineError};
 pub use record::record;
 pub use table::table;

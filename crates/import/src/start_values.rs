@@ -1,33 +1,18 @@
 //! Start values of the constants, from a regression on smoothed derivatives.
 
+mod least_squares;
+mod motion;
 mod tester;
 mod weak_form;
 
+use least_squares::least_squares;
+pub use motion::Motion;
 use phisindy_signal::{automatic, standard_deviation};
 pub use tester::Drive;
 use weak_form::{CLEAR, Forced, forced};
 
 /// Most rows of the regression: more do not improve a start value.
 const MOST: usize = 20_000;
-
-/// A motion and its inputs, in SI.
-#[derive(Clone, Debug, Default)]
-pub struct Motion {
-    /// Seconds, strictly increasing.
-    pub time: Vec<f64>,
-    /// Displacement or angle; the integral where only the velocity is measured.
-    pub displacement: Vec<f64>,
-    /// What an accelerometer reads, if the motion is known from that alone.
-    pub acceleration: Option<Vec<f64>>,
-    /// Motion of the base.
-    pub base: Option<Vec<f64>>,
-    /// Force or drive.
-    pub force: Option<Vec<f64>>,
-    /// Whether the angle is large: gravity takes the place of a linear spring.
-    pub is_pendulum: bool,
-    /// Strongest frequency, in Hz.
-    pub frequency: Option<f64>,
-}
 
 /// Coefficients of the acceleration `-stiffness*(x - u) - damping*(v - du) - friction*sgn(v) + input_gain*F`.
 #[derive(Clone, Copy, Debug)]
@@ -135,40 +120,6 @@ fn coasting(damper: Vec<f64>, one: Vec<f64>, spring: Vec<f64>, target: &[f64], m
         (Some((c, _)), _) => Estimate { damping: c[0], ..slides },
         (None, _) => slides,
     }
-}
-
-/// Coefficients and residual sum of squares, by the normal equations of the scaled columns; `None` if they
-/// are dependent.
-fn least_squares(columns: &[Vec<f64>], target: &[f64]) -> Option<(Vec<f64>, f64)> {
-    let m = columns.len();
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let sizes: Vec<f64> = columns.iter().map(|c| dot(c, c).sqrt()).collect();
-    if target.len() < 4 * m || sizes.iter().any(|s| *s == 0.0 || !s.is_finite()) {
-        return None;
-    }
-    let mut matrix: Vec<Vec<f64>> = (0..m)
-        .map(|i| {
-            let row = (0..m).map(|j| dot(&columns[i], &columns[j]) / (sizes[i] * sizes[j]));
-            row.chain([dot(&columns[i], target) / sizes[i]]).collect()
-        })
-        .collect();
-    for k in 0..m {
-        let pivot = (k..m).max_by(|&a, &b| matrix[a][k].abs().total_cmp(&matrix[b][k].abs()))?;
-        matrix.swap(k, pivot);
-        if matrix[k][k].abs() < 1e-12 {
-            return None;
-        }
-        let above = matrix[k].clone();
-        for (_, row) in matrix.iter_mut().enumerate().filter(|(i, _)| *i != k) {
-            let factor = row[k] / above[k];
-            row.iter_mut().zip(&above).for_each(|(x, a)| *x -= factor * a);
-        }
-    }
-    let coefficients: Vec<f64> = (0..m).map(|k| matrix[k][m] / matrix[k][k] / sizes[k]).collect();
-    let left = (0..target.len())
-        .map(|r| (target[r] - columns.iter().zip(&coefficients).map(|(c, x)| c[r] * x).sum::<f64>()).powi(2))
-        .sum();
-    Some((coefficients, left))
 }
 
 #[cfg(test)]

@@ -7,24 +7,12 @@
 
 use crate::decisions::{BIAS_DRAWS, HALF_WIDTH_95, ROUGH_INPUT};
 use crate::differentiator_dependence::{Number, step};
-use crate::result::quantity::Quantity;
-use crate::result::warning::Warning;
+use crate::result::warning::{Bias, Warning};
 use crate::trajectory::fit::Fit;
 use phisindy_phys::Record;
 use phisindy_signal::{Differentiator, Interpolation, Signal, noise_level, standard_deviation};
 use phisindy_sim::{Noise, Streams, add_noise};
 use rayon::prelude::*;
-
-/// A number that noise of inputs moves.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Bias {
-    /// Which.
-    pub number: Quantity,
-    /// By which part of itself.
-    pub part: f64,
-    /// In standard errors.
-    pub errors: f64,
-}
 
 /// A record with as much noise once more on its measured inputs, and their indices. Inputs derived from them are
 /// derived again, as `how` says for each input. `None` where that fails.

@@ -25,7 +25,7 @@ mod trajectory;
 
 pub use decisions::decisions;
 pub use identify::{LearnOptions, dead_column, identify, suitable};
-pub use input_noise::{Bias, noisier};
+pub use input_noise::noisier;
 pub use result::error::{DataError, LearnError, ModelError, NumericsError, TruthError};
 pub use result::estimate::Estimate;
 pub use result::identified::{Identified, NoiseModel, PathPoint, StopReason};
@@ -36,7 +36,7 @@ pub use result::record_fit::{Adapted, OwnValue, RecordFit};
 pub use result::term::{Contribution, FoundTerm};
 pub use result::unknown_part::{Curve, PartValues, UnknownPart, unknown_parts};
 pub use result::verdict::{FitFailure, Rejection, Unfulfilled, Verdict};
-pub use result::warning::{Warning, at_bounds, sensitive_starts};
+pub use result::warning::{Bias, Chaos, Warning, at_bounds, sensitive_starts};
 pub use step::options::StepOptions;
 pub use step::train::{StepFit, train};
 pub use sweep::{SweepRun, Truth, bound, project, sweep_one};
@@ -44,7 +44,6 @@ pub use trajectory::calibrate::{
     Calibration, Effort, RESTART_RANGE, SegmentFit, calibrate, calibrate_from, segment_cost, segment_fit,
     single_run_cost,
 };
-pub use trajectory::chaos::Chaos;
 pub use trajectory::free_run::predicted;
 pub use trajectory::initial::{differentiated, sized, smoothed};
 pub use trajectory::kalman_smoother::reads_outputs;

@@ -1,6 +1,6 @@
 //! Data and models that do not suit each other: no panic, no hang, never a confident wrong number.
-mod common;
 
+use crate::common;
 use phisindy_learn::{Effort, Identified, LearnError, LearnOptions, Verdict, calibrate, identify, smoothed};
 use phisindy_phys::spec::Method;
 use phisindy_phys::{Case, Record, SensorParameter};
@@ -389,7 +389,7 @@ fn what_method_step_leaves_as_it_is_is_told() {
         .replace("optimiser: GaussNewton", "epochs: [20], rates: [0.1]");
     let (case, mut records) = common::load_text(&text, &[]);
     records[0].sensors[0].offset =
-        SensorParameter { within: Some((-0.1, 0.1)), ..SensorParameter::held(0.0) };
+        SensorParameter { within: Some((-0.1, 0.1)), ..SensorParameter::fixed(0.0) };
     let found = run_by(Method::Step, &case, &records).unwrap();
     for due in [
         "method step with RAdam holds k at the spec's value; learn: (optimiser: GaussNewton) moves it",

@@ -1,6 +1,6 @@
 //! The noise of every column is found from the data, without being told.
-mod common;
 
+use crate::common;
 use phisindy_learn::{Identified, LearnOptions, NoiseModel, identify};
 use std::ops::ControlFlow;
 

@@ -1,14 +1,12 @@
 //! Random rigs with laws of the catalogue, one of them taken for unknown: data without noise give its numbers
 //! back, or the result says why not.
 //!
+
 //! A few dozen in the ordinary tests; `PHISINDY_MODELS=1000` makes it a thousand.
 
-mod common;
-#[path = "../../sim/tests/common/random.rs"]
-mod random;
-
+use crate::common;
+use crate::random::{Acting, Dice, Rig};
 use phisindy_learn::{Identified, LearnOptions, Verdict, identify};
-use random::{Acting, Dice, Rig};
 use rayon::prelude::*;
 use std::fmt::Write;
 use std::ops::ControlFlow;

@@ -1,6 +1,6 @@
 //! Method `step`, end to end on the cases of the paper.
-mod common;
 
+use crate::common;
 use phisindy_learn::{LearnOptions, StepFit, StepOptions, StopReason, identify, train};
 use phisindy_phys::spec::{Method, Optimiser};
 use phisindy_phys::{Case, Record};

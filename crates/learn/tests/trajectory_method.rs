@@ -1,6 +1,6 @@
 //! Method `trajectory`: right terms and right numbers, from noise, whatever the form of the case.
-mod common;
 
+use crate::common;
 use phisindy_learn::{
     Estimate, FoundTerm, Identified, LearnOptions, PartValues, UnknownPart, Verdict, Warning, bound,
     identify, project, unknown_parts,
@@ -283,7 +283,7 @@ fn a_late_sensor() {
         let mut part = whole.clone();
         part.time = whole.time[from..to].into();
         part.columns = vec![cut(&whole.columns[0], late), cut(&whole.columns[1], 0)];
-        part.sensors[0].delay = SensorParameter { within: Some((0.0, 0.5)), ..SensorParameter::held(0.0) };
+        part.sensors[0].delay = SensorParameter { within: Some((0.0, 0.5)), ..SensorParameter::fixed(0.0) };
         part.start = vec![None; 2];
         part.role = role;
         part

@@ -20,11 +20,13 @@ mod jobs;
 mod reply;
 mod results;
 mod routes;
+mod site;
 
 use folder::Working;
 use guard::Guard;
 use jobs::Jobs;
 use phisindy::files::Request;
+use site::Site;
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::Path;
@@ -41,17 +43,6 @@ const GRACE: Duration = Duration::from_secs(10);
 pub struct Page {
     server: Server,
     site: Arc<Site>,
-}
-
-/// What every request works on.
-struct Site {
-    guard: Guard,
-    folder: Working,
-    jobs: Jobs,
-    /// Where data files and laws are looked for beside the folder.
-    request: Request,
-    /// The file that the page begins with.
-    first: Option<String>,
 }
 
 impl Page {

@@ -3,7 +3,8 @@
 use crate::folder::{LARGEST_SPEC, ending};
 use crate::jobs::What;
 use crate::reply::{COMMON, Reply};
-use crate::{Site, check, columns, results};
+use crate::site::Site;
+use crate::{check, columns, results};
 use phisindy::files::spec_text;
 use serde_json::{Value, json};
 use std::io::{self, Read, Write};

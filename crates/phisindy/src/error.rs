@@ -2,11 +2,10 @@
 
 use crate::laws::LawError;
 use crate::record::RecordError;
-use crate::simulate::SimulationError;
 use phisindy_gap::GapError;
 use phisindy_learn::LearnError;
 use phisindy_phys::{Diagnostic, Sources, splice::SetError};
-use phisindy_sim::SyntheticError;
+use phisindy_sim::{SimError, SyntheticError};
 use std::fmt;
 
 /// Why there is no result.
@@ -158,3 +157,39 @@ impl fmt::Display for SpecError {
 }
 
 impl std::error::Error for SpecError {}
+
+/// Why a model has no free run along a record.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum SimulationError {
+    /// Nothing tells where a state starts.
+    NoStart {
+        /// Its name.
+        state: String,
+    },
+    /// The rates of the model cannot be simulated at all: why.
+    Model(String),
+    /// The run came to no end.
+    Run(SimError),
+}
+
+impl SimulationError {
+    /// Whether a state grew without bound.
+    pub fn diverged(&self) -> bool {
+        matches!(self, SimulationError::Run(SimError::Diverged { .. }))
+    }
+}
+
+impl fmt::Display for SimulationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            SimulationError::NoStart { state } => {
+                write!(f, "no column tells where {state} starts: add `start: {{ \"{state}\": ... }}`")
+            }
+            SimulationError::Model(reason) => f.write_str(reason),
+            SimulationError::Run(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for SimulationError {}

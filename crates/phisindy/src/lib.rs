@@ -53,14 +53,14 @@ mod record;
 mod simulate;
 
 pub use case::Case;
-pub use error::{Error, SpecError};
+pub use error::{Error, SimulationError, SpecError};
 pub use gap::{Gap, gap};
 pub use identify::{Equation, Identified, Term, identify};
 pub use laws::{Catalogue, LawError};
 pub use loaded::{Loaded, record_named};
 pub use options::{Observer, Options, Progress};
 pub use record::{Record, RecordError};
-pub use simulate::{Motion, SimulationError, simulate};
+pub use simulate::{Motion, simulate};
 
 pub use phisindy_gap::{GapError, Rival, Status, Step, StepParameter};
 pub use phisindy_learn::{Estimate, FoundParameter, LearnError, RecordFit, Verdict};

@@ -1,14 +1,13 @@
 //! The motion that a model predicts.
 
 use crate::case::Case;
-use crate::error::Error;
+use crate::error::{Error, SimulationError};
 use crate::loaded::Loaded;
 use crate::record::Record;
 use phisindy_learn::ModelError;
 use phisindy_phys::{self as phys, Origin, System};
 use phisindy_signal::{Differentiator, standard_deviation};
 use phisindy_sim::{SimError, Trajectory};
-use std::fmt;
 
 /// A free run at the times of a record, in SI.
 #[derive(Clone, Debug)]
@@ -133,39 +132,3 @@ fn failed(error: ModelError) -> SimulationError {
 /// How often, and by how much, a state without a column is allowed to be larger than was thought.
 const LARGER: usize = 4;
 const LARGER_BY: f64 = 1e3;
-
-/// Why a model has no free run along a record.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum SimulationError {
-    /// Nothing tells where a state starts.
-    NoStart {
-        /// Its name.
-        state: String,
-    },
-    /// The rates of the model cannot be simulated at all: why.
-    Model(String),
-    /// The run came to no end.
-    Run(SimError),
-}
-
-impl SimulationError {
-    /// Whether a state grew without bound.
-    pub fn diverged(&self) -> bool {
-        matches!(self, SimulationError::Run(SimError::Diverged { .. }))
-    }
-}
-
-impl fmt::Display for SimulationError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            SimulationError::NoStart { state } => {
-                write!(f, "no column tells where {state} starts: add `start: {{ \"{state}\": ... }}`")
-            }
-            SimulationError::Model(reason) => f.write_str(reason),
-            SimulationError::Run(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for SimulationError {}

@@ -5,6 +5,7 @@
 //!                       RecordPlans --from_table, with a Table--> Records (samples in SI, with Notes)
 //! ```
 
+mod butterworth;
 pub(crate) mod check;
 pub(crate) mod constants;
 pub(crate) mod equations;

@@ -2,7 +2,7 @@
 //! (1980) 19-26; Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.5 and II.6).
 
 use crate::dense::Dense;
-use crate::step::Flow;
+use crate::flow::Flow;
 
 /// Number of stages; the last one is the first of the next step.
 pub(crate) const STAGES: usize = 7;

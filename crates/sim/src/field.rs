@@ -4,8 +4,8 @@
 use crate::automaton::Automaton;
 use crate::decisions::{LEAST_SPEED, OFF_SURFACE};
 use crate::elimination::solve_in_place;
+use crate::flow::Flow;
 use crate::linearisation::Linearisation;
-use crate::step::Flow;
 use crate::trajectory::Drive;
 use phisindy_expr::{Scratch, Tape};
 

@@ -19,6 +19,7 @@ mod events;
 mod excitation;
 mod factors;
 mod field;
+mod flow;
 mod linearisation;
 mod noise;
 mod output;

@@ -13,7 +13,7 @@ use crate::decisions::{
 };
 use crate::dense::Dense;
 use crate::factors::Factors;
-use crate::step::Flow;
+use crate::flow::Flow;
 
 /// Number of stages beyond the start of the step.
 pub(crate) const STAGES: usize = 5;

@@ -2,15 +2,8 @@
 
 use crate::dense::Dense;
 use crate::dopri;
+use crate::flow::Flow;
 use crate::radau::{self, Radau};
-
-/// The rates to integrate.
-pub(crate) trait Flow {
-    /// Writes `dx/dt`, followed by the loads of the sticking contacts.
-    fn rates(&mut self, t: f64, x: &[f64], out: &mut [f64]);
-    /// Writes the derivatives of `dx/dt` by `x`, row by row.
-    fn by_state(&mut self, t: f64, x: &[f64], out: &mut [f64]);
-}
 
 /// How a step is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

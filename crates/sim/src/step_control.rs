@@ -1,10 +1,12 @@
-//! Step control: the first step length, the longest permitted one, and the error of a trial step.
+//! Step control: the first step length, the longest permitted one, the error of a trial step, and the method of the
+//! next one.
 
 use crate::decisions::{
     LOAD_RESOLUTION, SHAPE_MATTERS, SHAPE_RESOLUTION, SHAPE_SHORTENING, SPEED_RATIO, SPEED_RATIO_SLACK,
     STEP_SAFETY,
 };
 use crate::state::Run;
+use crate::step::Method;
 
 impl Run<'_> {
     /// Estimates a first step length from the size and the change of the rates (Hairer, Norsett, Wanner,
@@ -121,5 +123,19 @@ impl Run<'_> {
         let crossed = |&c: &usize| !self.field.stuck[c] && self.field.modes[c] * self.there.w[c] < 0.0;
         let reach = |c: usize| -self.here.w[c] / self.here.rate[c];
         (0..self.field.switches()).filter(crossed).map(reach).filter(|r| *r > 0.0).reduce(f64::min)
+    }
+
+    /// Chooses the method of the next step, after an accepted one (E. Hairer, G. Wanner, Solving Ordinary
+    /// Differential Equations II, IV.2).
+    pub(crate) fn choose_method(&mut self) {
+        let method = self.step.method();
+        let Some(stiffness) = self.step.stiffness(&self.size) else { return };
+        if self.watch.note(method, stiffness) {
+            self.watch.change(method);
+            self.step.set_method(match method {
+                Method::Explicit => Method::Implicit,
+                Method::Implicit => Method::Explicit,
+            });
+        }
     }
 }

@@ -6,7 +6,6 @@
 //! are cheaper.
 
 use crate::decisions::{CALM_STEPS, CHANGE_STEPS, IMPLICIT_COST, MOST_DOUBLINGS, STABLE, STIFF};
-use crate::state::Run;
 use crate::step::Method;
 
 /// What the last steps say about the method of the next one.
@@ -24,7 +23,7 @@ pub(crate) struct Watch {
 
 impl Watch {
     /// Notes `h |lambda|` of an accepted step; returns whether the other method is the better one.
-    fn note(&mut self, method: Method, stiffness: f64) -> bool {
+    pub(crate) fn note(&mut self, method: Method, stiffness: f64) -> bool {
         let pays = stiffness >= IMPLICIT_COST * STABLE;
         let (other, needed) = match method {
             Method::Explicit => (stiffness > STIFF, CHANGE_STEPS << self.in_vain),
@@ -43,28 +42,12 @@ impl Watch {
     }
 
     /// The method changes from this one.
-    fn change(&mut self, from: Method) {
+    pub(crate) fn change(&mut self, from: Method) {
         let in_vain = match (from, self.paid) {
             (Method::Explicit, _) => self.in_vain,
             (Method::Implicit, true) => 0,
             (Method::Implicit, false) => (self.in_vain + 1).min(MOST_DOUBLINGS),
         };
         *self = Watch { in_vain, ..Watch::default() };
-    }
-}
-
-impl Run<'_> {
-    /// Chooses the method of the next step, after an accepted one (E. Hairer, G. Wanner, Solving Ordinary
-    /// Differential Equations II, IV.2).
-    pub(crate) fn choose_method(&mut self) {
-        let method = self.step.method();
-        let Some(stiffness) = self.step.stiffness(&self.size) else { return };
-        if self.watch.note(method, stiffness) {
-            self.watch.change(method);
-            self.step.set_method(match method {
-                Method::Explicit => Method::Implicit,
-                Method::Implicit => Method::Explicit,
-            });
-        }
     }
 }

@@ -1,9 +1,7 @@
 //! Motions with a closed form.
 
-mod common;
-
+use crate::common::{Case, grid};
 use approx::assert_abs_diff_eq;
-use common::{Case, grid};
 use std::f64::consts::PI;
 
 /// Free decay with Coulomb friction: each half cycle takes 2 F/k off the amplitude; it stops at the first

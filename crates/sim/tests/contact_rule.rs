@@ -1,9 +1,7 @@
 //! The contact rule: what sticks, when it lets go, and which way.
 
-mod common;
-
+use crate::common::{self, Case, grid, story};
 use approx::assert_abs_diff_eq;
-use common::{Case, grid, story};
 use phisindy_signal::{Interpolation, Signal};
 use std::sync::Arc;
 

@@ -1,8 +1,6 @@
 //! Runs that cannot go on, and odd requests: an error or a result, never a panic or a hang.
 
-mod common;
-
-use common::{Case, grid};
+use crate::common::{self, Case, grid};
 use phisindy_sim::SimError;
 
 #[test]

@@ -2,11 +2,10 @@
 //!
 //! It knows no events, so it is led from one of our events to the next, and what must hold there is checked
 //! on its own numbers: a contact that stops has no speed, one that lets go bears just what it can hold, no
+
 //! speed has the wrong sign on the way and no stuck contact is overloaded.
 
-mod common;
-
-use common::{Case, case_1a, case_1b, case_7, grid};
+use crate::common::{Case, case_1a, case_1b, case_7, grid};
 use ode_solvers::{DVector, Dop853, OutputType, System};
 
 /// Masses on the ground: the forces on them without friction, and the friction of each at a speed.

@@ -1,14 +1,12 @@
 //! Random rigs with laws of the catalogue: energy is accounted for, what sticks can be held, and the step
 //! does not show.
 //!
+
 //! A few dozen in the ordinary tests; `PHISINDY_MODELS=1000` makes it a thousand.
 
-#[path = "common/random.rs"]
-mod random;
-
+use crate::random::{Acting, Dice, Place, Rig};
 use phisindy_phys::Model;
 use phisindy_sim::{Automaton, Drive, Options, SimError, Trajectory, simulate};
-use random::{Acting, Dice, Place, Rig};
 
 const MODELS: u64 = 40;
 

@@ -1,8 +1,6 @@
 //! Sensitivities against differences of whole runs, through every kind of event.
 
-mod common;
-
-use common::{Case, grid};
+use crate::common::{self, Case, grid};
 use phisindy_signal::{Interpolation, Signal};
 use std::sync::Arc;
 

@@ -1,8 +1,6 @@
 //! Stiff rates against closed forms, published solutions and another solver, and how much work they are.
 
-mod common;
-
-use common::{Case, grid};
+use crate::common::{self, Case, grid};
 use ode_solvers::{DVector, Dop853, OutputType, System};
 
 #[track_caller]

@@ -1,4 +1,5 @@
 //! Synthetic records: inputs of every kind, what is recorded of them, and what is said where one cannot be
+
 //! made.
 
 use approx::assert_abs_diff_eq;

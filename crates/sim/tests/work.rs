@@ -1,9 +1,8 @@
 //! How much work the reference runs are. A change that makes them slower fails here; one that makes them
+
 //! faster may tighten the numbers.
 
-mod common;
-
-use common::{Case, case_1a, case_1b, case_7, grid};
+use crate::common::{Case, case_1a, case_1b, case_7, grid};
 
 struct Work {
     events: usize,

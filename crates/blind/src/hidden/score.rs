@@ -4,12 +4,12 @@
 use super::mark::mark;
 use super::tally::{Marked, failures, tables};
 use super::truth::Truth;
-use crate::Table;
 use crate::args::{Options, ScoreArgs};
 use crate::folder::Folder;
 use crate::interrupt;
 use crate::program::Program;
 use crate::progress::Progress;
+use crate::table::Table;
 use anyhow::{Context, Result, bail};
 use rayon::prelude::*;
 use serde_json::{Value, json};

@@ -1,7 +1,7 @@
 //! How often the program reports a mistake, and how often it is wrong without a warning.
 
-use crate::Table;
 use crate::markdown::{markdown, short};
+use crate::table::Table;
 use std::fmt::Write;
 
 /// Chi square of five standard deviations for an observer who knows the mistake: less is invisible.

@@ -7,23 +7,25 @@
 
 #![allow(unsafe_code)]
 
-use super::Program;
 use std::marker::PhantomData;
 
 /// The memory of one run.
 pub(super) struct Lanes<'a, const N: usize> {
     slots: *mut [f64; N],
     factors: *const [u32; 2],
-    memory: PhantomData<(&'a Program, &'a mut [[f64; N]])>,
+    /// The slots and the factors live as long.
+    memory: PhantomData<&'a mut [[f64; N]]>,
 }
 
 impl<'a, const N: usize> Lanes<'a, N> {
+    /// For a program that needs so many slots and has these pairs of factors.
+    ///
     /// # Panics
-    /// If there are fewer slots than the program has.
+    /// If there are fewer slots than it needs.
     #[inline(always)]
-    pub(super) fn new(program: &'a Program, slots: &'a mut [[f64; N]]) -> Self {
-        assert!(slots.len() >= program.slots);
-        Lanes { slots: slots.as_mut_ptr(), factors: program.factors.as_ptr(), memory: PhantomData }
+    pub(super) fn new(needed: usize, factors: &'a [[u32; 2]], slots: &'a mut [[f64; N]]) -> Self {
+        assert!(slots.len() >= needed);
+        Lanes { slots: slots.as_mut_ptr(), factors: factors.as_ptr(), memory: PhantomData }
     }
 
     /// An operand of an instruction of the program.

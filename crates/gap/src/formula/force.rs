@@ -7,7 +7,7 @@ use crate::decisions::{
     FORCE_TIMES, WORTH,
 };
 use crate::result::{Dependence, ForcePoint, MissingForce};
-use crate::screen::{Footing, Ground, Response, dot, norm};
+use crate::screen::{Kinematics, PartialRegression, Response, dot, norm};
 use phisindy_phys::System;
 use rayon::prelude::*;
 
@@ -68,17 +68,22 @@ pub(super) struct Free {
 }
 
 /// The force of a place.
-pub(super) fn missing_force(ground: &Ground, at: &Footing, system: &System, name: &str) -> Option<Free> {
+pub(super) fn missing_force(
+    regression: &PartialRegression,
+    at: &Kinematics,
+    system: &System,
+    name: &str,
+) -> Option<Free> {
     let x = at.has_displacement();
-    let mut plains = vec![Plain { ground, at, target: ground.target().to_vec(), holding: None }];
+    let mut plains = vec![Plain { regression, at, target: regression.target().to_vec(), holding: None }];
     if at.rested()
-        && let Some(holding) = ground.holding(at, system)
+        && let Some(holding) = regression.holding(at, system)
     {
         let size = norm(&holding.rows);
         let rows: Vec<f64> = holding.rows.iter().map(|v| v / size).collect();
-        let mut target = ground.target().to_vec();
+        let mut target = regression.target().to_vec();
         project(&mut target, &rows);
-        plains.push(Plain { ground, at, target, holding: Some(rows) });
+        plains.push(Plain { regression, at, target, holding: Some(rows) });
     }
     let fits = |knots: (&Knots, &Knots), cells: &[Cell], on: Dependence| -> Vec<Fit> {
         plains.iter().filter_map(|plain| plain.fit(knots, cells, &[], on)).collect()
@@ -114,7 +119,7 @@ pub(super) fn missing_force(ground: &Ground, at: &Footing, system: &System, name
     let best = all.into_iter().filter(|f| !some || enough(f)).min_by(|a, b| a.length.total_cmp(&b.length))?;
     let left = best.left.sqrt();
     // The response to friction that holds is not exact where a place rests.
-    let before = norm(ground.target()) / (ground.target().len().max(1) as f64).sqrt();
+    let before = norm(regression.target()) / (regression.target().len().max(1) as f64).sqrt();
     let most = if at.rested() { FAR_OFF.max(FORCE_AT_REST * before) } else { FAR_OFF };
     let may_explain = left <= most;
     let on = match beyond(&plains, at, &best, FORCE_KNOTS[1]) {
@@ -128,7 +133,7 @@ pub(super) fn missing_force(ground: &Ground, at: &Footing, system: &System, name
 
 /// What a force depends on that displacement and velocity do not determine, where neither of these alone is enough: the
 /// past or the time, if forces of one of them are the shorter description.
-fn beyond(plains: &[Plain<'_>], at: &Footing, best: &Fit, count: usize) -> Option<Dependence> {
+fn beyond(plains: &[Plain<'_>], at: &Kinematics, best: &Fit, count: usize) -> Option<Dependence> {
     let one = matches!(best.on, Dependence::Velocity | Dependence::Displacement);
     if !at.has_displacement() || (one && best.left.sqrt() < EXPLAINED) {
         return None;
@@ -149,7 +154,7 @@ type Series = Vec<Vec<f64>>;
 
 /// Forces that remember: springs that slip at a deflection (Prandtl 1928, doi 10.1002/zamm.19280080202), of which any
 /// hysteresis that does not depend on the speed is a sum, and springs behind dashpots.
-fn remembering(at: &Footing) -> Vec<Series> {
+fn remembering(at: &Kinematics) -> Vec<Series> {
     let mut sizes: Vec<f64> = at.displacement.iter().flatten().map(|x| x.abs()).collect();
     sizes.sort_unstable_by(f64::total_cmp);
     let top = sizes.get(sizes.len() * 99 / 100).copied().unwrap_or(0.0);
@@ -177,7 +182,7 @@ fn remembered(displacement: &[Vec<f64>], next: impl Fn(f64, f64) -> f64) -> Seri
 }
 
 /// Forces of the motion whose size changes in the course of a record, as a spline over the time.
-fn drifting(at: &Footing) -> Vec<Series> {
+fn drifting(at: &Kinematics) -> Vec<Series> {
     let knots = FORCE_TIME_KNOTS;
     let over_time = |of: &dyn Fn(f64, f64) -> f64| -> Vec<Series> {
         let along = |k: usize| -> Series {
@@ -196,8 +201,8 @@ fn drifting(at: &Footing) -> Vec<Series> {
 
 /// What is left at a place; where the place rests there is a second view, with friction that holds it.
 struct Plain<'a> {
-    ground: &'a Ground,
-    at: &'a Footing,
+    regression: &'a PartialRegression,
+    at: &'a Kinematics,
     target: Vec<f64>,
     /// The response to the holding force, of unit size, projected out.
     holding: Option<Vec<f64>>,
@@ -206,7 +211,7 @@ struct Plain<'a> {
 impl Plain<'_> {
     /// The response to a force.
     fn response(&self, force: &[Vec<f64>]) -> Option<Response> {
-        let mut out = self.ground.response(self.at, force, self.holding.is_some())?;
+        let mut out = self.regression.response(self.at, force, self.holding.is_some())?;
         if let Some(holding) = &self.holding {
             project(&mut out.rows, holding);
         }
@@ -221,7 +226,7 @@ impl Plain<'_> {
         more: &[Series],
         on: Dependence,
     ) -> Option<Fit> {
-        let Plain { ground, at, target: own, .. } = self;
+        let Plain { regression, at, target: own, .. } = self;
         let force = |&(i, j): &Cell| -> Vec<Vec<f64>> {
             let value = |x: f64, v: f64| i.map_or(1.0, |i| xs.hat(i, x)) * j.map_or(1.0, |j| vs.hat(j, v));
             let along = |(x, v): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
@@ -247,7 +252,7 @@ impl Plain<'_> {
         let solved = llt.solve(&faer::Mat::from_fn(n, 1, |i, _| right[i]));
         let inverse = llt.solve(&faer::Mat::<f64>::identity(n, n));
         let gain: f64 = (0..n).map(|i| solved[(i, 0)] * right[i]).sum();
-        let (before, target) = (dot(ground.target(), ground.target()), dot(own, own));
+        let (before, target) = (dot(regression.target(), regression.target()), dot(own, own));
         let rows = own.len() as f64;
         let left = ((target - gain).max(0.0)) / rows;
         let cost = |ratio: f64| if ratio > 1.0 { rows * (1.0 + ratio.ln()) } else { rows * ratio };

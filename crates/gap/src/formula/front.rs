@@ -11,7 +11,7 @@ use super::scale::Scale;
 use super::shape::{Program, Shape, Term, shapes};
 use crate::decisions::{FORMULA_ALPHABET, FORMULA_BEAM, FORMULA_REFINED, FORMULA_SINGLES, FORMULA_TERMS};
 use crate::model::TrialModel;
-use crate::screen::{Footing, Ground, Response, dot, norm};
+use crate::screen::{Kinematics, PartialRegression, Response, dot, norm};
 use phisindy_sim::Stop;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -39,7 +39,7 @@ pub(super) struct Grammar {
 }
 
 impl Grammar {
-    pub(super) fn new(at: &Footing, scope: &Scope) -> Grammar {
+    pub(super) fn new(at: &Kinematics, scope: &Scope) -> Grammar {
         let scales = [Scale::new(&at.displacement), Scale::new(&at.velocity)];
         let all = shapes(at.has_displacement() && scope.displacement).into_iter();
         let all = all.filter(|s| s.velocity.is_none() || scope.velocity);
@@ -48,8 +48,8 @@ impl Grammar {
         Grammar { shapes, programs, scales, terms: if scope.linear { 1 } else { FORMULA_TERMS } }
     }
 
-    fn force(&self, at: &Footing, shape: usize, inner: &[f64]) -> Vec<Vec<f64>> {
-        let of = |(x, v): (&Vec<f64>, &Vec<f64>)| self.programs[shape].along(x, v, inner);
+    fn force(&self, at: &Kinematics, shape: usize, inner: &[f64]) -> Vec<Vec<f64>> {
+        let of = |(x, v): (&Vec<f64>, &Vec<f64>)| self.programs[shape].evaluate(x, v, inner);
         at.displacement.iter().zip(&at.velocity).map(of).collect()
     }
 }
@@ -64,8 +64,8 @@ struct Column {
 
 /// A selection at a place. Where the place rests there are two: with friction that holds it, and without.
 pub(super) struct Selection<'a> {
-    ground: &'a Ground,
-    at: &'a Footing,
+    regression: &'a PartialRegression,
+    at: &'a Kinematics,
     grammar: &'a Grammar,
     stop: &'a Stop,
     sticks: bool,
@@ -86,15 +86,15 @@ struct Set {
 
 impl<'a> Selection<'a> {
     pub(super) fn new(
-        ground: &'a Ground,
-        at: &'a Footing,
+        regression: &'a PartialRegression,
+        at: &'a Kinematics,
         grammar: &'a Grammar,
         model: &'a TrialModel,
         sticks: bool,
     ) -> Option<Selection<'a>> {
-        let mut target = ground.target().to_vec();
+        let mut target = regression.target().to_vec();
         let holding = if sticks {
-            let rows = ground.holding(at, &model.system)?.rows;
+            let rows = regression.holding(at, &model.system)?.rows;
             let size = norm(&rows);
             Some(rows.iter().map(|v| v / size).collect::<Vec<f64>>())
         } else {
@@ -104,7 +104,7 @@ impl<'a> Selection<'a> {
         if let Some(h) = &holding {
             project(&mut target, h);
         }
-        Some(Selection { ground, at, grammar, stop: &model.stop, sticks, holding, target, rows })
+        Some(Selection { regression, at, grammar, stop: &model.stop, sticks, holding, target, rows })
     }
 
     /// The best sums, shortest description first, with refined numbers.
@@ -196,7 +196,7 @@ impl<'a> Selection<'a> {
 
     fn response(&self, shape: usize, inner: &[f64]) -> Option<Response> {
         let force = self.grammar.force(self.at, shape, inner);
-        let mut out = self.ground.response(self.at, &force, self.sticks)?;
+        let mut out = self.regression.response(self.at, &force, self.sticks)?;
         if let Some(h) = &self.holding {
             project(&mut out.rows, h);
         }
@@ -260,7 +260,7 @@ impl<'a> Selection<'a> {
 
     /// The description length of a sum of shapes that gains this, less that of nothing.
     fn length(&self, gain: f64, of: impl Iterator<Item = usize>) -> f64 {
-        let before = dot(self.ground.target(), self.ground.target());
+        let before = dot(self.regression.target(), self.regression.target());
         let (mut numbers, mut symbols, mut terms) = (0, 0, 0);
         for shape in of {
             numbers += 1 + self.grammar.shapes[shape].inner().len();
@@ -310,7 +310,7 @@ impl<'a> Selection<'a> {
         let (gain, coefficients) = self.solved(&responses)?;
         let length = self.length(gain, shapes.iter().copied());
         let forces: Vec<(f64, &Response)> = coefficients.iter().copied().zip(&responses).collect();
-        let beside = self.ground.beside(&forces);
+        let beside = self.regression.beside(&forces);
         let terms = shapes
             .drain(..)
             .zip(inner)

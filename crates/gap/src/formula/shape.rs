@@ -221,7 +221,7 @@ impl Program {
     }
 
     /// Its values along displacement and velocity, its coefficient 1.
-    pub(super) fn along(&self, displacement: &[f64], velocity: &[f64], inner: &[f64]) -> Vec<f64> {
+    pub(super) fn evaluate(&self, displacement: &[f64], velocity: &[f64], inner: &[f64]) -> Vec<f64> {
         const LANES: usize = 64;
         let mut scratch = Scratch::<LANES>::new(&self.tape);
         let series: Vec<&[f64]> = [(self.reads[0], displacement), (self.reads[1], velocity)]

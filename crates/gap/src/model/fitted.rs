@@ -1,12 +1,12 @@
 //! A fitted model: calibration, score and residual noise.
 
+use super::error::ModelError;
 use super::input_error::{ColumnError, input_errors};
 use super::score::Score;
 use super::trial_model::TrialModel;
 use crate::decisions::{CHOW, LITTLE_LEFT, NOT_WHITE, RESTS, STANDS_STILL};
 use crate::model::records::growing_noise;
 use crate::place::Effect;
-use crate::result::ModelError;
 use crate::whiteness::score;
 use phisindy_learn::{Calibration, Effort, FoundParameter, RecordFit, SegmentFit, calibrate, calibrate_from};
 use phisindy_phys::spec::Role;
@@ -149,7 +149,7 @@ impl Fitted {
             if let Some(error) = hidden(r, k) {
                 return own.max(error.left);
             }
-            let grown = growing.get(k).copied().flatten().map_or(0.0, |form| form.along(column));
+            let grown = growing.get(k).copied().flatten().map_or(0.0, |form| form.root_mean_square(column));
             if residual.is_empty() { own } else { grown.max(noise_level(residual)).max(f64::MIN_POSITIVE) }
         };
         let none = vec![];

@@ -70,7 +70,7 @@ impl GrowingNoise {
     }
 
     /// The root mean square along a signal.
-    pub(crate) fn along(&self, signal: &[f64]) -> f64 {
+    pub(crate) fn root_mean_square(&self, signal: &[f64]) -> f64 {
         let mean = signal.iter().map(|x| x * x).sum::<f64>() / signal.len().max(1) as f64;
         (self.additive + self.relative * mean).sqrt()
     }
@@ -144,7 +144,7 @@ mod tests {
         for seed in 1..20 {
             let (clean, noisy) = swing(Noise::Relative(0.01), seed);
             let due = (clean.iter().map(|x| (0.01 * x).powi(2)).sum::<f64>() / 3000.0).sqrt();
-            let found = GrowingNoise::of(&noisy, &noisy).map_or(0.0, |n| n.along(&noisy));
+            let found = GrowingNoise::of(&noisy, &noisy).map_or(0.0, |n| n.root_mean_square(&noisy));
             assert!((found / due - 1.0).abs() < 0.15, "{found}, not {due}");
         }
     }
@@ -156,7 +156,7 @@ mod tests {
         clean[600..].fill(0.0);
         noisy[600..].fill(0.0);
         let due = (clean.iter().map(|x| (0.01 * x).powi(2)).sum::<f64>() / 3000.0).sqrt();
-        let found = GrowingNoise::of(&noisy, &noisy).map_or(0.0, |n| n.along(&noisy));
+        let found = GrowingNoise::of(&noisy, &noisy).map_or(0.0, |n| n.root_mean_square(&noisy));
         assert!((found / due - 1.0).abs() < 0.2, "{found}, not {due}");
     }
 

@@ -12,7 +12,7 @@ pub(crate) fn noise_of(records: &[Record]) -> Vec<Vec<f64>> {
     let growing = growing_noise(records, |r, k| records[r].columns[k].as_deref());
     let of = |(k, column): (usize, &Option<Vec<f64>>)| {
         let c = column.as_ref()?;
-        let level = growing[k].map_or(0.0, |form| form.along(c)).max(noise_level(c));
+        let level = growing[k].map_or(0.0, |form| form.root_mean_square(c)).max(noise_level(c));
         Some(level.max(CLEAN_COLUMN * standard_deviation(c)).max(f64::MIN_POSITIVE))
     };
     records.iter().map(|r| r.columns.iter().enumerate().filter_map(of).collect()).collect()

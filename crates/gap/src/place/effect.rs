@@ -1,7 +1,7 @@
 //! A law at a place.
 
+use super::needs::Needs;
 use super::{Place, Site};
-use crate::result::Needs;
 use phisindy_expr::Id;
 use phisindy_phys::unit::{Dimension, Unit};
 use phisindy_phys::{Law, LawEntry, LawRole, System};

@@ -1,7 +1,6 @@
 //! Errors of the workflow.
 
-use crate::model::SpecTextError;
-use crate::place::EffectError;
+use crate::model::ModelError;
 
 /// Why the workflow has no result.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,35 +43,4 @@ pub enum DataError {
     },
     /// The text of the spec cannot be read.
     Spec(String),
-}
-
-/// Why a model cannot be built or fitted.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ModelError {
-    /// It cannot be fitted.
-    Fit(phisindy_learn::ModelError),
-    /// An effect cannot act on it.
-    Effect(EffectError),
-    /// The text of the spec cannot hold it.
-    Text(SpecTextError),
-    /// The changed spec is invalid.
-    Spec,
-}
-
-impl From<phisindy_learn::ModelError> for ModelError {
-    fn from(why: phisindy_learn::ModelError) -> Self {
-        ModelError::Fit(why)
-    }
-}
-
-impl From<EffectError> for ModelError {
-    fn from(why: EffectError) -> Self {
-        ModelError::Effect(why)
-    }
-}
-
-impl From<SpecTextError> for ModelError {
-    fn from(why: SpecTextError) -> Self {
-        ModelError::Text(why)
-    }
 }

@@ -1,6 +1,6 @@
 //! Findings beside the effects: why the search ended, vetoes, other causes, warnings.
 
-use super::PlacedLaw;
+use super::placed_law::PlacedLaw;
 use phisindy_signal::Interpolation;
 
 /// Why a search ended.

@@ -1,7 +1,9 @@
 //! What a search tried, and what it could not try.
 
-use super::PlacedLaw;
+use super::finding::Veto;
+use super::placed_law::PlacedLaw;
 use crate::decisions::EXPLAINED;
+use crate::place::Needs;
 use std::fmt;
 
 /// A law that was tried at a place of the model as it is.
@@ -16,8 +18,8 @@ pub struct Tried {
     /// The probability of the law among those that explain the records by themselves, all equally likely beforehand (G.
     /// Schwarz 1978, doi 10.1214/aos/1176344136); `None` for a law that does not.
     pub probability: Option<f64>,
-    /// Why evidence rules it out, in words.
-    pub vetoed: Option<String>,
+    /// The evidence that rules it out.
+    pub vetoed: Option<Veto>,
 }
 
 /// A law that was not tried.
@@ -42,21 +44,6 @@ pub enum WhyNot {
     OutOfBounds,
     /// Its forces are not finite along the records.
     NotFinite,
-}
-
-/// What a law acts on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Needs {
-    /// A velocity.
-    Velocity,
-    /// A velocity that has a displacement.
-    Displacement,
-    /// A column of a sensor.
-    Sensor,
-    /// A recorded input.
-    Input,
-    /// A force of the known part.
-    Load,
 }
 
 impl fmt::Display for WhyNot {
@@ -101,17 +88,17 @@ mod tests {
 
     #[test]
     fn probabilities_are_those_of_the_laws_that_were_fitted() {
-        let tried = |score: f64, gap: Option<f64>, vetoed: Option<&str>| Tried {
+        let tried = |score: f64, gap: Option<f64>, vetoed: Option<Veto>| Tried {
             at: PlacedLaw { law: "coulomb".into(), at: "v".into() },
             score,
             gap,
             probability: None,
-            vetoed: vetoed.map(str::to_owned),
+            vetoed,
         };
         let mut all = vec![
             tried(100.0, Some(1.0), None),
             tried(100.0 - 2.0 * 3f64.ln(), Some(1.05), None),
-            tried(500.0, Some(0.9), Some("it pushes")),
+            tried(500.0, Some(0.9), Some(Veto::Pushes)),
             tried(90.0, None, None),
             tried(200.0, Some(5.0), None),
         ];

@@ -285,6 +285,7 @@ impl Display for DataMistake {
 }
 
 impl Display for Warning {
+    // One arm for each sentence: the table is longer than 80 lines, and has no logic to divide.
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
             Warning::UnknownLeftOut { candidates } => {

@@ -143,14 +143,7 @@ impl Base {
         let forgets = has_stops || drifts(&a, n, motion.period);
         let decay = shift(&a, n, span).max(if forgets { FORGETS_PER_PERIOD / motion.period } else { 0.0 });
         (0..n).for_each(|k| a[k * n + k] -= decay);
-        let bracket: Vec<f64> = (0..samples)
-            .flat_map(|i| {
-                let x = &motion.states[i * n..(i + 1) * n];
-                let rates = &rates;
-                let a = &a;
-                (0..n).map(move |row| rates[i * n + row] - (0..n).map(|k| a[row * n + k] * x[k]).sum::<f64>())
-            })
-            .collect();
+        let bracket = bracket(&rates, &a, &motion.states, n);
         let linear = Linear::new(&a, n, &motion.time);
         let known = linear.response(&bracket, &motion.states[..n]);
         let readings = self.outputs.as_ref().map(|tape| tape.readings(&motion, &rates, &a));
@@ -178,6 +171,15 @@ impl Base {
         let drive = Drive::new(&bare.system, &bare.records[record]).map_or(vec![], |mut d| d.lines());
         Some(RegressionData { motion, linear, bracket, rows, readings, rates, stride, still, left, drive })
     }
+}
+
+/// The known rates less `A x`, sample by sample.
+fn bracket(rates: &[f64], a: &[f64], states: &[f64], n: usize) -> Vec<f64> {
+    let row = |(i, rate): (usize, &f64)| {
+        let x = &states[i / n * n..][..n];
+        rate - a[i % n * n..][..n].iter().zip(x).map(|(a, x)| a * x).sum::<f64>()
+    };
+    rates.iter().enumerate().map(row).collect()
 }
 
 /// Friction of the model balances the other forces on two bodies, or on one, while they rest against each other: takes

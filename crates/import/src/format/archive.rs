@@ -1,7 +1,9 @@
 //! ZIP archives: workbooks and NumPy's `.npz`, told apart by the names of their members.
 
-use super::{Refusal, Wanted, numpy, workbook};
+use super::{numpy, workbook};
+use crate::channel::{Channel, MOST_CHANNELS};
 use crate::channels;
+use crate::refusal::{Refusal, Wanted};
 use crate::sheet::Sheet;
 use std::io::{Cursor, Read};
 use zip::ZipArchive;
@@ -59,7 +61,7 @@ fn checked(archive: &mut ZipArchive<Cursor<&[u8]>>) -> Result<(), Refusal> {
 }
 
 /// The arrays of a `.npz`.
-fn npz(mut archive: ZipArchive<Cursor<&[u8]>>, names: &[String]) -> Result<Vec<channels::Channel>, Refusal> {
+fn npz(mut archive: ZipArchive<Cursor<&[u8]>>, names: &[String]) -> Result<Vec<Channel>, Refusal> {
     let mut all = vec![];
     let mut left = MOST_BYTES;
     for name in names {
@@ -73,7 +75,7 @@ fn npz(mut archive: ZipArchive<Cursor<&[u8]>>, names: &[String]) -> Result<Vec<c
             return Err(broken("no array".to_owned()));
         }
         all.extend(numpy::array(&bytes, name.trim_end_matches(".npy"))?);
-        if all.len() > channels::MOST_CHANNELS {
+        if all.len() > MOST_CHANNELS {
             break;
         }
     }

@@ -1,9 +1,9 @@
 //! HDF5, which is also the format of MATLAB 7.3 (`save -v7.3`), of PyTables and of netCDF 4.
 
-use super::{Refusal, guarded};
 use crate::bytes::{Bytes, Kind};
-use crate::channels::{Channel, MOST_CHANNELS};
+use crate::channel::{Channel, MOST_CHANNELS};
 use crate::matrix;
+use crate::refusal::{Refusal, guarded};
 use hdf5_reader::group::Group;
 use hdf5_reader::messages::datatype::CompoundField;
 use hdf5_reader::{ByteOrder, Dataset, Datatype, Hdf5File, OpenOptions};
@@ -41,7 +41,7 @@ fn read(bytes: &[u8]) -> Result<Vec<Channel>, Refusal> {
     let referenced = Referenced::of(&root)?;
     found.group(&root, "", &referenced, 0)?;
     if found.channels.is_empty() && found.opaque {
-        return Err(super::matlab_objects());
+        return Err(crate::refusal::matlab_objects());
     }
     Ok(found.channels)
 }

@@ -1,9 +1,9 @@
 //! MATLAB files of version 5 to 7: `save` without `-v7.3`.
 
-use super::Refusal;
 use crate::bytes::{Bytes, Kind};
-use crate::channels::{Channel, MOST_CHANNELS};
+use crate::channel::{Channel, MOST_CHANNELS};
 use crate::matrix;
+use crate::refusal::Refusal;
 use flate2::read::ZlibDecoder;
 use std::io::Read;
 
@@ -46,7 +46,7 @@ pub(super) fn channels(bytes: &[u8]) -> Result<Vec<Channel>, Refusal> {
         }
     }
     match found {
-        Found { channels, opaque } if channels.is_empty() && opaque => Err(super::matlab_objects()),
+        Found { channels, opaque } if channels.is_empty() && opaque => Err(crate::refusal::matlab_objects()),
         Found { channels, .. } => Ok(channels),
     }
 }

@@ -1,9 +1,9 @@
 //! NumPy arrays: `.npy`, and each member of an `.npz`.
 
-use super::Refusal;
 use crate::bytes::{Bytes, Kind};
-use crate::channels::{Channel, MOST_CHANNELS, Values};
+use crate::channel::{Channel, MOST_CHANNELS, Values};
 use crate::clock::stamp_text;
+use crate::refusal::Refusal;
 
 const FORMAT: &str = "NumPy";
 

@@ -1,8 +1,8 @@
 //! Parquet, as pyarrow, pandas and DuckDB write it.
 
-use super::{Refusal, guarded};
-use crate::channels::{Channel, MOST_CHANNELS, Values};
+use crate::channel::{Channel, MOST_CHANNELS, Values};
 use crate::clock::stamp_text;
+use crate::refusal::{Refusal, guarded};
 use bytes::Bytes;
 use parquet::basic::{ConvertedType, LogicalType, TimeUnit};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};

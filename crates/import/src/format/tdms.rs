@@ -1,9 +1,9 @@
 //! TDMS, the measurement files of LabVIEW.
 
-use super::Refusal;
 use crate::bytes::{Bytes, Kind};
-use crate::channels::{Channel, Clock, Values};
+use crate::channel::{Channel, Clock, Values};
 use crate::clock::stamp_text;
+use crate::refusal::Refusal;
 use std::collections::HashMap;
 
 const FORMAT: &str = "TDMS";

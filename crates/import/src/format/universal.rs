@@ -1,8 +1,8 @@
 //! Universal files of modal analysis: the functions of time in their datasets 58 and 58b.
 
-use super::Refusal;
 use crate::bytes::{Bytes, Kind};
-use crate::channels::{Channel, Clock, MOST_CHANNELS, Values};
+use crate::channel::{Channel, Clock, MOST_CHANNELS, Values};
+use crate::refusal::Refusal;
 
 const FORMAT: &str = "universal (UFF)";
 /// Begins and ends a dataset.

@@ -1,9 +1,10 @@
 //! Workbooks: XLSX, XLSB, XLS and ODS.
 
-use super::{Refusal, Wanted, guarded};
+use crate::cell::Cell;
 use crate::clock::stamp_text;
 use crate::listing::listing;
-use crate::sheet::{Cell, Rows, Sheet};
+use crate::refusal::{Refusal, Wanted, guarded};
+use crate::sheet::{Rows, Sheet};
 use calamine::{Data, DataRef, ExcelDateTime, Ods, Reader, Xls, Xlsb, Xlsx};
 use std::fmt::Display;
 use std::io::Cursor;

@@ -1,8 +1,9 @@
 //! The header of a text file: its dialect, and the names and units of its columns.
 
 use super::dialect::{Dialect, is_units_row, looks_like_number};
-use super::lines::{Line, LineError, Lines};
-use crate::sheet::SEPARATOR;
+use super::line::{Line, LineError};
+use super::lines::Lines;
+use crate::cell::SEPARATOR;
 use std::ops::Range;
 
 /// The content of the first two lines.

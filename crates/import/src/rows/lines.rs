@@ -1,46 +1,15 @@
 //! Numbered lines of a data file, without comments, empty lines and the byte order mark.
 
 use super::encoding::{Decoded, is_utf16, is_utf32, text};
+use super::line::{Line, LineError};
 use crate::data_file::DataFile;
-use crate::format::{Refusal, Wanted, recognized};
+use crate::format::recognized;
+use crate::refusal::{Refusal, Wanted};
 use crate::sheet::Sheet;
 use std::io::{self, BufRead, BufReader, Read};
 
 /// Most bytes of a line; longer ones belong to no table.
 const LONGEST: usize = 1 << 20;
-
-/// A line with content.
-#[derive(Clone, Debug)]
-pub(crate) struct Line {
-    /// The text without line end.
-    pub(crate) text: String,
-    /// Its number, counted from 1; 0 for headings that are no row of the file.
-    pub(crate) number: usize,
-    /// Whether a line end follows; it may be missing at the end of a file.
-    pub(crate) ended: bool,
-}
-
-/// Why a line cannot be read.
-#[derive(Debug)]
-pub(crate) enum LineError {
-    /// Reading failed.
-    Io(io::Error),
-    /// The format is not read, or the file breaks its rules.
-    Format(Refusal),
-    /// No text: what stands before, and the number of the line.
-    NotText(String, usize),
-    /// The line with this number is too long.
-    TooLong(usize),
-    /// The file has more or fewer bytes than when it was opened.
-    Changed,
-}
-
-impl LineError {
-    /// Whether the name of a sheet is to blame.
-    pub(crate) fn is_of_sheet(&self) -> bool {
-        matches!(self, LineError::Format(refusal) if refusal.of_sheet)
-    }
-}
 
 /// Reads the lines of a file in order.
 pub(crate) struct Lines<'a> {

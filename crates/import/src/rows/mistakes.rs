@@ -1,7 +1,7 @@
 //! Diagnostics for mistakes in a text file, with the offending line.
 
 use super::dialect::Dialect;
-use super::lines::{Line, LineError};
+use super::line::{Line, LineError};
 use crate::data_file::unreadable;
 use crate::listing;
 use phisindy_expr::{Span, nearest};

@@ -3,12 +3,13 @@
 
 use super::dialect::Dialect;
 use super::header::Header;
-use super::lines::{Line, LineError, Lines};
+use super::line::{Line, LineError};
+use super::lines::Lines;
 use super::mistakes::{Mistakes, TimeCell};
 use crate::clock::Clock;
 use crate::contradictions::{StatedColumn, swapped_columns, unit_contradiction};
 use crate::data_file::DataFile;
-use crate::format::Wanted;
+use crate::refusal::Wanted;
 use crate::selection::{FEWEST, Selection, SelectionError};
 use phisindy_phys::spec::{CsvSpec, Spanned, Text};
 use phisindy_phys::unit::{Scale, Unit};

@@ -2,13 +2,14 @@
 
 use super::dialect::{Dialect, is_units_row, looks_like_number};
 use super::header::Header;
-use super::lines::{Line, LineError, Lines};
+use super::line::{Line, LineError};
+use super::lines::Lines;
 use super::mistakes::Mistakes;
+use crate::cell::SEPARATOR;
 use crate::clock::Clock;
 use crate::data_file::{DataFile, unreadable};
-use crate::format::Wanted;
 use crate::headings::Heading;
-use crate::sheet::SEPARATOR;
+use crate::refusal::Wanted;
 use crate::spec_text::quoted;
 use crate::table::{Column, Table};
 use phisindy_expr::Span;

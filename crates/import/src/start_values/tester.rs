@@ -4,8 +4,9 @@
 //! A driven body fulfils `F = m a + c v + k x + Fc sgn(v)`. Where the force jumps with the direction of the motion,
 //! the acceleration of a body would jump as well, unless the force is what prescribed motion meets.
 
+use super::least_squares::least_squares;
+use super::motion::Motion;
 use super::weak_form::weak;
-use super::{Motion, least_squares};
 
 /// Friction is seen in the force if its sign takes this part of the force (mean squares) beyond spring and damper, or
 /// if inertia, spring and damper together leave it: friction that slips late has no sharp sign.

@@ -5,7 +5,8 @@
 //! integrated by parts, so that nothing is differentiated: the jumps of a relay stay where they are, while they
 //! would be smeared in a second derivative.
 
-use super::{Motion, least_squares};
+use super::least_squares::least_squares;
+use super::motion::Motion;
 use phisindy_signal::moves_by_jumps;
 
 /// A stretch is this part of the strongest period: over longer ones `-w^2 x` stands for any acceleration.

@@ -5,8 +5,6 @@ use super::passivity_violation::PassivityViolation;
 use super::quantity::{Quantity, TermId};
 use super::record_fit::RecordFit;
 use super::verdict::Unfulfilled;
-use crate::input_noise::Bias;
-use crate::trajectory::chaos::Chaos;
 use phisindy_phys::Note;
 use phisindy_phys::spec::Optimiser;
 use phisindy_signal::Differentiator;
@@ -234,4 +232,32 @@ mod tests {
         // Whatever was written down before the run failed.
         assert_eq!(fit("no run", None).worst(), f64::INFINITY);
     }
+}
+
+/// A number that noise of inputs moves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bias {
+    /// Which.
+    pub number: Quantity,
+    /// By which part of itself.
+    pub part: f64,
+    /// In standard errors.
+    pub errors: f64,
+}
+
+/// What a chain of segments that no single run follows says of a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chaos {
+    /// Segments of the record that has most.
+    pub pieces: usize,
+    /// The largest Lyapunov exponent along the records (1/s).
+    pub exponent: f64,
+    /// The worst NRMSE of a column, each segment predicted from its start.
+    pub nrmse: f64,
+    /// The noise of that column in the same unit.
+    pub noise: f64,
+    /// The largest difference of a column's mean between data and free run, in standard errors of the two.
+    pub mean: f64,
+    /// The largest ratio of a column's standard deviation in data and free run, or its inverse.
+    pub size: f64,
 }

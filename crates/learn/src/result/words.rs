@@ -7,8 +7,7 @@ use super::quantity::{ParameterId, ParameterOf, Quantity, TermId};
 use super::verdict::{FitFailure, Rejection, Unfulfilled};
 use super::warning::Warning;
 use crate::decisions::{FEWEST_SAMPLES, RIVAL};
-use crate::input_noise::Bias;
-use crate::trajectory::chaos::Chaos;
+use crate::result::warning::{Bias, Chaos};
 use std::fmt::{Display, Formatter, Result};
 
 /// `1 in v'`.
@@ -45,8 +44,8 @@ impl Display for Quantity {
     }
 }
 
-// A table: one sentence for each variant.
 impl Display for Warning {
+    // One arm for each sentence: the table is longer than 80 lines, and has no logic to divide.
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
             Warning::DataNote { record, note } => write!(f, "{record}: {note}"),

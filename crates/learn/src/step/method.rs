@@ -26,7 +26,7 @@ pub(crate) fn by_steps(
     let system = &case.system;
     let (filled, mut warnings) = filled(case, records)?;
     let options = step_options(case);
-    warnings.extend(held(system, records, options.optimiser));
+    warnings.extend(kept_fixed(system, records, options.optimiser));
     let fitted: Vec<&Record> = filled.iter().filter(|r| r.role == Role::Fit).collect();
     let fit = train(system, &fitted, &options, observe);
     if !fit.loss.is_finite() || fit.coefficients.iter().any(|c| !c.is_finite()) {
@@ -96,7 +96,7 @@ fn filled(case: &Case, records: &[Record]) -> Result<(Vec<Record>, Vec<Warning>)
 }
 
 /// Warnings for what the spec lets move and the method keeps fixed.
-fn held(system: &System, records: &[Record], optimiser: Optimiser) -> Vec<Warning> {
+fn kept_fixed(system: &System, records: &[Record], optimiser: Optimiser) -> Vec<Warning> {
     let mut warnings = Vec::new();
     if optimiser != Optimiser::GaussNewton && !system.parameters.is_empty() {
         let names = system.parameters.iter().map(|p| p.name.clone()).collect();

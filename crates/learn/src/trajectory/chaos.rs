@@ -6,27 +6,11 @@
 
 use crate::decisions::{CHAOTIC_MEAN, CHAOTIC_SIZE, WORST_NRMSE};
 use crate::result::record_fit::RecordFit;
+use crate::result::warning::Chaos;
 use crate::trajectory::fit::Fit;
 use crate::trajectory::problem::{Noise, Problem};
 use crate::trajectory::validated_chain::ValidatedChain;
 use phisindy_signal::{effective_samples, standard_deviation};
-
-/// What a chain of segments that no single run follows says of a model.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Chaos {
-    /// Segments of the record that has most.
-    pub pieces: usize,
-    /// The largest Lyapunov exponent along the records (1/s).
-    pub exponent: f64,
-    /// The worst NRMSE of a column, each segment predicted from its start.
-    pub nrmse: f64,
-    /// The noise of that column in the same unit.
-    pub noise: f64,
-    /// The largest difference of a column's mean between data and free run, in standard errors of the two.
-    pub mean: f64,
-    /// The largest ratio of a column's standard deviation in data and free run, or its inverse.
-    pub size: f64,
-}
 
 impl Chaos {
     /// Of a chain of fitted records; `None` for single runs, and where no start grows. `fits` are their free runs.

@@ -198,6 +198,7 @@ impl Problem<'_> {
     }
 
     /// Which unknowns a segment depends on, its cost, and its normal equations in those (upper triangle).
+    // Longer than 80 lines: `wide` must inline the whole loop over the samples to compile it for the widest vectors.
     fn normal_of_segment(
         &self,
         segment: &Segment,

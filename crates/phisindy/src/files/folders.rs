@@ -1,7 +1,7 @@
 //! Finds data files in `--data`, then `PHISINDY_DATA`, then beside the spec, never outside these folders, and
 //! opens them.
 
-use super::Request;
+use super::request::Request;
 use phisindy_expr::Span;
 use phisindy_import::{DataFile, record, unreadable};
 use phisindy_phys::spec::CsvSpec;

@@ -1,6 +1,7 @@
 //! The catalogue of laws on disk: built in, beside a spec, and in a folder that the user names.
 
-use super::{Request, open_plain_file};
+use super::folders::open_plain_file;
+use super::request::Request;
 use crate::laws::{Catalogue, LawError};
 use phisindy_phys::{BUILT_IN, Diagnostic, Law, LawEntry, SourceId, Sources};
 use std::fmt;

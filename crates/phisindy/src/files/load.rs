@@ -3,8 +3,8 @@
 use super::columns::Columns;
 use super::folders::{self, Folders, Missing};
 use super::laws;
+use super::request::{Assignment, Request};
 use super::trends::Trends;
-use super::{Assignment, Request};
 use crate::error::{Error, SpecError};
 use crate::laws::Catalogue;
 use crate::loaded::{Laws, Loaded, NotWritten, checked};

@@ -38,7 +38,7 @@ mod tests {
     }
 
     /// The values that were there when they were read, each so many samples later at most.
-    fn held(x: &[f64], length: impl Fn(usize) -> usize) -> Vec<f64> {
+    fn zero_order_hold(x: &[f64], length: impl Fn(usize) -> usize) -> Vec<f64> {
         let mut out = Vec::new();
         while out.len() < x.len() {
             out.extend(vec![x[out.len()]; length(out.len())]);
@@ -55,11 +55,11 @@ mod tests {
     fn each_value_held_is_told() {
         for noise in [0.0, 0.02] {
             let x = swing(noise);
-            assert_eq!(repeats(&held(&x, |_| 4)), Some(4));
-            assert_eq!(repeats(&held(&x, |_| 2)), Some(2));
+            assert_eq!(repeats(&zero_order_hold(&x, |_| 4)), Some(4));
+            assert_eq!(repeats(&zero_order_hold(&x, |_| 2)), Some(2));
             // Read each 50 ms, written each 20 ms.
-            assert_eq!(repeats(&held(&x, |k| 2 + k % 2)), Some(2));
-            assert_eq!(repeats(&held(&rounded(&x, 1e-3), |_| 4)), Some(4));
+            assert_eq!(repeats(&zero_order_hold(&x, |k| 2 + k % 2)), Some(2));
+            assert_eq!(repeats(&zero_order_hold(&rounded(&x, 1e-3), |_| 4)), Some(4));
         }
     }
 

@@ -19,7 +19,7 @@ pub struct SensorParameter {
 
 impl SensorParameter {
     /// A value that is known.
-    pub fn held(value: f64) -> SensorParameter {
+    pub fn fixed(value: f64) -> SensorParameter {
         SensorParameter { start: value, within: None, sigma: None, shared: None }
     }
 }
@@ -30,7 +30,7 @@ impl SensorParameter {
 /// use phisindy_phys::{Sensor, SensorParameter};
 /// use phisindy_signal::Interpolation;
 /// // A laser whose zero is off by 2 mm.
-/// let laser = Sensor { offset: SensorParameter::held(2e-3), ..Sensor::default() };
+/// let laser = Sensor { offset: SensorParameter::fixed(2e-3), ..Sensor::default() };
 /// let place = laser.corrected(&[0.0, 0.1].into(), vec![2e-3, 5e-3], Interpolation::Linear).unwrap();
 /// assert!((place[1] - 3e-3).abs() < 1e-15);
 /// ```
@@ -98,7 +98,7 @@ impl Sensor {
 
 impl Default for Sensor {
     fn default() -> Self {
-        let held = SensorParameter::held;
-        Sensor { offset: held(0.0), gain: held(1.0), delay: held(0.0), follows: None }
+        let fixed = SensorParameter::fixed;
+        Sensor { offset: fixed(0.0), gain: fixed(1.0), delay: fixed(0.0), follows: None }
     }
 }

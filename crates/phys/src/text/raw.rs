@@ -3,9 +3,10 @@
 //! ron stops at the first mistake and does not say where a value stands; a spec needs all mistakes with their
 //! places, and a splice needs to change one value and leave everything else, comments too, as it is.
 
+mod mistake;
 mod scan;
 
-use crate::text::diagnostic::{Diagnostic, SourceId};
+pub(crate) use mistake::Mistake;
 use phisindy_expr::Span;
 use ron::extensions::Extensions;
 use scan::{Kind, Token, tokens};
@@ -47,43 +48,6 @@ pub(crate) struct Entry {
     /// A field's name or a map's key; none in lists and tuples.
     pub(crate) key: Option<Node>,
     pub(crate) value: Node,
-}
-
-/// Why a text is no RON.
-#[derive(Clone, Debug)]
-pub(crate) struct Mistake {
-    pub(crate) message: String,
-    pub(crate) span: Span,
-    label: String,
-    /// Boxed to keep results small.
-    other: Option<Box<(Span, String)>>,
-    help: Option<String>,
-}
-
-impl Mistake {
-    fn new(message: impl Into<String>, span: Span, label: impl Into<String>) -> Self {
-        Mistake { message: message.into(), span, label: label.into(), other: None, help: None }
-    }
-
-    fn also(mut self, span: Span, label: impl Into<String>) -> Self {
-        self.other = Some(Box::new((span, label.into())));
-        self
-    }
-
-    fn help(mut self, line: impl Into<String>) -> Self {
-        self.help = Some(line.into());
-        self
-    }
-
-    /// The same, for the user.
-    pub(crate) fn diagnostic(self, source: SourceId) -> Diagnostic {
-        let mut diagnostic = Diagnostic::error(self.message).at(source, self.span, self.label);
-        if let Some(other) = self.other {
-            diagnostic = diagnostic.also(source, other.0, other.1);
-        }
-        diagnostic.help.extend(self.help);
-        diagnostic
-    }
 }
 
 /// Length of the block comment that `text` starts with; none if it does not end.

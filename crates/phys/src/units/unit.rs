@@ -175,7 +175,8 @@ impl<'t> Parser<'t> {
             return Err(self.error(start, end, "a unit is missing here", ""));
         }
         let end = start + name.len();
-        table::find(name).ok_or_else(|| {
+        let unit = table::find(name).map(|(factor, dimension)| Unit { factor, dimension });
+        unit.ok_or_else(|| {
             let help = match name {
                 "degC" | "°C" | "C°" | "degF" | "°F" => "temperatures are in K".into(),
                 _ if name.starts_with(|c: char| c.is_ascii_digit()) => {

@@ -92,7 +92,7 @@ struct TriedOut<'a> {
     law: &'a str,
     probability: Option<f64>,
     score: f64,
-    vetoed: Option<&'a str>,
+    vetoed: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -256,7 +256,7 @@ fn tried(t: &Tried) -> TriedOut<'_> {
         law: &t.at.law,
         probability: t.probability,
         score: t.score,
-        vetoed: t.vetoed.as_deref(),
+        vetoed: t.vetoed.as_ref().map(ToString::to_string),
     }
 }
 

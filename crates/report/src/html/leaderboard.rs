@@ -63,7 +63,7 @@ fn row(t: &Tried, best: f64, catalogue: &[LawEntry]) -> Vec<Cell> {
     let score = element("span").class("score").add(bar).text(digits(t.score, 3));
     let number = |x: Option<f64>| x.map_or(text("–"), |x| text(digits(x, 3)));
     let probability = t.probability.map_or(text("–"), |p| text(share(p)));
-    let why = t.vetoed.clone().unwrap_or_default();
+    let why = t.vetoed.as_ref().map(ToString::to_string).unwrap_or_default();
     vec![Cell::Made(law), Cell::Made(score), number(t.gap), probability, text(why)]
 }
 

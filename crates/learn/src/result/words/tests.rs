@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::result::quantity::{RecordId, SensorPart};
-use crate::trajectory::chaos::Chaos;
 use phisindy_phys::Note;
 use phisindy_phys::spec::Optimiser;
 use phisindy_signal::{Differentiator, Smoothing};

@@ -26,7 +26,7 @@ fn springs() -> (Case, Vec<Record>) {
         &[(Role::Fit, column(SAMPLES[0], 0.0)), (Role::Fit, column(SAMPLES[1], 0.4))],
     );
     records[0].columns[1] = Some(column(SAMPLES[0], 1.5));
-    let free = |start: f64| SensorParameter { within: Some((-9.0, 9.0)), ..SensorParameter::held(start) };
+    let free = |start: f64| SensorParameter { within: Some((-9.0, 9.0)), ..SensorParameter::fixed(start) };
     let [x, v] = &mut records[0].sensors[..] else { panic!("two states") };
     (x.offset, x.gain, x.delay, v.gain) = (free(0.0), free(1.0), free(0.13), free(1.0));
     records[1].sensors[0].gain.shared = Some(0);
@@ -135,7 +135,7 @@ fn an_early_sensor_sees_beyond_the_takeover() {
     let (case, mut records) = springs();
     let early = 0.25;
     for sensor in &mut records[0].sensors {
-        sensor.delay = SensorParameter::held(-early);
+        sensor.delay = SensorParameter::fixed(-early);
     }
     records.truncate(1);
     let mut problem = Problem::new(&case.system, &[0], &[&records[0]], &[3]).unwrap();

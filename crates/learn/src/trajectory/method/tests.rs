@@ -249,7 +249,8 @@ fn another_choice_is_told_of_where_there_was_a_choice() {
 #[test]
 fn a_sensor_is_named_by_its_column() {
     let (case, mut records) = records(RATES, &[(Role::Fit, line(0.0))]);
-    records[0].sensors[0].delay = SensorParameter { within: Some((-1.0, 1.0)), ..SensorParameter::held(0.0) };
+    records[0].sensors[0].delay =
+        SensorParameter { within: Some((-1.0, 1.0)), ..SensorParameter::fixed(0.0) };
     let found = learned(&case, &records, &mut |_| ControlFlow::Continue(())).unwrap();
     let of = &found.parameters[0];
     assert_eq!((of.id.to_string().as_str(), of.unit.as_str(), of.id.record()), ("x.delay", "s", Some(0)));
@@ -280,7 +281,7 @@ fn each_record_has_its_own_numbers() {
     let (case, mut records) = records(text, &roles.map(|role| (role, line(0.0))));
     records[2].continues = Some(3);
     records[3].sensors[0].gain =
-        SensorParameter { within: Some((-90.0, 90.0)), ..SensorParameter::held(1.0) };
+        SensorParameter { within: Some((-90.0, 90.0)), ..SensorParameter::fixed(1.0) };
     let two = [&records[1], &records[3]];
     let problem = Problem::new(&case.system, &[0], &two, &[1, 1]).unwrap();
     // The coefficient, c, e and the start of the one, e, gain and start of the other.

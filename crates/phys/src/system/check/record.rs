@@ -49,7 +49,7 @@ impl Checker {
             for (value, which) in slots {
                 let Some(value) = value else { continue };
                 let parameter = match value {
-                    SensorValue::Number(x) => SensorParameter::held(x.value),
+                    SensorValue::Number(x) => SensorParameter::fixed(x.value),
                     SensorValue::Constant(name) => match self.sensor_constant(name, system) {
                         Some(parameter) => parameter,
                         None => continue,
@@ -76,7 +76,7 @@ impl Checker {
         for (k, of) in derived.iter().enumerate().filter_map(|(k, of)| Some((k, (*of)?))) {
             // A zero error has no derivative.
             all[n + k] =
-                Sensor { offset: SensorParameter::held(0.0), follows: Some(of), ..all[n + of].clone() };
+                Sensor { offset: SensorParameter::fixed(0.0), follows: Some(of), ..all[n + of].clone() };
         }
         all
     }
@@ -85,7 +85,7 @@ impl Checker {
     fn sensor_constant(&mut self, name: &Text, system: &System) -> Option<SensorParameter> {
         self.used.insert(name.value.clone());
         if let Some((_, value)) = system.constants.iter().find(|(n, _)| *n == name.value) {
-            return Some(SensorParameter::held(*value));
+            return Some(SensorParameter::fixed(*value));
         }
         let Some(shared) = system.parameters.iter().position(|p| p.name == name.value) else {
             let names: Vec<&str> = system

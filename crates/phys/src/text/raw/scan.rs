@@ -1,7 +1,7 @@
 //! RON text cut into tokens. The brackets are matched and their depth is limited here, before anything
 //! recursive looks at the text.
 
-use super::Mistake;
+use super::mistake::Mistake;
 use phisindy_expr::Span;
 
 /// Deepest nesting of brackets: far more than a spec needs, far less than a stack holds.

@@ -1,6 +1,6 @@
 //! A field or key that is not there yet.
 
-use super::SetError;
+use super::error::SetError;
 use crate::text::raw::{Node, Shape};
 
 /// Fields that are maps: what is created in them has a key in quotes.

@@ -1,6 +1,6 @@
 //! The units that are known by name.
 
-use super::{Dimension, Unit};
+use super::dimension::Dimension;
 use std::f64::consts::PI;
 
 /// Name, factor to SI, powers of kg, m, s, A, K, and whether it takes prefixes.
@@ -58,12 +58,11 @@ const PREFIXES: &[(&str, f64)] = &[
     ("G", 1e9),
 ];
 
-/// The unit of this name, perhaps with a prefix. A name that stands in the table is never taken apart: `min` is
+/// Factor to SI and dimension of the unit of this name, perhaps with a prefix. A name that stands in the table is never taken apart: `min` is
 /// no milli-inch.
-pub(super) fn find(name: &str) -> Option<Unit> {
-    let unit = |&(_, factor, [kg, m, s, a, k], _): &Row, prefix: f64| Unit {
-        factor: factor * prefix,
-        dimension: Dimension::new(kg, m, s, a, k),
+pub(super) fn find(name: &str) -> Option<(f64, Dimension)> {
+    let unit = |&(_, factor, [kg, m, s, a, k], _): &Row, prefix: f64| {
+        (factor * prefix, Dimension::new(kg, m, s, a, k))
     };
     if let Some(row) = UNITS.iter().find(|row| row.0 == name) {
         return Some(unit(row, 1.0));

@@ -1,10 +1,8 @@
 //! What an engineer asks of a result: shares and energies of terms, what was held, bounds of coefficients.
+
 #![allow(missing_docs)]
 
-#[allow(dead_code)]
-mod common;
-
-use common::{Scratch, phisindy};
+use crate::common::{Scratch, phisindy};
 use serde_json::Value;
 use std::f64::consts::{PI, SQRT_2};
 

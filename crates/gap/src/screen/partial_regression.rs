@@ -1,5 +1,5 @@
-//! The ground on which any force can be tried: the measured motion at a place, the linear response to a force there,
-//! and what is projected out of it.
+//! The linear regression in which any force can be tried: the motion at a place, the linear response to a force
+//! there, and the free columns that are projected out of it (Frisch, Waugh and Lovell).
 
 use super::Target;
 use super::free_columns::{FreeColumns, Movable};
@@ -18,7 +18,7 @@ use phisindy_phys::spec::Role;
 const EXPLAINED_BY_FREE: f64 = 1e-4;
 
 /// The records of a model, ready for the responses to forces.
-pub(crate) struct Ground {
+pub(crate) struct PartialRegression {
     data: Vec<RegressionData>,
     /// Rows of a record and column that are averaged to one.
     block: usize,
@@ -31,8 +31,8 @@ pub(crate) struct Ground {
     along: Vec<f64>,
 }
 
-/// A place along the motion of each record.
-pub(crate) struct Footing {
+/// The motion at a place, in each record.
+pub(crate) struct Kinematics {
     acts: Vec<(usize, f64)>,
     shows: Vec<(usize, f64)>,
     place: Place,
@@ -45,7 +45,7 @@ pub(crate) struct Footing {
     rests: Vec<Vec<bool>>,
 }
 
-impl Footing {
+impl Kinematics {
     /// Whether it comes to rest.
     pub(crate) fn rested(&self) -> bool {
         self.rests.iter().flatten().any(|r| *r)
@@ -64,7 +64,7 @@ pub(crate) struct Response {
     along: Vec<f64>,
 }
 
-impl Ground {
+impl PartialRegression {
     /// For the Fit records of a model fitted to `fitted`. `along_runs`: the motion is that of the runs of `fitted`
     /// rather than the measured one. `None` if the known rates cannot be evaluated along the data.
     pub(crate) fn new(
@@ -72,7 +72,7 @@ impl Ground {
         fitted: &Calibration,
         runs: Option<&Calibration>,
         noise: &[Vec<f64>],
-    ) -> Option<Ground> {
+    ) -> Option<PartialRegression> {
         let of: Vec<usize> =
             (0..model.records.len()).filter(|&r| model.records[r].role == Role::Fit).collect();
         let base = Base::new(&model.system)?;
@@ -89,16 +89,23 @@ impl Ground {
         let total: usize = data.iter().map(RegressionData::height).sum();
         let block = total.div_ceil(FORMULA_ROWS).max(1);
         let FreeColumns { all, movable, .. } = FreeColumns::new(&base, model, &of, &data, Target::AlongData);
-        let mut ground =
-            Ground { data, block, basis: vec![], triangle: vec![], movable, target: vec![], along: vec![] };
+        let mut regression = PartialRegression {
+            data,
+            block,
+            basis: vec![],
+            triangle: vec![],
+            movable,
+            target: vec![],
+            along: vec![],
+        };
         let mut all = all.into_iter();
-        let target = ground.averaged(&all.next()?);
+        let target = regression.averaged(&all.next()?);
         for column in all {
-            ground.add_free(&column);
+            regression.add_free(&column);
         }
-        let Response { rows, along } = ground.projected(target);
-        (ground.target, ground.along) = (rows, along);
-        Some(ground)
+        let Response { rows, along } = regression.projected(target);
+        (regression.target, regression.along) = (rows, along);
+        Some(regression)
     }
 
     /// Adds a free column to the basis.
@@ -123,8 +130,8 @@ impl Ground {
         &self.target
     }
 
-    /// A place along the motion.
-    pub(crate) fn footing(&self, system: &System, place: &Place) -> Option<Footing> {
+    /// The motion at a place.
+    pub(crate) fn kinematics(&self, system: &System, place: &Place) -> Option<Kinematics> {
         let Site::Force { displacement, velocity, acts, shows, .. } = &place.site else { return None };
         let mut graph = system.graph.clone();
         let one = graph.constant(1.0);
@@ -135,7 +142,7 @@ impl Ground {
         }
         roots.extend(displacement.as_ref().map(|d| d.node));
         let tape = Tape::compile(&graph, &system.arguments(), &roots).ok()?;
-        let mut out = Footing {
+        let mut out = Kinematics {
             acts: acts.clone(),
             shows: shows.clone(),
             place: place.clone(),
@@ -158,7 +165,7 @@ impl Ground {
 
     /// The response to a force (by record and sample). `sticks`: friction there holds what rests, so that other
     /// forces act on what moves only.
-    pub(crate) fn response(&self, at: &Footing, force: &[Vec<f64>], sticks: bool) -> Option<Response> {
+    pub(crate) fn response(&self, at: &Kinematics, force: &[Vec<f64>], sticks: bool) -> Option<Response> {
         let mut column = Vec::new();
         for (r, data) in self.data.iter().enumerate() {
             let samples = data.motion.samples();
@@ -185,7 +192,7 @@ impl Ground {
     }
 
     /// The response to the force that holds a place at rest.
-    pub(crate) fn holding(&self, at: &Footing, system: &System) -> Option<Response> {
+    pub(crate) fn holding(&self, at: &Kinematics, system: &System) -> Option<Response> {
         let mut column = Vec::new();
         for (r, data) in self.data.iter().enumerate() {
             let samples = data.motion.samples();

@@ -1,0 +1,18 @@
+//! The name of a law at a place.
+
+use crate::place::Effect;
+
+/// A law at a place, by name.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct PlacedLaw {
+    /// The law's id.
+    pub law: String,
+    /// The place, as [`crate::Place::at`].
+    pub at: String,
+}
+
+impl PlacedLaw {
+    pub(crate) fn of(effect: &Effect) -> PlacedLaw {
+        PlacedLaw { law: effect.entry.id.clone(), at: effect.place.at.clone() }
+    }
+}

@@ -1,0 +1,17 @@
+//! What every request works on.
+
+use crate::folder::Working;
+use crate::guard::Guard;
+use crate::jobs::Jobs;
+use phisindy::files::Request;
+
+/// What every request works on.
+pub(crate) struct Site {
+    pub(crate) guard: Guard,
+    pub(crate) folder: Working,
+    pub(crate) jobs: Jobs,
+    /// Where data files and laws are looked for beside the folder.
+    pub(crate) request: Request,
+    /// The file that the page begins with.
+    pub(crate) first: Option<String>,
+}

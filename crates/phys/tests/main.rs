@@ -1,0 +1,7 @@
+//! Tests of specs and their check, in one binary.
+#![allow(missing_docs)]
+
+mod check;
+mod mutated;
+mod spec;
+mod splice;

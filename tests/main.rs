@@ -1,0 +1,28 @@
+//! Tests of the program, in one binary, for each link costs.
+#![allow(missing_docs)]
+
+mod border;
+// `blind` belongs to the tests of the other program.
+#[allow(dead_code)]
+mod common;
+mod contributions;
+mod determinism;
+mod export;
+mod faults;
+mod files;
+mod formula;
+mod gap;
+mod identified;
+mod limits;
+mod measured;
+mod new;
+mod outputs;
+mod program;
+mod records;
+mod reference;
+mod report;
+mod structure;
+mod sweep;
+mod terminal;
+mod tutorial;
+mod wrong;
