@@ -57,6 +57,11 @@ impl Case {
         &self.checked.system.title
     }
 
+    /// Whether it has records of any kind.
+    pub fn has_records(&self) -> bool {
+        !self.spec.data.is_empty()
+    }
+
     /// Whether it has records that files hold, or tables in their place ([`crate::files::Request::tables`]).
     pub fn has_files(&self) -> bool {
         self.spec.data.iter().any(|data| matches!(data, DataSpec::Csv(csv) if !csv.in_memory))

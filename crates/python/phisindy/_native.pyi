@@ -1,6 +1,6 @@
 """Types of the compiled module."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, final
 
@@ -26,12 +26,12 @@ __all__ = [
 __version__: str
 
 class PhisindyError(Exception):
-    """Anything that phisindy refuses."""
+    """Anything that phisindy refuses: ``mistakes`` has what is wrong in a text as dicts, with file, line and column."""
+
+    mistakes: Sequence[dict[str, Any]]
 
 class SpecError(PhisindyError):
-    """A mistake in a spec: the text shows each with its line; ``mistakes`` has them as dicts."""
-
-    mistakes: list[dict[str, Any]]
+    """A mistake in a spec: the text shows each with its line."""
 
 class DataError(PhisindyError):
     """Data that make no sense with the case."""

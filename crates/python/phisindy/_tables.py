@@ -45,7 +45,7 @@ def _columns(data: Any) -> list[tuple[Any, Callable[[], Any]]]:
     """Name and values of each column; the values are not looked at."""
     if isinstance(data, Mapping):
         return [(name, partial(data.__getitem__, name)) for name in data]
-    if hasattr(data, "columns") and hasattr(data, "iloc"):  # pandas
+    if hasattr(data, "iloc") and hasattr(data, "columns"):  # pandas
         return [(name, partial(_of_pandas, data, k)) for k, name in enumerate(data.columns)]
     if hasattr(data, "column_names") and hasattr(data, "column"):  # pyarrow
         return [(name, data.column(k).to_numpy) for k, name in enumerate(data.column_names)]
@@ -56,7 +56,10 @@ def _columns(data: Any) -> list[tuple[Any, Callable[[], Any]]]:
             import pyarrow
         except ImportError as error:
             raise DataError("a table of Arrow needs the package pyarrow: pip install pyarrow") from error
-        return _columns(pyarrow.table(data))
+        try:
+            return _columns(pyarrow.table(data))
+        except pyarrow.ArrowException as error:
+            raise DataError(f"a {type(data).__name__} is no table: {error}") from error
     if isinstance(data, np.ndarray) and data.dtype.names:
         return [(name, partial(data.__getitem__, name)) for name in data.dtype.names]
     raise DataError(
@@ -94,12 +97,13 @@ def _kind(array: npt.NDArray[Any]) -> str:
     """What an array holds, in words."""
     if array.dtype.kind != "O":
         return f"the type {array.dtype}"
-    odd = next((one for one in array.flat if isinstance(one, bool) or not isinstance(one, (int, float))), None)
-    if odd is None:
+    odd = [one for one in array.flat if isinstance(one, bool) or not isinstance(one, (int, float))]
+    if not odd:
         return "objects; give an array of float64"
-    if hasattr(odd, "tzinfo"):
+    first = odd[0]
+    if hasattr(first, "tzinfo"):
         return "times with a date; give seconds, as (t - t[0]).dt.total_seconds() of pandas has them"
-    return f"a {type(odd).__name__}, first {odd!r:.60}"
+    return f"objects, among them {first!r:.60}"
 
 
 def _name(name: Any) -> str:

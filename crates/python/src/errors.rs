@@ -1,11 +1,11 @@
 //! Exceptions: one class for what is wrong with a spec, one for data, one for numerics.
 
-use phisindy::Error;
+use phisindy::{Error, RecordError};
 use pyo3::PyTypeInfo;
 use pyo3::create_exception;
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 
 create_exception!(phisindy, PhisindyError, PyException, "Anything that phisindy refuses.");
 create_exception!(phisindy, SpecError, PhisindyError, "A mistake in a spec.");
@@ -14,7 +14,10 @@ create_exception!(phisindy, NumericsError, PhisindyError, "A computation that fa
 
 pub(crate) fn add(m: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = m.py();
-    m.add("PhisindyError", py.get_type::<PhisindyError>())?;
+    let all = py.get_type::<PhisindyError>();
+    // What is wrong as data, where it stands in a text.
+    all.setattr("mistakes", PyTuple::empty(py))?;
+    m.add("PhisindyError", all)?;
     m.add("SpecError", py.get_type::<SpecError>())?;
     m.add("DataError", py.get_type::<DataError>())?;
     m.add("NumericsError", py.get_type::<NumericsError>())
@@ -39,11 +42,15 @@ impl Failure {
 /// The exception of an error of the library.
 pub(crate) fn raised(py: Python<'_>, error: Error) -> PyErr {
     match error {
+        Error::Open => DataError::new_err(
+            "the model has an unknown part: identify it first, then simulate what was found",
+        ),
+        Error::Record(RecordError::NoRecords) => {
+            DataError::new_err("there are no records: give a table, or name `data` in the spec")
+        }
         Error::Spec(spec) if in_data(&spec) => drawn::<DataError>(py, &spec),
         Error::Spec(spec) => spec_error(py, &spec),
-        Error::Record(_) | Error::Set(_) | Error::Law(_) | Error::Open => {
-            DataError::new_err(error.to_string())
-        }
+        Error::Record(_) | Error::Set(_) | Error::Law(_) => DataError::new_err(error.to_string()),
         Error::Identify(phisindy::LearnError::Data(_)) | Error::Gap(phisindy::GapError::Data(_)) => {
             DataError::new_err(error.to_string())
         }

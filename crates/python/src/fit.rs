@@ -4,7 +4,9 @@ use crate::errors::{DataError, Failure, raised, spec_error};
 use crate::table::{Slices, Table, columns, slices};
 use crate::work::{Observe, worked};
 use phisindy::files::{Purpose, Request, open_text};
-use phisindy::{Case, Catalogue, Error, Folder, Format, Gap, Identified, Loaded, Method, Options};
+use phisindy::{
+    Case, Catalogue, Error, Folder, Format, Gap, Identified, Loaded, Method, Options, RecordError,
+};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -80,6 +82,9 @@ impl NativeCase {
         seed: Option<u64>,
         purpose: Purpose,
     ) -> Result<Loaded, Error> {
+        if tables.is_empty() && !self.case.has_records() {
+            return Err(RecordError::NoRecords.into());
+        }
         if tables.is_empty() || self.case.has_files() {
             let tables = tables.iter().map(|table| columns(table)).collect();
             let request = Request { seed, tables, ..Request::default() };
