@@ -129,9 +129,10 @@ fn method(name: Option<&str>) -> PyResult<Option<Method>> {
     }
 }
 
-fn catalogue(folder: Option<PathBuf>) -> PyResult<Catalogue> {
-    let folders: Vec<&std::path::Path> = folder.as_deref().into_iter().collect();
-    phisindy::files::catalogue(&folders).map_err(|e| DataError::new_err(e.to_string()))
+/// The laws of the program with those of a folder; none given: the library takes its own, where it needs them.
+fn catalogue(folder: Option<PathBuf>) -> PyResult<Option<Catalogue>> {
+    let all = folder.map(|folder| phisindy::files::catalogue(&[&folder]));
+    all.transpose().map_err(|e| DataError::new_err(e.to_string()))
 }
 
 /// What `run` found.
@@ -156,7 +157,7 @@ impl NativeRun {
         let (method, laws) = (method(method_name)?, catalogue(laws)?);
         let how = (Purpose::Run, jobs, progress);
         let found = found(py, (case, &tables, seed), how, |loaded, observe| {
-            loaded.identify(&Options { method, laws: Some(&laws), observe: Some(observe) })
+            loaded.identify(&Options { method, laws: laws.as_ref(), observe: Some(observe) })
         })?;
         Ok(NativeRun(found))
     }
@@ -205,7 +206,7 @@ impl NativeGap {
         let laws = catalogue(laws)?;
         let how = (Purpose::Gap, jobs, progress);
         let found = found(py, (case, &tables, seed), how, |loaded, observe| {
-            loaded.gap(&Options { method: None, laws: Some(&laws), observe: Some(observe) })
+            loaded.gap(&Options { method: None, laws: laws.as_ref(), observe: Some(observe) })
         })?;
         Ok(NativeGap(found))
     }

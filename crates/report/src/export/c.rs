@@ -20,6 +20,7 @@ pub(super) fn written(subject: &Subject) -> String {
     let mut out = model(subject, &functions, &usage);
     out += "\n#ifdef PHISINDY_MAIN\n";
     out += &names_and_start(subject);
+    let _ = writeln!(out, "static const char RECORD[] = {};", quoted(&subject.chosen().name));
     out += "#endif\n\n";
     out += CONTACT_RULE;
     out.push('\n');
@@ -88,7 +89,7 @@ fn parameters(subject: &Subject, functions: &Functions) -> String {
     out + "};\n\n"
 }
 
-/// What the program of the file needs beside the model.
+/// Names, and the start of the chosen record.
 pub(super) fn names_and_start(subject: &Subject) -> String {
     let mut out = String::new();
     let record = subject.chosen();
@@ -108,7 +109,6 @@ pub(super) fn names_and_start(subject: &Subject) -> String {
     out += "/* The state at the start; NAN: not known, and for the time: the first one. */\n";
     array(&mut out, "double START", record.start.iter().map(number), "NAN");
     let _ = writeln!(out, "static const double START_TIME = {};", number(&record.start_time));
-    let _ = writeln!(out, "static const char RECORD[] = {};", quoted(&record.name));
     out
 }
 
