@@ -65,8 +65,7 @@ class _Kept:
         """Those of a result of the compiled module, or of one that has travelled."""
         if isinstance(native, cls):
             return native
-        names = [name for name in ("json", "written", "latex", "model") if hasattr(native, name)]
-        return cls({name: getattr(native, name)() for name in names}, native.files())
+        return cls({name: getattr(native, name)() for name in ("json", "written", "latex", "model")}, native.files())
 
     def json(self) -> str:
         return self.texts["json"]
@@ -245,10 +244,10 @@ class Gap(_Result):
         keys = ("law", "at", "expression")
         return [{key: step.get(key) for key in keys} for step in self.steps]
 
-    @property
+    @cached_property
     def latex(self) -> str:
-        """The forces that were added in LaTeX, a line for each."""
-        return "\n".join(str(step.get("latex", step["expression"])) for step in self.steps)
+        """The equations of the completed model in LaTeX, a line for each."""
+        return str(self._native.latex())
 
     def __repr__(self) -> str:
         return str(self._native.written())

@@ -219,6 +219,11 @@ impl NativeGap {
         self.0.found.written(Format::Text, self.0.seconds)
     }
 
+    /// The equations of the completed model.
+    fn latex(&self, py: Python<'_>) -> PyResult<String> {
+        self.0.found.latex().map_err(|e| raised(py, e))
+    }
+
     /// Path and text of each file.
     fn files(&self, py: Python<'_>) -> Vec<(String, String)> {
         let Folder { files, .. } = py.detach(|| self.0.found.folder(self.0.seconds));
