@@ -415,6 +415,78 @@ fn an_fmu_without_a_compiler_holds_its_sources_and_says_so() {
     assert!(said.code == 2 && said.err.contains("--out model.fmu"), "{}", said.err);
 }
 
+/// Runs an exported MEX function along what `simulate` wrote, and asks it what it refuses.
+const OCTAVE: &str = r#"
+info = model_mex();
+file = fopen('motion.csv'); head = strsplit(fgetl(file), ','); fclose(file);
+rows = dlmread('motion.csv', ',', 1, 0);
+t = rows(:, strcmp(head, 't'));
+u = zeros(numel(t), 0);
+for name = info.inputs, u(:, end + 1) = rows(:, strcmp(head, name{1})); end
+[x, mode, y] = model_mex(t, u);
+printf('%s\n', strjoin([{'t'}, info.states, info.outputs], ','));
+for i = 1:numel(t), printf('%s\n', strjoin(arrayfun(@(v) sprintf('%.17g', v), [t(i), x(i, :), y(i, :)], 'UniformOutput', false), ',')); end
+% The rates at a point that slips are the slope of the motion; the modes of the whole motion come with it.
+assert(size(mode), [numel(t), numel(info.contacts)]);
+assert(all(ismember(mode(:), [-1, 0, 1])));
+[dx, s] = model_mex('rates', t(1), x(1, :), u(1, :));
+assert(numel(dx), numel(info.states));
+assert(numel(s), numel(info.contacts));
+same = model_mex(t, u, info.start, info.constants);
+assert(same, x);
+function refused(words, varargin)
+    try
+        model_mex(varargin{:});
+    catch problem
+        assert(! isempty(strfind(problem.message, words)), problem.message);
+        return
+    end
+    error('it takes what it should refuse: %s', words);
+end
+refused('increase', t(end:-1:1), u);
+refused('at least one time', []);
+refused('not a finite number', [t(1:end - 1); NaN], u);
+refused('one for each of the states', t, u, 1);
+refused('there is no constant', t, u, [], struct('nothing', 1));
+refused('only word', 'run');
+refused('after', 'rates');
+refused('real numbers', single(t), u);
+"#;
+
+/// The form for MATLAB in GNU Octave, where that and its `mkoctfile` are installed (octave, octave-dev).
+#[test]
+fn a_mex_function_moves_as_ours() {
+    let there = |program: &str| Command::new(program).arg("--version").output().is_ok();
+    if !there("octave-cli") || !there("mkoctfile") {
+        let _ = writeln!(std::io::stderr(), "skipped: octave-cli and mkoctfile are not both installed");
+        return;
+    }
+    let all = [
+        ("chain", CHAIN.to_owned()),
+        ("coupled", COUPLED.to_owned()),
+        ("stop", STOP.to_owned()),
+        ("base", BASE.to_owned()),
+        ("cubic", measured("Cubic")),
+        ("free", FREE.to_owned()),
+    ];
+    for (name, spec) in all {
+        let scratch = Scratch::new(&format!("mex-{name}"));
+        let path = scratch.path("spec.ron");
+        fs::write(&path, spec).expect("written");
+        fs::write(scratch.path("force.csv"), force()).expect("written");
+        let ours = phisindy(&["simulate", &path, "--quiet"]);
+        assert_eq!(ours.code, 0, "{}", ours.err);
+        fs::write(scratch.path("motion.csv"), &ours.out).expect("written");
+        let said = phisindy(&["export", &path, "--to", "matlab", "--out", &scratch.path("model_mex.c")]);
+        assert_eq!((said.code, said.out.as_str(), said.err.as_str()), (0, "", ""));
+        fed(Command::new("mkoctfile").args(["--mex", "model_mex.c"]).current_dir(&scratch.0), "");
+        let octave = ["--quiet", "--no-init-file", "--eval", OCTAVE];
+        let theirs = fed(Command::new("octave-cli").args(octave).current_dir(&scratch.0), "");
+        let miss = farthest(&ours.out, &theirs);
+        assert!(miss <= CLOSE, "{name}: {miss:e}");
+    }
+}
+
 /// What the tool of the FMI project says, where `PHISINDY_FMPY` names a Python with fmpy and cmake.
 #[test]
 fn fmpy_has_no_complaint() {

@@ -1,6 +1,7 @@
 //! A case: the text of a spec, and what it means.
 
 use crate::error::{Error, SpecError};
+use crate::files::headings;
 use crate::record::{Record, RecordError};
 use phisindy_phys::spec::{DataSpec, Spec, read_without_data};
 use phisindy_phys::{self as phys, Diagnostic, Sources, check, splice};
@@ -56,9 +57,22 @@ impl Case {
         &self.checked.system.title
     }
 
+    /// Whether it has records of any kind.
+    pub fn has_records(&self) -> bool {
+        !self.spec.data.is_empty()
+    }
+
     /// Whether it has records that files hold, or tables in their place ([`crate::files::Request::tables`]).
     pub fn has_files(&self) -> bool {
         self.spec.data.iter().any(|data| matches!(data, DataSpec::Csv(csv) if !csv.in_memory))
+    }
+
+    /// The headings that the records with files need of them, in their order: a name may come twice.
+    pub fn headings(&self) -> impl Iterator<Item = &str> {
+        self.spec.data.iter().flat_map(|data| match data {
+            DataSpec::Csv(csv) if !csv.in_memory => headings(csv).collect::<Vec<_>>(),
+            _ => vec![],
+        })
     }
 
     /// Names of the states.

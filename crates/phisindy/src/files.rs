@@ -22,6 +22,7 @@ mod request;
 mod trends;
 
 pub use columns::Columns;
+pub(crate) use columns::headings;
 pub use folders::{open_plain_file, opened};
 pub use laws::{LawFolderError, beside, catalogue, doubts};
 pub use load::{Purpose, Refusal, load, load_text, open, open_text, spec_text, start_of, with_assignments};

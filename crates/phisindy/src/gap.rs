@@ -7,6 +7,7 @@ use crate::loaded::Loaded;
 use crate::options::Options;
 use crate::record::Record;
 use phisindy_gap::{self as workflow, Activity, Status, Step};
+use phisindy_report::equations;
 use phisindy_report::{Ending, Folder, Format, GapReport, Invocation, StopReason};
 
 /// Finds where a model and its records disagree, names the laws of the catalogue that are missing, and adds
@@ -101,6 +102,15 @@ impl Gap {
         let stopped = self.stopped().then_some(StopReason::Interrupt);
         let ending = Ending { seconds, stopped };
         GapReport { input: self.loaded.input(), gap: &self.result, catalogue: self.laws.laws(), ending }
+    }
+
+    /// The equations of the model with the laws written into it, with their numbers, in LaTeX, a line for each.
+    ///
+    /// # Errors
+    /// As of [`Gap::case`].
+    pub fn latex(&self) -> Result<String, Error> {
+        let found = equations(&self.case()?.checked, &[], &self.result.parameters);
+        Ok(found.into_iter().map(|equation| equation.latex).collect::<Vec<_>>().join("\n"))
     }
 
     /// The model with the laws written into it.

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import math
+import operator
 import os
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from . import _native
+from ._arguments import number_of
 from ._errors import DataError
 
 
@@ -17,16 +23,20 @@ class Case:
     """
 
     def __init__(self, text: str, *, folder: str | os.PathLike[str] = "") -> None:
+        if not isinstance(text, str):
+            raise DataError(f"a {type(text).__name__} is no text of a spec: Case.from_file(path) reads a file")
+        if "\n" not in text and text.strip().endswith(".ron"):
+            raise DataError(f"`{text}` is a path, not the text of a spec: Case.from_file(path) reads a file")
         self._path = Path(folder) / "spec"
         self._native = _native.Case(text, self._path)
 
     @classmethod
     def from_file(cls, path: str | os.PathLike[str]) -> Case:
         """The case in a file; its data files are looked for beside it."""
-        path = Path(path)
         try:
+            path = Path(path)
             text = path.read_text(encoding="utf-8-sig")
-        except (OSError, UnicodeDecodeError) as error:
+        except (OSError, UnicodeDecodeError, TypeError, ValueError) as error:
             raise DataError(f"cannot read the spec `{path}`: {error}") from error
         return _made(text, path)
 
@@ -36,10 +46,11 @@ class Case:
         ``path`` is made of fields, keys and indices (``"data.0.noise"``); ``value`` is RON (``"Additive(0.02)"``)
         or a number. This case stays as it is.
         """
-        text = value if isinstance(value, str) else repr(value).lower() if isinstance(value, bool) else repr(value)
+        if not isinstance(path, str):
+            raise DataError(f"a {type(path).__name__} is no path of a field: give a text such as \"data.0.noise\"")
         other = Case.__new__(Case)
         other._path = self._path
-        other._native = self._native.changed(path, text)
+        other._native = self._native.changed(path, value if isinstance(value, str) else _ron(value))
         return other
 
     def check(self) -> list[str]:
@@ -77,6 +88,19 @@ class Case:
 
     def __reduce__(self) -> tuple[object, ...]:
         return (_made, (self.text, self._path))
+
+
+def _ron(value: Any) -> str:
+    """A number or a truth value in RON."""
+    if isinstance(value, (bool, np.bool_)):
+        return "true" if value else "false"
+    try:
+        return str(operator.index(value))
+    except TypeError:
+        number = number_of("the value of a field", value)
+    if not math.isfinite(number):
+        raise DataError(f"the value of a field is {number}: give a finite number, or a text in RON")
+    return repr(number)
 
 
 def _made(text: str, path: Path) -> Case:

@@ -7,7 +7,10 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from typing import TYPE_CHECKING, Any
 
-from ._errors import PhisindyError
+import numpy as np
+
+from ._arguments import case_of, jobs_of, seed_of
+from ._errors import DataError, PhisindyError
 from ._journal import Failed, Journal
 from ._sweep import Result, Sweep
 from ._work import bars as _bars
@@ -38,7 +41,8 @@ def sweep(
     ``.statistics()`` of the result says how often the terms are right and how often the intervals hold. ``out`` is a
     file of JSON lines that keeps every finished run: the same call goes on from there.
     """
-    all_seeds = list(range(seeds) if isinstance(seeds, int) else seeds)
+    case_of(case)
+    all_seeds = _seeds(seeds)
     work = [(case, seed, method) for seed in all_seeds]
     journal = Journal(out, [("sweep", case, None, {"seed": seed, "method": method}) for seed in all_seeds])
     return Sweep(case, _gathered(_one_seed, work, journal, client=client, jobs=jobs, progress=progress, what="sweep"))
@@ -61,10 +65,31 @@ def map(
     and tries again what failed. A case counts as the same if its text, its folder, its tables and ``options`` are; what
     stands in files that it names is not looked at. ``options`` go to the function (``method="step"``).
     """
-    pairs = [case if isinstance(case, tuple) else (case, None) for case in cases]
+    if not callable(function):
+        raise DataError(f"map: {function!r} is no function: give phisindy.run or phisindy.gap")
+    pairs = [_pair(case) for case in cases]
     work = [(function, case, data, options) for case, data in pairs]
     journal = Journal(out, [(function.__name__, case, data, options) for case, data in pairs])
     return _gathered(_one_case, work, journal, client=client, jobs=jobs, progress=progress, what="map")
+
+
+def _seeds(given: int | Iterable[int]) -> list[int]:
+    """The seeds of a sweep."""
+    if isinstance(given, (int, np.integer)):
+        if given < 1:
+            raise DataError(f"seeds is {given}: give a number of runs, or the seeds themselves")
+        return list(range(int(given)))
+    if isinstance(given, (str, bytes)) or not isinstance(given, Iterable):
+        raise DataError(f"seeds is {given!r}: give a number of runs, or the seeds themselves")
+    return [seed for one in given if (seed := seed_of(one)) is not None]
+
+
+def _pair(given: Any) -> tuple[Case, Any]:
+    """A case and its data."""
+    if isinstance(given, tuple) and len(given) != 2:
+        raise DataError(f"map: a tuple of {len(given)} is given: give a pair of a case and its data")
+    case, data = given if isinstance(given, tuple) else (given, None)
+    return case_of(case), data
 
 
 def _one_seed(work: tuple[Case, int, str | None]) -> dict[str, Any]:
@@ -105,6 +130,7 @@ def _gathered(
     progress: bool,
     what: str,
 ) -> list[Result]:
+    jobs = jobs_of(jobs)
     results: list[Any] = [journal.kept(place) for place in range(len(works))]
     places = [place for place, found in enumerate(results) if found is None]
     todo = [works[place] for place in places]

@@ -93,7 +93,7 @@ class PhisindyRegressor:
         return list(self.columns) if self.columns else self.case_.states[:1]
 
     def _rows(self, X: Any) -> Array:
-        rows = np.asarray(X, dtype=np.float64)
+        rows = _numbers("X", X)
         if rows.ndim != 2 or rows.shape[1] != 1 + len(self.case_.inputs):
             raise DataError(
                 f"X has the shape {rows.shape}: give the time and {len(self.case_.inputs)} inputs as columns"
@@ -101,11 +101,22 @@ class PhisindyRegressor:
         return rows
 
     def _table(self, X: Any, y: Any) -> dict[str, Any]:
-        rows, shown = self._rows(X), np.asarray(y, dtype=np.float64)
-        shown = shown.reshape(len(shown), -1)
+        rows, shown = self._rows(X), _numbers("y", y)
+        shown = shown.reshape(len(shown), -1) if shown.size else shown.reshape(0, len(self._columns()))
         names = self._columns()
         if shown.shape[1] != len(names):
             raise DataError(f"y has {shown.shape[1]} columns for {len(names)} names: {', '.join(names)}")
         table: dict[str, Any] = {"t": rows[:, 0]}
         table |= {name: rows[:, 1 + k] for k, name in enumerate(self.case_.inputs)}
         return table | {name: shown[:, k] for k, name in enumerate(names)}
+
+
+def _numbers(what: str, values: Any) -> Array:
+    """The values as doubles."""
+    try:
+        array: Array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise DataError(f"{what} holds no numbers: {error}") from error
+    if array.ndim == 0:
+        raise DataError(f"{what} is a single number: give one for each row")
+    return array

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import html
 import json
+import math
 import os
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +16,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
+from ._arguments import number_of
+from ._errors import DataError
 from ._tables import table
 
 if TYPE_CHECKING:
@@ -40,6 +44,43 @@ class Motion(Mapping[str, Array]):
 
     def __repr__(self) -> str:
         return f"Motion({self.record!r}: {', '.join(self)})"
+
+
+def _mapping(what: str, given: Any) -> dict[str, Any]:
+    """The columns or numbers of an argument."""
+    if given is not None and not isinstance(given, Mapping):
+        raise DataError(f"{what} is a {type(given).__name__}: give a dict of names and values")
+    return dict(given or {})
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """The texts of a result, as they travel between processes."""
+
+    texts: dict[str, str]
+    folder: list[tuple[str, str]]
+
+    @classmethod
+    def of(cls, native: Any) -> _Kept:
+        """Those of a result of the compiled module, or of one that has travelled."""
+        if isinstance(native, cls):
+            return native
+        return cls({name: getattr(native, name)() for name in ("json", "written", "latex", "model")}, native.files())
+
+    def json(self) -> str:
+        return self.texts["json"]
+
+    def written(self) -> str:
+        return self.texts["written"]
+
+    def latex(self) -> str:
+        return self.texts["latex"]
+
+    def model(self) -> str:
+        return self.texts["model"]
+
+    def files(self) -> list[tuple[str, str]]:
+        return self.folder
 
 
 class _Result:
@@ -86,11 +127,14 @@ class _Result:
 
     def save(self, folder: str | os.PathLike[str]) -> Path:
         """Writes the folder that ``--out`` of the command writes: report.html, result.json, the model."""
-        folder = Path(folder)
-        for name, text in self._files.items():
-            path = folder / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text, encoding="utf-8")
+        try:
+            folder = Path(folder)
+            for name, text in self._files.items():
+                path = folder / name
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_text(text, encoding="utf-8")
+        except (OSError, TypeError, ValueError) as error:
+            raise DataError(f"cannot write the folder `{folder}`: {error}") from error
         return folder
 
     def simulate(
@@ -100,15 +144,25 @@ class _Result:
 
         Times in seconds, inputs and start in the units of the spec; the motion is in SI.
         """
-        begin = {name: 0.0 for name in self.case.states} | dict(start or {})
-        text = ", ".join(f"{json.dumps(name)}: {float(value)!r}" for name, value in begin.items())
-        columns = table({"t": t, **(inputs or {})})
+        given, states = _mapping("start", start), self.case.states
+        unknown = [name for name in given if name not in states]
+        if unknown:
+            raise DataError(f"start: `{unknown[0]}` is no state; there is: {', '.join(states)}")
+        begin = {name: 0.0 for name in states} | {k: number_of(f"the start of `{k}`", v) for k, v in given.items()}
+        odd = [name for name, value in begin.items() if not math.isfinite(value)]
+        if odd:
+            raise DataError(f"the start of `{odd[0]}` is {begin[odd[0]]}: give a finite number")
+        text = ", ".join(f"{json.dumps(name)}: {value!r}" for name, value in begin.items())
+        columns = table({"t": t, **_mapping("inputs", inputs)})
         return Motion(_native.motion(self.case._native, columns, f"{{ {text} }}"))
 
     def rates(self, t: Any, x: Mapping[str, Any], u: Mapping[str, Any] | None = None) -> dict[str, Array]:
         """The rates of the states at rows of time, states ``x`` and inputs ``u``, in the units of the spec per second."""
-        columns = table({"t": t, **x, **(u or {})})
+        columns = table({"t": t, **_mapping("x", x), **_mapping("u", u)})
         return dict(_native.rates(self.case._native, columns))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (type(self), (_Kept.of(self._native),))
 
     def _repr_latex_(self) -> str:
         return "\n".join(f"$\\displaystyle {line}$\n" for line in self.latex.splitlines())
@@ -121,7 +175,7 @@ class _Result:
 class Identified(_Result):
     """What ``run`` found."""
 
-    def __init__(self, native: _native.Run) -> None:
+    def __init__(self, native: _native.Run | _Kept) -> None:
         self._native = native
 
     @property
@@ -155,13 +209,13 @@ class Identified(_Result):
         return []
 
     def __repr__(self) -> str:
-        return str(self._native.written(False))
+        return str(self._native.written())
 
 
 class Gap(_Result):
     """What ``gap`` found."""
 
-    def __init__(self, native: _native.Gap) -> None:
+    def __init__(self, native: _native.Gap | _Kept) -> None:
         self._native = native
 
     @property
@@ -190,10 +244,10 @@ class Gap(_Result):
         keys = ("law", "at", "expression")
         return [{key: step.get(key) for key in keys} for step in self.steps]
 
-    @property
+    @cached_property
     def latex(self) -> str:
-        """The forces that were added in LaTeX, a line for each."""
-        return "\n".join(str(step.get("latex", step["expression"])) for step in self.steps)
+        """The equations of the completed model in LaTeX, a line for each."""
+        return str(self._native.latex())
 
     def __repr__(self) -> str:
         return str(self._native.written())

@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _native
+from ._arguments import case_of, jobs_of, seed_of
+from ._errors import DataError
 from ._results import Gap, Identified, Motion
 from ._tables import tables
 
@@ -34,15 +36,18 @@ def run(
 
     ``data`` is a table or a list of tables: a dict of arrays, or a table of pandas, polars, pyarrow. If the case has
     records with files, each table stands in the place of a file and has its columns; otherwise the columns are called
-    as the states, outputs and inputs, in the units of the spec, and ``t`` is the time in seconds. Without ``data`` the
-    case's own records are used. ``seed`` replaces that of synthetic records, ``method`` is ``"trajectory"`` or
+    as the states, outputs and inputs, in the units of the spec, and ``t`` is the time in seconds. Rows must hold finite
+    numbers; leave out those with a hole (``DataFrame.dropna``), a gap in time does no harm. Without ``data`` the case's
+    own records are used. ``seed`` replaces that of synthetic records, ``method`` is ``"trajectory"`` or
     ``"step"``, ``jobs`` the number of threads, ``laws`` a folder of further laws. ``progress`` is true for a bar, or a
     function of the finished fraction and what is being done.
     """
+    native = case_of(case)._native
+    given, seed, jobs, folder = tables(data, native.headings), seed_of(seed), jobs_of(jobs), _path(laws)
+    if method not in (None, "step", "trajectory"):
+        raise DataError(f'there is no method {method!r}: give "step" or "trajectory"')
     with _heard(progress, "run") as tell:
-        found = _native.Run(
-            case._native, tables(data), seed=seed, method_name=method, jobs=jobs, progress=tell, laws=_path(laws)
-        )
+        found = _native.Run(native, given, seed=seed, method_name=method, jobs=jobs, progress=tell, laws=folder)
     return Identified(found)
 
 
@@ -56,8 +61,10 @@ def gap(
     laws: str | os.PathLike[str] | None = None,
 ) -> Gap:
     """Finds which laws a model lacks, as ``phisindy gap`` does, to the same bits. Arguments as of ``run``."""
+    native = case_of(case)._native
+    given, seed, jobs, folder = tables(data, native.headings), seed_of(seed), jobs_of(jobs), _path(laws)
     with _heard(progress, "gap") as tell:
-        found = _native.Gap(case._native, tables(data), seed=seed, jobs=jobs, progress=tell, laws=_path(laws))
+        found = _native.Gap(native, given, seed=seed, jobs=jobs, progress=tell, laws=folder)
     return Gap(found)
 
 
@@ -66,10 +73,8 @@ def simulate(model: Case | Identified | Gap, data: Any = None, *, seed: int | No
 
     ``data`` as for ``run``; arrays are in SI.
     """
-    from ._case import Case
-
-    case = model if isinstance(model, Case) else model.case
-    return [Motion(motion) for motion in _native.motions(case._native, tables(data), seed)]
+    native = case_of(model.case if isinstance(model, (Identified, Gap)) else model)._native
+    return [Motion(motion) for motion in _native.motions(native, tables(data, native.headings), seed_of(seed))]
 
 
 def laws(folder: str | os.PathLike[str] | None = None) -> list[dict[str, str]]:
@@ -79,13 +84,18 @@ def laws(folder: str | os.PathLike[str] | None = None) -> list[dict[str, str]]:
 
 
 def _path(path: str | os.PathLike[str] | None) -> Path | None:
-    return None if path is None else Path(path)
+    try:
+        return None if path is None else Path(path)
+    except TypeError as error:
+        raise DataError(f"laws is no folder: {path!r}") from error
 
 
 @contextmanager
 def _heard(progress: bool | Tell, what: str) -> Iterator[Tell | None]:
     """What hears of the progress: a function, or a bar of ``tqdm`` where that is installed."""
     if not isinstance(progress, bool):
+        if not callable(progress):
+            raise DataError(f"progress is neither true nor a function: {progress!r}")
         yield progress
         return
     made = bars() if progress else None

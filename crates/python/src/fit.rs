@@ -1,13 +1,14 @@
 //! `Case`, and the results of `run` and `gap` as handles.
 
-use crate::errors::{DataError, raised, spec_error};
-use crate::table::{Table, columns, slices};
+use crate::errors::{DataError, Failure, raised, spec_error};
+use crate::table::{Slices, Table, columns, slices};
+use crate::work::{Observe, worked};
 use phisindy::files::{Purpose, Request, open_text};
-use phisindy::{Case, Catalogue, Error, Folder, Format, Gap, Identified, Loaded, Method, Options, Progress};
+use phisindy::{
+    Case, Catalogue, Error, Folder, Format, Gap, Identified, Loaded, Method, Options, RecordError,
+};
 use pyo3::prelude::*;
-use std::ops::ControlFlow;
 use std::path::PathBuf;
-use std::sync::Mutex;
 use std::time::Instant;
 
 pub(crate) fn add(m: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -56,6 +57,12 @@ impl NativeCase {
         self.case.inputs().map(str::to_owned).collect()
     }
 
+    /// Headings of the files that the spec names; none where it names no files.
+    #[getter]
+    fn headings(&self) -> Option<Vec<String>> {
+        self.case.has_files().then(|| self.case.headings().map(str::to_owned).collect())
+    }
+
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.case.warnings().collect()
@@ -71,23 +78,20 @@ impl NativeCase {
     /// spec itself names.
     pub(crate) fn loaded(
         &self,
-        py: Python<'_>,
-        tables: &[Table<'_>],
+        tables: &[Slices<'_>],
         seed: Option<u64>,
         purpose: Purpose,
-    ) -> PyResult<Loaded> {
-        if tables.is_empty() || self.case.has_files() {
-            let tables = tables.iter().map(columns).collect::<PyResult<_>>()?;
-            let request = Request { seed, tables, ..Request::default() };
-            let (text, path) = (self.case.text(), &self.path);
-            return py.detach(|| open_text(text, path, &request, purpose)).map_err(|e| raised(py, e));
+    ) -> Result<Loaded, Error> {
+        if tables.is_empty() && !self.case.has_records() {
+            return Err(RecordError::NoRecords.into());
         }
-        let record = |table: &Table<'_>| {
-            let record = self.case.record(&slices(table)?);
-            record.map_err(|e| DataError::new_err(e.to_string()))
-        };
-        let records = tables.iter().map(record).collect::<PyResult<Vec<_>>>()?;
-        py.detach(|| Loaded::of(&self.case, &records)).map_err(|e| raised(py, e))
+        if tables.is_empty() || self.case.has_files() {
+            let tables = tables.iter().map(|table| columns(table)).collect();
+            let request = Request { seed, tables, ..Request::default() };
+            return open_text(self.case.text(), &self.path, &request, purpose);
+        }
+        let records = tables.iter().map(|table| self.case.record(table)).collect::<Result<Vec<_>, _>>()?;
+        Loaded::of(&self.case, &records)
     }
 }
 
@@ -97,46 +101,20 @@ struct Work<T> {
     seconds: f64,
 }
 
-/// Works without the lock of the interpreter, on so many threads. `progress` is called with a fraction and what is
-/// being done; Ctrl-C and its exceptions end the work.
-fn work<T: Send>(
+/// Loads a case with its tables and works on it.
+fn found<T: Send>(
     py: Python<'_>,
-    jobs: Option<usize>,
-    progress: Option<Py<PyAny>>,
-    task: impl FnOnce(&(dyn Fn(Progress<'_>) -> ControlFlow<()> + Sync)) -> Result<T, Error> + Send,
+    (case, tables, seed): (&NativeCase, &[Table<'_>], Option<u64>),
+    (purpose, jobs, progress): (Purpose, Option<usize>, Option<Py<PyAny>>),
+    task: impl FnOnce(Loaded, &Observe<'_>) -> Result<T, Error> + Send,
 ) -> PyResult<Work<T>> {
+    let slices = tables.iter().map(slices).collect::<PyResult<Vec<_>>>()?;
     let begin = Instant::now();
-    let stopped: Mutex<Option<PyErr>> = Mutex::new(None);
-    let observe = |at: Progress<'_>| {
-        let heard = Python::attach(|py| {
-            py.check_signals()?;
-            match &progress {
-                Some(tell) => tell.call1(py, (at.fraction, at.activity)).map(drop),
-                None => Ok(()),
-            }
-        });
-        match heard {
-            Ok(()) => ControlFlow::Continue(()),
-            Err(error) => {
-                if let Ok(mut stopped) = stopped.lock() {
-                    stopped.get_or_insert(error);
-                }
-                ControlFlow::Break(())
-            }
-        }
-    };
-    let found = py.detach(|| match jobs {
-        None => Ok(task(&observe)),
-        Some(jobs) => {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
-            pool.map(|pool| pool.install(|| task(&observe)))
-        }
-    });
-    if let Some(error) = stopped.into_inner().ok().flatten() {
-        return Err(error);
-    }
-    let found = found.map_err(|e| DataError::new_err(format!("{jobs:?} threads cannot be started: {e}")))?;
-    let found = found.map_err(|e| raised(py, e))?;
+    let found = worked(py, jobs, progress.as_ref(), |observe| {
+        let loaded = case.loaded(&slices, seed, purpose).map_err(Failure::Loading)?;
+        task(loaded, observe).map_err(Failure::Working)
+    })?;
+    let found = found.map_err(|failure| failure.raised(py, !tables.is_empty()))?;
     Ok(Work { found, seconds: begin.elapsed().as_secs_f64() })
 }
 
@@ -151,9 +129,10 @@ fn method(name: Option<&str>) -> PyResult<Option<Method>> {
     }
 }
 
-fn catalogue(folder: Option<PathBuf>) -> PyResult<Catalogue> {
-    let folders: Vec<&std::path::Path> = folder.as_deref().into_iter().collect();
-    phisindy::files::catalogue(&folders).map_err(|e| DataError::new_err(e.to_string()))
+/// The laws of the program with those of a folder; none given: the library takes its own, where it needs them.
+fn catalogue(folder: Option<PathBuf>) -> PyResult<Option<Catalogue>> {
+    let all = folder.map(|folder| phisindy::files::catalogue(&[&folder]));
+    all.transpose().map_err(|e| DataError::new_err(e.to_string()))
 }
 
 /// What `run` found.
@@ -176,12 +155,9 @@ impl NativeRun {
         laws: Option<PathBuf>,
     ) -> PyResult<NativeRun> {
         let (method, laws) = (method(method_name)?, catalogue(laws)?);
-        let loaded = case.loaded(py, &tables, seed, Purpose::Run)?;
-        drop(tables);
-        let found = work(py, jobs, progress, |observe| {
-            let observe = |p: Progress<'_>| observe(p);
-            let options = Options { method, laws: Some(&laws), observe: Some(&observe) };
-            loaded.identify(&options)
+        let how = (Purpose::Run, jobs, progress);
+        let found = found(py, (case, &tables, seed), how, |loaded, observe| {
+            loaded.identify(&Options { method, laws: laws.as_ref(), observe: Some(observe) })
         })?;
         Ok(NativeRun(found))
     }
@@ -190,8 +166,8 @@ impl NativeRun {
         self.0.found.written(Format::Json, self.0.seconds)
     }
 
-    fn written(&self, latex: bool) -> String {
-        self.0.found.written(if latex { Format::Latex } else { Format::Text }, self.0.seconds)
+    fn written(&self) -> String {
+        self.0.found.written(Format::Text, self.0.seconds)
     }
 
     fn latex(&self) -> String {
@@ -228,11 +204,9 @@ impl NativeGap {
         laws: Option<PathBuf>,
     ) -> PyResult<NativeGap> {
         let laws = catalogue(laws)?;
-        let loaded = case.loaded(py, &tables, seed, Purpose::Gap)?;
-        drop(tables);
-        let found = work(py, jobs, progress, |observe| {
-            let observe = |p: Progress<'_>| observe(p);
-            loaded.gap(&Options { method: None, laws: Some(&laws), observe: Some(&observe) })
+        let how = (Purpose::Gap, jobs, progress);
+        let found = found(py, (case, &tables, seed), how, |loaded, observe| {
+            loaded.gap(&Options { method: None, laws: laws.as_ref(), observe: Some(observe) })
         })?;
         Ok(NativeGap(found))
     }
@@ -243,6 +217,11 @@ impl NativeGap {
 
     fn written(&self) -> String {
         self.0.found.written(Format::Text, self.0.seconds)
+    }
+
+    /// The equations of the completed model.
+    fn latex(&self, py: Python<'_>) -> PyResult<String> {
+        self.0.found.latex().map_err(|e| raised(py, e))
     }
 
     /// Path and text of each file.

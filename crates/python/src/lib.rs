@@ -6,6 +6,7 @@ mod fit;
 mod motion;
 mod table;
 mod truth;
+mod work;
 
 use pyo3::prelude::*;
 use std::ffi::OsString;

@@ -1,8 +1,9 @@
 //! Motions and rates of a model without unknown part.
 
-use crate::errors::{DataError, raised};
+use crate::errors::{Failure, raised};
 use crate::fit::NativeCase;
 use crate::table::{Table, slices};
+use crate::work::worked;
 use numpy::{PyArray1, ToPyArray};
 use phisindy::files::Purpose;
 use phisindy::{Motion, simulate};
@@ -24,17 +25,24 @@ fn motions(
     tables: Vec<Table<'_>>,
     seed: Option<u64>,
 ) -> PyResult<Vec<Py<PyDict>>> {
-    let loaded = case.loaded(py, &tables, seed, Purpose::Simulate)?;
-    let all = py.detach(|| loaded.simulate()).map_err(|e| raised(py, e))?;
+    let slices = tables.iter().map(slices).collect::<PyResult<Vec<_>>>()?;
+    let all = worked(py, Some(1), None, |_| {
+        let loaded = case.loaded(&slices, seed, Purpose::Simulate).map_err(Failure::Loading)?;
+        loaded.simulate().map_err(Failure::Working)
+    })?;
+    let all = all.map_err(|failure| failure.raised(py, !tables.is_empty()))?;
     all.iter().map(|motion| dict(py, motion)).collect()
 }
 
 /// The motion from a start (in the language of specs), driven by the inputs of a table with the time `t`.
 #[pyfunction]
 fn motion(py: Python<'_>, case: &NativeCase, table: Table<'_>, start: &str) -> PyResult<Py<PyDict>> {
-    let record = case.case().record(&slices(&table)?).map_err(|e| DataError::new_err(e.to_string()))?;
-    let record = record.with("start", start);
-    let all = py.detach(|| simulate(case.case(), &[record])).map_err(|e| raised(py, e))?;
+    let slices = slices(&table)?;
+    let all = worked(py, Some(1), None, |_| {
+        let record = case.case().record(&slices)?.with("start", start);
+        simulate(case.case(), &[record])
+    })?;
+    let all = all.map_err(|e| Failure::Loading(e).raised(py, true))?;
     dict(py, &all[0])
 }
 
@@ -45,7 +53,8 @@ fn rates<'py>(
     case: &NativeCase,
     table: Table<'_>,
 ) -> PyResult<Vec<(String, Bound<'py, PyArray1<f64>>)>> {
-    let all = case.case().rates(&slices(&table)?).map_err(|e| raised(py, e))?;
+    let slices = slices(&table)?;
+    let all = py.detach(|| case.case().rates(&slices)).map_err(|e| raised(py, e))?;
     Ok(all.into_iter().map(|(name, values)| (name, values.to_pyarray(py))).collect())
 }
 

@@ -8,8 +8,11 @@ use pyo3::prelude::*;
 /// The columns of a table.
 pub(crate) type Table<'py> = Vec<(String, PyReadonlyArray1<'py, f64>)>;
 
+/// The same where no interpreter is needed.
+pub(crate) type Slices<'t> = Vec<(&'t str, &'t [f64])>;
+
 /// The columns as slices.
-pub(crate) fn slices<'t>(table: &'t Table<'_>) -> PyResult<Vec<(&'t str, &'t [f64])>> {
+pub(crate) fn slices<'t>(table: &'t Table<'_>) -> PyResult<Slices<'t>> {
     let slice = |(name, array): &'t (String, PyReadonlyArray1<'_, f64>)| {
         let values = array.as_slice().map_err(|_| {
             DataError::new_err(format!("the column `{name}` is not contiguous: a mistake of this package"))
@@ -20,6 +23,6 @@ pub(crate) fn slices<'t>(table: &'t Table<'_>) -> PyResult<Vec<(&'t str, &'t [f6
 }
 
 /// The columns in the place of a file. They are copied once.
-pub(crate) fn columns(table: &Table<'_>) -> PyResult<Columns> {
-    Ok(Columns(slices(table)?.into_iter().map(|(name, values)| (name.to_owned(), values.to_vec())).collect()))
+pub(crate) fn columns(table: &Slices<'_>) -> Columns {
+    Columns(table.iter().map(|&(name, values)| (name.to_owned(), values.to_vec())).collect())
 }

@@ -1,7 +1,8 @@
 //! The truth of synthetic data in terms of a dictionary, for the statistics of a sweep.
 
-use crate::errors::NumericsError;
+use crate::errors::{NumericsError, raised};
 use crate::fit::NativeCase;
+use crate::work::worked;
 use phisindy::files::Purpose;
 use pyo3::prelude::*;
 
@@ -12,8 +13,12 @@ pub(crate) fn add(m: &Bound<'_, PyModule>) -> PyResult<()> {
 /// Names (`STATE:candidate`) and coefficients of the true terms.
 #[pyfunction]
 fn truth(py: Python<'_>, case: &NativeCase) -> PyResult<Vec<(String, f64)>> {
-    let loaded = case.loaded(py, &[], None, Purpose::Run)?;
-    let truth = py.detach(|| phisindy_learn::project(&loaded.case, &loaded.records));
+    let all = worked(py, None, None, |_| {
+        let loaded = case.loaded(&[], None, Purpose::Run)?;
+        let truth = phisindy_learn::project(&loaded.case, &loaded.records);
+        Ok((loaded, truth))
+    })?;
+    let (loaded, truth) = all.map_err(|e| raised(py, e))?;
     let truth = truth.map_err(|e| NumericsError::new_err(format!("{e}: no seed can be right")))?;
     let system = &loaded.case.system;
     let name = |k: usize| {

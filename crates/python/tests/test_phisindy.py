@@ -141,7 +141,7 @@ def test_gap_names_a_law():
     assert found.status == "explained"
     assert [step["law"] for step in found.steps] == ["coulomb"]
     assert told and all(0 <= fraction <= 1 for fraction, _ in told)
-    assert "sgn" in found.latex and "coulomb" in repr(found).lower()
+    assert r"\operatorname{sgn}" in found.latex and r"\dot{y}" in found.latex and "coulomb" in repr(found).lower()
 
 
 def test_mistakes_of_a_spec_have_their_places():

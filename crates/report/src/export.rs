@@ -1,7 +1,7 @@
 //! A model without unknown part as a program or model file for other tools.
 //!
 //! ```text
-//! checked spec --Subject--> Functions (two functions of the model in a language) --> Python, C
+//! checked spec --Subject--> Functions (two functions of the model in a language) --> Python, C, MATLAB
 //!                     +----------------------------------------------------------> Modelica, JSON
 //!                     +--Functions and the contact rule--> FMU: files of an archive
 //! ```
@@ -12,6 +12,7 @@ mod functions;
 mod head;
 mod identifier;
 mod json;
+mod matlab;
 mod modelica;
 mod python;
 mod quoted;
@@ -68,6 +69,12 @@ pub const EXPORTERS: &[Exporter] = &[
         about: "FMI 3.0: model exchange and co-simulation, with sources and a binary where there is a C compiler",
         file: "model.fmu",
         write: Writer::Fmu(fmu::written),
+    },
+    Exporter {
+        name: "matlab",
+        about: "A MEX function in C for MATLAB and GNU Octave",
+        file: "model_mex.c",
+        write: Writer::Text(matlab::written),
     },
     Exporter {
         name: "json",

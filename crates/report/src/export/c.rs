@@ -20,6 +20,7 @@ pub(super) fn written(subject: &Subject) -> String {
     let mut out = model(subject, &functions, &usage);
     out += "\n#ifdef PHISINDY_MAIN\n";
     out += &names_and_start(subject);
+    let _ = writeln!(out, "static const char RECORD[] = {};", quoted(&subject.chosen().name));
     out += "#endif\n\n";
     out += CONTACT_RULE;
     out.push('\n');
@@ -88,14 +89,14 @@ fn parameters(subject: &Subject, functions: &Functions) -> String {
     out + "};\n\n"
 }
 
-/// What the program of the file needs beside the model.
-fn names_and_start(subject: &Subject) -> String {
+/// Names, and the start of the chosen record.
+pub(super) fn names_and_start(subject: &Subject) -> String {
     let mut out = String::new();
     let record = subject.chosen();
     let number = |x: &Option<f64>| x.map_or("NAN".to_owned(), |x| format!("{x:?}"));
-    array(&mut out, "char *STATE_NAMES", subject.states.iter().map(|q| quoted(&q.name)), "\"\"");
-    array(&mut out, "char *INPUT_NAMES", subject.inputs.iter().map(|q| quoted(&q.name)), "\"\"");
-    array(&mut out, "char *OUTPUT_NAMES", subject.outputs.iter().map(|q| quoted(&q.name)), "\"\"");
+    array(&mut out, "char *const STATE_NAMES", subject.states.iter().map(|q| quoted(&q.name)), "\"\"");
+    array(&mut out, "char *const INPUT_NAMES", subject.inputs.iter().map(|q| quoted(&q.name)), "\"\"");
+    array(&mut out, "char *const OUTPUT_NAMES", subject.outputs.iter().map(|q| quoted(&q.name)), "\"\"");
     let kinds = subject.interpolation.iter().map(|i| match kind(*i) {
         "hold" => "0".to_owned(),
         "linear" => "1".to_owned(),
@@ -104,11 +105,10 @@ fn names_and_start(subject: &Subject) -> String {
     out += "/* 0: the last sample is held, 1: straight lines, 2: a cubic spline. */\n";
     array(&mut out, "int INPUT_KINDS", kinds, "0");
     let contacts = &subject.switched.switches;
-    array(&mut out, "char *CONTACT_NAMES", contacts.iter().map(|s| quoted(&s.text)), "\"\"");
+    array(&mut out, "char *const CONTACT_NAMES", contacts.iter().map(|s| quoted(&s.text)), "\"\"");
     out += "/* The state at the start; NAN: not known, and for the time: the first one. */\n";
     array(&mut out, "double START", record.start.iter().map(number), "NAN");
     let _ = writeln!(out, "static const double START_TIME = {};", number(&record.start_time));
-    let _ = writeln!(out, "static const char RECORD[] = {};", quoted(&record.name));
     out
 }
 
