@@ -41,7 +41,8 @@ pub(crate) fn solve_damped(a: &Mat<f64>, b: &[f64], damping: f64) -> Option<Vec<
 /// the work grows with their number and not with its cube. `None` if the matrix is not definite.
 fn solve_in_envelope(m: &Mat<f64>, b: &[f64]) -> Option<Vec<f64>> {
     let n = b.len();
-    let at = |i: usize, j: usize| m[(n - 1 - i, n - 1 - j)];
+    // The matrix is symmetric, and stored by columns: a row is read along one.
+    let at = |i: usize, j: usize| m[(n - 1 - j, n - 1 - i)];
     let first: Vec<usize> = (0..n).map(|i| (0..i).find(|&j| at(i, j) != 0.0).unwrap_or(i)).collect();
     let mut rows: Vec<Vec<f64>> = Vec::with_capacity(n);
     for i in 0..n {

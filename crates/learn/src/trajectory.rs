@@ -26,6 +26,7 @@ pub(crate) mod layout;
 pub(crate) mod method;
 pub(crate) mod noise;
 pub(crate) mod problem;
+pub(crate) mod products;
 pub(crate) mod profile;
 pub(crate) mod quadratic;
 pub(crate) mod regular_start;

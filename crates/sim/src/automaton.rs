@@ -1,6 +1,7 @@
 //! A model compiled to a hybrid automaton: smooth rates for every combination of modes, and the surfaces
 //! between them.
 
+use crate::jacobian::Jacobian;
 use crate::switched::{Switch, Switched};
 use phisindy_expr::{Id, Tape, Unbound};
 use phisindy_phys::Model;
@@ -31,7 +32,7 @@ pub struct Automaton {
     /// and `d/dp` (c x p) of `dw/dt`: see [`crate::output`].
     pub(crate) output: Tape,
     /// Derivatives, for sensitivities: see [`crate::sensitivity`].
-    pub(crate) jacobian: Tape,
+    pub(crate) jacobian: Jacobian,
 }
 
 impl Automaton {
@@ -72,29 +73,18 @@ impl Automaton {
 
         let rest: Vec<Id> = s.surfaces.iter().chain(&s.normals).copied().collect();
 
+        let jacobian = Jacobian::new(model, &mut switched, &inputs)?;
         let Switched {
             graph,
             switches,
             modes,
             rates,
-            surfaces,
             surface_rates,
             outputs,
             output_drifts,
             surface_drifts,
             ..
         } = &mut switched;
-        let mut derivatives = Vec::new();
-        for (of, wrt) in [
-            (&*rates, &model.states),
-            (&*rates, &model.parameters),
-            (&*rates, &*modes),
-            (&*surface_rates, &model.states),
-            (&*surface_rates, &model.parameters),
-            (&*surfaces, &model.parameters),
-        ] {
-            of.iter().for_each(|&f| derivatives.extend(graph.gradient(f, wrt)));
-        }
         let mut read: Vec<Id> = outputs.iter().chain(output_drifts.iter()).copied().collect();
         if !outputs.is_empty() {
             for wrt in [&model.states, &*modes, &model.parameters] {
@@ -115,7 +105,7 @@ impl Automaton {
             surface: Tape::compile(graph, &inputs, &surface)?,
             rest: Tape::compile(graph, &inputs, &rest)?,
             output: Tape::compile(graph, &inputs, &read)?,
-            jacobian: Tape::compile(graph, &inputs, &derivatives)?,
+            jacobian,
         })
     }
 }

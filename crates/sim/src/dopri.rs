@@ -62,22 +62,60 @@ pub(crate) fn errors(h: f64, k: &[Vec<f64>; STAGES], n: usize, out: &mut [f64]) 
     }
 }
 
-/// The estimated error of component `i` after a step of length `h`.
-pub(crate) fn error(h: f64, k: &[Vec<f64>; STAGES], i: usize) -> f64 {
-    h * k.iter().zip(&E).map(|(k, e)| e * k[i]).sum::<f64>()
+/// The estimated errors of `N` components with these rates at the stages, after a step of length `h`.
+#[inline(always)]
+pub(crate) fn error<const N: usize>(h: f64, k: &[[f64; N]; STAGES]) -> [f64; N] {
+    let mut sum = [0.0; N];
+    for (k, e) in k.iter().zip(&E) {
+        (0..N).for_each(|l| sum[l] += e * k[l]);
+    }
+    (0..N).for_each(|l| sum[l] *= h);
+    sum
 }
 
 /// Hairer's fourth-order interpolant of a step, from the values at both ends and the rates at the stages.
+#[inline(always)]
 pub(crate) fn interpolate(dense: &mut Dense, h: f64, start: &[f64], end: &[f64], k: &[Vec<f64>; STAGES]) {
-    dense.h = h;
-    dense.c.clear();
-    dense.c.extend(start.iter().zip(end).enumerate().map(|(i, (&start, &end))| {
-        let difference = end - start;
-        let bend = h * k[0][i] - difference;
-        let fourth = difference - h * k[STAGES - 1][i] - bend;
-        let fifth = h * k.iter().zip(&D).map(|(k, d)| d * k[i]).sum::<f64>();
-        [start, difference, bend, fourth, fifth, 0.0]
-    }));
+    const VECTOR: usize = 8;
+    let (n, c) = (start.len(), dense.set(h, start.len()));
+    let whole = n / VECTOR * VECTOR;
+    for at in (0..whole).step_by(VECTOR) {
+        some::<VECTOR>(c, at, h, (start, end), k);
+    }
+    for at in whole..n {
+        some::<1>(c, at, h, (start, end), k);
+    }
+}
+
+/// The coefficients of `N` components from `at` on.
+#[inline(always)]
+fn some<const N: usize>(
+    c: &mut [Vec<f64>; 6],
+    at: usize,
+    h: f64,
+    (start, end): (&[f64], &[f64]),
+    k: &[Vec<f64>; STAGES],
+) {
+    let (start, end) = (&start[at..at + N], &end[at..at + N]);
+    let (first, last) = (&k[0][at..at + N], &k[STAGES - 1][at..at + N]);
+    let mut fifth = [0.0; N];
+    for (k, d) in k.iter().zip(&D) {
+        let k = &k[at..at + N];
+        (0..N).for_each(|l| fifth[l] += d * k[l]);
+    }
+    let (mut difference, mut bend, mut fourth) = ([0.0; N], [0.0; N], [0.0; N]);
+    for l in 0..N {
+        difference[l] = end[l] - start[l];
+        bend[l] = h * first[l] - difference[l];
+        fourth[l] = difference[l] - h * last[l] - bend[l];
+        fifth[l] *= h;
+    }
+    c[0][at..at + N].copy_from_slice(start);
+    c[1][at..at + N].copy_from_slice(&difference);
+    c[2][at..at + N].copy_from_slice(&bend);
+    c[3][at..at + N].copy_from_slice(&fourth);
+    c[4][at..at + N].copy_from_slice(&fifth);
+    c[5][at..at + N].fill(0.0);
 }
 
 /// `h |lambda|` of the dominant eigenvalue, from the last two stages: both are at the end of the step, and they

@@ -5,7 +5,7 @@ use crate::automaton::Automaton;
 use crate::decisions::{LEAST_SPEED, OFF_SURFACE};
 use crate::elimination::solve_in_place;
 use crate::flow::Flow;
-use crate::linearisation::Linearisation;
+use crate::linearisation::{Free, LANES, Linearisation};
 use crate::trajectory::Drive;
 use phisindy_expr::{Scratch, Tape};
 
@@ -17,7 +17,7 @@ pub(crate) struct Field<'a> {
     surface: Scratch<1>,
     rest: Scratch<1>,
     output: Scratch<1>,
-    jacobian: Option<Scratch<1>>,
+    jacobian: Option<Scratch<LANES>>,
     hints: Vec<usize>,
     /// Inputs are read just before this time at the latest: a step that ends where an input jumps must not
     /// see the jump.
@@ -75,37 +75,28 @@ impl<'a> Field<'a> {
     }
 
     fn write(&mut self, which: Which, t: f64, x: &[f64]) {
+        let arguments = Arguments {
+            automaton: self.automaton,
+            drive: self.drive,
+            left_of: self.left_of,
+            modes: &self.modes,
+            stuck: &self.stuck,
+            floors: &self.floors,
+            margins: &self.margins,
+        };
         let scratch = match which {
             Which::Flow => &mut self.flow,
             Which::Surface => &mut self.surface,
             Which::Rest => &mut self.rest,
             Which::Output => &mut self.output,
-            Which::Jacobian => {
+            Which::Jacobian(lane) => {
                 let (automaton, drive) = (self.automaton, self.drive);
-                self.jacobian.get_or_insert_with(|| prepared(automaton, drive, &automaton.jacobian))
+                let make = || prepared(automaton, drive, &automaton.jacobian.tape);
+                let jacobian = self.jacobian.get_or_insert_with(make);
+                return arguments.write(jacobian, lane, (t, x), &mut self.hints);
             }
         };
-        let (n, u, p) = (x.len(), self.automaton.inputs, self.automaton.parameters);
-        scratch.input(0)[0] = t;
-        for (k, &value) in x.iter().enumerate() {
-            scratch.input(1 + k)[0] = value;
-        }
-        if u > 0 {
-            let t = self.left_of.map_or(t, |edge| t.min(edge.next_down()));
-            for (k, signal) in self.drive.inputs.iter().enumerate() {
-                let (value, slope) = signal.value_and_slope(t, &mut self.hints[k]);
-                scratch.input(1 + n + k)[0] = value;
-                scratch.input(1 + n + u + k)[0] = slope;
-            }
-        }
-        // The parameters do not change during a run.
-        let (first, c) = (1 + n + 2 * u + p, self.modes.len());
-        for k in 0..c {
-            scratch.input(first + k)[0] = self.modes[k];
-            scratch.input(first + c + k)[0] = if self.stuck[k] { 0.0 } else { self.modes[k] };
-            scratch.input(first + 2 * c + k)[0] = self.floors[k];
-            scratch.input(first + 3 * c + k)[0] = self.margins[k];
-        }
+        arguments.write(scratch, 0, (t, x), &mut self.hints);
     }
 
     /// Writes `dx/dt`, followed by the load of each sticking contact: the fraction of the friction limit
@@ -317,13 +308,22 @@ impl<'a> Field<'a> {
         self.output_at(q * (2 + n + m + p) + m * (1 + n) + c * p + j)
     }
 
-    /// All derivatives at a point in the present modes, after [`Field::solve_stuck_modes`] or
-    /// [`Field::rates`] at this point.
-    pub(crate) fn derivatives(&mut self, t: f64, x: &[f64]) -> Derivatives<'_> {
-        self.write(Which::Jacobian, t, x);
-        let scratch = self.jacobian.as_mut().expect("written just now");
-        scratch.run();
-        Derivatives { scratch, n: x.len(), p: self.automaton.parameters, c: self.modes.len() }
+    /// Writes the point of a lane at which all derivatives are wanted, in the present modes, after
+    /// [`Field::solve_stuck_modes`] or [`Field::rates`] at this point.
+    pub(crate) fn write_jacobian(&mut self, lane: usize, t: f64, x: &[f64]) {
+        self.write(Which::Jacobian(lane), t, x);
+    }
+
+    /// Evaluates all derivatives at the points of all lanes.
+    pub(crate) fn run_jacobian(&mut self) {
+        if let Some(jacobian) = &mut self.jacobian {
+            jacobian.run();
+        }
+    }
+
+    /// Output `k` of [`crate::jacobian::Jacobian`] at the point of a lane.
+    pub(crate) fn slope(&self, lane: usize, k: usize) -> f64 {
+        self.jacobian.as_ref().map_or(0.0, |jacobian| jacobian.output(k)[lane])
     }
 }
 
@@ -334,17 +334,17 @@ impl Flow for Field<'_> {
 
     fn by_state(&mut self, t: f64, x: &[f64], out: &mut [f64]) {
         let mut linear = std::mem::take(&mut self.linear);
-        linear.evaluate(self, &[], t, x);
-        out.copy_from_slice(&linear.by_state);
+        Linearisation::evaluate(std::slice::from_mut(&mut linear), self, &Free::default(), &[(t, x)]);
+        linear.write_by_state(out);
         self.linear = linear;
     }
 }
 
 /// Memory for a tape of the automaton. The parameters do not change during a run.
-fn prepared(automaton: &Automaton, drive: &Drive<'_>, tape: &Tape) -> Scratch<1> {
+fn prepared<const N: usize>(automaton: &Automaton, drive: &Drive<'_>, tape: &Tape) -> Scratch<N> {
     let mut scratch = Scratch::new(tape);
     let first = 1 + automaton.states.len() + 2 * automaton.inputs;
-    drive.parameters.iter().enumerate().for_each(|(k, &p)| scratch.input(first + k)[0] = p);
+    drive.parameters.iter().enumerate().for_each(|(k, &p)| *scratch.input(first + k) = [p; N]);
     scratch
 }
 
@@ -361,46 +361,50 @@ enum Which {
     Surface,
     Rest,
     Output,
-    Jacobian,
+    /// The derivatives at the point of a lane.
+    Jacobian(usize),
 }
 
-/// Read access to the outputs of the jacobian tape.
-pub(crate) struct Derivatives<'a> {
-    scratch: &'a Scratch<1>,
-    n: usize,
-    p: usize,
-    c: usize,
+/// What the inputs of the tapes are made of beside the point.
+struct Arguments<'f> {
+    automaton: &'f Automaton,
+    drive: &'f Drive<'f>,
+    left_of: Option<f64>,
+    modes: &'f [f64],
+    stuck: &'f [bool],
+    floors: &'f [f64],
+    margins: &'f [f64],
 }
 
-impl Derivatives<'_> {
-    fn at(&self, k: usize) -> f64 {
-        self.scratch.output(k)[0]
-    }
-    /// d rate_i / d x_j
-    pub(crate) fn rate_x(&self, i: usize, j: usize) -> f64 {
-        self.at(i * self.n + j)
-    }
-    /// d rate_i / d p_j
-    pub(crate) fn rate_p(&self, i: usize, j: usize) -> f64 {
-        self.at(self.n * self.n + i * self.p + j)
-    }
-    /// d rate_i / d s_c
-    pub(crate) fn rate_s(&self, i: usize, c: usize) -> f64 {
-        self.at(self.n * (self.n + self.p) + i * self.c + c)
-    }
-    fn surface_base(&self) -> usize {
-        self.n * (self.n + self.p + self.c)
-    }
-    /// d (dw_c/dt) / d x_j
-    pub(crate) fn w_rate_x(&self, c: usize, j: usize) -> f64 {
-        self.at(self.surface_base() + c * self.n + j)
-    }
-    /// d (dw_c/dt) / d p_j
-    pub(crate) fn w_rate_p(&self, c: usize, j: usize) -> f64 {
-        self.at(self.surface_base() + self.c * self.n + c * self.p + j)
-    }
-    /// d w_c / d p_j
-    pub(crate) fn w_p(&self, c: usize, j: usize) -> f64 {
-        self.at(self.surface_base() + self.c * (self.n + self.p) + c * self.p + j)
+impl Arguments<'_> {
+    /// Writes them to a lane, for the point `(t, x)`.
+    fn write<const N: usize>(
+        &self,
+        scratch: &mut Scratch<N>,
+        lane: usize,
+        (t, x): (f64, &[f64]),
+        hints: &mut [usize],
+    ) {
+        let (n, u, p) = (x.len(), self.automaton.inputs, self.automaton.parameters);
+        scratch.input(0)[lane] = t;
+        for (k, &value) in x.iter().enumerate() {
+            scratch.input(1 + k)[lane] = value;
+        }
+        if u > 0 {
+            let t = self.left_of.map_or(t, |edge| t.min(edge.next_down()));
+            for (k, signal) in self.drive.inputs.iter().enumerate() {
+                let (value, slope) = signal.value_and_slope(t, &mut hints[k]);
+                scratch.input(1 + n + k)[lane] = value;
+                scratch.input(1 + n + u + k)[lane] = slope;
+            }
+        }
+        // The parameters do not change during a run.
+        let (first, c) = (1 + n + 2 * u + p, self.modes.len());
+        for k in 0..c {
+            scratch.input(first + k)[lane] = self.modes[k];
+            scratch.input(first + c + k)[lane] = if self.stuck[k] { 0.0 } else { self.modes[k] };
+            scratch.input(first + 2 * c + k)[lane] = self.floors[k];
+            scratch.input(first + 3 * c + k)[lane] = self.margins[k];
+        }
     }
 }

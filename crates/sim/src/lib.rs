@@ -10,6 +10,7 @@
 //! rate of `w` on either side, the contact sticks while `r+ <= 0 <= r-`.
 
 mod automaton;
+mod columns;
 mod contact;
 mod decisions;
 mod dense;
@@ -20,6 +21,7 @@ mod excitation;
 mod factors;
 mod field;
 mod flow;
+mod jacobian;
 mod linearisation;
 mod noise;
 mod output;

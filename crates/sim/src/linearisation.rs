@@ -1,57 +1,152 @@
-//! The rates to first order at a point: `df/dx` and `df/dp` in the present modes.
+//! The rates to first order at a point: `df/dx` and `df/dp` in the present modes, without their zeros.
 
 use crate::elimination::solve_in_place;
 use crate::field::Field;
 
-/// `df/dx` (n x n) and `df/dp` (n x free parameters), row-major.
-#[derive(Default)]
+/// Points that are evaluated together: more than an explicit step has stages.
+pub(crate) const LANES: usize = 8;
+
+/// Where the parameters stand that a run is differentiated by.
+#[derive(Clone, Default)]
+pub(crate) struct Free {
+    /// For each parameter, its place among the free ones.
+    places: Vec<Option<usize>>,
+    pub(crate) count: usize,
+}
+
+impl Free {
+    /// Of a model with so many parameters.
+    pub(crate) fn new(parameters: usize, free: &[usize]) -> Free {
+        let mut places = vec![None; parameters];
+        free.iter().enumerate().for_each(|(place, &p)| places[p] = Some(place));
+        Free { places, count: free.len() }
+    }
+
+    pub(crate) fn place(&self, parameter: usize) -> Option<usize> {
+        self.places.get(parameter).copied().flatten()
+    }
+}
+
+/// `df/dx`, and beside it `df/dp` for the free parameters: the entries that are not zero, row by row.
+#[derive(Clone, Default)]
 pub(crate) struct Linearisation {
-    pub(crate) by_state: Vec<f64>,
-    pub(crate) by_parameter: Vec<f64>,
+    /// Columns and values of `df/dx`, and where each row ends.
+    states: Vec<(usize, f64)>,
+    state_ends: Vec<usize>,
+    /// The same of `df/dp`; the columns follow those of the states.
+    parameters: Vec<(usize, f64)>,
+    parameter_ends: Vec<usize>,
+    /// The contacts that stick, and what their modes do to their `dw/dt`, row by row.
+    stuck: Vec<usize>,
+    influence: Vec<f64>,
+    /// Memory: the linear system of their modes, and one row.
+    system: Vec<f64>,
+    row: Vec<f64>,
 }
 
 impl Linearisation {
-    /// Evaluates both at a point. The modes of sticking contacts depend on the state: `ds = -M^-1 (d(dw/dt)/dx dx
-    /// + d(dw/dt)/dp dp)`.
-    pub(crate) fn evaluate(&mut self, field: &mut Field<'_>, free: &[usize], t: f64, x: &[f64]) {
-        let (n, f) = (x.len(), free.len());
-        let (a, b) = (&mut self.by_state, &mut self.by_parameter);
-        a.resize(n * n, 0.0);
-        b.resize(n * f, 0.0);
-        let set: Vec<usize> = (0..field.switches()).filter(|&c| field.stuck[c]).collect();
-        let mut influence = Vec::new();
-        if !set.is_empty() {
-            field.solve_stuck_modes(t, x);
-            influence = set
-                .iter()
-                .map(|&c| set.iter().map(|&k| field.influence(c, k)).collect::<Vec<f64>>())
-                .collect();
+    /// Evaluates `lines` at as many points, [`LANES`] at most.
+    pub(crate) fn evaluate(
+        lines: &mut [Linearisation],
+        field: &mut Field<'_>,
+        free: &Free,
+        points: &[(f64, &[f64])],
+    ) {
+        assert!(lines.len() == points.len() && points.len() <= LANES, "a lane for each point");
+        for (lane, (line, &(t, x))) in lines.iter_mut().zip(points).enumerate() {
+            line.stuck.clear();
+            line.stuck.extend((0..field.switches()).filter(|&c| field.stuck[c]));
+            line.influence.clear();
+            if !line.stuck.is_empty() {
+                field.solve_stuck_modes(t, x);
+                let Linearisation { stuck, influence, .. } = line;
+                stuck.iter().for_each(|&c| influence.extend(stuck.iter().map(|&k| field.influence(c, k))));
+            }
+            field.write_jacobian(lane, t, x);
         }
-        let d = field.derivatives(t, x);
+        field.run_jacobian();
+        lines.iter_mut().enumerate().for_each(|(lane, line)| line.read(field, free, lane));
+    }
+
+    /// The entries of row `i` of `df/dx`.
+    #[inline(always)]
+    pub(crate) fn by_state(&self, i: usize) -> &[(usize, f64)] {
+        &self.states[if i == 0 { 0 } else { self.state_ends[i - 1] }..self.state_ends[i]]
+    }
+
+    /// The entries of row `i` of `df/dp`, their columns counted from the first state on.
+    #[inline(always)]
+    pub(crate) fn by_parameter(&self, i: usize) -> &[(usize, f64)] {
+        &self.parameters[if i == 0 { 0 } else { self.parameter_ends[i - 1] }..self.parameter_ends[i]]
+    }
+
+    /// Writes `df/dx` with its zeros, row by row.
+    pub(crate) fn write_by_state(&self, out: &mut [f64]) {
+        let n = self.state_ends.len();
+        out.fill(0.0);
+        (0..n).for_each(|i| self.by_state(i).iter().for_each(|&(j, a)| out[i * n + j] = a));
+    }
+
+    fn read(&mut self, field: &Field<'_>, free: &Free, lane: usize) {
+        let (n, of) = (field.automaton.states.len(), &field.automaton.jacobian);
+        self.states.clear();
+        self.state_ends.clear();
+        self.parameters.clear();
+        self.parameter_ends.clear();
+        self.solve_modes(field, free, lane, n);
+        let (m, width) = (self.stuck.len(), self.stuck.len() + n + free.count);
         for i in 0..n {
-            (0..n).for_each(|j| a[i * n + j] = d.rate_x(i, j));
-            (0..f).for_each(|j| b[i * f + j] = d.rate_p(i, free[j]));
+            let by_state = of.rates_by_state.row(i).map(|(j, k)| (j, field.slope(lane, k)));
+            let by_parameter = of.rates_by_parameter.row(i);
+            let by_parameter =
+                by_parameter.filter_map(|(p, k)| Some((n + free.place(p)?, field.slope(lane, k))));
+            let by_mode = of.rates_by_mode.row(i).filter_map(|(c, k)| {
+                let value = field.slope(lane, k);
+                Some((self.stuck.binary_search(&c).ok()?, value)).filter(|_| value != 0.0)
+            });
+            let mut by_mode = by_mode.peekable();
+            let present = |(_, a): &(usize, f64)| *a != 0.0;
+            if by_mode.peek().is_none() {
+                self.states.extend(by_state.filter(present));
+                self.parameters.extend(by_parameter.filter(present));
+            } else {
+                self.row.clear();
+                self.row.resize(n + free.count, 0.0);
+                by_state.chain(by_parameter).for_each(|(j, a)| self.row[j] = a);
+                for (r, value) in by_mode {
+                    let moved = &self.system[r * width + m..(r + 1) * width];
+                    self.row.iter_mut().zip(moved).for_each(|(a, y)| *a -= value * y);
+                }
+                let entries = self.row.iter().copied().enumerate().filter(present);
+                let (states, parameters): (Vec<_>, Vec<_>) = entries.partition(|(j, _)| *j < n);
+                self.states.extend(states);
+                self.parameters.extend(parameters);
+            }
+            self.state_ends.push(self.states.len());
+            self.parameter_ends.push(self.parameters.len());
         }
-        if set.is_empty() {
+    }
+
+    /// The modes of sticking contacts depend on the state: `ds = -M^-1 (d(dw/dt)/dx dx + d(dw/dt)/dp dp)`. The
+    /// system holds its negative after `m` numbers in each row.
+    fn solve_modes(&mut self, field: &Field<'_>, free: &Free, lane: usize, n: usize) {
+        let m = self.stuck.len();
+        self.system.clear();
+        if m == 0 {
             return;
         }
-        let (m, width) = (set.len(), set.len() + n + f);
-        let mut y = Vec::with_capacity(m * width);
-        for (row, &c) in influence.iter().zip(&set) {
-            y.extend(row);
-            y.extend((0..n).map(|j| d.w_rate_x(c, j)));
-            y.extend(free.iter().map(|&p| d.w_rate_p(c, p)));
-        }
-        solve_in_place(&mut y, m, n + f);
-        for (r, &c) in set.iter().enumerate() {
-            let y = &y[r * width + m..(r + 1) * width];
-            for i in 0..n {
-                let by_mode = d.rate_s(i, c);
-                if by_mode != 0.0 {
-                    (0..n).for_each(|j| a[i * n + j] -= by_mode * y[j]);
-                    (0..f).for_each(|j| b[i * f + j] -= by_mode * y[n + j]);
+        let (width, of) = (m + n + free.count, &field.automaton.jacobian);
+        self.system.resize(m * width, 0.0);
+        let rows = self.system.chunks_exact_mut(width).zip(self.influence.chunks_exact(m));
+        for (&c, (row, influence)) in self.stuck.iter().zip(rows) {
+            row[..m].copy_from_slice(influence);
+            of.surface_rates_by_state.row(c).for_each(|(j, k)| row[m + j] = field.slope(lane, k));
+            for (p, k) in of.surface_rates_by_parameter.row(c) {
+                if let Some(place) = free.place(p) {
+                    row[m + n + place] = field.slope(lane, k);
                 }
             }
         }
+        solve_in_place(&mut self.system, m, n + free.count);
     }
 }

@@ -113,9 +113,8 @@ pub(crate) fn matrix<'a>(h: f64, n: usize, slope: impl Fn(usize) -> &'a [f64], o
 
 /// The polynomial through the start and the stages.
 pub(crate) fn interpolate(dense: &mut Dense, h: f64, x: &[Vec<f64>]) {
-    dense.h = h;
-    dense.c.clear();
-    dense.c.extend((0..x[0].len()).map(|i| {
+    let c = dense.set(h, x[0].len());
+    for i in 0..x[0].len() {
         let (start, difference) = (x[0][i], x[STAGES][i] - x[0][i]);
         let bend: [f64; STAGES - 1] = std::array::from_fn(|k| {
             let c = C[k + 1];
@@ -123,8 +122,9 @@ pub(crate) fn interpolate(dense: &mut Dense, h: f64, x: &[Vec<f64>]) {
         });
         let [second, third, fourth, fifth] =
             BENT.map(|row| row.iter().zip(&bend).map(|(a, b)| a * b).sum::<f64>());
-        [start, difference, second, third, fourth, fifth]
-    }));
+        let of = [start, difference, second, third, fourth, fifth];
+        c.iter_mut().zip(of).for_each(|(c, value)| c[i] = value);
+    }
 }
 
 impl Radau {
@@ -203,8 +203,9 @@ impl Radau {
             return;
         };
         for stage in 0..STAGES {
-            let values = dense.values(1.0 + C[stage + 1] * h / dense.h);
-            values.zip(x).enumerate().for_each(|(i, (value, x))| self.z[i * STAGES + stage] = value - x);
+            dense.value(1.0 + C[stage + 1] * h / dense.h, &mut self.point);
+            let values = self.point.iter().zip(x);
+            values.enumerate().for_each(|(i, (value, x))| self.z[i * STAGES + stage] = value - x);
         }
     }
 

@@ -67,8 +67,7 @@ impl Run<'_> {
             self.out.states.extend(self.x.iter().zip(&self.rates).map(|(x, f)| x + back * f));
             self.out.rates.extend(&self.rates[..n]);
             if let Some(s) = &mut self.sensitivity {
-                let slope = s.slope(&mut self.field, self.t, &self.x);
-                self.out.sensitivities.extend(s.s.iter().zip(slope).map(|(s, f)| s + back * f));
+                s.sample_along(&mut self.field, self.t, &self.x, back, &mut self.out.sensitivities);
             }
             let (x, rates) = (self.x.clone(), self.rates[..n].to_vec());
             self.sample_outputs(self.t, &x, &rates, back);
@@ -209,7 +208,7 @@ impl Run<'_> {
         dense.slope(theta, &mut self.out.rates[at..]);
         self.field.keep_at_rest(self.times[self.next], &mut self.out.states[at..]);
         if let Some(s) = &self.sensitivity {
-            self.out.sensitivities.extend(s.dense.values(theta));
+            s.sample(theta, &mut self.out.sensitivities);
         }
         if self.field.automaton.outputs > 0 {
             let (x, rates) = (self.out.states[at..].to_vec(), self.out.rates[at..].to_vec());

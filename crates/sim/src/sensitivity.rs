@@ -8,64 +8,64 @@
 //! and Bifurcations of Non-Smooth Mechanical Systems, 2004, ch. 7). When a contact is released the rates
 //! are continuous and `S` does not jump.
 
-use crate::decisions::UNRESOLVED;
-use crate::dense::Dense;
-use crate::dopri::{self, A, C, STAGES};
+use crate::columns::Columns;
+use crate::dopri::{C, STAGES};
 use crate::factors::Factors;
 use crate::field::Field;
-use crate::linearisation::Linearisation;
+use crate::linearisation::{Free, LANES, Linearisation};
 use crate::radau;
 use crate::step::{Method, Step};
-use phisindy_expr::wide;
+use rayon::prelude::*;
 
 /// The derivatives of all states. Columns are the start states, then the free parameters.
 pub(crate) struct Sensitivity {
     n: usize,
     /// The parameters to differentiate by.
     pub(crate) free: Vec<usize>,
+    places: Free,
     /// Number of columns.
     pub(crate) m: usize,
-    /// `S` at the present time, row-major n x m.
-    pub(crate) s: Vec<f64>,
-    start: Vec<f64>,
-    stage: Vec<f64>,
-    k: [Vec<f64>; STAGES],
-    /// `S` within the last step, after [`Sensitivity::interpolate`].
-    pub(crate) dense: Dense,
+    /// `S`, a few columns at a time.
+    columns: Vec<Columns>,
+    /// The error that a step of the states may make, as a part of their sizes.
+    tolerance: f64,
+    scale: Vec<f64>,
     /// Whether the last stage is the first stage of the next step.
     fresh: bool,
     /// How the last step of `S` was made.
     method: Method,
-    /// The largest size of each element of `S` so far.
-    sizes: Vec<f64>,
-    linear: Linearisation,
-    /// Memory of an implicit step: `df/dx` at its stages, their equations, and the right-hand sides.
+    /// The rates to first order at the stages.
+    lines: Vec<Linearisation>,
+    /// Memory of an implicit step: `df/dx` at its stages, and their equations.
     slopes: [Vec<f64>; radau::STAGES],
     equations: Option<Factors>,
-    right: Vec<f64>,
 }
 
 impl Sensitivity {
-    pub(crate) fn new(n: usize, free: &[usize]) -> Self {
-        let m = n + free.len();
-        let mut s = vec![0.0; n * m];
-        (0..n).for_each(|i| s[i * m + i] = 1.0);
+    /// By the start of the states, whose sizes that matter are `scale`, and by the parameters `free` of all `parameters`.
+    pub(crate) fn new(scale: &[f64], tolerance: f64, parameters: usize, free: &[usize]) -> Self {
+        let (n, m) = (scale.len(), scale.len() + free.len());
         Sensitivity {
             n,
             free: free.to_vec(),
+            places: Free::new(parameters, free),
             m,
-            start: s.clone(),
-            stage: s.clone(),
-            k: std::array::from_fn(|_| vec![0.0; n * m]),
-            dense: Dense::default(),
-            sizes: s.clone(),
-            s,
+            columns: Columns::all(n, m),
+            tolerance,
+            scale: scale.to_vec(),
             fresh: false,
             method: Method::Explicit,
-            linear: Linearisation::default(),
+            lines: vec![Linearisation::default(); LANES],
             slopes: Default::default(),
             equations: None,
-            right: vec![],
+        }
+    }
+
+    /// Does `work` for all columns, on several threads where there is much of it.
+    fn for_all(columns: &mut [Columns], work: impl Fn(&mut Columns) + Sync + Send) {
+        match columns {
+            [few] => work(few),
+            many => many.par_iter_mut().for_each(work),
         }
     }
 
@@ -76,139 +76,122 @@ impl Sensitivity {
         self.method = step.method();
         match self.method {
             Method::Explicit => {
-                self.advance_explicit(field, step);
-                if !self.is_resolved(step.h) {
-                    self.s.copy_from_slice(&self.start);
+                if !self.advance_explicit(field, step) {
+                    self.columns.iter_mut().for_each(Columns::back);
                     self.method = Method::Implicit;
-                    let dense = step.dense().clone();
-                    let (t, h) = (step.t, step.h);
-                    let mut x = step.x[0].clone();
-                    self.advance_implicit(field, h, |linear, field, free, at| {
-                        dense.value(radau::C[at], &mut x);
-                        linear.evaluate(field, free, t + radau::C[at] * h, &x);
-                    });
+                    let dense = step.dense();
+                    let n = self.n;
+                    let mut x = vec![0.0; radau::STAGES * n];
+                    for (stage, x) in x.chunks_exact_mut(n).enumerate() {
+                        dense.value(radau::C[stage + 1], x);
+                    }
+                    self.advance_implicit(field, (step.t, step.h), |stage| &x[stage * n..][..n]);
                 }
             }
-            Method::Implicit => self.advance_implicit(field, step.h, |linear, field, free, at| {
-                linear.evaluate(field, free, step.t + radau::C[at] * step.h, &step.x[at]);
-            }),
-        }
-        self.sizes.iter_mut().zip(&self.s).for_each(|(size, s)| *size = size.max(s.abs()));
-    }
-
-    /// Whether the error of an explicit step is small beside each element of `S`.
-    fn is_resolved(&self, h: f64) -> bool {
-        let small = |(i, (end, size)): (usize, (&f64, &f64))| {
-            let error = dopri::error(h, &self.k, i);
-            error.abs() <= UNRESOLVED * end.abs().max(*size)
-        };
-        self.s.iter().zip(&self.sizes).enumerate().all(small)
-    }
-
-    fn advance_explicit(&mut self, field: &mut Field<'_>, step: &Step) {
-        let (n, m) = (self.n, self.m);
-        self.start.copy_from_slice(&self.s);
-        for stage in 0..STAGES {
-            if stage == 0 && self.fresh {
-                self.k.swap(0, STAGES - 1);
-                continue;
+            Method::Implicit => {
+                self.advance_implicit(field, (step.t, step.h), |stage| &step.x[stage + 1]);
             }
-            self.linear.evaluate(field, &self.free, step.t + C[stage] * step.h, &step.x[stage]);
-            self.stage.copy_from_slice(&self.start);
-            let (before, after) = self.k.split_at_mut(stage);
-            wide(
-                #[inline(always)]
-                || {
-                    for (a, k) in A[stage.max(1) - 1].iter().zip(&*before).filter(|(a, _)| **a != 0.0) {
-                        self.stage.iter_mut().zip(k).for_each(|(s, k)| *s += step.h * a * k);
-                    }
-                    multiply_add(&self.linear, &self.stage, n, m, &mut after[0]);
-                },
-            );
         }
-        // The last stage is at the end of the step: its argument is the solution.
-        self.s.copy_from_slice(&self.stage);
-        self.fresh = true;
+        let scale = &self.scale;
+        Self::for_all(&mut self.columns, |columns| columns.measure(scale));
     }
 
-    /// `dS/dt` at the present point.
-    pub(crate) fn slope(&mut self, field: &mut Field<'_>, t: f64, x: &[f64]) -> Vec<f64> {
-        self.linear.evaluate(field, &self.free, t, x);
-        let mut out = vec![0.0; self.s.len()];
-        multiply_add(&self.linear, &self.s, self.n, self.m, &mut out);
-        out
+    /// Returns whether the error is small beside each element of `S`.
+    fn advance_explicit(&mut self, field: &mut Field<'_>, step: &Step) -> bool {
+        let fresh = std::mem::replace(&mut self.fresh, true);
+        let known = usize::from(fresh);
+        let mut points: [(f64, &[f64]); STAGES] = [(0.0, &[]); STAGES];
+        for (stage, point) in points.iter_mut().enumerate() {
+            *point = (step.t + C[stage] * step.h, &step.x[stage]);
+        }
+        let lines = &mut self.lines[..STAGES];
+        Linearisation::evaluate(&mut lines[known..], field, &self.places, &points[known..]);
+        let (lines, h, accuracy) = (&*lines, step.h, (self.tolerance, &self.scale[..]));
+        match &mut self.columns[..] {
+            [few] => few.advance_explicit(h, lines, fresh, accuracy),
+            many => {
+                let all =
+                    many.par_iter_mut().map(|columns| columns.advance_explicit(h, lines, fresh, accuracy));
+                all.reduce(|| true, |a, b| a & b)
+            }
+        }
     }
 
-    /// The stages of an implicit step are what solves its equations, so their derivatives `S + D` follow from
-    /// those of the equations at the solution: `sum_j W_ij D_j / h - J_i D_i = J_i S + (df/dp)_i`.
-    /// `at` evaluates the linearisation at a stage.
-    fn advance_implicit(
+    /// The stages of an implicit step from `t`, of length `h`, are what solves its equations, so their derivatives
+    /// `S + D` follow from those of the equations at the solution: `sum_j W_ij D_j / h - J_i D_i = J_i S + (df/dp)_i`.
+    /// `x` is the state at a stage.
+    fn advance_implicit<'x>(
         &mut self,
         field: &mut Field<'_>,
-        h: f64,
-        mut at: impl FnMut(&mut Linearisation, &mut Field<'_>, &[usize], usize),
+        (t, h): (f64, f64),
+        x: impl Fn(usize) -> &'x [f64],
     ) {
         const STAGES: usize = radau::STAGES;
-        let (n, m) = (self.n, self.m);
-        self.start.copy_from_slice(&self.s);
-        self.right.resize(STAGES * n * m, 0.0);
-        for stage in 0..STAGES {
-            at(&mut self.linear, field, &self.free, stage + 1);
-            self.slopes[stage].clone_from(&self.linear.by_state);
-            multiply_add(&self.linear, &self.start, n, m, &mut self.stage);
-            for (i, row) in self.stage.chunks_exact(m).enumerate() {
-                self.right[(i * STAGES + stage) * m..][..m].copy_from_slice(row);
-            }
+        let n = self.n;
+        let points: [(f64, &[f64]); STAGES] =
+            std::array::from_fn(|stage| (t + radau::C[stage + 1] * h, x(stage)));
+        let lines = &mut self.lines[..STAGES];
+        Linearisation::evaluate(lines, field, &self.places, &points);
+        for (slope, line) in self.slopes.iter_mut().zip(&*lines) {
+            slope.resize(n * n, 0.0);
+            line.write_by_state(slope);
         }
         let equations = self.equations.get_or_insert_with(|| Factors::new(STAGES * n));
         radau::matrix(h, n, |stage| &self.slopes[stage], &mut equations.a);
         // Newton's method has solved nearly the same equations: they have a solution.
         equations.factor();
-        equations.solve(&mut self.right, m);
-        for (i, rows) in self.right.chunks_exact(STAGES * m).enumerate() {
-            for (stage, row) in rows.chunks_exact(m).enumerate() {
-                let start = &self.start[i * m..(i + 1) * m];
-                let out = &mut self.k[stage + 1][i * m..(i + 1) * m];
-                out.iter_mut().zip(start).zip(row).for_each(|((out, s), d)| *out = s + d);
-            }
-        }
-        self.s.copy_from_slice(&self.k[STAGES]);
+        let (lines, equations) = (&*lines, &*equations);
+        let work = |columns: &mut Columns| columns.advance_implicit(lines, |b, k| equations.solve(b, k));
+        Self::for_all(&mut self.columns, work);
         self.fresh = false;
     }
 
     /// Prepares the interpolation within the last step.
     pub(crate) fn interpolate(&mut self, step: &Step) {
-        match self.method {
-            Method::Explicit => dopri::interpolate(&mut self.dense, step.h, &self.start, &self.s, &self.k),
-            Method::Implicit => {
-                // The first place holds a rate in explicit steps, and is the start here.
-                self.k[0].copy_from_slice(&self.start);
-                radau::interpolate(&mut self.dense, step.h, &self.k);
-            }
+        let (h, method) = (step.h, self.method);
+        Self::for_all(&mut self.columns, |columns| columns.interpolate(h, method));
+    }
+
+    /// Appends the values at the fraction `theta` of the last step, after [`Sensitivity::interpolate`].
+    pub(crate) fn sample(&self, theta: f64, out: &mut Vec<f64>) {
+        let from = out.len();
+        out.resize(from + self.n * self.m, 0.0);
+        self.columns.iter().for_each(|columns| columns.write(theta, self.m, &mut out[from..]));
+    }
+
+    /// Appends the values a time `back` away from the present point, at the present rates.
+    pub(crate) fn sample_along(
+        &mut self,
+        field: &mut Field<'_>,
+        t: f64,
+        x: &[f64],
+        back: f64,
+        out: &mut Vec<f64>,
+    ) {
+        let from = out.len();
+        out.resize(from + self.n * self.m, 0.0);
+        Linearisation::evaluate(&mut self.lines[..1], field, &self.places, &[(t, x)]);
+        for columns in &mut self.columns {
+            columns.write_along(&self.lines[0], back, self.m, &mut out[from..]);
         }
     }
 
     /// The derivatives of the time of an event on the surface of a switch, from the rate of `w` before it.
     pub(crate) fn time_of_event(&self, normal: &[f64], by_parameter: &[f64], w_rate: f64) -> Vec<f64> {
-        let of = |j: usize| {
-            let mut dw: f64 = (0..self.n).map(|i| normal[i] * self.s[i * self.m + j]).sum();
-            if j >= self.n {
-                dw += by_parameter[j - self.n];
-            }
-            -dw / w_rate
-        };
-        if w_rate == 0.0 { vec![0.0; self.m] } else { (0..self.m).map(of).collect() }
+        let mut moves = vec![0.0; self.m];
+        if w_rate != 0.0 {
+            self.columns.iter().for_each(|columns| columns.add_along(normal, &mut moves));
+            moves[self.n..].iter_mut().zip(by_parameter).for_each(|(dw, by)| *dw += by);
+            moves.iter_mut().for_each(|dw| *dw = -*dw / w_rate);
+        }
+        moves
     }
 
     /// Applies the jump at an event that moves by `times`, from the rates before and after.
     pub(crate) fn jump(&mut self, times: &[f64], before: &[f64], after: &[f64]) {
         self.fresh = false;
-        if before.iter().zip(after).all(|(b, a)| b == a) {
-            return;
-        }
-        for (j, dt) in times.iter().enumerate() {
-            (0..self.n).for_each(|i| self.s[i * self.m + j] += (before[i] - after[i]) * dt);
-        }
+        let by: Vec<f64> = before.iter().zip(after).map(|(b, a)| b - a).collect();
+        self.columns.iter_mut().for_each(|columns| columns.jump(&by, times));
     }
 
     /// The modes have changed without a jump of the rates.
@@ -218,21 +201,17 @@ impl Sensitivity {
 
     /// `dw_c/dp` for the free parameters.
     pub(crate) fn by_parameter(&self, field: &mut Field<'_>, c: usize, t: f64, x: &[f64]) -> Vec<f64> {
-        let d = field.derivatives(t, x);
-        self.free.iter().map(|&p| d.w_p(c, p)).collect()
-    }
-}
-
-/// `dS/dt = (df/dx) S + df/dp`, where `df/dp` has no columns for the start states.
-#[inline(always)]
-fn multiply_add(linear: &Linearisation, s: &[f64], n: usize, m: usize, out: &mut [f64]) {
-    let Linearisation { by_state: a, by_parameter: b } = linear;
-    for i in 0..n {
-        let row = &mut out[i * m..(i + 1) * m];
-        row[..n].fill(0.0);
-        row[n..].copy_from_slice(&b[i * (m - n)..(i + 1) * (m - n)]);
-        for (j, &a) in a[i * n..(i + 1) * n].iter().enumerate().filter(|(_, a)| **a != 0.0) {
-            row.iter_mut().zip(&s[j * m..(j + 1) * m]).for_each(|(r, s)| *r += a * s);
+        let mut out = vec![0.0; self.free.len()];
+        let of = &field.automaton.jacobian.surfaces_by_parameter;
+        if of.row(c).next().is_some() {
+            field.write_jacobian(0, t, x);
+            field.run_jacobian();
+            for (p, k) in of.row(c) {
+                if let Some(place) = self.places.place(p) {
+                    out[place] = field.slope(0, k);
+                }
+            }
         }
+        out
     }
 }

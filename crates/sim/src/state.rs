@@ -78,10 +78,12 @@ impl<'a> Run<'a> {
         options: &'a Options,
     ) -> Self {
         let (n, c) = (start.len(), automaton.switches.len());
-        let sensitivity = options.sensitivities.as_ref().map(|free| Sensitivity::new(n, free));
-        let m = sensitivity.as_ref().map_or(0, |s| s.m);
         let scale = if options.scale.is_empty() { vec![1.0; n] } else { options.scale.clone() };
         assert_eq!(scale.len(), n, "one scale for each state");
+        let derivatives =
+            |free: &Vec<usize>| Sensitivity::new(&scale, options.tolerance, automaton.parameters, free);
+        let sensitivity = options.sensitivities.as_ref().map(derivatives);
+        let m = sensitivity.as_ref().map_or(0, |s| s.m);
         let outputs = automaton.outputs;
         let width = n + outputs;
         let mut out = Trajectory { n: width, outputs, m, ..Default::default() };

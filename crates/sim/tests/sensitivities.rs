@@ -80,6 +80,37 @@ fn stop_stick_and_departure_with_coulomb_friction() {
     check("1a", &common::case_1a(), 20.0, 1e-6);
 }
 
+/// A chain couples neighbours alone: most derivatives are zero at first, and nothing may be left out when they no longer
+/// are, behind bodies that stick either. There are more columns than are advanced together.
+#[test]
+fn a_chain_of_bodies() {
+    let bodies = 12;
+    let force = |k: usize| {
+        let at = |name: &str, k: usize| {
+            if k == 0 || k > bodies { "0".to_owned() } else { format!("{name}{k}") }
+        };
+        let pull = |n: &str| format!("({} - 2*{} + {})", at(n, k - 1), at(n, k), at(n, k + 1));
+        format!(
+            "g{k}*({} + 0.1*{}){}",
+            pull("x"),
+            pull("y"),
+            if k % 4 == 2 { format!(" - F*sgn(y{k})") } else { String::new() }
+        )
+    };
+    let names: Vec<[String; 4]> =
+        (1..=bodies).map(|k| [format!("x{k}"), format!("y{k}"), force(k), format!("g{k}")]).collect();
+    let start = |k: usize| (0.3 * (1.7 * k as f64).sin(), 0.8 * (2.3 * k as f64).cos());
+    let mut states = Vec::new();
+    for (k, [x, y, force, _]) in names.iter().enumerate() {
+        states.extend([(&x[..], start(k).0, &y[..]), (&y[..], start(k).1, &force[..])]);
+    }
+    let mut parameters = vec![("F", 0.4)];
+    parameters.extend(names.iter().enumerate().map(|(k, name)| (&name[3][..], 3.0 + 0.1 * k as f64)));
+    let case = Case::new(&states, &parameters);
+    assert!(case.run(&[3.0]).events.iter().any(|e| e.to == 0), "some body sticks");
+    check("chain", &case, 3.0, 1e-6);
+}
+
 #[test]
 fn crossing_without_a_stop() {
     let states = [("x", 1.0, "v"), ("v", 0.3, "-k*x - F*sgn(v)")];

@@ -5,10 +5,14 @@ use crate::trajectory::delayed_samples::SampledRun;
 use crate::trajectory::jumps::Miss;
 use crate::trajectory::layout::{Segment, Source};
 use crate::trajectory::problem::Problem;
+use crate::trajectory::products::Products;
 use faer::Mat;
-use phisindy_expr::wide;
 use phisindy_sim::SimError;
 use rayon::prelude::*;
+use std::ops::Range;
+
+/// Samples of a segment that one thread takes at a time.
+const PART: usize = 256;
 
 /// The contribution of one segment to the normal equations: the unknowns that it depends on, and its normal
 /// equations in those (upper triangle).
@@ -81,7 +85,9 @@ impl Problem<'_> {
             .par_iter()
             .map(|s| {
                 let sampled = self.run(s, x, false)?;
-                Ok(sum_of_squares(&self.misses(s, x, weights, &sampled, true)))
+                let of = |part| sum_of_squares(&self.misses(s, x, weights, &sampled, part));
+                let parts = parts(s).map(of).fold(0.0, |sum, part| sum + part);
+                Ok(parts + sum_of_squares(&self.joint_misses(s, x, &sampled)))
             })
             .collect::<Result<_, _>>()?;
         let prior = |&(k, centre, sigma): &(usize, f64, f64)| {
@@ -92,17 +98,15 @@ impl Problem<'_> {
         Ok(all.fold(0.0, |sum, part| sum + part))
     }
 
-    /// The weighted residuals of a segment: sample by sample those of each measured column, then the jump of
-    /// each state to the next segment.
+    /// The weighted residuals of some samples of a segment: one by one those of each measured column.
     fn misses(
         &self,
         segment: &Segment,
         x: &[f64],
         weights: &[Vec<Vec<f64>>],
         sampled: &SampledRun,
-        joints: bool,
+        samples: Range<usize>,
     ) -> Vec<f64> {
-        let (first, last) = segment.samples;
         let record = self.records[segment.record];
         let measured: Vec<usize> =
             (0..record.columns.len()).filter(|&k| record.columns[k].is_some()).collect();
@@ -112,8 +116,9 @@ impl Problem<'_> {
                 (record.columns[k].as_deref().unwrap_or_default(), weights[segment.record][k].as_slice())
             })
             .collect();
-        let mut misses = Vec::with_capacity((last - first) * measured.len());
-        for (i, sample) in (first..last).enumerate() {
+        let mut misses = Vec::with_capacity(samples.len() * measured.len());
+        for sample in samples {
+            let i = sample - segment.samples.0;
             for (&k, (column, weight)) in measured.iter().zip(&columns) {
                 let (prediction, _) = self.reading(segment.record, k, x, sampled.value(i, k).0);
                 let (scale, miss) = (weight[sample].sqrt(), prediction - column[sample]);
@@ -127,13 +132,17 @@ impl Problem<'_> {
                 }
             }
         }
-        if let (Some(next), Some(tau)) = (self.next(segment).filter(|_| joints), &self.continuity) {
-            let (n, at) = (self.system.states.len(), (last - first) * sampled.run.n);
-            let (states, rates) = (&sampled.run.states[at..], &sampled.run.rates[at..]);
-            let late = sampled.end - record.time[last];
-            misses.extend((0..n).map(|k| joint(tau[k]) * (states[k] - late * rates[k] - x[next.start + k])));
-        }
         misses
+    }
+
+    /// The weighted jump of each state from a segment to the next, if they are joined.
+    fn joint_misses(&self, segment: &Segment, x: &[f64], sampled: &SampledRun) -> Vec<f64> {
+        let (Some(next), Some(tau)) = (self.next(segment), &self.continuity) else { return vec![] };
+        let (first, last) = segment.samples;
+        let (n, at) = (self.system.states.len(), (last - first) * sampled.run.n);
+        let (states, rates) = (&sampled.run.states[at..], &sampled.run.rates[at..]);
+        let late = sampled.end - self.records[segment.record].time[last];
+        (0..n).map(|k| joint(tau[k]) * (states[k] - late * rates[k] - x[next.start + k])).collect()
     }
 
     /// Cost and normal equations, residuals weighted by the noise at `weights` (predictions of an earlier
@@ -207,79 +216,99 @@ impl Problem<'_> {
         Rows { meat, joints: joined }: Rows,
     ) -> Result<Share, SimError> {
         let sampled = self.run(segment, x, true)?;
-        let run = &sampled.run;
-        let (n, m, r) = (self.system.states.len(), run.m, segment.record);
         let (mut at, sensor_slots) = self.unknowns_of(segment);
         let next = self.next(segment).filter(|_| joined);
-        let joints = at.len();
+        let (joints, n) = (at.len(), self.system.states.len());
         at.extend(next.iter().flat_map(|s| s.start..s.start + n));
         let width = at.len();
-        let mut matrix = vec![0.0; width * width];
-        let mut gradient = vec![0.0; width];
-        let mut row = vec![0.0; width];
-        let misses = self.misses(segment, x, weights, &sampled, joined);
-        let mut of_samples = misses.iter().copied();
-        wide(
-            #[inline(always)]
-            || {
-                for (i, sample) in (segment.samples.0..segment.samples.1).enumerate() {
-                    for (k, column) in self.records[r].columns.iter().enumerate() {
-                        if column.is_none() {
-                            continue;
-                        }
-                        let e = of_samples.next().expect("one for each sample of each column");
-                        let (value, rate) = sampled.value(i, k);
-                        let (_, gain) = self.reading(r, k, x, value);
-                        let weight = weights[r][k][sample].sqrt();
-                        row.fill(0.0);
-                        let s = sampled.sensitivities(i, k);
-                        row.iter_mut().zip(s).for_each(|(j, s)| *j = weight * gain * s);
-                        let [offset_at, gain_at, delay_at] = sensor_slots[k];
-                        if offset_at != usize::MAX {
-                            row[offset_at] += weight;
-                        }
-                        if gain_at != usize::MAX {
-                            row[gain_at] += weight * value;
-                        }
-                        if delay_at != usize::MAX {
-                            row[delay_at] -= weight * gain * rate;
-                        }
-                        add_row(&row, e, meat, &mut matrix, &mut gradient);
-                        // Where the reading shows the other side of a jump, it tells the time of the event.
-                        let beside = self.beside_jumps(segment, x, &sampled, (sample, k), 1.0 / weight);
-                        let reading = self.records[r].columns[k].as_ref().map_or(0.0, |c| c[sample]);
-                        let (prediction, _) = self.reading(r, k, x, value);
-                        let timing =
-                            beside.and_then(|at| Some((at.step, at.miss(prediction - reading).timing?)));
-                        if let Some((step, (jump, _))) = timing {
-                            let e = of_samples.next().expect("one for each event that is told");
-                            let per_second = 12f64.sqrt() / step;
-                            row.fill(0.0);
-                            let moves = &run.jumps[jump].moves;
-                            row.iter_mut().zip(moves).for_each(|(j, s)| *j = per_second * s);
-                            if delay_at != usize::MAX {
-                                row[delay_at] += per_second;
-                            }
-                            add_row(&row, e, meat, &mut matrix, &mut gradient);
-                        }
-                    }
-                }
-            },
-        );
+        // The parts are the same for any number of threads, and so are their sums.
+        let of = |samples: Range<usize>| {
+            let mut products = Products::new(width, meat);
+            let misses = self.misses(segment, x, weights, &sampled, samples.clone());
+            let cost = sum_of_squares(&misses);
+            self.gather((segment, samples), x, weights, (&sampled, &sensor_slots), misses, &mut products);
+            (cost, products)
+        };
+        let parts: Vec<_> = parts(segment).collect();
+        let parts: Vec<(f64, Products)> = parts.into_par_iter().map(of).collect();
+        let sum = parts.into_iter().reduce(|(cost, mut products), (share, part)| {
+            products.add(part);
+            (cost + share, products)
+        });
+        let (mut cost, mut products) = sum.unwrap_or_else(|| (0.0, Products::new(width, meat)));
         if let (Some(_), Some(tau)) = (next, &self.continuity) {
-            let i = segment.samples.1 - segment.samples.0;
-            for (k, &e) in misses[misses.len() - n..].iter().enumerate() {
+            let (run, i) = (&sampled.run, segment.samples.1 - segment.samples.0);
+            let misses = self.joint_misses(segment, x, &sampled);
+            cost += sum_of_squares(&misses);
+            for (k, &e) in misses.iter().enumerate() {
                 let weight = joint(tau[k]);
-                row.fill(0.0);
-                let s = &run.sensitivities[(i * run.n + k) * m..][..m];
+                let row = products.row(e);
+                let s = &run.sensitivities[(i * run.n + k) * run.m..][..run.m];
                 row.iter_mut().zip(s).for_each(|(j, s)| *j = weight * s);
                 row[joints + k] = -weight;
-                add_row(&row, e, meat, &mut matrix, &mut gradient);
             }
         }
-        let matrix = Mat::from_fn(width, width, |a, b| if a <= b { matrix[a * width + b] } else { 0.0 });
-        Ok(Share { cost: sum_of_squares(&misses), at, matrix, gradient })
+        let (product, gradient) = products.finish();
+        let matrix = Mat::from_fn(width, width, |a, b| if a <= b { product(a, b) } else { 0.0 });
+        Ok(Share { cost, at, matrix, gradient: gradient.to_vec() })
     }
+
+    /// Gathers the rows of `J` of some samples of a segment, whose residuals are the `misses`.
+    fn gather(
+        &self,
+        (segment, samples): (&Segment, Range<usize>),
+        x: &[f64],
+        weights: &[Vec<Vec<f64>>],
+        (sampled, sensor_slots): (&SampledRun, &[[usize; 3]]),
+        misses: Vec<f64>,
+        products: &mut Products,
+    ) {
+        let (run, r) = (&sampled.run, segment.record);
+        let mut misses = misses.into_iter();
+        for sample in samples {
+            let i = sample - segment.samples.0;
+            for (k, column) in self.records[r].columns.iter().enumerate() {
+                let Some(column) = column else { continue };
+                let e = misses.next().expect("one for each sample of each column");
+                let (value, rate) = sampled.value(i, k);
+                let (prediction, gain) = self.reading(r, k, x, value);
+                let weight = weights[r][k][sample].sqrt();
+                let row = products.row(e);
+                let factor = weight * gain;
+                row.iter_mut().zip(sampled.sensitivities(i, k)).for_each(|(j, s)| *j = factor * s);
+                let [offset_at, gain_at, delay_at] = sensor_slots[k];
+                if offset_at != usize::MAX {
+                    row[offset_at] += weight;
+                }
+                if gain_at != usize::MAX {
+                    row[gain_at] += weight * value;
+                }
+                if delay_at != usize::MAX {
+                    row[delay_at] -= weight * gain * rate;
+                }
+                // Where the reading shows the other side of a jump, it tells the time of the event.
+                let beside = self.beside_jumps(segment, x, sampled, (sample, k), 1.0 / weight);
+                let miss = prediction - column[sample];
+                let timing = beside.and_then(|at| Some((at.step, at.miss(miss).timing?)));
+                if let Some((step, (jump, _))) = timing {
+                    let e = misses.next().expect("one for each event that is told");
+                    let per_second = 12f64.sqrt() / step;
+                    let row = products.row(e);
+                    let moves = &run.jumps[jump].moves;
+                    row.iter_mut().zip(moves).for_each(|(j, s)| *j = per_second * s);
+                    if delay_at != usize::MAX {
+                        row[delay_at] += per_second;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The samples of a segment in parts, each a task for one thread.
+fn parts(segment: &Segment) -> impl Iterator<Item = Range<usize>> {
+    let (first, last) = segment.samples;
+    (first..last).step_by(PART).map(move |from| from..(from + PART).min(last))
 }
 
 /// The square root of the weight of a jump between segments whose standard deviation is `tau`.
@@ -289,22 +318,6 @@ fn joint(tau: f64) -> f64 {
 
 fn sum_of_squares(misses: &[f64]) -> f64 {
     misses.iter().fold(0.0, |sum, e| sum + e * e)
-}
-
-/// Adds a row of `J` and its residual to `J^T J` (upper triangle) and `J^T e`; for the meat of a sandwich the
-/// row is multiplied by the residual.
-#[inline(always)]
-fn add_row(row: &[f64], e: f64, meat: bool, matrix: &mut [f64], gradient: &mut [f64]) {
-    let (width, scale) = (row.len(), if meat { e } else { 1.0 });
-    for a in 0..width {
-        let ja = scale * row[a];
-        if ja == 0.0 {
-            continue;
-        }
-        gradient[a] += ja * e;
-        let line = &mut matrix[a * width + a..(a + 1) * width];
-        line.iter_mut().zip(&row[a..]).for_each(|(m, j)| *m += ja * scale * j);
-    }
 }
 
 #[cfg(test)]

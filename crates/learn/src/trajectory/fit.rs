@@ -52,6 +52,9 @@ impl<'a> Context<'a> {
         let mut parameters: Option<Vec<f64>> = None;
         let mut before: Option<(f64, Fit<'a>)> = None;
         let mut finest: Option<Fit<'a>> = None;
+        if let Some(fit) = self.at_once(terms, coefficients) {
+            return Some(fit);
+        }
         let stages: Vec<usize> = match self.segments {
             SegmentsSpec::Auto => STAGES.to_vec(),
             SegmentsSpec::Count(n) => {
@@ -116,6 +119,27 @@ impl<'a> Context<'a> {
         }
         let (_, fit) = before?;
         let Fit { problem, x, noise, .. } = fit;
+        let fit = self.settle(problem, x, noise, 3).map(|fit| self.with_scaled_coefficients(fit))?;
+        Some(self.straight(&fit).unwrap_or(fit))
+    }
+
+    /// A fit in one run of each record from the first guess, where that follows the records about as well as short
+    /// segments do: then these would not lead to a better start. `None` if it drifts away or ends in a worse minimum.
+    fn at_once(&self, terms: &[usize], coefficients: &[f64]) -> Option<Fit<'a>> {
+        if self.segments != SegmentsSpec::Auto {
+            return None;
+        }
+        let short = self.misfit_of_guess(terms, coefficients)?;
+        let problem = Problem::new(self.system, terms, &self.records, &vec![1; self.records.len()]).ok()?;
+        let x = problem.guess(coefficients, None, &self.smooth);
+        if misfit(&problem, &x)? > DRIFT * short {
+            return None;
+        }
+        let noise = self.first_noise(&problem);
+        let Fit { problem, x, noise, .. } = self.settle(problem, x, noise, 1)?;
+        if misfit(&problem, &x)? > SPOILED * short {
+            return None;
+        }
         let fit = self.settle(problem, x, noise, 3).map(|fit| self.with_scaled_coefficients(fit))?;
         Some(self.straight(&fit).unwrap_or(fit))
     }

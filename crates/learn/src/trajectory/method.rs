@@ -136,6 +136,10 @@ fn first_terms(context: &Context<'_>, regression: &Regression) -> Vec<usize> {
         context.misfit_of_guess(&first_terms, &regression.solve(&first_terms)).unwrap_or(f64::INFINITY);
     for rank in 1..LEADING_RANKS {
         for other in regression.single(system, rank) {
+            // An equation without so many candidates has its last one again.
+            if first_terms.contains(&other) {
+                continue;
+            }
             let state = system.terms[other].state;
             let mut trial: Vec<usize> =
                 first_terms.iter().copied().filter(|&t| system.terms[t].state != state).collect();
