@@ -835,3 +835,43 @@ fn after_fits(
     tried.sort_by(|a, b| order(a).cmp(&order(b)).then(b.score.total_cmp(&a.score)));
     (tried, left_out)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_models::{effect, fitted, model};
+
+    const COULOMB: &str = include_str!("../../../specs/laws/coulomb.ron");
+    const STOP: &str = include_str!("../../../specs/laws/one-sided-stop.ron");
+
+    /// Friction and a drag are missing. Friction alone leaves more than noise, a stop leaves more than that on short
+    /// segments already: it gets a few steps, and is not preferred.
+    #[test]
+    fn a_rival_that_loses_on_segments_is_given_up_although_nothing_explains_the_data() {
+        let (base, noise) = model(
+            r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (1.0, "N/m"), "m": (1.0, "kg"), "F0": (1.0, "N"), "W": (0.7, "rad/s") },
+            known: { "x": "v", "v": "(-k*x + F0*cos(W*t))/m" }, inertia: { "v": "m" }, unknown: {},
+            data: [ Synthetic(truth: { "v": "-0.3*sgn(v) - 0.05*v*|v|" }, start: { "x": 1.0, "v": 0.0 }, duration: 40.0, step: 0.05, noise: Additive(0.01), seed: 1) ])"#,
+        );
+        let now = fitted(base, &noise);
+        let trial = |id: &str, law: &str, start: &[f64]| {
+            now.model.with(&effect(&now.model, id, law, "v", start)).expect("a model")
+        };
+        let trials = vec![trial("one-sided-stop", STOP, &[0.1, 0.5]), trial("coulomb", COULOMB, &[0.2])];
+        let mut nobody = |_: f64, _: Activity| false;
+        let all = Observer::during(&mut nobody, |observer| {
+            let search = Search { catalogue: &[], noise: &noise, floor: 0.0, observer };
+            search.fit_race(trials, ALL, 2, &mut vec![])
+        });
+        let told: Vec<(&str, bool, bool)> = all
+            .iter()
+            .map(|f| {
+                let law = f.model.effects[0].effect.entry.id.as_str();
+                (law, f.cal.hopeless, f.score.explains())
+            })
+            .collect();
+        assert_eq!(told, [("coulomb", false, false), ("one-sided-stop", true, false)]);
+        let best = preferred(&all, 2).map(|f| f.model.effects[0].effect.entry.id.clone());
+        assert_eq!(best.as_deref(), Some("coulomb"));
+    }
+}
