@@ -214,15 +214,9 @@ impl Tape {
                     let start = start.map(at).or(nothing).unwrap_or_else(|| unreachable!("a slot for -0"));
                     code.push(Code::Chain { op: *op, count, first, start, out });
                 }
-                // x^2 is x*x and x^3 is x*x*x: the most frequent powers need no call.
-                &Form::Binary(Binary::Pow, a, n) if graph.value(n) == Some(2.0) => {
-                    code.push(Code::Binary { op: Binary::Mul, a: at(a), b: at(a), out });
-                }
-                &Form::Binary(Binary::Pow, a, n) if graph.value(n) == Some(3.0) => {
-                    let (a, square) = (at(a), fresh());
-                    code.push(Code::Binary { op: Binary::Mul, a, b: a, out: square });
-                    code.push(Code::Binary { op: Binary::Mul, a: square, b: a, out });
-                    free.push(square);
+                &Form::Binary(Binary::Pow, a, n) if whole_power(graph, n).is_some() => {
+                    let n = whole_power(graph, n).unwrap_or_default();
+                    free.extend(multiplied((at(a), n, out), &mut code, &mut fresh));
                 }
                 &Form::Binary(op, a, b) => code.push(Code::Binary { op, a: at(a), b: at(b), out }),
             }
@@ -405,6 +399,47 @@ fn run<const N: usize>(program: &Program, slots: &mut [[f64; N]]) {
                 }
             }
         }
+    }
+}
+
+/// A number as the exponent of a power that is made of products.
+fn whole_power(graph: &Graph, exponent: Id) -> Option<u32> {
+    let n = graph.value(exponent)?;
+    ((2.0..=MOST_FACTORS).contains(&n) && n.fract() == 0.0).then_some(n as u32)
+}
+
+/// The largest whole exponent for which [`crate::ops`] multiplies: beyond it the library is more accurate.
+const MOST_FACTORS: f64 = 64.0;
+
+/// Products that make `x^n`: of the squares of `x`, by the binary digits of `n`, lowest first. So does a call, with the
+/// same bits; products are as wide as the vectors of the machine. Returns the slots that are free afterwards.
+fn multiplied(
+    (x, n, out): (u32, u32, u32),
+    code: &mut Vec<Code>,
+    fresh: &mut impl FnMut() -> u32,
+) -> Vec<u32> {
+    let (mut square, mut rest, mut product) = (x, n, None);
+    let mut used = Vec::new();
+    let mut next = |last: bool| {
+        let slot = if last { out } else { fresh() };
+        used.extend((!last).then_some(slot));
+        slot
+    };
+    loop {
+        if rest & 1 == 1 {
+            product = Some(product.map_or(square, |a| {
+                let to = next(rest == 1);
+                code.push(Code::Binary { op: Binary::Mul, a, b: square, out: to });
+                to
+            }));
+        }
+        rest >>= 1;
+        if rest == 0 {
+            return used;
+        }
+        let to = next(rest == 1 && product.is_none());
+        code.push(Code::Binary { op: Binary::Mul, a: square, b: square, out: to });
+        square = to;
     }
 }
 

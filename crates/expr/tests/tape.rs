@@ -107,6 +107,23 @@ fn long_chains_need_few_slots() {
     assert_eq!(tape.operations(), 2);
 }
 
+/// Products make a power with a number as its exponent, a call one with an input: the same bits.
+#[test]
+fn whole_powers_are_products_with_the_bits_of_a_call() {
+    let mut bench = Bench::new();
+    let called = bench.read("x^y");
+    for n in 2..=64_u32 {
+        let made = bench.read(&format!("x^{n}"));
+        let tape = Tape::compile(&bench.graph, &bench.xyz, &[made]).unwrap();
+        // A square for each binary digit but the first, a product for each digit 1 but one.
+        assert_eq!(tape.operations() as u32, n.ilog2() + n.count_ones() - 1, "x^{n}");
+        for x in [-1.3, -0.0, 0.7, 1e30, f64::INFINITY, f64::NAN] {
+            let [due, got] = bench.at(&[called, made], [x, f64::from(n), 0.0])[..] else { panic!() };
+            assert!(same(due, got), "{x}^{n}: {due} {got}");
+        }
+    }
+}
+
 #[test]
 fn outputs_may_be_inputs_numbers_and_repeated() {
     let mut bench = Bench::new();

@@ -32,7 +32,7 @@ use regression_data::{Base, RegressionData};
 use regressors::{Regressors, Scale};
 use trial::{ForceTrials, Trial, input_trials, sensor_trials};
 
-pub(crate) use partial_regression::{Kinematics, PartialRegression, Response, dot, norm};
+pub(crate) use partial_regression::{Kinematics, PartialRegression, Response, dot, norm, subtract};
 pub(crate) use sibling_starts::sibling_starts;
 
 /// A law at a place with its best grid values.

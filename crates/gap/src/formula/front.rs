@@ -11,7 +11,7 @@ use super::scale::Scale;
 use super::shape::{Program, Shape, Term, shapes};
 use crate::decisions::{FORMULA_ALPHABET, FORMULA_BEAM, FORMULA_REFINED, FORMULA_SINGLES, FORMULA_TERMS};
 use crate::model::TrialModel;
-use crate::screen::{Kinematics, PartialRegression, Response, dot, norm};
+use crate::screen::{Kinematics, PartialRegression, Response, dot, norm, subtract};
 use phisindy_sim::Stop;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -449,5 +449,5 @@ pub(super) fn shortest<T>(
 /// Takes out of rows their part along a column of unit size.
 pub(super) fn project(rows: &mut [f64], along: &[f64]) {
     let part = dot(along, rows);
-    rows.iter_mut().zip(along).for_each(|(r, a)| *r -= part * a);
+    subtract(rows, part, along);
 }

@@ -9,7 +9,7 @@ use crate::decisions::FORMULA_ROWS;
 use crate::evaluate::evaluated;
 use crate::model::TrialModel;
 use crate::place::{Place, Site};
-use phisindy_expr::Tape;
+use phisindy_expr::{Tape, wide};
 use phisindy_learn::Calibration;
 use phisindy_phys::System;
 use phisindy_phys::spec::Role;
@@ -237,7 +237,7 @@ impl PartialRegression {
             for (basis, sum) in self.basis.iter().zip(&mut along) {
                 let part = dot(basis, &rows);
                 *sum += part;
-                rows.iter_mut().zip(basis).for_each(|(r, b)| *r -= part * b);
+                subtract(&mut rows, part, basis);
             }
         }
         Response { rows, along }
@@ -263,6 +263,29 @@ impl PartialRegression {
 
 /// The inner product, in eight sums that run side by side.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    // The choice of the vectors costs as much as some tens of products.
+    if a.len() < SHORT {
+        return sum_of_products(a, b);
+    }
+    wide(
+        #[inline(always)]
+        || sum_of_products(a, b),
+    )
+}
+
+/// A shorter column is multiplied with the vectors that every machine has.
+const SHORT: usize = 64;
+
+/// Takes a multiple of a column out of rows.
+pub(crate) fn subtract(rows: &mut [f64], part: f64, column: &[f64]) {
+    wide(
+        #[inline(always)]
+        || rows.iter_mut().zip(column).for_each(|(r, c)| *r -= part * c),
+    );
+}
+
+#[inline(always)]
+fn sum_of_products(a: &[f64], b: &[f64]) -> f64 {
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
     let mut sums = [0.0; 8];
     for (a, b) in a.iter().zip(b) {

@@ -47,24 +47,46 @@ impl Linear {
     /// The response of every state (samples x n, row-major) to a force `g` (samples x n, row-major) from the
     /// state `start`.
     pub(crate) fn response(&self, g: &[f64], start: &[f64]) -> Vec<f64> {
-        let n = self.n;
-        let samples = self.which.len() + 1;
-        let mut x = vec![0.0; samples * n];
-        x[..n].copy_from_slice(start);
-        for (i, &w) in self.which.iter().enumerate() {
-            let step = &self.steps[w];
-            let (done, rest) = x.split_at_mut((i + 1) * n);
-            let before = &done[i * n..];
-            let (g0, g1) = (&g[i * n..(i + 1) * n], &g[(i + 1) * n..(i + 2) * n]);
-            for (row, out) in rest[..n].iter_mut().enumerate() {
-                let at = row * n..(row + 1) * n;
-                let dot = |m: &[f64], v: &[f64]| m.iter().zip(v).map(|(a, b)| a * b).sum::<f64>();
-                *out = dot(&step.phi[at.clone()], before)
-                    + dot(&step.first[at.clone()], g0)
-                    + dot(&step.second[at], g1);
+        let mut x = vec![0.0; (self.which.len() + 1) * self.n];
+        x[..self.n].copy_from_slice(start);
+        // Of a known size the loops over states have no bounds to check.
+        match self.n {
+            2 => self.follow::<2>(g, &mut x),
+            4 => self.follow::<4>(g, &mut x),
+            n => {
+                for (i, &w) in self.which.iter().enumerate() {
+                    let (done, rest) = x.split_at_mut((i + 1) * n);
+                    let (g0, g1) = (&g[i * n..(i + 1) * n], &g[(i + 1) * n..(i + 2) * n]);
+                    self.steps[w].advance(&done[i * n..], (g0, g1), &mut rest[..n]);
+                }
             }
         }
         x
+    }
+
+    /// The response of `N` states, from the first row on.
+    fn follow<const N: usize>(&self, g: &[f64], x: &mut [f64]) {
+        let (g, x) = (g.as_chunks::<N>().0, x.as_chunks_mut::<N>().0);
+        for (i, &w) in self.which.iter().enumerate() {
+            let mut next = [0.0; N];
+            self.steps[w].advance(&x[i], (&g[i], &g[i + 1]), &mut next);
+            x[i + 1] = next;
+        }
+    }
+}
+
+impl Step {
+    /// The state after the step from `before`, under a force that goes from `g.0` to `g.1`.
+    #[inline(always)]
+    fn advance(&self, before: &[f64], g: (&[f64], &[f64]), next: &mut [f64]) {
+        let n = before.len();
+        let dot = |m: &[f64], v: &[f64]| m.iter().zip(v).map(|(a, b)| a * b).sum::<f64>();
+        for (row, out) in next.iter_mut().enumerate() {
+            let at = row * n..(row + 1) * n;
+            *out = dot(&self.phi[at.clone()], before)
+                + dot(&self.first[at.clone()], g.0)
+                + dot(&self.second[at], g.1);
+        }
     }
 }
 

@@ -169,7 +169,12 @@ impl Search<'_> {
                 costed.into_iter().take(STARTS_WITH_MEMORY).map(|(_, e)| e).collect()
             })
             .collect();
-        starts.iter().flatten().filter_map(|e| model.with(e).ok()).collect()
+        // From where a law was fitted already it would end at the same numbers.
+        let fitted = |e: &&Effect| {
+            let own = singles.iter().filter(|f| !f.cal.hopeless).filter_map(|f| f.model.effects.last());
+            own.map(|a| &a.effect).any(|own| own.same(e) && own.start == e.start)
+        };
+        starts.iter().flatten().filter(|e| !fitted(e)).filter_map(|e| model.with(e).ok()).collect()
     }
 
     /// Each law from the start with the lowest segment cost.
