@@ -10,7 +10,7 @@ mod text;
 
 pub(crate) use balance::{Balance, RecordForce, balance};
 pub(crate) use discovered_force::remarks;
-pub(crate) use finding::{Finding, counted, finding};
+pub(crate) use finding::{Finding, counted, finding, symbol};
 pub use report::GapReport;
 pub(crate) use text::{basis, rivals, vetoes};
 

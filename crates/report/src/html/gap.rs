@@ -2,13 +2,13 @@
 
 use super::data::{Model, Seen, notes};
 use super::leaderboard::leaderboard;
-use super::page::{Banner, Page, Tone, add_data_remarks, add_warnings, capital, paragraph};
+use super::page::{Banner, Page, Tone, add_data_remarks, add_warnings, paragraph};
 use super::table::{Cell, code, in_unit, parameters, table, text};
 use super::{force, hero, map, mathml, missing_force, motion, next, reproduction, residual, shrink};
 use crate::chart::{Sheet, digits};
 use crate::equation::equations;
-use crate::format::role_name as role;
-use crate::gap::{Balance, Finding, GapReport, balance, finding, remarks, rivals, vetoes};
+use crate::format::{capital, role_name as role};
+use crate::gap::{Balance, Finding, GapReport, balance, finding, remarks, rivals, symbol, vetoes};
 use crate::input::{Ending, Invocation};
 use crate::markup::{Element, element};
 use phisindy_gap::{ColumnGap, ColumnRepeat, Gap, Region, Status, Step, Warning};
@@ -23,7 +23,7 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
         found.steps.iter().map(|s| balance(found, s, input.records)).collect();
     first_screen(&mut page, found, &seen, &balances);
     if found.status == Status::Unexplained {
-        next::add(&mut page, &next::after_unexplained(input.name), None);
+        next::add(&mut page, &next::after_unexplained(input.name));
     }
     page.section("All laws that were tried", leaderboard(found, catalogue));
     missing(&mut page, found, catalogue, &balances);
@@ -134,8 +134,9 @@ fn shown(
 ) -> Vec<Element> {
     let number = number.map_or(String::new(), |k| format!("{k}. "));
     let name = &s.effect.entry.law.name;
-    let heading =
-        element("h3").text(format!("{number}{name} at ")).add(element("code").text(&s.effect.place.at));
+    let heading = element("h3")
+        .text(format!("{number}{} at ", capital(name)))
+        .add(element("code").text(&s.effect.place.at));
     let added = element("p").text("Added: ").add(element("code").text(&s.expression));
     let load = s.effect.load.as_ref().map(|load| paragraph(&format!("Its levels scale with {load}.")));
     let gains = [("fitted records", Some(s.fit)), ("validate records", s.validate)];
@@ -153,7 +154,9 @@ fn shown(
         ]
     };
     let rows = s.parameters.iter().flat_map(|p| {
-        let shared = p.each.is_empty().then(|| row(p, p.constant.clone(), p.value, p.ci95));
+        let turned = if symbol(s, p) == p.constant { "" } else { "-" };
+        let constant = format!("{turned}{}", p.constant);
+        let shared = p.each.is_empty().then(|| row(p, constant, p.value, p.ci95));
         let each = p.each.iter().map(|r| row(p, format!("{} [{}]", p.constant, r.record), r.value, r.ci95));
         shared.into_iter().chain(each).collect::<Vec<_>>()
     });
