@@ -237,12 +237,9 @@ pub(crate) fn rivals(s: &Step, catalogue: &[LawEntry]) -> Vec<(String, Option<St
         // A richer description may fit better and still not be preferred: its gain does not carry over to
         // unused data.
         let by = if r.delta_bic < 0.0 {
-            format!(
-                "fits better, BIC {} lower, but says little more about data not used",
-                short(-r.delta_bic)
-            )
+            format!("fits better, BIC {} lower, but says little more about data not used", two(-r.delta_bic))
         } else {
-            format!("BIC {} higher", short(r.delta_bic))
+            format!("BIC {} higher", two(r.delta_bic))
         };
         let what = beyond(s).or_else(|| deciding(&s.effect.entry, r, catalogue));
         (format!("not excluded: {r} ({by})"), what.map(|what| format!("{what} would decide")))
@@ -251,8 +248,13 @@ pub(crate) fn rivals(s: &Step, catalogue: &[LawEntry]) -> Vec<(String, Option<St
     said.chain(same.map(|same| (same.cause.clone(), Some(same.check.clone())))).collect()
 }
 
+/// A difference of criteria, of which more than two digits say nothing.
+fn two(x: f64) -> String {
+    short(format!("{x:.1e}").parse().unwrap_or(x))
+}
+
 /// Laws that other evidence rules out.
-pub(crate) fn vetoes(s: &Step) -> impl Iterator<Item = String> {
+fn vetoes(s: &Step) -> impl Iterator<Item = String> {
     s.vetoed.iter().map(ToString::to_string)
 }
 

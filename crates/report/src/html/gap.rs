@@ -8,7 +8,7 @@ use super::{force, hero, map, mathml, missing_force, motion, next, reproduction,
 use crate::chart::{Sheet, digits};
 use crate::equation::equations;
 use crate::format::{capital, role_name as role};
-use crate::gap::{Balance, Finding, GapReport, balance, finding, remarks, rivals, symbol, vetoes};
+use crate::gap::{Balance, Finding, GapReport, balance, finding, remarks, rivals, symbol};
 use crate::input::{Ending, Invocation};
 use crate::markup::{Element, element};
 use phisindy_gap::{ColumnGap, ColumnRepeat, Gap, Region, Status, Step, Warning};
@@ -166,12 +166,21 @@ fn shown(
         .into_iter()
         .map(|(rival, what)| capital(&rival) + &what.map_or(String::new(), |what| format!("; {what}")) + ".");
     let own = remarks(found, s, catalogue).into_iter().map(|remark| capital(&remark) + ".");
-    let lines: Vec<String> = own.chain(others).chain(vetoes(s).map(|v| capital(&v) + ".")).collect();
+    let lines: Vec<String> = own.chain(others).chain(vetoes(s, catalogue)).collect();
     let new: Vec<String> = lines.into_iter().filter(|line| !told.contains(line)).collect();
     let said = (!new.is_empty()).then(|| element("ul").all(new.iter().map(|line| element("li").text(line))));
     told.extend(new);
     let front = [heading, added].into_iter().chain(load).chain([paragraph(&gain)]).chain(numbers);
     front.chain(picture).chain(said).collect()
+}
+
+/// The laws that other evidence rules out, by their names.
+fn vetoes<'a>(s: &'a Step, catalogue: &'a [LawEntry]) -> impl Iterator<Item = String> + 'a {
+    s.vetoed.iter().map(|v| {
+        let entry = catalogue.iter().find(|e| e.id == v.law.law);
+        let name = entry.map_or(v.law.law.as_str(), |e| e.law.name.as_str());
+        format!("{} is ruled out: {}.", capital(name), v.why)
+    })
 }
 
 /// The equations of the completed spec.

@@ -62,7 +62,7 @@ pub(crate) fn repairs(all: &[Mistake], spec: &str) -> Vec<String> {
         let helps: String = new.iter().map(|help| format!(": {help}")).collect();
         out.push(format!("{line}{}{helps}", mistake.what));
     }
-    out.push(format!("Then look whether it is in order: `phisindy check {spec}`"));
+    out.push(format!("Then check again: `phisindy check {spec}`"));
     out
 }
 
@@ -128,10 +128,8 @@ mod tests {
             all.iter().map(super::Mistake::said).collect::<Vec<_>>()[1],
             "unknown name `xx` (line 12)"
         );
-        let due = [
-            "line 9: unknown name `xx`: did you mean `x`?",
-            "Then look whether it is in order: `phisindy check a.ron`",
-        ];
+        let due =
+            ["line 9: unknown name `xx`: did you mean `x`?", "Then check again: `phisindy check a.ron`"];
         assert_eq!(repairs(&all, "a.ron"), due);
     }
 
