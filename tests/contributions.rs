@@ -229,7 +229,12 @@ fn a_law_that_vanished_is_rejected() {
             "0.2*sgn(y)",
             "the model does no better with the identified part than without it",
         ),
-        ("at_its_end", "asymmetric-coulomb", "-0.3*sgn(y) - 0.4", "Fm ended at 0 m/s^2, where its law ends"),
+        (
+            "at_its_end",
+            "asymmetric-coulomb",
+            "-0.3*sgn(y) - 0.4",
+            "Fm ended at 0 m/s^2, the limit of its law",
+        ),
     ] {
         let (result, text) = run(name, &asked_for(law, &format!("\"y\": \"{truth}\"")), &[]);
         assert!(text.contains(&format!("rejected: {why}")), "{result} {text}");

@@ -386,7 +386,7 @@ fn noise_of_an_input_is_told() {
     let (found, code) = gap(&folder, &format!("{known}data: [{records}])"));
     assert_eq!((found["status"].as_str(), code), (Some("unexplained"), 1), "{found}");
     let said = found["warnings"].to_string();
-    assert!(said.contains("what changes in u from sample to sample, as noise does"), "{said}");
+    assert!(said.contains("the noise of u from sample to sample"), "{said}");
 }
 
 /// Friction that fades away during a run: plain friction takes half of it in the part that is fitted and is too much in the part that is not, so it is not added.

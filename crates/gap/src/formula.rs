@@ -436,7 +436,7 @@ fn named(shapes: &[Shape], scales: &[Scale; 2], effect: &Effect) -> Result<LawEn
     let region =
         if known.is_empty() { String::new() } else { format!(" Known for {} (SI).", known.join(" and ")) };
     let about = format!("The shortest formula that explains the data in which it was found.{region}");
-    Ok(formula(DISCOVERED, "Discovered law", &about, shapes, scales)?.entry)
+    Ok(formula(DISCOVERED, "discovered law", &about, shapes, scales)?.entry)
 }
 
 /// A number with three digits.

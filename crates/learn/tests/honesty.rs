@@ -285,14 +285,10 @@ fn another_choice_of_terms_that_does_as_well_is_told_of() {
     let (case, records) = common::load_text(text, &[]);
     let found = run(&case, &records).unwrap();
     assert_eq!(found.terms.len(), 1);
-    assert!(found.warnings.iter().any(|w| w.to_string().contains("in the place of")), "{:?}", found.warnings);
+    assert!(found.warnings.iter().any(|w| w.to_string().contains("in place of")), "{:?}", found.warnings);
     let (case, records) = common::load_text(&text.replace("1 + 0.001*x", "x^2"), &[]);
     let found = run(&case, &records).unwrap();
-    assert!(
-        !found.warnings.iter().any(|w| w.to_string().contains("in the place of")),
-        "{:?}",
-        found.warnings
-    );
+    assert!(!found.warnings.iter().any(|w| w.to_string().contains("in place of")), "{:?}", found.warnings);
 }
 
 /// A little in the stiffness: far below the noise, but not noise.
@@ -472,7 +468,7 @@ fn a_damper_with_the_wrong_sign_is_rejected() {
     let found = of("c*v - x + cos(0.7*t)", "-0.6*v - 0.2*sgn(v)");
     let Verdict::Rejected(why) = &found.verdict else { panic!("{:?}", found.parameters) };
     assert!(why.to_string().contains("c is negative: -0.5"), "{why}");
-    assert!(found.warnings.iter().any(|w| w.to_string().contains("turn the sign of the term with c")));
+    assert!(found.warnings.iter().any(|w| w.to_string().contains("change the sign of the term with c")));
     let found = of("-c*v - x + cos(0.7*t)", "-0.4*v - 0.2*sgn(v)");
     assert_eq!(found.verdict, Verdict::Identified, "{:?} {:?}", found.parameters, found.warnings);
     // Less friction than the spec says, and a damping that feeds: a dashpot cannot.
@@ -532,7 +528,7 @@ fn a_fit_that_failed_is_not_told_as_identifiability() {
     let found = run(&case, &records).unwrap();
     let Verdict::Rejected(why) = &found.verdict else { panic!("{:?}", found.parameters) };
     assert!(
-        why.to_string().starts_with("the fit failed, every value stands where it started: sqrt("),
+        why.to_string().starts_with("the fit failed, and every value is where it started: sqrt("),
         "{why}"
     );
     assert!(why.to_string().contains("has no finite slope at h1 = "), "{why}");

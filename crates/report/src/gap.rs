@@ -10,9 +10,9 @@ mod text;
 
 pub(crate) use balance::{Balance, RecordForce, balance};
 pub(crate) use discovered_force::remarks;
-pub(crate) use finding::{Finding, counted, finding};
+pub(crate) use finding::{Finding, counted, finding, symbol};
 pub use report::GapReport;
-pub(crate) use text::{basis, rivals, vetoes};
+pub(crate) use text::{basis, rivals};
 
 use crate::Look;
 use crate::format::Format;

@@ -26,6 +26,7 @@ mod selection;
 mod shrink;
 mod table;
 
+use crate::format::capital;
 use crate::gap::GapReport;
 use crate::input::{Input, Invocation};
 use crate::run::RunReport;
@@ -45,14 +46,21 @@ pub fn gap(report: &GapReport<'_>, invocation: &Invocation) -> HtmlReport {
 /// The report of a wrong spec. `mistakes` are its diagnostics as text; `text` is the spec as far as it could
 /// be read.
 pub fn refusal(spec: &str, text: Option<&str>, mistakes: &str, invocation: &Invocation) -> HtmlReport {
+    let all = next::mistakes(mistakes);
+    let said = match &all[..] {
+        [] => "the spec or its data cannot be used as they are".to_owned(),
+        [one] => one.said(),
+        many => format!("{} mistakes in the spec or its data", many.len()),
+    };
     let banner = Banner {
         tone: Tone::Bad,
         headline: "Not run".to_owned(),
-        text: "Nothing was computed: the spec or its data cannot be used as they are.".to_owned(),
+        text: format!("Nothing was computed: {said}."),
         how: String::new(),
     };
-    let mut page = Page::of_refusal(spec, banner);
-    next::add(&mut page, &next::helps(mistakes), Some(&format!("phisindy check {spec}")));
+    let title = text.and_then(next::title_of).unwrap_or_else(|| spec.to_owned());
+    let mut page = Page::of_refusal(&title, spec, banner);
+    next::add(&mut page, &next::repairs(&all, spec));
     page.section("What is wrong", [block(mistakes.trim_end(), "mistakes")]);
     page.section("To repeat it", reproduction::command(None, spec, text, invocation));
     page.html()
@@ -64,12 +72,12 @@ pub fn failure(why: &str, diverged: bool, input: Input<'_>, invocation: &Invocat
     let banner = Banner {
         tone: Tone::Bad,
         headline: "Failed".to_owned(),
-        text: format!("{}.", page::capital(why)),
+        text: format!("{}.", capital(why)),
         how: String::new(),
     };
     let mut page = Page::new(input, banner);
-    let steps: Vec<String> = advice(diverged).map(page::capital).into_iter().collect();
-    next::add(&mut page, &steps, None);
+    let steps: Vec<String> = advice(diverged).map(capital).into_iter().collect();
+    next::add(&mut page, &steps);
     let seen = data::measured(input);
     page.figures("Measured", |sheet| motion::charts(&seen, sheet));
     add_data_remarks(&mut page, input.doubts, &data::notes(input));

@@ -22,6 +22,7 @@ pub mod html;
 mod input;
 pub mod laws;
 mod markup;
+mod measured_force;
 pub mod run;
 pub mod spec_text;
 pub mod sweep;

@@ -2,14 +2,18 @@
 
 mod adapted;
 mod contribution;
+mod finding;
 mod fixed;
 mod json;
 mod report;
+mod resistance;
 mod terminal;
 mod text;
 
 pub use report::RunReport;
 
+pub(crate) use finding::found_words;
+pub(crate) use resistance::{Resistance, resistance};
 pub(crate) use terminal::warnings as terminal_warnings;
 
 use crate::Look;

@@ -264,7 +264,8 @@ pub(crate) fn expression(applied: &Applied) -> String {
     let effect = &applied.effect;
     let (at, name) = (&effect.place.at, applied.names.first().map_or("", String::as_str));
     if effect.is_input_delay() {
-        return format!("{at}(t + {name})");
+        // The law's own number: the constant of the spec, the delay of the record, is its negative.
+        return format!("{at}(t - {})", effect.labels().first().map_or("", String::as_str));
     }
     match effect.entry.law.property() {
         Some("offset") => return format!("{at} + {name}"),

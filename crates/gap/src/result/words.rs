@@ -75,7 +75,7 @@ impl Display for MissingForce {
         // The screen is exact near the data only, and one loop run through again and again hides what the past does.
         write!(
             f,
-            "along these records the missing force at {} goes with {on}, to first order; no formula of it passes as a simulation, so the past, time or another place may have a say",
+            "along these records the missing force at {} follows {on}, to first order; no formula of it passes as a simulation, so the past, time or another place may play a part",
             self.at
         )
     }
@@ -93,13 +93,13 @@ impl Display for Activity {
                 let laws = joined(best.laws.iter().map(PlacedLaw::to_string), " + ");
                 return write!(f, ", best {laws}: gap {}", rounded(best.gap));
             }
-            Activity::Calibrating => "fitting what may move",
+            Activity::Calibrating => "fitting the movable constants",
             Activity::Screening => "looking at every law at every place",
             Activity::Formulas => "looking for a formula",
             Activity::FittingFormulas => "fitting the best formulas",
             Activity::ErrorBars => "error bars",
-            Activity::Constants => "constants that are held",
-            Activity::OtherCauses => "other causes",
+            Activity::Constants => "checking the constants that are held",
+            Activity::OtherCauses => "looking for other causes",
         })
     }
 }
@@ -112,10 +112,13 @@ impl Display for Veto {
             }
             Veto::Requirement(because) => f.write_str(because),
             Veto::ParameterAtEnd { name, bound, unit } => {
-                write!(f, "its {name} runs to the end of what the law allows ({bound:e} {unit})")
+                write!(f, "its {name} runs to the limit that the law allows ({bound:e} {unit})")
             }
             Veto::NotSeen(name) => {
-                write!(f, "the records do not determine its {name}: the interval is all that the law allows")
+                write!(
+                    f,
+                    "the records do not determine its {name}: the interval spans all that the law allows"
+                )
             }
             Veto::NeverSlips => f.write_str("its contact never slips: it stands for a spring"),
             Veto::Pushes => f.write_str("in places it would push instead of brake"),
@@ -125,7 +128,7 @@ impl Display for Veto {
                 let whose = if *free { "the oscillation" } else { "the drive" };
                 write!(
                     f,
-                    "its frequency is {multiple}that of {whose} ({line:.4} rad/s), where it would stand for anything else that is missing"
+                    "its frequency is {multiple}that of {whose} ({line:.4} rad/s), where it could stand in for anything else that is missing"
                 )
             }
             Veto::Undetermined(names) => {
@@ -133,7 +136,7 @@ impl Display for Veto {
             }
             Veto::DoesNotGiveWay { stops, slope } => write!(
                 f,
-                "in {stops} stops the mass moves with the force on the contact by {slope:.2} of what this law asks for: the contact does not give way"
+                "in {stops} stops the mass yields to the force on the contact by only {slope:.2} of what this law predicts: the contact does not give way"
             ),
         }
     }
@@ -181,7 +184,7 @@ impl Display for AlternativeConstant {
         let other: String = self.other.iter().map(|law| format!(" and {law}")).collect();
         write!(
             f,
-            "the known part may be wrong instead: with {} (the spec says {}){other} the model explains the data{less} (BIC {:.1} {}){}: is that constant known so well?",
+            "the known part may be wrong instead: with {} (the spec says {}){other} the model explains the data{less} (BIC {:.1} {}){}: how well is that constant known?",
             self.constant,
             in_unit(self.stated, &self.constant.unit),
             self.delta_bic.abs(),
@@ -195,9 +198,9 @@ impl Display for DriveFrequency {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let beside: String = self.beside.iter().map(|law| format!(", with {law}")).collect();
         let what = if self.explains {
-            "look at that frequency, and at the clock of the records"
+            "check that frequency, and the clock of the records"
         } else {
-            "something else is missing, too, which may show when that is mended: free it, `(value: .., within: (.., ..))`, and look again"
+            "something else is missing as well, which may show once that is corrected: let it move, `(value: .., within: (.., ..))`, and try again"
         };
         write!(
             f,
@@ -214,7 +217,7 @@ impl Display for InputNoise {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         write!(
             f,
-            "what changes in {} from sample to sample, as noise does, moves the model and not the rig: so much noise alone leaves a gap of about {:.2} on the fitted data, where {:.2} is left; measure that input with less noise, or say in the spec what was commanded",
+            "the noise of {} from sample to sample moves the model but not the rig: noise of this size alone leaves a gap of about {:.2} on the fitted data, where {:.2} is left; measure that input with less noise, or use what was commanded",
             self.inputs.join(" and "),
             self.alone,
             self.left
@@ -227,7 +230,7 @@ impl Display for InputError {
         let size = |value: f64| format!("{value:.2e} {}", self.unit).trim_end().to_owned();
         write!(
             f,
-            "{}: what is left of `{}` ({}) is no more than the error of {} between its samples: a rule of higher order moves the model by {}; the model cannot know it better, unless it is recorded faster",
+            "{}: what is left of `{}` ({}) is no more than the error of {} between its samples: interpolation of higher order moves the model by {}; no model can do better unless it is recorded faster",
             self.of.record,
             self.of.column,
             size(self.left),
@@ -248,13 +251,13 @@ impl Display for Cause {
         match self {
             Cause::Drift { of, share, swing } => write!(
                 f,
-                "{:.0} % {of} grows with time, by {swing:.3e} (SI) from end to end: drift of a sensor, perhaps as it warms up; `detrend: {{ \"{}\": Linear }}` takes it off",
+                "{:.0} % {of} grows with time, by {swing:.3e} (SI) from end to end: drift of a sensor, perhaps as it warms up; `detrend: {{ \"{}\": Linear }}` removes it",
                 100.0 * share,
                 of.column
             ),
             Cause::Tone { of, share, frequency } => write!(
                 f,
-                "{:.0} % {of} is one tone of {frequency:.4} rad/s ({:.4} Hz): hum of the sensor or the mains, a drive that the model does not know, or the rig's own frequency where it is another one than the model's",
+                "{:.0} % {of} is one tone of {frequency:.4} rad/s ({:.4} Hz): hum of the sensor or the mains, a drive that the model does not know, or the rig's own frequency, if it is not the model's",
                 100.0 * share,
                 frequency / TAU
             ),
@@ -294,7 +297,7 @@ impl Display for Warning {
             }
             Warning::Curve { count, at } => write!(
                 f,
-                "{count} corrections of the spring at {at} describe its curve, as so many would any: which law it follows they do not say; a static test, force against displacement, would"
+                "{count} corrections of the spring at {at} describe its curve, as that many would describe any: they do not say which law it follows; a static test, force against displacement, would"
             ),
             Warning::ManyEffects { count, some_left } => {
                 let what = if *some_left { "hardly more than noise" } else { "nothing but noise" };
@@ -323,7 +326,7 @@ impl Display for Warning {
             ),
             Warning::OneFrequency(frequency) => write!(
                 f,
-                "all fitted records are driven at one frequency ({frequency:.4} rad/s, {:.4} Hz), where a stiffness, a delay, drag, and friction that varies along the path change the motion in nearly the same way: a run at another frequency tells them apart",
+                "all fitted records are driven at one frequency ({frequency:.4} rad/s, {:.4} Hz), where a stiffness, a delay, drag, and friction that varies along the path change the motion in nearly the same way: a run at another frequency would tell them apart",
                 frequency / TAU
             ),
             Warning::Spec(SpecMistake::Constants { names, gap }) => write!(
@@ -345,18 +348,18 @@ impl Display for Warning {
             }
             Warning::SensorNonlinearity(SensorNonlinearity { law, of, bend }) => write!(
                 f,
-                "{law} bends the motion so little that a sensor would do the same: in {} the scale of {} would have to bend by {:.2} % of the motion; calibrate it, or measure at a larger amplitude",
+                "the effect of {law} is so small that a slightly nonlinear sensor would look the same: in {} the scale of {} would have to bend by {:.2} % of the motion; calibrate it, or measure at a larger amplitude",
                 of.record,
                 of.column,
                 100.0 * bend
             ),
             Warning::Redrawn { from, to } => write!(
                 f,
-                "with `interpolate: {to:?}` for the inputs (now {from:?}) the model explains the data: how does the input go between its samples?"
+                "with `interpolate: {to:?}` for the inputs (now {from:?}) the model explains the data: how does the input move between its samples?"
             ),
             Warning::CoarseInput(CoarseInput { inputs, open, effect }) => write!(
                 f,
-                "{} has so few samples in a period that drawing it in another way between them moves the model by {open:.2} of the noise, and what is left to explain by {effect:.2}: no effect of this size can be told; record the input faster",
+                "{} has so few samples per period that another interpolation moves the model by {open:.2} of the noise, and what is left to explain by {effect:.2}: no effect of this size can be made out; record the input faster",
                 inputs.join(", ")
             ),
             Warning::InputError(error) => error.fmt(f),

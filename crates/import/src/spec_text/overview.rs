@@ -91,7 +91,7 @@ fn clipping(draft: &Draft) -> impl Iterator<Item = String> {
     clipped.map(|(k, statistics)| {
         let mark = if draft.roles.used().any(|used| used == k) { "EDIT: " } else { "" };
         format!(
-            "{mark}`{}` stands at exactly its least or greatest value in {} samples, where it arrives in motion: is the sensor at its limit?",
+            "{mark}`{}` stands at exactly its least or greatest value in {} samples, and is still moving when it gets there: is the sensor at its limit?",
             draft.raw(k),
             statistics.clipped
         )

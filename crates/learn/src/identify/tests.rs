@@ -73,8 +73,8 @@ fn a_term_that_may_be_zero_or_is_at_its_bound_is_told() {
         (1.0, 0.3, (0.4, 1.6), false, ""),
         (1.0, 0.6, (0.0, 2.2), false, "1 of x' may as well be zero: its interval holds it"),
         (4.5, 0.5, (3.5, 5.0), false, ""),
-        (0.0, 0.1, (0.0, 0.2), true, "1 of x' ended at its bound 0: the data want to go beyond it"),
-        (5.0, 0.1, (4.8, 5.0), true, "1 of x' ended at its bound 5: the data want to go beyond it"),
+        (0.0, 0.1, (0.0, 0.2), true, "1 of x' ended at its bound 0: the data would take it further"),
+        (5.0, 0.1, (4.8, 5.0), true, "1 of x' ended at its bound 5: the data would take it further"),
         (1.0, f64::INFINITY, (0.0, 5.0), false, ""),
     ] {
         let found = said(vec![term(value, error)], vec![]);
@@ -126,9 +126,12 @@ fn what_makes_a_verdict() {
     assert_eq!(of(&one, &[0.4, 0.4], &[2.4, 0.1]), Verdict::Identified);
     rejected(
         of(&[], &[0.1], &[0.25]),
-        "no term of the dictionary survives: nothing is missing that it could name (NRMSE of the known part alone: r 0.250)",
+        "no term of the dictionary is needed: nothing is missing that it could describe (NRMSE of the known part alone: r 0.250)",
     );
-    rejected(of(&one, &[0.1, 0.51], &[0.9, 0.9]), "the free run of r misses the data: NRMSE 0.51");
+    rejected(
+        of(&one, &[0.1, 0.51], &[0.9, 0.9]),
+        "the free run of r misses the data by 51 % of their standard deviation (NRMSE 0.51)",
+    );
     rejected(of(&one, &[0.1, 0.3], &[0.2, 0.1]), "no better with the identified part than without it");
     rejected(of(&one, &[0.25], &[0.25]), "no better");
     let mut failed = ran(Role::Validate, &[]);

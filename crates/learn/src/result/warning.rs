@@ -226,7 +226,7 @@ mod tests {
         assert_eq!(
             told,
             [
-                "chaotic: neighbouring motions part so fast that its start state was fitted on 50 % of it, not on a tenth; everything else there is prediction"
+                "chaotic: nearby motions diverge so fast that its start state was fitted on 50 % of it, not on a tenth; everything else there is prediction"
             ]
         );
         // Whatever was written down before the run failed.

@@ -54,15 +54,15 @@ impl Display for Warning {
                     Quantity::Coefficient(term) => write!(f, "{} of {}'", term.candidate, term.state)?,
                     Quantity::Parameter(id) => write!(f, "{id}")?,
                 }
-                write!(f, " ended at its bound {value}: the data want to go beyond it")
+                write!(f, " ended at its bound {value}: the data would take it further")
             }
             Warning::BoundToBound { number } => write!(
                 f,
-                "the data do not determine {number}: its interval reaches from bound to bound, and intervals of numbers that go with it end where its bounds do"
+                "the data do not determine {number}: its interval spans its bounds, and those bounds, not the data, limit the intervals of the numbers that trade off against it"
             ),
             Warning::MayBeZero { term } => write!(
                 f,
-                "{} of {}' may as well be zero: its interval holds it",
+                "{} of {}' could be zero: its interval contains zero",
                 term.candidate, term.state
             ),
             Warning::ValidationWorse { fit, validate } => write!(
@@ -73,8 +73,8 @@ impl Display for Warning {
             ),
             Warning::Disagreement { number, record, alone, fitted, errors } => write!(
                 f,
-                "{number} is {alone:.4} by {record} alone and {fitted:.4} by what was fitted, {errors:.0} standard errors apart: the numbers do not \
-                 carry over; the known part may be wrong, or a term is missing; the intervals are widened by what the records differ by"
+                "{number} is {alone:.4} from {record} alone and {fitted:.4} from the fitted records, {errors:.0} standard errors apart: the numbers do not \
+                 carry over; the known part may be wrong, or a term is missing; the intervals are widened by the difference between the records"
             ),
             Warning::InputNoise { inputs, moved } => {
                 let of = |b: &Bias| {
@@ -82,26 +82,26 @@ impl Display for Warning {
                 };
                 write!(
                     f,
-                    "the noise of {} pulls numbers to one side: {}; measure it with less noise",
+                    "the noise of {} biases these numbers: {}; measure it with less noise",
                     inputs.join(", "),
                     moved.iter().map(of).collect::<Vec<_>>().join(", ")
                 )
             }
             Warning::Alternative { term, other, worse } => write!(
                 f,
-                "{} in the place of {term} describes the data as well (criterion {worse:.1} higher, below {:.0} is no evidence): the intervals hold only \
+                "{} in place of {term} describes the data just as well (its criterion is {worse:.1} higher; less than {:.0} is no evidence): the intervals hold only \
                  if the terms are the right ones; a record at another amplitude or speed would tell",
                 other.candidate,
                 RIVAL
             ),
             Warning::Further { term, worse } => write!(
                 f,
-                "{term} beside the other terms describes the data as well (criterion {worse:.1} higher, below {RIVAL:.0} is no evidence): it may be there, \
+                "with {term} added the data are described just as well (the criterion is {worse:.1} higher; less than {RIVAL:.0} is no evidence): it may be there, \
                  and the intervals hold only if it is not; a longer record or less noise would tell"
             ),
             Warning::SingularCandidate { term } => write!(
                 f,
-                "candidate {} of {}' is not finite everywhere on the data: it was hardly considered",
+                "candidate {} of {}' is not finite everywhere along the data, so it had little chance",
                 term.candidate, term.state
             ),
             Warning::Unfulfilled(law) => {
@@ -116,20 +116,18 @@ impl Display for Warning {
                 }
             }
             Warning::Feeds(feeding @ PassivityViolation::TurnedSign { constant, .. }) => {
-                write!(f, "{feeding}: turn the sign of the term with {constant} in `known`")
+                write!(f, "{feeding}: change the sign of the term with {constant} in `known`")
             }
             Warning::Feeds(feeding) => write!(
                 f,
-                "{feeding}; such a law stands for something else, such as drag, a damper or a drive that the known part has wrong, or a law that is \
-                 missing: `phisindy gap` looks for it"
+                "{feeding}; it probably stands for something else: drag, a damper or a drive that the known part has wrong, or a missing law, which `phisindy gap` looks for"
             ),
             Warning::Unseen { number } => {
-                write!(f, "the data say nothing about {number}: give it a number, or leave it out")
+                write!(f, "the data say nothing about {number}: give it a value, or leave it out")
             }
             Warning::Inseparable { numbers } => write!(
                 f,
-                "the data do not tell {} apart: with any value of one of them the others fit as well, and what is printed is one choice of many; give \
-                 one of them a number",
+                "the data do not tell {} apart: whatever the value of one, the others make up for it, so the printed values are one choice of many; give one of them a value",
                 listed(numbers)
             ),
             Warning::Correlated { first, second, correlation } => write!(
@@ -140,14 +138,13 @@ impl Display for Warning {
             ),
             Warning::Differentiator { number, with, half_widths } => write!(
                 f,
-                "the result depends on how columns are differentiated: with {} {number} would move by {half_widths:.1} times the half of its interval; \
+                "the result depends on how columns are differentiated: with {} {number} would move by {half_widths:.1} half-widths of its interval; \
                  measure the derivative, or choose by what is known of the motion (Spectral: smooth, SavitzkyGolay: with stops, Spline: any grid)",
                 with.name()
             ),
             Warning::Coloured { independent } => write!(
                 f,
-                "the residual is not white ({:.0} % of the samples are independent): something is still missing, the known part is wrong, or the sensor \
-                 filters; the intervals count correlated samples as few",
+                "the residual is not white ({:.0} % of the samples are independent): something is still missing, the known part is wrong, or the sensor filters; the intervals allow for the correlation",
                 100.0 * independent
             ),
             Warning::NotNoise => f.write_str(
@@ -156,7 +153,7 @@ impl Display for Warning {
             ),
             Warning::Chaotic(Chaos { pieces, exponent, nrmse, noise, mean, size }) => write!(
                 f,
-                "a disturbance of the start grows e-fold in {:.3} s, so no run follows a record to its end: the verdict rests on up to {pieces} segments, each \
+                "a small change of the start state grows e-fold in {:.3} s, so no run follows a record to its end: the verdict rests on up to {pieces} segments, each \
                  predicted from its start (NRMSE up to {nrmse:.3}, noise {noise:.3}), and on what such a motion keeps: the mean of a free run is within \
                  {mean:.1} standard errors of that of the data, its standard deviation within a factor of {size:.2}",
                 1.0 / exponent
@@ -173,7 +170,7 @@ impl Display for Warning {
             ),
             Warning::SensitiveStart { record, fitted, samples, own: false } => write!(
                 f,
-                "{record}: neighbouring motions part so fast that its start state was fitted on {:.0} % of it, not on a tenth; everything else there is \
+                "{record}: nearby motions diverge so fast that its start state was fitted on {:.0} % of it, not on a tenth; everything else there is \
                  prediction",
                 100.0 * *fitted as f64 / (*samples).max(1) as f64
             ),
@@ -198,7 +195,7 @@ impl Display for Rejection {
         match self {
             Rejection::NoTerms { known } => write!(
                 f,
-                "no term of the dictionary survives: nothing is missing that it could name (NRMSE of the known part alone: {})",
+                "no term of the dictionary is needed: nothing is missing that it could describe (NRMSE of the known part alone: {})",
                 known.iter().map(|(name, e)| format!("{name} {e:.3}")).collect::<Vec<_>>().join(", ")
             ),
             Rejection::FitFailed(failure) => write!(f, "{failure}"),
@@ -206,7 +203,7 @@ impl Display for Rejection {
                 write!(f, "the free run of {record} fails: {failure}")
             }
             Rejection::RunMisses { record, nrmse } => {
-                write!(f, "the free run of {record} misses the data: NRMSE {nrmse:.2}")
+                write!(f, "the free run of {record} misses the data by {:.0} % of their standard deviation (NRMSE {nrmse:.2})", 100.0 * nrmse)
             }
             Rejection::Unfulfilled(law) => write!(f, "{law}"),
             Rejection::Feeds(feeding) => write!(f, "{feeding}"),
@@ -214,13 +211,13 @@ impl Display for Rejection {
                 f.write_str("the model does no better with the identified part than without it")
             }
             Rejection::NothingMissing => f.write_str(
-                "the known part is complete: alone it describes the records as well, and what was found of the laws is what fits the noise by chance",
+                "the known part is complete: by itself it describes the records just as well, and what the laws add only fits the noise",
             ),
             Rejection::LawAtBound { number, value, unit } => {
                 let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
                 write!(
                     f,
-                    "{number} ended at {value}{unit}, where its law ends, and what is left is not noise: the data want a law that goes beyond it"
+                    "{number} ended at {value}{unit}, the limit of its law, and what is left is not noise: the data call for a law that goes further"
                 )
             }
         }
@@ -230,20 +227,20 @@ impl Display for Rejection {
 impl Display for Unfulfilled {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let Unfulfilled { law, because, .. } = self;
-        write!(f, "the constants of the law {law} are not those of such a law: {because}")
+        write!(f, "the numbers found for the law {law} are not those of such a law: {because}")
     }
 }
 
 impl Display for FitFailure {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        f.write_str("the fit failed, every value stands where it started: ")?;
+        f.write_str("the fit failed, and every value is where it started: ")?;
         match self {
             FitFailure::Singular { expression, state, value } => write!(
                 f,
                 "{expression} has no finite slope at {state} = {value}, where the motion starts; state a `start` of {state} away from it"
             ),
             FitFailure::Stuck => f.write_str(
-                "no step away lowers the misfit; start from other values, or let fewer of them move at first",
+                "no step from there lowers the misfit; start from other values, or let fewer of them move at first",
             ),
         }
     }
@@ -265,7 +262,7 @@ impl Display for PassivityViolation {
                 if *near_rest {
                     "near rest, where it feeds the motion"
                 } else {
-                    "in the mean along the motion, which it feeds"
+                    "on average along the motion, so that it feeds the motion"
                 }
             ),
             PassivityViolation::Damping { state, slope, ci95 } => write!(
@@ -321,8 +318,7 @@ impl Display for DataError {
             ),
             DataError::OutOfRange { record, column } => write!(
                 f,
-                "{record}: the numbers of the column of {column} are too large or too small to compute with, their squares leave the range of numbers: \
-                 state its unit, or mend the file"
+                "{record}: the numbers of the column of {column} are too large or too small to compute with (their squares overflow): state its unit, or repair the file"
             ),
             DataError::MissingStates { record, states } => write!(
                 f,

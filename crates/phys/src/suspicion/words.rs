@@ -187,7 +187,7 @@ impl fmt::Display for Suspicion {
             Suspicion::MissingSamples { from, to, steps, count } => write!(
                 f,
                 "no samples from {from:.6} s to {to:.6} s, {steps:.0} times the usual step{}: inputs are interpolated across it, \
-                 and noise and smoothing count samples as if there were none; cut the record there with `window`",
+                 and noise and smoothing count samples as if there were no hole; cut the record there with `window`",
                 if *count > 1 { format!(" ({count} such holes)") } else { String::new() }
             ),
             Suspicion::Constant { column, value, samples } => {
@@ -195,8 +195,7 @@ impl fmt::Display for Suspicion {
             }
             Suspicion::Quantised { column, levels, step, size } => write!(
                 f,
-                "`{column}` has only {levels:.0} different values, {step:.1e} apart: each is wrong by up to {:.0} % of the size of \
-                 the motion, and by as much from sample to sample; write more digits, or use a finer sensor",
+                "`{column}` has only {levels:.0} different values, {step:.1e} apart: each is off by up to {:.0} % of the size of the motion; write more digits, or use a finer sensor",
                 50.0 * step / size
             ),
             Suspicion::Repeated { column, length, input } => {
@@ -209,7 +208,7 @@ impl fmt::Display for Suspicion {
                 if *input {
                     write!(
                         f,
-                        "if the actuator held it, too, say `interpolate: {{ \"{column}\": Hold }}`; if not, keep only the rows in \
+                        "if the actuator held it as well, write `interpolate: {{ \"{column}\": Hold }}`; if not, keep only the rows in \
                          which it changes"
                     )
                 } else {
@@ -218,8 +217,7 @@ impl fmt::Display for Suspicion {
             }
             Suspicion::Clipped { column, range: (min, max), samples, input: true } => write!(
                 f,
-                "`{column}` stays at {min:.6} or {max:.6} in {samples} samples, where it arrives in motion: is that what acted, or was \
-                 the sensor at the end of its range?"
+                "`{column}` stays at {min:.6} or {max:.6} in {samples} samples, and is still moving when it gets there: is that what acted, or was the sensor at the end of its range?"
             ),
             Suspicion::Clipped { column, range: (min, max), samples, input: false } => write!(
                 f,
@@ -229,8 +227,7 @@ impl fmt::Display for Suspicion {
             Suspicion::Undersampled { input, error, interpolation } => {
                 write!(
                     f,
-                    "between its samples `{input}` is guessed, and wrong by about {:.1} % of its size: that much of the drive is \
-                     not what it was; ",
+                    "between its samples `{input}` has to be guessed, with an error of about {:.1} % of its size; ",
                     100.0 * error
                 )?;
                 match interpolation {
@@ -245,8 +242,7 @@ impl fmt::Display for Suspicion {
             }
             Suspicion::Switched { input, jumps, error } => write!(
                 f,
-                "`{input}` holds its value and jumps ({jumps} time{}), and is interpolated as if it moved from one value to the next: \
-                 {:.1} % of its size is wrong by that; say `interpolate: {{ \"{input}\": Hold }}`",
+                "`{input}` holds its value and jumps ({jumps} time{}), but is interpolated as if it moved from one value to the next, an error of {:.1} % of its size; write `interpolate: {{ \"{input}\": Hold }}`",
                 if *jumps == 1 { "" } else { "s" },
                 100.0 * error
             ),
@@ -275,8 +271,7 @@ impl fmt::Display for Suspicion {
             ),
             Suspicion::Jump { column, before, after, count } => write!(
                 f,
-                "`{column}` is elsewhere from {:.6} s to {:.6} s and stays there ({:.6}, then {:.6}){}: a body does not do that, \
-                 so the sensor slipped or was set anew; cut the record there with `window`",
+                "`{column}` jumps between {:.6} s and {:.6} s and stays at the new level ({:.6}, then {:.6}){}: a body does not do that, so the sensor slipped or was reset; cut the record there with `window`",
                 before.0,
                 after.0,
                 before.1,
@@ -308,30 +303,28 @@ impl fmt::Display for Suspicion {
             }
             Suspicion::SwappedByModel { first, second } => write!(
                 f,
-                "with `{first}` and `{second}` exchanged the model tells the acceleration, and as they are it does not: the two \
+                "with `{first}` and `{second}` exchanged the model gives the measured acceleration, and as they are it does not: the two \
                  columns are probably swapped"
             ),
             Suspicion::ColumnScaled { column, factor } if *factor < 0.0 => write!(
                 f,
-                "the model tells the acceleration once the column `{column}` has the other sign: which way does its sensor count?"
+                "the model gives the measured acceleration only if the column `{column}` changes its sign: which way does its sensor count?"
             ),
             Suspicion::ColumnScaled { column, factor } => write!(
                 f,
-                "the model tells the acceleration once the column `{column}` is {} as large: is it in the unit that the spec says?",
+                "the model gives the measured acceleration only if the column `{column}` is {} as large: is it in the unit that the spec says?",
                 times(*factor)
             ),
             Suspicion::PartScaled { velocity, parts, factor, .. } if *factor < 0.0 => write!(
                 f,
-                "the model tells the acceleration in `{velocity}` once its part in {} has the other sign: look at the signs of the \
-                 equation, and at which way and from where the sensors count",
+                "the model gives the measured acceleration of `{velocity}` only if its part in {} changes its sign: check the signs of the equation, and the direction and the zero of the sensors",
                 quoted(parts)
             ),
             Suspicion::PartScaled { velocity, parts, factor, clock } => {
                 let (plural, are) = if parts.len() > 1 { ("s", "are") } else { ("", "is") };
                 write!(
                     f,
-                    "the model tells the acceleration in `{velocity}` once its part{plural} in {} {are} {} as large: look at the \
-                     units of the constants and columns there, and of the measured motion{}",
+                    "the model gives the measured acceleration of `{velocity}` only if its part{plural} in {} {are} {} as large: check the units of the constants and columns there, and of the measured motion{}",
                     quoted(parts),
                     times(*factor),
                     if *clock { ", or of the time column" } else { "" }

@@ -28,7 +28,9 @@ pub(crate) fn legend(entries: &[Entry], sheet: Sheet) -> (Vec<Element>, f64) {
     let (mut x, mut y) = (first, ROW);
     let mut out = Vec::new();
     for (class, swatch, text) in entries {
-        let wide = 32.0 + width_of(text);
+        // A dot takes less room than a line.
+        let before = if *swatch == Swatch::Dot { 16.0 } else { 32.0 };
+        let wide = before + width_of(text);
         if x > first && x + wide > sheet.width() {
             (x, y) = (first, y + ROW);
         }
@@ -42,13 +44,13 @@ pub(crate) fn legend(entries: &[Entry], sheet: Sheet) -> (Vec<Element>, f64) {
                 .with("height", 13),
             Swatch::Dot => element("circle")
                 .class(format!("dot {class}"))
-                .with("cx", at(x + 13.0))
+                .with("cx", at(x + 6.0))
                 .with("cy", at(y - 4.5))
                 .with("r", 4),
         };
         // The script of the page makes a switch of each entry.
         let entry = element("g").class("key").with("data-of", class);
-        out.push(entry.add(sample).add(word("legend", x + 32.0, y, text)));
+        out.push(entry.add(sample).add(word("legend", x + before, y, text)));
         x += wide + 26.0;
     }
     (out, y + 28.0)

@@ -1,17 +1,13 @@
 //! The force that a step adds, beside the force that the measured motion asks for: inertia times measured
 //! acceleration less the forces that the model knows.
 
-mod local_cubic;
-
-use local_cubic::LocalCubic;
+use crate::measured_force::{Acceleration, Body, SAMPLES};
 use phisindy_expr::{Id, Scratch, Tape};
 use phisindy_gap::{ForceHistory, Gap, Site, Step, force_history};
 use phisindy_learn::{FoundParameter, parameter_values};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{Record, System};
 
-/// Most samples of a record that are looked at.
-const SAMPLES: usize = 600;
 /// Half width of a 95 % interval of the normal distribution, in standard deviations.
 const REACH: f64 = 1.96;
 
@@ -39,10 +35,10 @@ pub(crate) struct Balance {
 /// The force of a step; `None` for an effect on sensors or inputs, or where no record has a run.
 pub(crate) fn balance(found: &Gap, step: &Step, records: &[Record]) -> Option<Balance> {
     let axes = force_history(found, step, records)?;
-    let body = Body::of(found, step, &axes)?;
+    let acting = Acting::of(found, step, &axes)?;
     let mut out = Balance { axes, records: vec![], smoothed: 0.0 };
     for (r, record) in records.iter().enumerate() {
-        let Some((force, smoothed)) = body.in_record(found, step, record, r, out.axes.function) else {
+        let Some((force, smoothed)) = acting.in_record(found, step, record, r, out.axes.function) else {
             continue;
         };
         out.smoothed = out.smoothed.max(smoothed);
@@ -51,37 +47,18 @@ pub(crate) fn balance(found: &Gap, step: &Step, records: &[Record]) -> Option<Ba
     (!out.records.is_empty()).then_some(out)
 }
 
-/// How the acceleration of a body is known.
-enum Acceleration {
-    /// The displacement state, whose column is measured.
-    OfDisplacement(usize),
-    /// The velocity state, whose column is measured.
-    OfVelocity(usize),
-    /// The column of an output that reads it, or the force itself.
-    Read(usize),
-    /// Not at all.
-    Unknown,
-}
-
-/// The body that a force acts on.
-struct Body<'a> {
+/// The force of an effect on a body.
+struct Acting<'a> {
     system: &'a System,
     tape: Tape,
-    /// From a residual of the rate to one of the force: inertia with its sign.
-    sign: f64,
-    acceleration: Acceleration,
-    /// The velocity state, if there is one.
-    state: Option<usize>,
+    body: Body<'a>,
     /// From SI to the units of the axes.
     units: (f64, f64),
     sticks: bool,
 }
 
-/// What the graph gives at a sample of states and inputs.
-type Evaluated<'e> = dyn FnMut(usize, &[f64], &[f64]) -> [f64; 5] + 'e;
-
-impl<'a> Body<'a> {
-    fn of(found: &'a Gap, step: &Step, axes: &ForceHistory) -> Option<Body<'a>> {
+impl<'a> Acting<'a> {
+    fn of(found: &'a Gap, step: &Step, axes: &ForceHistory) -> Option<Acting<'a>> {
         let Site::Force { displacement, velocity, acts, shows, .. } = &step.effect.place.site else {
             return None;
         };
@@ -107,12 +84,11 @@ impl<'a> Body<'a> {
             (None, Some((output, _))) => Acceleration::Read(system.states.len() + output),
             (None, None) => Acceleration::Unknown,
         };
-        Some(Body {
+        let sign = first.map_or_else(|| shows.first().map_or(1.0, |s| s.1), |f| f.1);
+        Some(Acting {
             system,
             tape,
-            sign: first.map_or_else(|| shows.first().map_or(1.0, |s| s.1), |f| f.1),
-            acceleration,
-            state: first.map(|f| f.0),
+            body: Body { system, state: first.map(|f| f.0), acceleration, sign },
             units: (1.0 / factor(&axes.over_unit), size),
             sticks: law.sticks(),
         })
@@ -162,7 +138,9 @@ impl<'a> Body<'a> {
             law.sort_by(|a, b| a.0.total_cmp(&b.0));
         }
         let typical = law.iter().map(|p| (p.1 / size).abs()).fold(0.0, f64::max);
-        let (measured, smoothed) = self.measured(found, record, r, typical, &numbers, &mut evaluated);
+        let (measured, smoothed) =
+            self.body.measured(record, fit, &found.noise, typical, &numbers, &mut evaluated);
+        let measured = measured.into_iter().map(|(place, force)| (across * place, size * force)).collect();
         (law.len() > 1).then(|| (RecordForce { name: record.name.clone(), law, measured }, smoothed))
     }
 
@@ -185,92 +163,5 @@ impl<'a> Body<'a> {
         };
         let known = found.parameters.iter().filter(own).filter(|p| p.estimate.std_error.is_finite());
         known.map(ends).collect()
-    }
-
-    /// The force balance of the measured motion. With `m a = K - F` it is `F = F(model) + m (a(model) - a(measured))`,
-    /// both at the measured state, so that the law itself cancels. `typical` is the largest force of the law (SI).
-    fn measured(
-        &self,
-        found: &Gap,
-        record: &Record,
-        r: usize,
-        typical: f64,
-        numbers: &[f64],
-        evaluated: &mut Evaluated<'_>,
-    ) -> (Vec<(f64, f64)>, f64) {
-        let fit = &found.simulated.records[r];
-        let Some(run) = &fit.run else { return (vec![], 0.0) };
-        let residual = |k: usize| fit.residuals.get(k).filter(|e| !e.is_empty());
-        let (across, size) = self.units;
-        let every = record.len().div_ceil(SAMPLES).max(1);
-        let mut out = Vec::new();
-        let mut keep = |place: f64, force: f64| {
-            if place.is_finite() && force.is_finite() {
-                out.push((across * place, size * force));
-            }
-        };
-        let (column, displacement) = match self.acceleration {
-            Acceleration::Read(k) => {
-                let Some(left) = residual(k) else { return (vec![], 0.0) };
-                for i in (0..record.len()).step_by(every) {
-                    let [place, force, _, _, inertia] = evaluated(i, run.state_at(i), numbers);
-                    let inertia = if self.state.is_some() { self.inertia(inertia) } else { 1.0 };
-                    keep(place, force + self.sign * inertia * left[i]);
-                }
-                return (out, 0.0);
-            }
-            Acceleration::OfDisplacement(x) => (x, Some(x)),
-            Acceleration::OfVelocity(v) => (v, None),
-            Acceleration::Unknown => return (vec![], 0.0),
-        };
-        let (Some(left), Some(v)) = (residual(column), self.state) else { return (vec![], 0.0) };
-        let values: Vec<f64> = (0..record.len()).map(|i| run.state_at(i)[column] + left[i]).collect();
-        let noise = {
-            let name = self.system.states[column].name.as_str();
-            found.noise.iter().find(|(column, _)| column == name).map_or(0.0, |n| n.1)
-        };
-        let inertia = self.inertia(evaluated(0, run.state_at(0), numbers)[4]);
-        let Some(smooth) =
-            LocalCubic::new(&record.time, &values, noise * inertia.abs() / typical, displacement.is_some())
-        else {
-            return (vec![], 0.0);
-        };
-        let half = smooth.half_width();
-        for i in (0..record.len()).step_by(every) {
-            let t = record.time[i];
-            // Over a change of mode the smoothed acceleration is a mean of two.
-            let changes = run.events.iter().any(|e| (e.time - t).abs() < half);
-            let switches = run.modes.len() / record.len().max(1);
-            let held = run.modes[i * switches..(i + 1) * switches].contains(&0);
-            let Some([value, slope, curvature]) = smooth.at(i) else { continue };
-            let mut states = run.state_at(i).to_vec();
-            if changes || held {
-                continue;
-            }
-            states[column] = value;
-            let mut acceleration = slope;
-            if displacement.is_some() {
-                (states[v], acceleration) = (slope, curvature);
-            }
-            let [place, force, _, rate, inertia] = evaluated(i, &states, numbers);
-            keep(place, force - self.sign * self.inertia(inertia) * (rate - acceleration));
-        }
-        (out, 2.0 * half)
-    }
-
-    /// The inertia of the body; 1 where the spec has none, so that forces are rates.
-    fn inertia(&self, value: f64) -> f64 {
-        self.state.and_then(|s| self.system.inertia[s]).map_or(1.0, |_| value)
-    }
-}
-
-impl Acceleration {
-    fn of(system: &System, state: usize) -> Acceleration {
-        let read = system.rate_symbols.iter().find(|(s, _)| *s == state).map(|(_, symbol)| *symbol);
-        if let Some(k) = system.outputs.iter().position(|o| Some(o.node) == read) {
-            return Acceleration::Read(system.states.len() + k);
-        }
-        let of = system.states.iter().position(|s| s.velocity == Some(state));
-        of.map_or(Acceleration::OfVelocity(state), Acceleration::OfDisplacement)
     }
 }

@@ -30,7 +30,7 @@ pub(crate) fn remarks(found: &Gap, step: &Step, catalogue: &[LawEntry]) -> Vec<S
     }
     all.extend(step.expansion.as_ref().map(|terms| format!("about zero it is {terms} (SI)")));
     let name = |id: &str| {
-        catalogue.iter().find(|e| e.id == id).map_or_else(|| id.to_owned(), |e| e.law.name.to_lowercase())
+        catalogue.iter().find(|e| e.id == id).map_or_else(|| id.to_owned(), |e| e.law.name.clone())
     };
     let near: Vec<String> = nearest(found, step)
         .filter_map(|t| {

@@ -1,7 +1,9 @@
 //! The finding in one sentence, with its numbers.
 
 use super::text::{NOISE, basis, outcome, sensitivity};
+use crate::format::capital;
 use crate::table::{raised, short, with_error};
+use crate::terminal::unicode;
 use phisindy_gap::{DISCOVERED, Gap, Status, Step, StepParameter, Warning};
 
 /// Most parameters of one effect in the sentence; the others stand in its table.
@@ -84,12 +86,44 @@ pub(crate) fn effect(step: &Step) -> String {
     let numbers: Vec<String> = step.parameters.iter().take(NUMBERS).map(number).collect();
     let more = if step.parameters.len() > NUMBERS { ", …" } else { "" };
     let numbers = if numbers.is_empty() { String::new() } else { format!(" ({}{more})", numbers.join(", ")) };
-    // A formula that was found is its own name.
-    let name = match &step.formula {
-        Some(force) if step.effect.entry.id == DISCOVERED => format!("the force {force}"),
-        _ => step.effect.entry.law.name.clone(),
-    };
-    format!("{name} at {}{numbers}", step.effect.place.at)
+    let at = &step.effect.place.at;
+    match late(step) {
+        Some(words) => words,
+        // A formula that was found is its own name.
+        None if step.effect.entry.id == DISCOVERED => {
+            format!("the force {} at {at}{numbers}", unicode::expression(&step.expression, &[]))
+        }
+        None => format!("{} at {at}{numbers}", step.effect.entry.law.name),
+    }
+}
+
+/// The name of a parameter beside the expression of its step: of its constant in the completed spec, but of the law's own
+/// number where that is the negative of it.
+pub(crate) fn symbol<'a>(step: &Step, p: &'a StepParameter) -> &'a str {
+    if step.effect.entry.law.input.as_deref() == Some("delay") { &p.name } else { &p.constant }
+}
+
+/// A delay in words, since the sign of its number means little to a reader: `a record of u that is 9 ± 2 ms late`.
+fn late(step: &Step) -> Option<String> {
+    let law = &step.effect.entry.law;
+    let input = law.input.as_deref() == Some("delay");
+    if !input && law.sensor.as_deref() != Some("delay") {
+        return None;
+    }
+    let [delay] = &step.parameters[..] else { return None };
+    if !delay.each.is_empty() || delay.unit != "s" {
+        return None;
+    }
+    let (low, high) = delay.ci95;
+    let size = with_error(1e3 * delay.value.abs(), 0.5e3 * (high - low));
+    let at = &step.effect.place.at;
+    Some(match (input, delay.value < 0.0) {
+        // What acts is u(t - tau): the rig answers late, or the record of its input is late.
+        (true, false) => format!("an input {at} that acts {size} ms late"),
+        (true, true) => format!("an input {at} that is recorded {size} ms late"),
+        (false, false) => format!("a sensor of {at} that is {size} ms late"),
+        (false, true) => format!("a sensor of {at} that is {size} ms early"),
+    })
 }
 
 /// `mu = 0.298 ± 0.008`, with half the 95 % interval; the range of the values that records have of their own.
@@ -128,10 +162,4 @@ fn joined(all: &[String]) -> String {
         [one] => one.clone(),
         [front @ .., last] => format!("{} and {last}", front.join(", ")),
     }
-}
-
-/// The text with a capital.
-fn capital(words: &str) -> String {
-    let mut letters = words.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }

@@ -5,6 +5,7 @@
 
 use super::discovered_force::nearest;
 use super::report::GapReport;
+use crate::format::capital;
 use crate::format::role_name;
 use phisindy_gap::{ForcePoint, Gap, MissingForce, Region, Step, Tried};
 use serde::Serialize;
@@ -113,7 +114,7 @@ struct StepOut<'a> {
     force: Option<&'a str>,
     law: &'a str,
     mirror: bool,
-    name: &'a str,
+    name: String,
     /// Of a discovered force: the laws of the catalogue that come nearest.
     nearest: Vec<NearestOut<'a>>,
     parameters: BTreeMap<&'a str, StepParameterOut<'a>>,
@@ -292,7 +293,7 @@ fn step<'a>(found: &'a Gap, s: &'a Step) -> StepOut<'a> {
         force: s.formula.as_deref(),
         law: &s.effect.entry.id,
         mirror: s.effect.mirror,
-        name: &s.effect.entry.law.name,
+        name: capital(&s.effect.entry.law.name),
         nearest: nearest.collect(),
         parameters: parameters.collect(),
         probability: s.probability,

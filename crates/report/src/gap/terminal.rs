@@ -1,8 +1,9 @@
 //! The result of `gap` at a terminal.
 
-use super::finding::{counted, finding};
+use super::finding::{counted, finding, symbol};
 use super::report::GapReport;
 use super::text::{bar, basis, rivals};
+use crate::format::capital;
 use crate::html::gap::seen;
 use crate::html::hero;
 use crate::run::terminal_warnings;
@@ -57,13 +58,13 @@ fn bars(found: &Gap, look: Look) -> Vec<String> {
 }
 
 fn step(report: &GapReport<'_>, s: &Step, mark: &str, look: Look) -> Vec<String> {
-    let name = format!("{mark} {} at {}", s.effect.entry.law.name, s.effect.place.at);
+    let name = format!("{mark} {} at {}", capital(&s.effect.entry.law.name), s.effect.place.at);
     let mut out =
         vec![format!("{}: {}", look.ink(Ink::Strong, &name), unicode::expression(&s.expression, &[]))];
     for p in &s.parameters {
         let line = |record: &str, value: f64, ci: (f64, f64)| {
             let shown = with_error(value, 0.5 * (ci.1 - ci.0).abs());
-            format!("     {}{record} = {shown} {}", unicode::name(&p.constant), raised(&p.unit))
+            format!("     {}{record} = {shown} {}", unicode::name(symbol(s, p)), raised(&p.unit))
                 .trim_end()
                 .to_owned()
         };

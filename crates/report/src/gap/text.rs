@@ -1,7 +1,9 @@
 //! The result of `gap` for people.
 
 use super::discovered_force::{beyond, remarks};
+use super::finding::symbol;
 use super::report::GapReport;
+use crate::format::capital;
 use crate::table::{interval, short};
 use phisindy_gap::{Gap, Rival, Status, Step, Tried, Warning};
 use phisindy_phys::LawEntry;
@@ -27,7 +29,7 @@ pub(crate) fn text(report: &GapReport<'_>) -> String {
             "  {:>8}  {}  + {} at {}",
             short(after),
             bar(after, before),
-            s.effect.entry.law.name.to_lowercase(),
+            s.effect.entry.law.name,
             s.effect.place.at
         ));
     }
@@ -51,7 +53,7 @@ pub(crate) fn text(report: &GapReport<'_>) -> String {
         out.push(format!(
             "{}. {} at {}: {}",
             k + 1,
-            s.effect.entry.law.name,
+            capital(&s.effect.entry.law.name),
             s.effect.place.at,
             s.expression
         ));
@@ -60,7 +62,12 @@ pub(crate) fn text(report: &GapReport<'_>) -> String {
     if !found.partial.is_empty() {
         out.push("helps, but does not explain:".into());
         for s in &found.partial {
-            out.push(format!("  {} at {}: {}", s.effect.entry.law.name, s.effect.place.at, s.expression));
+            out.push(format!(
+                "  {} at {}: {}",
+                capital(&s.effect.entry.law.name),
+                s.effect.place.at,
+                s.expression
+            ));
             details(found, s, catalogue, &mut out);
         }
     }
@@ -179,7 +186,13 @@ pub(super) fn sensitivity(found: &Gap) -> String {
 fn details(found: &Gap, s: &Step, catalogue: &[LawEntry], out: &mut Vec<String>) {
     for p in &s.parameters {
         let line = |record: &str, value: f64, ci95: (f64, f64)| {
-            format!("     {}{record} = {} {} {}", p.constant, short(value), p.unit, interval(ci95.0, ci95.1))
+            format!(
+                "     {}{record} = {} {} {}",
+                symbol(s, p),
+                short(value),
+                p.unit,
+                interval(ci95.0, ci95.1)
+            )
         };
         if p.each.is_empty() {
             out.push(line("", p.value, p.ci95));
@@ -224,12 +237,9 @@ pub(crate) fn rivals(s: &Step, catalogue: &[LawEntry]) -> Vec<(String, Option<St
         // A richer description may fit better and still not be preferred: its gain does not carry over to
         // unused data.
         let by = if r.delta_bic < 0.0 {
-            format!(
-                "fits better, BIC {} lower, but says little more about data not used",
-                short(-r.delta_bic)
-            )
+            format!("fits better, BIC {} lower, but says little more about data not used", two(-r.delta_bic))
         } else {
-            format!("BIC {} higher", short(r.delta_bic))
+            format!("BIC {} higher", two(r.delta_bic))
         };
         let what = beyond(s).or_else(|| deciding(&s.effect.entry, r, catalogue));
         (format!("not excluded: {r} ({by})"), what.map(|what| format!("{what} would decide")))
@@ -238,8 +248,13 @@ pub(crate) fn rivals(s: &Step, catalogue: &[LawEntry]) -> Vec<(String, Option<St
     said.chain(same.map(|same| (same.cause.clone(), Some(same.check.clone())))).collect()
 }
 
+/// A difference of criteria, of which more than two digits say nothing.
+fn two(x: f64) -> String {
+    short(format!("{x:.1e}").parse().unwrap_or(x))
+}
+
 /// Laws that other evidence rules out.
-pub(crate) fn vetoes(s: &Step) -> impl Iterator<Item = String> {
+fn vetoes(s: &Step) -> impl Iterator<Item = String> {
     s.vetoed.iter().map(ToString::to_string)
 }
 

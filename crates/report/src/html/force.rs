@@ -3,6 +3,7 @@
 
 use super::table::unit as unit_words;
 use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Sheet, Swatch, digits, legend};
+use crate::format::capital;
 use crate::gap::{Balance, RecordForce};
 use phisindy_gap::Step;
 
@@ -17,8 +18,16 @@ pub(crate) fn first(step: &Step, balance: &Balance, sheet: Sheet) -> (Chart, Str
     let (chart, _) = chart("force", step, balance, sheet);
     let law = &step.effect.entry.law.name;
     let what = if balance.axes.function { "with the band of its numbers (95 %)" } else { "along the motion" };
-    let points = points(balance);
-    (chart, format!("{law} at {} against {}, {what}.{points}", step.effect.place.at, balance.axes.over))
+    let points = points(has_points(balance), balance.smoothed);
+    (
+        chart,
+        format!(
+            "{} at {} against {}, {what}.{points}",
+            capital(law),
+            step.effect.place.at,
+            balance.axes.over
+        ),
+    )
 }
 
 /// The chart of a step.
@@ -31,16 +40,16 @@ pub(crate) fn chart(name: &str, step: &Step, balance: &Balance, sheet: Sheet) ->
         (false, false) => "resistance",
     };
     let drawn = || balance.records.iter().flat_map(|r| r.law.iter());
-    let forces = drawn().flat_map(|p| [p.1, p.2.0, p.2.1]).chain([0.0]).chain(middle(balance));
+    let measured = || balance.records.iter().map(|r| &r.measured);
+    let forces = drawn().flat_map(|p| [p.1, p.2.0, p.2.1]).chain([0.0]).chain(middle(measured().flatten()));
     let x = Axis::around(&axes.over, &unit_words(&axes.over_unit), drawn().map(|p| p.0));
     let y = Axis::around(what, &unit_words(&axes.unit), forces);
-    let (left, right) = x.ends();
     let mut marks = vec![Mark::Level { class: "zero", y: 0.0 }];
-    marks.extend(dots(balance, (left, right), y.ends(), sheet));
+    marks.extend(dots(measured(), (x.ends(), y.ends()), sheet));
     marks.extend(lines(balance));
     marks.extend(names(balance));
     let panel = Panel { heading: String::new(), x, y, marks, labelled: true };
-    let title = format!("{law} at {}", step.effect.place.at);
+    let title = format!("{} at {}", capital(law), step.effect.place.at);
     let said = said(balance, what);
     let (keys, top) = legend(&entries(balance, law), sheet);
     let mut chart = Chart::new(name, &title, &said, (sheet.width(), top + HIGH + 50.0));
@@ -68,24 +77,29 @@ fn entries(balance: &Balance, law: &str) -> Vec<Entry> {
 }
 
 /// The measured forces without the outermost ones.
-fn middle(balance: &Balance) -> Vec<f64> {
-    let mut all: Vec<f64> = balance.records.iter().flat_map(|r| r.measured.iter().map(|p| p.1)).collect();
+pub(super) fn middle<'p>(points: impl Iterator<Item = &'p (f64, f64)>) -> Vec<f64> {
+    let mut all: Vec<f64> = points.map(|p| p.1).collect();
     all.sort_unstable_by(f64::total_cmp);
     let out = (OUTLIERS * all.len() as f64).ceil() as usize;
     if all.len() > 2 * out { all[out..all.len() - out].to_vec() } else { vec![] }
 }
 
-/// The points of the force balance inside of the picture.
-fn dots(balance: &Balance, across: (f64, f64), up: (f64, f64), sheet: Sheet) -> Vec<Mark> {
+/// The points of the force balance of each record inside of the picture.
+pub(super) fn dots<'p>(
+    records: impl Iterator<Item = &'p Vec<(f64, f64)>> + Clone,
+    (across, up): ((f64, f64), (f64, f64)),
+    sheet: Sheet,
+) -> Vec<Mark> {
     let inside = |(x, y): &(f64, f64)| *x >= across.0 && *x <= across.1 && *y >= up.0 && *y <= up.1;
-    let count: usize = balance.records.iter().map(|r| r.measured.len()).sum();
+    let count: usize = records.clone().map(Vec::len).sum();
     let most = if sheet.is_phone() { DOTS / 3 } else { DOTS };
     let every = count.div_ceil(most).max(1);
-    let of = |r: &RecordForce| {
-        let points = r.measured.iter().copied().filter(inside).step_by(every).collect();
-        Mark::Dots { class: "measured faint", points, radius: 1.5 }
+    let of = |points: &Vec<(f64, f64)>| Mark::Dots {
+        class: "measured faint",
+        points: points.iter().copied().filter(inside).step_by(every).collect(),
+        radius: 1.5,
     };
-    balance.records.iter().filter(|r| !r.measured.is_empty()).map(of).collect()
+    records.filter(|points| !points.is_empty()).map(of).collect()
 }
 
 /// A band and a line for each record, or dots.
@@ -108,50 +122,52 @@ fn lines(balance: &Balance) -> Vec<Mark> {
     out
 }
 
-/// Names of records whose curves differ, at the end of the curve.
+/// Part of the range of forces by which the curves of two records must differ for each to have its name.
+const APART: f64 = 0.08;
+
+/// Names of records whose curves differ: a curve has its name at its end, a cloud at its top.
 fn names(balance: &Balance) -> Vec<Mark> {
-    let height = |r: &RecordForce| r.law.iter().map(|p| p.1).fold(f64::NEG_INFINITY, f64::max);
-    // A curve has its name at its end, a cloud at its top.
+    let function = balance.axes.function;
+    let forces = || balance.records.iter().flat_map(|r| r.law.iter().map(|p| p.1)).chain([0.0]);
+    let (low, high) = forces().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
     let place = |r: &RecordForce| {
-        let better =
-            |a: f64, b: &(f64, f64, (f64, f64))| if balance.axes.function { b.0 >= a } else { b.1 >= a };
-        let mut best: Option<(f64, f64)> = None;
-        for p in &r.law {
-            let best_value = best.map(|b| if balance.axes.function { b.0 } else { b.1 });
-            if best_value.is_none_or(|a| better(a, p)) {
-                best = Some((p.0, p.1));
-            }
-        }
-        best
+        let top = r.law.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        let place = if function { r.law.last() } else { top };
+        place.map(|p| (p.0, p.1))
     };
-    let size = balance.records.iter().map(height).fold(0.0, f64::max);
-    let mut told: Vec<f64> = vec![];
-    let mut out = vec![];
+    // Curves are compared where the shorter one ends.
+    let force = |r: &RecordForce, at: f64| {
+        let near = |a: &f64, b: &f64| (a - at).abs().total_cmp(&(b - at).abs());
+        let point = r.law.iter().min_by(|a, b| near(&a.0, &b.0));
+        point.map_or(f64::NAN, |p| p.1)
+    };
+    let mut told: Vec<(&RecordForce, f64, f64)> = vec![];
     for r in &balance.records {
-        let y = height(r);
-        let Some((end, _)) = place(r) else { continue };
-        // Records with the same curve share a name.
-        if told.iter().all(|other| (other - y).abs() > 0.08 * size) {
-            told.push(y);
-            out.push(Mark::Name { x: end, y, words: r.name.clone() });
+        let Some((x, y)) = place(r) else { continue };
+        let differs = |(other, end, top): &(&RecordForce, f64, f64)| {
+            let apart = if function { force(r, x.min(*end)) - force(other, x.min(*end)) } else { y - top };
+            apart.abs() > APART * (high - low)
+        };
+        if told.iter().all(differs) {
+            told.push((r, x, y));
         }
     }
-    if told.len() > 1 { out } else { vec![] }
+    let name = |(r, x, y): &(&RecordForce, f64, f64)| Mark::Name { x: *x, y: *y, words: r.name.clone() };
+    if told.len() > 1 { told.iter().map(name).collect() } else { vec![] }
 }
 
-/// What the measured points are.
-fn points(balance: &Balance) -> String {
-    match (has_points(balance), balance.smoothed) {
-        (false, _) => String::new(),
-        (true, 0.0) => {
-            " Grey dots: what the measured motion asks for, inertia times acceleration less the known forces."
-                .to_owned()
-        }
-        (true, time) => format!(
-            " Grey dots: what the measured motion asks for, inertia times acceleration less the known forces, smoothed over {} ms at most; no dots where it sticks or turns.",
-            digits(1e3 * time, 2)
-        ),
+/// What the measured points are; nothing where there are none.
+pub(super) fn points(any: bool, smoothed: f64) -> String {
+    if !any {
+        return String::new();
     }
+    let how = match smoothed {
+        0.0 => String::new(),
+        time => {
+            format!(", smoothed over up to {} ms; none where the body sticks or turns", digits(1e3 * time, 2))
+        }
+    };
+    format!(" Grey dots: the measured force balance, inertia times acceleration less the known forces{how}.")
 }
 
 /// What it is, over which range, and what to see.
@@ -168,7 +184,7 @@ fn said(balance: &Balance, what: &str) -> String {
     } else {
         format!(" It depends on more than {}, so that it is a cloud.", axes.over)
     };
-    let points = points(balance);
+    let points = points(has_points(balance), balance.smoothed);
     format!(
         "{what} from {}{} while {} goes from {}{}.{how}{points}",
         range(&mut all().map(|p| p.1)),

@@ -1,7 +1,9 @@
 //! The identified part of a rate against velocity, with its band and, for synthetic data, the truth.
 
+use super::force::{dots, middle, points as grey_dots};
 use super::table::unit as unit_words;
 use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Sheet, Swatch, digits, legend};
+use crate::run::{Resistance, resistance};
 use phisindy_learn::{Curve, Identified, PartValues, UnknownPart, unknown_parts};
 use phisindy_phys::unit::{Dimension, Unit};
 use phisindy_phys::{Case, Record};
@@ -22,7 +24,11 @@ pub(crate) fn charts(
 ) -> Vec<(Chart, String)> {
     let scale = case.system.states.iter().any(|s| force_unit(&s.unit).is_some());
     let parts = unknown_parts(case, records, found, scale);
-    parts.iter().flat_map(|part| part_charts(case, part, sheet)).collect()
+    let of = |part: &UnknownPart| {
+        let measured = resistance(case, records, found, part);
+        part_charts(case, part, measured.as_ref(), sheet)
+    };
+    parts.iter().flat_map(of).collect()
 }
 
 /// The unit of the force that corresponds to the rate of a state.
@@ -40,7 +46,12 @@ fn rate(state: &str) -> Option<Dimension> {
 }
 
 /// One chart per curve, so that bands do not overlap; one for a cloud.
-fn part_charts(case: &Case, part: &UnknownPart, sheet: Sheet) -> Vec<(Chart, String)> {
+fn part_charts(
+    case: &Case,
+    part: &UnknownPart,
+    measured: Option<&Resistance>,
+    sheet: Sheet,
+) -> Vec<(Chart, String)> {
     let state = &case.system.states[part.state];
     let unit = match (part.force, force_unit(&state.unit)) {
         (true, Some(force)) => force.to_owned(),
@@ -50,7 +61,7 @@ fn part_charts(case: &Case, part: &UnknownPart, sheet: Sheet) -> Vec<(Chart, Str
     let unit = unit_words(&unit);
     let what = if part.force { "resisting force" } else { "resistance" };
     let velocity = velocity_unit(case, &part.velocity);
-    let axes = Axes { unit, what, part, state: &state.name, velocity, sheet };
+    let axes = Axes { unit, what, part, measured, state: &state.name, velocity, sheet };
     match &part.values {
         PartValues::Curves(curves) => {
             let of =
@@ -112,15 +123,24 @@ struct Axes<'a> {
     unit: String,
     what: &'a str,
     part: &'a UnknownPart,
+    measured: Option<&'a Resistance>,
     state: &'a str,
     velocity: String,
     sheet: Sheet,
 }
 
 impl Axes<'_> {
-    fn panel(&self, points: impl Iterator<Item = (f64, f64)> + Clone, marks: Vec<Mark>) -> Panel {
+    /// The panel: what was measured lies behind the marks.
+    fn panel(
+        &self,
+        points: impl Iterator<Item = (f64, f64)> + Clone,
+        mut marks: Vec<Mark>,
+        name: Option<&str>,
+    ) -> Panel {
         let x = Axis::around(&self.part.velocity, &self.velocity, points.clone().map(|p| p.0));
-        let y = Axis::around(self.what, &self.unit, points.map(|p| p.1).chain([0.0]));
+        let measured = middle(self.measured(name).flatten());
+        let y = Axis::around(self.what, &self.unit, points.map(|p| p.1).chain([0.0]).chain(measured));
+        marks.splice(0..0, dots(self.measured(name), (x.ends(), y.ends()), self.sheet));
         Panel { heading: String::new(), x, y, marks, labelled: true }
     }
 
@@ -150,7 +170,8 @@ impl Axes<'_> {
         let against_velocity = |values: &[f64]| -> Vec<(f64, f64)> {
             curve.velocity.iter().copied().zip(values.iter().copied()).collect()
         };
-        let mut entries: Vec<Entry> = vec![("model", Swatch::Line, "identified".to_owned())];
+        let mut entries: Vec<Entry> = self.measured_entry(name).into_iter().collect();
+        entries.push(("model", Swatch::Line, "identified".to_owned()));
         let mut marks = Vec::new();
         let mut points = against_velocity(&curve.value);
         if let Some(band) = &curve.band {
@@ -168,10 +189,29 @@ impl Axes<'_> {
         }
         let of = name.map_or(String::new(), |name| format!(", {name}"));
         let title = format!("Identified {} in the equation of {}{of}", self.what, self.state);
-        let said = self.said(curve);
-        let panel = self.panel(points.into_iter(), marks);
+        let said = format!("{}{}", self.said(curve), self.grey(name));
+        let panel = self.panel(points.into_iter(), marks, name);
         let chart = self.chart(number, &title, &said, &panel, &entries);
-        (chart, format!("{title}. {said}"))
+        let caption = "positive where it opposes the motion";
+        (chart, format!("{title}, {caption}.{}", self.grey(name)))
+    }
+
+    /// The measured points of the records that a curve is of: of all where it has no name.
+    fn measured(&self, name: Option<&str>) -> impl Iterator<Item = &Vec<(f64, f64)>> + Clone {
+        let all = self.measured.iter().flat_map(|m| &m.records);
+        all.filter(move |(record, points)| !points.is_empty() && name.is_none_or(|name| name == record))
+            .map(|(_, points)| points)
+    }
+
+    fn measured_entry(&self, name: Option<&str>) -> Option<Entry> {
+        let any = self.measured(name).next().is_some();
+        any.then(|| ("measured", Swatch::Dot, "measured force balance".to_owned()))
+    }
+
+    /// What the grey dots are.
+    fn grey(&self, name: Option<&str>) -> String {
+        let smoothed = self.measured.map_or(0.0, |m| m.smoothed);
+        grey_dots(self.measured(name).next().is_some(), smoothed)
     }
 
     /// Values at both ends and at half the largest velocity.
@@ -190,7 +230,7 @@ impl Axes<'_> {
         };
         let unit = if self.unit.is_empty() { String::new() } else { format!(" in {}", self.unit) };
         format!(
-            "Over the velocities visited; positive where it opposes the motion. Values{unit}: {}; {}; {}.",
+            "Over the velocities of the records; positive where it opposes the motion. Values{unit}: {}; {}; {}.",
             value(0),
             value(half),
             value(last)
@@ -201,22 +241,24 @@ impl Axes<'_> {
         let all: Vec<(f64, f64)> = cloud.iter().flat_map(|(_, points)| points.iter().copied()).collect();
         let every = all.len().div_ceil(DOTS).max(1);
         let points: Vec<(f64, f64)> = all.iter().step_by(every).copied().collect();
-        let entries = [("model", Swatch::Dot, "identified, along the simulated motion".to_owned())];
+        let mut entries: Vec<Entry> = self.measured_entry(None).into_iter().collect();
+        entries.push(("model", Swatch::Dot, "identified, along the simulated motion".to_owned()));
         let (low, high) =
             all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.1), b.max(p.1)));
         let title = format!("Identified {} in the equation of {}", self.what, self.state);
         let said = format!(
-            "It depends on more than {}, so that it is a cloud: {} to {} {}.",
+            "It depends on more than {}, so it is a cloud: {} to {} {}.{}",
             self.part.velocity,
             digits(low, 3),
             digits(high, 3),
-            self.unit
+            self.unit,
+            self.grey(None)
         );
         let marks = vec![
             Mark::Level { class: "zero", y: 0.0 },
             Mark::Dots { class: "model", points: points.clone(), radius: 1.4 },
         ];
-        let panel = self.panel(points.into_iter(), marks);
+        let panel = self.panel(points.into_iter(), marks, None);
         let chart = self.chart(0, &title, &said, &panel, &entries);
         (chart, format!("{title}. {said}"))
     }

@@ -2,13 +2,13 @@
 
 use super::data::{Model, Seen, notes};
 use super::leaderboard::leaderboard;
-use super::page::{Banner, Page, Tone, add_data_remarks, add_warnings, capital, paragraph};
+use super::page::{Banner, Page, Tone, add_data_remarks, add_warnings, paragraph};
 use super::table::{Cell, code, in_unit, parameters, table, text};
 use super::{force, hero, map, mathml, missing_force, motion, next, reproduction, residual, shrink};
 use crate::chart::{Sheet, digits};
 use crate::equation::equations;
-use crate::format::role_name as role;
-use crate::gap::{Balance, Finding, GapReport, balance, finding, remarks, rivals, vetoes};
+use crate::format::{capital, role_name as role};
+use crate::gap::{Balance, Finding, GapReport, balance, finding, remarks, rivals, symbol};
 use crate::input::{Ending, Invocation};
 use crate::markup::{Element, element};
 use phisindy_gap::{ColumnGap, ColumnRepeat, Gap, Region, Status, Step, Warning};
@@ -23,7 +23,7 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
         found.steps.iter().map(|s| balance(found, s, input.records)).collect();
     first_screen(&mut page, found, &seen, &balances);
     if found.status == Status::Unexplained {
-        next::add(&mut page, &next::after_unexplained(input.name), None);
+        next::add(&mut page, &next::after_unexplained(input.name));
     }
     page.section("All laws that were tried", leaderboard(found, catalogue));
     missing(&mut page, found, catalogue, &balances);
@@ -134,8 +134,9 @@ fn shown(
 ) -> Vec<Element> {
     let number = number.map_or(String::new(), |k| format!("{k}. "));
     let name = &s.effect.entry.law.name;
-    let heading =
-        element("h3").text(format!("{number}{name} at ")).add(element("code").text(&s.effect.place.at));
+    let heading = element("h3")
+        .text(format!("{number}{} at ", capital(name)))
+        .add(element("code").text(&s.effect.place.at));
     let added = element("p").text("Added: ").add(element("code").text(&s.expression));
     let load = s.effect.load.as_ref().map(|load| paragraph(&format!("Its levels scale with {load}.")));
     let gains = [("fitted records", Some(s.fit)), ("validate records", s.validate)];
@@ -153,7 +154,9 @@ fn shown(
         ]
     };
     let rows = s.parameters.iter().flat_map(|p| {
-        let shared = p.each.is_empty().then(|| row(p, p.constant.clone(), p.value, p.ci95));
+        let turned = if symbol(s, p) == p.constant { "" } else { "-" };
+        let constant = format!("{turned}{}", p.constant);
+        let shared = p.each.is_empty().then(|| row(p, constant, p.value, p.ci95));
         let each = p.each.iter().map(|r| row(p, format!("{} [{}]", p.constant, r.record), r.value, r.ci95));
         shared.into_iter().chain(each).collect::<Vec<_>>()
     });
@@ -163,12 +166,21 @@ fn shown(
         .into_iter()
         .map(|(rival, what)| capital(&rival) + &what.map_or(String::new(), |what| format!("; {what}")) + ".");
     let own = remarks(found, s, catalogue).into_iter().map(|remark| capital(&remark) + ".");
-    let lines: Vec<String> = own.chain(others).chain(vetoes(s).map(|v| capital(&v) + ".")).collect();
+    let lines: Vec<String> = own.chain(others).chain(vetoes(s, catalogue)).collect();
     let new: Vec<String> = lines.into_iter().filter(|line| !told.contains(line)).collect();
     let said = (!new.is_empty()).then(|| element("ul").all(new.iter().map(|line| element("li").text(line))));
     told.extend(new);
     let front = [heading, added].into_iter().chain(load).chain([paragraph(&gain)]).chain(numbers);
     front.chain(picture).chain(said).collect()
+}
+
+/// The laws that other evidence rules out, by their names.
+fn vetoes<'a>(s: &'a Step, catalogue: &'a [LawEntry]) -> impl Iterator<Item = String> + 'a {
+    s.vetoed.iter().map(|v| {
+        let entry = catalogue.iter().find(|e| e.id == v.law.law);
+        let name = entry.map_or(v.law.law.as_str(), |e| e.law.name.as_str());
+        format!("{} is ruled out: {}.", capital(name), v.why)
+    })
 }
 
 /// The equations of the completed spec.

@@ -3,6 +3,7 @@
 use super::page::paragraph;
 use super::table::{Cell, code, table, text};
 use crate::chart::digits;
+use crate::format::capital;
 use crate::markup::{Element, element};
 use phisindy_gap::{Gap, Tried};
 use phisindy_phys::LawEntry;
@@ -54,7 +55,7 @@ fn folded(words: &str, inside: Element) -> Element {
 
 fn row(t: &Tried, best: f64, catalogue: &[LawEntry]) -> Vec<Cell> {
     let entry = catalogue.iter().find(|e| e.id == t.at.law);
-    let name = entry.map_or_else(|| t.at.law.clone(), |e| e.law.name.clone());
+    let name = entry.map_or_else(|| t.at.law.clone(), |e| capital(&e.law.name));
     let words = element(if t.vetoed.is_some() { "s" } else { "span" }).text(name);
     let law = element("span").add(words).text(" at ").add(element("code").text(&t.at.at));
     let part = (t.score / best).clamp(0.0, 1.0);

@@ -1,6 +1,7 @@
 //! The page: header with the finding, first figures, contents, sections, figures.
 
 use crate::chart::{self, Chart, Sheet};
+use crate::format::capital;
 use crate::input::Input;
 use crate::markup::{Element, element};
 
@@ -77,12 +78,12 @@ impl Page {
     pub(crate) fn new(input: Input<'_>, banner: Banner) -> Page {
         let title = &input.case.system.title;
         let title = if title.is_empty() { input.name.to_owned() } else { title.clone() };
-        Page { title, ..Page::of_refusal(input.name, banner) }
+        Page::of_refusal(&title, input.name, banner)
     }
 
     /// A page about a spec that could not be read.
-    pub(crate) fn of_refusal(spec: &str, banner: Banner) -> Page {
-        let [title, spec] = [spec, spec].map(str::to_owned);
+    pub(crate) fn of_refusal(title: &str, spec: &str, banner: Banner) -> Page {
+        let [title, spec] = [title, spec].map(str::to_owned);
         Page { title, spec, banner, first: vec![], early: 0, sections: vec![], charts: vec![] }
     }
 
@@ -174,7 +175,7 @@ impl Page {
         let banner = element("div")
             .class(format!("banner {class}"))
             .add(verdict)
-            .add(element("p").class("finding").text(&self.banner.text))
+            .add(worded(element("p").class("finding"), &self.banner.text))
             .all((!self.banner.how.is_empty()).then_some(how));
         let spec = element("span").class("spec").text(" · ").add(element("code").text(&self.spec));
         element("div")
@@ -193,12 +194,6 @@ impl Page {
         let list = element("ul").add(link("top", &self.banner.headline)).all(links);
         (self.sections.len() > 2).then(|| element("nav").with("aria-label", "Contents").add(list))
     }
-}
-
-/// The words with the first letter in upper case.
-pub(crate) fn capital(words: &str) -> String {
-    let mut letters = words.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// Preformatted text.
@@ -226,15 +221,25 @@ pub(crate) fn worded(element_: Element, text: &str) -> Element {
     parts.iter().enumerate().fold(element_, add)
 }
 
+/// The words as a sentence of their own. A name at the beginning stays as it is written.
+fn sentence(words: &str) -> String {
+    let named =
+        words.split([' ', ':']).next().is_some_and(|first| first.contains(|c: char| !c.is_alphabetic()));
+    let end = if words.ends_with(['.', '?', '!']) { "" } else { "." };
+    format!("{}{end}", if named { words.to_owned() } else { capital(words) })
+}
+
 /// Adds the warnings: what a careful reader should know of the result.
 pub(crate) fn add_warnings(page: &mut Page, warnings: &[String]) {
-    page.list("Warnings", warnings);
+    let sentences: Vec<String> = warnings.iter().map(|w| sentence(w)).collect();
+    page.list("Warnings", &sentences);
 }
 
 /// Adds doubts about the data and notes on their processing, each in its section.
 pub(crate) fn add_data_remarks(page: &mut Page, doubts: &[String], notes: &[String]) {
-    page.list("What is odd about the data", doubts);
-    page.list("What was done to the data", notes);
+    let sentences = |all: &[String]| all.iter().map(|words| sentence(words)).collect::<Vec<_>>();
+    page.list("What is odd about the data", &sentences(doubts));
+    page.list("What was done to the data", &sentences(notes));
 }
 
 #[cfg(test)]

@@ -1,17 +1,16 @@
 //! The report of `run`.
 
 use super::data::{Model, Seen};
-use super::page::{Banner, Page, Tone, add_data_remarks, add_warnings, capital, paragraph};
+use super::page::{Banner, Page, Tone, add_data_remarks, add_warnings, paragraph};
 use super::table::{Cell, code, estimate, in_unit, parameters, table, text, unit};
 use super::{correlation, friction, hero, mathml, motion, next, reproduction, residual, selection};
 use crate::chart::{Sheet, digits};
 use crate::equation::names_of_records;
-use crate::format::{method_name as method, role_name as role};
+use crate::format::{capital, method_name as method, role_name as role};
 use crate::input::Invocation;
 use crate::markup::{Element, element};
-use crate::run::RunReport;
-use crate::table::with_error;
-use phisindy_learn::{Estimate, RecordFit, Verdict};
+use crate::run::{RunReport, found_words};
+use phisindy_learn::{RecordFit, Verdict};
 use phisindy_phys::spec::Role;
 
 /// The page.
@@ -20,7 +19,7 @@ pub(crate) fn page(report: &RunReport<'_>, invocation: &Invocation) -> Page {
     let seen = seen(report);
     let mut page = Page::new(input, banner(report));
     if let Verdict::Rejected(why) = &found.verdict {
-        next::add(&mut page, &next::after_rejection(why, input.name), None);
+        next::add(&mut page, &next::after_rejection(why, input.name));
     }
     first_screen(&mut page, report, &seen);
     add_warnings(&mut page, &report.warnings);
@@ -93,7 +92,7 @@ fn banner(report: &RunReport<'_>) -> Banner {
             headline: "Identified".to_owned(),
             text: format!(
                 "{}. Run freely, the model misses the motion by at most {}.",
-                capital(&named(report)),
+                capital(&found_words(report)),
                 errors.join(" and ")
             ),
             how,
@@ -118,40 +117,6 @@ fn noises(report: &RunReport<'_>, record: &RecordFit) -> String {
         Some(rms / noise).filter(|x| x.is_finite() && *x > 0.0)
     });
     ratio.map_or(String::new(), |x| format!(" ({} times its noise)", digits(x, 2)))
-}
-
-/// Most numbers in the sentence of the finding.
-const NUMBERS: usize = 4;
-
-/// The numbers that were found, with half of their 95 % intervals: coefficients of terms first, then parameters.
-fn named(report: &RunReport<'_>) -> String {
-    let system = &report.input.case.system;
-    let in_unit = |unit: &str| if unit.is_empty() { String::new() } else { format!(" {unit}") };
-    let half = |e: &Estimate, factor: f64| 0.5 * (e.ci95.1 - e.ci95.0).abs() / factor;
-    let terms = report.identified.terms.iter().map(|f| {
-        let term = &system.terms[f.term];
-        let factor = term.factor_text.trim();
-        let (minus, factor) = factor.strip_prefix('-').map_or(("", factor), |rest| ("−", rest));
-        let factors = [factor, term.candidate.as_str()].into_iter().filter(|f| *f != "1");
-        let what: String = factors.map(|f| format!("·{f}")).collect();
-        let own = term.unit.map_or(String::new(), |u| unit(&u.to_string()));
-        let (scale, own) = report.force(f).map_or((1.0, own), |(force, dimension)| {
-            (force / f.coefficient.value, unit(&dimension.to_string()))
-        });
-        let value = with_error(f.coefficient.value * scale, half(&f.coefficient, 1.0 / scale.abs()));
-        let shown = if minus.is_empty() && !value.contains('±') { value } else { format!("({value})") };
-        format!("{minus}{shown}{}{what} in d{}/dt", in_unit(&own), system.states[term.state].name)
-    });
-    let parameters = report.identified.parameters.iter().filter(|p| p.id.constant().is_some()).map(|p| {
-        let value = with_error(p.estimate.value / p.factor, half(&p.estimate, p.factor));
-        format!("{} = {value}{}", p.id, in_unit(&unit(&p.unit)))
-    });
-    let all: Vec<String> = terms.chain(parameters).collect();
-    match all.len() {
-        0 => "the known part is complete".to_owned(),
-        n if n > NUMBERS => format!("{} and {} more numbers", all[..NUMBERS].join(", "), n - NUMBERS),
-        _ => all.join(", "),
-    }
 }
 
 fn equations(report: &RunReport<'_>) -> Vec<Element> {

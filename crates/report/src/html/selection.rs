@@ -1,7 +1,7 @@
 //! The path of term selection: criterion against number of terms.
 
-use super::page::capital;
 use crate::chart::{Axis, Chart, Mark, Panel, Place, Scale, Sheet, Swatch, digits, legend};
+use crate::format::capital;
 use phisindy_learn::Identified;
 use phisindy_phys::spec::Method;
 
@@ -54,12 +54,13 @@ pub(crate) fn chart(found: &Identified, sheet: Sheet) -> Option<(Chart, String)>
     let panel = Panel { heading: String::new(), x, y, marks, labelled: true };
     let place = Place { x: sheet.left(), y: top, width: sheet.inner(), height: 200.0 };
     chart.draw([panel.live(place)]);
-    let counts = if step {
-        "the loss at the end of each stage"
+    let caption = if step {
+        format!("{title}: the one-step loss at the end of each stage.")
     } else {
-        "the criterion counts misfit and the price of each term"
+        format!(
+            "{title}: the criterion is misfit plus a price for each term, above its least value, which is chosen."
+        )
     };
-    let caption = format!("{title}: {counts}. {}.", said.join("; "));
     Some((chart, caption))
 }
 

@@ -20,12 +20,12 @@ pub(crate) fn chart(found: &Gap, sheet: Sheet) -> (Chart, String) {
     let title = "The gap, step by step";
     let floor = repeats.map_or(String::new(), |(low, high)| {
         let range = if high > 1.05 * low { format!("{} to {}", digits(low, 2), digits(high, 2)) } else { digits(high, 2) };
-        format!(" The shaded band is what the motion itself repeats to from cycle to cycle ({range}): no model comes below it.")
+        format!(" The shaded band ({range}) is how well the motion itself repeats from cycle to cycle: no model can do better.")
     });
-    let text = format!(
-        "rms of residual over noise {which}; at the dashed line (1) only noise is left.{floor} {}.",
-        said.join("; ")
+    let caption = format!(
+        "The gap after each step: rms of what the model leaves {which}, over the noise. At the dashed line (1) only noise is left.{floor}"
     );
+    let text = format!("{caption} {}.", said.join("; "));
     let high = ROW * rows.len() as f64;
     let top = 26.0;
     let mut chart = Chart::new("gap", title, &text, (sheet.width(), high + top + 50.0));
@@ -73,7 +73,7 @@ pub(crate) fn chart(found: &Gap, sheet: Sheet) -> (Chart, String) {
             word("heading", end + 6.0, y + 34.0, &digits(*value, 3)),
         ]);
     }
-    (chart, format!("{title}: {text}"))
+    (chart, caption)
 }
 
 /// The least and the largest gap that the motion itself repeats to: the scatter from cycle to cycle over the noise.

@@ -2,6 +2,7 @@
 //! law.
 
 use crate::chart::{Axis, Chart, Mark, Panel, Place};
+use crate::format::capital;
 use phisindy_expr::{Graph, Id, Names, Scratch, Tape, parse};
 use phisindy_phys::{LawEntry, LawRole, Sketch};
 
@@ -43,7 +44,7 @@ pub fn picture(entry: &LawEntry) -> Result<Option<String>, String> {
     marks.push(Mark::Line { class: "model", points: curve });
     let panel = Panel { heading: String::new(), x: across, y: up, marks, labelled: true };
     let description = format!("{what} over {} along the motion x = sin t, v = cos t", sketch.over);
-    let mut chart = Chart::new(&entry.id, &entry.law.name, &description, SIZE);
+    let mut chart = Chart::new(&entry.id, &capital(&entry.law.name), &description, SIZE);
     chart.draw(panel.drawn(Place { x: 70.0, y: 14.0, width: SIZE.0 - 82.0, height: SIZE.1 - 62.0 }));
     Ok(Some(chart.file()))
 }

@@ -1,5 +1,6 @@
 //! Laws for people: a list, one law with its parameters, a page with all pictures.
 
+use crate::format::capital;
 use crate::table::{aligned, short};
 use phisindy_phys::LawEntry;
 
@@ -13,7 +14,7 @@ pub fn list(all: &[LawEntry]) -> String {
 /// One law, for people: its name, what it says, its parameters, where it comes from, its text.
 pub fn shown(entry: &LawEntry) -> String {
     let law = &entry.law;
-    let mut lines = vec![format!("{} ({})", law.name, entry.id), law.about.clone(), String::new()];
+    let mut lines = vec![format!("{} ({})", capital(&law.name), entry.id), law.about.clone(), String::new()];
     lines.extend(law.acts());
     if !law.parameters.is_empty() {
         let mut rows = vec![["parameter", "unit", "within"].map(str::to_owned).to_vec()];
@@ -39,9 +40,9 @@ pub fn gallery(all: &[LawEntry]) -> String {
     );
     for e in all {
         let law = &e.law;
-        out += &format!("\n## {} (`{}`)\n\n{}\n", law.name, e.id, law.about);
+        out += &format!("\n## {} (`{}`)\n\n{}\n", capital(&law.name), e.id, law.about);
         if law.sketch.is_some() {
-            out += &format!("\n![{}]({}.svg)\n", law.name, e.id);
+            out += &format!("\n![{}]({}.svg)\n", capital(&law.name), e.id);
         }
         out.push('\n');
         out += &law.acts().iter().map(|l| format!("- {}\n", code(l))).collect::<String>();

@@ -53,17 +53,17 @@ fn warnings() {
         ),
         (
             Warning::AtBound { number: coefficient("1"), value: 0.0 },
-            "1 of v' ended at its bound 0: the data want to go beyond it",
+            "1 of v' ended at its bound 0: the data would take it further",
         ),
         (
             Warning::AtBound { number: k(), value: 1.3 },
-            "k ended at its bound 1.3: the data want to go beyond it",
+            "k ended at its bound 1.3: the data would take it further",
         ),
         (
             Warning::BoundToBound { number: k() },
-            "the data do not determine k: its interval reaches from bound to bound, and intervals of numbers that go with it end where its bounds do",
+            "the data do not determine k: its interval spans its bounds, and those bounds, not the data, limit the intervals of the numbers that trade off against it",
         ),
-        (Warning::MayBeZero { term: term("x^2") }, "x^2 of v' may as well be zero: its interval holds it"),
+        (Warning::MayBeZero { term: term("x^2") }, "x^2 of v' could be zero: its interval contains zero"),
         (
             Warning::ValidationWorse { fit: 0.01, validate: 0.06 },
             "validation is 6 times worse than the fit (NRMSE 0.060 against 0.010): the model does not carry over; the known part may be wrong",
@@ -76,24 +76,24 @@ fn warnings() {
                 fitted: 0.25,
                 errors: 5.6,
             },
-            "1 in v' is 0.3000 by r2 alone and 0.2500 by what was fitted, 6 standard errors apart: the numbers do not carry over; the known part may be wrong, or a term is missing; the intervals are widened by what the records differ by",
+            "1 in v' is 0.3000 from r2 alone and 0.2500 from the fitted records, 6 standard errors apart: the numbers do not carry over; the known part may be wrong, or a term is missing; the intervals are widened by the difference between the records",
         ),
         (
             Warning::Alternative { term: term("1"), other: term("x"), worse: 1.26 },
-            "x in the place of 1 in v' describes the data as well (criterion 1.3 higher, below 6 is no evidence): the intervals hold only if the terms are the right ones; a record at another amplitude or speed would tell",
+            "x in place of 1 in v' describes the data just as well (its criterion is 1.3 higher; less than 6 is no evidence): the intervals hold only if the terms are the right ones; a record at another amplitude or speed would tell",
         ),
         (
             Warning::Further { term: term("x"), worse: 1.26 },
-            "x in v' beside the other terms describes the data as well (criterion 1.3 higher, below 6 is no evidence): it may be there, and the intervals hold only if it is not; a longer record or less noise would tell",
+            "with x in v' added the data are described just as well (the criterion is 1.3 higher; less than 6 is no evidence): it may be there, and the intervals hold only if it is not; a longer record or less noise would tell",
         ),
         (
             Warning::SingularCandidate { term: term("ln(x)") },
-            "candidate ln(x) of v' is not finite everywhere on the data: it was hardly considered",
+            "candidate ln(x) of v' is not finite everywhere along the data, so it had little chance",
         ),
-        (Warning::Unseen { number: k() }, "the data say nothing about k: give it a number, or leave it out"),
+        (Warning::Unseen { number: k() }, "the data say nothing about k: give it a value, or leave it out"),
         (
             Warning::Inseparable { numbers: vec![coefficient("1"), k()] },
-            "the data do not tell 1 in v', k apart: with any value of one of them the others fit as well, and what is printed is one choice of many; give one of them a number",
+            "the data do not tell 1 in v', k apart: whatever the value of one, the others make up for it, so the printed values are one choice of many; give one of them a value",
         ),
         (
             Warning::Correlated { first: coefficient("1"), second: k(), correlation: -0.97 },
@@ -105,11 +105,11 @@ fn warnings() {
         ),
         (
             Warning::Differentiator { number: k(), with: Differentiator::Spline, half_widths: 2.55 },
-            "the result depends on how columns are differentiated: with Spline k would move by 2.5 times the half of its interval; measure the derivative, or choose by what is known of the motion (Spectral: smooth, SavitzkyGolay: with stops, Spline: any grid)",
+            "the result depends on how columns are differentiated: with Spline k would move by 2.5 half-widths of its interval; measure the derivative, or choose by what is known of the motion (Spectral: smooth, SavitzkyGolay: with stops, Spline: any grid)",
         ),
         (
             Warning::Coloured { independent: 0.123 },
-            "the residual is not white (12 % of the samples are independent): something is still missing, the known part is wrong, or the sensor filters; the intervals count correlated samples as few",
+            "the residual is not white (12 % of the samples are independent): something is still missing, the known part is wrong, or the sensor filters; the intervals allow for the correlation",
         ),
         (
             Warning::NotNoise,
@@ -128,11 +128,11 @@ fn warnings() {
                 mean: 1.23,
                 size: 1.054,
             }),
-            "a disturbance of the start grows e-fold in 1.250 s, so no run follows a record to its end: the verdict rests on up to 300 segments, each predicted from its start (NRMSE up to 0.151, noise 0.150), and on what such a motion keeps: the mean of a free run is within 1.2 standard errors of that of the data, its standard deviation within a factor of 1.05",
+            "a small change of the start state grows e-fold in 1.250 s, so no run follows a record to its end: the verdict rests on up to 300 segments, each predicted from its start (NRMSE up to 0.151, noise 0.150), and on what such a motion keeps: the mean of a free run is within 1.2 standard errors of that of the data, its standard deviation within a factor of 1.05",
         ),
         (
             Warning::SensitiveStart { record: "r".into(), fitted: 200, samples: 400, own: false },
-            "r: neighbouring motions part so fast that its start state was fitted on 50 % of it, not on a tenth; everything else there is prediction",
+            "r: nearby motions diverge so fast that its start state was fitted on 50 % of it, not on a tenth; everything else there is prediction",
         ),
         (
             Warning::HeldConstants { optimiser: Optimiser::RAdam, names: vec!["k".into(), "c".into()] },
@@ -151,7 +151,7 @@ fn rejections_and_errors() {
     let all: [(&dyn Display, &str); 17] = [
         (
             &Rejection::NoTerms { known: vec![("a".into(), 0.25), ("b".into(), 1.0)] },
-            "no term of the dictionary survives: nothing is missing that it could name (NRMSE of the known part alone: a 0.250, b 1.000)",
+            "no term of the dictionary is needed: nothing is missing that it could describe (NRMSE of the known part alone: a 0.250, b 1.000)",
         ),
         (
             &Rejection::RunFails { record: "a".into(), failure: diverged() },
@@ -159,16 +159,16 @@ fn rejections_and_errors() {
         ),
         (
             &Rejection::RunMisses { record: "a".into(), nrmse: 0.514 },
-            "the free run of a misses the data: NRMSE 0.51",
+            "the free run of a misses the data by 51 % of their standard deviation (NRMSE 0.51)",
         ),
         (&Rejection::NoBetter, "the model does no better with the identified part than without it"),
         (
             &Rejection::NothingMissing,
-            "the known part is complete: alone it describes the records as well, and what was found of the laws is what fits the noise by chance",
+            "the known part is complete: by itself it describes the records just as well, and what the laws add only fits the noise",
         ),
         (
             &Rejection::LawAtBound { number: constant(None), value: 0.0, unit: "N".into() },
-            "k ended at 0 N, where its law ends, and what is left is not noise: the data want a law that goes beyond it",
+            "k ended at 0 N, the limit of its law, and what is left is not noise: the data call for a law that goes further",
         ),
         (
             &LearnError::Data(DataError::NothingToFit),

@@ -228,7 +228,9 @@ fn what_changes_places_is_named() {
     let case = records(RATES, &[(Role::Fit, line(0.0))]).0;
     let told = alternative(&case.system, &[0, 1], &[0, 2], 1.26).unwrap().to_string();
     assert!(
-        told.starts_with("3*t^2 in the place of 2*t in x' describes the data as well (criterion 1.3 higher"),
+        told.starts_with(
+            "3*t^2 in place of 2*t in x' describes the data just as well (its criterion is 1.3 higher"
+        ),
         "{told}"
     );
 }
@@ -240,7 +242,7 @@ fn another_choice_is_told_of_where_there_was_a_choice() {
     for (learn, told) in [("", true), ("selection: All", false)] {
         let (case, records) = records(&format!("{text}, learn: ({learn})"), &[(Role::Fit, line(0.0))]);
         let found = learned(&case, &records, &mut |_| ControlFlow::Continue(())).unwrap();
-        let says = |w: &Warning| w.to_string().contains(" in the place of ");
+        let says = |w: &Warning| w.to_string().contains(" in place of ");
         assert_eq!(found.warnings.iter().any(says), told, "{:?}", found.warnings);
     }
 }

@@ -77,12 +77,12 @@ fn a_column_in_the_wrong_unit_is_told_and_not_called_swapped() {
 #[test]
 fn a_sign_that_is_wrong_is_told() {
     let force = told(2.0, 2.0, 600.0, ORDER, [1.0, 1.0, -1.0]);
-    assert!(force.contains("in `F`") && force.contains("other sign"), "{force}");
+    assert!(force.contains("in `F`") && force.contains("changes its sign"), "{force}");
     let spring = told(2.0, 2.0, -600.0, ORDER, ONE);
-    assert!(spring.contains("other sign"), "{spring}");
+    assert!(spring.contains("changes its sign"), "{spring}");
     // With two drives no single part can take the place of the sign of the motion.
     let motion = told(2.0, 2.0, 600.0, ORDER, [-1.0, 1.0, 1.0]);
-    assert!(motion.contains("the column `x` has the other sign"), "{motion}");
+    assert!(motion.contains("the column `x` changes its sign"), "{motion}");
 }
 
 #[test]
@@ -131,8 +131,8 @@ fn a_pendulum_that_hangs_at_pi_has_the_right_sign() {
     assert_eq!(swing(PI, &offset(0.0, 4.0)), "");
     // Nothing says that the angle is counted from the upright.
     let said = swing(PI, "");
-    assert!(said.contains("sin(theta)` has the other sign") && said.contains("from where"), "{said}");
-    assert!(swing(PI, &offset(0.0, 0.5)).contains("other sign"));
+    assert!(said.contains("sin(theta)` changes its sign") && said.contains("the zero"), "{said}");
+    assert!(swing(PI, &offset(0.0, 0.5)).contains("changes its sign"));
 }
 
 #[test]

@@ -37,5 +37,5 @@ fn parts_of_a_rate_are_named_in_the_right_number() {
     let both = told(&["k*x", "F"], 1e-6, true);
     assert!(both.contains("its parts in `k*x`, `F` are 1/1000000 times as large"), "{both}");
     assert!(both.ends_with("measured motion, or of the time column"), "{both}");
-    assert!(told(&["F"], -1.0, false).contains("its part in `F` has the other sign"));
+    assert!(told(&["F"], -1.0, false).contains("its part in `F` changes its sign"));
 }
