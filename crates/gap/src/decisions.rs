@@ -160,8 +160,7 @@ decisions! {
     ON_THE_WAY: f64 = 0.5, "of the gap", BLIND;
     /// Rounds in which a family of friction laws is fitted again from a new leader.
     FAMILY_ROUNDS: usize = 2, "rounds", BLIND;
-    /// A model is fitted in full if its segment cost is within this factor of the best, and of what the runs of a
-    /// leading model leave.
+    /// A model is fitted in full if its segment cost is within this factor of the best.
     RACE: f64 = 3.0, "factor", BLIND;
     /// A rival whose segments leave more than this times what the runs of a model that explains the records leave is
     /// not fitted to the end.
@@ -176,8 +175,7 @@ decisions! {
     SAME_GAP: f64 = 1.02, "factor", BLIND;
     /// A smaller gap on Fit records is near the noise.
     NEAR_NOISE: f64 = 1.5, "of the noise", BLIND;
-    /// A richer law must lower the gap on Validate records to this where the residual is not white. One whose segments
-    /// alone leave more than the leader divided by this is not fitted to the end.
+    /// A richer law must lower the gap on Validate records to this where the residual is not white.
     RICHER: f64 = 0.95, "of the gap", BLIND;
     /// The starts of one law are compared on every third segment.
     SEEDED_STRIDE: usize = 3, "segments", Basis::Judgement("cost");

@@ -341,18 +341,14 @@ impl Search<'_> {
         // Segments tell little of a motion that sticks.
         let smooth = |b: &&Fitted| b.score.is_white() && !b.rests() && !b.has_clearance();
         let leader = single.filter(smooth);
-        // One that leaves more than noise tells by its runs what pairs must not leave even on segments.
-        let ahead = single.filter(|b| !b.score.is_white());
         let single = leader.map(Fitted::settled);
         let cost = |model: &TrialModel, stride: usize| model.segment_cost(self.noise, stride);
-        let part = single.as_ref().and_then(|b| cost(b, SEEDED_STRIDE));
-        if let Some(part) = part.or_else(|| ahead.map(left_by_runs)) {
+        if let Some(part) = single.as_ref().and_then(|b| cost(b, SEEDED_STRIDE)) {
             // Most pairs are so far behind that a part of the segments shows it.
             let near = |m: &TrialModel| cost(m, SEEDED_STRIDE).is_some_and(|own| own <= RACE * RACE * part);
             models = models.into_par_iter().filter(near).collect();
         }
         let rival = leader.zip(single.and_then(|b| cost(&b, 1)));
-        let rival = rival.or_else(|| ahead.map(|b| (b, ALL)));
         let mut pairs = self.fit_race_against(rival, models, RACE, *candidates, vetoed);
         if let Some(pair) = self.worthy(now, &pairs, *candidates).filter(|pair| pair.score.is_white()) {
             pairs = self.with_competitors(pairs, singles, &pair, *candidates, vetoed);
@@ -488,7 +484,7 @@ impl Search<'_> {
         self.fit_race_against(None, models, race, candidates, vetoed)
     }
 
-    /// The same race, where a fitted model runs too, with its segment cost if that may be compared; else that is infinite.
+    /// The same race, where a fitted model that explains the records runs too, with its segment cost.
     fn fit_race_against(
         &self,
         rival: Option<(&Fitted, f64)>,
@@ -518,8 +514,7 @@ impl Search<'_> {
             let all = names(&done);
             done.retain(|(_, f)| !ruled_out(f, vetoed));
             let left = names(&done);
-            let against_costs = rival.is_some_and(|(_, cost)| cost.is_finite());
-            if later.is_empty() || against_costs || all.first() == left.first() {
+            if later.is_empty() || rival.is_some() || all.first() == left.first() {
                 return done.into_iter().map(|(_, f)| f).collect();
             }
             waiting = later;
@@ -539,18 +534,18 @@ impl Search<'_> {
         models.into_par_iter().map(compare).collect()
     }
 
-    /// Fits models, each given with its segment cost; failed fits are dropped. `leader` is a fitted model that runs too.
+    /// Fits models, each given with its segment cost; failed fits are dropped. `leader` explains the
+    /// records.
     fn fitted(&self, models: Vec<Waiting>, leader: Option<&Fitted>, candidates: usize) -> Vec<(f64, Fitted)> {
         let tally = Tally::of(models.len());
-        let settles = leader.filter(|f| f.score.is_white());
         let fit = |models: Vec<Waiting>, beside_leader: Option<&Fitted>| -> Vec<(f64, Fitted)> {
             let fit = |w: Waiting| {
                 if self.observer.stopped() {
                     return None;
                 }
                 let (cost, part) = (w.cost(), part(&w.model));
-                // A law that loses is shown with what it leaves, a pair beside one that leaves only noise is not.
-                let effort = beside_leader.map_or(Effort::Plain, |b| beside(b, &w.model, settles.is_none()));
+                // A law that loses is shown with what it leaves, a pair is not.
+                let effort = beside_leader.map_or(Effort::Plain, |b| beside(b, &w.model, leader.is_none()));
                 let fitted = Fitted::from(w.model, w.segments.as_ref(), self.noise, effort).ok();
                 self.observer.tell(part, tally.one_more(fitted.as_ref()));
                 Some((cost, fitted?))
@@ -561,22 +556,17 @@ impl Search<'_> {
         // leaves more even on segments need not be fitted to the end.
         let mut models = models;
         models.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
-        let mut seen = [settles.is_some(); 2];
+        let mut seen = [leader.is_some(); 2];
         let (first, rest): (Vec<_>, Vec<_>) = models
             .into_iter()
             .partition(|w| !std::mem::replace(&mut seen[usize::from(w.model.remembers())], true));
-        let mut all = fit(first, leader);
+        let mut all = fit(first, None);
         let explains = all.iter().map(|(_, f)| f).filter(|f| f.score.explains());
-        let least = explains.min_by(|a, b| a.score.fit.total_cmp(&b.score.fit));
-        let least =
-            settles.or(least).or_else(|| foremost(leader.into_iter().chain(all.iter().map(|(_, f)| f))));
-        let least = least.cloned();
-        all.extend(fit(rest, least.as_ref()));
+        let least = explains.min_by(|a, b| a.score.fit.total_cmp(&b.score.fit)).cloned();
+        all.extend(fit(rest, leader.or(least.as_ref())));
         all.retain(|(_, f)| f.score.fit.is_finite());
-        sort_fitted(&mut all, candidates);
-        if least.is_some_and(|f| !f.score.explains()) {
-            self.finish_leaders(&mut all, candidates);
-        }
+        let by = Measure::of(all.iter().map(|(_, f)| &f.score), candidates);
+        all.sort_by(|(_, a), (_, b)| by.criterion(&a.score).total_cmp(&by.criterion(&b.score)));
         // Models near the best are fitted again from more starts: runs through stops have local minima.
         let least = all.iter().map(|(_, f)| f.score.fit).fold(f64::INFINITY, f64::min);
         let near = |f: &Fitted| {
@@ -593,19 +583,6 @@ impl Search<'_> {
             }
         });
         all
-    }
-
-    /// Fits to the end what leads although it was given up.
-    fn finish_leaders(&self, all: &mut Vec<(f64, Fitted)>, candidates: usize) {
-        while let Some((_, leader)) = all.first_mut().filter(|(_, f)| f.cal.hopeless)
-            && !self.observer.stopped()
-        {
-            match Fitted::new(leader.model.clone(), self.noise, Effort::Plain) {
-                Ok(fitted) if fitted.score.fit.is_finite() => *leader = fitted,
-                _ => drop(all.remove(0)),
-            }
-            sort_fitted(all, candidates);
-        }
     }
 
     /// Whether a simpler model is as good. Where neither residual is white, the richer law must predict
@@ -630,32 +607,9 @@ impl Waiting {
     }
 }
 
-/// Sorts fitted models by the criterion, best first.
-fn sort_fitted(all: &mut [(f64, Fitted)], candidates: usize) {
-    let by = Measure::of(all.iter().map(|(_, f)| &f.score), candidates);
-    all.sort_by(|(_, a), (_, b)| by.criterion(&a.score).total_cmp(&by.criterion(&b.score)));
-}
-
-/// chi^2 per sample that the runs of a model leave, of the Fit or of the Validate records, whichever leave more.
-fn left_by_runs(of: &Fitted) -> f64 {
-    of.score.fit.max(of.score.gap()).powi(2)
-}
-
-/// The model that leaves least, of those that no evidence rules out.
-fn foremost<'f>(all: impl Iterator<Item = &'f Fitted>) -> Option<&'f Fitted> {
-    let sound = |f: &&Fitted| !f.cal.hopeless && !ruled_out(f, &mut vec![]);
-    all.filter(sound).min_by(|a, b| left_by_runs(a).total_cmp(&left_by_runs(b)))
-}
-
-/// How hard to fit a rival of a leading model. Segments leave no more than a single run, so one that leaves more there
-/// than the leader in its runs, by more than its parameters are cheaper, loses. Where the leader leaves more than noise, a
-/// richer law must lower the gap, and one that leaves several times as much is no rival, however simple.
+/// How hard to fit a rival of a model that explains the records. Segments leave no more than a single run, so one that
+/// leaves more there than the leader in its runs, by more than its parameters are cheaper, loses.
 fn beside(leader: &Fitted, rival: &TrialModel, runs: bool) -> Effort {
-    if !leader.score.is_white() {
-        let richer = rival.size() > leader.score.parameters;
-        let most = left_by_runs(leader) * if richer { RICHER.powi(-2) } else { RACE };
-        return Effort::Rival { most, runs };
-    }
     let samples = leader.cal.samples as f64;
     let cheaper = leader.score.parameters.saturating_sub(rival.size()) as f64 * samples.ln();
     let left = leader.score.fit.powi(2);
@@ -834,44 +788,4 @@ fn after_fits(
     let order = |t: &Tried| (t.gap.is_none(), t.vetoed.is_some());
     tried.sort_by(|a, b| order(a).cmp(&order(b)).then(b.score.total_cmp(&a.score)));
     (tried, left_out)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::test_models::{effect, fitted, model};
-
-    const COULOMB: &str = include_str!("../../../specs/laws/coulomb.ron");
-    const STOP: &str = include_str!("../../../specs/laws/one-sided-stop.ron");
-
-    /// Friction and a drag are missing. Friction alone leaves more than noise, a stop leaves more than that on short
-    /// segments already: it gets a few steps, and is not preferred.
-    #[test]
-    fn a_rival_that_loses_on_segments_is_given_up_although_nothing_explains_the_data() {
-        let (base, noise) = model(
-            r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (1.0, "N/m"), "m": (1.0, "kg"), "F0": (1.0, "N"), "W": (0.7, "rad/s") },
-            known: { "x": "v", "v": "(-k*x + F0*cos(W*t))/m" }, inertia: { "v": "m" }, unknown: {},
-            data: [ Synthetic(truth: { "v": "-0.3*sgn(v) - 0.05*v*|v|" }, start: { "x": 1.0, "v": 0.0 }, duration: 40.0, step: 0.05, noise: Additive(0.01), seed: 1) ])"#,
-        );
-        let now = fitted(base, &noise);
-        let trial = |id: &str, law: &str, start: &[f64]| {
-            now.model.with(&effect(&now.model, id, law, "v", start)).expect("a model")
-        };
-        let trials = vec![trial("one-sided-stop", STOP, &[0.1, 0.5]), trial("coulomb", COULOMB, &[0.2])];
-        let mut nobody = |_: f64, _: Activity| false;
-        let all = Observer::during(&mut nobody, |observer| {
-            let search = Search { catalogue: &[], noise: &noise, floor: 0.0, observer };
-            search.fit_race(trials, ALL, 2, &mut vec![])
-        });
-        let told: Vec<(&str, bool, bool)> = all
-            .iter()
-            .map(|f| {
-                let law = f.model.effects[0].effect.entry.id.as_str();
-                (law, f.cal.hopeless, f.score.explains())
-            })
-            .collect();
-        assert_eq!(told, [("coulomb", false, false), ("one-sided-stop", true, false)]);
-        let best = preferred(&all, 2).map(|f| f.model.effects[0].effect.entry.id.clone());
-        assert_eq!(best.as_deref(), Some("coulomb"));
-    }
 }

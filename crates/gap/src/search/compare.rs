@@ -12,10 +12,8 @@ pub(crate) fn rank(all: &mut [Fitted], candidates: usize) {
 
 /// The best model by the criterion, or a simpler one that is as good.
 pub(crate) fn preferred(all: &[Fitted], candidates: usize) -> Option<&Fitted> {
-    // The numbers of a fit that was given up are not its own.
-    let fitted: Vec<&Fitted> = all.iter().filter(|f| !f.cal.hopeless).collect();
-    let scores: Vec<&Score> = fitted.iter().map(|f| &f.score).collect();
-    preferred_score(&scores, candidates).map(|k| fitted[k])
+    let scores: Vec<&Score> = all.iter().map(|f| &f.score).collect();
+    preferred_score(&scores, candidates).map(|k| &all[k])
 }
 
 fn preferred_score(all: &[&Score], candidates: usize) -> Option<usize> {
