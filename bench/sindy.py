@@ -79,7 +79,7 @@ def told(given, protocol, duration, per_cent, seed):
     """Whether a run says that other terms describe its data as well."""
     command = [given.program, "run", SPECS / f"{protocol['spec']}.ron", "--format", "json", "--quiet", "--seed", seed, "--jobs", given.jobs]
     done = subprocess.run(list(map(str, command + settings(protocol, duration, per_cent))), capture_output=True, text=True)
-    return any("describes the data as well" in warning for warning in json.loads(done.stdout)["warnings"])
+    return any("described just as well" in warning for warning in json.loads(done.stdout)["warnings"])
 
 
 def ours(given, protocol, duration, per_cent, truth, runs):
