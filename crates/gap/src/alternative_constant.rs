@@ -9,7 +9,7 @@ use crate::evidence::against;
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::Effect;
 use crate::result::{AlternativeConstant, NamedValue, PlacedLaw};
-use crate::screen::{Target, screen};
+use crate::screen::{Candidate, Target, screen};
 use crate::search::placed;
 use phisindy_learn::Effort;
 use phisindy_phys::LawEntry;
@@ -174,7 +174,10 @@ fn screened_with<'c>(
     let beside = |(constant, free): &(&'c Constant, Fitted)| -> Option<Vec<(&'c Constant, TrialModel)>> {
         let model = free.settled();
         let screening = screen(&model, &free.cal, catalogue, noise, Target::AlongData)?;
-        let best = screening.candidates.iter().take(FITTED_IN_FULL);
+        let (best, rest) = screening.candidates.split_at(FITTED_IN_FULL.min(screening.candidates.len()));
+        // A richer law brings its simpler relatives along: beside it, one of them may be all that is missing.
+        let simpler = |c: &&Candidate| best.iter().any(|b| c.effect.is_simpler_form_of(&b.effect));
+        let best = best.iter().chain(rest.iter().filter(simpler));
         Some(best.filter_map(|c| Some((*constant, model.with(&c.effect).ok()?))).collect())
     };
     let models: Vec<(&Constant, TrialModel)> = alone.iter().filter_map(beside).flatten().collect();

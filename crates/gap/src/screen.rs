@@ -305,9 +305,11 @@ impl<'a> Free<'a> {
             let (mut gain, mut coefficients) = solve(&gram, &at)?;
             // A part that would take the wrong sign starts at zero: noise may turn the sign of one of several parts that are
             // nearly collinear, and the law as a whole may be the right one.
-            while let Some(wrong) = regressors.and_then(|r| r.wrong_sign(&at, &coefficients)) {
+            while let Some((regressors, wrong)) =
+                regressors.and_then(|r| Some((r, r.wrong_sign(&at, &coefficients)?)))
+            {
                 seen[at.remove(wrong) - 1] = false;
-                if at.is_empty() {
+                if regressors.is_simpler(&at) {
                     return None;
                 }
                 (gain, coefficients) = solve(&gram, &at)?;
@@ -367,11 +369,7 @@ impl Screening {
         all.sort_by(|x, y| y.score.total_cmp(&x.score));
         // Smoothing errors favour rich laws, so each leading pair comes with the simpler relatives of its
         // parts.
-        let simpler = |rich: &Candidate, plain: &Candidate| {
-            rich.effect.place.at == plain.effect.place.at
-                && rich.effect.load == plain.effect.load
-                && rich.effect.entry.law.simpler.contains(&plain.effect.entry.id)
-        };
+        let simpler = |rich: &Candidate, plain: &Candidate| plain.effect.is_simpler_form_of(&rich.effect);
         let leads = all.len().min(count);
         let mut chosen: Vec<usize> = (0..leads).collect();
         for lead in 0..leads {
@@ -522,13 +520,14 @@ mod tests {
     use super::*;
     use crate::test_models::{fitted, model};
 
-    const TWO_PARTS: &str = r#"(
-        name: "Two dampers", about: "A linear and a cubic damper.", reference: "none", roles: { "v": "m/s" },
-        parameters: { "p": (unit: "N*s/m", within: (0.0, 1e6)), "q": (unit: "N*s^3/m^3", within: (0.0, 1e6)) },
-        force: "p*v + q*v^3", sketch: (over: "v", with: { "p": 1.0, "q": 1.0 }),
+    const THREE_PARTS: &str = r#"(
+        name: "Three dampers", about: "A linear, a quadratic and a cubic damper.", reference: "none", roles: { "v": "m/s" },
+        parameters: { "p": (unit: "N*s/m", within: (0.0, 1e6)), "q": (unit: "N*s^3/m^3", within: (0.0, 1e6)),
+            "r": (unit: "N*s^2/m^2", within: (-1e6, 1e6)) },
+        force: "p*v + q*v^3 + r*v^2", sketch: (over: "v", with: { "p": 1.0, "q": 1.0, "r": 1.0 }),
     )"#;
 
-    /// A part whose best value has the wrong sign starts at zero. Where all have it the law is out.
+    /// A part whose best value has the wrong sign starts at zero. Where one part is left the law is out.
     #[test]
     fn a_part_of_the_wrong_sign_starts_at_zero() {
         let screened = |truth: &str| {
@@ -539,7 +538,7 @@ mod tests {
                 data: [ Synthetic(truth: {{ "v": "{truth}" }}, start: {{ "x": 1.0, "v": 0.0 }}, duration: 60.0, step: 0.05,
                     noise: Additive(0.01), seed: 1) ])"#
             ));
-            let law = LawEntry::read("two", TWO_PARTS).expect("a law");
+            let law = LawEntry::read("three", THREE_PARTS).expect("a law");
             let fitted = fitted(base, &noise);
             screen(&fitted.model, &fitted.cal, &[law], &noise, Target::AlongData).expect("a screening")
         };

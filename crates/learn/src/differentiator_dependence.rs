@@ -69,9 +69,9 @@ mod tests {
         };
         for how in Differentiator::ALL {
             let says = told([1.0, 0.2], how, [-7.0, -8.0]).expect("b moves by five errors");
-            assert!(says.contains(&format!("with {} b would move by 2.6 times", how.name())), "{says}");
+            assert!(says.contains(&format!("with {} b would move by 2.6 half-widths", how.name())), "{says}");
             let says = told([0.25, 10.0], how, [9.0, 1.0]).expect("a moves by eight errors");
-            assert!(says.contains("a would move by 4.1 times"), "{says}");
+            assert!(says.contains("a would move by 4.1 half-widths"), "{says}");
         }
         assert_eq!(told([1.03, 0.52], Differentiator::Spline, [-7.0, -8.0]), None);
         assert_eq!(dependence(&[(0, named("a"), 1e-9)], &here, |_| None), None);

@@ -413,7 +413,7 @@ fn a_constant_that_nothing_depends_on() {
     let text = oscillator(q, "-0.1*v - x - q*pos(x - 50) + cos(0.7*t)", COULOMB, "-0.4*sgn(v)");
     let (case, records) = common::load_text(&text, &[]);
     let found = run(&case, &records).unwrap();
-    let due = "the data say nothing about q: give it a number, or leave it out";
+    let due = "the data say nothing about q: give it a value, or leave it out";
     assert!(found.warnings.iter().any(|w| w.to_string() == due), "{:?}", found.warnings);
     let q = found.parameters[0].estimate;
     assert_eq!((q.std_error, q.ci95), (f64::INFINITY, (0.1, 2.0)));
@@ -437,7 +437,7 @@ fn dry_friction_that_feeds_the_motion_is_rejected() {
     let found = free(both, "-0.03*v*|v|");
     let Verdict::Rejected(why) = &found.verdict else { panic!("{:?} {:?}", found.terms, found.warnings) };
     assert!(why.to_string().starts_with("the dry friction of v is negative: -0.0"), "{why}");
-    let told = found.warnings.iter().any(|w| w.to_string().contains("`phisindy gap` looks for it"));
+    let told = found.warnings.iter().any(|w| w.to_string().contains("which `phisindy gap` looks for"));
     assert!(told, "{:?}", found.warnings);
     // Written as a polynomial of the speed under one sign the damper hides the push: the mean dissipates.
     let found = free(r#"(factor: "-sgn(v)", candidates: ["1", "|v|"])"#, "0.02*sgn(v) - 0.12*v");

@@ -323,7 +323,7 @@ mod tests {
         assert_eq!(told(40, Interpolation::Linear), "");
         // (2 pi/12)^2/8 = 3.4 % of the amplitude in the middle of each interval.
         assert!(
-            told(12, Interpolation::Linear).contains("wrong by about 3."),
+            told(12, Interpolation::Linear).contains("an error of about 3."),
             "{}",
             told(12, Interpolation::Linear)
         );

@@ -90,6 +90,13 @@ fn lowered(system: &mut System, text: &str) -> Option<Id> {
 }
 
 impl Effect {
+    /// Whether this is a law that another one contains, at the same place.
+    pub(crate) fn is_simpler_form_of(&self, rich: &Effect) -> bool {
+        rich.place.at == self.place.at
+            && rich.load == self.load
+            && rich.entry.law.simpler.contains(&self.entry.id)
+    }
+
     /// Whether two effects are the same law at the same place.
     pub fn same(&self, other: &Effect) -> bool {
         self.entry.id == other.entry.id

@@ -292,6 +292,13 @@ impl Regressors {
         (0..at.len()).filter(wrong).min_by(|&a, &b| coefficients[a].total_cmp(&coefficients[b]))
     }
 
+    /// Whether these columns (counted from 1) are those of a simpler law, which is tried by itself: one part alone of a law
+    /// without memory.
+    pub(super) fn is_simpler(&self, at: &[usize]) -> bool {
+        let parts = at.iter().filter(|k| **k <= self.columns.len()).count();
+        parts < if self.internal.is_empty() { 2 } else { 1 }
+    }
+
     /// Coefficients and grid values that give these parameters, where each parameter is one of them.
     pub(super) fn direct(&self, parameters: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
         let Back::Direct(of) = &self.back else { return None };

@@ -71,7 +71,7 @@ fn a_term_that_may_be_zero_or_is_at_its_bound_is_told() {
     // Value, error; the interval within the bounds; at a bound; what is said.
     for (value, error, interval, at_bound, says) in [
         (1.0, 0.3, (0.4, 1.6), false, ""),
-        (1.0, 0.6, (0.0, 2.2), false, "1 of x' may as well be zero: its interval holds it"),
+        (1.0, 0.6, (0.0, 2.2), false, "1 of x' could be zero: its interval contains zero"),
         (4.5, 0.5, (3.5, 5.0), false, ""),
         (0.0, 0.1, (0.0, 0.2), true, "1 of x' ended at its bound 0: the data would take it further"),
         (5.0, 0.1, (4.8, 5.0), true, "1 of x' ended at its bound 5: the data would take it further"),

@@ -79,7 +79,7 @@ fn a_slope_is_told_of_where_chi_square_says_so() {
         assert_eq!(told(0.0), Vec::<String>::new());
         assert_eq!(told(1.13 * TABLE[0]).len(), 1);
         let text = &told(100.0)[0];
-        assert!(text.starts_with(&format!("1 in x' is {best:.4} by r1 alone and ")), "{text}");
+        assert!(text.starts_with(&format!("1 in x' is {best:.4} from r1 alone and ")), "{text}");
         assert!(text.contains(", 10 standard errors apart"), "{text}");
     }
 }
@@ -162,7 +162,7 @@ fn a_constant_that_does_not_carry_over_is_told() {
     let runs = free_runs(&case.system, &records, &records, &mut solution);
     let found = disagreements(&fit, &cov, &solution, &records, &records, &runs, &[]);
     let text = found.warnings[0].to_string();
-    assert!(text.starts_with("q is 2.99") && text.contains("by r1 alone and 0.99"), "{text}");
+    assert!(text.starts_with("q is 2.99") && text.contains("from r1 alone and 0.99"), "{text}");
 }
 
 /// Only a record that was held back and that runs has a say, and only of what is known at all.
@@ -175,7 +175,7 @@ fn who_has_no_say() {
     let cov = |variance: f64| Mat::from_fn(2, 2, |i, j| if i == j { variance } else { 0.0 });
     let texts = said(&case, &records, &[1.0], &cov(1e-6), SAMPLES as f64);
     assert_eq!(texts.len(), 1);
-    assert!(texts[0].contains(" by r2 alone"), "{}", texts[0]);
+    assert!(texts[0].contains(" from r2 alone"), "{}", texts[0]);
     assert_eq!(said(&case, &records, &[1.0], &cov(f64::INFINITY), SAMPLES as f64), Vec::<String>::new());
 
     // A free run that failed is told of elsewhere.

@@ -43,7 +43,7 @@ fn what_is_not_seen_is_told_by_its_name() {
         texts(&inseparable(&cov, &names, &[1.0; 3]))
     };
     assert_eq!(told(&[]), [""; 0]);
-    assert_eq!(told(&[1]), ["the data say nothing about b: give it a number, or leave it out"]);
+    assert_eq!(told(&[1]), ["the data say nothing about b: give it a value, or leave it out"]);
     assert!(told(&[0, 2]).concat().starts_with("the data do not tell a, c apart: "));
     assert_eq!(told(&[0, 1, 2]).len(), 1);
 }
