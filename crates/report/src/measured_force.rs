@@ -120,3 +120,18 @@ impl Acceleration {
         of.map_or(Acceleration::OfVelocity(state), Acceleration::OfDisplacement)
     }
 }
+
+/// The five outputs of a tape at sample `i` of a record, with these states and parameters of the record (SI).
+pub(crate) fn outputs_at(
+    scratch: &mut phisindy_expr::Scratch<1>,
+    record: &Record,
+    i: usize,
+    states: &[f64],
+    numbers: &[f64],
+) -> [f64; 5] {
+    let t = record.time[i];
+    let inputs = record.inputs.iter().map(|u| u.value(t));
+    let rest = numbers.iter().chain(&record.constants).copied();
+    scratch.at([t].into_iter().chain(states.iter().copied()).chain(inputs).chain(rest));
+    std::array::from_fn(|k| scratch.output(k)[0])
+}

@@ -110,11 +110,7 @@ impl<'a> Acting<'a> {
         let every = record.len().div_ceil(SAMPLES).max(1);
         let mut scratch = Scratch::<1>::new(&self.tape);
         let mut evaluated = |i: usize, states: &[f64], numbers: &[f64]| -> [f64; 5] {
-            let t = record.time[i];
-            let inputs = record.inputs.iter().map(|u| u.value(t));
-            let rest = numbers.iter().chain(&record.constants).copied();
-            scratch.at([t].into_iter().chain(states.iter().copied()).chain(inputs).chain(rest));
-            [0, 1, 2, 3, 4].map(|k| scratch.output(k)[0])
+            crate::measured_force::outputs_at(&mut scratch, record, i, states, numbers)
         };
         let moved = self.moved(found, step, owner, &numbers);
         let (across, size) = self.units;

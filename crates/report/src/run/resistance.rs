@@ -46,11 +46,7 @@ pub(crate) fn resistance(
         let Some(run) = &fit.run else { continue };
         let numbers = found.parameters_of(system, record.continues.unwrap_or(r));
         let mut evaluated = |i: usize, states: &[f64], numbers: &[f64]| -> [f64; 5] {
-            let t = record.time[i];
-            let inputs = record.inputs.iter().map(|u| u.value(t));
-            let rest = numbers.iter().chain(&record.constants).copied();
-            scratch.at([t].into_iter().chain(states.iter().copied()).chain(inputs).chain(rest));
-            [0, 1, 2, 3, 4].map(|k| scratch.output(k)[0])
+            crate::measured_force::outputs_at(&mut scratch, record, i, states, numbers)
         };
         let every = record.len().div_ceil(SAMPLES).max(1);
         let forces = (0..record.len()).step_by(every).map(|i| evaluated(i, run.state_at(i), &numbers)[1]);
