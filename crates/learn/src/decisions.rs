@@ -147,6 +147,10 @@ decisions! {
     BUDGET_FACTOR: usize = 4, "steps", Basis::Judgement("what takes many times the steps of a good model is a bad one, and slow to find out about");
     /// Iterations and gain of the first minimisation of a stage.
     ROUGH_MINIMUM: [f64; 2] = [12.0, 1e-4], "iterations, part of the cost", NUMERICS;
+    /// A fit of outputs that jump begins with means over this part of a segment ...
+    LARGEST_WINDOW: usize = 32, "windows in a segment", Basis::Judgement("an event half a window off is still seen, and a sweep of thirty means tells some ten numbers");
+    /// ... and goes on with windows shorter by this factor.
+    WINDOW_FALL: usize = 2, "times", Basis::Judgement("the end of one stage is well within the window of the next");
     /// Iterations and gain of a minimisation at the end of a fit.
     FINE_MINIMUM: [f64; 2] = [20.0, 1e-7], "iterations, part of the cost", NUMERICS;
     /// Iterations and gain of a trial that is only compared.

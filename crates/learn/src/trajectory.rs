@@ -39,4 +39,5 @@ pub(crate) mod tally;
 pub(crate) mod term_sizes;
 pub(crate) mod unknowns;
 pub(crate) mod validated_chain;
+mod window_means;
 pub(crate) mod worth_of_laws;

@@ -11,6 +11,10 @@ mod work;
 use pyo3::prelude::*;
 use std::ffi::OsString;
 
+/// Memory of this library alone, whatever the process of the interpreter was told about its own.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 /// Runs the program `phisindy` with the words of a command line, of which the first is its name.
 #[pyfunction]
 fn program(py: Python<'_>, line: Vec<OsString>) -> u8 {

@@ -1,11 +1,13 @@
 //! The cost of a trajectory problem and its derivatives, from simulations of all segments.
 
+use crate::decisions::ROUGH_MINIMUM;
 use crate::least_squares::{Limits, Normal, minimise_by};
 use crate::trajectory::delayed_samples::SampledRun;
 use crate::trajectory::jumps::Miss;
 use crate::trajectory::layout::{Segment, Source};
 use crate::trajectory::problem::Problem;
 use crate::trajectory::products::Products;
+use crate::trajectory::window_means::Window;
 use faer::Mat;
 use phisindy_sim::SimError;
 use rayon::prelude::*;
@@ -30,10 +32,12 @@ struct Rows {
     meat: bool,
     /// Those of the joints of segments too.
     joints: bool,
+    /// Samples over which outputs are averaged; 1 for single samples.
+    window: usize,
 }
 
 impl Rows {
-    const ALL: Rows = Rows { meat: false, joints: true };
+    const ALL: Rows = Rows { meat: false, joints: true, window: 1 };
 }
 
 impl Problem<'_> {
@@ -58,10 +62,42 @@ impl Problem<'_> {
         weights: &[Vec<Vec<f64>>],
         limits: Limits,
     ) -> Result<Normal, SimError> {
+        self.minimise_means(bounds, x, weights, limits, 1)
+    }
+
+    /// As [`Problem::minimise`], through means of outputs that jump, see [`super::window_means`].
+    pub(crate) fn minimise_from_means(
+        &self,
+        x: &mut [f64],
+        weights: &[Vec<Vec<f64>>],
+        limits: Limits,
+    ) -> Result<Normal, SimError> {
+        let start = x.to_vec();
+        for window in self.windows(x) {
+            self.minimise_means(&self.bounds, x, weights, Limits::of(ROUGH_MINIMUM), window)?;
+        }
+        let end = self.minimise(x, weights, limits)?;
+        if start != *x && self.cost(&start, weights)? < end.cost {
+            x.copy_from_slice(&start);
+            return self.minimise(x, weights, limits);
+        }
+        Ok(end)
+    }
+
+    /// As [`Problem::minimise_within`] for outputs averaged over windows of so many samples.
+    fn minimise_means(
+        &self,
+        bounds: &[(f64, f64)],
+        x: &mut [f64],
+        weights: &[Vec<Vec<f64>>],
+        limits: Limits,
+        window: usize,
+    ) -> Result<Normal, SimError> {
+        let rows = Rows { window, ..Rows::ALL };
         let (mut failure, mut begun) = (None, false);
         // Tight joints would damp steps along the chain that the data ask for.
         let metric = match self.chained {
-            true => Some(self.gathered(x, weights, Rows { joints: false, ..Rows::ALL })?.matrix),
+            true => Some(self.gathered(x, weights, Rows { joints: false, ..rows })?.matrix),
             false => None,
         };
         let metric: Option<Vec<f64>> = metric.map(|m| (0..x.len()).map(|k| m[(k, k)]).collect());
@@ -70,24 +106,30 @@ impl Problem<'_> {
                 return None;
             }
             // A step that is likely to fail is tried without derivatives, which are most of the work.
-            if ceiling.is_finite() && self.cost(x, weights).ok()? > ceiling {
+            if ceiling.is_finite() && self.cost_of_means(x, weights, window).ok()? > ceiling {
                 return None;
             }
-            self.normal(x, weights).map_err(|e| failure = Some(e)).ok()
+            self.gathered(x, weights, rows).map_err(|e| failure = Some(e)).ok()
         });
         end.ok_or_else(|| failure.expect("a minimum without an end has failed at its start"))
     }
 
     /// The cost alone, bit for bit that of [`Problem::normal`].
     pub(crate) fn cost(&self, x: &[f64], weights: &[Vec<Vec<f64>>]) -> Result<f64, SimError> {
+        self.cost_of_means(x, weights, 1)
+    }
+
+    fn cost_of_means(&self, x: &[f64], weights: &[Vec<Vec<f64>>], window: usize) -> Result<f64, SimError> {
         let parts: Vec<f64> = self
             .segments
             .par_iter()
             .map(|s| {
                 let sampled = self.run(s, x, false)?;
-                let of = |part| sum_of_squares(&self.misses(s, x, weights, &sampled, part));
+                let of = |part| sum_of_squares(&self.misses(s, x, weights, &sampled, (part, window)));
                 let parts = parts(s).map(of).fold(0.0, |sum, part| sum + part);
-                Ok(parts + sum_of_squares(&self.joint_misses(s, x, &sampled)))
+                let means = self.window_means(s, x, weights, &sampled, window);
+                let means = means.iter().fold(0.0, |sum, mean| sum + mean.miss * mean.miss);
+                Ok(parts + means + sum_of_squares(&self.joint_misses(s, x, &sampled)))
             })
             .collect::<Result<_, _>>()?;
         let prior = |&(k, centre, sigma): &(usize, f64, f64)| {
@@ -105,11 +147,11 @@ impl Problem<'_> {
         x: &[f64],
         weights: &[Vec<Vec<f64>>],
         sampled: &SampledRun,
-        samples: Range<usize>,
+        (samples, window): (Range<usize>, usize),
     ) -> Vec<f64> {
         let record = self.records[segment.record];
-        let measured: Vec<usize> =
-            (0..record.columns.len()).filter(|&k| record.columns[k].is_some()).collect();
+        let single = |&k: &usize| record.columns[k].is_some() && !self.is_averaged(k, window);
+        let measured: Vec<usize> = (0..record.columns.len()).filter(single).collect();
         let columns: Vec<(&[f64], &[f64])> = measured
             .iter()
             .map(|&k| {
@@ -213,7 +255,7 @@ impl Problem<'_> {
         segment: &Segment,
         x: &[f64],
         weights: &[Vec<Vec<f64>>],
-        Rows { meat, joints: joined }: Rows,
+        Rows { meat, joints: joined, window }: Rows,
     ) -> Result<Share, SimError> {
         let sampled = self.run(segment, x, true)?;
         let (mut at, sensor_slots) = self.unknowns_of(segment);
@@ -224,9 +266,10 @@ impl Problem<'_> {
         // The parts are the same for any number of threads, and so are their sums.
         let of = |samples: Range<usize>| {
             let mut products = Products::new(width, meat);
-            let misses = self.misses(segment, x, weights, &sampled, samples.clone());
+            let misses = self.misses(segment, x, weights, &sampled, (samples.clone(), window));
             let cost = sum_of_squares(&misses);
-            self.gather((segment, samples), x, weights, (&sampled, &sensor_slots), misses, &mut products);
+            let at = (segment, samples, window);
+            self.gather(at, x, weights, (&sampled, &sensor_slots), misses, &mut products);
             (cost, products)
         };
         let parts: Vec<_> = parts(segment).collect();
@@ -236,6 +279,10 @@ impl Problem<'_> {
             (cost + share, products)
         });
         let (mut cost, mut products) = sum.unwrap_or_else(|| (0.0, Products::new(width, meat)));
+        for mean in self.window_means(segment, x, weights, &sampled, window) {
+            cost += mean.miss * mean.miss;
+            self.gather_mean(segment, x, (&sampled, &sensor_slots), &mean, &mut products);
+        }
         if let (Some(_), Some(tau)) = (next, &self.continuity) {
             let (run, i) = (&sampled.run, segment.samples.1 - segment.samples.0);
             let misses = self.joint_misses(segment, x, &sampled);
@@ -256,7 +303,7 @@ impl Problem<'_> {
     /// Gathers the rows of `J` of some samples of a segment, whose residuals are the `misses`.
     fn gather(
         &self,
-        (segment, samples): (&Segment, Range<usize>),
+        (segment, samples, window): (&Segment, Range<usize>, usize),
         x: &[f64],
         weights: &[Vec<Vec<f64>>],
         (sampled, sensor_slots): (&SampledRun, &[[usize; 3]]),
@@ -268,7 +315,7 @@ impl Problem<'_> {
         for sample in samples {
             let i = sample - segment.samples.0;
             for (k, column) in self.records[r].columns.iter().enumerate() {
-                let Some(column) = column else { continue };
+                let Some(column) = column.as_ref().filter(|_| !self.is_averaged(k, window)) else { continue };
                 let e = misses.next().expect("one for each sample of each column");
                 let (value, rate) = sampled.value(i, k);
                 let (prediction, gain) = self.reading(r, k, x, value);
@@ -301,6 +348,41 @@ impl Problem<'_> {
                     }
                 }
             }
+        }
+    }
+}
+
+impl Problem<'_> {
+    /// Gathers the row of `J` of a mean over a window.
+    fn gather_mean(
+        &self,
+        segment: &Segment,
+        x: &[f64],
+        (sampled, sensor_slots): (&SampledRun, &[[usize; 3]]),
+        mean: &Window<'_>,
+        products: &mut Products,
+    ) {
+        let (k, r) = (mean.column, segment.record);
+        let (_, gain) = self.reading(r, k, x, 0.0);
+        let factor = mean.factor * gain;
+        let row = products.row(mean.miss);
+        let [offset_at, gain_at, delay_at] = sensor_slots[k];
+        for i in mean.samples() {
+            let (value, rate) = sampled.value(i, k);
+            row.iter_mut().zip(sampled.sensitivities(i, k)).for_each(|(j, s)| *j += factor * s);
+            if offset_at != usize::MAX {
+                row[offset_at] += mean.factor;
+            }
+            if gain_at != usize::MAX {
+                row[gain_at] += mean.factor * value;
+            }
+            if delay_at != usize::MAX {
+                row[delay_at] -= factor * rate;
+            }
+        }
+        mean.add_events(row);
+        if delay_at != usize::MAX {
+            row[delay_at] -= mean.loss();
         }
     }
 }

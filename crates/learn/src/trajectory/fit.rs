@@ -6,8 +6,8 @@
 
 use crate::decisions::{
     BUDGET_BASE, BUDGET_FACTOR, CHAIN_MINIMUM, DRIFT, FINE_MINIMUM, FIRST_NOISE, HOP_GAIN, HOPELESS, HOPS,
-    LIKELIHOOD_GAIN, REFIT_ITERATIONS, ROUGH_MINIMUM, SPOILED, STAGES, STRAIGHT_PROMISE, TIGHTENING,
-    TRIAL_MINIMUM, WHITE_EXCESS, WHITE_PART,
+    LIKELIHOOD_GAIN, REFIT_ITERATIONS, ROUGH_MINIMUM, SPOILED, STAGES, START_GAIN, STRAIGHT_PROMISE,
+    TIGHTENING, TRIAL_MINIMUM, WHITE_EXCESS, WHITE_PART,
 };
 use crate::least_squares::{Limits, Normal};
 use crate::trajectory::noise::ColumnNoise;
@@ -241,6 +241,16 @@ impl<'a> Context<'a> {
         (self.misfit(&joined)? <= DRIFT * self.misfit(cut)?).then_some(joined)
     }
 
+    /// A better minimum of single runs whose outputs jump, if the means of these lead to one.
+    pub(crate) fn from_means(&self, fit: &Fit<'a>) -> Option<Fit<'a>> {
+        if fit.problem.windows(&fit.x).is_empty() {
+            return None;
+        }
+        let problem = self.problem(&fit.problem.terms, fit)?;
+        let found = self.settle(problem, fit.x.clone(), fit.noise.clone(), 3)?;
+        (self.misfit(&found)? < (1.0 - START_GAIN) * self.misfit(fit)?).then_some(found)
+    }
+
     /// The misfit of a guess over many short segments, without a fit.
     pub(crate) fn misfit_of_guess(&self, terms: &[usize], coefficients: &[f64]) -> Option<f64> {
         let problem =
@@ -382,7 +392,7 @@ struct Settled {
 fn settled(problem: &mut Problem<'_>, x: &mut [f64], noise: &mut Noise, rounds: usize) -> Option<Settled> {
     let mut weights = problem.weights(noise, problem.residuals(x).ok().as_deref());
     let limits = Limits::of(if rounds == 1 { ROUGH_MINIMUM } else { FINE_MINIMUM });
-    let mut normal = problem.minimise(x, &weights, limits).ok()?;
+    let mut normal = problem.minimise_from_means(x, &weights, limits).ok()?;
     for _ in 1..rounds {
         let residuals = problem.residuals(x).ok()?;
         *noise = problem.noise(&residuals);

@@ -1,0 +1,146 @@
+//! Outputs that jump, compared by their means over a window of samples.
+//!
+//! Where friction reverses, an accelerometer jumps. A model whose event is late by a few samples misses these by the
+//! whole jump, and moving the event does not lower the sum of squares until the event passes a sample: the cost of
+//! single samples has a side minimum for nearly every event time. The mean over a window has none as long as the
+//! event stays within it, for its derivative holds that of the event time: `d/dp int y dt = int dy/dp dt - [y] dt_e/dp`.
+//! So a fit whose outputs miss more than their noise starts with means over long windows, which then get shorter.
+
+use crate::decisions::{LARGEST_WINDOW, MISFIT, WINDOW_FALL};
+use crate::trajectory::delayed_samples::SampledRun;
+use crate::trajectory::layout::{DELAY, Segment};
+use crate::trajectory::problem::Problem;
+use phisindy_sim::{Jump, SimError};
+use rayon::prelude::*;
+
+/// A window of samples of a column in a segment.
+pub(crate) struct Window<'r> {
+    pub(crate) column: usize,
+    /// Its first sample, and the one after its last, counted in the segment.
+    samples: (usize, usize),
+    /// The weighted difference of the means.
+    pub(crate) miss: f64,
+    /// By this a sum over the samples is weighted.
+    pub(crate) factor: f64,
+    /// Events within it, each with what the sum loses, in the unit of the column, for every sampling interval that it is
+    /// later.
+    events: Vec<(&'r Jump, f64)>,
+    step: f64,
+}
+
+impl Window<'_> {
+    /// The samples, counted in the segment.
+    pub(crate) fn samples(&self) -> std::ops::Range<usize> {
+        self.samples.0..self.samples.1
+    }
+
+    /// Adds what the events contribute to the derivatives of the sum by the unknowns of the run.
+    pub(crate) fn add_events(&self, row: &mut [f64]) {
+        for (jump, loss) in &self.events {
+            let by = self.factor * loss / self.step;
+            row.iter_mut().zip(&jump.moves).for_each(|(j, s)| *j -= by * s);
+        }
+    }
+
+    /// What the sum loses for every second that all events are later.
+    pub(crate) fn loss(&self) -> f64 {
+        self.events.iter().map(|(_, loss)| self.factor * loss / self.step).sum()
+    }
+}
+
+impl Problem<'_> {
+    /// The windows, in samples and from long to short, by whose means a fit from `x` starts; none where no output jumps,
+    /// or where outputs miss no more than their noise.
+    pub(crate) fn windows(&self, x: &[f64]) -> Vec<usize> {
+        let states = self.system.states.len();
+        let outputs = self.records.iter().any(|r| r.columns[states..].iter().any(Option::is_some));
+        if !outputs || self.segments.len() > self.records.len() {
+            return vec![];
+        }
+        let runs =
+            self.segments.par_iter().map(|s| self.run(s, x, false)).collect::<Result<Vec<_>, SimError>>();
+        let Ok(runs) = runs else { return vec![] };
+        if runs.iter().all(|r| r.run.jumps.is_empty()) {
+            return vec![];
+        }
+        let (mut sum, mut count) = (0.0, 0usize);
+        for (segment, run) in self.segments.iter().zip(&runs) {
+            for (k, column) in self.records[segment.record].columns.iter().enumerate().skip(states) {
+                let Some(column) = column else { continue };
+                let noise = self.jump_noise[segment.record][k];
+                for (i, sample) in (segment.samples.0..segment.samples.1).enumerate() {
+                    let miss = self.reading(segment.record, k, x, run.value(i, k).0).0 - column[sample];
+                    let beside = self.beside_jumps(segment, x, run, (sample, k), noise);
+                    sum += (beside.map_or(miss, |at| at.residual(miss)) / noise).powi(2);
+                    count += 1;
+                }
+            }
+        }
+        if sum <= MISFIT * count as f64 {
+            return vec![];
+        }
+        let longest = self.segments.iter().map(|s| s.samples.1 - s.samples.0).max().unwrap_or(0);
+        let first = longest / LARGEST_WINDOW;
+        std::iter::successors(Some(first), |w| Some(w / WINDOW_FALL)).take_while(|w| *w > 1).collect()
+    }
+
+    /// Whether a column is compared by its means: outputs are.
+    pub(crate) fn is_averaged(&self, column: usize, window: usize) -> bool {
+        window > 1 && column >= self.system.states.len()
+    }
+
+    /// The windows of all outputs of a segment, each half as long away from the next.
+    pub(crate) fn window_means<'r>(
+        &self,
+        segment: &Segment,
+        x: &[f64],
+        weights: &[Vec<Vec<f64>>],
+        sampled: &'r SampledRun,
+        window: usize,
+    ) -> Vec<Window<'r>> {
+        let record = self.records[segment.record];
+        let (first, last) = segment.samples;
+        let step = (record.time[record.len() - 1] - record.time[0]) / (record.len() - 1) as f64;
+        let length = window.min(last - first);
+        let mut out = Vec::new();
+        for (k, column) in record.columns.iter().enumerate() {
+            let Some(column) = column.as_ref().filter(|_| self.is_averaged(k, window)) else { continue };
+            let output = k - self.system.states.len();
+            let (_, gain) = self.reading(segment.record, k, x, 0.0);
+            let late = self.sensor(segment.record, k, DELAY, x);
+            let shown: Vec<&Jump> = sampled.run.jumps.iter().filter(|j| j.by[output] != 0.0).collect();
+            let mut from = 0;
+            while from + length <= last - first {
+                let to = from + length;
+                let time = |i: usize| record.time[first + i] - late;
+                let (begin, end) = (time(from) - 0.5 * step, time(to - 1) + 0.5 * step);
+                let sum: f64 = (from..to)
+                    .map(|i| self.reading(segment.record, k, x, sampled.value(i, k).0).0 - column[first + i])
+                    .sum();
+                let weight =
+                    (from..to).map(|i| weights[segment.record][k][first + i]).sum::<f64>() / length as f64;
+                // The mean has a variance of 1/length, and half of its samples are those of the next window.
+                let factor = (weight / (2.0 * length as f64)).sqrt();
+                let events = shown.iter().filter(|j| j.time >= begin && j.time < end);
+                let events: Vec<(&Jump, f64)> = events.map(|j| (*j, gain * j.by[output])).collect();
+                // The sum has each sample stand for an interval around it; an event within one parts it.
+                let parted = |(jump, by): &(&Jump, f64)| {
+                    let after = (from..to).find(|&i| time(i) > jump.time).unwrap_or(to);
+                    let middle = begin + (after - from) as f64 * step;
+                    by * (middle - jump.time) / step
+                };
+                let parts: f64 = events.iter().map(parted).sum();
+                out.push(Window {
+                    column: k,
+                    samples: (from, to),
+                    miss: factor * (sum + parts),
+                    factor,
+                    events,
+                    step,
+                });
+                from += (length / 2).max(1);
+            }
+        }
+        out
+    }
+}
