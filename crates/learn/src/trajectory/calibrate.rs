@@ -260,7 +260,7 @@ impl<'a> Stage<'a> {
             (false, _) => Limits::of(SEGMENTS_MINIMUM),
         };
         let limits = Limits { hopeless: if hopeless { 0.0 } else { limits.hopeless }, ..limits };
-        let cost = problem.minimise_from_means(&mut x, &weights, limits)?.cost;
+        let cost = problem.minimise(&mut x, &weights, limits)?.cost;
         Ok(Stage { problem, x, cost, hopeless })
     }
 }

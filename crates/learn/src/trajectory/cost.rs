@@ -93,11 +93,10 @@ impl Problem<'_> {
         limits: Limits,
         window: usize,
     ) -> Result<Normal, SimError> {
-        let rows = Rows { window, ..Rows::ALL };
         let (mut failure, mut begun) = (None, false);
         // Tight joints would damp steps along the chain that the data ask for.
         let metric = match self.chained {
-            true => Some(self.gathered(x, weights, Rows { joints: false, ..rows })?.matrix),
+            true => Some(self.gathered(x, weights, Rows { joints: false, window, ..Rows::ALL })?.matrix),
             false => None,
         };
         let metric: Option<Vec<f64>> = metric.map(|m| (0..x.len()).map(|k| m[(k, k)]).collect());
@@ -109,7 +108,7 @@ impl Problem<'_> {
             if ceiling.is_finite() && self.cost_of_means(x, weights, window).ok()? > ceiling {
                 return None;
             }
-            self.gathered(x, weights, rows).map_err(|e| failure = Some(e)).ok()
+            self.normal_of_means(x, weights, window).map_err(|e| failure = Some(e)).ok()
         });
         end.ok_or_else(|| failure.expect("a minimum without an end has failed at its start"))
     }
@@ -119,7 +118,13 @@ impl Problem<'_> {
         self.cost_of_means(x, weights, 1)
     }
 
-    fn cost_of_means(&self, x: &[f64], weights: &[Vec<Vec<f64>>], window: usize) -> Result<f64, SimError> {
+    /// The cost with outputs averaged over windows of so many samples.
+    pub(crate) fn cost_of_means(
+        &self,
+        x: &[f64],
+        weights: &[Vec<Vec<f64>>],
+        window: usize,
+    ) -> Result<f64, SimError> {
         let parts: Vec<f64> = self
             .segments
             .par_iter()
@@ -191,6 +196,16 @@ impl Problem<'_> {
     /// iterate, so that weights do not chase the fit).
     pub(crate) fn normal(&self, x: &[f64], weights: &[Vec<Vec<f64>>]) -> Result<Normal, SimError> {
         self.gathered(x, weights, Rows::ALL)
+    }
+
+    /// The same with outputs averaged over windows of so many samples.
+    pub(crate) fn normal_of_means(
+        &self,
+        x: &[f64],
+        weights: &[Vec<Vec<f64>>],
+        window: usize,
+    ) -> Result<Normal, SimError> {
+        self.gathered(x, weights, Rows { window, ..Rows::ALL })
     }
 
     /// As [`Problem::normal`], but each row of `J` is multiplied by its weighted residual: the meat of the

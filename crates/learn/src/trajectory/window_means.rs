@@ -6,7 +6,7 @@
 //! event stays within it, for its derivative holds that of the event time: `d/dp int y dt = int dy/dp dt - [y] dt_e/dp`.
 //! So a fit whose outputs miss more than their noise starts with means over long windows, which then get shorter.
 
-use crate::decisions::{LARGEST_WINDOW, MISFIT, WINDOW_FALL};
+use crate::decisions::{LARGEST_WINDOW, WHITE_EXCESS, WINDOW_FALL};
 use crate::trajectory::delayed_samples::SampledRun;
 use crate::trajectory::layout::{DELAY, Segment};
 use crate::trajectory::problem::Problem;
@@ -76,7 +76,7 @@ impl Problem<'_> {
                 }
             }
         }
-        if sum <= MISFIT * count as f64 {
+        if sum <= WHITE_EXCESS * count as f64 {
             return vec![];
         }
         let longest = self.segments.iter().map(|s| s.samples.1 - s.samples.0).max().unwrap_or(0);
@@ -142,5 +142,54 @@ impl Problem<'_> {
             }
         }
         out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use phisindy_phys::{Origin, Record, SourceId, System, check, spec};
+    use phisindy_sim::synthesize;
+
+    /// A rubbing oscillator that an accelerometer sees.
+    fn rubbing() -> (System, Record) {
+        let text = r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (1.0, "1/s^2"), "A": (1.0, "m/s^2"), "W": (0.7, "rad/s"), "F": (value: 0.3, unit: "m/s^2", within: (0.0, 2.0)) },
+            known: { "x": "v", "v": "-k*x + A*cos(W*t) - F*sgn(v)" }, contacts: ["v"], unknown: {}, outputs: { "a": (unit: "m/s^2", reads: "rate(v)") },
+            data: [ Synthetic(truth: {}, start: { "x": 0.5, "v": 0.0 }, duration: 30.0, step: 0.02, measure: ["a"], noise: Additive(0.01), seed: 1) ])"#;
+        let (read, _) = spec::read(text, SourceId(0)).expect("a spec");
+        let (case, _) = check(&read, SourceId(0)).expect("a case");
+        let Origin::Synthetic(truth) = &case.records[0].origin else { panic!("a measured record") };
+        let (record, _) =
+            synthesize(&case.records[0], truth, &case.system, None, &|_| Err("no files".into()))
+                .expect("a record");
+        (case.system, record)
+    }
+
+    /// The slope of a cost by differences over what moves events by a fifth of a sample, and the gradient that the fit uses.
+    fn slopes(window: usize, at: f64) -> (f64, f64) {
+        let (system, record) = rubbing();
+        let problem = Problem::new(&system, &[], &[&record], &[1]).expect("a problem");
+        let weights: Vec<Vec<Vec<f64>>> = vec![vec![vec![], vec![], vec![1e4; record.len()]]];
+        let x = |friction: f64| vec![friction, 0.5, 0.0];
+        let cost = |friction: f64| problem.cost_of_means(&x(friction), &weights, window).expect("a cost");
+        let reach = 1e-3;
+        let normal = problem.normal_of_means(&x(at), &weights, window).expect("normal equations");
+        ((cost(at + reach) - cost(at - reach)) / (2.0 * reach), 2.0 * normal.gradient[0])
+    }
+
+    #[test]
+    fn the_slope_of_means_holds_that_of_the_events() {
+        for at in [0.25, 0.28, 0.33, 0.38] {
+            let (by_differences, gradient) = slopes(32, at);
+            assert!((gradient / by_differences - 1.0).abs() < 0.05, "{at}: {gradient} {by_differences}");
+        }
+    }
+
+    #[test]
+    fn means_are_for_outputs_that_miss_more_than_their_noise() {
+        let (system, record) = rubbing();
+        let problem = Problem::new(&system, &[], &[&record], &[1]).expect("a problem");
+        assert_eq!(problem.windows(&[0.3, 0.5, 0.0]), Vec::<usize>::new());
+        assert_eq!(problem.windows(&[0.4, 0.5, 0.0])[0], record.len() / LARGEST_WINDOW);
     }
 }
