@@ -105,7 +105,7 @@ impl Sensitivity {
             *point = (step.t + C[stage] * step.h, &step.x[stage]);
         }
         let lines = &mut self.lines[..STAGES];
-        Linearisation::evaluate(&mut lines[known..], field, &self.places, &points[known..]);
+        field.linearise(&mut lines[known..], &self.places, &points[known..]);
         let (lines, h, accuracy) = (&*lines, step.h, (self.tolerance, &self.scale[..]));
         match &mut self.columns[..] {
             [few] => few.advance_explicit(h, lines, fresh, accuracy),
@@ -131,7 +131,7 @@ impl Sensitivity {
         let points: [(f64, &[f64]); STAGES] =
             std::array::from_fn(|stage| (t + radau::C[stage + 1] * h, x(stage)));
         let lines = &mut self.lines[..STAGES];
-        Linearisation::evaluate(lines, field, &self.places, &points);
+        field.linearise(lines, &self.places, &points);
         for (slope, line) in self.slopes.iter_mut().zip(&*lines) {
             slope.resize(n * n, 0.0);
             line.write_by_state(slope);
@@ -170,7 +170,7 @@ impl Sensitivity {
     ) {
         let from = out.len();
         out.resize(from + self.n * self.m, 0.0);
-        Linearisation::evaluate(&mut self.lines[..1], field, &self.places, &[(t, x)]);
+        field.linearise(&mut self.lines[..1], &self.places, &[(t, x)]);
         for columns in &mut self.columns {
             columns.write_along(&self.lines[0], back, self.m, &mut out[from..]);
         }
@@ -204,11 +204,10 @@ impl Sensitivity {
         let mut out = vec![0.0; self.free.len()];
         let of = &field.automaton.jacobian.surfaces_by_parameter;
         if of.row(c).next().is_some() {
-            field.write_jacobian(0, t, x);
-            field.run_jacobian();
+            let slopes = field.jacobian_at(t, x);
             for (p, k) in of.row(c) {
                 if let Some(place) = self.places.place(p) {
-                    out[place] = field.slope(0, k);
+                    out[place] = slopes.output(k)[0];
                 }
             }
         }
