@@ -13,7 +13,9 @@
 
 use std::ops::Range;
 
-use super::{Differentiated, Smoothing, noise_of};
+use super::differentiated::Differentiated;
+use super::noise::noise_of;
+use super::smoothing::Smoothing;
 use crate::grid::uniform_step;
 
 /// Squared departure that noise explains, in variances of the narrower window. Below 6 false alarms dominate.

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use realfft::num_complex::Complex;
 
-use super::{Differentiated, Smoothing, noise_of};
+use super::differentiated::Differentiated;
+use super::noise::noise_of;
+use super::smoothing::Smoothing;
 use crate::fft::{Forward, Inverse};
 use crate::grid::uniform_step;
 use crate::interpolate::{Interpolation, Signal, SignalError};

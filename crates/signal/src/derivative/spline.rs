@@ -5,7 +5,9 @@
 
 use std::f64::consts::PI;
 
-use super::{Differentiated, Smoothing, noise_of};
+use super::differentiated::Differentiated;
+use super::noise::noise_of;
+use super::smoothing::Smoothing;
 use crate::grid::mean_step;
 
 /// Smoothing length, in samples, of a spline that practically interpolates.
