@@ -1,7 +1,7 @@
 //! The command line: names, help, and what clap can check by itself (a mistake ends with exit code 2).
 
 use crate::limit::Limit;
-use crate::sweep::Shard;
+use crate::sweep::shard::Shard;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 use phisindy::files::{Assignment, Request};

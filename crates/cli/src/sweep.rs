@@ -9,13 +9,13 @@ mod cells;
 mod design;
 mod journal;
 mod merged;
-mod shard;
+pub(crate) mod shard;
 
 pub(crate) use cells::{Axis, Cell, listed, product, vary};
 pub(crate) use design::Design;
 pub(crate) use journal::{Journal, NAME};
 pub(crate) use merged::{Merged, merged};
-pub(crate) use shard::Shard;
+use shard::Shard;
 
 use crate::args::Options;
 use crate::interrupt;
