@@ -6,11 +6,10 @@
 //! ```
 
 mod correlation;
-mod data;
 mod force;
 mod friction;
-pub(crate) mod gap;
-pub(crate) mod hero;
+mod gap;
+mod hero;
 mod leaderboard;
 mod map;
 mod mathml;
@@ -21,7 +20,7 @@ mod page;
 mod regimes;
 mod reproduction;
 mod residual;
-pub(crate) mod run;
+mod run;
 mod selection;
 mod shrink;
 mod table;
@@ -30,6 +29,7 @@ use crate::format::capital;
 use crate::gap::GapReport;
 use crate::input::{Input, Invocation};
 use crate::run::RunReport;
+use crate::seen::{measured, notes};
 pub use page::HtmlReport;
 use page::{Banner, Page, Tone, add_data_remarks, block};
 
@@ -78,9 +78,9 @@ pub fn failure(why: &str, diverged: bool, input: Input<'_>, invocation: &Invocat
     let mut page = Page::new(input, banner);
     let steps: Vec<String> = advice(diverged).map(capital).into_iter().collect();
     next::add(&mut page, &steps);
-    let seen = data::measured(input);
+    let seen = measured(input);
     page.figures("Measured", |sheet| motion::charts(&seen, sheet));
-    add_data_remarks(&mut page, input.doubts, &data::notes(input));
+    add_data_remarks(&mut page, input.doubts, &notes(input));
     reproduction::add(&mut page, input, invocation);
     page.html()
 }

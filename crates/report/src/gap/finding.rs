@@ -1,6 +1,6 @@
 //! The finding in one sentence, with its numbers.
 
-use super::text::{NOISE, basis, outcome, sensitivity};
+use super::outcome::{NOISE, basis, outcome, sensitivity};
 use crate::format::capital;
 use crate::table::{raised, short, with_error};
 use crate::terminal::unicode;

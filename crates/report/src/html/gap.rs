@@ -1,6 +1,5 @@
 //! The report of `gap`.
 
-use super::data::{Model, Seen, notes};
 use super::leaderboard::leaderboard;
 use super::page::{Banner, Page, Tone, add_data_remarks, add_warnings, paragraph};
 use super::table::{Cell, code, in_unit, parameters, table, text};
@@ -11,13 +10,14 @@ use crate::format::{capital, role_name as role};
 use crate::gap::{Balance, Finding, GapReport, balance, finding, remarks, rivals, symbol};
 use crate::input::{Ending, Invocation};
 use crate::markup::{Element, element};
+use crate::seen::{Seen, notes};
 use phisindy_gap::{ColumnGap, ColumnRepeat, Gap, Region, Status, Step, Warning};
 use phisindy_phys::{LawEntry, SourceId, check_names, spec};
 
 /// The page.
 pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     let GapReport { input, gap: found, catalogue, ending } = *report;
-    let seen = seen(report);
+    let seen = report.seen();
     let mut page = Page::new(input, banner(found, ending));
     let balances: Vec<Option<Balance>> =
         found.steps.iter().map(|s| balance(found, s, input.records)).collect();
@@ -42,18 +42,6 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     add_data_remarks(&mut page, input.doubts, &notes(input));
     reproduction::add(&mut page, input, invocation);
     page
-}
-
-/// The records with the model before and after effects were added.
-pub(crate) fn seen<'a>(report: &GapReport<'a>) -> Seen<'a> {
-    let found = report.gap;
-    let (was, now) = (&found.initial, &found.simulated);
-    Seen {
-        system: &report.input.case.system,
-        records: report.input.records,
-        was: (!found.steps.is_empty()).then(|| Model::new(&was.system, &[], &was.records)),
-        model: Some(Model::new(&now.system, &[], &now.records)),
-    }
 }
 
 /// The finding in pictures: the motion before and after, the force that was found first (of a law of the catalogue or

@@ -1,13 +1,15 @@
 //! A plot in braille: each character is a block of two by four dots.
 
-use super::{Ink, Look};
+use super::look::{Ink, Look};
 use crate::chart::digits;
-use crate::html::hero::Series;
+use crate::stretch::Series;
 
 /// Lines of the plot.
 const HIGH: usize = 8;
 /// Most characters of a line.
 const WIDE: usize = 100;
+/// Least width of a terminal for a plot.
+const LEAST: usize = 90;
 /// Room for the numbers at the left.
 const LEFT: usize = 9;
 
@@ -28,8 +30,13 @@ impl Grid {
     }
 }
 
+/// A plot of measured and simulated motion, where the terminal is wide enough; else nothing.
+pub(crate) fn plot(series: Option<Series>, look: Look) -> Vec<String> {
+    series.filter(|_| look.width >= LEAST).map_or(vec![], |series| lines(&series, look))
+}
+
 /// The lines of the plot.
-pub(super) fn plot(series: &Series, look: Look) -> Vec<String> {
+fn lines(series: &Series, look: Look) -> Vec<String> {
     let wide = look.width.saturating_sub(LEFT + 3).min(WIDE);
     let all = series.measured.iter().map(|p| p.1).filter(|y| y.is_finite());
     let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), y| (a.min(y), b.max(y)));
@@ -110,7 +117,7 @@ mod tests {
             before: vec![],
             model: points,
         };
-        let lines = plot(&series, Look { colour: false, width: 100 });
+        let lines = lines(&series, Look { colour: false, width: 100 });
         assert_eq!(lines.len(), HIGH + 2);
         let filled = |line: &str| line.chars().position(|c| ('\u{2801}'..='\u{28ff}').contains(&c));
         assert!(filled(&lines[2]) > filled(&lines[HIGH - 1]), "{lines:#?}");
