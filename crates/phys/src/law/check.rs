@@ -1,11 +1,12 @@
 //! What is wrong with the text of a law, with the places in it. The law itself is read by [`super::Law::read`].
 
 use super::Law;
-use super::compiled::LawError;
+use super::graph::LawError;
 use crate::system::check::declared_names;
 use crate::text::diagnostic::{Diagnostic, SourceId};
 use crate::text::raw::{self, Node};
-use crate::text::spec::reader::{Fields, Reader};
+use crate::text::spec::group::Fields;
+use crate::text::spec::reader::Reader;
 use crate::text::spec::{ConstantSpec, LearnSpec, Number, OutputSpec, Spanned, Spec, Text};
 use crate::units::dimensions::dimensions;
 use crate::units::unit::{Dimension, Unit};

@@ -5,6 +5,7 @@
 //! say, with the spans kept here.
 
 mod constant;
+pub(crate) mod group;
 mod input;
 mod leaf;
 mod learn;
