@@ -25,7 +25,7 @@ use phisindy::Loaded;
 use phisindy::files::{Purpose, Refusal, load_text};
 use phisindy_learn::{LearnOptions, SweepRun, Truth, Verdict, bound, project, sweep_one};
 use phisindy_phys::{Case, Diagnostic, Origin, Sources};
-use phisindy_report::sweep::{Found, NamedTruth, Run, RunVerdict};
+use phisindy_report::sweep::{Found, NamedTruth, Run, RunVerdict, TermName};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -87,9 +87,9 @@ pub(crate) struct Outcome {
 }
 
 /// A term as results name it.
-pub(crate) fn term_name(case: &Case, term: usize) -> String {
+fn term_name(case: &Case, term: usize) -> TermName {
     let term = &case.system.terms[term];
-    format!("{}:{}", case.system.states[term.state].name, term.candidate)
+    TermName { state: case.system.states[term.state].name.clone(), candidate: term.candidate.clone() }
 }
 
 impl Checked {

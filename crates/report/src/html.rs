@@ -30,8 +30,10 @@ use crate::gap::GapReport;
 use crate::input::{Input, Invocation};
 use crate::run::RunReport;
 use crate::seen::{measured, notes};
+use next::Mistake;
 pub use page::HtmlReport;
 use page::{Banner, Page, Tone, add_data_remarks, block};
+use phisindy_phys::{Diagnostic, Sources};
 
 /// The report of `run`.
 pub fn run(report: &RunReport<'_>, invocation: &Invocation) -> HtmlReport {
@@ -43,10 +45,24 @@ pub fn gap(report: &GapReport<'_>, invocation: &Invocation) -> HtmlReport {
     gap::page(report, invocation).html()
 }
 
-/// The report of a wrong spec. `mistakes` are its diagnostics as text; `text` is the spec as far as it could
-/// be read.
-pub fn refusal(spec: &str, text: Option<&str>, mistakes: &str, invocation: &Invocation) -> HtmlReport {
-    let all = next::mistakes(mistakes);
+/// A spec that cannot be used.
+pub struct Refused<'a> {
+    /// Its name as the user gave it.
+    pub spec: &'a str,
+    /// Its text as far as it could be read.
+    pub text: Option<&'a str>,
+    /// What is wrong with it.
+    pub errors: Vec<&'a Diagnostic>,
+    /// The texts that the errors point into.
+    pub sources: &'a Sources,
+    /// The errors as a terminal shows them.
+    pub drawn: String,
+}
+
+/// The report of a wrong spec.
+pub fn refusal(refused: &Refused<'_>, invocation: &Invocation) -> HtmlReport {
+    let &Refused { spec, text, ref errors, sources, ref drawn } = refused;
+    let all: Vec<Mistake<'_>> = errors.iter().map(|e| Mistake::new(e, sources)).collect();
     let said = match &all[..] {
         [] => "the spec or its data cannot be used as they are".to_owned(),
         [one] => one.said(),
@@ -61,7 +77,7 @@ pub fn refusal(spec: &str, text: Option<&str>, mistakes: &str, invocation: &Invo
     let title = text.and_then(next::title_of).unwrap_or_else(|| spec.to_owned());
     let mut page = Page::of_refusal(&title, spec, banner);
     next::add(&mut page, &next::repairs(&all, spec));
-    page.section("What is wrong", [block(mistakes.trim_end(), "mistakes")]);
+    page.section("What is wrong", [block(drawn.trim_end(), "mistakes")]);
     page.section("To repeat it", reproduction::command(None, spec, text, invocation));
     page.html()
 }
