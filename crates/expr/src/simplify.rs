@@ -1,7 +1,7 @@
-//! Constructors of operations, and the rules that they apply. Each rule holds wherever the original is finite (except for
-//! rounding, and for products near the limits of a double, whose factors may be multiplied in another
-//! order). No rule divides by what may be zero or widens a domain on purpose. A number is folded only if
-//! the result is finite; otherwise the operation stays and fails in its place.
+//! Constructors of operations, and the rules that they apply. Each rule holds wherever the original is finite
+//! (except for rounding, and for products near the limits of a double, whose factors may be multiplied in
+//! another order). No rule divides by what may be zero or widens a domain on purpose. A number is folded only
+//! if the result is finite; otherwise the operation stays and fails in its place.
 //!
 //! The rules also bring sums and products to a normal form (the number first, a difference in place of a
 //! negative summand), so that printing and parsing again gives the same node.

@@ -1,13 +1,15 @@
 //! A law of the catalogue: a force with parameters that may act at many places of a model.
 //!
-//! The file of a law is text. `Law::read` compiles it to nodes of a graph of its own. Properties of a law, such as
-//! whether it sticks or has a clearance, are read off that graph.
+//! The file of a law is text. `Law::read` compiles it to nodes of a graph of its own. Properties of a law,
+//! such as whether it sticks or has a clearance, are read off that graph.
 
 mod catalogue;
 mod check;
 mod compile;
+mod dissipation;
 mod graph;
 mod properties;
+mod symmetry;
 
 pub use catalogue::{BUILT_IN, LawEntry};
 pub use graph::{LawError, LawGraph, LawScreen, jointly_linear};
@@ -70,7 +72,8 @@ pub struct Law {
     /// What its parameters must fulfil to deserve its name.
     #[serde(default)]
     pub needs: Option<Need>,
-    /// How `gap` looks for it at a glance; without it the parameters that stand linearly are solved for, and the others tried on a grid.
+    /// How `gap` looks for it at a glance; without it the parameters that stand linearly are solved for, and
+    /// the others tried on a grid.
     #[serde(default)]
     pub screen: Option<Screen>,
     /// How its picture is drawn.
@@ -157,8 +160,8 @@ pub struct LawParameter {
     /// Whether each record has its own.
     #[serde(default)]
     pub each: bool,
-    /// Whether the bounds are the whole range of the number (an angle over a turn, a share up to 1): then a value at one
-    /// of them speaks against nothing.
+    /// Whether the bounds are the whole range of the number (an angle over a turn, a share up to 1): then a
+    /// value at one of them speaks against nothing.
     #[serde(default)]
     pub whole: bool,
 }
@@ -206,35 +209,6 @@ impl Law {
     /// Whether it has states of its own.
     pub fn has_memory(&self) -> bool {
         !self.internal.is_empty()
-    }
-
-    /// What it does, in lines.
-    pub fn acts(&self) -> Vec<String> {
-        let mut lines = Vec::new();
-        lines.extend(self.force.iter().map(|f| format!("force against the motion: {f}")));
-        lines.extend(self.push.iter().map(|f| format!("push: {f}")));
-        lines.extend(self.sensor.iter().map(|s| format!("property of a sensor: {s}")));
-        lines.extend(self.input.iter().map(|s| format!("property of an input: {s}")));
-        lines.extend(
-            self.internal
-                .iter()
-                .map(|(name, i)| format!("with d{name}/dt = {} ({}, from {})", i.rate, i.unit, i.start)),
-        );
-        lines.extend(self.mirror.iter().map(|m| format!("or its mirror image: {m}")));
-        let quantities: Vec<String> =
-            self.roles.iter().map(|(name, unit)| format!("{name} in {unit}")).collect();
-        if !quantities.is_empty() {
-            lines.push(format!("of: {}", quantities.join(", ")));
-        }
-        let given: Vec<String> = self
-            .given
-            .iter()
-            .map(|(name, (x, unit))| format!("{name} = {x:?} {unit}").trim_end().to_owned())
-            .collect();
-        if !given.is_empty() {
-            lines.push(format!("with: {}", given.join(", ")));
-        }
-        lines
     }
 }
 

@@ -9,7 +9,8 @@ impl Law {
     /// Reads the text of a law and compiles its expressions.
     ///
     /// # Errors
-    /// The form (with line and column), an expression that cannot be parsed, a name that stands for nothing, a parameter without a seed.
+    /// The form (with line and column), an expression that cannot be parsed, a name that stands for nothing,
+    /// a parameter without a seed.
     pub fn read(text: &str) -> Result<Law, LawError> {
         let law: Law = ron::Options::default()
             .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)

@@ -3,7 +3,8 @@
 use phisindy_expr::{Graph, Id, Names, ParseError};
 use std::fmt;
 
-/// The expressions of a law as nodes of a graph of their own. Its symbols become nodes of a model where the law acts.
+/// The expressions of a law as nodes of a graph of their own. Its symbols become nodes of a model where the
+/// law acts.
 ///
 /// ```
 /// use phisindy_phys::Law;
@@ -124,7 +125,8 @@ impl Default for LawGraph {
     }
 }
 
-/// The parameters (by index) in which an expression is linear, jointly: the slope by each depends on none of them.
+/// The parameters (by index) in which an expression is linear, jointly: the slope by each depends on none of
+/// them.
 pub fn jointly_linear(graph: &mut Graph, force: Id, parameters: &[Id]) -> Vec<usize> {
     let slopes = graph.gradient(force, parameters);
     let mut linear: Vec<usize> = Vec::new();

@@ -1,5 +1,5 @@
-//! What a law is, asked of its graph: whether it sticks, has a clearance, is a spring, a resistance, a hysteresis, and which
-//! of its parameters are linear.
+//! What a law is, asked of its graph: whether it sticks, has a clearance, is a spring, a resistance, a
+//! hysteresis, and which of its parameters are linear.
 
 use super::graph::jointly_linear;
 use super::{Law, Role};
@@ -12,8 +12,9 @@ const NEARLY_AT_REST: f64 = 1e-30;
 const NO_JUMP: f64 = 1e-6;
 
 impl Law {
-    /// Whether it is a hysteresis: it has memory, and its states rest while the place rests, however slowly or fast the
-    /// place came there. Examples: an elastic contact, Bouc-Wen; not a dashpot behind a spring, which relaxes.
+    /// Whether it is a hysteresis: it has memory, and its states rest while the place rests, however slowly
+    /// or fast the place came there. Examples: an elastic contact, Bouc-Wen; not a dashpot behind a spring,
+    /// which relaxes.
     pub fn is_hysteretic(&self) -> bool {
         let of = &self.compiled;
         let (Some(v), false) = (of.velocity, of.rates.is_empty()) else { return false };
@@ -37,8 +38,8 @@ impl Law {
         crate::system::equations::contains_sign(&mut of.graph.clone(), &[force], v) && self.jumps(force, v)
     }
 
-    /// Whether a force differs at velocities a little above and below zero, with every other number inside its bounds.
-    /// A power of the speed has a sign and does not jump.
+    /// Whether a force differs at velocities a little above and below zero, with every other number inside
+    /// its bounds. A power of the speed has a sign and does not jump.
     fn jumps(&self, force: Id, v: Id) -> bool {
         let of = &self.compiled;
         let mut graph = of.graph.clone();
@@ -73,8 +74,8 @@ impl Law {
         })
     }
 
-    /// Whether it is a resistance: a force of the velocity alone, without memory, that does not stick. Examples: a
-    /// dashpot, drag.
+    /// Whether it is a resistance: a force of the velocity alone, without memory, that does not stick.
+    /// Examples: a dashpot, drag.
     pub fn is_resistance(&self) -> bool {
         let of = &self.compiled;
         let (Some(force), Some(v), false) = (of.force, of.velocity, self.has_memory()) else { return false };
@@ -105,7 +106,8 @@ impl Law {
         !graph.uses(&[slope], &[x, of.time])
     }
 
-    /// The parameters in which the force is linear, jointly: no slope by one of them depends on another of them.
+    /// The parameters in which the force is linear, jointly: no slope by one of them depends on another of
+    /// them.
     pub fn linear_parameters(&self) -> Vec<usize> {
         let of = &self.compiled;
         of.force.map_or(vec![], |force| jointly_linear(&mut of.graph.clone(), force, &of.parameters))
