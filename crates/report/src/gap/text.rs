@@ -16,22 +16,7 @@ const BAR: usize = 24;
 /// The text: first a bar for each step, then the steps with their numbers, then the outcome.
 pub(crate) fn text(report: &GapReport<'_>) -> String {
     let GapReport { gap: found, catalogue, ending: how, .. } = *report;
-    let mut out: Vec<String> = Vec::new();
-    let shown = |(fit, validate): (f64, Option<f64>)| validate.unwrap_or(fit);
-    let before = shown(found.before);
-    let which = basis(found);
-    out.push(format!("gap {which}, in units of the noise (1 is perfect)"));
-    out.push(format!("  {:>8}  {}  the model as it is", short(before), bar(before, before)));
-    for s in found.steps.iter().chain(&found.partial) {
-        let after = s.validate.map_or(s.fit.1, |v| v.1);
-        out.push(format!(
-            "  {:>8}  {}  + {} at {}",
-            short(after),
-            bar(after, before),
-            s.effect.entry.law.name,
-            s.effect.place.at
-        ));
-    }
+    let mut out = bars(found);
     out.push(String::new());
     if let Some(first) = found.located.first()
         && found.status != Status::NothingMissing
@@ -96,6 +81,21 @@ pub(crate) fn text(report: &GapReport<'_>) -> String {
     out.push(format!("{}: {}", found.status.name(), outcome(found)));
     out.push(format!("{:.1} s", how.seconds));
     out.join("\n") + "\n"
+}
+
+/// The gap of the model as it is, and after each step.
+fn bars(found: &Gap) -> Vec<String> {
+    let before = found.before.1.unwrap_or(found.before.0);
+    let mut out = vec![
+        format!("gap {}, in units of the noise (1 is perfect)", basis(found)),
+        format!("  {:>8}  {}  the model as it is", short(before), bar(before, before)),
+    ];
+    out.extend(found.steps.iter().chain(&found.partial).map(|s| {
+        let after = s.validate.map_or(s.fit.1, |v| v.1);
+        let (law, at) = (&s.effect.entry.law.name, &s.effect.place.at);
+        format!("  {:>8}  {}  + {law} at {at}", short(after), bar(after, before))
+    }));
+    out
 }
 
 /// How many laws were tried at how many places, and which were not.
