@@ -1,4 +1,5 @@
-//! Many seeds of one case, in cells that differ in noise, cut-off or anything else; parallel over runs, resumable.
+//! Many seeds of one case, in cells that differ in noise, cut-off or anything else; parallel over runs,
+//! resumable.
 //!
 //! ```text
 //! spec text --cells--> one text per cell --> runs (cell, seed) on all cores --> journal --> statistics --> table
@@ -93,7 +94,8 @@ fn term_name(case: &Case, term: usize) -> TermName {
 }
 
 impl Checked {
-    /// Reads the text of a cell, makes its records once, and projects its truth. What there is to say goes to `found`.
+    /// Reads the text of a cell, makes its records once, and projects its truth. What there is to say goes to
+    /// `found`.
     ///
     /// # Errors
     /// The text makes no sense, or its truth cannot be simulated.
@@ -134,7 +136,8 @@ pub(crate) fn seed_of(case: &Case) -> Option<u64> {
 
 /// Does all runs that the journal does not hold yet.
 ///
-/// Every worker is a thread pool of one, so that a run never waits for pieces of another one, and its numbers cannot depend on how many there are.
+/// Every worker is a thread pool of one, so that a run never waits for pieces of another one, and its numbers
+/// cannot depend on how many there are.
 ///
 /// # Errors
 /// The journal cannot be written, or a worker died.

@@ -19,8 +19,8 @@ pub struct Equation {
     pub text: String,
 }
 
-/// The equations of all states that have candidates. Where the spec names laws, asks for formulas, or has no candidates,
-/// the equations of all states whose rate is more than another state are among them.
+/// The equations of all states that have candidates. Where the spec names laws, asks for formulas, or has no
+/// candidates, the equations of all states whose rate is more than another state are among them.
 pub fn equations(case: &Case, terms: &[FoundTerm], parameters: &[FoundParameter]) -> Vec<Equation> {
     equations_of(&case.system, case, terms, parameters)
 }

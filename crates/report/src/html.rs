@@ -1,5 +1,5 @@
-//! `report.html`: the result of `run` or `gap` as one page that needs no network, and its figures as files. A small
-//! script shows values, zooms and hides lines; without it everything is there.
+//! `report.html`: the result of `run` or `gap` as one page that needs no network, and its figures as files. A
+//! small script shows values, zooms and hides lines; without it everything is there.
 //!
 //! ```text
 //! Report, Gap or a failure --> sections (tables, equations, figures) --> Page --> report.html, figures/*.svg

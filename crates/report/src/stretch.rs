@@ -1,4 +1,5 @@
-//! The stretch of the motion that a reader sees first: where the models differ most, on a page and at a terminal.
+//! The stretch of the motion that a reader sees first: where the models differ most, on a page and at a
+//! terminal.
 
 use crate::seen::{Column, Model, Seen};
 use phisindy_phys::spec::Role;
@@ -32,8 +33,8 @@ pub(crate) struct Series {
     pub(crate) model: Vec<(f64, f64)>,
 }
 
-/// The motion where the models differ most; none without a record on which the model runs. `column` is the column with
-/// the largest part of the gap.
+/// The motion where the models differ most; none without a record on which the model runs. `column` is the
+/// column with the largest part of the gap.
 pub(crate) fn series(seen: &Seen<'_>, column: Option<&str>) -> Option<Series> {
     let stretch = stretch(seen, column)?;
     let Stretch { record, column, samples } = &stretch;

@@ -67,8 +67,8 @@ pub fn raised(unit: &str) -> String {
     RAISED.iter().fold(unit.to_owned(), |text, (plain, raised)| text.replace(plain, raised))
 }
 
-/// `0.298 ± 0.008`: a value with the digits that its error allows, which is shown with one digit, or two where the first
-/// is a 1. Without a finite error the value has four digits.
+/// `0.298 ± 0.008`: a value with the digits that its error allows, which is shown with one digit, or two
+/// where the first is a 1. Without a finite error the value has four digits.
 pub fn with_error(value: f64, error: f64) -> String {
     if !(error.is_finite() && error > 0.0 && value.is_finite()) {
         return digits(value, 4).replace('-', "−");

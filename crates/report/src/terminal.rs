@@ -1,5 +1,5 @@
-//! Results for people at a terminal: equations in Unicode, numbers with the digits that their errors allow, colours, a
-//! small plot. Pipes get LaTeX or text as other forms of the result.
+//! Results for people at a terminal: equations in Unicode, numbers with the digits that their errors allow,
+//! colours, a small plot. Pipes get LaTeX or text as other forms of the result.
 
 pub(crate) mod braille;
 mod look;

@@ -20,9 +20,10 @@ const LEAST_SAMPLES: usize = 5;
 /// How a column is differentiated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Differentiator {
-    /// Fourier series of the record, continued by odd reflection about the line through its ends, and truncated
-    /// where the motion falls below the noise. Best for smooth motion on a uniform grid; other grids are
-    /// resampled first. It assumes zero curvature at both ends, so a few samples there are less accurate.
+    /// Fourier series of the record, continued by odd reflection about the line through its ends, and
+    /// truncated where the motion falls below the noise. Best for smooth motion on a uniform grid; other
+    /// grids are resampled first. It assumes zero curvature at both ends, so a few samples there are less
+    /// accurate.
     Spectral,
     /// Local cubics by least squares (Savitzky and Golay 1964). The window is chosen at every sample: wide
     /// where the motion is smooth, narrow and one-sided at corners of the velocity (stops). Any grid.

@@ -314,7 +314,8 @@ impl<'a> Field<'a> {
         jacobian
     }
 
-    /// Evaluates `lines`, the rates to first order in the present modes, at as many points, [`LANES`] at most.
+    /// Evaluates `lines`, the rates to first order in the present modes, at as many points, [`LANES`] at
+    /// most.
     pub(crate) fn linearise(&mut self, lines: &mut [Linearisation], free: &Free, points: &[(f64, &[f64])]) {
         assert!(lines.len() == points.len() && points.len() <= LANES, "a lane for each point");
         for (lane, (line, &(t, x))) in lines.iter_mut().zip(points).enumerate() {

@@ -77,7 +77,8 @@ impl Linearisation {
         (0..n).for_each(|i| self.by_state(i).iter().for_each(|&(j, a)| out[i * n + j] = a));
     }
 
-    /// Reads the entries of a model with `n` states from the outputs of its Jacobian, after [`Linearisation::hold`].
+    /// Reads the entries of a model with `n` states from the outputs of its Jacobian, after
+    /// [`Linearisation::hold`].
     pub(crate) fn read(&mut self, of: &Jacobian, n: usize, free: &Free, slope: impl Fn(usize) -> f64) {
         self.states.clear();
         self.state_ends.clear();
@@ -116,8 +117,8 @@ impl Linearisation {
         }
     }
 
-    /// The modes of sticking contacts depend on the state: `ds = -M^-1 (d(dw/dt)/dx dx + d(dw/dt)/dp dp)`. The
-    /// system holds its negative after `m` numbers in each row.
+    /// The modes of sticking contacts depend on the state: `ds = -M^-1 (d(dw/dt)/dx dx + d(dw/dt)/dp dp)`.
+    /// The system holds its negative after `m` numbers in each row.
     fn solve_modes(&mut self, of: &Jacobian, n: usize, free: &Free, slope: &impl Fn(usize) -> f64) {
         let m = self.stuck.len();
         self.system.clear();

@@ -2,8 +2,8 @@
 //! accepted steps, and the jump of its solution at each switch.
 //!
 //! Between events `dS/dt = (df/dx) S + df/dp` is advanced with the stages of the state's step, so that `S`
-//! is the derivative of the computed trajectory, also where the step is implicit; where the state rests in a stiff mode
-//! `S` alone takes an implicit step. At an event on `w = 0` the event time moves by `dt =
+//! is the derivative of the computed trajectory, also where the step is implicit; where the state rests in a
+//! stiff mode `S` alone takes an implicit step. At an event on `w = 0` the event time moves by `dt =
 //! -(dw/dx S + dw/dp) / (dw/dt)` and `S` jumps by `(f- - f+) dt` (saltation; Leine and Nijmeijer, Dynamics
 //! and Bifurcations of Non-Smooth Mechanical Systems, 2004, ch. 7). When a contact is released the rates
 //! are continuous and `S` does not jump.
@@ -42,7 +42,8 @@ pub(crate) struct Sensitivity {
 }
 
 impl Sensitivity {
-    /// By the start of the states, whose sizes that matter are `scale`, and by the parameters `free` of all `parameters`.
+    /// By the start of the states, whose sizes that matter are `scale`, and by the parameters `free` of all
+    /// `parameters`.
     pub(crate) fn new(scale: &[f64], tolerance: f64, parameters: usize, free: &[usize]) -> Self {
         let (n, m) = (scale.len(), scale.len() + free.len());
         Sensitivity {
@@ -69,9 +70,10 @@ impl Sensitivity {
         }
     }
 
-    /// Advances over an accepted step of the state. A mode in which the state rests to the last digit does not limit
-    /// its steps, however stiff it is; `S` does not rest there, and explicit stages beyond their domain of stability
-    /// would let it grow without bound. Such a step of `S` is implicit, along the interpolant of the state.
+    /// Advances over an accepted step of the state. A mode in which the state rests to the last digit does
+    /// not limit its steps, however stiff it is; `S` does not rest there, and explicit stages beyond their
+    /// domain of stability would let it grow without bound. Such a step of `S` is implicit, along the
+    /// interpolant of the state.
     pub(crate) fn advance(&mut self, field: &mut Field<'_>, step: &mut Step) {
         self.method = step.method();
         match self.method {
@@ -117,9 +119,9 @@ impl Sensitivity {
         }
     }
 
-    /// The stages of an implicit step from `t`, of length `h`, are what solves its equations, so their derivatives
-    /// `S + D` follow from those of the equations at the solution: `sum_j W_ij D_j / h - J_i D_i = J_i S + (df/dp)_i`.
-    /// `x` is the state at a stage.
+    /// The stages of an implicit step from `t`, of length `h`, are what solves its equations, so their
+    /// derivatives `S + D` follow from those of the equations at the solution:
+    /// `sum_j W_ij D_j / h - J_i D_i = J_i S + (df/dp)_i`. `x` is the state at a stage.
     fn advance_implicit<'x>(
         &mut self,
         field: &mut Field<'_>,

@@ -44,8 +44,8 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     page
 }
 
-/// The finding in pictures: the motion before and after, the force that was found first (of a law of the catalogue or
-/// a discovered formula: both are steps), the shrinking gap.
+/// The finding in pictures: the motion before and after, the force that was found first (of a law of the
+/// catalogue or a discovered formula: both are steps), the shrinking gap.
 fn first_screen(page: &mut Page, found: &Gap, seen: &Seen<'_>, balances: &[Option<Balance>]) {
     let column = found.located.first().map(|r| r.column.as_str());
     let mut figures = page.drawn(Sheet::Half, |sheet| hero::chart(seen, column, sheet).into_iter().collect());

@@ -13,8 +13,8 @@ const LOW: f64 = 170.0;
 /// Most dots of the measurement.
 const DOTS: usize = 600;
 
-/// The chart with its caption; none without a record on which the model runs. `column` is the column with the largest
-/// part of the gap.
+/// The chart with its caption; none without a record on which the model runs. `column` is the column with the
+/// largest part of the gap.
 pub(crate) fn chart(seen: &Seen<'_>, column: Option<&str>, sheet: Sheet) -> Option<(Chart, String)> {
     let stretch = stretch(seen, column)?;
     let Stretch { record, column, samples } = &stretch;

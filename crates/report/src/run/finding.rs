@@ -7,8 +7,8 @@ use phisindy_learn::{Estimate, FoundTerm};
 /// Most numbers in the sentence; the others stand in their table.
 const NUMBERS: usize = 4;
 
-/// `dry friction of y1: 0.3000 ± 0.0001 m/s²; ...`: coefficients of terms first, then parameters, each with half of its
-/// 95 % interval.
+/// `dry friction of y1: 0.3000 ± 0.0001 m/s²; ...`: coefficients of terms first, then parameters, each with
+/// half of its 95 % interval.
 pub(crate) fn found_words(report: &RunReport<'_>) -> String {
     let terms = &report.identified.terms;
     let constants = report.identified.parameters.iter().filter(|p| p.id.constant().is_some());

@@ -21,7 +21,8 @@ struct Grid {
 
 impl Grid {
     fn dot(&mut self, x: usize, y: usize, ink: Option<Ink>) {
-        // The dots of a character in Unicode: 1 to 3 and 7 at the left, 4 to 6 and 8 at the right, from the top.
+        // The dots of a character in Unicode: 1 to 3 and 7 at the left, 4 to 6 and 8 at the right, from the
+        // top.
         const BITS: [[u8; 2]; 4] = [[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]];
         if let Some(cell) = self.cells.get_mut((y / 4) * self.wide + x / 2).filter(|_| x / 2 < self.wide) {
             cell.0 |= BITS[y % 4][x % 2];

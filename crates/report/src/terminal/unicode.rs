@@ -25,8 +25,8 @@ const GREEK: [(&str, &str); 20] = [
     ("omega", "ω"),
 ];
 
-/// The expression. Numbers that are one of `found` (value and half of its 95 % interval) have the digits that it allows,
-/// others four.
+/// The expression. Numbers that are one of `found` (value and half of its 95 % interval) have the digits that
+/// it allows, others four.
 pub(crate) fn expression(text: &str, found: &[(f64, f64)]) -> String {
     let letters: Vec<char> = text.chars().collect();
     let (mut out, mut k) = (String::new(), 0);

@@ -12,8 +12,8 @@ pub struct Differentiated {
     /// Estimated root mean square error of the derivative over the record, in the derivative's unit.
     ///
     /// `Spectral` and `Spline` count the noise that they pass, `SavitzkyGolay` also its estimated bias. In
-    /// tests on noisy motion the true error is 0.8 to 1.8 times this, mostly at corners and at the ends of the
-    /// record. Without noise it is only a lower bound.
+    /// tests on noisy motion the true error is 0.8 to 1.8 times this, mostly at corners and at the ends of
+    /// the record. Without noise it is only a lower bound.
     pub std_error: f64,
     /// What was done: method, window or cutoff, noise.
     pub smoothing: Smoothing,

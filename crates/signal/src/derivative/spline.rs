@@ -1,7 +1,7 @@
 //! The cubic smoothing spline; generalised cross-validation chooses its smoothness.
 //!
-//! C. H. Reinsch 1967 (banded solve); M. F. Hutchinson and F. R. de Hoog 1985 (trace of the influence matrix in
-//! O(n)).
+//! C. H. Reinsch 1967 (banded solve); M. F. Hutchinson and F. R. de Hoog 1985 (trace of the influence matrix
+//! in O(n)).
 
 use std::f64::consts::PI;
 
