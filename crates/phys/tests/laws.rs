@@ -58,7 +58,7 @@ fn sampled(law: &Law, turned: &[Id]) -> Vec<(f64, Vec<f64>, Vec<f64>)> {
             .map_or_else(|| dice.between(-4.0, 4.0), |k| at[k]);
         let mut values = |turn: bool| -> Vec<f64> {
             let sign = |id: &Id| if turn && turned.contains(id) { -1.0 } else { 1.0 };
-            scratch.at(symbols.iter().zip(&at).map(|(id, x)| sign(id) * x).collect::<Vec<_>>().into_iter());
+            scratch.at(symbols.iter().zip(&at).map(|(id, x)| sign(id) * x));
             (0..roots.len()).map(|k| scratch.output(k)[0]).collect()
         };
         let (values, opposite) = (values(false), values(true));

@@ -90,7 +90,7 @@ impl Law {
             };
             let values: Vec<f64> = symbols.iter().enumerate().map(value).collect();
             let speed = symbols.iter().position(|id| *id == v).map_or(0.0, |k| values[k]);
-            scratch.at(values.into_iter());
+            scratch.at(values);
             powers.push(scratch.output(0)[0] * speed);
         }
         let largest = powers.iter().filter(|p| p.is_finite()).fold(0.0, |most: f64, p| most.max(p.abs()));

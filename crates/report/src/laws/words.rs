@@ -2,7 +2,7 @@
 
 use crate::format::capital;
 use crate::table::{aligned, short};
-use phisindy_expr::Parity;
+use phisindy_expr::{Id, Parity};
 use phisindy_phys::{Law, LawEntry, LawRole};
 
 /// One line for each law.
@@ -126,8 +126,14 @@ fn is(law: &Law) -> Option<String> {
     let moves = law.role(LawRole::Velocity).is_some();
     add(law.dissipates() == Some(true), "takes energy from every motion, whatever its numbers");
     add(moves && law.dissipates() == Some(false), "may feed the motion, within the bounds of its numbers");
-    let linear: Vec<&str> =
-        law.linear_parameters().into_iter().map(|k| law.parameters[k].0.as_str()).collect();
+    // A number of a law's memory is in its force by way of a state.
+    let of = law.nodes();
+    let direct = |k: &usize| {
+        let uses = |roots: &[Id]| of.graph.uses(roots, &[of.parameters[*k]]);
+        uses(&of.force.into_iter().collect::<Vec<_>>()) && !uses(&of.rates)
+    };
+    let linear = law.linear_parameters().into_iter().filter(direct);
+    let linear: Vec<&str> = linear.map(|k| law.parameters[k].0.as_str()).collect();
     add(!linear.is_empty(), &format!("is linear in {}", linear.join(", ")));
     (!all.is_empty()).then(|| format!("it {}", all.join("; ")))
 }
