@@ -1,15 +1,7 @@
 //! Whether an expression is even or odd, told by its structure.
 
-use crate::{Binary, Graph, Id, Node, Unary};
-
-/// What becomes of an expression when some of its symbols change their signs together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Parity {
-    /// It stays.
-    Even,
-    /// It changes its sign.
-    Odd,
-}
+use crate::ops::{Binary, Parity, Unary};
+use crate::{Graph, Id, Node};
 
 impl Graph {
     /// The parity of a node in some symbols together; `None` where the rules do not tell. What uses none of
@@ -40,13 +32,9 @@ impl Graph {
     }
 }
 
+/// Any function of what stays, stays; of what turns, as its row says.
 fn of_function(op: Unary, argument: Parity) -> Option<Parity> {
-    match op {
-        Unary::Neg | Unary::Sgn | Unary::Sin | Unary::Tan | Unary::Tanh | Unary::Atan => Some(argument),
-        Unary::Abs | Unary::Cos => Some(Parity::Even),
-        // Any function of what stays, stays.
-        _ => Some(argument).filter(|a| *a == Parity::Even),
-    }
+    if argument == Parity::Even { Some(argument) } else { op.row().parity }
 }
 
 /// `right` is the second operand, if it is a number.

@@ -7,7 +7,7 @@
 //! negative summand), so that printing and parsing again gives the same node.
 
 use crate::graph::{Graph, Id, Node};
-use crate::{Binary, Unary};
+use crate::{Binary, Parity, Unary};
 
 impl Graph {
     /// A function of one argument, simplified.
@@ -64,11 +64,11 @@ fn unary(g: &mut Graph, op: Unary, a: Id) -> Option<Id> {
         (Unary::Abs, Node::Unary(Unary::Abs | Unary::Exp | Unary::Sqrt | Unary::Pos | Unary::Step, _)) => {
             Some(a)
         }
-        (Unary::Abs | Unary::Cos, Node::Unary(Unary::Neg, b)) => Some(g.unary(op, b)),
         (Unary::Sgn, Node::Unary(Unary::Sgn, _)) => Some(a),
-        (Unary::Sgn | Unary::Sin | Unary::Tan | Unary::Tanh | Unary::Atan, Node::Unary(Unary::Neg, b)) => {
-            let odd = g.unary(op, b);
-            Some(g.neg(odd))
+        (_, Node::Unary(Unary::Neg, b)) => {
+            let parity = op.row().parity?;
+            let turned = g.unary(op, b);
+            Some(if parity == Parity::Odd { g.neg(turned) } else { turned })
         }
         _ => None,
     }

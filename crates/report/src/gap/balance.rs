@@ -65,10 +65,9 @@ impl<'a> Acting<'a> {
         };
         let system = &found.simulated.system;
         let law = &step.effect.entry.law;
-        let named = |text: &str| text.trim_start_matches('(').trim_end_matches(')') == axes.over;
         let place = match displacement {
-            Some(x) if named(&x.text) => x.node,
-            _ if named(&velocity.text) => velocity.node,
+            Some(x) if x.bare() == axes.over => x.node,
+            _ if velocity.bare() == axes.over => velocity.node,
             _ => system.time,
         };
         let force = step.force?;
