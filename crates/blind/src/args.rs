@@ -139,7 +139,8 @@ pub(crate) struct FormulaArgs {
     /// Hide this law only
     #[arg(long, value_name = "LAW")]
     pub(crate) only: Option<String>,
-    /// Keep sets and results in this folder; the same command goes on from there [default: a temporary folder]
+    /// Keep sets and results in this folder; the same command goes on from there [default: a temporary
+    /// folder]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Run the sets that have a result already, too

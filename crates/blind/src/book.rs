@@ -1,5 +1,5 @@
-//! The preprocessor of the book (`mdbook`): formulas between `$` become MathML, which needs neither script nor network.
-//! (<https://rust-lang.github.io/mdBook/for_developers/preprocessors.html>)
+//! The preprocessor of the book (`mdbook`): formulas between `$` become MathML, which needs neither script
+//! nor network. (<https://rust-lang.github.io/mdBook/for_developers/preprocessors.html>)
 
 use crate::folder;
 use anyhow::{Context, Result, anyhow};
@@ -8,8 +8,8 @@ use serde_json::Value;
 use std::convert::Infallible;
 use std::io::Read;
 
-/// Takes `[context, book]` as JSON from standard input and prints the book with its formulas as MathML. With the query
-/// `supports RENDERER` it prints nothing: every renderer that takes HTML is supported.
+/// Takes `[context, book]` as JSON from standard input and prints the book with its formulas as MathML. With
+/// the query `supports RENDERER` it prints nothing: every renderer that takes HTML is supported.
 ///
 /// # Errors
 /// Standard input is not what mdbook writes, or a formula cannot be typeset.

@@ -6,7 +6,8 @@
 //!      --write--> spec.ron, *.csv | truth.json
 //! DIR/NNN --run--> result.json --scored, with truth.json--> marks --tally--> table
 //! ```
-//! `phisindy-blind formula` makes sets with a law that is left out of the catalogue, or in none, and compares forces.
+//! `phisindy-blind formula` makes sets with a law that is left out of the catalogue, or in none, and compares
+//! forces.
 
 mod determined;
 mod effect;

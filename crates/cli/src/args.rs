@@ -1,7 +1,7 @@
 //! The command line: names, help, and what clap can check by itself (a mistake ends with exit code 2).
 
 use crate::limit::Limit;
-use crate::sweep::Shard;
+use crate::sweep::shard::Shard;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 use phisindy::files::{Assignment, Request};
@@ -47,8 +47,8 @@ pub(crate) struct Args {
     help: Option<bool>,
 }
 
-/// The command line. The help of a command begins with what it takes, its examples come last; the help of the program
-/// begins with examples.
+/// The command line. The help of a command begins with what it takes, its examples come last; the help of the
+/// program begins with examples.
 pub(crate) fn command_line() -> clap::Command {
     let reordered = |command: clap::Command| {
         let parts =
@@ -83,7 +83,8 @@ If a warning says that something is still missing, `phisindy gap SPEC` looks for
         #[arg(required = true, value_name = "SPEC")]
         specs: Vec<PathBuf>,
     },
-    /// Print the spec's synthetic data, or the free run of a model without unknown part along measured records, as CSV
+    /// Print the spec's synthetic data, or the free run of a model without unknown part along measured
+    /// records, as CSV
     #[command(
         display_order = 5,
         before_help = "\
@@ -201,7 +202,8 @@ the events that `phisindy simulate` finds. All numbers are in SI. --out is a fil
 model.fmu or model.json; what is there is replaced only with --force. Modelica is written for tools that know the friction elements of its standard library."
     )]
     Export(ExportArgs),
-    /// Identify with many seeds in parallel: how often the terms are right, how accurate the numbers and their intervals are
+    /// Identify with many seeds in parallel: how often the terms are right, how accurate the numbers and
+    /// their intervals are
     #[command(
         display_order = 7,
         before_help = "\
@@ -397,7 +399,8 @@ pub(crate) struct Options {
     /// The words of the command line after the name of the program.
     #[arg(skip)]
     pub(crate) line: Vec<String>,
-    /// What the terminal can show that reads the result; `None` for a pipe, and where `--format` asks for a form.
+    /// What the terminal can show that reads the result; `None` for a pipe, and where `--format` asks for a
+    /// form.
     #[arg(skip)]
     pub(crate) look: Option<Look>,
 }

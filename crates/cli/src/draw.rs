@@ -159,7 +159,8 @@ mod tests {
         }
     }
 
-    /// Ten thousand parentheses, marked in two places far apart: what is shown fits a screen, and the place is the real one.
+    /// Ten thousand parentheses, marked in two places far apart: what is shown fits a screen, and the place
+    /// is the real one.
     #[test]
     fn long_lines_are_clipped_around_what_is_marked() {
         let mut sources = Sources::default();

@@ -1,5 +1,5 @@
-//! The program `phisindy` around the libraries: arguments, terminal, folders, progress, limits. `main.rs` and the
-//! package for Python call it.
+//! The program `phisindy` around the libraries: arguments, terminal, folders, progress, limits. `main.rs` and
+//! the package for Python call it.
 //!
 //! ```text
 //! args --> commands --> phisindy::files (spec, data) --> identify, gap --> phisindy_report --> terminal, outdir

@@ -1,5 +1,5 @@
-//! A line on standard error for work that a terminal waits for, drawn at once and alive until the work ends; nothing in
-//! pipes or with `--quiet`.
+//! A line on standard error for work that a terminal waits for, drawn at once and alive until the work ends;
+//! nothing in pipes or with `--quiet`.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -36,7 +36,8 @@ impl Progress {
         self.bar.set_message(what.to_owned());
     }
 
-    /// Draws a fraction of the work. It never goes back: a search that begins another round has more to do than it knew.
+    /// Draws a fraction of the work. It never goes back: a search that begins another round has more to do
+    /// than it knew.
     pub(crate) fn at(&mut self, fraction: f64) {
         if !self.measured {
             self.bar.set_style(style("{spinner} {bar:12} {percent:>3} % {elapsed} {wide_msg}"));

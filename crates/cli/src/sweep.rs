@@ -1,4 +1,5 @@
-//! Many seeds of one case, in cells that differ in noise, cut-off or anything else; parallel over runs, resumable.
+//! Many seeds of one case, in cells that differ in noise, cut-off or anything else; parallel over runs,
+//! resumable.
 //!
 //! ```text
 //! spec text --cells--> one text per cell --> runs (cell, seed) on all cores --> journal --> statistics --> table
@@ -9,13 +10,13 @@ mod cells;
 mod design;
 mod journal;
 mod merged;
-mod shard;
+pub(crate) mod shard;
 
 pub(crate) use cells::{Axis, Cell, listed, product, vary};
 pub(crate) use design::Design;
 pub(crate) use journal::{Journal, NAME};
 pub(crate) use merged::{Merged, merged};
-pub(crate) use shard::Shard;
+use shard::Shard;
 
 use crate::args::Options;
 use crate::interrupt;
@@ -25,7 +26,7 @@ use phisindy::Loaded;
 use phisindy::files::{Purpose, Refusal, load_text};
 use phisindy_learn::{LearnOptions, SweepRun, Truth, Verdict, bound, project, sweep_one};
 use phisindy_phys::{Case, Diagnostic, Origin, Sources};
-use phisindy_report::sweep::{Found, NamedTruth, Run, RunVerdict};
+use phisindy_report::sweep::{Found, NamedTruth, Run, RunVerdict, TermName};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -87,13 +88,14 @@ pub(crate) struct Outcome {
 }
 
 /// A term as results name it.
-pub(crate) fn term_name(case: &Case, term: usize) -> String {
+fn term_name(case: &Case, term: usize) -> TermName {
     let term = &case.system.terms[term];
-    format!("{}:{}", case.system.states[term.state].name, term.candidate)
+    TermName { state: case.system.states[term.state].name.clone(), candidate: term.candidate.clone() }
 }
 
 impl Checked {
-    /// Reads the text of a cell, makes its records once, and projects its truth. What there is to say goes to `found`.
+    /// Reads the text of a cell, makes its records once, and projects its truth. What there is to say goes to
+    /// `found`.
     ///
     /// # Errors
     /// The text makes no sense, or its truth cannot be simulated.
@@ -134,7 +136,8 @@ pub(crate) fn seed_of(case: &Case) -> Option<u64> {
 
 /// Does all runs that the journal does not hold yet.
 ///
-/// Every worker is a thread pool of one, so that a run never waits for pieces of another one, and its numbers cannot depend on how many there are.
+/// Every worker is a thread pool of one, so that a run never waits for pieces of another one, and its numbers
+/// cannot depend on how many there are.
 ///
 /// # Errors
 /// The journal cannot be written, or a worker died.

@@ -29,7 +29,8 @@ pub enum Node {
 /// An arena in which equal expressions are one node. It only grows. Operands precede operations, so every
 /// pass is one loop.
 ///
-/// Operations are made by the constructors in `simplify.rs`, by rules that hold wherever the original is finite.
+/// Operations are made by the constructors in `simplify.rs`, by rules that hold wherever the original is
+/// finite.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     nodes: Vec<Node>,

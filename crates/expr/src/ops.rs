@@ -28,6 +28,8 @@ pub struct UnaryRow {
     pub slope: fn(&mut Graph, Id, Id) -> Id,
     /// Where value or slope jumps.
     pub kinks: &'static [f64],
+    /// What becomes of the value when the argument turns its sign; none: neither stays nor turns.
+    pub parity: Option<Parity>,
     /// Whether the value can be infinite or NaN where x is finite.
     pub singular: bool,
     /// Additions, multiplications, divisions and roots of one value; comparisons and signs count nothing, a
@@ -69,7 +71,7 @@ pub struct BinaryRow {
 }
 
 macro_rules! unary_table {
-    ($($op:ident $name:literal |$x:ident| $value:expr; |$g:ident, $gx:ident, $gy:ident| $slope:expr; $kinks:expr; $singular:literal $flops:literal $latex:literal $code:tt $about:literal)*) => {
+    ($($op:ident $name:literal |$x:ident| $value:expr; |$g:ident, $gx:ident, $gy:ident| $slope:expr; $kinks:expr; $parity:expr; $singular:literal $flops:literal $latex:literal $code:tt $about:literal)*) => {
         /// A function of one argument.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
         #[repr(u8)]
@@ -82,6 +84,7 @@ macro_rules! unary_table {
             value: |$x| $value,
             slope: |$g, $gx, $gy| { let _ = (&$g, $gx, $gy); $slope },
             kinks: &$kinks,
+            parity: $parity,
             singular: $singular,
             flops: $flops,
             latex: $latex,
@@ -147,20 +150,32 @@ macro_rules! binary_table {
     };
 }
 
+/// What becomes of an expression when some of its symbols change their signs together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parity {
+    /// It stays.
+    Even,
+    /// It changes its sign.
+    Odd,
+}
+
+const ODD: Option<Parity> = Some(Parity::Odd);
+const EVEN: Option<Parity> = Some(Parity::Even);
+
 unary_table! {
-    Neg  ""     |x| -x;            |g, x, y| g.constant(-1.0); []; false 0 "-#1" ["-#1", "-#1", "-#1"] "minus x"
-    Abs  "abs"  |x| x.abs();       |g, x, y| g.unary(Unary::Sgn, x); [0.0]; false 0 "\\left|#1\\right|" ["abs(#1)", "fabs(#1)", "abs(#1)"] "size of x, also written |x|"
-    Sgn  "sgn"  |x| sign(x);       |g, x, y| g.constant(0.0); [0.0]; false 0 "\\operatorname{sgn}(#1)" ["sgn(#1)", "sgn(#1)", "sgn(#1)"] "-1, 0 or 1 with the sign of x"
-    Step "step" |x| 0.5 + 0.5 * sign(x); |g, x, y| g.constant(0.0); [0.0]; false 2 "\\operatorname{step}(#1)" ["step(#1)", "step(#1)", "step(#1)"] "(1 + sgn x)/2: 0 before zero, 1 after"
-    Pos  "pos"  |x| if x <= 0.0 { 0.0 } else { x }; |g, x, y| g.unary(Unary::Step, x); [0.0]; false 0 "\\operatorname{pos}(#1)" ["pos(#1)", "pos(#1)", "pos(#1)"] "max(x, 0)"
-    Ln   "ln"   |x| elementary::ln(x);        |g, x, y| { let one = g.constant(1.0); g.binary(Binary::Div, one, x) }; []; true 32 "\\ln(#1)" ["ln(#1)", "log(#1)", "log(#1)"] "natural logarithm"
-    Exp  "exp"  |x| elementary::exp(x);       |g, x, y| y; []; true 39 "\\exp(#1)" ["exp(#1)", "exp(#1)", "exp(#1)"] "exponential"
-    Sqrt "sqrt" |x| x.sqrt();      |g, x, y| { let half = g.constant(0.5); g.binary(Binary::Div, half, y) }; []; true 1 "\\sqrt{#1}" ["sqrt(#1)", "sqrt(#1)", "sqrt(#1)"] "square root"
-    Sin  "sin"  |x| elementary::sin(x);       |g, x, y| g.unary(Unary::Cos, x); []; false 57 "\\sin(#1)" ["sin(#1)", "sin(#1)", "sin(#1)"] "sine (radians)"
-    Cos  "cos"  |x| elementary::cos(x);       |g, x, y| { let s = g.unary(Unary::Sin, x); g.unary(Unary::Neg, s) }; []; false 57 "\\cos(#1)" ["cos(#1)", "cos(#1)", "cos(#1)"] "cosine (radians)"
-    Tan  "tan"  |x| x.tan();       |g, x, y| one_plus_square(g, y, Binary::Add); []; true 1 "\\tan(#1)" ["tan(#1)", "tan(#1)", "tan(#1)"] "tangent (radians)"
-    Tanh "tanh" |x| x.tanh();      |g, x, y| one_plus_square(g, y, Binary::Sub); []; false 1 "\\tanh(#1)" ["math.tanh(#1)", "tanh(#1)", "tanh(#1)"] "hyperbolic tangent"
-    Atan "atan" |x| x.atan();      |g, x, y| { let one = g.constant(1.0); let d = one_plus_square(g, x, Binary::Add); g.binary(Binary::Div, one, d) }; []; false 1 "\\arctan(#1)" ["math.atan(#1)", "atan(#1)", "atan(#1)"] "inverse tangent"
+    Neg  ""     |x| -x;            |g, x, y| g.constant(-1.0); []; ODD; false 0 "-#1" ["-#1", "-#1", "-#1"] "minus x"
+    Abs  "abs"  |x| x.abs();       |g, x, y| g.unary(Unary::Sgn, x); [0.0]; EVEN; false 0 "\\left|#1\\right|" ["abs(#1)", "fabs(#1)", "abs(#1)"] "size of x, also written |x|"
+    Sgn  "sgn"  |x| sign(x);       |g, x, y| g.constant(0.0); [0.0]; ODD; false 0 "\\operatorname{sgn}(#1)" ["sgn(#1)", "sgn(#1)", "sgn(#1)"] "-1, 0 or 1 with the sign of x"
+    Step "step" |x| 0.5 + 0.5 * sign(x); |g, x, y| g.constant(0.0); [0.0]; None; false 2 "\\operatorname{step}(#1)" ["step(#1)", "step(#1)", "step(#1)"] "(1 + sgn x)/2: 0 before zero, 1 after"
+    Pos  "pos"  |x| if x <= 0.0 { 0.0 } else { x }; |g, x, y| g.unary(Unary::Step, x); [0.0]; None; false 0 "\\operatorname{pos}(#1)" ["pos(#1)", "pos(#1)", "pos(#1)"] "max(x, 0)"
+    Ln   "ln"   |x| elementary::ln(x);        |g, x, y| { let one = g.constant(1.0); g.binary(Binary::Div, one, x) }; []; None; true 32 "\\ln(#1)" ["ln(#1)", "log(#1)", "log(#1)"] "natural logarithm"
+    Exp  "exp"  |x| elementary::exp(x);       |g, x, y| y; []; None; true 39 "\\exp(#1)" ["exp(#1)", "exp(#1)", "exp(#1)"] "exponential"
+    Sqrt "sqrt" |x| x.sqrt();      |g, x, y| { let half = g.constant(0.5); g.binary(Binary::Div, half, y) }; []; None; true 1 "\\sqrt{#1}" ["sqrt(#1)", "sqrt(#1)", "sqrt(#1)"] "square root"
+    Sin  "sin"  |x| elementary::sin(x);       |g, x, y| g.unary(Unary::Cos, x); []; ODD; false 57 "\\sin(#1)" ["sin(#1)", "sin(#1)", "sin(#1)"] "sine (radians)"
+    Cos  "cos"  |x| elementary::cos(x);       |g, x, y| { let s = g.unary(Unary::Sin, x); g.unary(Unary::Neg, s) }; []; EVEN; false 57 "\\cos(#1)" ["cos(#1)", "cos(#1)", "cos(#1)"] "cosine (radians)"
+    Tan  "tan"  |x| x.tan();       |g, x, y| one_plus_square(g, y, Binary::Add); []; ODD; true 1 "\\tan(#1)" ["tan(#1)", "tan(#1)", "tan(#1)"] "tangent (radians)"
+    Tanh "tanh" |x| x.tanh();      |g, x, y| one_plus_square(g, y, Binary::Sub); []; ODD; false 1 "\\tanh(#1)" ["math.tanh(#1)", "tanh(#1)", "tanh(#1)"] "hyperbolic tangent"
+    Atan "atan" |x| x.atan();      |g, x, y| { let one = g.constant(1.0); let d = one_plus_square(g, x, Binary::Add); g.binary(Binary::Div, one, d) }; []; ODD; false 1 "\\arctan(#1)" ["math.atan(#1)", "atan(#1)", "atan(#1)"] "inverse tangent"
 }
 
 binary_table! {

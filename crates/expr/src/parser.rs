@@ -7,8 +7,8 @@
 //! power   = primary [ "^" sign ]                          right-associative: a^b^c is a^(b^c), -x^2 is -(x^2)
 //! primary = number | name | name "(" sum { "," sum } ")" | "(" sum ")" | "|" sum "|"
 //! ```
-//! A leading sign applies to a whole product: `-a*b` is `-(a*b)`. After an operator, a sign applies to what that
-//! operator takes: `a/-b*c` is `(a/(-b))*c` and `2^-x*y` is `(2^(-x))*y`.
+//! A leading sign applies to a whole product: `-a*b` is `-(a*b)`. After an operator, a sign applies to what
+//! that operator takes: `a/-b*c` is `(a/(-b))*c` and `2^-x*y` is `(2^(-x))*y`.
 //!
 //! A bar in the place of an operand opens `|...|`, a bar in the place of an operator closes it. So there is
 //! no `||` token and no implicit multiplication.

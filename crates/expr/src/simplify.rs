@@ -1,13 +1,13 @@
-//! Constructors of operations, and the rules that they apply. Each rule holds wherever the original is finite (except for
-//! rounding, and for products near the limits of a double, whose factors may be multiplied in another
-//! order). No rule divides by what may be zero or widens a domain on purpose. A number is folded only if
-//! the result is finite; otherwise the operation stays and fails in its place.
+//! Constructors of operations, and the rules that they apply. Each rule holds wherever the original is finite
+//! (except for rounding, and for products near the limits of a double, whose factors may be multiplied in
+//! another order). No rule divides by what may be zero or widens a domain on purpose. A number is folded only
+//! if the result is finite; otherwise the operation stays and fails in its place.
 //!
 //! The rules also bring sums and products to a normal form (the number first, a difference in place of a
 //! negative summand), so that printing and parsing again gives the same node.
 
 use crate::graph::{Graph, Id, Node};
-use crate::{Binary, Unary};
+use crate::{Binary, Parity, Unary};
 
 impl Graph {
     /// A function of one argument, simplified.
@@ -64,11 +64,11 @@ fn unary(g: &mut Graph, op: Unary, a: Id) -> Option<Id> {
         (Unary::Abs, Node::Unary(Unary::Abs | Unary::Exp | Unary::Sqrt | Unary::Pos | Unary::Step, _)) => {
             Some(a)
         }
-        (Unary::Abs | Unary::Cos, Node::Unary(Unary::Neg, b)) => Some(g.unary(op, b)),
         (Unary::Sgn, Node::Unary(Unary::Sgn, _)) => Some(a),
-        (Unary::Sgn | Unary::Sin | Unary::Tan | Unary::Tanh | Unary::Atan, Node::Unary(Unary::Neg, b)) => {
-            let odd = g.unary(op, b);
-            Some(g.neg(odd))
+        (_, Node::Unary(Unary::Neg, b)) => {
+            let parity = op.row().parity?;
+            let turned = g.unary(op, b);
+            Some(if parity == Parity::Odd { g.neg(turned) } else { turned })
         }
         _ => None,
     }

@@ -411,8 +411,9 @@ fn whole_power(graph: &Graph, exponent: Id) -> Option<u32> {
 /// The largest whole exponent for which [`crate::ops`] multiplies: beyond it the library is more accurate.
 const MOST_FACTORS: f64 = 64.0;
 
-/// Products that make `x^n`: of the squares of `x`, by the binary digits of `n`, lowest first. So does a call, with the
-/// same bits; products are as wide as the vectors of the machine. Returns the slots that are free afterwards.
+/// Products that make `x^n`: of the squares of `x`, by the binary digits of `n`, lowest first. So does a
+/// call, with the same bits; products are as wide as the vectors of the machine. Returns the slots that are
+/// free afterwards.
 fn multiplied(
     (x, n, out): (u32, u32, u32),
     code: &mut Vec<Code>,

@@ -5,6 +5,7 @@ mod code;
 mod common;
 mod ops;
 mod parse;
+mod properties;
 mod round_trip;
 mod tape;
 mod vjp;

@@ -3,7 +3,7 @@
 use crate::common::*;
 use num_dual::Dual64;
 use phisindy_expr::ops::{BINARY, Function, UNARY, function, function_names};
-use phisindy_expr::{Binary, Graph, Id, Node, Scratch, Span, Symbol, Tape, Unary};
+use phisindy_expr::{Binary, Graph, Id, Node, Parity, Scratch, Span, Symbol, Tape, Unary};
 
 const EVERY_SIZE: [f64; 23] = [
     0.0,
@@ -140,6 +140,17 @@ fn slopes_agree_with_differences_and_with_dual_numbers() {
             }
         }
         assert!(compared >= 20, "{} was compared at {compared} points only", case.name);
+    }
+}
+
+#[test]
+fn parity_of_every_row_is_that_of_its_values() {
+    for row in UNARY {
+        let values: Vec<(f64, f64)> =
+            ORDINARY.iter().map(|&x| ((row.value)(x.abs()), (row.value)(-x.abs()))).collect();
+        let all = |sign: f64| values.iter().all(|(a, b)| *a == sign * b);
+        let expected = if all(1.0) { Some(Parity::Even) } else { all(-1.0).then_some(Parity::Odd) };
+        assert_eq!(row.parity, expected, "{:?}", row.op);
     }
 }
 

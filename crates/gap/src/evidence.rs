@@ -164,8 +164,10 @@ fn force_and_speed(fitted: &Fitted, effect: &Effect) -> Option<Vec<(f64, f64)>> 
 
 /// Friction dissipates. A friction law that returns energy along the measured motion imitates something else.
 fn returns_energy(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
-    // A law with memory stores energy and may return it.
-    if effect.entry.law.family != "friction" || effect.entry.law.has_memory() {
+    let law = &effect.entry.law;
+    // A law with memory stores energy and may return it; one that takes it whatever its numbers cannot.
+    let takes = law.dissipates() == Some(true) && effect.load.is_none();
+    if law.family != "friction" || law.has_memory() || takes {
         return None;
     }
     let (mut taken, mut given) = (0.0, 0.0);

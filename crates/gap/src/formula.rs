@@ -14,6 +14,7 @@ mod expansion;
 mod force;
 mod front;
 mod scale;
+mod scope;
 mod shape;
 
 use crate::alternative_constant::a_constant_explains;
@@ -21,47 +22,24 @@ use crate::decisions::{
     FORMULA_PASSES, FORMULAS_FITTED, RACE, RESPONSE_ERROR, RIVALS, SEARCHES_AGAIN, WORTH,
 };
 use crate::model::{Fitted, Measure, TrialModel, current};
-use crate::place::{Effect, Place, Site, fits};
+use crate::place::{Effect, Place, fits};
 use crate::plausibility::{cancelling, vetoed};
 use crate::result::{Activity, MissingForce, PlacedLaw, Rival, StopReason, Veto, Vetoed};
 use crate::screen::PartialRegression;
 use crate::search::{Round, Search, Searched};
 pub(crate) use expansion::expansion;
+use expansion::short;
 use force::Free;
 use front::{Entry, Grammar, Selection, shortest, structure};
 use phisindy_learn::{Calibration, Effort};
 use phisindy_phys::{LawEntry, LawError, LawRole, Record};
 use phisindy_signal::standard_deviation;
 use scale::Scale;
+pub(crate) use scope::Scope;
 use shape::{Shape, Term, formula, shapes};
 
 /// The id of a law that was found.
 pub const DISCOVERED: &str = "discovered";
-
-/// Where a formula is looked for, and in which quantities.
-#[derive(Clone, Debug)]
-pub(crate) struct Scope {
-    pub(crate) place: Place,
-    pub(crate) displacement: bool,
-    pub(crate) velocity: bool,
-    /// Only a spring or a damper.
-    pub(crate) linear: bool,
-}
-
-impl Scope {
-    /// Every place of a model where a force can act, in all that the force may depend on.
-    fn everywhere(model: &TrialModel, linear: bool) -> Vec<Scope> {
-        let forces = model.places().iter().filter(|p| matches!(p.site, Site::Force { .. }));
-        let at = |place: &Place| Scope { place: place.clone(), displacement: true, velocity: true, linear };
-        forces.map(at).collect()
-    }
-
-    /// The same in a model with nodes of its own.
-    fn of(&self, model: &TrialModel) -> Vec<Scope> {
-        let here = model.places().iter().filter(|p| p.is(&self.place));
-        here.map(|place| Scope { place: place.clone(), ..*self }).collect()
-    }
-}
 
 /// A formula at a place, ready for a fit.
 struct Candidate {
@@ -437,12 +415,6 @@ fn named(shapes: &[Shape], scales: &[Scale; 2], effect: &Effect) -> Result<LawEn
         if known.is_empty() { String::new() } else { format!(" Known for {} (SI).", known.join(" and ")) };
     let about = format!("The shortest formula that explains the data in which it was found.{region}");
     Ok(formula(DISCOVERED, "discovered law", &about, shapes, scales)?.entry)
-}
-
-/// A number with three digits.
-fn short(x: f64) -> String {
-    let rounded: f64 = format!("{x:.2e}").parse().unwrap_or(x);
-    format!("{rounded}")
 }
 
 #[cfg(test)]

@@ -33,6 +33,13 @@ pub struct Quantity {
     pub node: Id,
 }
 
+impl Quantity {
+    /// Its text without the brackets.
+    pub fn bare(&self) -> &str {
+        self.text.trim_start_matches('(').trim_end_matches(')')
+    }
+}
+
 /// What a place is.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Site {

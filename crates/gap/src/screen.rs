@@ -10,6 +10,7 @@ mod regression_data;
 mod regressors;
 mod response;
 mod sibling_starts;
+mod target;
 mod trial;
 
 use crate::decisions::{
@@ -34,6 +35,7 @@ use trial::{ForceTrials, Trial, input_trials, sensor_trials};
 
 pub(crate) use partial_regression::{Kinematics, PartialRegression, Response, dot, norm, subtract};
 pub(crate) use sibling_starts::sibling_starts;
+pub(crate) use target::Target;
 
 /// A law at a place with its best grid values.
 #[derive(Clone, Debug)]
@@ -68,16 +70,6 @@ pub(crate) struct Screening {
     pub(crate) left_out: Vec<NotTried>,
     /// Rows of the regression, each for as many samples as it stands for.
     pub(crate) samples: f64,
-}
-
-/// What the regression explains.
-#[derive(Clone, Copy)]
-pub(crate) enum Target<'a> {
-    /// What the known rates miss along the measured motion: exact however far the model is from the data, up to the
-    /// errors of the smoothed motion and of the inputs between their samples.
-    AlongData,
-    /// The residuals of a fit that leaves only noise. Free of those errors; the mean linear response ranks laws less well.
-    OfFit(&'a Calibration),
 }
 
 /// Screens the catalogue beside a fitted model. `None` if the known rates cannot be evaluated along the data.

@@ -4,7 +4,8 @@
 const SECOND: i128 = 1_000_000_000;
 const DAY: i128 = 86_400 * SECOND;
 
-/// Reads the stamps of a column in order: `2024-05-17T10:32:07.125Z`, `17.05.2024 10:32:07,125`, `10:32:07.125`.
+/// Reads the stamps of a column in order: `2024-05-17T10:32:07.125Z`, `17.05.2024 10:32:07,125`,
+/// `10:32:07.125`.
 ///
 /// A stamp without a date that is more than half a day before the last one belongs to the next day. Fractions
 /// are exact to a nanosecond, however late the date.
@@ -94,8 +95,8 @@ fn time_of_day(text: &str) -> Option<i128> {
     Some(((hours * 60 + minutes) * 60 + seconds) * SECOND + nano)
 }
 
-/// The number of a day: year, month, day, or day, month, year with points. Of dates with slashes that begin with
-/// the day or the month none knows which.
+/// The number of a day: year, month, day, or day, month, year with points. Of dates with slashes that begin
+/// with the day or the month none knows which.
 fn day(text: &str) -> Option<i128> {
     let of = |mark: char| -> Option<[&str; 3]> { text.split(mark).collect::<Vec<_>>().try_into().ok() };
     let (year, month, day) = match (of('-').or_else(|| of('/')), of('.')) {

@@ -170,7 +170,8 @@ impl Draft {
         })
     }
 
-    /// Remarks on positions of the model that wrap: a force that changes its sign where the motion turns jumps alike.
+    /// Remarks on positions of the model that wrap: a force that changes its sign where the motion turns
+    /// jumps alike.
     fn wrapped(&self, run: &Range<usize>) -> Vec<Remark> {
         let of = |c: usize| {
             let Wrap { period, first, count } = wraps(&self.values(c)[run.clone()])?;
@@ -192,7 +193,8 @@ impl Draft {
     /// Estimates the start values from the first record: from its good rows, and of these from the rows in
     /// motion.
     fn estimate_start(&mut self, good: Range<usize>, moving: Range<usize>) {
-        // A stretch without gaps may be too short to tell anything: then the rows that have all numbers must do.
+        // A stretch without gaps may be too short to tell anything: then the rows that have all numbers must
+        // do.
         let used: Vec<usize> = self.roles.used().chain([self.time.column]).collect();
         let whole = |r: &usize| used.iter().all(|&c| self.values(c)[*r].is_finite());
         let rows: Vec<usize> = moving.filter(whole).collect();

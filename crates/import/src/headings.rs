@@ -65,8 +65,8 @@ impl Heading {
         self.with_quantity()
     }
 
-    /// Derives the quantity from the unit. An acceleration in `g` or `mg` is not in grams, a velocity in `ms` is in
-    /// m/s.
+    /// Derives the quantity from the unit. An acceleration in `g` or `mg` is not in grams, a velocity in `ms`
+    /// is in m/s.
     fn with_quantity(mut self) -> Heading {
         if self.has_word(ACCELERATIONS) {
             match self.unit.as_deref() {
@@ -126,7 +126,8 @@ pub(crate) const VELOCITIES: &[&str] = &[
 /// Words that name an acceleration.
 const ACCELERATIONS: &[&str] = &["a", "acc", "accel", "acceleration", "beschleunigung"];
 
-/// Most bytes of a unit in a heading: each end of a heading of thousands of bytes would be read as a unit otherwise.
+/// Most bytes of a unit in a heading: each end of a heading of thousands of bytes would be read as a unit
+/// otherwise.
 const LONGEST_UNIT: usize = 60;
 
 /// A name and its unit.
@@ -174,8 +175,8 @@ fn acceleration_in_g(text: &str) -> Split<'_> {
     ACCELERATIONS.contains(&first.as_str()).then(|| (name, Some("g".to_owned())))
 }
 
-/// A heading that is a unit of time and nothing else: `ms`, `seconds`, `millis`. (`s` may be a distance, `t` and
-/// `h` are names.)
+/// A heading that is a unit of time and nothing else: `ms`, `seconds`, `millis`. (`s` may be a distance, `t`
+/// and `h` are names.)
 fn unit_of_time(text: &str) -> Split<'_> {
     let unit = normalized(text).filter(|unit| quantity(unit) == Quantity::Time && text.len() > 1)?;
     (!matches!(text, "min" | "yr")).then_some((text, Some(unit)))
@@ -251,7 +252,8 @@ fn quantity(unit: &str) -> Quantity {
 mod tests {
     use super::*;
 
-    /// Found by the fuzz target `format`: every end of it was read as a unit, which took a second for 400 bytes.
+    /// Found by the fuzz target `format`: every end of it was read as a unit, which took a second for 400
+    /// bytes.
     #[test]
     fn a_heading_of_thousands_of_bytes_is_read_at_once() {
         let heading = Heading::parse(&"KA_".repeat(10_000));

@@ -6,8 +6,8 @@
 //!    +--table--> Table --TimeColumn, Statistics--> Roles --> Draft --spec_text--> a spec with comments
 //! ```
 //!
-//! This crate opens no files: the caller passes the bytes and a name for messages. Each format has one module in
-//! `format`, which delivers cells or channels. Everything else is independent of the format.
+//! This crate opens no files: the caller passes the bytes and a name for messages. Each format has one module
+//! in `format`, which delivers cells or channels. Everything else is independent of the format.
 
 mod bytes;
 mod cell;

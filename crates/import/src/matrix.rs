@@ -13,9 +13,10 @@ pub(crate) fn channel(group: &str, name: &str, numbers: Vec<f64>) -> Channel {
     Channel { group, name, unit: None, values, clock: None }
 }
 
-/// The channels of a matrix of `rows` times `columns` numbers, which the file stores row by row or else column by
-/// column. A vector is one channel in `group`; the columns of a matrix have numbers from 1 in a group of their own.
-/// A number alone is a constant, and what has too many columns is a picture: neither is a channel.
+/// The channels of a matrix of `rows` times `columns` numbers, which the file stores row by row or else
+/// column by column. A vector is one channel in `group`; the columns of a matrix have numbers from 1 in a
+/// group of their own. A number alone is a constant, and what has too many columns is a picture: neither is a
+/// channel.
 pub(crate) fn channels(
     group: &str,
     name: &str,
@@ -31,7 +32,8 @@ pub(crate) fn channels(
         return vec![channel(group, name, all)];
     }
     let inner = inner(group, name);
-    // The longer side counts the samples, which stand side by side where it is the one that the file runs along.
+    // The longer side counts the samples, which stand side by side where it is the one that the file runs
+    // along.
     let together = (rows >= columns) != by_rows;
     let of = |k: usize| {
         let column = if together {

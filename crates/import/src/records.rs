@@ -148,7 +148,8 @@ impl Rows<'_> {
         RecordDraft { name, rows: run.selected_by.clone(), run: run.number, window, fit }
     }
 
-    /// Two records of a single run: the first half is fitted, the second validates. A short run is one record.
+    /// Two records of a single run: the first half is fitted, the second validates. A short run is one
+    /// record.
     fn halves(&self, run: &Run) -> Vec<RecordDraft> {
         let moving = self.in_motion(run.good.clone());
         let (start, end) = self.span(&moving);

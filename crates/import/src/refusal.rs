@@ -67,7 +67,8 @@ impl Refusal {
     }
 }
 
-/// Runs a reader that is not ours and trusts what it reads here and there: where it panics, the file is broken.
+/// Runs a reader that is not ours and trusts what it reads here and there: where it panics, the file is
+/// broken.
 pub(crate) fn guarded<T>(format: &str, read: impl FnOnce() -> Result<T, Refusal>) -> Result<T, Refusal> {
     // Nothing outlives a reader that gave up.
     let done = catch_unwind(AssertUnwindSafe(read));

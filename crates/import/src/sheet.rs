@@ -1,5 +1,6 @@
-//! A table of a file that is no text. Its rows are written as lines of text, with numbers as the shortest text
-//! that reads back as the same number: so every format takes the one way that text takes, to the same bits.
+//! A table of a file that is no text. Its rows are written as lines of text, with numbers as the shortest
+//! text that reads back as the same number: so every format takes the one way that text takes, to the same
+//! bits.
 
 use crate::cell::{Cell, push};
 use crate::columns::Columns;

@@ -107,8 +107,8 @@ impl Motion {
     }
 }
 
-/// The estimate for a free motion that never turns: it slides to its end, unless a spring, overdamped, explains
-/// far more. (Friction is a constant force then.)
+/// The estimate for a free motion that never turns: it slides to its end, unless a spring, overdamped,
+/// explains far more. (Friction is a constant force then.)
 fn coasting(damper: Vec<f64>, one: Vec<f64>, spring: Vec<f64>, target: &[f64], mean: f64) -> Estimate {
     let without = least_squares(&[damper.clone(), one.clone()], target);
     let with = least_squares(&[damper, one, spring], target);

@@ -84,8 +84,8 @@ impl Coarse {
         rows.sort_unstable();
         let (least, most) = (*rows.first()?, *rows.last()?);
         let (first, last) = (changes[0], *changes.last()?);
-        // More than one row for most stamps, as evenly as a clock beside the sampling gives them. A stamp that
-        // stands twice here and there is a mistake of the logger.
+        // More than one row for most stamps, as evenly as a clock beside the sampling gives them. A stamp
+        // that stands twice here and there is a mistake of the logger.
         let repeated = 2 * (last - first) > 3 * rows.len();
         if rows.len() < MIN_STAMPS || !repeated || most > least + 1 + least / 10 {
             return None;

@@ -11,8 +11,8 @@ use phisindy_signal::Differentiator;
 /// A number of the result: its index among the unknowns, what it is, its standard error.
 pub(crate) type Number = (usize, Quantity, f64);
 
-/// The warning, if a number would move out of its interval. `normal` gives the normal equations at the solution
-/// with columns differentiated otherwise; `here` are those of the solution itself.
+/// The warning, if a number would move out of its interval. `normal` gives the normal equations at the
+/// solution with columns differentiated otherwise; `here` are those of the solution itself.
 pub(crate) fn dependence(
     numbers: &[Number],
     here: &Normal,

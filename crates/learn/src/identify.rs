@@ -84,10 +84,10 @@ pub fn identify(
     Ok(found)
 }
 
-/// The trajectory method from the estimate of the states that only outputs tell. Where it leaves more than noise,
-/// it starts once more with those states at rest, and the smaller residual counts: friction that holds a body for
-/// long is an unknown force of the estimate, which may lead astray. Also returns the records with the sizes of
-/// their states.
+/// The trajectory method from the estimate of the states that only outputs tell. Where it leaves more than
+/// noise, it starts once more with those states at rest, and the smaller residual counts: friction that holds
+/// a body for long is an unknown force of the estimate, which may lead astray. Also returns the records with
+/// the sizes of their states.
 fn from_estimate_or_rest(
     case: &Case,
     records: &[Record],
@@ -117,8 +117,8 @@ fn from_estimate_or_rest(
     if left(&second) < left(&first) { Ok((at_rest, second?)) } else { Ok((sized, first?)) }
 }
 
-/// Warnings that hold for either method: coefficients at a bound or compatible with zero, and validation that is
-/// much worse than the fit.
+/// Warnings that hold for either method: coefficients at a bound or compatible with zero, and validation that
+/// is much worse than the fit.
 fn remarks(system: &System, found: &mut Identified) {
     for found_term in &mut found.terms {
         let term = &system.terms[found_term.term];
@@ -153,8 +153,8 @@ pub fn suitable(system: &System, record: &Record) -> Result<(), LearnError> {
     dead_column(system, record).map_or(Ok(()), |dead| Err(dead.into()))
 }
 
-/// What is wrong with a record in which the squares of a moving column are no numbers, or all zero: nothing can be
-/// said of how well it is met.
+/// What is wrong with a record in which the squares of a moving column are no numbers, or all zero: nothing
+/// can be said of how well it is met.
 fn column_out_of_range(system: &System, record: &Record) -> Option<DataError> {
     let out = |c: &Option<Vec<f64>>| {
         let moves = |c: &&Vec<f64>| c.iter().any(|v| *v != c[0]);
@@ -167,7 +167,8 @@ fn column_out_of_range(system: &System, record: &Record) -> Option<DataError> {
     Some(DataError::OutOfRange { record: record.name.clone(), column })
 }
 
-/// What is wrong with a record in which a measured column does not move, or is beyond what can be computed with.
+/// What is wrong with a record in which a measured column does not move, or is beyond what can be computed
+/// with.
 pub fn dead_column(system: &System, record: &Record) -> Option<DataError> {
     if let Some(wrong) = column_out_of_range(system, record) {
         return Some(wrong);

@@ -1,9 +1,11 @@
-//! Noise of measured inputs. A fit takes an input for exact. Noise in it passes through the plant like a force, so it
-//! scatters the numbers, and it may pull them to one side, as in any regression on a noisy column.
+//! Noise of measured inputs. A fit takes an input for exact. Noise in it passes through the plant like a
+//! force, so it scatters the numbers, and it may pull them to one side, as in any regression on a noisy
+//! column.
 //!
-//! By how much is told by doing it again: as much noise once more moves the numbers about as far again (simulation
-//! and extrapolation, Cook and Stefanski, J. Am. Stat. Assoc. 89 (1994) 1314-1328). One Gauss-Newton step for each
-//! draw gives the motion. Its scatter enters the error bars; its mean is told where it is larger than they.
+//! By how much is told by doing it again: as much noise once more moves the numbers about as far again
+//! (simulation and extrapolation, Cook and Stefanski, J. Am. Stat. Assoc. 89 (1994) 1314-1328). One
+//! Gauss-Newton step for each draw gives the motion. Its scatter enters the error bars; its mean is told
+//! where it is larger than they.
 
 use crate::decisions::{BIAS_DRAWS, HALF_WIDTH_95, ROUGH_INPUT};
 use crate::differentiator_dependence::{Number, step};
@@ -14,8 +16,8 @@ use phisindy_signal::{Differentiator, Interpolation, Signal, noise_level, standa
 use phisindy_sim::{Noise, Streams, add_noise};
 use rayon::prelude::*;
 
-/// A record with as much noise once more on its measured inputs, and their indices. Inputs derived from them are
-/// derived again, as `how` says for each input. `None` where that fails.
+/// A record with as much noise once more on its measured inputs, and their indices. Inputs derived from them
+/// are derived again, as `how` says for each input. `None` where that fails.
 pub fn noisier(record: &Record, how: &[Differentiator], draw: usize) -> Option<(Record, Vec<usize>)> {
     let (mut out, mut of) = (record.clone(), Vec::new());
     let mut disturb = |k: usize, values: &mut Vec<f64>| {

@@ -17,8 +17,8 @@ pub(crate) struct Normal {
 }
 
 impl Normal {
-    /// The normal equations in the first `count` unknowns, the others at their minimum for each value of these:
-    /// Schur's complement.
+    /// The normal equations in the first `count` unknowns, the others at their minimum for each value of
+    /// these: Schur's complement.
     pub(crate) fn reduced(&self, count: usize) -> Normal {
         let n = self.gradient.len();
         let inner = Mat::from_fn(n - count, n - count, |i, j| self.matrix[(count + i, count + j)]);
@@ -65,9 +65,10 @@ impl Limits {
     }
 }
 
-/// Minimises from `values`, which end at the best point found. Returns the normal equations there, or `None` if
-/// the start itself cannot be evaluated. `evaluate` returns `None` where the model fails, and may return it
-/// where the cost is above a ceiling, its second argument: after a failure the next step is likely to fail too.
+/// Minimises from `values`, which end at the best point found. Returns the normal equations there, or `None`
+/// if the start itself cannot be evaluated. `evaluate` returns `None` where the model fails, and may return
+/// it where the cost is above a ceiling, its second argument: after a failure the next step is likely to fail
+/// too.
 pub(crate) fn minimise(
     values: &mut [f64],
     bounds: &[(f64, f64)],
@@ -193,8 +194,8 @@ mod tests {
         assert_relative_eq!(x[1], 0.25, max_relative = 1e-6);
     }
 
-    /// `(a + b - 3)^2 + (b - 1)^2 + 4` at zero, the second unknown at its minimum for each value of the first:
-    /// `(a - 2)^2 / 2 + 4`.
+    /// `(a + b - 3)^2 + (b - 1)^2 + 4` at zero, the second unknown at its minimum for each value of the
+    /// first: `(a - 2)^2 / 2 + 4`.
     #[test]
     fn the_others_follow_in_the_reduced_equations() {
         let normal =

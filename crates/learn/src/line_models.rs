@@ -33,7 +33,8 @@ pub(crate) fn records(text: &str, samples: &[(Role, Vec<f64>)]) -> (Case, Vec<Re
     (case, records)
 }
 
-/// All terms of the case fitted to its first record, whose samples are off by `sigma` as far as the fit knows.
+/// All terms of the case fitted to its first record, whose samples are off by `sigma` as far as the fit
+/// knows.
 pub(crate) fn fitted<'a>(case: &'a Case, records: &'a [Record], sigma: f64) -> Fit<'a> {
     let terms: Vec<usize> = (0..case.system.terms.len()).collect();
     fitted_terms(case, records, sigma, &terms)

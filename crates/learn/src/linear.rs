@@ -35,10 +35,11 @@ pub(crate) fn solve_damped(a: &Mat<f64>, b: &[f64], damping: f64) -> Option<Vec<
     x.iter().all(|v| v.is_finite()).then_some(x)
 }
 
-/// Solves a positive definite system from its last unknown to its first by Cholesky's method within the envelope
-/// (Jennings, The Computer Journal 9 (1966) 281-285): in each row everything before its first entry stays zero. The
-/// start states of segments come last and are coupled to their own segment and to the numbers that all share, so
-/// the work grows with their number and not with its cube. `None` if the matrix is not definite.
+/// Solves a positive definite system from its last unknown to its first by Cholesky's method within the
+/// envelope (Jennings, The Computer Journal 9 (1966) 281-285): in each row everything before its first entry
+/// stays zero. The start states of segments come last and are coupled to their own segment and to the numbers
+/// that all share, so the work grows with their number and not with its cube. `None` if the matrix is not
+/// definite.
 fn solve_in_envelope(m: &Mat<f64>, b: &[f64]) -> Option<Vec<f64>> {
     let n = b.len();
     // The matrix is symmetric, and stored by columns: a row is read along one.
@@ -131,7 +132,8 @@ mod tests {
         assert_relative_eq!(x[1], 2.0, max_relative = 1e-9);
     }
 
-    /// An arrow of pairs beside three shared unknowns, against the dense solution; one that is not definite has none.
+    /// An arrow of pairs beside three shared unknowns, against the dense solution; one that is not definite
+    /// has none.
     #[test]
     fn the_envelope_gives_the_dense_solution() {
         let (shared, n) = (3, 203);

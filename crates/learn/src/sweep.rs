@@ -1,4 +1,5 @@
-//! Comparison with the truth of synthetic cases: the truth as terms, the Cramer-Rao bound, one seed of a sweep.
+//! Comparison with the truth of synthetic cases: the truth as terms, the Cramer-Rao bound, one seed of a
+//! sweep.
 
 use crate::decisions::{NOISE_FLOOR, TRUTH_DAMPING, TRUTH_MISS, TRUTH_POINTS, TRUTH_SHARE};
 use crate::identify::{LearnOptions, identify};
@@ -112,9 +113,9 @@ pub fn project(case: &Case, records: &[Record]) -> Result<Truth, TruthError> {
     Ok(Truth { terms, coefficients })
 }
 
-/// The Cramer-Rao bound on the standard error of each coefficient of the truth, from the Fisher information at
-/// the truth with the noise of the spec. Where relative noise vanishes with the state, the additive floor of
-/// the noise model stands in (a thousandth of the column's standard deviation).
+/// The Cramer-Rao bound on the standard error of each coefficient of the truth, from the Fisher information
+/// at the truth with the noise of the spec. Where relative noise vanishes with the state, the additive floor
+/// of the noise model stands in (a thousandth of the column's standard deviation).
 ///
 /// # Errors
 /// The truth cannot be simulated.

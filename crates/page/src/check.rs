@@ -5,7 +5,8 @@ use phisindy_phys::{Diagnostic, Sources};
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// The mistakes and warnings of a spec, as `phisindy check` finds them: data files are read if they are there.
+/// The mistakes and warnings of a spec, as `phisindy check` finds them: data files are read if they are
+/// there.
 pub(crate) fn check(path: &Path, text: &str, request: &Request) -> Value {
     let (mut sources, mut found) = (Sources::default(), Vec::new());
     let loaded = load_text(path, text.to_owned(), request, Purpose::Check, &mut sources, &mut found);
@@ -18,7 +19,8 @@ pub(crate) fn said(found: &[Diagnostic], sources: &Sources, warnings: bool) -> V
     found.iter().filter(|d| d.is_error() || warnings).map(|d| one(d, sources)).collect()
 }
 
-/// One diagnostic: its place is in the spec (`line`, `column`, `length` in characters), or in another file by its name.
+/// One diagnostic: its place is in the spec (`line`, `column`, `length` in characters), or in another file by
+/// its name.
 fn one(d: &Diagnostic, sources: &Sources) -> Value {
     let place = d.labels.iter().find(|l| l.primary).and_then(|l| {
         let source = sources.files.get(l.source.0)?;

@@ -1,5 +1,5 @@
-//! A data file: its columns, what they are taken for, and a spec for it. The user may say what a column is; that stands
-//! in the place of its heading, which is what the draft goes by.
+//! A data file: its columns, what they are taken for, and a spec for it. The user may say what a column is;
+//! that stands in the place of its heading, which is what the draft goes by.
 
 use crate::check::said;
 use phisindy::files::open_plain_file;
@@ -131,7 +131,8 @@ fn drafted(
     Ok((draft, all))
 }
 
-/// Puts what the user says in the place of the headings. Once anything is said, a column without a word is not used.
+/// Puts what the user says in the place of the headings. Once anything is said, a column without a word is
+/// not used.
 fn assign(table: &mut Table, said: &[Said]) -> Result<(), Box<Diagnostic>> {
     if said.is_empty() {
         return Ok(());

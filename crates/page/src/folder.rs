@@ -46,7 +46,8 @@ impl Working {
         }
     }
 
-    /// Names of the files with one of these endings (without the point), in order; all but hidden ones for none.
+    /// Names of the files with one of these endings (without the point), in order; all but hidden ones for
+    /// none.
     pub(crate) fn names(&self, endings: &[&str]) -> Vec<String> {
         let entries = fs::read_dir(&self.path).into_iter().flatten().flatten();
         let files = entries.filter(|e| e.file_type().is_ok_and(|t| t.is_file()));
@@ -59,7 +60,8 @@ impl Working {
     /// Writes a file as a whole or not at all.
     ///
     /// # Errors
-    /// In words: the name is not plain, the disk is full, the content breaks off or is longer than `most` bytes.
+    /// In words: the name is not plain, the disk is full, the content breaks off or is longer than `most`
+    /// bytes.
     pub(crate) fn write(&self, name: &str, content: &mut dyn Read, most: u64) -> Result<(), String> {
         let path = self.file(name)?;
         let part = self.part(name);

@@ -1,7 +1,7 @@
 //! Who may ask: requests that know the token and come from the page itself.
 //!
-//! A page of another site can send requests to 127.0.0.1, and can make its own name point there (DNS rebinding). It does
-//! not know the token, and its requests carry its own `Host` and `Origin`.
+//! A page of another site can send requests to 127.0.0.1, and can make its own name point there (DNS
+//! rebinding). It does not know the token, and its requests carry its own `Host` and `Origin`.
 
 use std::io;
 use std::net::SocketAddr;

@@ -160,7 +160,8 @@ impl Jobs {
         self.now.state().running
     }
 
-    /// The state, once it is another one than that of `version`, with its version; after `patience` in any case.
+    /// The state, once it is another one than that of `version`, with its version; after `patience` in any
+    /// case.
     pub(crate) fn after(&self, version: Option<u64>, patience: Duration) -> (u64, Value) {
         let state = self.now.state();
         let same = |state: &mut State| Some(state.version) == version;

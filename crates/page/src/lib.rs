@@ -1,5 +1,5 @@
-//! The local page of `phisindy open`: drop a data file, see and assign its columns, edit the model with its mistakes
-//! below the line, run it, watch the gap shrink, read the report.
+//! The local page of `phisindy open`: drop a data file, see and assign its columns, edit the model with its
+//! mistakes below the line, run it, watch the gap shrink, read the report.
 //!
 //! ```text
 //! browser --guard (token, Host, Origin)--> routes --+-- columns: a data file, its columns, a spec for it
@@ -8,9 +8,10 @@
 //!                                                   +-- results: folders that are finished, their files, exports
 //! ```
 //!
-//! It is a layer over the library `phisindy` and knows no numerics. Everything is a file in one folder: the data, the
-//! spec, and each result in `results/NAME`. Nothing outside of that folder is read or written. The server listens on the
-//! loopback interface alone, and answers only requests that know the random token of its address.
+//! It is a layer over the library `phisindy` and knows no numerics. Everything is a file in one folder: the
+//! data, the spec, and each result in `results/NAME`. Nothing outside of that folder is read or written. The
+//! server listens on the loopback interface alone, and answers only requests that know the random token of
+//! its address.
 
 mod check;
 mod columns;
@@ -46,8 +47,8 @@ pub struct Page {
 }
 
 impl Page {
-    /// Listens on a free port of 127.0.0.1, or on `port`. The page works in `folder` and begins with its file `first`, a
-    /// spec or a data file; `request` names further folders of data and laws, which are read only.
+    /// Listens on a free port of 127.0.0.1, or on `port`. The page works in `folder` and begins with its file
+    /// `first`, a spec or a data file; `request` names further folders of data and laws, which are read only.
     ///
     /// # Errors
     /// The folder cannot be written, the port is taken, or the system gives no random numbers.
@@ -71,7 +72,8 @@ impl Page {
         self.site.guard.url()
     }
 
-    /// Answers requests until `stop` says so. Work that is under way is then asked to end, and keeps what is finished.
+    /// Answers requests until `stop` says so. Work that is under way is then asked to end, and keeps what is
+    /// finished.
     ///
     /// # Errors
     /// The system takes the port away.

@@ -104,7 +104,8 @@ impl Gap {
         GapReport { input: self.loaded.input(), gap: &self.result, catalogue: self.laws.laws(), ending }
     }
 
-    /// The equations of the model with the laws written into it, with their numbers, in LaTeX, a line for each.
+    /// The equations of the model with the laws written into it, with their numbers, in LaTeX, a line for
+    /// each.
     ///
     /// # Errors
     /// As of [`Gap::case`].

@@ -46,9 +46,9 @@ impl Loaded {
         }
     }
 
-    /// The same with the formulas that `unknown` asks for: found in the records, and written into the model. `None` if it
-    /// asks for none. Where no formula explains the records, a doubt says so. `observe` receives the progress as a
-    /// fraction and an activity, and may stop the search.
+    /// The same with the formulas that `unknown` asks for: found in the records, and written into the model.
+    /// `None` if it asks for none. Where no formula explains the records, a doubt says so. `observe` receives
+    /// the progress as a fraction and an activity, and may stop the search.
     ///
     /// # Errors
     /// A formula is asked for where no force acts, or the model cannot be fitted without it.

@@ -7,9 +7,9 @@ use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::Value;
 
 impl Case {
-    /// The rates of the states of a model without unknown part, at rows of time (`t`, zero if absent), states and
-    /// inputs, in the units of the spec per second. Movable constants have their start values, constants of the
-    /// records those of the first one; friction of a contact at rest is zero.
+    /// The rates of the states of a model without unknown part, at rows of time (`t`, zero if absent), states
+    /// and inputs, in the units of the spec per second. Movable constants have their start values, constants
+    /// of the records those of the first one; friction of a contact at rest is zero.
     ///
     /// ```
     /// use phisindy::Case;

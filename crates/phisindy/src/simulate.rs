@@ -16,8 +16,8 @@ pub struct Motion {
     pub record: String,
     /// Seconds.
     pub time: Vec<f64>,
-    /// Names of the states and outputs, and what would be measured of each: with its sensor where the record has a column
-    /// of it, else the state itself.
+    /// Names of the states and outputs, and what would be measured of each: with its sensor where the record
+    /// has a column of it, else the state itself.
     pub columns: Vec<(String, Vec<f64>)>,
     /// Whether a model predicts it; false for the truth of a synthetic record.
     pub predicted: bool,

@@ -1,5 +1,5 @@
-//! Decisions: numbers that decide something and are no law of nature, with the reason why they are what they are. Each crate has one table of
-//! them, from which the page about the method is made.
+//! Decisions: numbers that decide something and are no law of nature, with the reason why they are what they
+//! are. Each crate has one table of them, from which the page about the method is made.
 
 use std::fmt;
 

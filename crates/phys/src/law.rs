@@ -1,26 +1,23 @@
 //! A law of the catalogue: a force with parameters that may act at many places of a model.
 //!
-//! The file of a law is text. `Law::read` compiles it to nodes of a graph of its own. Properties of a law, such as
-//! whether it sticks or has a clearance, are read off that graph.
+//! The file of a law is text. `Law::read` compiles it to nodes of a graph of its own. Properties of a law,
+//! such as whether it sticks or has a clearance, are read off that graph.
 
 mod catalogue;
 mod check;
-mod compiled;
+mod compile;
+mod dissipation;
+mod graph;
+mod properties;
+mod symmetry;
 
 pub use catalogue::{BUILT_IN, LawEntry};
-pub use compiled::{LawError, LawGraph, LawScreen, jointly_linear};
+pub use graph::{LawError, LawGraph, LawScreen, jointly_linear};
 
 use crate::units::unit::{Dimension, Unit};
-use phisindy_expr::{Binary, Id, Node, Scratch, Tape, Unary};
 use serde::de::{Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, de};
-use std::collections::HashMap;
 use std::fmt;
-
-/// A speed (m/s) below all that move.
-const NEARLY_AT_REST: f64 = 1e-30;
-/// A force that changes by a smaller part of itself does not jump.
-const NO_JUMP: f64 = 1e-6;
 
 /// What a law's file says.
 ///
@@ -75,7 +72,8 @@ pub struct Law {
     /// What its parameters must fulfil to deserve its name.
     #[serde(default)]
     pub needs: Option<Need>,
-    /// How `gap` looks for it at a glance; without it the parameters that stand linearly are solved for, and the others tried on a grid.
+    /// How `gap` looks for it at a glance; without it the parameters that stand linearly are solved for, and
+    /// the others tried on a grid.
     #[serde(default)]
     pub screen: Option<Screen>,
     /// How its picture is drawn.
@@ -162,8 +160,8 @@ pub struct LawParameter {
     /// Whether each record has its own.
     #[serde(default)]
     pub each: bool,
-    /// Whether the bounds are the whole range of the number (an angle over a turn, a share up to 1): then a value at one
-    /// of them speaks against nothing.
+    /// Whether the bounds are the whole range of the number (an angle over a turn, a share up to 1): then a
+    /// value at one of them speaks against nothing.
     #[serde(default)]
     pub whole: bool,
 }
@@ -181,18 +179,6 @@ pub struct Internal {
 }
 
 impl Law {
-    /// Reads the text of a law and compiles its expressions.
-    ///
-    /// # Errors
-    /// The form (with line and column), an expression that cannot be parsed, a name that stands for nothing, a parameter without a seed.
-    pub fn read(text: &str) -> Result<Law, LawError> {
-        let law: Law = ron::Options::default()
-            .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)
-            .from_str(text)
-            .map_err(|e| LawError::Form(e.to_string()))?;
-        Ok(Law { compiled: LawGraph::new(&law)?, ..law })
-    }
-
     /// Its expressions as nodes of a graph of their own.
     pub fn nodes(&self) -> &LawGraph {
         &self.compiled
@@ -223,135 +209,6 @@ impl Law {
     /// Whether it has states of its own.
     pub fn has_memory(&self) -> bool {
         !self.internal.is_empty()
-    }
-
-    /// Whether it is a hysteresis: it has memory, and its states rest while the place rests, however slowly or fast the
-    /// place came there. Examples: an elastic contact, Bouc-Wen; not a dashpot behind a spring, which relaxes.
-    pub fn is_hysteretic(&self) -> bool {
-        let of = &self.compiled;
-        let (Some(v), false) = (of.velocity, of.rates.is_empty()) else { return false };
-        let mut graph = of.graph.clone();
-        let zero = graph.constant(0.0);
-        let resting = graph.replace(&of.rates, &HashMap::from([(v, zero)]));
-        // Numbers of no meaning: what vanishes for them vanishes for all.
-        let symbols: Vec<Id> = graph.symbols(&resting).into_iter().map(|s| graph.symbol(s)).collect();
-        let Ok(tape) = Tape::compile(&graph, &symbols, &resting) else { return false };
-        let mut scratch = Scratch::<1>::new(&tape);
-        scratch.at((0..symbols.len()).map(|k| 0.7 + 0.1 * (k as f64).sin()));
-        (0..resting.len()).all(|k| scratch.output(k)[0] == 0.0)
-    }
-
-    /// Whether it is a friction that can stick: its force jumps with the sign of the velocity.
-    pub fn sticks(&self) -> bool {
-        let of = &self.compiled;
-        let (Some(force), Some(v)) = (of.force.filter(|_| self.force.is_some()), of.velocity) else {
-            return false;
-        };
-        crate::system::equations::contains_sign(&mut of.graph.clone(), &[force], v) && self.jumps(force, v)
-    }
-
-    /// Whether a force differs at velocities a little above and below zero, with every other number inside its bounds.
-    /// A power of the speed has a sign and does not jump.
-    fn jumps(&self, force: Id, v: Id) -> bool {
-        let of = &self.compiled;
-        let mut graph = of.graph.clone();
-        let symbols: Vec<Id> = graph.symbols(&[force]).into_iter().map(|s| graph.symbol(s)).collect();
-        let Ok(tape) = Tape::compile(&graph, &symbols, &[force]) else { return true };
-        let bounds = |id: &Id| {
-            let own = of.parameters.iter().position(|p| p == id);
-            own.map_or((0.0, 1.0), |k| self.parameters[k].1.within)
-        };
-        let mut scratch = Scratch::<1>::new(&tape);
-        let mut at = |speed: f64| {
-            let value = |id: &Id| {
-                let (low, high) = bounds(id);
-                if *id == v { speed } else { 0.7_f64.clamp(low, high) }
-            };
-            scratch.at(symbols.iter().map(value));
-            scratch.output(0)[0]
-        };
-        let (above, below, far) = (at(NEARLY_AT_REST), at(-NEARLY_AT_REST), at(1.0));
-        (above - below).abs() > NO_JUMP * far.abs()
-    }
-
-    /// Whether it has a clearance: its force has a corner or a jump at a displacement other than zero.
-    pub fn has_clearance(&self) -> bool {
-        let of = &self.compiled;
-        let (Some(force), Some(x)) = (of.force, of.displacement) else { return false };
-        let depends = |id: Id| of.graph.uses(&[id], &[x]);
-        of.graph.reachable(&[force]).into_iter().any(|id| match of.graph.node(id) {
-            Node::Binary(Binary::Max | Binary::Min | Binary::Dead, a, b) => depends(a) || depends(b),
-            Node::Unary(Unary::Pos | Unary::Step | Unary::Abs | Unary::Sgn, a) => a != x && depends(a),
-            _ => false,
-        })
-    }
-
-    /// Whether it is a resistance: a force of the velocity alone, without memory, that does not stick. Examples: a
-    /// dashpot, drag.
-    pub fn is_resistance(&self) -> bool {
-        let of = &self.compiled;
-        let (Some(force), Some(v), false) = (of.force, of.velocity, self.has_memory()) else { return false };
-        let others: Vec<Id> = of
-            .displacement
-            .into_iter()
-            .chain([of.time])
-            .chain(of.outside.iter().map(|(_, id)| *id))
-            .chain(of.load)
-            .collect();
-        !self.sticks() && of.graph.uses(&[force], &[v]) && !of.graph.uses(&[force], &others)
-    }
-
-    /// Whether it is a spring: a force of the displacement alone, without memory.
-    pub fn is_spring(&self) -> bool {
-        let of_displacement = self.role(Role::Displacement).is_some() && self.role(Role::Velocity).is_none();
-        of_displacement && self.property().is_none() && !self.has_memory()
-    }
-
-    /// Whether it is a spring in proportion to the displacement, at all times.
-    pub fn is_linear_spring(&self) -> bool {
-        let of = &self.compiled;
-        let (true, Some(force), Some(x)) = (self.is_spring(), of.force, of.displacement) else {
-            return false;
-        };
-        let mut graph = of.graph.clone();
-        let slope = graph.gradient(force, &[x])[0];
-        !graph.uses(&[slope], &[x, of.time])
-    }
-
-    /// The parameters in which the force is linear, jointly: no slope by one of them depends on another of them.
-    pub fn linear_parameters(&self) -> Vec<usize> {
-        let of = &self.compiled;
-        of.force
-            .map_or(vec![], |force| compiled::jointly_linear(&mut of.graph.clone(), force, &of.parameters))
-    }
-
-    /// What it does, in lines.
-    pub fn acts(&self) -> Vec<String> {
-        let mut lines = Vec::new();
-        lines.extend(self.force.iter().map(|f| format!("force against the motion: {f}")));
-        lines.extend(self.push.iter().map(|f| format!("push: {f}")));
-        lines.extend(self.sensor.iter().map(|s| format!("property of a sensor: {s}")));
-        lines.extend(self.input.iter().map(|s| format!("property of an input: {s}")));
-        lines.extend(
-            self.internal
-                .iter()
-                .map(|(name, i)| format!("with d{name}/dt = {} ({}, from {})", i.rate, i.unit, i.start)),
-        );
-        lines.extend(self.mirror.iter().map(|m| format!("or its mirror image: {m}")));
-        let quantities: Vec<String> =
-            self.roles.iter().map(|(name, unit)| format!("{name} in {unit}")).collect();
-        if !quantities.is_empty() {
-            lines.push(format!("of: {}", quantities.join(", ")));
-        }
-        let given: Vec<String> = self
-            .given
-            .iter()
-            .map(|(name, (x, unit))| format!("{name} = {x:?} {unit}").trim_end().to_owned())
-            .collect();
-        if !given.is_empty() {
-            lines.push(format!("with: {}", given.join(", ")));
-        }
-        lines
     }
 }
 

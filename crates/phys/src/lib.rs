@@ -1,4 +1,5 @@
-//! Mechanical systems: states, inputs, constants, known rates, unknown terms, contacts; records of their motion.
+//! Mechanical systems: states, inputs, constants, known rates, unknown terms, contacts; records of their
+//! motion.
 //!
 //! Each folder uses only those to its left.
 //!
@@ -9,8 +10,8 @@
 //!                                       Model <--model---+        +--from_table--> Record --> Suspicions
 //! ```
 //!
-//! `law` compiles the files of the catalogue to nodes. All mistakes of a text are reported together, as [`Diagnostic`]s, which
-//! the program draws. This crate reads no files and integrates nothing.
+//! `law` compiles the files of the catalogue to nodes. All mistakes of a text are reported together, as
+//! [`Diagnostic`]s, which the program draws. This crate reads no files and integrates nothing.
 
 mod decision;
 mod law;

@@ -1,9 +1,9 @@
 //! What is odd about a record before any model is fitted.
 //!
 //! Detected are missing samples, constant, quantised, repeated, clipped and frozen columns, spikes, jumps of
-//! level, undersampled inputs (this file and its detectors on one column), velocities that are not the rate of
-//! their displacement (`rates`), and columns or units that contradict the known part (`balance`). Each finding
-//! is a [`Suspicion`]; `words` turns it into a sentence.
+//! level, undersampled inputs (this file and its detectors on one column), velocities that are not the rate
+//! of their displacement (`rates`), and columns or units that contradict the known part (`balance`). Each
+//! finding is a [`Suspicion`]; `words` turns it into a sentence.
 
 mod balance;
 mod clipped;
@@ -219,8 +219,8 @@ fn faulty_samples(
             count: frozen.len(),
         });
     }
-    // Only displacements are tested for jumps: a velocity jumps at an impact. Levels taken from frozen samples
-    // do not count.
+    // Only displacements are tested for jumps: a velocity jumps at an impact. Levels taken from frozen
+    // samples do not count.
     let apart = |k: usize| frozen.iter().all(|r| k + jumps::LEVEL < r.start || k > r.end + jumps::LEVEL);
     let jumps = velocity.map_or(vec![], |v| jumps(time, column, v));
     let jumps: Vec<usize> = jumps.into_iter().filter(|&k| apart(k)).collect();

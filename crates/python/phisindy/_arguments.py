@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import operator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ._errors import DataError
-
-if TYPE_CHECKING:
-    from ._case import Case
 
 # Seeds are numbers of 64 bits; the command takes as many threads.
 LARGEST_SEED = 2**64 - 1
@@ -23,16 +20,6 @@ def seed_of(value: Any) -> int | None:
 def jobs_of(value: Any) -> int | None:
     """A number of threads; none: one for each core."""
     return None if value is None else _whole("jobs", value, 1, LARGEST_JOBS)
-
-
-def case_of(value: Any) -> Case:
-    """A case."""
-    from ._case import Case
-
-    if not isinstance(value, Case):
-        hint = "phisindy.Case.from_file(path) reads one" if isinstance(value, str) else "give a phisindy.Case"
-        raise DataError(f"a {type(value).__name__} is no case: {hint}")
-    return value
 
 
 def number_of(what: str, value: Any) -> float:

@@ -90,6 +90,14 @@ class Case:
         return (_made, (self.text, self._path))
 
 
+def case_of(value: Any) -> Case:
+    """An argument that must be a case."""
+    if not isinstance(value, Case):
+        hint = "phisindy.Case.from_file(path) reads one" if isinstance(value, str) else "give a phisindy.Case"
+        raise DataError(f"a {type(value).__name__} is no case: {hint}")
+    return value
+
+
 def _ron(value: Any) -> str:
     """A number or a truth value in RON."""
     if isinstance(value, (bool, np.bool_)):

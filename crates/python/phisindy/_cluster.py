@@ -5,18 +5,16 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from ._arguments import case_of, jobs_of, seed_of
+from ._arguments import jobs_of, seed_of
+from ._case import Case, case_of
 from ._errors import DataError, PhisindyError
 from ._journal import Failed, Journal
 from ._sweep import Result, Sweep
 from ._work import bars as _bars
-
-if TYPE_CHECKING:
-    from ._case import Case
 
 # Tasks handed to the cluster for each of its threads: enough to keep all of them at work until the end.
 TASKS_PER_THREAD = 4

@@ -9,15 +9,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _native
-from ._arguments import case_of, jobs_of, seed_of
+from ._arguments import jobs_of, seed_of
+from ._case import Case, case_of
 from ._errors import DataError
 from ._results import Gap, Identified, Motion
 from ._tables import tables
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-    from ._case import Case
 
 Tell = Callable[[float, str], object]
 

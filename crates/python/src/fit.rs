@@ -74,8 +74,8 @@ impl NativeCase {
         &self.case
     }
 
-    /// The case with its records: tables in the place of its files, arrays by the names of states, or what the
-    /// spec itself names.
+    /// The case with its records: tables in the place of its files, arrays by the names of states, or what
+    /// the spec itself names.
     pub(crate) fn loaded(
         &self,
         tables: &[Slices<'_>],
@@ -129,7 +129,8 @@ fn method(name: Option<&str>) -> PyResult<Option<Method>> {
     }
 }
 
-/// The laws of the program with those of a folder; none given: the library takes its own, where it needs them.
+/// The laws of the program with those of a folder; none given: the library takes its own, where it needs
+/// them.
 fn catalogue(folder: Option<PathBuf>) -> PyResult<Option<Catalogue>> {
     let all = folder.map(|folder| phisindy::files::catalogue(&[&folder]));
     all.transpose().map_err(|e| DataError::new_err(e.to_string()))

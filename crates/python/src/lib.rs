@@ -1,5 +1,5 @@
-//! `phisindy._native`: what the Python package `phisindy` calls. Classes for users are in `phisindy/*.py`; here
-//! are handles, arrays without copies, threads without the interpreter's lock, and exceptions.
+//! `phisindy._native`: what the Python package `phisindy` calls. Classes for users are in `phisindy/*.py`;
+//! here are handles, arrays without copies, threads without the interpreter's lock, and exceptions.
 
 mod errors;
 mod fit;

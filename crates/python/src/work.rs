@@ -1,5 +1,5 @@
-//! Work without the interpreter's lock: on threads of its own, while the caller's thread hears of the progress and of
-//! Ctrl-C.
+//! Work without the interpreter's lock: on threads of its own, while the caller's thread hears of the
+//! progress and of Ctrl-C.
 
 use crate::errors::{DataError, NumericsError};
 use phisindy::Progress;
@@ -28,9 +28,9 @@ struct Told {
     done: bool,
 }
 
-/// Runs `task` on so many threads (none given: one for each core) that live as long as it does, so that nothing is left for a
-/// forked process to wait for. `progress` is called by the caller's thread with a fraction and what is being done. Its
-/// exceptions, and those of signals, end the work.
+/// Runs `task` on so many threads (none given: one for each core) that live as long as it does, so that
+/// nothing is left for a forked process to wait for. `progress` is called by the caller's thread with a
+/// fraction and what is being done. Its exceptions, and those of signals, end the work.
 pub(crate) fn worked<T: Send>(
     py: Python<'_>,
     jobs: Option<usize>,

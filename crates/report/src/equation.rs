@@ -19,10 +19,19 @@ pub struct Equation {
     pub text: String,
 }
 
-/// The equations of all states that have candidates. Where the spec names laws, asks for formulas, or has no candidates,
-/// the equations of all states whose rate is more than another state are among them.
+/// The equations of all states that have candidates. Where the spec names laws, asks for formulas, or has no
+/// candidates, the equations of all states whose rate is more than another state are among them.
 pub fn equations(case: &Case, terms: &[FoundTerm], parameters: &[FoundParameter]) -> Vec<Equation> {
-    let system = &case.system;
+    equations_of(&case.system, case, terms, parameters)
+}
+
+/// The same of a system with the inputs of a case, such as its system with effects added.
+pub(crate) fn equations_of(
+    system: &System,
+    case: &Case,
+    terms: &[FoundTerm],
+    parameters: &[FoundParameter],
+) -> Vec<Equation> {
     let mut shown: Vec<bool> =
         (0..system.states.len()).map(|k| system.terms.iter().any(|t| t.state == k)).collect();
     // A law may add a state; a formula stands in the known part.
@@ -32,7 +41,7 @@ pub fn equations(case: &Case, terms: &[FoundTerm], parameters: &[FoundParameter]
             .zip(&system.states)
             .for_each(|(shown, s)| *shown |= s.velocity.is_none() && !s.of_sensor);
     }
-    let mut writer = Writer::new(case, parameters);
+    let mut writer = Writer::new(system, case, parameters);
     (0..system.states.len()).filter(|&k| shown[k]).map(|k| writer.equation(system, k, terms)).collect()
 }
 
@@ -45,8 +54,7 @@ struct Writer {
 }
 
 impl Writer {
-    fn new(case: &Case, parameters: &[FoundParameter]) -> Writer {
-        let system = &case.system;
+    fn new(system: &System, case: &Case, parameters: &[FoundParameter]) -> Writer {
         let mut graph = system.graph.clone();
         let mut values = HashMap::new();
         for found in parameters {

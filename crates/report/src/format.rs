@@ -29,8 +29,8 @@ pub(crate) fn role_name(role: Role) -> &'static str {
     }
 }
 
-/// The words with the first letter in upper case, as they begin a sentence. Names of laws are written as they stand in
-/// the middle of one.
+/// The words with the first letter in upper case, as they begin a sentence. Names of laws are written as they
+/// stand in the middle of one.
 pub(crate) fn capital(words: &str) -> String {
     let mut letters = words.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())

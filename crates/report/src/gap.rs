@@ -4,6 +4,7 @@ mod balance;
 mod discovered_force;
 mod finding;
 mod json;
+mod outcome;
 mod report;
 mod terminal;
 mod text;
@@ -11,8 +12,9 @@ mod text;
 pub(crate) use balance::{Balance, RecordForce, balance};
 pub(crate) use discovered_force::remarks;
 pub(crate) use finding::{Finding, counted, finding, symbol};
+pub(crate) use outcome::basis;
 pub use report::GapReport;
-pub(crate) use text::{basis, rivals};
+pub(crate) use text::rivals;
 
 use crate::Look;
 use crate::format::Format;

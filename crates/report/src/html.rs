@@ -1,16 +1,15 @@
-//! `report.html`: the result of `run` or `gap` as one page that needs no network, and its figures as files. A small
-//! script shows values, zooms and hides lines; without it everything is there.
+//! `report.html`: the result of `run` or `gap` as one page that needs no network, and its figures as files. A
+//! small script shows values, zooms and hides lines; without it everything is there.
 //!
 //! ```text
 //! Report, Gap or a failure --> sections (tables, equations, figures) --> Page --> report.html, figures/*.svg
 //! ```
 
 mod correlation;
-mod data;
 mod force;
 mod friction;
-pub(crate) mod gap;
-pub(crate) mod hero;
+mod gap;
+mod hero;
 mod leaderboard;
 mod map;
 mod mathml;
@@ -21,7 +20,7 @@ mod page;
 mod regimes;
 mod reproduction;
 mod residual;
-pub(crate) mod run;
+mod run;
 mod selection;
 mod shrink;
 mod table;
@@ -30,8 +29,11 @@ use crate::format::capital;
 use crate::gap::GapReport;
 use crate::input::{Input, Invocation};
 use crate::run::RunReport;
+use crate::seen::{measured, notes};
+use next::Mistake;
 pub use page::HtmlReport;
 use page::{Banner, Page, Tone, add_data_remarks, block};
+use phisindy_phys::{Diagnostic, Sources};
 
 /// The report of `run`.
 pub fn run(report: &RunReport<'_>, invocation: &Invocation) -> HtmlReport {
@@ -43,10 +45,24 @@ pub fn gap(report: &GapReport<'_>, invocation: &Invocation) -> HtmlReport {
     gap::page(report, invocation).html()
 }
 
-/// The report of a wrong spec. `mistakes` are its diagnostics as text; `text` is the spec as far as it could
-/// be read.
-pub fn refusal(spec: &str, text: Option<&str>, mistakes: &str, invocation: &Invocation) -> HtmlReport {
-    let all = next::mistakes(mistakes);
+/// A spec that cannot be used.
+pub struct Refused<'a> {
+    /// Its name as the user gave it.
+    pub spec: &'a str,
+    /// Its text as far as it could be read.
+    pub text: Option<&'a str>,
+    /// What is wrong with it.
+    pub errors: Vec<&'a Diagnostic>,
+    /// The texts that the errors point into.
+    pub sources: &'a Sources,
+    /// The errors as a terminal shows them.
+    pub drawn: String,
+}
+
+/// The report of a wrong spec.
+pub fn refusal(refused: &Refused<'_>, invocation: &Invocation) -> HtmlReport {
+    let &Refused { spec, text, ref errors, sources, ref drawn } = refused;
+    let all: Vec<Mistake<'_>> = errors.iter().map(|e| Mistake::new(e, sources)).collect();
     let said = match &all[..] {
         [] => "the spec or its data cannot be used as they are".to_owned(),
         [one] => one.said(),
@@ -61,7 +77,7 @@ pub fn refusal(spec: &str, text: Option<&str>, mistakes: &str, invocation: &Invo
     let title = text.and_then(next::title_of).unwrap_or_else(|| spec.to_owned());
     let mut page = Page::of_refusal(&title, spec, banner);
     next::add(&mut page, &next::repairs(&all, spec));
-    page.section("What is wrong", [block(mistakes.trim_end(), "mistakes")]);
+    page.section("What is wrong", [block(drawn.trim_end(), "mistakes")]);
     page.section("To repeat it", reproduction::command(None, spec, text, invocation));
     page.html()
 }
@@ -78,9 +94,9 @@ pub fn failure(why: &str, diverged: bool, input: Input<'_>, invocation: &Invocat
     let mut page = Page::new(input, banner);
     let steps: Vec<String> = advice(diverged).map(capital).into_iter().collect();
     next::add(&mut page, &steps);
-    let seen = data::measured(input);
+    let seen = measured(input);
     page.figures("Measured", |sheet| motion::charts(&seen, sheet));
-    add_data_remarks(&mut page, input.doubts, &data::notes(input));
+    add_data_remarks(&mut page, input.doubts, &notes(input));
     reproduction::add(&mut page, input, invocation);
     page.html()
 }

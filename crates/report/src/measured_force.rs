@@ -1,4 +1,5 @@
-//! The force balance of a measured motion: inertia times measured acceleration less the forces that a model has.
+//! The force balance of a measured motion: inertia times measured acceleration less the forces that a model
+//! has.
 
 mod local_cubic;
 
@@ -31,13 +32,15 @@ pub(crate) struct Body<'a> {
     pub(crate) sign: f64,
 }
 
-/// What the graph of a model gives at a sample, for its states and numbers: abscissa, force, velocity, rate, inertia (SI).
+/// What the graph of a model gives at a sample, for its states and numbers: abscissa, force, velocity, rate,
+/// inertia (SI).
 pub(crate) type Evaluated<'e> = dyn FnMut(usize, &[f64], &[f64]) -> [f64; 5] + 'e;
 
 impl Body<'_> {
-    /// The force balance of the measured motion (SI), and over which time (s) the acceleration was smoothed. With
-    /// `m a = K - F` it is `F = F(model) + m (a(model) - a(measured))`, both at the measured state, so that the law itself
-    /// cancels. `typical` is the largest force of the law; `noise` is that of each column.
+    /// The force balance of the measured motion (SI), and over which time (s) the acceleration was smoothed.
+    /// With `m a = K - F` it is `F = F(model) + m (a(model) - a(measured))`, both at the measured state, so
+    /// that the law itself cancels. `typical` is the largest force of the law; `noise` is that of each
+    /// column.
     pub(crate) fn measured(
         &self,
         record: &Record,

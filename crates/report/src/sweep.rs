@@ -5,7 +5,7 @@ mod runs;
 mod statistics;
 mod text;
 
-pub use runs::{CellRuns, Found, NamedTruth, Run, RunVerdict, SweepRuns};
+pub use runs::{CellRuns, Found, NamedTruth, Run, RunVerdict, SweepRuns, TermName};
 pub use statistics::{Coefficient, Statistics};
 
 use crate::format::Format;

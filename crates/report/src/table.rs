@@ -67,11 +67,33 @@ pub fn raised(unit: &str) -> String {
     RAISED.iter().fold(unit.to_owned(), |text, (plain, raised)| text.replace(plain, raised))
 }
 
-/// `0.298 ± 0.008`: a value with the digits that its error allows, which is shown with one digit, or two where the first
-/// is a 1. Without a finite error the value has four digits.
+/// `0.298 ± 0.008`: a value with the digits that its error allows, which is shown with one digit, or two
+/// where the first is a 1. Without a finite error the value has four digits.
 pub fn with_error(value: f64, error: f64) -> String {
+    let Rounded { value, error, shared } = rounded(value, error);
+    match (error, shared) {
+        (None, _) => value,
+        (Some(error), 0) => format!("{value} ± {error}"),
+        (Some(error), _) => format!("({value} ± {error})·10{}", exponent(shared)),
+    }
+}
+
+/// The number alone, with the digits that its error allows.
+pub(crate) fn by_error(value: f64, error: f64) -> String {
+    let Rounded { value, shared, .. } = rounded(value, error);
+    if shared == 0 { value } else { format!("{value}·10{}", exponent(shared)) }
+}
+
+/// A number and its error in digits, and the power of ten that both are in.
+struct Rounded {
+    value: String,
+    error: Option<String>,
+    shared: i32,
+}
+
+fn rounded(value: f64, error: f64) -> Rounded {
     if !(error.is_finite() && error > 0.0 && value.is_finite()) {
-        return digits(value, 4).replace('-', "−");
+        return Rounded { value: digits(value, 4).replace('-', "−"), error: None, shared: 0 };
     }
     let decade = |x: f64| x.abs().log10().floor() as i32;
     // Powers of ten that both share keep numbers of any size short.
@@ -84,9 +106,11 @@ pub fn with_error(value: f64, error: f64) -> String {
     let decimals = places.max(0) as usize;
     // An error above ten rounds tens and more.
     let tens = 10f64.powi((-places).max(0));
-    let shown = |x: f64| if places < 0 { tens * (x / tens).round() } else { x };
-    let text = format!("{:.decimals$} ± {:.decimals$}", shown(value), shown(error)).replace('-', "−");
-    if shared == 0 { text } else { format!("({text})·10{}", exponent(shared)) }
+    let shown = |x: f64| {
+        let x = if places < 0 { tens * (x / tens).round() } else { x };
+        format!("{x:.decimals$}").replace('-', "−")
+    };
+    Rounded { value: shown(value), error: Some(shown(error)), shared }
 }
 
 /// A number with four significant digits.

@@ -3,12 +3,12 @@
 use crate::fft::{Forward, Inverse};
 use crate::statistics::largest;
 
-/// The effective number of independent samples of a residual: n / (1 + 2 * sum of its autocorrelations), within
-/// [1, n].
+/// The effective number of independent samples of a residual: n / (1 + 2 * sum of its autocorrelations),
+/// within [1, n].
 ///
 /// The sum runs over the initial positive sequence of pairs (C. J. Geyer, Practical Markov chain Monte Carlo,
-/// 1992). The mean is removed first. White residuals give about n, constant ones n. Numbers that are not finite
-/// give NaN.
+/// 1992). The mean is removed first. White residuals give about n, constant ones n. Numbers that are not
+/// finite give NaN.
 ///
 /// ```
 /// let alternating_slowly: Vec<f64> = (0..1000).map(|i| (0.01 * f64::from(i)).sin()).collect();

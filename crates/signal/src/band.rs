@@ -1,12 +1,13 @@
-//! The band of a motion: below its lowest frequency a column holds noise alone, and an integral of it only drifts.
+//! The band of a motion: below its lowest frequency a column holds noise alone, and an integral of it only
+//! drifts.
 
 use crate::fft::periodogram;
 use crate::grid::mean_step;
 use crate::noise_level::noise_level;
 
-/// The lowest frequency (rad/s) at which a column holds more than its noise: below it the sum of the spectrum is at
-/// most twice that of white noise of its level, or a millionth of the whole, which the window lets through. At
-/// least that of two periods in the record.
+/// The lowest frequency (rad/s) at which a column holds more than its noise: below it the sum of the spectrum
+/// is at most twice that of white noise of its level, or a millionth of the whole, which the window lets
+/// through. At least that of two periods in the record.
 ///
 /// ```
 /// use phisindy_signal::lowest_frequency;
@@ -33,8 +34,8 @@ pub fn lowest_frequency(time: &[f64], values: &[f64]) -> f64 {
     bin * last as f64
 }
 
-/// The second integral over time of a column, without what drifts: the displacement of an accelerometer, about its
-/// mean. For start values: near the ends it is less accurate.
+/// The second integral over time of a column, without what drifts: the displacement of an accelerometer,
+/// about its mean. For start values: near the ends it is less accurate.
 ///
 /// A trapezoidal sum, less its mean over two periods of the lowest frequency about each sample, twice.
 ///

@@ -5,8 +5,8 @@ const GAP_RATIO: f64 = 5.0;
 
 /// Replaces `size` rows by one: the mean of their times and of every column.
 ///
-/// The mean is a low-pass filter. Noise falls by the square root of `size`, while skipping rows would alias it.
-/// A frequency `f` loses about `(pi f size step)^2 / 6` of its amplitude, in states and inputs alike.
+/// The mean is a low-pass filter. Noise falls by the square root of `size`, while skipping rows would alias
+/// it. A frequency `f` loses about `(pi f size step)^2 / 6` of its amplitude, in states and inputs alike.
 /// Incomplete blocks before a gap in time and at the end are dropped.
 ///
 /// ```

@@ -109,9 +109,10 @@ pub struct Signal {
 impl Signal {
     /// A signal with `values[i]` at `time[i]`. One sample is a constant.
     ///
-    /// For `Cubic` this solves one tridiagonal system. On smooth signals the error of the slopes is h^4/180 of
-    /// the fifth derivative, a sixth of that of five-point differences. The error of the value is then that of
-    /// cubic Hermite interpolation with exact slopes: 2.5e-5 of the amplitude at 20 samples per period.
+    /// For `Cubic` this solves one tridiagonal system. On smooth signals the error of the slopes is h^4/180
+    /// of the fifth derivative, a sixth of that of five-point differences. The error of the value is then
+    /// that of cubic Hermite interpolation with exact slopes: 2.5e-5 of the amplitude at 20 samples per
+    /// period.
     ///
     /// # Errors
     /// No sample, different lengths, a number that is not finite, or a time grid that does not increase.
@@ -150,7 +151,8 @@ impl Signal {
         self.value_and_slope(t, &mut hint).0
     }
 
-    /// The time derivative of [`value`](Self::value) at `t`; at a sample where it jumps, the one to the right.
+    /// The time derivative of [`value`](Self::value) at `t`; at a sample where it jumps, the one to the
+    /// right.
     pub fn slope(&self, t: f64) -> f64 {
         let mut hint = NO_HINT;
         self.value_and_slope(t, &mut hint).1
@@ -218,8 +220,8 @@ impl Signal {
     }
 }
 
-/// Slopes at the knots of the cubic spline whose third derivative is continuous at the second and last-but-one
-/// knot.
+/// Slopes at the knots of the cubic spline whose third derivative is continuous at the second and
+/// last-but-one knot.
 ///
 /// C. de Boor, A Practical Guide to Splines, chapter IV.
 fn spline_slopes(time: &[f64], values: &[f64]) -> Vec<f64> {

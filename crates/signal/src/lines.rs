@@ -6,8 +6,8 @@
 //!   limits the number of samples, interpolates between bins by the ratio of two amplitudes, and says which
 //!   share of the variance the line holds.
 //! - [`strongest_lines`] asks which tones stand out of a residual or an input. It takes a uniform grid,
-//!   removes the mean alone, compares powers with a noise that may rise with the frequency, and interpolates by
-//!   a parabola through logarithms.
+//!   removes the mean alone, compares powers with a noise that may rise with the frequency, and interpolates
+//!   by a parabola through logarithms.
 //!
 //! Their frequencies agree to a fraction of a bin, not to the last bit.
 
@@ -72,8 +72,8 @@ pub fn strongest_line(time: &[f64], values: &[f64]) -> Option<Line> {
 /// At most `count` angular frequencies (radians per unit of `step`) of a uniformly sampled column, strongest
 /// first.
 ///
-/// The power of the noise is taken to rise with the frequency to the power `rise`: 0 for white noise, 4 for its
-/// second derivative. Lines are at least 2.5 bins apart. Fewer than 16 samples give none.
+/// The power of the noise is taken to rise with the frequency to the power `rise`: 0 for white noise, 4 for
+/// its second derivative. Lines are at least 2.5 bins apart. Fewer than 16 samples give none.
 pub fn strongest_lines(values: &[f64], step: f64, count: usize, rise: i32) -> Vec<f64> {
     let n = values.len();
     if n < 16 {

@@ -21,12 +21,12 @@ const MIN_FLAT_PART: f64 = 0.2;
 /// Standard deviation of the white noise added to a smooth, uniformly sampled signal, in the signal's unit.
 ///
 /// The noise is the flat upper part of the spectrum (Hann window, straight line removed), where the motion is
-/// below it. Its level is a mean without spectral lines. For short records, and where the spectrum has no flat
-/// part or shows leakage alone (data without noise), the smallest median of third and higher differences is
-/// used, as it is where the column steps now and then: a force that follows the direction of a sliding contact. The
-/// error is 1.5 % for 5000 samples; smooth data without noise give less than 1e-6 of the signal.
-/// Quantisation counts as noise of step/sqrt(12), also at rest. A column that holds levels, such as a relay, has
-/// no noise: its jumps are no scatter from sample to sample.
+/// below it. Its level is a mean without spectral lines. For short records, and where the spectrum has no
+/// flat part or shows leakage alone (data without noise), the smallest median of third and higher differences
+/// is used, as it is where the column steps now and then: a force that follows the direction of a sliding
+/// contact. The error is 1.5 % for 5000 samples; smooth data without noise give less than 1e-6 of the signal.
+/// Quantisation counts as noise of step/sqrt(12), also at rest. A column that holds levels, such as a relay,
+/// has no noise: its jumps are no scatter from sample to sample.
 ///
 /// Fewer than 6 samples give 0, numbers that are not finite give NaN.
 ///
@@ -63,8 +63,8 @@ pub fn noise_level(values: &[f64]) -> f64 {
     level.max(rounding)
 }
 
-/// Whether a few samples stand out of noise of this level: the column steps. A step of `J` at every `m`-th sample adds
-/// about `J^2/(4 m)` to the upper end of the spectrum.
+/// Whether a few samples stand out of noise of this level: the column steps. A step of `J` at every `m`-th
+/// sample adds about `J^2/(4 m)` to the upper end of the spectrum.
 fn has_steps(values: &[f64], level: f64) -> bool {
     let third = values.windows(4).map(|w| w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]);
     let far = STANDS_OUT * 20f64.sqrt() * level;
@@ -85,14 +85,14 @@ fn flat_level(power: &[f64]) -> Floor {
     let block = power.len() / blocks;
     let top = |count: usize| &power[power.len() - count * block..];
     let levels: Vec<f64> = power.rchunks(block).take(blocks).map(median_level).collect();
-    // A median over m exponential powers scatters by 1.44/sqrt(m), and 1.4 times more because neighbouring bins
-    // are correlated.
+    // A median over m exponential powers scatters by 1.44/sqrt(m), and 1.4 times more because neighbouring
+    // bins are correlated.
     let scatter = |bins: usize| 2.0 / (bins as f64).sqrt();
     // The first comparison is with half of the part that must be flat: enough for a level.
     let mut flat = ((MIN_FLAT_PART / 2.0) * blocks as f64).ceil() as usize;
     while flat < blocks {
-        // 3 standard deviations, since dozens of blocks are tested. Motion rises steeply and keeps rising, so a
-        // single block that stands out does so by chance.
+        // 3 standard deviations, since dozens of blocks are tested. Motion rises steeply and keeps rising, so
+        // a single block that stands out does so by chance.
         let allowed = 3.0 * (scatter(block).powi(2) + scatter(flat * block).powi(2)).sqrt();
         let level = median_level(top(flat));
         let off = |k: usize| levels.get(k).is_none_or(|l| (l / level).ln().abs() > allowed);
@@ -129,8 +129,8 @@ fn clipped_mean(power: &[f64]) -> f64 {
 /// variance at each; two independent numbers for each frequency.
 ///
 /// The second taper, sin(pi t) sin(2 pi t), is orthogonal to the Hann window sin(pi t)^2, has as little
-/// leakage, and weights the parts of the record that the first one attenuates. With both the level scatters as
-/// little as without a window.
+/// leakage, and weights the parts of the record that the first one attenuates. With both the level scatters
+/// as little as without a window.
 fn periodograms(values: &[f64]) -> Vec<f64> {
     let n = values.len();
     let level = without_line(values);

@@ -9,11 +9,11 @@ const FEW_LEVELS: usize = 12;
 /// A column of more levels than this that moves by its smallest step alone is a quantised motion.
 const SWITCH_LEVELS: usize = 3;
 
-/// Whether a column is piecewise constant by nature, as a relay, a series of pulses or commanded steps are. It
-/// has no noise, no rate between its jumps, and no end of a range that cuts it off.
+/// Whether a column is piecewise constant by nature, as a relay, a series of pulses or commanded steps are.
+/// It has no noise, no rate between its jumps, and no end of a range that cuts it off.
 ///
-/// A coarse encoder moves by single steps, a logger that is faster than its sensor repeats many values equally
-/// often; neither is piecewise constant by nature. Nor is a column without any change.
+/// A coarse encoder moves by single steps, a logger that is faster than its sensor repeats many values
+/// equally often; neither is piecewise constant by nature. Nor is a column without any change.
 ///
 /// ```
 /// let relay: Vec<f64> = (0..500).map(|k| if k / 37 % 2 == 0 { 13.3 } else { -13.3 }).collect();

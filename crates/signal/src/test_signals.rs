@@ -55,8 +55,8 @@ impl Slider {
     }
 }
 
-/// A simulation of the laboratory rig (cases 8-10): base `amplitude cos(omega t)`, 2 kHz, 10 s. Returns time, x
-/// and x'.
+/// A simulation of the laboratory rig (cases 8-10): base `amplitude cos(omega t)`, 2 kHz, 10 s. Returns time,
+/// x and x'.
 pub fn rig_twin(amplitude: f64, omega: f64) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     let (c, k) = (0.0658, 386.36);
     let slider = Slider { c, k, friction: 0.0856, substeps: 20 };
@@ -65,7 +65,8 @@ pub fn rig_twin(amplitude: f64, omega: f64) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     ((0..20_000).map(|i| f64::from(i) * 5e-4).collect(), x, v)
 }
 
-/// A small version of case 1 of the paper: stick-slip under forcing similar to `cos t`, 5000 samples at 0.01 s.
+/// A small version of case 1 of the paper: stick-slip under forcing similar to `cos t`, 5000 samples at 0.01
+/// s.
 pub fn stick_slip() -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     let slider = Slider { c: 0.2, k: 1.0, friction: 0.5, substeps: 100 };
     let (x, v) = slider.run(|t| (0.6 * t).cos(), 0.01, 5000);

@@ -8,10 +8,11 @@
 //!   dependent.
 //! - [`whiteness_score`] is a number of standard deviations, for ranking models of which all but the last
 //!   leave far more than noise. There a probability would be 0. It compares the band in which the motion lies
-//!   with the band above it, by a Hann window, which keeps the strong lines of a missing effect out of the band
-//!   above.
+//!   with the band above it, by a Hann window, which keeps the strong lines of a missing effect out of the
+//!   band above.
 //!
-//! White noise scores below 4 and has a probability that is not small; the two numbers have no fixed relation.
+//! White noise scores below 4 and has a probability that is not small; the two numbers have no fixed
+//! relation.
 
 use crate::fft::{periodogram, power};
 use crate::statistics::median;
@@ -26,9 +27,9 @@ const BINS_PER_SAMPLE: f64 = 1.94;
 /// The probability that white noise departs from a flat spectrum as far as this residual does.
 ///
 /// Tested are the strongest single frequency (R. A. Fisher, Proc. R. Soc. A 125 (1929) 54-59), the power in
-/// bands from zero up, and the mean, each against the median of the spectrum. The smallest probability is multiplied by the
-/// number of tests (Bonferroni), so the result is an upper bound. Fewer than 64 samples and a residual of zeros
-/// give 1; numbers that are not finite give 0.
+/// bands from zero up, and the mean, each against the median of the spectrum. The smallest probability is
+/// multiplied by the number of tests (Bonferroni), so the result is an upper bound. Fewer than 64 samples and
+/// a residual of zeros give 1; numbers that are not finite give 0.
 ///
 /// ```
 /// let noise: Vec<f64> = (0..2000_u32).map(|i| f64::from(i.wrapping_mul(2_654_435_769) >> 16) / 65536.0 - 0.5).collect();
@@ -61,8 +62,8 @@ pub fn whiteness_p_value(residual: &[f64]) -> f64 {
     (widths.iter().map(band).fold(line.min(mean), f64::min) * 3.0).min(1.0)
 }
 
-/// The probability of at least this power in a band, a chi square with two degrees of freedom for each bin (E.
-/// B. Wilson and M. M. Hilferty, PNAS 17 (1931) 684-688).
+/// The probability of at least this power in a band, a chi square with two degrees of freedom for each bin
+/// (E. B. Wilson and M. M. Hilferty, PNAS 17 (1931) 684-688).
 fn upper_tail(power: &[f64], level: f64) -> f64 {
     let m = power.len() as f64;
     let ratio = power.iter().sum::<f64>() / (level * m);
@@ -73,11 +74,11 @@ fn upper_tail(power: &[f64], level: f64) -> f64 {
 
 /// How far a residual departs from white noise, in standard deviations.
 ///
-/// The score is `(mean power in the band of the motion / mean power above it - 1) * sqrt(bins in the band)` by
-/// a Hann periodogram, or the same for the lowest frequencies alone, or the mean over its standard error,
-/// whichever is largest. White noise gives about a standard normal number, a missing effect hundreds. `motion`
-/// is the column itself, which tells where its band ends. Fewer than 64 samples and columns of two lengths give
-/// 0; a residual without any power above the band gives infinity.
+/// The score is `(mean power in the band of the motion / mean power above it - 1) * sqrt(bins in the band)`
+/// by a Hann periodogram, or the same for the lowest frequencies alone, or the mean over its standard error,
+/// whichever is largest. White noise gives about a standard normal number, a missing effect hundreds.
+/// `motion` is the column itself, which tells where its band ends. Fewer than 64 samples and columns of two
+/// lengths give 0; a residual without any power above the band gives infinity.
 pub fn whiteness_score(residual: &[f64], motion: &[f64]) -> f64 {
     let n = residual.len();
     if n < MIN_SAMPLES || motion.len() != n {
@@ -96,8 +97,8 @@ pub fn whiteness_score(residual: &[f64], motion: &[f64]) -> f64 {
     let narrow_edge = (bins / 50).clamp(16, edge.max(17) - 1);
     let narrow = left[1..narrow_edge].iter().sum::<f64>() / (narrow_edge - 1) as f64;
     let narrow = (narrow / floor - 1.0) * ((narrow_edge - 1) as f64 / BINS_PER_SAMPLE).sqrt();
-    // The periodogram leaves out the mean. Its standard error is sqrt(variance / n), with the variance from the
-    // floor; 0.375 is the mean square of a Hann window.
+    // The periodogram leaves out the mean. Its standard error is sqrt(variance / n), with the variance from
+    // the floor; 0.375 is the mean square of a Hann window.
     let mean = residual.iter().sum::<f64>() / n as f64;
     let variance = floor / (n as f64 * 0.375);
     let level = mean.abs() / (variance / n as f64).sqrt();
@@ -150,8 +151,8 @@ mod tests {
         let below = |p: f64| {
             (0..runs).filter(|&s| whiteness_p_value(&noise(700, 7 + 13 * s)) < p).count() as f64 / runs as f64
         };
-        // Looks are paid for as if they were independent, so the chance is at most what is said; four standard
-        // errors are room.
+        // Looks are paid for as if they were independent, so the chance is at most what is said; four
+        // standard errors are room.
         for p in [0.1, 0.01] {
             assert!(below(p) < p + 4.0 * (p / runs as f64).sqrt(), "{} below {p}", below(p));
         }

@@ -28,8 +28,8 @@ pub struct Automaton {
     pub(crate) surface: Tape,
     /// `w` (c), `dw/dx` (c x n): what keeps a contact at rest.
     pub(crate) rest: Tape,
-    /// `y` (q), its drift (q), `dy/dx` (q x n), `dy/ds` (q x c), `dy/dp` (q x p), then drift (c), `d/dx` (c x n)
-    /// and `d/dp` (c x p) of `dw/dt`: see [`crate::output`].
+    /// `y` (q), its drift (q), `dy/dx` (q x n), `dy/ds` (q x c), `dy/dp` (q x p), then drift (c), `d/dx` (c x
+    /// n) and `d/dp` (c x p) of `dw/dt`: see [`crate::output`].
     pub(crate) output: Tape,
     /// Derivatives, for sensitivities: see [`crate::sensitivity`].
     pub(crate) jacobian: Jacobian,

@@ -1,5 +1,5 @@
-//! Some columns of the derivatives over a step. The columns do not depend on each other, so a few at a time stay in
-//! the caches with all their stages, and several threads may take different ones.
+//! Some columns of the derivatives over a step. The columns do not depend on each other, so a few at a time
+//! stay in the caches with all their stages, and several threads may take different ones.
 
 use crate::decisions::UNRESOLVED;
 use crate::dense::Dense;
@@ -70,9 +70,9 @@ impl Columns {
         &self.s[i * self.width..][..self.count]
     }
 
-    /// Advances with the stages of an explicit step, `lines` at each of them; `fresh` if the last stage of the step
-    /// before is the first of this one. Returns whether the error is small; the accuracy is that of the
-    /// states, and their sizes that matter.
+    /// Advances with the stages of an explicit step, `lines` at each of them; `fresh` if the last stage of
+    /// the step before is the first of this one. Returns whether the error is small; the accuracy is that of
+    /// the states, and their sizes that matter.
     pub(crate) fn advance_explicit(
         &mut self,
         h: f64,
@@ -177,8 +177,8 @@ impl Columns {
         self.live = (0..self.rows).map(reached).collect();
     }
 
-    /// Whether the error of the step is small beside each element, or no larger than what a step of the states may
-    /// make: an element that the step has only just reached is nothing but error.
+    /// Whether the error of the step is small beside each element, or no larger than what a step of the
+    /// states may make: an element that the step has only just reached is nothing but error.
     #[inline(always)]
     fn is_resolved(&self, h: f64, (tolerance, scale): (f64, &[f64])) -> bool {
         let mut unresolved = [false; VECTOR];
@@ -234,8 +234,8 @@ impl Columns {
         );
     }
 
-    /// The right-hand sides of the equations of an implicit step, `J_i S + (df/dp)_i`, row by row, stage by stage;
-    /// then `solve` puts the solutions there. See [`crate::sensitivity`].
+    /// The right-hand sides of the equations of an implicit step, `J_i S + (df/dp)_i`, row by row, stage by
+    /// stage; then `solve` puts the solutions there. See [`crate::sensitivity`].
     pub(crate) fn advance_implicit(&mut self, lines: &[Linearisation], solve: impl Fn(&mut [f64], usize)) {
         const STAGES: usize = radau::STAGES;
         let width = self.width;
@@ -275,7 +275,8 @@ impl Columns {
         }
     }
 
-    /// Writes the values at the fraction `theta` of the step to their places in `out`, which has rows of `m` numbers.
+    /// Writes the values at the fraction `theta` of the step to their places in `out`, which has rows of `m`
+    /// numbers.
     pub(crate) fn write(&self, theta: f64, m: usize, out: &mut [f64]) {
         wide(
             #[inline(always)]

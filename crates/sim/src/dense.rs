@@ -1,12 +1,13 @@
 //! The interpolant of a step.
 
-/// A polynomial of the fifth degree at most for each component, in the form of Hairer, Norsett, Wanner, Solving
-/// Ordinary Differential Equations I, II.6. It serves both methods, states and sensitivities alike.
+/// A polynomial of the fifth degree at most for each component, in the form of Hairer, Norsett, Wanner,
+/// Solving Ordinary Differential Equations I, II.6. It serves both methods, states and sensitivities alike.
 #[derive(Clone, Default)]
 pub(crate) struct Dense {
     /// Length of the step.
     pub(crate) h: f64,
-    /// Six coefficients, each for all components: start, difference to the end, and what bends the line between.
+    /// Six coefficients, each for all components: start, difference to the end, and what bends the line
+    /// between.
     c: [Vec<f64>; 6],
 }
 

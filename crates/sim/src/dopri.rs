@@ -118,9 +118,9 @@ fn some<const N: usize>(
     c[5][at..at + N].fill(0.0);
 }
 
-/// `h |lambda|` of the dominant eigenvalue, from the last two stages: both are at the end of the step, and they
-/// differ by what is hardly damped (E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.2, eq.
-/// (2.26)). `size` weighs the states; `None` if nothing moves.
+/// `h |lambda|` of the dominant eigenvalue, from the last two stages: both are at the end of the step, and
+/// they differ by what is hardly damped (E. Hairer, G. Wanner, Solving Ordinary Differential Equations II,
+/// IV.2, eq. (2.26)). `size` weighs the states; `None` if nothing moves.
 pub(crate) fn stiffness(h: f64, x: &[Vec<f64>; STAGES], k: &[Vec<f64>; STAGES], size: &[f64]) -> Option<f64> {
     let norm = |of: &[Vec<f64>; STAGES]| -> f64 {
         let apart = of[STAGES - 1].iter().zip(&of[STAGES - 2]).zip(size);

@@ -2,8 +2,8 @@
 
 use phisindy_expr::wide;
 
-/// LU factors with row pivoting (G. H. Golub, C. F. Van Loan, Matrix Computations, 3.4). Zeros below a pivot cost
-/// nothing, so that chains of bodies stay cheap.
+/// LU factors with row pivoting (G. H. Golub, C. F. Van Loan, Matrix Computations, 3.4). Zeros below a pivot
+/// cost nothing, so that chains of bodies stay cheap.
 #[derive(Default)]
 pub(crate) struct Factors {
     /// The matrix before [`Factors::factor`], row by row; its factors afterwards.

@@ -90,9 +90,7 @@ impl<'a> Field<'a> {
             Which::Rest => &mut self.rest,
             Which::Output => &mut self.output,
             Which::Jacobian(lane) => {
-                let (automaton, drive) = (self.automaton, self.drive);
-                let make = || prepared(automaton, drive, &automaton.jacobian.tape);
-                let jacobian = self.jacobian.get_or_insert_with(make);
+                let jacobian = lanes(&mut self.jacobian, self.automaton, self.drive);
                 return arguments.write(jacobian, lane, (t, x), &mut self.hints);
             }
         };
@@ -308,22 +306,31 @@ impl<'a> Field<'a> {
         self.output_at(q * (2 + n + m + p) + m * (1 + n) + c * p + j)
     }
 
-    /// Writes the point of a lane at which all derivatives are wanted, in the present modes, after
-    /// [`Field::solve_stuck_modes`] or [`Field::rates`] at this point.
-    pub(crate) fn write_jacobian(&mut self, lane: usize, t: f64, x: &[f64]) {
-        self.write(Which::Jacobian(lane), t, x);
+    /// All derivatives at one point, the first lane, in the present modes.
+    pub(crate) fn jacobian_at(&mut self, t: f64, x: &[f64]) -> &Scratch<LANES> {
+        self.write(Which::Jacobian(0), t, x);
+        let jacobian = lanes(&mut self.jacobian, self.automaton, self.drive);
+        jacobian.run();
+        jacobian
     }
 
-    /// Evaluates all derivatives at the points of all lanes.
-    pub(crate) fn run_jacobian(&mut self) {
-        if let Some(jacobian) = &mut self.jacobian {
-            jacobian.run();
+    /// Evaluates `lines`, the rates to first order in the present modes, at as many points, [`LANES`] at
+    /// most.
+    pub(crate) fn linearise(&mut self, lines: &mut [Linearisation], free: &Free, points: &[(f64, &[f64])]) {
+        assert!(lines.len() == points.len() && points.len() <= LANES, "a lane for each point");
+        for (lane, (line, &(t, x))) in lines.iter_mut().zip(points).enumerate() {
+            if self.stuck.contains(&true) {
+                self.solve_stuck_modes(t, x);
+            }
+            line.hold((0..self.switches()).filter(|&c| self.stuck[c]), |c, k| self.influence(c, k));
+            self.write(Which::Jacobian(lane), t, x);
         }
-    }
-
-    /// Output `k` of [`crate::jacobian::Jacobian`] at the point of a lane.
-    pub(crate) fn slope(&self, lane: usize, k: usize) -> f64 {
-        self.jacobian.as_ref().map_or(0.0, |jacobian| jacobian.output(k)[lane])
+        let jacobian = lanes(&mut self.jacobian, self.automaton, self.drive);
+        jacobian.run();
+        let (of, n) = (&self.automaton.jacobian, self.automaton.states.len());
+        for (lane, line) in lines.iter_mut().enumerate() {
+            line.read(of, n, free, |k| jacobian.output(k)[lane]);
+        }
     }
 }
 
@@ -334,7 +341,7 @@ impl Flow for Field<'_> {
 
     fn by_state(&mut self, t: f64, x: &[f64], out: &mut [f64]) {
         let mut linear = std::mem::take(&mut self.linear);
-        Linearisation::evaluate(std::slice::from_mut(&mut linear), self, &Free::default(), &[(t, x)]);
+        self.linearise(std::slice::from_mut(&mut linear), &Free::default(), &[(t, x)]);
         linear.write_by_state(out);
         self.linear = linear;
     }
@@ -346,6 +353,15 @@ fn prepared<const N: usize>(automaton: &Automaton, drive: &Drive<'_>, tape: &Tap
     let first = 1 + automaton.states.len() + 2 * automaton.inputs;
     drive.parameters.iter().enumerate().for_each(|(k, &p)| *scratch.input(first + k) = [p; N]);
     scratch
+}
+
+/// Memory for the derivatives, made when they are first wanted.
+fn lanes<'m>(
+    memory: &'m mut Option<Scratch<LANES>>,
+    automaton: &Automaton,
+    drive: &Drive<'_>,
+) -> &'m mut Scratch<LANES> {
+    memory.get_or_insert_with(|| prepared(automaton, drive, &automaton.jacobian.tape))
 }
 
 /// Moves a point with this `w` onto the surface along the normal.

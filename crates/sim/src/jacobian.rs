@@ -1,5 +1,5 @@
-//! The derivatives of rates and surfaces as sparse matrices of expressions: a chain of bodies couples neighbours, and
-//! what is zero whatever the point is neither evaluated nor read.
+//! The derivatives of rates and surfaces as sparse matrices of expressions: a chain of bodies couples
+//! neighbours, and what is zero whatever the point is neither evaluated nor read.
 
 use crate::switched::Switched;
 use phisindy_expr::{Graph, Id, Tape, Unbound};

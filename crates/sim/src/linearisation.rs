@@ -1,7 +1,7 @@
 //! The rates to first order at a point: `df/dx` and `df/dp` in the present modes, without their zeros.
 
 use crate::elimination::solve_in_place;
-use crate::field::Field;
+use crate::jacobian::Jacobian;
 
 /// Points that are evaluated together: more than an explicit step has stages.
 pub(crate) const LANES: usize = 8;
@@ -45,27 +45,17 @@ pub(crate) struct Linearisation {
 }
 
 impl Linearisation {
-    /// Evaluates `lines` at as many points, [`LANES`] at most.
-    pub(crate) fn evaluate(
-        lines: &mut [Linearisation],
-        field: &mut Field<'_>,
-        free: &Free,
-        points: &[(f64, &[f64])],
+    /// Notes the contacts that stick at the point, and what their modes do to their `dw/dt`.
+    pub(crate) fn hold(
+        &mut self,
+        stuck: impl Iterator<Item = usize>,
+        influence: impl Fn(usize, usize) -> f64,
     ) {
-        assert!(lines.len() == points.len() && points.len() <= LANES, "a lane for each point");
-        for (lane, (line, &(t, x))) in lines.iter_mut().zip(points).enumerate() {
-            line.stuck.clear();
-            line.stuck.extend((0..field.switches()).filter(|&c| field.stuck[c]));
-            line.influence.clear();
-            if !line.stuck.is_empty() {
-                field.solve_stuck_modes(t, x);
-                let Linearisation { stuck, influence, .. } = line;
-                stuck.iter().for_each(|&c| influence.extend(stuck.iter().map(|&k| field.influence(c, k))));
-            }
-            field.write_jacobian(lane, t, x);
-        }
-        field.run_jacobian();
-        lines.iter_mut().enumerate().for_each(|(lane, line)| line.read(field, free, lane));
+        self.stuck.clear();
+        self.stuck.extend(stuck);
+        let Linearisation { stuck, influence: entries, .. } = self;
+        entries.clear();
+        stuck.iter().for_each(|&c| entries.extend(stuck.iter().map(|&k| influence(c, k))));
     }
 
     /// The entries of row `i` of `df/dx`.
@@ -87,21 +77,21 @@ impl Linearisation {
         (0..n).for_each(|i| self.by_state(i).iter().for_each(|&(j, a)| out[i * n + j] = a));
     }
 
-    fn read(&mut self, field: &Field<'_>, free: &Free, lane: usize) {
-        let (n, of) = (field.automaton.states.len(), &field.automaton.jacobian);
+    /// Reads the entries of a model with `n` states from the outputs of its Jacobian, after
+    /// [`Linearisation::hold`].
+    pub(crate) fn read(&mut self, of: &Jacobian, n: usize, free: &Free, slope: impl Fn(usize) -> f64) {
         self.states.clear();
         self.state_ends.clear();
         self.parameters.clear();
         self.parameter_ends.clear();
-        self.solve_modes(field, free, lane, n);
+        self.solve_modes(of, n, free, &slope);
         let (m, width) = (self.stuck.len(), self.stuck.len() + n + free.count);
         for i in 0..n {
-            let by_state = of.rates_by_state.row(i).map(|(j, k)| (j, field.slope(lane, k)));
+            let by_state = of.rates_by_state.row(i).map(|(j, k)| (j, slope(k)));
             let by_parameter = of.rates_by_parameter.row(i);
-            let by_parameter =
-                by_parameter.filter_map(|(p, k)| Some((n + free.place(p)?, field.slope(lane, k))));
+            let by_parameter = by_parameter.filter_map(|(p, k)| Some((n + free.place(p)?, slope(k))));
             let by_mode = of.rates_by_mode.row(i).filter_map(|(c, k)| {
-                let value = field.slope(lane, k);
+                let value = slope(k);
                 Some((self.stuck.binary_search(&c).ok()?, value)).filter(|_| value != 0.0)
             });
             let mut by_mode = by_mode.peekable();
@@ -127,23 +117,23 @@ impl Linearisation {
         }
     }
 
-    /// The modes of sticking contacts depend on the state: `ds = -M^-1 (d(dw/dt)/dx dx + d(dw/dt)/dp dp)`. The
-    /// system holds its negative after `m` numbers in each row.
-    fn solve_modes(&mut self, field: &Field<'_>, free: &Free, lane: usize, n: usize) {
+    /// The modes of sticking contacts depend on the state: `ds = -M^-1 (d(dw/dt)/dx dx + d(dw/dt)/dp dp)`.
+    /// The system holds its negative after `m` numbers in each row.
+    fn solve_modes(&mut self, of: &Jacobian, n: usize, free: &Free, slope: &impl Fn(usize) -> f64) {
         let m = self.stuck.len();
         self.system.clear();
         if m == 0 {
             return;
         }
-        let (width, of) = (m + n + free.count, &field.automaton.jacobian);
+        let width = m + n + free.count;
         self.system.resize(m * width, 0.0);
         let rows = self.system.chunks_exact_mut(width).zip(self.influence.chunks_exact(m));
         for (&c, (row, influence)) in self.stuck.iter().zip(rows) {
             row[..m].copy_from_slice(influence);
-            of.surface_rates_by_state.row(c).for_each(|(j, k)| row[m + j] = field.slope(lane, k));
+            of.surface_rates_by_state.row(c).for_each(|(j, k)| row[m + j] = slope(k));
             for (p, k) in of.surface_rates_by_parameter.row(c) {
                 if let Some(place) = free.place(p) {
-                    row[m + n + place] = field.slope(lane, k);
+                    row[m + n + place] = slope(k);
                 }
             }
         }

@@ -1,5 +1,5 @@
-//! What a run shows beside its states: the outputs of the model at a sample, their rates, and their derivatives
-//! by the start and the free parameters.
+//! What a run shows beside its states: the outputs of the model at a sample, their rates, and their
+//! derivatives by the start and the free parameters.
 //!
 //! An output `y(t, x, u, p, s)` may hold rates of states, so it jumps where friction does. The modes `s` of
 //! sticking contacts follow from `dw/dt = 0`: a change of anything else by `d` changes them by `ds = -M^-1
@@ -42,8 +42,8 @@ impl Run<'_> {
 }
 
 impl Field<'_> {
-    /// The rates of change of the outputs along `rates`, after [`Field::evaluate_outputs`] with these contacts at
-    /// rest.
+    /// The rates of change of the outputs along `rates`, after [`Field::evaluate_outputs`] with these
+    /// contacts at rest.
     fn output_rates(&self, set: &[usize], rates: &[f64]) -> Vec<f64> {
         let along =
             |row: &dyn Fn(usize) -> f64| -> f64 { rates.iter().enumerate().map(|(j, f)| row(j) * f).sum() };

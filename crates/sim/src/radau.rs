@@ -1,11 +1,11 @@
 //! One step of Radau IIA with five stages, of order 9 and stable however stiff the rates are (E. Hairer, G.
-//! Wanner, Solving Ordinary Differential Equations II, IV.5 and IV.8; J. Comput. Appl. Math. 111 (1999) 93-111,
-//! doi:10.1016/S0377-0427(99)00134-X).
+//! Wanner, Solving Ordinary Differential Equations II, IV.5 and IV.8; J. Comput. Appl. Math. 111 (1999)
+//! 93-111, doi:10.1016/S0377-0427(99)00134-X).
 //!
-//! The stages `X_i = x + Z_i` solve `sum_j W_ij Z_j / h = f(t + c_i h, X_i)` with the inverse `W` of the method's
-//! matrix, by Newton's method with the matrix `W/h (x) I - diag(df/dx)`. At first `df/dx` is that at the start of
-//! the step in all places; where that converges slowly, it is evaluated at the stages. The very same matrix
-//! at the solution gives the derivatives of the stages, by the theorem on implicit functions: see
+//! The stages `X_i = x + Z_i` solve `sum_j W_ij Z_j / h = f(t + c_i h, X_i)` with the inverse `W` of the
+//! method's matrix, by Newton's method with the matrix `W/h (x) I - diag(df/dx)`. At first `df/dx` is that at
+//! the start of the step in all places; where that converges slowly, it is evaluated at the stages. The very
+//! same matrix at the solution gives the derivatives of the stages, by the theorem on implicit functions: see
 //! [`crate::sensitivity`].
 
 use crate::decisions::{
@@ -28,8 +28,8 @@ pub(crate) const C: [f64; STAGES + 1] = [
     1.0,
 ];
 
-/// The inverse of the method's matrix: the slopes at the stages of the polynomial that is 1 at one stage, 0 at the
-/// others and at the start.
+/// The inverse of the method's matrix: the slopes at the stages of the polynomial that is 1 at one stage, 0
+/// at the others and at the start.
 #[rustfmt::skip]
 const W: [[f64; STAGES]; STAGES] = [
     [8.755_923_977_938_362, 2.891_942_615_380_117_3, -0.875_186_396_200_265_1, 0.399_705_207_939_965_5, -0.133_706_163_849_215_83],
@@ -42,8 +42,8 @@ const W: [[f64; STAGES]; STAGES] = [
 /// The real eigenvalue of `W`.
 const GAMMA: f64 = 6.286_704_751_729_276_5;
 
-/// The weights of the `Z` in the error estimate, that of `h f(x)` being 1: it vanishes for polynomials of the fifth
-/// degree.
+/// The weights of the `Z` in the error estimate, that of `h f(x)` being 1: it vanishes for polynomials of the
+/// fifth degree.
 const E: [f64; STAGES] =
     [-27.780_933_944_064_63, 3.641_478_498_049_213, -1.252_547_721_169_118_7, 0.592_003_167_184_542_8, -0.2];
 
@@ -97,8 +97,8 @@ pub(crate) struct Radau {
     pub(crate) factorisations: usize,
 }
 
-/// Writes the matrix `W/h (x) I - diag(df/dx)` for the derivatives at the stages. Its rows and columns go state by
-/// state, stage by stage, so that a chain of bodies stays a chain.
+/// Writes the matrix `W/h (x) I - diag(df/dx)` for the derivatives at the stages. Its rows and columns go
+/// state by state, stage by stage, so that a chain of bodies stays a chain.
 pub(crate) fn matrix<'a>(h: f64, n: usize, slope: impl Fn(usize) -> &'a [f64], out: &mut [f64]) {
     let width = STAGES * n;
     out.fill(0.0);
@@ -171,8 +171,8 @@ impl Radau {
         &self.dense
     }
 
-    /// Makes a step of length `h` at time `t` from the state `x[0]` with the rates `k[0]`. Returns whether Newton's
-    /// method converged.
+    /// Makes a step of length `h` at time `t` from the state `x[0]` with the rates `k[0]`. Returns whether
+    /// Newton's method converged.
     pub(crate) fn advance(
         &mut self,
         (t, h): (f64, f64),
@@ -298,9 +298,10 @@ impl Radau {
         (most, rounding)
     }
 
-    /// Estimates the errors of the step: at its end by the difference to a formula of order 5, damped as the exact
-    /// solution is (IV.8, eq. (8.19)); within it by what the rates at the interpolant lack. A fast mode follows the
-    /// slow ones exactly at the stages, and an interpolant that is too coarse shows between them alone.
+    /// Estimates the errors of the step: at its end by the difference to a formula of order 5, damped as the
+    /// exact solution is (IV.8, eq. (8.19)); within it by what the rates at the interpolant lack. A fast mode
+    /// follows the slow ones exactly at the stages, and an interpolant that is too coarse shows between them
+    /// alone.
     fn estimate(&mut self, (t, h): (f64, f64), k: &[Vec<f64>], flow: &mut impl Flow) -> bool {
         let n = self.n;
         self.filter.a.iter_mut().zip(&self.slope).for_each(|(a, slope)| *a = -slope);
@@ -335,8 +336,8 @@ impl Radau {
         }
     }
 
-    /// The size of the dominant eigenvalue of `df/dx` at the start of the step, by powers of this matrix. `size`
-    /// is the size of each state.
+    /// The size of the dominant eigenvalue of `df/dx` at the start of the step, by powers of this matrix.
+    /// `size` is the size of each state.
     pub(crate) fn eigenvalue(&mut self, size: &[f64]) -> Option<f64> {
         let n = self.n;
         let mut v: Vec<f64> = size.to_vec();
@@ -409,8 +410,8 @@ mod tests {
         x.powi(q as i32)
     }
 
-    /// What defines the coefficients: `W` differentiates powers of the time up to the fifth, the error estimate does
-    /// not see them, and `GAMMA` is an eigenvalue.
+    /// What defines the coefficients: `W` differentiates powers of the time up to the fifth, the error
+    /// estimate does not see them, and `GAMMA` is an eigenvalue.
     #[test]
     fn the_coefficients_fulfil_their_conditions() {
         let stages = &C[1..];
@@ -431,8 +432,8 @@ mod tests {
         assert_abs_diff_eq!(last, 0.0, epsilon = 1e-13);
     }
 
-    /// The nodes are those of Radau's quadrature, which is exact to the eighth degree; the interpolant is to the
-    /// fifth.
+    /// The nodes are those of Radau's quadrature, which is exact to the eighth degree; the interpolant is to
+    /// the fifth.
     #[test]
     fn polynomials_are_followed_exactly() {
         let (t, h) = (0.3, 0.8);
@@ -476,7 +477,8 @@ mod tests {
         assert_relative_eq!((coarse[2] / fine[2]).log2(), 10.0, max_relative = 0.2);
     }
 
-    /// A mode that is a million times faster than the step is gone at its end, and its error is not overrated.
+    /// A mode that is a million times faster than the step is gone at its end, and its error is not
+    /// overrated.
     #[test]
     fn a_fast_mode_is_damped() {
         let mut step = step((0.0, 1.0), 1.0, |_, x| -1e6 * x, |_, _| -1e6);

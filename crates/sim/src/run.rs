@@ -106,8 +106,8 @@ impl Run<'_> {
         }
     }
 
-    /// Tries a step of length `h`; returns whether it, or the part of it up to an event, was accepted. Otherwise
-    /// the length of the next trial is set.
+    /// Tries a step of length `h`; returns whether it, or the part of it up to an event, was accepted.
+    /// Otherwise the length of the next trial is set.
     fn attempt(&mut self, h: f64) -> Result<bool, SimError> {
         if !self.step.advance(h, &self.allowed, &mut self.field) {
             self.h = NEWTON_SHORTENING * h;

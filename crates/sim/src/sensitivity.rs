@@ -2,8 +2,8 @@
 //! accepted steps, and the jump of its solution at each switch.
 //!
 //! Between events `dS/dt = (df/dx) S + df/dp` is advanced with the stages of the state's step, so that `S`
-//! is the derivative of the computed trajectory, also where the step is implicit; where the state rests in a stiff mode
-//! `S` alone takes an implicit step. At an event on `w = 0` the event time moves by `dt =
+//! is the derivative of the computed trajectory, also where the step is implicit; where the state rests in a
+//! stiff mode `S` alone takes an implicit step. At an event on `w = 0` the event time moves by `dt =
 //! -(dw/dx S + dw/dp) / (dw/dt)` and `S` jumps by `(f- - f+) dt` (saltation; Leine and Nijmeijer, Dynamics
 //! and Bifurcations of Non-Smooth Mechanical Systems, 2004, ch. 7). When a contact is released the rates
 //! are continuous and `S` does not jump.
@@ -42,7 +42,8 @@ pub(crate) struct Sensitivity {
 }
 
 impl Sensitivity {
-    /// By the start of the states, whose sizes that matter are `scale`, and by the parameters `free` of all `parameters`.
+    /// By the start of the states, whose sizes that matter are `scale`, and by the parameters `free` of all
+    /// `parameters`.
     pub(crate) fn new(scale: &[f64], tolerance: f64, parameters: usize, free: &[usize]) -> Self {
         let (n, m) = (scale.len(), scale.len() + free.len());
         Sensitivity {
@@ -69,9 +70,10 @@ impl Sensitivity {
         }
     }
 
-    /// Advances over an accepted step of the state. A mode in which the state rests to the last digit does not limit
-    /// its steps, however stiff it is; `S` does not rest there, and explicit stages beyond their domain of stability
-    /// would let it grow without bound. Such a step of `S` is implicit, along the interpolant of the state.
+    /// Advances over an accepted step of the state. A mode in which the state rests to the last digit does
+    /// not limit its steps, however stiff it is; `S` does not rest there, and explicit stages beyond their
+    /// domain of stability would let it grow without bound. Such a step of `S` is implicit, along the
+    /// interpolant of the state.
     pub(crate) fn advance(&mut self, field: &mut Field<'_>, step: &mut Step) {
         self.method = step.method();
         match self.method {
@@ -105,7 +107,7 @@ impl Sensitivity {
             *point = (step.t + C[stage] * step.h, &step.x[stage]);
         }
         let lines = &mut self.lines[..STAGES];
-        Linearisation::evaluate(&mut lines[known..], field, &self.places, &points[known..]);
+        field.linearise(&mut lines[known..], &self.places, &points[known..]);
         let (lines, h, accuracy) = (&*lines, step.h, (self.tolerance, &self.scale[..]));
         match &mut self.columns[..] {
             [few] => few.advance_explicit(h, lines, fresh, accuracy),
@@ -117,9 +119,9 @@ impl Sensitivity {
         }
     }
 
-    /// The stages of an implicit step from `t`, of length `h`, are what solves its equations, so their derivatives
-    /// `S + D` follow from those of the equations at the solution: `sum_j W_ij D_j / h - J_i D_i = J_i S + (df/dp)_i`.
-    /// `x` is the state at a stage.
+    /// The stages of an implicit step from `t`, of length `h`, are what solves its equations, so their
+    /// derivatives `S + D` follow from those of the equations at the solution:
+    /// `sum_j W_ij D_j / h - J_i D_i = J_i S + (df/dp)_i`. `x` is the state at a stage.
     fn advance_implicit<'x>(
         &mut self,
         field: &mut Field<'_>,
@@ -131,7 +133,7 @@ impl Sensitivity {
         let points: [(f64, &[f64]); STAGES] =
             std::array::from_fn(|stage| (t + radau::C[stage + 1] * h, x(stage)));
         let lines = &mut self.lines[..STAGES];
-        Linearisation::evaluate(lines, field, &self.places, &points);
+        field.linearise(lines, &self.places, &points);
         for (slope, line) in self.slopes.iter_mut().zip(&*lines) {
             slope.resize(n * n, 0.0);
             line.write_by_state(slope);
@@ -170,7 +172,7 @@ impl Sensitivity {
     ) {
         let from = out.len();
         out.resize(from + self.n * self.m, 0.0);
-        Linearisation::evaluate(&mut self.lines[..1], field, &self.places, &[(t, x)]);
+        field.linearise(&mut self.lines[..1], &self.places, &[(t, x)]);
         for columns in &mut self.columns {
             columns.write_along(&self.lines[0], back, self.m, &mut out[from..]);
         }
@@ -204,11 +206,10 @@ impl Sensitivity {
         let mut out = vec![0.0; self.free.len()];
         let of = &field.automaton.jacobian.surfaces_by_parameter;
         if of.row(c).next().is_some() {
-            field.write_jacobian(0, t, x);
-            field.run_jacobian();
+            let slopes = field.jacobian_at(t, x);
             for (p, k) in of.row(c) {
                 if let Some(place) = self.places.place(p) {
-                    out[place] = field.slope(0, k);
+                    out[place] = slopes.output(k)[0];
                 }
             }
         }

@@ -141,8 +141,8 @@ impl Step {
         }
     }
 
-    /// `h |lambda|`, with the eigenvalue that governs whether an explicit step is stable; `None` where the step
-    /// does not tell. `size` is the size of each state.
+    /// `h |lambda|`, with the eigenvalue that governs whether an explicit step is stable; `None` where the
+    /// step does not tell. `size` is the size of each state.
     pub(crate) fn stiffness(&mut self, size: &[f64]) -> Option<f64> {
         match (self.method, &mut self.radau) {
             (Method::Implicit, Some(radau)) => radau.eigenvalue(size).map(|value| self.h * value),

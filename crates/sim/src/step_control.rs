@@ -1,5 +1,5 @@
-//! Step control: the first step length, the longest permitted one, the error of a trial step, and the method of the
-//! next one.
+//! Step control: the first step length, the longest permitted one, the error of a trial step, and the method
+//! of the next one.
 
 use crate::decisions::{
     LOAD_RESOLUTION, SHAPE_MATTERS, SHAPE_RESOLUTION, SHAPE_SHORTENING, SPEED_RATIO, SPEED_RATIO_SLACK,

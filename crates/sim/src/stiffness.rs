@@ -1,9 +1,9 @@
 //! The choice of the method of the next step.
 //!
 //! An explicit step of a stiff model is short because a longer one would be unstable, not because it would be
-//! inaccurate: then `h |lambda|` is at the border of the domain of stability, step by step. An implicit step is as
-//! long as accuracy permits, and costs several explicit ones; where explicit steps could be nearly as long, they
-//! are cheaper.
+//! inaccurate: then `h |lambda|` is at the border of the domain of stability, step by step. An implicit step
+//! is as long as accuracy permits, and costs several explicit ones; where explicit steps could be nearly as
+//! long, they are cheaper.
 
 use crate::decisions::{CALM_STEPS, CHANGE_STEPS, IMPLICIT_COST, MOST_DOUBLINGS, STABLE, STIFF};
 use crate::step::Method;

@@ -154,8 +154,8 @@ impl Switched {
     }
 }
 
-/// Arguments of all signs and steps in the rates and outputs that can change during a run. An argument and its negative
-/// are one surface.
+/// Arguments of all signs and steps in the rates and outputs that can change during a run. An argument and
+/// its negative are one surface.
 fn surfaces(graph: &mut Graph, model: &Model) -> Vec<Id> {
     let mut moving = model.states.clone();
     moving.extend(&model.inputs);

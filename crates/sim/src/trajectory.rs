@@ -22,8 +22,8 @@ pub struct Options {
     /// The smallest size of each state that matters; empty means 1 for all. It also sets the speed scale of
     /// the contact rule.
     pub scale: Vec<f64>,
-    /// How far each state may be expected to go; empty means [`Options::scale`]. A body at rest has a small scale,
-    /// and a model may move it all the same.
+    /// How far each state may be expected to go; empty means [`Options::scale`]. A body at rest has a small
+    /// scale, and a model may move it all the same.
     pub reach: Vec<f64>,
     /// Indices of the parameters to differentiate by; `None` for no sensitivities.
     pub sensitivities: Option<Vec<usize>>,

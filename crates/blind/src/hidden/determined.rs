@@ -1,8 +1,8 @@
 //! Whether the first record tells the parameters of hidden effects at all: the Cramer-Rao bound.
 //!
-//! The motion is simulated again with each parameter, and each start state, a little off. The changes of the readings
-//! in units of the noise are the rows of the Fisher information (S. M. Kay 1993, Fundamentals of Statistical Signal
-//! Processing: Estimation Theory, section 3.9).
+//! The motion is simulated again with each parameter, and each start state, a little off. The changes of the
+//! readings in units of the noise are the rows of the Fisher information (S. M. Kay 1993, Fundamentals of
+//! Statistical Signal Processing: Estimation Theory, section 3.9).
 
 use super::effect::Effect;
 use super::experiment::first_part;
@@ -16,8 +16,8 @@ const STEP: f64 = 1e-4;
 /// No standard deviation of a parameter may be a larger part of it.
 const MOST: f64 = 0.1;
 
-/// Whether no parameter of a law with memory is more uncertain than `MOST` of itself. `columns`: indices of what is
-/// measured, and the noise of each.
+/// Whether no parameter of a law with memory is more uncertain than `MOST` of itself. `columns`: indices of
+/// what is measured, and the noise of each.
 pub(super) fn determined(
     rig: &Rig,
     effects: &[Effect],

@@ -336,7 +336,8 @@ fn draw_excitation(law: &str, s: Scales, rig: &super::rig::Rig, dice: &mut Dice)
     })
 }
 
-/// Draws what is wrong with the recorded drive of a rig; `None` for any other law, and where the drive is not recorded.
+/// Draws what is wrong with the recorded drive of a rig; `None` for any other law, and where the drive is not
+/// recorded.
 pub(super) fn draw_input(law: &str, rig: &super::rig::Rig, dice: &mut Dice) -> Option<Effect> {
     use super::rig::Drive;
     let at = match rig.drive {

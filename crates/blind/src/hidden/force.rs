@@ -62,8 +62,8 @@ pub(super) fn on_masses(
     Some(out)
 }
 
-/// The error of forces against others along a motion, rms over rms, without the samples at which something sticks:
-/// there friction is what holds.
+/// The error of forces against others along a motion, rms over rms, without the samples at which something
+/// sticks: there friction is what holds.
 pub(super) fn error(found: &[Vec<f64>], due: &[Vec<f64>], stuck: &[bool]) -> f64 {
     let (mut miss, mut size) = (0.0, 0.0);
     for (found, due) in found.iter().zip(due) {
@@ -75,8 +75,8 @@ pub(super) fn error(found: &[Vec<f64>], due: &[Vec<f64>], stuck: &[bool]) -> f64
     (miss / size).sqrt()
 }
 
-/// Whether numbers can be put into the true law so that it is the found text: the same form, however it is written.
-/// `states`: displacement and velocity of the place.
+/// Whether numbers can be put into the true law so that it is the found text: the same form, however it is
+/// written. `states`: displacement and velocity of the place.
 pub(super) fn same_form(truth: &Effect, place: &Place, found: &str, states: &[(f64, f64)]) -> bool {
     let Action::Force { force: text, .. } = &truth.action else { return false };
     // At the place, displacement and velocity are the variables of both.

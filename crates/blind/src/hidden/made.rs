@@ -83,7 +83,8 @@ fn attempt(wish: &Wish, dice: &mut Dice) -> Result<Made, &'static str> {
         Kind::Nothing => false,
     };
     let mut rig = Rig::draw(dice, wish.two_masses, friction && wish.holds);
-    // A single cosine draws one closed curve over displacement and velocity, along which many formulas are the same.
+    // A single cosine draws one closed curve over displacement and velocity, along which many formulas are
+    // the same.
     let forced = matches!(rig.drive, Drive::Explicit(_) | Drive::Force(_)) && rig.lines.len() > 1;
     if wish.told.is_some() && !forced {
         return Err("not forced by several cosines");

@@ -35,7 +35,8 @@ pub(super) struct Motion {
     pub(super) readings: Vec<Vec<f64>>,
 }
 
-/// The index of the acceleration of mass 0 among what can be measured; below it are displacements and velocities.
+/// The index of the acceleration of mass 0 among what can be measured; below it are displacements and
+/// velocities.
 pub(super) const ACCELERATION: usize = 100;
 
 impl Motion {

@@ -1,5 +1,5 @@
-//! Static laws that are in no catalogue, for the blind test of formulas: many shapes, most of which the grammar was not
-//! developed on.
+//! Static laws that are in no catalogue, for the blind test of formulas: many shapes, most of which the
+//! grammar was not developed on.
 
 use super::effect::{Action, Effect, Scales};
 use super::place::Place;

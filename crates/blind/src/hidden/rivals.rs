@@ -328,7 +328,8 @@ impl Comparison<'_> {
         }
     }
 
-    /// The laws with memory at a place, along its displacement `x` of size `top`. Their own numbers are on grids.
+    /// The laws with memory at a place, along its displacement `x` of size `top`. Their own numbers are on
+    /// grids.
     fn with_memory(&mut self, place: &Place, x: &[f64], top: f64) {
         let times = &self.seen.experiment.times;
         for period in [0.1, 0.3, 1.0, 3.0, 10.0] {

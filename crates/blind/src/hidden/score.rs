@@ -81,8 +81,8 @@ fn sets(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(all)
 }
 
-/// Runs the workflow on a set as a user does, without some laws, with its messages in `gap.log`. None if the user
-/// stopped it.
+/// Runs the workflow on a set as a user does, without some laws, with its messages in `gap.log`. None if the
+/// user stopped it.
 pub(super) fn run(set: &Path, program: &Program, without: &[&str], threads: u16) -> Result<Option<Value>> {
     let log = set.join("gap.log");
     let mut command = program.command();

@@ -84,8 +84,8 @@ pub(super) fn alternatives(
     unique
 }
 
-/// A delay or a gain of the one recorded drive and of the one column are the same: what acts late shows late, and on
-/// linear springs a scale of the drive is one of the motion.
+/// A delay or a gain of the one recorded drive and of the one column are the same: what acts late shows late,
+/// and on linear springs a scale of the drive is one of the motion.
 fn of_one_drive(e: &Effect, rig: &Rig, (columns, column): (usize, &str)) -> Vec<Placed> {
     let input = match rig.drive {
         Drive::Base { .. } => "u",

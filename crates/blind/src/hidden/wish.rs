@@ -23,13 +23,13 @@ pub(super) struct Wish {
     /// Whether a friction is to hold a mass at rest somewhere.
     pub(super) holds: bool,
     pub(super) sensors: Sensors,
-    /// A set for a formula: forced by several cosines, the constants known, and a record that tells the force of the
-    /// right formula to this accuracy.
+    /// A set for a formula: forced by several cosines, the constants known, and a record that tells the force
+    /// of the right formula to this accuracy.
     pub(super) told: Option<f64>,
 }
 
-/// Laws that an accelerometer does not show: a constant force, which is also what makes friction asymmetric, and
-/// what is wrong with a sensor that is not there.
+/// Laws that an accelerometer does not show: a constant force, which is also what makes friction asymmetric,
+/// and what is wrong with a sensor that is not there.
 const UNSEEN: &[&str] = &["offset", "asymmetric-coulomb", "sensor-delay", "sensor-gain", "sensor-offset"];
 
 /// Every law of the catalogue.

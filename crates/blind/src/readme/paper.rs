@@ -1,6 +1,6 @@
 //! Each case of the paper: its printed result, and the results of both methods with its own noise and seed.
 
-use super::{Chosen, common};
+use super::cases::{Chosen, common};
 use crate::args::{Assignment, CaseArgs, Options};
 use crate::markdown::{markdown, short};
 use crate::program::Program;

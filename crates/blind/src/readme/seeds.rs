@@ -1,6 +1,6 @@
 //! Many seeds of each case at three kinds of noise, both methods.
 
-use super::{Chosen, common};
+use super::cases::{Chosen, common};
 use crate::args::{Assignment, Options, SweepArgs};
 use crate::markdown::{markdown, short};
 use crate::program::Program;

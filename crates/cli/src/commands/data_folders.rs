@@ -1,4 +1,5 @@
-//! Where the data files of a spec are, as seen from the folder of its result: a spec that is written there finds them.
+//! Where the data files of a spec are, as seen from the folder of its result: a spec that is written there
+//! finds them.
 
 use crate::args::Options;
 use phisindy::Loaded;

@@ -16,8 +16,8 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
-/// Runs the workflow on one spec without some laws of the catalogue, prints and keeps what it found, and returns the
-/// exit code.
+/// Runs the workflow on one spec without some laws of the catalogue, prints and keeps what it found, and
+/// returns the exit code.
 pub(crate) fn gap(spec: &Path, without: &[String], options: &Options) -> Result<u8> {
     let begin = Instant::now();
     let folder = match &options.out {

@@ -9,8 +9,8 @@ use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Writes a spec for a data file unless it is there, looks for what is missing, and opens the report; returns the exit
-/// code of `gap`.
+/// Writes a spec for a data file unless it is there, looks for what is missing, and opens the report; returns
+/// the exit code of `gap`.
 ///
 /// # Errors
 /// A file cannot be written.

@@ -47,7 +47,9 @@ pub(super) fn loaded_with_warnings(
     if let (Err(_), Some(folder)) = (&loaded, folder) {
         let name = spec.display().to_string();
         let text = sources.files.iter().find(|f| f.name.starts_with(&name)).map(|f| f.text.as_str());
-        let page = html::refusal(&name, text, &draw::text(drawn(), &sources), &invocation(options));
+        let (errors, drawn) = (drawn().collect(), draw::text(drawn(), &sources));
+        let refused = html::Refused { spec: &name, text, errors, sources: &sources, drawn };
+        let page = html::refusal(&refused, &invocation(options));
         write_html(&page, folder).unwrap_or_else(|error| complain(&format!("{error:#}")));
     }
     let doubts = || found.iter().map(|d| d.message.clone()).collect();

@@ -3,8 +3,9 @@
 use super::spec_file::exit_code;
 use crate::args::{Format, Options, SweepArgs};
 use crate::outdir::OutDir;
+use crate::sweep::shard::Shard;
 use crate::sweep::{
-    Axis, Cell, Checked, Journal, Merged, NAME, Plan, Shard, listed, merged, product, seed_of, vary,
+    Axis, Cell, Checked, Journal, Merged, NAME, Plan, listed, merged, product, seed_of, vary,
 };
 use crate::terminal::{INPUT, REJECTED, complain, print, remark};
 use crate::{draw, interrupt};

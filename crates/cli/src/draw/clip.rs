@@ -16,7 +16,8 @@ const DOTS: &str = "...";
 pub(super) struct Clipped<'a> {
     pub(super) diagnostic: Cow<'a, Diagnostic>,
     pub(super) sources: Cow<'a, Sources>,
-    /// For each source that was clipped, where each kept piece begins: in the clipped text, and in the whole one.
+    /// For each source that was clipped, where each kept piece begins: in the clipped text, and in the whole
+    /// one.
     pieces: Vec<(usize, Vec<(usize, usize)>)>,
 }
 
@@ -71,7 +72,8 @@ impl<'a> Clipped<'a> {
         self.pieces.push((id, begin));
     }
 
-    /// The column, counted from 1, of a place in the clipped text in the line as it really is; none where nothing was clipped.
+    /// The column, counted from 1, of a place in the clipped text in the line as it really is; none where
+    /// nothing was clipped.
     pub(super) fn column(&self, whole: &Sources, id: usize, at: usize) -> Option<usize> {
         let (_, begin) = self.pieces.iter().find(|(clipped, _)| *clipped == id)?;
         let (here, there) = begin[begin.partition_point(|(b, _)| *b <= at).checked_sub(1)?];

@@ -2,7 +2,7 @@
 
 use phisindy_learn::Truth;
 use phisindy_phys::spec::Method;
-use phisindy_report::sweep::NamedTruth;
+use phisindy_report::sweep::{NamedTruth, TermName};
 use serde::{Deserialize, Serialize};
 
 /// A whole sweep, whatever part of it a journal holds.
@@ -21,7 +21,7 @@ pub(crate) struct Design {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct DesignCell {
     label: String,
-    names: Vec<String>,
+    names: Vec<TermName>,
     coefficients: Vec<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     error: Option<String>,

@@ -54,7 +54,8 @@ pub(crate) struct Journal {
 }
 
 impl Journal {
-    /// Opens a journal in a folder, or starts one. `what` is all that the runs depend on, except for cell and seed.
+    /// Opens a journal in a folder, or starts one. `what` is all that the runs depend on, except for cell and
+    /// seed.
     ///
     /// # Errors
     /// It holds runs of another case, is damaged, is in use, or cannot be read or written.
@@ -161,7 +162,8 @@ impl Journal {
     }
 }
 
-/// The length of all lines with an end. A line without one was torn when the program was killed: its run is done again.
+/// The length of all lines with an end. A line without one was torn when the program was killed: its run is
+/// done again.
 fn whole(text: &[u8]) -> usize {
     text.iter().rposition(|&b| b == b'\n').map_or(0, |at| at + 1)
 }

@@ -1,7 +1,7 @@
 //! A part of a sweep, for one of many programs that share its work.
 
-/// The runs whose number leaves `index` when it is divided by `count`: neighbouring seeds go to different programs,
-/// so that each has its share of every cell.
+/// The runs whose number leaves `index` when it is divided by `count`: neighbouring seeds go to different
+/// programs, so that each has its share of every cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Shard {
     /// From 0.

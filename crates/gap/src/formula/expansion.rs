@@ -54,9 +54,15 @@ pub(crate) fn expansion(law: &Law, parameters: &[f64]) -> Option<String> {
             (false, true) => " - ",
             (false, false) => " + ",
         };
-        out += &format!("{sign}{}{factors}", super::short(c.abs()));
+        out += &format!("{sign}{}{factors}", short(c.abs()));
     }
     (!out.is_empty()).then_some(out)
+}
+
+/// A number with three digits.
+pub(super) fn short(x: f64) -> String {
+    let rounded: f64 = format!("{x:.2e}").parse().unwrap_or(x);
+    format!("{rounded}")
 }
 
 /// Every derivative up to the highest order, with the power of each quantity, lowest order first.

@@ -5,9 +5,9 @@
 //! number of expressions with as many symbols: `2 ln S` for each symbol of an alphabet of `S`. That is also the price
 //! of the search, for no more expressions of a length than these were tried.
 
-use super::Scope;
 use super::atom::Inner;
 use super::scale::Scale;
+use super::scope::Scope;
 use super::shape::{Program, Shape, Term, shapes};
 use crate::decisions::{FORMULA_ALPHABET, FORMULA_BEAM, FORMULA_REFINED, FORMULA_SINGLES, FORMULA_TERMS};
 use crate::model::TrialModel;

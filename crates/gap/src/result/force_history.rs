@@ -39,9 +39,9 @@ pub fn force_history(found: &Gap, step: &Step, records: &[Record]) -> Option<For
     let letter = drawn.unwrap_or(if law.role(LawRole::Velocity).is_some() { 'v' } else { 'x' });
     let system = &found.simulated.system;
     let (over, place, over_unit) = match (letter, displacement) {
-        ('x', Some(x)) => (x.text.as_str(), x.node, "m"),
+        ('x', Some(x)) => (x.bare(), x.node, "m"),
         ('t', _) => ("t", system.time, "s"),
-        _ => (velocity.text.as_str(), velocity.node, "m/s"),
+        _ => (velocity.bare(), velocity.node, "m/s"),
     };
     let graph = &system.graph;
     let sign = if law.push.is_some() { -1.0 } else { 1.0 };
@@ -76,7 +76,7 @@ pub fn force_history(found: &Gap, step: &Step, records: &[Record]) -> Option<For
             out.push((record.name.clone(), points));
         }
     }
-    let over = over.trim_start_matches('(').trim_end_matches(')').to_owned();
+    let over = over.to_owned();
     (!out.is_empty()).then_some(ForceHistory {
         over,
         over_unit,

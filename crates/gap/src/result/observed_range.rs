@@ -46,6 +46,6 @@ fn range(fitted: &Fitted, effect: &Effect, of: &Quantity, unit: &str) -> Option<
     }
     let unit = Effect { load: None, ..effect.clone() }.unit(unit, system);
     let factor = Unit::parse(&unit).map_or(1.0, |u| u.factor);
-    let quantity = of.text.trim_start_matches('(').trim_end_matches(')').to_owned();
+    let quantity = of.bare().to_owned();
     (low <= high).then_some(ObservedRange { quantity, low, high, unit, factor })
 }

@@ -1,8 +1,8 @@
 //! The columns of all free quantities, projected out of every regression: start states, movable constants,
 //! sensor parameters.
 
-use super::Target;
 use super::regression_data::{Base, RegressionData};
+use super::target::Target;
 use crate::evaluate::evaluated;
 use crate::model::TrialModel;
 use phisindy_phys::SensorParameter;

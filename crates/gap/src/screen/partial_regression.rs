@@ -1,9 +1,9 @@
 //! The linear regression in which any force can be tried: the motion at a place, the linear response to a force
 //! there, and the free columns that are projected out of it (Frisch, Waugh and Lovell).
 
-use super::Target;
 use super::free_columns::{FreeColumns, Movable};
 use super::regression_data::{Base, RegressionData};
+use super::target::Target;
 use super::trial::holding_rates;
 use crate::decisions::FORMULA_ROWS;
 use crate::evaluate::evaluated;

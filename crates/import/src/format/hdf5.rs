@@ -199,7 +199,8 @@ impl Found {
     }
 }
 
-/// Groups that hold no data of the user: of MATLAB, of the indices of PyTables (natural naming), and sparse matrices.
+/// Groups that hold no data of the user: of MATLAB, of the indices of PyTables (natural naming), and sparse
+/// matrices.
 fn is_hidden(group: &Group) -> bool {
     let name = group.name();
     [REFERENCED, SUBSYSTEM].contains(&name)

@@ -12,8 +12,8 @@ pub(super) fn channels(bytes: &[u8]) -> Result<Vec<Channel>, Refusal> {
     array(bytes, "")
 }
 
-/// The columns of an array: a vector is one column with the name of the array, a matrix or an array of structures
-/// is a group of them.
+/// The columns of an array: a vector is one column with the name of the array, a matrix or an array of
+/// structures is a group of them.
 pub(super) fn array(bytes: &[u8], name: &str) -> Result<Vec<Channel>, Refusal> {
     let broken = |at: &str| Refusal::broken(FORMAT, at);
     let mut rest = Bytes::new(bytes, false);
@@ -112,8 +112,8 @@ fn matrix(
     Ok(all.map(|(k, values)| channel(name, &(k + 1).to_string(), values)).collect())
 }
 
-/// Names and types of the members of a structure, such as `[('t', '<f8'), ('x', '<f4')]`; none if one of them is
-/// no number.
+/// Names and types of the members of a structure, such as `[('t', '<f8'), ('x', '<f4')]`; none if one of them
+/// is no number.
 fn members(text: &str) -> Option<Vec<(&str, Element)>> {
     fn member(text: &str) -> Option<(&str, Element)> {
         let mut words = text.split('\'').skip(1).step_by(2);

@@ -14,14 +14,14 @@ use parquet::schema::types::ColumnDescriptor;
 const FORMAT: &str = "Parquet";
 /// Most numbers of a file: 2 GB in memory.
 const MOST_NUMBERS: usize = 1 << 28;
-/// Most numbers for each byte of a file: as many as fit into what deflate unpacks from it (1032 bytes). Values that
-/// repeat take no room at all, but no table holds nothing else.
+/// Most numbers for each byte of a file: as many as fit into what deflate unpacks from it (1032 bytes).
+/// Values that repeat take no room at all, but no table holds nothing else.
 const MOST_PACKED: usize = 1032 / 8;
 /// Rows that are read at a time.
 const BATCH: usize = 8192;
 
-/// The columns of a file that hold numbers or dates, by their names; members of a structure by the names of both,
-/// with a dot between them. A cell without a value is no number.
+/// The columns of a file that hold numbers or dates, by their names; members of a structure by the names of
+/// both, with a dot between them. A cell without a value is no number.
 pub(super) fn channels(bytes: &[u8]) -> Result<Vec<Channel>, Refusal> {
     guarded(FORMAT, || read(bytes))
 }
@@ -198,7 +198,8 @@ impl Cells {
     }
 }
 
-/// Calls `push` with each cell of a column of a group of rows; none where the level of its definition is not `level`.
+/// Calls `push` with each cell of a column of a group of rows; none where the level of its definition is not
+/// `level`.
 fn cells<T: DataType>(
     mut reader: ColumnReaderImpl<T>,
     level: i16,

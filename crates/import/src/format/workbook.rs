@@ -71,8 +71,8 @@ fn read_ods(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal> {
     whole(book, "ODS", wanted)
 }
 
-/// The rows of a sheet that is declared larger than the format allows (65 536 rows of 256 cells): the reader would
-/// ask for memory for all of them.
+/// The rows of a sheet that is declared larger than the format allows (65 536 rows of 256 cells): the reader
+/// would ask for memory for all of them.
 fn too_large(bytes: &[u8]) -> Option<u32> {
     // The record of the dimensions: its type, its length; rows and columns from, to; two bytes of nothing.
     bytes.windows(18).filter(|w| matches!(w[..4], [0, 2, 14 | 16, 0])).find_map(|w| {

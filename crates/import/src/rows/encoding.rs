@@ -5,8 +5,8 @@ use encoding_rs::{CoderResult, Decoder, Encoding, UTF_16BE, UTF_16LE, WINDOWS_12
 use std::borrow::Cow;
 use std::io::{self, Read, SeekFrom};
 
-/// Which kind of UTF-16 a text is that begins with these bytes: by its byte order mark, or because every second
-/// byte of its first two characters is zero.
+/// Which kind of UTF-16 a text is that begins with these bytes: by its byte order mark, or because every
+/// second byte of its first two characters is zero.
 pub(crate) fn is_utf16(start: &[u8]) -> Option<&'static Encoding> {
     match start {
         [0xFF, 0xFE, ..] => Some(UTF_16LE),

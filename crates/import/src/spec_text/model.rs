@@ -7,14 +7,14 @@ use crate::roles::Input;
 use crate::start_values::Drive;
 use std::fmt::Write;
 
-/// Bounds are this factor from a value that a regression told, and its square from one that nothing told: they
-/// keep a sign and an order of magnitude, not a guess.
+/// Bounds are this factor from a value that a regression told, and its square from one that nothing told:
+/// they keep a sign and an order of magnitude, not a guess.
 const WIDE: f64 = 100.0;
 
 /// How the other form of a force beside a displacement is written.
 const TESTER: &str = r#"    // The data do not tell whether F drives the motion or is what a prescribed motion meets, as in a friction tester. For a tester:
-    // states: {}, inputs: { "x": "m", "dx": "m/s" }, outputs: { "F": (unit: "N", reads: "k*x") }, known: {}, unknown: {}, no inertia and contacts,
-    // and in each record derive: { "dx": Derivative("x") }.
+    // states: {}, inputs: { "x": "m", "dx": "m/s" }, outputs: { "F": (unit: "N", reads: "k*x") }, known: {},
+    // unknown: {}, no inertia and contacts, and in each record derive: { "dx": Derivative("x") }.
 "#;
 
 /// Writes `constants`.

@@ -34,7 +34,8 @@ impl Tester {
         );
         text.push_str(
             "    // The force jumps with the direction of the motion and shows no inertia: the motion is prescribed, as in a friction tester.\n    \
-             // EDIT: if F drives a body instead, x and its speed v are states, F an input, and \"v\": \"(F - c*v - k*x)/m\" is known.\n    \
+             // EDIT: if F drives a body instead, x and its speed v are states, F an input, and \"v\": \"(F -
+             // c*v - k*x)/m\" is known.\n    \
              states: {},\n    inputs: { \"x\": \"m\", \"dx\": \"m/s\" },\n    \
              outputs: { \"F\": (unit: \"N\", reads: \"k*x\") }, // EDIT: the part of the force that you are sure of\n    \
              known: {},\n    unknown: {},\n    // `phisindy gap` names the friction that the force lacks.\n",

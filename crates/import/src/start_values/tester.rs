@@ -1,24 +1,26 @@
-//! Whether a force and a motion are those of a friction tester, whose drive prescribes the motion and whose force
-//! cell shows what resists, or those of a body that the force drives.
+//! Whether a force and a motion are those of a friction tester, whose drive prescribes the motion and whose
+//! force cell shows what resists, or those of a body that the force drives.
 //!
-//! A driven body fulfils `F = m a + c v + k x + Fc sgn(v)`. Where the force jumps with the direction of the motion,
-//! the acceleration of a body would jump as well, unless the force is what prescribed motion meets.
+//! A driven body fulfils `F = m a + c v + k x + Fc sgn(v)`. Where the force jumps with the direction of the
+//! motion, the acceleration of a body would jump as well, unless the force is what prescribed motion meets.
 
 use super::least_squares::least_squares;
 use super::motion::Motion;
 use super::weak_form::weak;
 
-/// Friction is seen in the force if its sign takes this part of the force (mean squares) beyond spring and damper, or
-/// if inertia, spring and damper together leave it: friction that slips late has no sharp sign.
+/// Friction is seen in the force if its sign takes this part of the force (mean squares) beyond spring and
+/// damper, or if inertia, spring and damper together leave it: friction that slips late has no sharp sign.
 const DRY: f64 = 0.05;
-/// A force of which spring, damper and friction leave more than this part (mean squares) is not what resists a motion.
+/// A force of which spring, damper and friction leave more than this part (mean squares) is not what resists
+/// a motion.
 const EXPLAINED: f64 = 0.5;
-/// A body is driven if its inertia takes this part of what spring, damper and friction leave of the force (mean
-/// squares): of a tester it takes what it has in common with the shape of the friction, of a body all but the noise.
+/// A body is driven if its inertia takes this part of what spring, damper and friction leave of the force
+/// (mean squares): of a tester it takes what it has in common with the shape of the friction, of a body all
+/// but the noise.
 const INERT: f64 = 0.5;
 
-/// A damper and dry friction are one force where their columns have this cosine: 0.90 (the root of 8 over pi) for a
-/// sine, 1 for a triangle, which has two speeds.
+/// A damper and dry friction are one force where their columns have this cosine: 0.90 (the root of 8 over pi)
+/// for a sine, 1 for a triangle, which has two speeds.
 const ALIKE: f64 = 0.97;
 
 /// What force and motion say.

@@ -1,9 +1,9 @@
-//! The equation of a driven motion in weak form: whether the data show a restoring force, and what the inertia
-//! is.
+//! The equation of a driven motion in weak form: whether the data show a restoring force, and what the
+//! inertia is.
 //!
 //! The equation is multiplied by a test function that vanishes with its slope at both ends of a stretch, and
-//! integrated by parts, so that nothing is differentiated: the jumps of a relay stay where they are, while they
-//! would be smeared in a second derivative.
+//! integrated by parts, so that nothing is differentiated: the jumps of a relay stay where they are, while
+//! they would be smeared in a second derivative.
 
 use super::least_squares::least_squares;
 use super::motion::Motion;
@@ -13,7 +13,8 @@ use phisindy_signal::moves_by_jumps;
 const STRETCH: f64 = 0.25;
 /// Fewest steps of a stretch.
 const MIN_STRETCH: usize = 12;
-/// A model without a spring that leaves more than this part of the acceleration (mean squares) lacks something.
+/// A model without a spring that leaves more than this part of the acceleration (mean squares) lacks
+/// something.
 const UNEXPLAINED: f64 = 0.5;
 /// A spring that lowers what is left to this part is seen even if the rest explains most.
 pub(super) const CLEAR: f64 = 0.1;

@@ -1,5 +1,5 @@
-//! Contribution of each identified term along the motion: its part of the unknown force, and the energy that it
-//! dissipates.
+//! Contribution of each identified term along the motion: its part of the unknown force, and the energy that
+//! it dissipates.
 
 use super::identified::Identified;
 use super::term::Contribution;
@@ -25,8 +25,8 @@ struct Sums {
     cycles: f64,
 }
 
-/// Fills in [`crate::FoundTerm::contribution`] from the free runs of the Fit records; it stays empty where one
-/// of them could not be run.
+/// Fills in [`crate::FoundTerm::contribution`] from the free runs of the Fit records; it stays empty where
+/// one of them could not be run.
 pub(crate) fn contributions(system: &System, records: &[Record], found: &mut Identified) {
     let mut sums = vec![Sums::default(); found.terms.len()];
     for (r, record) in records.iter().enumerate().filter(|(_, record)| record.role == Role::Fit) {

@@ -75,8 +75,8 @@ impl Identified {
         self.stop_reason == StopReason::Interrupted
     }
 
-    /// The standard error of a number with these derivatives by what was estimated, in the order of the covariance;
-    /// `None` where the covariance of one that it depends on is not known.
+    /// The standard error of a number with these derivatives by what was estimated, in the order of the
+    /// covariance; `None` where the covariance of one that it depends on is not known.
     pub(crate) fn standard_error(&self, slopes: &[f64]) -> Option<f64> {
         let used: Vec<usize> = (0..slopes.len()).filter(|&k| slopes[k] != 0.0).collect();
         if used.iter().any(|&k| self.covariance.get(k).is_none_or(|row| !row[k].is_finite())) {

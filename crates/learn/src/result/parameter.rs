@@ -28,7 +28,8 @@ impl FoundParameter {
     }
 }
 
-/// The values (SI) of [`System::parameters`] in a record, as far as they were found; the others as the spec starts them.
+/// The values (SI) of [`System::parameters`] in a record, as far as they were found; the others as the spec
+/// starts them.
 pub fn parameter_values(parameters: &[FoundParameter], system: &System, record: usize) -> Vec<f64> {
     let mut values: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();
     for p in parameters.iter().filter(|p| p.id.holds_in(record)) {

@@ -1,13 +1,13 @@
-//! Whether passive laws feed the motion. Dry friction and dashpots take energy out; one that was fitted so that it
-//! puts energy in stands for something else, however well the model follows the data.
+//! Whether passive laws feed the motion. Dry friction and dashpots take energy out; one that was fitted so
+//! that it puts energy in stands for something else, however well the model follows the data.
 //!
-//! The rates are linear in the sign `s` of each sliding velocity `w`: `r = a + s b`. The power of the dry friction at
-//! `w` is `s b w = b |w|` with `b = dw/dx . b`, per unit of inertia: negative where it dissipates. Its level is asked
-//! for in the mean along the motion and near rest: `b` of `s (1 - |w|)` is both dry friction and, written with a
-//! sign, a damper, and near rest, where `w = 0`, only the friction is left of it. With the rates of both
-//! directions averaged, `da/dv` is the linear damping of the velocity `v` wherever it depends on no motion; then
-//! nothing bounds a motion that it feeds. (Damping that depends on the motion, as that of van der Pol's oscillator,
-//! may feed it: that is what the model says.)
+//! The rates are linear in the sign `s` of each sliding velocity `w`: `r = a + s b`. The power of the dry
+//! friction at `w` is `s b w = b |w|` with `b = dw/dx . b`, per unit of inertia: negative where it
+//! dissipates. Its level is asked for in the mean along the motion and near rest: `b` of `s (1 - |w|)` is
+//! both dry friction and, written with a sign, a damper, and near rest, where `w = 0`, only the friction is
+//! left of it. With the rates of both directions averaged, `da/dv` is the linear damping of the velocity `v`
+//! wherever it depends on no motion; then nothing bounds a motion that it feeds. (Damping that depends on the
+//! motion, as that of van der Pol's oscillator, may feed it: that is what the model says.)
 
 use super::contribution::is_velocity;
 use super::identified::Identified;
@@ -39,7 +39,8 @@ struct Derived {
     slopes: Vec<f64>,
 }
 
-/// The rates of an identified model, split into what depends on the sign of a sliding velocity and what does not.
+/// The rates of an identified model, split into what depends on the sign of a sliding velocity and what does
+/// not.
 struct Forces<'a> {
     system: &'a System,
     found: &'a Identified,
@@ -83,8 +84,8 @@ impl<'a> Forces<'a> {
         all
     }
 
-    /// Dry friction whose fitted part makes it push: in the mean along the motion, or in the same mean with every
-    /// sample brought to rest, each velocity by as much as it has of `w`.
+    /// Dry friction whose fitted part makes it push: in the mean along the motion, or in the same mean with
+    /// every sample brought to rest, each velocity by as much as it has of `w`.
     fn dry_friction(&mut self, w: Id, rate: Id, near_rest: bool) -> Option<PassivityViolation> {
         let parameters = self.estimated();
         let gradient = self.model.graph.gradient(rate, &parameters);
@@ -193,7 +194,8 @@ impl<'a> Forces<'a> {
         self.found.terms.len() + self.found.parameters.len()
     }
 
-    /// Calls with each estimated number that a record depends on: its place among those, and that of its node.
+    /// Calls with each estimated number that a record depends on: its place among those, and that of its
+    /// node.
     fn each_slope(&self, r: usize, mut add: impl FnMut(usize, usize)) {
         let t = self.found.terms.len();
         (0..t).for_each(|k| add(k, k));
@@ -204,7 +206,8 @@ impl<'a> Forces<'a> {
         }
     }
 
-    /// The parameters of the model in a record: the coefficients, the constants that move, those of the record.
+    /// The parameters of the model in a record: the coefficients, the constants that move, those of the
+    /// record.
     fn parameters(&self, r: usize, record: &Record) -> Vec<f64> {
         let coefficients = self.found.terms.iter().map(|t| t.coefficient.value);
         let numbers = coefficients.chain(self.found.parameters_of(self.system, r));
@@ -212,8 +215,8 @@ impl<'a> Forces<'a> {
     }
 }
 
-/// The sliding velocities of a model: what signs of its rates depend on, if it moves with velocities and no other
-/// state; with all signs of it and of its negative.
+/// The sliding velocities of a model: what signs of its rates depend on, if it moves with velocities and no
+/// other state; with all signs of it and of its negative.
 fn sliding(model: &mut Model, velocities: &[usize]) -> Vec<(Id, Vec<Id>)> {
     let of_sign = |graph: &Graph, id: Id| match graph.node(id) {
         Node::Unary(Unary::Sgn | Unary::Step, w) => Some(w),
@@ -244,8 +247,8 @@ fn mean_sign(graph: &mut Graph, sign: Id) -> Id {
     graph.constant(if step { 0.5 } else { 0.0 })
 }
 
-/// The rate of a sliding velocity by its dry friction while it is positive: half of what its rate changes by with
-/// its signs.
+/// The rate of a sliding velocity by its dry friction while it is positive: half of what its rate changes by
+/// with its signs.
 fn slowing(model: &mut Model, w: Id, signs: &[Id]) -> Id {
     let (mut up, mut down) = (HashMap::new(), HashMap::new());
     for &id in signs {

@@ -1,4 +1,5 @@
-//! Passive laws that feed the motion, as data. Texts are in [`super::words`]; [`super::passivity`] finds them.
+//! Passive laws that feed the motion, as data. Texts are in [`super::words`]; [`super::passivity`] finds
+//! them.
 
 /// A passive law that feeds the motion. Numbers are in SI.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,8 +26,8 @@ pub enum PassivityViolation {
         /// Its 95 % interval; of zero width where the spec holds all of it.
         ci95: (f64, f64),
     },
-    /// The only damper of a velocity stands in the known part with the wrong sign, and the fit had to make its
-    /// constant negative.
+    /// The only damper of a velocity stands in the known part with the wrong sign, and the fit had to make
+    /// its constant negative.
     TurnedSign {
         /// Name of the velocity.
         state: String,

@@ -44,16 +44,16 @@ pub struct RecordFit {
     pub role: Role,
     /// Number of samples.
     pub samples: usize,
-    /// What a Validate record was given of its own before its free run; `None` for a Fit record, and for one that
-    /// continues another one.
+    /// What a Validate record was given of its own before its free run; `None` for a Fit record, and for one
+    /// that continues another one.
     pub adapted: Option<Adapted>,
     /// For each measured state: its name and rms of the free-run residual over the standard deviation of the
     /// column, both over the samples of [`RecordFit::scored`].
     pub nrmse: Vec<(String, f64)>,
     /// For each measured state: its name and the estimated standard deviation of its noise (SI).
     pub noise: Vec<(String, f64)>,
-    /// For each state, measured less predicted at the samples of the free run (SI); empty without a column or a
-    /// run.
+    /// For each state, measured less predicted at the samples of the free run (SI); empty without a column or
+    /// a run.
     pub residuals: Vec<Vec<f64>>,
     /// Fitted start state (SI).
     pub start: Vec<f64>,
@@ -61,21 +61,22 @@ pub struct RecordFit {
     pub run: Option<Trajectory>,
     /// Why the free run failed.
     pub failure: Option<ModelError>,
-    /// The largest NRMSE of a column where each of many short segments is predicted from its own start; `None` for
-    /// motion that does not forget its start, which the free run judges.
+    /// The largest NRMSE of a column where each of many short segments is predicted from its own start;
+    /// `None` for motion that does not forget its start, which the free run judges.
     pub segments: Option<f64>,
 }
 
 impl RecordFit {
-    /// The samples that the record is judged by: all of a Fit record, of a Validate record those that it was not
-    /// adapted on. A record that was adapted as a whole leaves nothing to predict, and is judged by all of them.
+    /// The samples that the record is judged by: all of a Fit record, of a Validate record those that it was
+    /// not adapted on. A record that was adapted as a whole leaves nothing to predict, and is judged by all
+    /// of them.
     pub fn scored(&self) -> Range<usize> {
         let adapted = self.adapted.as_ref().map_or(0, |a| a.samples);
         if adapted < self.samples { adapted..self.samples } else { 0..self.samples }
     }
 
-    /// The largest NRMSE of all columns that are more than noise; infinite if the run failed. Of a rig at rest
-    /// a column is noise, and so is what any model leaves of it.
+    /// The largest NRMSE of all columns that are more than noise; infinite if the run failed. Of a rig at
+    /// rest a column is noise, and so is what any model leaves of it.
     pub(crate) fn worst_of_motion(&self) -> f64 {
         if self.run.is_none() {
             return f64::INFINITY;

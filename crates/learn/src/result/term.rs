@@ -22,14 +22,14 @@ impl FoundTerm {
     }
 }
 
-/// Contribution of a term along the free runs of the Fit records. Forces where the spec states the inertia of the
-/// state, else rates.
+/// Contribution of a term along the free runs of the Fit records. Forces where the spec states the inertia of
+/// the state, else rates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contribution {
     /// Root mean square of the term (SI); a contact that sticks counts as zero.
     pub rms: f64,
-    /// That over the root mean square of all terms of the state together: above 1 where terms work against each
-    /// other.
+    /// That over the root mean square of all terms of the state together: above 1 where terms work against
+    /// each other.
     pub share: f64,
     /// Energy that it takes out of the motion of its state per second (SI), negative if it feeds the motion;
     /// `None` if the state is no velocity.

@@ -1,5 +1,5 @@
-//! The identified part of each rate as a resistance: against the velocity that it depends on where there is one
-//! such velocity, else along the motion.
+//! The identified part of each rate as a resistance: against the velocity that it depends on where there is
+//! one such velocity, else along the motion.
 
 use super::estimate::Estimate;
 use super::identified::Identified;
@@ -12,7 +12,8 @@ const POINTS: usize = 401;
 /// Rows of a run that are evaluated, about: more would not show in a picture.
 const ROWS: usize = 10_000;
 
-/// The identified part of the rate of a state, taken with a minus: friction is positive where the velocity is.
+/// The identified part of the rate of a state, taken with a minus: friction is positive where the velocity
+/// is.
 #[derive(Clone, Debug)]
 pub struct UnknownPart {
     /// Index of the state.
@@ -251,9 +252,9 @@ fn grid<'v>(visited: impl Iterator<Item = &'v f64>) -> Option<Vec<f64>> {
 }
 
 /// How far a 95 % band reaches below and above a number with these derivatives by what was estimated: each of
-/// `numbers` moves as far as its own interval goes, and they move together as their covariance says. So the band
-/// of a single number is its interval. What the data do not determine does not enter if the number does not
-/// depend on it.
+/// `numbers` moves as far as its own interval goes, and they move together as their covariance says. So the
+/// band of a single number is its interval. What the data do not determine does not enter if the number does
+/// not depend on it.
 fn reach(covariance: &[Vec<f64>], numbers: &[Estimate], slopes: &[f64]) -> (f64, f64) {
     let used: Vec<usize> = (0..slopes.len()).filter(|&k| slopes[k] != 0.0).collect();
     let correlation = |i: usize, j: usize| {

@@ -33,8 +33,8 @@ pub struct Unfulfilled {
 /// Why a fit did not move. `Display` gives the sentence.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FitFailure {
-    /// An expression of the rates has no finite slope where the motion starts, so no derivative of the misfit is
-    /// finite.
+    /// An expression of the rates has no finite slope where the motion starts, so no derivative of the misfit
+    /// is finite.
     Singular {
         /// The expression, in the language of the specs.
         expression: String,
@@ -90,9 +90,9 @@ pub enum Rejection {
     },
 }
 
-/// Rejected when nothing survives although something is missing, a free run fails or misses, or the identified
-/// part is no better than nothing. `without` are the free runs of the known part alone, `only_noise` says that
-/// the fit leaves nothing but noise.
+/// Rejected when nothing survives although something is missing, a free run fails or misses, or the
+/// identified part is no better than nothing. `without` are the free runs of the known part alone,
+/// `only_noise` says that the fit leaves nothing but noise.
 pub(crate) fn verdict(
     system: &System,
     terms: &[FoundTerm],

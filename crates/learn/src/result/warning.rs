@@ -128,7 +128,8 @@ pub enum Warning {
         /// Segments of the record that has most.
         pieces: usize,
     },
-    /// The motion forgets its start within the record, so the verdict rests on short predictions and on what it keeps.
+    /// The motion forgets its start within the record, so the verdict rests on short predictions and on what
+    /// it keeps.
     Chaotic(Chaos),
     /// The start state of a Validate record, and numbers of its own, took more of it than usual: neighbouring
     /// motions part fast, or these numbers are nearly collinear.

@@ -10,8 +10,8 @@ use phisindy_phys::spec::Optimiser;
 use phisindy_phys::{Record, System};
 use std::collections::HashMap;
 
-/// The loss of the paper: mean squared error of the forward and of the backward prediction, each state in units
-/// of its standard deviation, over `horizon` steps.
+/// The loss of the paper: mean squared error of the forward and of the backward prediction, each state in
+/// units of its standard deviation, over `horizon` steps.
 pub(crate) struct Batch {
     kind: Kind,
     /// Number of coefficients and movable constants.
@@ -28,8 +28,8 @@ enum Kind {
 }
 
 impl Batch {
-    /// Lays out the data of all records. Every record must have samples of every state; `constants[r]` are the
-    /// record constants.
+    /// Lays out the data of all records. Every record must have samples of every state; `constants[r]` are
+    /// the record constants.
     pub(crate) fn new(
         step: &OneStep,
         free: usize,
@@ -96,7 +96,8 @@ pub(crate) fn lay_out(
     let gauss_newton = options.optimiser == Optimiser::GaussNewton;
     let model = system.model(terms);
     let mut step = OneStep::new(system, &model, options.tolerance);
-    // Fixed constants become numbers. Free ones become numbers in the contacts alone, which tell crossing steps.
+    // Fixed constants become numbers. Free ones become numbers in the contacts alone, which tell crossing
+    // steps.
     let held: HashMap<_, _> =
         system.parameters.iter().zip(parameters).map(|(p, &v)| (p.node, step.graph.constant(v))).collect();
     step.contacts = step.graph.replace(&step.contacts, &held);

@@ -1,4 +1,5 @@
-//! Method step from records to a result: velocities are derived, terms trained, error bars and a verdict added.
+//! Method step from records to a result: velocities are derived, terms trained, error bars and a verdict
+//! added.
 
 use crate::differentiator_dependence::{Number, dependence};
 use crate::result::error::{DataError, LearnError, NumericsError};
@@ -109,8 +110,8 @@ fn kept_fixed(system: &System, records: &[Record], optimiser: Optimiser) -> Vec<
     warnings
 }
 
-/// The Fit records with their derived columns differentiated by another method; `None` where nothing is derived,
-/// or it cannot be done.
+/// The Fit records with their derived columns differentiated by another method; `None` where nothing is
+/// derived, or it cannot be done.
 fn derived_by(system: &System, records: &[Record], how: Differentiator) -> Option<Vec<Record>> {
     let derives = |r: &&&Record| !r.derivations.is_empty() || r.columns.iter().any(Option::is_none);
     let measured: Vec<&Record> = records.iter().filter(|r| r.role == Role::Fit).collect();

@@ -13,8 +13,8 @@ pub(crate) const FIRST_STATE: usize = 5;
 pub(crate) struct OneStep {
     pub(crate) graph: Graph,
     pub(crate) names: Names,
-    /// What a step starts from, in this order: time; step length, its half, third and sixth; states; inputs at
-    /// the start, in the middle, at the end.
+    /// What a step starts from, in this order: time; step length, its half, third and sixth; states; inputs
+    /// at the start, in the middle, at the end.
     pub(crate) data: Vec<Id>,
     /// Coefficients and movable constants.
     pub(crate) parameters: Vec<Id>,

@@ -1,5 +1,5 @@
-//! The loss over several steps: forward storing the states, backward applying the adjoint of one step. The tape
-//! does not grow with the horizon; memory is one state per step.
+//! The loss over several steps: forward storing the states, backward applying the adjoint of one step. The
+//! tape does not grow with the horizon; memory is one state per step.
 
 use crate::step::lanes::{LANES, Lane, accumulate, in_order};
 use crate::step::onestep::{FIRST_STATE, OneStep};

@@ -1,6 +1,6 @@
 //! Method `step`: Algorithm 2 of the paper. Training in stages, with a cut after each; terms that were cut
-//! stay out. Or Gauss-Newton on the same loss, which reaches the same minimum in a few iterations and can also
-//! move constants.
+//! stay out. Or Gauss-Newton on the same loss, which reaches the same minimum in a few iterations and can
+//! also move constants.
 
 use crate::decisions::{OBSERVED_EPOCHS, STEP_GAIN, STEP_ITERATIONS};
 use crate::least_squares::{Limits, Normal, minimise};

@@ -28,8 +28,8 @@ pub(crate) fn step_length(record: &Record) -> Option<f64> {
 }
 
 /// One row of data for a step: time, length, its half, third and sixth, states, inputs at start, middle, end.
-/// `from` and `to` are neighbouring samples; going backward the length is negative. Between samples an input is
-/// what its interpolation says (`Linear` is the paper's average of the two).
+/// `from` and `to` are neighbouring samples; going backward the length is negative. Between samples an input
+/// is what its interpolation says (`Linear` is the paper's average of the two).
 pub(crate) fn step_row(record: &Record, from: usize, to: usize, length: Option<f64>) -> Vec<f64> {
     let exact = record.time[to] - record.time[from];
     let h = length.map_or(exact, |length| length.copysign(exact));

@@ -35,8 +35,8 @@ impl Columns {
         record(&plain, units, DataFile::of_bytes(name, text.as_bytes()), spec, sources)
     }
 
-    /// The columns that the record needs; all of them where one of those is not there or there twice, for a message to
-    /// name them.
+    /// The columns that the record needs; all of them where one of those is not there or there twice, for a
+    /// message to name them.
     fn used(&self, csv: &CsvSpec) -> Vec<&(String, Vec<f64>)> {
         let once = |heading: &str| self.0.iter().filter(|(name, _)| name == heading).count() == 1;
         let all = !headings(csv).all(once);

@@ -71,7 +71,8 @@ fn folders(spec: &Path, request: &Request) -> Vec<PathBuf> {
     own.into_iter().chain(request.laws.clone()).collect()
 }
 
-/// The laws that a spec may name, as [`beside`]; mistakes are drawn in their files, doubts are added to `found`.
+/// The laws that a spec may name, as [`beside`]; mistakes are drawn in their files, doubts are added to
+/// `found`.
 ///
 /// # Errors
 /// A law or its folder cannot be read: all mistakes.

@@ -140,8 +140,8 @@ pub fn open(path: &Path, request: &Request) -> Result<Loaded, Error> {
     }
 }
 
-/// As [`open`], of a text that was read before, or that is no file: `path` names it in messages, and its data files
-/// are looked for beside it.
+/// As [`open`], of a text that was read before, or that is no file: `path` names it in messages, and its data
+/// files are looked for beside it.
 ///
 /// # Errors
 /// The text or one of its files is wrong.
@@ -166,8 +166,8 @@ const DATA: [&str; 21] = [
     "uff", "uf", "h5", "hdf5", "parquet", "lvm", "log",
 ];
 
-/// What to say to a data file where a spec is expected; `None` if the name does not end as those of data files do, or if
-/// the text begins as a spec does.
+/// What to say to a data file where a spec is expected; `None` if the name does not end as those of data
+/// files do, or if the text begins as a spec does.
 fn data_file(path: &Path, bytes: &[u8]) -> Option<Diagnostic> {
     let ending = path.extension()?.to_str()?.to_lowercase();
     let text = String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]);
@@ -312,7 +312,8 @@ impl<'r> Loader<'r> {
         refusal.map_or(Ok((records, truths)), Err)
     }
 
-    /// For each record the table in the place of its file: one for each measured record, or one for each file.
+    /// For each record the table in the place of its file: one for each measured record, or one for each
+    /// file.
     fn tables(&mut self, case: &Case) -> Result<Vec<Option<&'r Columns>>, Refusal> {
         let given = &self.request.tables;
         let mut files: Vec<&str> = Vec::new();

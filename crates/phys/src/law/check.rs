@@ -1,11 +1,13 @@
-//! What is wrong with the text of a law, with the places in it. The law itself is read by [`super::Law::read`].
+//! What is wrong with the text of a law, with the places in it. The law itself is read by
+//! [`super::Law::read`].
 
 use super::Law;
-use super::compiled::LawError;
+use super::graph::LawError;
 use crate::system::check::declared_names;
 use crate::text::diagnostic::{Diagnostic, SourceId};
 use crate::text::raw::{self, Node};
-use crate::text::spec::reader::{Fields, Reader};
+use crate::text::spec::group::Fields;
+use crate::text::spec::reader::Reader;
 use crate::text::spec::{ConstantSpec, LearnSpec, Number, OutputSpec, Spanned, Spec, Text};
 use crate::units::dimensions::dimensions;
 use crate::units::unit::{Dimension, Unit};
@@ -300,7 +302,8 @@ impl Reader<'_> {
         Some(())
     }
 
-    /// Names, expressions and units: the law as a small model of its own, in which the places of the text are kept.
+    /// Names, expressions and units: the law as a small model of its own, in which the places of the text are
+    /// kept.
     fn meaning(&mut self, law: &Written, whole: Span) {
         let names = law.roles.iter().map(|(name, _)| (name, "role"));
         let names = names
@@ -320,7 +323,8 @@ impl Reader<'_> {
                 }
             }
         }
-        // The value of a property of a sensor stands in no expression, and what cannot be read may use any name.
+        // The value of a property of a sensor stands in no expression, and what cannot be read may use any
+        // name.
         let all_read = !law.forces.is_empty() && self.found.len() == told;
         for p in law.parameters.iter().filter(|p| all_read && !used.contains(&p.name.value)) {
             let message = format!("nothing depends on the parameter `{}`", p.name.value);
@@ -365,7 +369,8 @@ impl Written {
         name == "t" || all.into_iter().any(|n| n.value == name)
     }
 
-    /// A model whose inputs are the roles, whose states are those of the law, and whose outputs are its forces.
+    /// A model whose inputs are the roles, whose states are those of the law, and whose outputs are its
+    /// forces.
     fn as_spec(&self, outside: &[String], whole: Span) -> Spec {
         let put = |value: &str| Spanned { value: value.to_owned(), span: whole };
         let number =

@@ -14,9 +14,9 @@ use phisindy_signal::{Differentiator, Interpolation, Signal, strongest_line};
 use std::f64::consts::{PI, TAU};
 use std::ops::{Range, RangeInclusive};
 
-/// When a correction is accepted, in three rows: the misfit before it is at least the first number, the misfit
-/// after it at most the second, and the ratio at least the third. Misfits are parts of the acceleration. A
-/// model with a huge misfit before may lack friction besides, so that more may remain.
+/// When a correction is accepted, in three rows: the misfit before it is at least the first number, the
+/// misfit after it at most the second, and the ratio at least the third. Misfits are parts of the
+/// acceleration. A model with a huge misfit before may lack friction besides, so that more may remain.
 const CORRECTIONS: [(f64, f64, f64); 3] = [(0.25, 0.35, 5.0), (0.7, 0.35, 3.0), (10.0, 0.6, 30.0)];
 /// A corrected sign leaves at most this part of the acceleration in each half of a record.
 const HALF_MISFIT: f64 = 0.5;
@@ -43,8 +43,8 @@ pub(super) fn balance(system: &System, record: &Record, found: &mut Vec<Suspicio
     let columns = system.states.len() + system.inputs.len();
     let exchanges = (0..columns).flat_map(|i| (i + 1..columns).map(move |j| Change::Exchange(i, j)));
     let scales = (0..columns).flat_map(|k| WRONG_FACTORS.into_iter().map(move |f| Change::Scale(k, f)));
-    // The sign of an input is tested as the sign of a part. A drive scaled down to nothing is plausible only if
-    // the misfit is huge.
+    // The sign of an input is tested as the sign of a part. A drive scaled down to nothing is plausible only
+    // if the misfit is huge.
     let plausible = |c: &Change| match *c {
         Change::Scale(k, f) if k < system.states.len() => f <= 1.0 || left > CORRECTIONS[2].0,
         Change::Scale(_, f) => f >= 1.0 || (f > 0.0 && left > CORRECTIONS[2].0),
@@ -60,8 +60,8 @@ pub(super) fn balance(system: &System, record: &Record, found: &mut Vec<Suspicio
     let best = changes.filter_map(then).min_by(|a, b| a.0.total_cmp(&b.0));
     let best = best.filter(|(after, _)| is_correction(left, *after));
     let off: Vec<(f64, Suspicion)> = now.iter().filter_map(|sums| sums.off(system)).collect();
-    // In a linear model a drive that is too large equals a motion that is too small: prefer the part, which is
-    // more specific.
+    // In a linear model a drive that is too large equals a motion that is too small: prefer the part, which
+    // is more specific.
     let parts = off.iter().map(|(after, _)| *after).fold(f64::NEG_INFINITY, f64::max);
     match best {
         Some((after, change))
@@ -73,9 +73,9 @@ pub(super) fn balance(system: &System, record: &Record, found: &mut Vec<Suspicio
     }
 }
 
-/// The motion that the sensors tell: with their zeros where the search of the fit starts, or in the middle of the
-/// motion as far as the bounds of the zeros admit, whichever the model fits better. None if a column is no
-/// signal.
+/// The motion that the sensors tell: with their zeros where the search of the fit starts, or in the middle of
+/// the motion as far as the bounds of the zeros admit, whichever the model fits better. None if a column is
+/// no signal.
 fn nearest(system: &System, record: &Record, rates: &[Rate]) -> Option<Record> {
     let starts = corrected(record, |sensor, _| sensor.offset.start)?;
     let middle = corrected(record, |sensor, column| {
@@ -273,8 +273,8 @@ impl<'r> Sums<'r> {
         if whole > 0.0 { (left / whole).sqrt() } else { f64::NAN }
     }
 
-    /// Whether the misfit is small in both halves of the record. A drive at a slightly wrong frequency has the
-    /// wrong sign for a while.
+    /// Whether the misfit is small in both halves of the record. A drive at a slightly wrong frequency has
+    /// the wrong sign for a while.
     fn holds_in_halves(&self, factor: &dyn Fn(usize) -> f64) -> bool {
         let half = self.measured.len() / 2;
         [0..half, half..self.measured.len()].into_iter().all(|of| self.misfit_in(of, factor) < HALF_MISFIT)
@@ -331,8 +331,8 @@ fn without_mean(mut values: Vec<f64>) -> Vec<f64> {
     values
 }
 
-/// The first `n` samples of every state that columns determine: a velocity without a column is the slope over a
-/// tenth of a stretch, a displacement without one is the integral.
+/// The first `n` samples of every state that columns determine: a velocity without a column is the slope over
+/// a tenth of a stretch, a displacement without one is the integral.
 fn motion(system: &System, record: &Record, n: usize, stretch: usize) -> Vec<Option<Vec<f64>>> {
     let time = &record.time;
     let reach = (stretch / 10).max(1);

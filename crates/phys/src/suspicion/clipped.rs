@@ -11,9 +11,9 @@ const APPROACH: usize = 4;
 /// not clipped.
 ///
 /// A run at exactly `min` or `max` is clipped if the column enters it with a large step, more than the
-/// quantisation at that end, as a part of a motion that goes on through several samples at that speed (a relay
-/// or a pulse arrives in one step), and if it is longer than the runs elsewhere, in which a coarse or slow
-/// sensor repeats values.
+/// quantisation at that end, as a part of a motion that goes on through several samples at that speed (a
+/// relay or a pulse arrives in one step), and if it is longer than the runs elsewhere, in which a coarse or
+/// slow sensor repeats values.
 pub fn clipped(values: &[f64], min: f64, max: f64) -> usize {
     let steps = values.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>() / values.len().max(2) as f64;
     let usual = steps.sqrt();
@@ -40,9 +40,9 @@ pub fn clipped(values: &[f64], min: f64, max: f64) -> usize {
     if runs >= 3 || total >= 20 { total } else { 0 }
 }
 
-/// Whether the motion beside a run is a way to its level: over [`APPROACH`] samples from the edge of the run it
-/// comes from further away than the last step alone covers. The step that a range cuts off is shorter than the
-/// steps before it, so that they cover `APPROACH` times as much or more.
+/// Whether the motion beside a run is a way to its level: over [`APPROACH`] samples from the edge of the run
+/// it comes from further away than the last step alone covers. The step that a range cuts off is shorter than
+/// the steps before it, so that they cover `APPROACH` times as much or more.
 fn arrives(values: &[f64], edge: usize, outward: isize) -> bool {
     let away = |steps: usize| {
         let at = edge.checked_add_signed(outward * steps as isize)?;

@@ -60,8 +60,8 @@ fn repeats_beside(column: &[f64], stretch: &Range<usize>) -> f64 {
     repeated as f64 / all.max(1) as f64
 }
 
-/// Noise of the samples beside a stretch, on the side where there is less of it. A body that comes to rest has
-/// hardly any there, if its sensor shows none at rest.
+/// Noise of the samples beside a stretch, on the side where there is less of it. A body that comes to rest
+/// has hardly any there, if its sensor shows none at rest.
 fn noise_beside(column: &[f64], stretch: &Range<usize>) -> f64 {
     let before = stretch.start.saturating_sub(BESIDE)..stretch.start;
     let after = stretch.end..(stretch.end + BESIDE).min(column.len());
@@ -69,7 +69,8 @@ fn noise_beside(column: &[f64], stretch: &Range<usize>) -> f64 {
     sides.map(|side| scatter::within(column, side)).fold(f64::INFINITY, f64::min)
 }
 
-/// Whether the motion went on meanwhile: the step into the stretch or out of it is many times those beside it.
+/// Whether the motion went on meanwhile: the step into the stretch or out of it is many times those beside
+/// it.
 fn catches_up(column: &[f64], stretch: &Range<usize>) -> bool {
     if stretch.start < 5 || stretch.end + 5 > column.len() {
         return false;

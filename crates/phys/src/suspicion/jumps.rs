@@ -8,8 +8,8 @@ use phisindy_signal::median;
 const JUMP: f64 = 10.0;
 /// ... and this many times the deviation of the steps beside it ...
 const ABRUPT: f64 = 4.0;
-/// ... and more than the motion covers in this many steps: less is a sample that was taken late or lost, which
-/// shifts the curve in time and not in level.
+/// ... and more than the motion covers in this many steps: less is a sample that was taken late or lost,
+/// which shifts the curve in time and not in level.
 const LATE: f64 = 2.0;
 /// More than one jump in this many samples, or a step that the motion does more often, is motion.
 const RARE: usize = 200;

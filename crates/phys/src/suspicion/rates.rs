@@ -11,8 +11,8 @@ const SCALE: f64 = 3.0;
 /// Correlation above which two curves have one shape, and below which they have different shapes.
 const ALIKE: f64 = 0.9;
 const UNLIKE: f64 = 0.5;
-/// Before an exchange the misfit between rate and velocity exceeds `APART` and `NEARER` times the misfit after
-/// it, for bodies that move nearly alike.
+/// Before an exchange the misfit between rate and velocity exceeds `APART` and `NEARER` times the misfit
+/// after it, for bodies that move nearly alike.
 const APART: f64 = 0.15;
 const NEARER: f64 = 4.0;
 /// An exchange whose misfit is below `ALSO.0` times the least plus `ALSO.1` is named too.
@@ -75,8 +75,8 @@ fn swapped(system: &System, record: &Record) -> Swapped {
     // First the two columns of one pair.
     for &(k, v) in &pairs {
         let (Some(straight), Some(crossed)) = (rate_of(k, v), rate_of(v, k)) else { continue };
-        // In a free oscillation the rate of the velocity is proportional to minus the displacement: the size of
-        // the slope decides.
+        // In a free oscillation the rate of the velocity is proportional to minus the displacement: the size
+        // of the slope decides.
         let off = |rate: &Rate| rate.slope.abs().ln().abs();
         let likelier = straight.correlation > -ALIKE || off(&crossed) < off(&straight);
         if straight.correlation < UNLIKE && crossed.correlation > ALIKE && likelier {

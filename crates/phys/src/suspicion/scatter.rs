@@ -15,7 +15,8 @@ pub(super) fn size(column: &[f64], k: usize) -> f64 {
     column[k] - 0.5 * (column[k - 1] + column[k + 1])
 }
 
-/// Standard deviation of the samples about their neighbours, over the whole column; not less than its rounding.
+/// Standard deviation of the samples about their neighbours, over the whole column; not less than its
+/// rounding.
 pub(super) fn of(column: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = (1..column.len().saturating_sub(1)).map(|k| size(column, k).abs()).collect();
     median(&mut sizes) / UNIT + rounding_error(column)
@@ -34,8 +35,8 @@ pub(super) fn rarely(mut sizes: Vec<f64>, rare: usize) -> f64 {
     sizes.get((sizes.len() - sizes.len() / rare).saturating_sub(1)).copied().unwrap_or(0.0)
 }
 
-/// Standard deviation of the samples about their neighbours over `round` samples before and after `k`, by the median or by the 90 % quantile, whichever is
-/// larger: noise may vary with the motion.
+/// Standard deviation of the samples about their neighbours over `round` samples before and after `k`, by the
+/// median or by the 90 % quantile, whichever is larger: noise may vary with the motion.
 pub(super) fn near(column: &[f64], k: usize, round: usize) -> f64 {
     let from = k.saturating_sub(round).max(1);
     let to = (k + round + 1).min(column.len().saturating_sub(1));

@@ -2,15 +2,15 @@
 
 use super::scatter;
 
-/// A spike deviates by this many times the scatter of the samples beside it; no one of a million normal numbers
-/// does.
+/// A spike deviates by this many times the scatter of the samples beside it; no one of a million normal
+/// numbers does.
 const SPIKE: f64 = 7.0;
 /// The scatter is taken over this many samples on either side.
 const ROUND: usize = 40;
 /// More than one spike in this many samples is noise of the sensor.
 const RARE: usize = 50;
-/// A deviation that more than one of this many other samples has is none either: a fit weighs all samples of a
-/// column alike.
+/// A deviation that more than one of this many other samples has is none either: a fit weighs all samples of
+/// a column alike.
 const ELSEWHERE: usize = 200;
 
 /// The samples that are spikes; none if they are frequent.
@@ -76,7 +76,8 @@ mod tests {
         let bounce = |i: usize| (0.05 * i as f64).sin().abs();
         let decay = |i: usize| if i < 1000 { 0.0 } else { (-0.5 * (i - 1000) as f64).exp() };
         let noisy = |f: &dyn Fn(usize) -> f64| (0..3000).map(|i| f(i) + 0.01 * noise[i]).collect();
-        // A small deviation in the quiet part of a column that is a hundred times as noisy for a tenth of the time.
+        // A small deviation in the quiet part of a column that is a hundred times as noisy for a tenth of the
+        // time.
         let level = |i: usize| if i < 2700 { 1e-3 } else { 0.1 };
         let mut quiet: Vec<f64> = (0..3000).map(|i| (0.03 * i as f64).sin() + level(i) * noise[i]).collect();
         quiet[1100] += 0.03;

@@ -20,8 +20,8 @@ pub struct Wrap {
 
 /// The wraps of a column; none if it jumps otherwise, or not at all.
 ///
-/// Each jump leads from one end of the range to the other, all have one height, which is the range but for the
-/// motion in one step, and without them the column moves in small steps.
+/// Each jump leads from one end of the range to the other, all have one height, which is the range but for
+/// the motion in one step, and without them the column moves in small steps.
 ///
 /// ```
 /// use phisindy_phys::wraps;

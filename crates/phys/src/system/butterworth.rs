@@ -1,14 +1,14 @@
 //! Butterworth filters between an output and its column, as states of the system.
 //!
-//! A section of second order has `y' = w s`, `s' = w (h - y) - d w s` for what it reads, `h`, with the angular
-//! cutoff `w`; one of first order has `y' = w (h - y)`. A low-pass shows `y`, a high-pass `h - y - d s` and
-//! `h - y`. Where `h = g + c v'` reads the rate of a state (an accelerometer does), the section keeps
-//! `s - w c v` in the place of `s` (of `y`, first order): its rate then holds `g` alone, so friction enters it
-//! through the velocity, which does not jump.
+//! A section of second order has `y' = w s`, `s' = w (h - y) - d w s` for what it reads, `h`, with the
+//! angular cutoff `w`; one of first order has `y' = w (h - y)`. A low-pass shows `y`, a high-pass
+//! `h - y - d s` and `h - y`. Where `h = g + c v'` reads the rate of a state (an accelerometer does), the
+//! section keeps `s - w c v` in the place of `s` (of `y`, first order): its rate then holds `g` alone, so
+//! friction enters it through the velocity, which does not jump.
 //!
 //! The poles of order `n` lie on a circle at equal angles: `d = 2 sin(pi (2k - 1)/(2n))`, and one section of
-//! first order if `n` is odd (S. Butterworth, On the theory of filter amplifiers, Experimental Wireless 7 (1930)
-//! 536-541).
+//! first order if `n` is odd (S. Butterworth, On the theory of filter amplifiers, Experimental Wireless 7
+//! (1930) 536-541).
 
 use crate::system::equations::System;
 use crate::system::filter::{Filter, FilterKind, NotLinear};

@@ -29,7 +29,8 @@ pub struct Case {
     /// Laws of the catalogue that `unknown` names, each with the state whose rate it may be missing in. The
     /// catalogue is not known here: whoever has it writes them into `known`.
     pub laws: Vec<(usize, Text)>,
-    /// States whose rate lacks a formula that is looked for, each with the displacements and velocities that it may hold.
+    /// States whose rate lacks a formula that is looked for, each with the displacements and velocities that
+    /// it may hold.
     pub searches: Vec<(usize, Vec<Text>)>,
     /// What must hold of the constants of laws that were written out.
     pub requirements: Vec<Requirement>,
@@ -79,8 +80,8 @@ pub fn check_names(spec: &Spec, source: SourceId) -> Result<(Case, Vec<Diagnosti
     checked(spec, source, false)
 }
 
-/// Whether a constant with a unit may be added: not where the units of the states and inputs alone do not fit,
-/// which is only a warning as long as no constant speaks of units.
+/// Whether a constant with a unit may be added: not where the units of the states and inputs alone do not
+/// fit, which is only a warning as long as no constant speaks of units.
 pub fn takes_units(spec: &Spec, source: SourceId) -> bool {
     speaks_of_units(spec) || dimensions(spec, source).is_ok()
 }
@@ -149,8 +150,8 @@ fn plan_records(checker: &mut Checker, spec: &Spec, system: &System) -> Vec<Reco
     }
     plans
 }
-/// What is wrong with names that are declared, each with what it stands for: no name, a name of the language, a name that
-/// stands twice.
+/// What is wrong with names that are declared, each with what it stands for: no name, a name of the language,
+/// a name that stands twice.
 pub(crate) fn declared_names<'n>(
     source: SourceId,
     names: impl IntoIterator<Item = (&'n Text, &'static str)>,

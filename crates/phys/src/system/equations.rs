@@ -1,5 +1,5 @@
-//! A checked system: known rates, unknown terms, parameters, contacts. It exists only if every name in the spec
-//! resolved.
+//! A checked system: known rates, unknown terms, parameters, contacts. It exists only if every name in the
+//! spec resolved.
 
 use crate::system::filter::Filter;
 use crate::system::model::Model;
@@ -22,8 +22,8 @@ pub struct State {
     pub velocity: Option<usize>,
     /// Whether it is of a sensor's filter and not of the rig: nothing acts on it.
     pub of_sensor: bool,
-    /// For the memory of a law: how large it becomes along the records (SI). It starts somewhere between minus and plus
-    /// this; for any other state nothing is believed beforehand.
+    /// For the memory of a law: how large it becomes along the records (SI). It starts somewhere between
+    /// minus and plus this; for any other state nothing is believed beforehand.
     pub memory: Option<f64>,
 }
 
@@ -79,8 +79,8 @@ pub struct Term {
     /// SI unit of the coefficient times the inertia of the state, where that has one and neither factor nor
     /// candidate holds it: such a coefficient is a rate, and the product is the force behind it.
     pub force: Option<Dimension>,
-    /// SI unit of the work of the term on its state: energy where the spec states the inertia, else energy per
-    /// inertia.
+    /// SI unit of the work of the term on its state: energy where the spec states the inertia, else energy
+    /// per inertia.
     pub energy: Option<Dimension>,
 }
 
@@ -212,8 +212,8 @@ impl System {
         output().or_else(|| self.state(name))
     }
 
-    /// What a column is called where states and what sensors show of them stand side by side: the filtered column
-    /// of a state has a name of its own. None for a state of a filter, which is of no interest.
+    /// What a column is called where states and what sensors show of them stand side by side: the filtered
+    /// column of a state has a name of its own. None for a state of a filter, which is of no interest.
     pub fn motion_column(&self, k: usize) -> Option<String> {
         let name = self.measured(k).0;
         match k.checked_sub(self.states.len()) {
@@ -233,8 +233,8 @@ impl System {
         contains_sign(&mut self.graph.clone(), &self.known, contact.node)
     }
 
-    /// What the system's expressions depend on, in one order for every tape: time, states, inputs, parameters,
-    /// constants of the records.
+    /// What the system's expressions depend on, in one order for every tape: time, states, inputs,
+    /// parameters, constants of the records.
     pub fn arguments(&self) -> Vec<Id> {
         let states = self.states.iter().map(|s| s.node);
         let inputs = self.inputs.iter().map(|u| u.node);
@@ -290,7 +290,8 @@ impl System {
         self.states.len() - 1
     }
 
-    /// What a name of the spec stands for in expressions: the time, a state, an input, a number that moves, or the value of a constant.
+    /// What a name of the spec stands for in expressions: the time, a state, an input, a number that moves,
+    /// or the value of a constant.
     pub fn quantity(&mut self, name: &str) -> Option<Id> {
         if let Some((_, value)) = self.constants.iter().find(|(n, _)| n == name) {
             return Some(self.graph.constant(*value));

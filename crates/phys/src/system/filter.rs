@@ -40,7 +40,7 @@ pub struct Filter {
     pub settled: Vec<Id>,
 }
 
-/// Why an output cannot be filtered: its reading is not linear in the rates of states, with factors that do not
-/// move.
+/// Why an output cannot be filtered: its reading is not linear in the rates of states, with factors that do
+/// not move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotLinear;

@@ -2,8 +2,8 @@
 
 use phisindy_expr::{Graph, Id, Names, Symbol};
 
-/// Rates of change of states, as expressions. What the simulator and the estimator work on; it knows nothing of
-/// files or units.
+/// Rates of change of states, as expressions. What the simulator and the estimator work on; it knows nothing
+/// of files or units.
 ///
 /// ```
 /// use phisindy_phys::Model;
@@ -77,7 +77,8 @@ impl Model {
         Ok(self)
     }
 
-    /// What the rates are functions of, in the order in which tapes take it: time, states, inputs, parameters.
+    /// What the rates are functions of, in the order in which tapes take it: time, states, inputs,
+    /// parameters.
     pub fn arguments(&self) -> Vec<Id> {
         let moving =
             [self.time].into_iter().chain(self.states.iter().copied()).chain(self.inputs.iter().copied());

@@ -20,8 +20,8 @@ pub struct Requirement {
 }
 
 impl Requirement {
-    /// The condition of a law's file for these constants of a system, given as pairs of the law's name and the
-    /// system's; `None` if a name stands for nothing there.
+    /// The condition of a law's file for these constants of a system, given as pairs of the law's name and
+    /// the system's; `None` if a name stands for nothing there.
     pub fn new(
         system: &mut System,
         law: &str,

@@ -1,10 +1,11 @@
 //! A spec as it is written: every field with its place in the text, nothing checked for meaning yet.
 //!
-//! [`read`] reports all mistakes of form at once: brackets, unknown, repeated and missing fields, wrong types,
-//! numbers out of their range. Whether names exist, expressions parse and units fit is for the next stage to
-//! say, with the spans kept here.
+//! [`read`] reports all mistakes of form at once: brackets, unknown, repeated and missing fields, wrong
+//! types, numbers out of their range. Whether names exist, expressions parse and units fit is for the next
+//! stage to say, with the spans kept here.
 
 mod constant;
+pub(crate) mod group;
 mod input;
 mod leaf;
 mod learn;
@@ -216,7 +217,8 @@ pub struct CsvSpec {
     pub header: Option<bool>,
     /// Lines before the heading that are no part of the table.
     pub skip: usize,
-    /// Which of the runs that follow each other in the file, from 0: a new one begins wherever time goes back.
+    /// Which of the runs that follow each other in the file, from 0: a new one begins wherever time goes
+    /// back.
     pub run: Option<Spanned<u64>>,
     /// How inputs go between samples.
     pub interpolate: Vec<(Text, Interpolation)>,
@@ -399,8 +401,8 @@ pub enum Optimiser {
     GaussNewton,
 }
 
-/// What method step does with steps across which a contact's velocity changes sign: a Runge-Kutta step is wrong
-/// there by the jump of the friction.
+/// What method step does with steps across which a contact's velocity changes sign: a Runge-Kutta step is
+/// wrong there by the jump of the friction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Crossings {
     /// Uses them, as the paper does.

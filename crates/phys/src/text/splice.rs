@@ -8,8 +8,8 @@ pub use error::SetError;
 
 /// The text with the value at `path` replaced by `value`, or created there.
 ///
-/// The path's parts are joined by dots: fields, keys of maps (in double quotes if they hold a dot), indices of
-/// lists and tuples. Names of variants are passed over. A field or key that is missing is created in the
+/// The path's parts are joined by dots: fields, keys of maps (in double quotes if they hold a dot), indices
+/// of lists and tuples. Names of variants are passed over. A field or key that is missing is created in the
 /// innermost group or map that exists.
 ///
 /// # Errors

@@ -34,7 +34,8 @@ pub(crate) struct CoefficientUnit {
     pub(crate) energy: Option<Dimension>,
 }
 
-/// Checks a spec in which all names are known. Returns the unit of each coefficient, in the order of the spec.
+/// Checks a spec in which all names are known. Returns the unit of each coefficient, in the order of the
+/// spec.
 ///
 /// # Errors
 /// What does not fit.

@@ -57,8 +57,8 @@ impl Unit {
     /// The plain number.
     pub const ONE: Unit = Unit { factor: 1.0, dimension: Dimension::NONE };
 
-    /// Reads units joined by `*` and `/`, each with an optional power (`^2`, `^-1`, `^0.5`, `^(1/3)`); brackets
-    /// group, `1` and the empty text are the plain number.
+    /// Reads units joined by `*` and `/`, each with an optional power (`^2`, `^-1`, `^0.5`, `^(1/3)`);
+    /// brackets group, `1` and the empty text are the plain number.
     ///
     /// # Errors
     /// The first mistake with its place.

@@ -21,8 +21,8 @@ pub(crate) type Entry = (&'static str, Swatch, String);
 /// Height of a row.
 const ROW: f64 = 20.0;
 
-/// The legend at the top of a picture, and where the panels may begin below it. Rows are broken where they would be
-/// wider than the sheet.
+/// The legend at the top of a picture, and where the panels may begin below it. Rows are broken where they
+/// would be wider than the sheet.
 pub(crate) fn legend(entries: &[Entry], sheet: Sheet) -> (Vec<Element>, f64) {
     let first = if sheet.is_phone() { 6.0 } else { 20.0 };
     let (mut x, mut y) = (first, ROW);

@@ -57,8 +57,8 @@ impl Panel {
             words.push(word("heading", left, top - 10.0, &self.heading));
         }
         let label = self.y.label();
-        // A label longer than the axis would overlap the next panel, so it stands above the panel; so it does where
-        // there is no room beside it.
+        // A label longer than the axis would overlap the next panel, so it stands above the panel; so it does
+        // where there is no room beside it.
         if width_of(&label) <= height + 24.0 && left >= 60.0 {
             let (x, y) = (at(left - 56.0), at(top + 0.5 * height));
             let turned = word("label middle", 0.0, 0.0, &label);

@@ -35,8 +35,8 @@ impl Chart {
         self.body.extend(parts);
     }
 
-    /// The picture as an element of a page that includes the style sheet. `variant` tells pictures of one name
-    /// apart.
+    /// The picture as an element of a page that includes the style sheet. `variant` tells pictures of one
+    /// name apart.
     pub(crate) fn inline(&self, variant: &str) -> Element {
         let id = |part: &str| format!("{}{variant}-{part}", self.name);
         let (title, description) = (id("title"), id("desc"));

@@ -1,5 +1,5 @@
-//! The sheet that a picture is drawn for: the same picture is drawn once for a page and once for a phone, because
-//! scaled down its labels would be unreadable.
+//! The sheet that a picture is drawn for: the same picture is drawn once for a page and once for a phone,
+//! because scaled down its labels would be unreadable.
 
 /// Width and margins of a picture, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

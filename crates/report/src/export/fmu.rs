@@ -1,6 +1,6 @@
-//! A functional mock-up unit of FMI 3.0 (<https://fmi-standard.org/docs/3.0/>) as files: the description, and its
-//! sources in C. Model exchange and co-simulation are the same model: contacts are event indicators, or the steps
-//! locate their events themselves.
+//! A functional mock-up unit of FMI 3.0 (<https://fmi-standard.org/docs/3.0/>) as files: the description, and
+//! its sources in C. Model exchange and co-simulation are the same model: contacts are event indicators, or
+//! the steps locate their events themselves.
 
 mod description;
 mod variables;

@@ -1,5 +1,5 @@
-//! The functions of every exported model: the rates in given modes, the surfaces with the derivatives that the
-//! contact rule needs, and what sensors read.
+//! The functions of every exported model: the rates in given modes, the surfaces with the derivatives that
+//! the contact rule needs, and what sensors read.
 
 use super::identifier::Identifiers;
 use super::subject::Subject;

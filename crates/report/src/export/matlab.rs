@@ -1,5 +1,5 @@
-//! A model as a function of MATLAB and GNU Octave: the model in C99 with what they call, one MEX file. The contact rule
-//! stays the one of the other languages.
+//! A model as a function of MATLAB and GNU Octave: the model in C99 with what they call, one MEX file. The
+//! contact rule stays the one of the other languages.
 
 use super::c::{CONTACT_RULE, array, model, names_and_start};
 use super::functions::Functions;

@@ -15,8 +15,8 @@ const REACH: f64 = 1.96;
 pub(crate) struct RecordForce {
     /// Name of the record.
     pub(crate) name: String,
-    /// The law: abscissa, force, and the 95 % band of its numbers, each moved by itself and added in squares. Sorted by
-    /// the abscissa where the force is a function of it, else by time.
+    /// The law: abscissa, force, and the 95 % band of its numbers, each moved by itself and added in squares.
+    /// Sorted by the abscissa where the force is a function of it, else by time.
     pub(crate) law: Vec<(f64, f64, (f64, f64))>,
     /// The force balance of the measured motion; empty where the motion of its body is not measured.
     pub(crate) measured: Vec<(f64, f64)>,
@@ -28,7 +28,8 @@ pub(crate) struct Balance {
     pub(crate) axes: ForceHistory,
     /// One for each record with a run.
     pub(crate) records: Vec<RecordForce>,
-    /// The longest time (s) over which displacements were smoothed for the acceleration; 0 where it is measured.
+    /// The longest time (s) over which displacements were smoothed for the acceleration; 0 where it is
+    /// measured.
     pub(crate) smoothed: f64,
 }
 
@@ -64,10 +65,9 @@ impl<'a> Acting<'a> {
         };
         let system = &found.simulated.system;
         let law = &step.effect.entry.law;
-        let named = |text: &str| text.trim_start_matches('(').trim_end_matches(')') == axes.over;
         let place = match displacement {
-            Some(x) if named(&x.text) => x.node,
-            _ if named(&velocity.text) => velocity.node,
+            Some(x) if x.bare() == axes.over => x.node,
+            _ if velocity.bare() == axes.over => velocity.node,
             _ => system.time,
         };
         let force = step.force?;

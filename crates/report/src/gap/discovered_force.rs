@@ -1,5 +1,5 @@
-//! What there is to say of a discovered force beside its formula: where it is known, what it is about zero, which laws
-//! of the catalogue come nearest.
+//! What there is to say of a discovered force beside its formula: where it is known, what it is about zero,
+//! which laws of the catalogue come nearest.
 
 use crate::table::short;
 use phisindy_gap::{DISCOVERED, Gap, ObservedRange, Step, Tried};

@@ -1,6 +1,6 @@
 //! The finding in one sentence, with its numbers.
 
-use super::text::{NOISE, basis, outcome, sensitivity};
+use super::outcome::{NOISE, basis, outcome, sensitivity};
 use crate::format::capital;
 use crate::table::{raised, short, with_error};
 use crate::terminal::unicode;
@@ -97,13 +97,14 @@ pub(crate) fn effect(step: &Step) -> String {
     }
 }
 
-/// The name of a parameter beside the expression of its step: of its constant in the completed spec, but of the law's own
-/// number where that is the negative of it.
+/// The name of a parameter beside the expression of its step: of its constant in the completed spec, but of
+/// the law's own number where that is the negative of it.
 pub(crate) fn symbol<'a>(step: &Step, p: &'a StepParameter) -> &'a str {
     if step.effect.entry.law.input.as_deref() == Some("delay") { &p.name } else { &p.constant }
 }
 
-/// A delay in words, since the sign of its number means little to a reader: `a record of u that is 9 ± 2 ms late`.
+/// A delay in words, since the sign of its number means little to a reader:
+/// `a record of u that is 9 ± 2 ms late`.
 fn late(step: &Step) -> Option<String> {
     let law = &step.effect.entry.law;
     let input = law.input.as_deref() == Some("delay");

@@ -119,7 +119,8 @@ struct StepOut<'a> {
     nearest: Vec<NearestOut<'a>>,
     parameters: BTreeMap<&'a str, StepParameterOut<'a>>,
     probability: Option<f64>,
-    /// Least and largest value (SI) of each quantity that a force without memory depends on: where it is known.
+    /// Least and largest value (SI) of each quantity that a force without memory depends on: where it is
+    /// known.
     region: BTreeMap<&'a str, [f64; 2]>,
     rivals: Vec<RivalOut>,
     scales_with: Option<&'a str>,

@@ -1,6 +1,7 @@
 //! The result of the gap workflow with what a report says beside it.
 
 use crate::input::{Ending, Input};
+use crate::seen::{Model, Seen};
 use phisindy_gap::{Gap, Warning};
 use phisindy_phys::LawEntry;
 
@@ -21,5 +22,16 @@ impl<'a> GapReport<'a> {
     /// Warnings that the text of the result does not hold.
     pub fn notes(&self) -> impl Iterator<Item = &'a Warning> {
         self.gap.warnings.iter().filter(|w| !matches!(w, Warning::Alternative(_)))
+    }
+
+    /// The records with the model before and after effects were added.
+    pub(crate) fn seen(&self) -> Seen<'a> {
+        let (was, now) = (&self.gap.initial, &self.gap.simulated);
+        Seen {
+            system: &self.input.case.system,
+            records: self.input.records,
+            was: (!self.gap.steps.is_empty()).then(|| Model::new(&was.system, &[], &was.records)),
+            model: Some(Model::new(&now.system, &[], &now.records)),
+        }
     }
 }

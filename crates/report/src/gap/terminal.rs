@@ -1,13 +1,14 @@
 //! The result of `gap` at a terminal.
 
 use super::finding::{counted, finding, symbol};
+use super::outcome::basis;
 use super::report::GapReport;
-use super::text::{bar, basis, rivals};
+use super::text::{bar, rivals};
 use crate::format::capital;
-use crate::html::gap::seen;
-use crate::html::hero;
 use crate::run::terminal_warnings;
+use crate::stretch::series;
 use crate::table::{raised, short, with_error};
+use crate::terminal::braille::plot;
 use crate::terminal::{Ink, Look, unicode};
 use phisindy_gap::{Gap, Status, Step};
 
@@ -34,7 +35,7 @@ pub(crate) fn text(report: &GapReport<'_>, look: Look) -> String {
     }
     out.extend(tried(report, look));
     out.push(String::new());
-    out.extend(look.plot(hero::series(&seen(report), found.located.first().map(|r| r.column.as_str()))));
+    out.extend(plot(series(&report.seen(), found.located.first().map(|r| r.column.as_str())), look));
     // A law that is ruled out stands among those that were tried.
     let warnings = report.notes().filter(|w| !matches!(w, phisindy_gap::Warning::Vetoed(_)));
     let warnings: Vec<String> =

@@ -2,37 +2,21 @@
 
 use super::discovered_force::{beyond, remarks};
 use super::finding::symbol;
+use super::outcome::{basis, outcome};
 use super::report::GapReport;
 use crate::format::capital;
 use crate::table::{interval, short};
-use phisindy_gap::{Gap, Rival, Status, Step, Tried, Warning};
+use phisindy_gap::{Gap, Rival, Status, Step, Tried};
 use phisindy_phys::LawEntry;
 use phisindy_phys::spec::Role;
 
-/// A larger gap is more than noise.
-pub(super) const NOISE: f64 = 1.1;
 /// Length of the bars, in characters.
 const BAR: usize = 24;
 
 /// The text: first a bar for each step, then the steps with their numbers, then the outcome.
 pub(crate) fn text(report: &GapReport<'_>) -> String {
     let GapReport { gap: found, catalogue, ending: how, .. } = *report;
-    let mut out: Vec<String> = Vec::new();
-    let shown = |(fit, validate): (f64, Option<f64>)| validate.unwrap_or(fit);
-    let before = shown(found.before);
-    let which = basis(found);
-    out.push(format!("gap {which}, in units of the noise (1 is perfect)"));
-    out.push(format!("  {:>8}  {}  the model as it is", short(before), bar(before, before)));
-    for s in found.steps.iter().chain(&found.partial) {
-        let after = s.validate.map_or(s.fit.1, |v| v.1);
-        out.push(format!(
-            "  {:>8}  {}  + {} at {}",
-            short(after),
-            bar(after, before),
-            s.effect.entry.law.name,
-            s.effect.place.at
-        ));
-    }
+    let mut out = bars(found);
     out.push(String::new());
     if let Some(first) = found.located.first()
         && found.status != Status::NothingMissing
@@ -99,6 +83,21 @@ pub(crate) fn text(report: &GapReport<'_>) -> String {
     out.join("\n") + "\n"
 }
 
+/// The gap of the model as it is, and after each step.
+fn bars(found: &Gap) -> Vec<String> {
+    let before = found.before.1.unwrap_or(found.before.0);
+    let mut out = vec![
+        format!("gap {}, in units of the noise (1 is perfect)", basis(found)),
+        format!("  {:>8}  {}  the model as it is", short(before), bar(before, before)),
+    ];
+    out.extend(found.steps.iter().chain(&found.partial).map(|s| {
+        let after = s.validate.map_or(s.fit.1, |v| v.1);
+        let (law, at) = (&s.effect.entry.law.name, &s.effect.place.at);
+        format!("  {:>8}  {}  + {law} at {at}", short(after), bar(after, before))
+    }));
+    out
+}
+
 /// How many laws were tried at how many places, and which were not.
 fn tried(found: &Gap) -> String {
     let distinct = |of: &dyn Fn(&Tried) -> String| -> usize {
@@ -118,68 +117,6 @@ fn tried(found: &Gap) -> String {
     }
     let not_tried = reasons.iter().map(|(why, laws)| format!("; not tried: {} ({why})", laws.join(", ")));
     tried + &not_tried.collect::<String>()
-}
-
-/// The data that the shown gap refers to.
-pub(crate) fn basis(found: &Gap) -> &'static str {
-    if found.before.1.is_some() { "on data not used" } else { "on the fitted data" }
-}
-
-/// The outcome in words, behind its status.
-pub(crate) fn outcome(found: &Gap) -> String {
-    let shown = |(fit, validate): (f64, Option<f64>)| validate.unwrap_or(fit);
-    let (before, last) = (shown(found.before), shown(found.after));
-    match found.status {
-        Status::NothingMissing => {
-            let sensitive = sensitivity(found);
-            let noise = last <= NOISE || !sensitive.is_empty();
-            let to = if noise { " to their noise" } else { limit(found) };
-            format!("the model explains the data{to} (gap {}{sensitive})", short(last))
-        }
-        Status::Explained | Status::Described => {
-            let why = match sensitivity(found) {
-                words if !words.is_empty() => words,
-                _ if last > NOISE => limit(found).to_owned(),
-                _ => String::new(),
-            };
-            format!("the gap {} went from {} to {}{why}", basis(found), short(before), short(last))
-        }
-        Status::Unexplained => {
-            let place =
-                found.left.first().map_or(String::new(), |r| format!(", mostly in {}, {r}", r.column));
-            format!(
-                "{}: a gap of {} is left{place}",
-                match found.alternative {
-                    Some(_) => "no law here explains it, but something else would, as is said beside it",
-                    None => "something is missing that no law here and no formula explains",
-                },
-                short(last)
-            )
-        }
-    }
-}
-
-/// Why no model can come nearer than a gap above the noise.
-fn limit(found: &Gap) -> &'static str {
-    if found.warnings.iter().any(|w| matches!(w, Warning::CoarseInput(_))) {
-        ", as near as the few samples of its input allow"
-    } else {
-        ", which is about what the motion itself repeats to"
-    }
-}
-
-/// If the motion on Validate records is sensitive to uncertain parameters: the gap that remains when these
-/// move within their errors.
-pub(super) fn sensitivity(found: &Gap) -> String {
-    match (found.after.1, found.predictive) {
-        (Some(gap), Some(left)) if gap > NOISE && left < NOISE => {
-            format!(
-                "; {} with the numbers moved within their error bars, on which the motion there hangs",
-                short(left)
-            )
-        }
-        _ => String::new(),
-    }
 }
 
 /// The parameters of a step, and those of its rivals that earlier steps do not list.

@@ -1,5 +1,5 @@
-//! The force of an effect that `gap` added, against the displacement, velocity or time that its law depends on, beside
-//! the force that the measured motion asks for.
+//! The force of an effect that `gap` added, against the displacement, velocity or time that its law depends
+//! on, beside the force that the measured motion asks for.
 
 use super::table::unit as unit_words;
 use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Sheet, Swatch, digits, legend};

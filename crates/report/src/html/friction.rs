@@ -77,7 +77,8 @@ const LOW: f64 = 0.05;
 /// A force that changes there by this part of its range is drawn once more, larger.
 const CHANGES: f64 = 0.08;
 
-/// A panel of the low positive velocities, where friction changes fast: the lower right of a friction curve is empty.
+/// A panel of the low positive velocities, where friction changes fast: the lower right of a friction curve
+/// is empty.
 fn low_speeds(panel: &Panel) -> Option<Panel> {
     let line = panel.marks.iter().find_map(|m| match m {
         Mark::Line { class: "model", points } => Some(points),
@@ -91,7 +92,8 @@ fn low_speeds(panel: &Panel) -> Option<Panel> {
     let slow = || line.iter().filter(|p| p.0 > 0.0 && p.0 < LOW * fastest);
     let (lowest, _, whole) = range(&mut line.iter().map(|p| p.1));
     let (low, high, part) = range(&mut slow().map(|p| p.1));
-    // The corner must be free: friction at positive velocities is positive, and there is something below zero.
+    // The corner must be free: friction at positive velocities is positive, and there is something below
+    // zero.
     if slow().count() < 8 || part < CHANGES * whole || low < 0.0 || lowest > -0.2 * whole {
         return None;
     }

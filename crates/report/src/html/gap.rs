@@ -1,23 +1,23 @@
 //! The report of `gap`.
 
-use super::data::{Model, Seen, notes};
 use super::leaderboard::leaderboard;
 use super::page::{Banner, Page, Tone, add_data_remarks, add_warnings, paragraph};
 use super::table::{Cell, code, in_unit, parameters, table, text};
 use super::{force, hero, map, mathml, missing_force, motion, next, reproduction, residual, shrink};
 use crate::chart::{Sheet, digits};
-use crate::equation::equations;
+use crate::equation::equations_of;
 use crate::format::{capital, role_name as role};
 use crate::gap::{Balance, Finding, GapReport, balance, finding, remarks, rivals, symbol};
 use crate::input::{Ending, Invocation};
 use crate::markup::{Element, element};
+use crate::seen::{Seen, notes};
 use phisindy_gap::{ColumnGap, ColumnRepeat, Gap, Region, Status, Step, Warning};
-use phisindy_phys::{LawEntry, SourceId, check_names, spec};
+use phisindy_phys::{Case, LawEntry};
 
 /// The page.
 pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     let GapReport { input, gap: found, catalogue, ending } = *report;
-    let seen = seen(report);
+    let seen = report.seen();
     let mut page = Page::new(input, banner(found, ending));
     let balances: Vec<Option<Balance>> =
         found.steps.iter().map(|s| balance(found, s, input.records)).collect();
@@ -31,7 +31,7 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     let warnings = found.warnings.iter().filter(|w| !matches!(w, Warning::Vetoed(_)));
     add_warnings(&mut page, &warnings.map(ToString::to_string).collect::<Vec<_>>());
     if !found.steps.is_empty() || !found.partial.is_empty() {
-        page.section("The completed equation", completed(found));
+        page.section("The completed equation", completed(input.case, found));
     }
     let maps = page.drawn(Sheet::Page, |sheet| map::charts(&seen, &found.noise, sheet));
     page.section("Where the gap sits", located(found).into_iter().chain(maps));
@@ -44,20 +44,8 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     page
 }
 
-/// The records with the model before and after effects were added.
-pub(crate) fn seen<'a>(report: &GapReport<'a>) -> Seen<'a> {
-    let found = report.gap;
-    let (was, now) = (&found.initial, &found.simulated);
-    Seen {
-        system: &report.input.case.system,
-        records: report.input.records,
-        was: (!found.steps.is_empty()).then(|| Model::new(&was.system, &[], &was.records)),
-        model: Some(Model::new(&now.system, &[], &now.records)),
-    }
-}
-
-/// The finding in pictures: the motion before and after, the force that was found first (of a law of the catalogue or
-/// a discovered formula: both are steps), the shrinking gap.
+/// The finding in pictures: the motion before and after, the force that was found first (of a law of the
+/// catalogue or a discovered formula: both are steps), the shrinking gap.
 fn first_screen(page: &mut Page, found: &Gap, seen: &Seen<'_>, balances: &[Option<Balance>]) {
     let column = found.located.first().map(|r| r.column.as_str());
     let mut figures = page.drawn(Sheet::Half, |sheet| hero::chart(seen, column, sheet).into_iter().collect());
@@ -183,13 +171,10 @@ fn vetoes<'a>(s: &'a Step, catalogue: &'a [LawEntry]) -> impl Iterator<Item = St
     })
 }
 
-/// The equations of the completed spec.
-fn completed(found: &Gap) -> Vec<Element> {
-    let checked = spec::read(&found.completed, SourceId(0))
-        .ok()
-        .and_then(|(spec, _)| check_names(&spec, SourceId(0)).ok());
-    let Some((case, _)) = checked else { return vec![] };
-    equations(&case, &[], &found.parameters).iter().map(|e| mathml::equation(&e.latex)).collect()
+/// The equations of the completed model.
+fn completed(case: &Case, found: &Gap) -> Vec<Element> {
+    let all = equations_of(&found.simulated.system, case, &[], &found.parameters);
+    all.iter().map(|e| mathml::equation(&e.latex)).collect()
 }
 
 fn located(found: &Gap) -> Vec<Element> {

@@ -16,7 +16,8 @@ pub(crate) fn leaderboard(found: &Gap, catalogue: &[LawEntry]) -> Vec<Element> {
     if found.tried.is_empty() {
         return vec![];
     }
-    // The score of a fit counts the scatter of what is left, that of the regression the noise: they do not compare.
+    // The score of a fit counts the scatter of what is left, that of the regression the noise: they do not
+    // compare.
     let (fitted, screened): (Vec<&Tried>, Vec<&Tried>) = found.tried.iter().partition(|t| t.gap.is_some());
     let said = paragraph(
         "Each law by itself beside the model as it is. Score: how far its fit lowers the criterion (misfit and the price \

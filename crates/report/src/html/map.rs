@@ -1,7 +1,7 @@
 //! The misfit over time: rms of residual over noise in intervals of each record, darker for more.
 
-use super::data::{Model, Seen};
 use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Sheet, Strip, Swatch, digits, legend};
+use crate::seen::{Model, Seen};
 
 /// Room for the name of a column.
 const NAMES: f64 = 150.0;

@@ -1,10 +1,10 @@
 //! Measured and simulated motion of each chain of records: a panel for each column, regimes of contacts
 //! below.
 
-use super::data::{Column, Model, Seen};
 use super::regimes;
 use super::table::unit;
 use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Sheet, Swatch, digits, legend};
+use crate::seen::{Column, Model, Seen};
 
 const HIGH: f64 = 168.0;
 const GAP: f64 = 24.0;

@@ -4,6 +4,7 @@ use super::page::{Page, worded};
 use crate::format::capital;
 use crate::markup::element;
 use phisindy_learn::Rejection;
+use phisindy_phys::{Diagnostic, Sources};
 
 /// Begins a page with a numbered list of steps, if there are any.
 pub(crate) fn add(page: &mut Page, steps: &[String]) {
@@ -12,44 +13,34 @@ pub(crate) fn add(page: &mut Page, steps: &[String]) {
     page.section("What to do next", (!steps.is_empty()).then_some(list));
 }
 
-/// A mistake as it is drawn: what is wrong, in which line, what helps.
-#[derive(Debug, PartialEq, Eq)]
-pub(crate) struct Mistake {
-    what: String,
-    line: Option<String>,
-    helps: Vec<String>,
+/// A mistake of a spec: what is wrong, in which line, what helps.
+pub(crate) struct Mistake<'a> {
+    what: &'a str,
+    line: Option<usize>,
+    helps: &'a [String],
 }
 
-impl Mistake {
+impl<'a> Mistake<'a> {
+    /// Of an error; its place is the first that it is about.
+    pub(crate) fn new(error: &'a Diagnostic, sources: &Sources) -> Mistake<'a> {
+        let line = error.labels.iter().find(|label| label.primary).and_then(|label| {
+            let source = sources.files.get(label.source.0)?;
+            Some(source.line_and_column(label.span.start).0)
+        });
+        Mistake { what: &error.message, line, helps: &error.help }
+    }
+
     /// `unknown name `xx` (line 9)`.
     pub(crate) fn said(&self) -> String {
-        match &self.line {
+        match self.line {
             Some(line) => format!("{} (line {line})", self.what),
-            None => self.what.clone(),
+            None => self.what.to_owned(),
         }
     }
-}
-
-/// The drawn mistakes.
-pub(crate) fn mistakes(drawn: &str) -> Vec<Mistake> {
-    let mut out: Vec<Mistake> = Vec::new();
-    for line in drawn.lines() {
-        if let Some(what) = line.strip_prefix("error: ") {
-            out.push(Mistake { what: what.trim().to_owned(), line: None, helps: vec![] });
-        }
-        let Some(last) = out.last_mut() else { continue };
-        if let Some((_, place)) = line.split_once("┌─ ") {
-            last.line = place.rsplit(':').nth(1).map(str::to_owned);
-        }
-        if let Some((_, help)) = line.split_once("help: ") {
-            last.helps.push(help.trim().to_owned());
-        }
-    }
-    out
 }
 
 /// What to do about each mistake, each advice once, and then to check again.
-pub(crate) fn repairs(all: &[Mistake], spec: &str) -> Vec<String> {
+pub(crate) fn repairs(all: &[Mistake<'_>], spec: &str) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
     let mut told: Vec<&String> = Vec::new();
     for mistake in all {
@@ -58,7 +49,7 @@ pub(crate) fn repairs(all: &[Mistake], spec: &str) -> Vec<String> {
             continue;
         }
         told.extend(&new);
-        let line = mistake.line.as_ref().map_or(String::new(), |line| format!("line {line}: "));
+        let line = mistake.line.map_or(String::new(), |line| format!("line {line}: "));
         let helps: String = new.iter().map(|help| format!(": {help}")).collect();
         out.push(format!("{line}{}{helps}", mistake.what));
     }
@@ -117,17 +108,21 @@ pub(crate) fn after_rejection(why: &Rejection, spec: &str) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{mistakes, repairs, title_of};
+    use super::{Mistake, repairs, title_of};
+    use phisindy_expr::Span;
+    use phisindy_phys::{Diagnostic, Sources};
 
     #[test]
     fn each_mistake_has_its_line_and_each_advice_is_said_once() {
-        let drawn = "error: unknown name `xx`\n  ┌─ a.ron:9:18\n  = help: did you mean `x`?\n\n\
-                     error: unknown name `xx`\n  ┌─ a.ron:12:3\n  = help: did you mean `x`?\n";
-        let all = mistakes(drawn);
-        assert_eq!(
-            all.iter().map(super::Mistake::said).collect::<Vec<_>>()[1],
-            "unknown name `xx` (line 12)"
-        );
+        let mut sources = Sources::default();
+        let spec = sources.add_excerpt("a.ron", "y: xx,\n\n\nz: xx", 9);
+        let error = |at: usize| {
+            let place = Span::new(at, at + 2);
+            Diagnostic::error("unknown name `xx`").at(spec, place, "").help("did you mean `x`?")
+        };
+        let errors = [error(3), error(12)];
+        let all: Vec<Mistake<'_>> = errors.iter().map(|e| Mistake::new(e, &sources)).collect();
+        assert_eq!(all[1].said(), "unknown name `xx` (line 12)");
         let due =
             ["line 9: unknown name `xx`: did you mean `x`?", "Then check again: `phisindy check a.ron`"];
         assert_eq!(repairs(&all, "a.ron"), due);

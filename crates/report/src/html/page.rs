@@ -111,8 +111,8 @@ impl Page {
         self.section(heading, figures);
     }
 
-    /// Charts with their captions as elements, each drawn for a page and for a phone; the charts become figure files of
-    /// the report.
+    /// Charts with their captions as elements, each drawn for a page and for a phone; the charts become
+    /// figure files of the report.
     pub(crate) fn drawn(&mut self, sheet: Sheet, draw: impl Fn(Sheet) -> Vec<Captioned>) -> Vec<Element> {
         let both = draw(sheet).into_iter().zip(draw(Sheet::Phone));
         let figures = both.map(|((wide, caption), (narrow, _))| self.figure(wide, &narrow, &caption));
@@ -129,8 +129,8 @@ impl Page {
         figure
     }
 
-    /// Adds the figures of the first screen, side by side, and what stands below them. Sections that were added before
-    /// stand above.
+    /// Adds the figures of the first screen, side by side, and what stands below them. Sections that were
+    /// added before stand above.
     pub(crate) fn first(&mut self, figures: Vec<Element>, below: Vec<Element>) {
         self.early = self.sections.len();
         if !figures.is_empty() {

@@ -1,7 +1,7 @@
 //! Stick and slip over time.
 
-use super::data::Seen;
 use crate::chart::{Axis, Mark, Strip, digits};
+use crate::seen::Seen;
 
 /// A strip for each contact of the model that can stick.
 pub(crate) fn strips<'s>(seen: &'s Seen<'_>, chain: &[usize], time: &'s Axis) -> Vec<Strip<'s>> {

@@ -1,8 +1,8 @@
 //! The residual over time with the noise band, and its autocorrelation with the band of white noise.
 
-use super::data::{Column, Model, Part, Seen};
 use super::table::unit;
 use crate::chart::{Axis, Chart, Mark, Panel, Place, Sheet, Swatch, digits, legend};
+use crate::seen::{Column, Model, Part, Seen};
 use phisindy_phys::spec::Role;
 use phisindy_signal::autocorrelation;
 

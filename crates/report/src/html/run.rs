@@ -1,6 +1,5 @@
 //! The report of `run`.
 
-use super::data::{Model, Seen};
 use super::page::{Banner, Page, Tone, add_data_remarks, add_warnings, paragraph};
 use super::table::{Cell, code, estimate, in_unit, parameters, table, text, unit};
 use super::{correlation, friction, hero, mathml, motion, next, reproduction, residual, selection};
@@ -10,13 +9,14 @@ use crate::format::{capital, method_name as method, role_name as role};
 use crate::input::Invocation;
 use crate::markup::{Element, element};
 use crate::run::{RunReport, found_words};
+use crate::seen::Seen;
 use phisindy_learn::{RecordFit, Verdict};
 use phisindy_phys::spec::Role;
 
 /// The page.
 pub(crate) fn page(report: &RunReport<'_>, invocation: &Invocation) -> Page {
     let (input, case, found) = (report.input, report.input.case, report.identified);
-    let seen = seen(report);
+    let seen = report.seen();
     let mut page = Page::new(input, banner(report));
     if let Verdict::Rejected(why) = &found.verdict {
         next::add(&mut page, &next::after_rejection(why, input.name));
@@ -38,15 +38,6 @@ pub(crate) fn page(report: &RunReport<'_>, invocation: &Invocation) -> Page {
     reproduction::add(&mut page, input, invocation);
     page
 }
-
-/// The records with the identified model.
-pub(crate) fn seen<'a>(report: &'a RunReport<'_>) -> Seen<'a> {
-    let (system, found) = (&report.input.case.system, report.identified);
-    let terms: Vec<usize> = found.terms.iter().map(|f| f.term).collect();
-    let model = Model::new(system, &terms, &found.records);
-    Seen { system, records: report.input.records, was: None, model: Some(model) }
-}
-
 /// The finding in pictures: the motion, and the friction against velocity.
 fn first_screen(page: &mut Page, report: &RunReport<'_>, seen: &Seen<'_>) {
     let (case, records) = (report.input.case, report.input.records);

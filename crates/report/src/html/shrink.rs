@@ -76,7 +76,8 @@ pub(crate) fn chart(found: &Gap, sheet: Sheet) -> (Chart, String) {
     (chart, caption)
 }
 
-/// The least and the largest gap that the motion itself repeats to: the scatter from cycle to cycle over the noise.
+/// The least and the largest gap that the motion itself repeats to: the scatter from cycle to cycle over the
+/// noise.
 fn repeatability(found: &Gap) -> Option<(f64, f64)> {
     let over_noise = found.repeat.iter().filter_map(|c| {
         let noise = found.noise.iter().find(|(name, _)| *name == c.column)?.1;

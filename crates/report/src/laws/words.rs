@@ -2,7 +2,8 @@
 
 use crate::format::capital;
 use crate::table::{aligned, short};
-use phisindy_phys::LawEntry;
+use phisindy_expr::{Id, Parity};
+use phisindy_phys::{Law, LawEntry, LawRole};
 
 /// One line for each law.
 pub fn list(all: &[LawEntry]) -> String {
@@ -15,7 +16,11 @@ pub fn list(all: &[LawEntry]) -> String {
 pub fn shown(entry: &LawEntry) -> String {
     let law = &entry.law;
     let mut lines = vec![format!("{} ({})", capital(&law.name), entry.id), law.about.clone(), String::new()];
-    lines.extend(law.acts());
+    lines.extend(acts(law).into_iter().map(|Line { what, code }| match code {
+        Some(code) => format!("{what}: {code}"),
+        None => what,
+    }));
+    lines.extend(is(law));
     if !law.parameters.is_empty() {
         let mut rows = vec![["parameter", "unit", "within"].map(str::to_owned).to_vec()];
         for (name, p) in &law.parameters {
@@ -45,7 +50,13 @@ pub fn gallery(all: &[LawEntry]) -> String {
             out += &format!("\n![{}]({}.svg)\n", capital(&law.name), e.id);
         }
         out.push('\n');
-        out += &law.acts().iter().map(|l| format!("- {}\n", code(l))).collect::<String>();
+        for Line { what, code } in acts(law) {
+            out += &match code {
+                Some(code) => format!("- {what}: `{code}`\n"),
+                None => format!("- {what}\n"),
+            };
+        }
+        out += &is(law).map_or(String::new(), |line| format!("- {line}\n"));
         for (name, p) in &law.parameters {
             let unit = if p.unit.is_empty() { "no unit" } else { p.unit.as_str() };
             let each = if p.each { ", one for each record" } else { "" };
@@ -58,7 +69,71 @@ pub fn gallery(all: &[LawEntry]) -> String {
     out
 }
 
-/// Formats the part after the colon as code.
-fn code(line: &str) -> String {
-    line.split_once(": ").map_or_else(|| line.to_owned(), |(what, text)| format!("{what}: `{text}`"))
+/// A line about a law; an expression or a list behind it.
+struct Line {
+    what: String,
+    code: Option<String>,
+}
+
+impl Line {
+    fn new(what: &str, code: impl Into<String>) -> Line {
+        Line { what: what.to_owned(), code: Some(code.into()) }
+    }
+}
+
+/// What a law does.
+fn acts(law: &Law) -> Vec<Line> {
+    let mut lines = Vec::new();
+    lines.extend(law.force.iter().map(|f| Line::new("force against the motion", f)));
+    lines.extend(law.push.iter().map(|f| Line::new("push", f)));
+    lines.extend(law.sensor.iter().map(|s| Line::new("property of a sensor", s)));
+    lines.extend(law.input.iter().map(|s| Line::new("property of an input", s)));
+    lines.extend(law.internal.iter().map(|(name, i)| Line {
+        what: format!("with d{name}/dt = {} ({}, from {})", i.rate, i.unit, i.start),
+        code: None,
+    }));
+    lines.extend(law.mirror.iter().map(|m| Line::new("or its mirror image", m)));
+    let quantities: Vec<String> = law.roles.iter().map(|(name, unit)| format!("{name} in {unit}")).collect();
+    if !quantities.is_empty() {
+        lines.push(Line::new("of", quantities.join(", ")));
+    }
+    let number =
+        |(name, (x, unit)): &(String, (f64, String))| format!("{name} = {x:?} {unit}").trim_end().to_owned();
+    let given: Vec<String> = law.given.iter().map(number).collect();
+    if !given.is_empty() {
+        lines.push(Line::new("with", given.join(", ")));
+    }
+    lines
+}
+
+/// What a law is, as its expressions tell.
+fn is(law: &Law) -> Option<String> {
+    let mut all = Vec::new();
+    let mut add = |holds: bool, words: &str| {
+        if holds {
+            all.push(words.to_owned());
+        }
+    };
+    add(law.sticks(), "can stick");
+    add(law.is_hysteretic(), "is a hysteresis");
+    add(law.has_memory() && !law.is_hysteretic(), "has memory");
+    add(law.has_clearance(), "has a clearance");
+    match law.parity() {
+        Some(Parity::Odd) => add(true, "is odd: the same in both directions"),
+        Some(Parity::Even) => add(true, "is even: it does not turn with the motion"),
+        None => {}
+    }
+    let moves = law.role(LawRole::Velocity).is_some();
+    add(law.dissipates() == Some(true), "takes energy from every motion, whatever its numbers");
+    add(moves && law.dissipates() == Some(false), "may feed the motion, within the bounds of its numbers");
+    // A number of a law's memory is in its force by way of a state.
+    let of = law.nodes();
+    let direct = |k: &usize| {
+        let uses = |roots: &[Id]| of.graph.uses(roots, &[of.parameters[*k]]);
+        uses(&of.force.into_iter().collect::<Vec<_>>()) && !uses(&of.rates)
+    };
+    let linear = law.linear_parameters().into_iter().filter(direct);
+    let linear: Vec<&str> = linear.map(|k| law.parameters[k].0.as_str()).collect();
+    add(!linear.is_empty(), &format!("is linear in {}", linear.join(", ")));
+    (!all.is_empty()).then(|| format!("it {}", all.join("; ")))
 }

@@ -1,5 +1,5 @@
-//! Local cubics by least squares (A. Savitzky and M. Golay 1964, doi 10.1021/ac60214a047): value, slope and curvature
-//! of a measured column, smoothed just enough for a picture.
+//! Local cubics by least squares (A. Savitzky and M. Golay 1964, doi 10.1021/ac60214a047): value, slope and
+//! curvature of a measured column, smoothed just enough for a picture.
 
 use phisindy_signal::{mean_step, strongest_line};
 
@@ -19,9 +19,9 @@ pub(super) struct LocalCubic<'a> {
 }
 
 impl<'a> LocalCubic<'a> {
-    /// With a window that suits the noise. `noise` is the standard deviation of a sample times the inertia over the
-    /// largest force; `twice` says that the second derivative is wanted, otherwise the first. `None` for too few
-    /// samples.
+    /// With a window that suits the noise. `noise` is the standard deviation of a sample times the inertia
+    /// over the largest force; `twice` says that the second derivative is wanted, otherwise the first. `None`
+    /// for too few samples.
     pub(super) fn new(time: &'a [f64], values: &'a [f64], noise: f64, twice: bool) -> Option<LocalCubic<'a>> {
         let step = mean_step(time);
         let period = strongest_line(time, values).map_or(f64::INFINITY, |l| 1.0 / l.frequency);
@@ -29,8 +29,8 @@ impl<'a> LocalCubic<'a> {
         if time.len() < 4 * SIDES.0 || step.is_nan() || step <= 0.0 {
             return None;
         }
-        // Standard deviation of the derivatives of a parabola through n samples: sqrt(720/n^5) and sqrt(12/n^3) of
-        // that of a sample, per step squared and per step (Savitzky and Golay 1964).
+        // Standard deviation of the derivatives of a parabola through n samples: sqrt(720/n^5) and
+        // sqrt(12/n^3) of that of a sample, per step squared and per step (Savitzky and Golay 1964).
         let error = |side: usize| {
             let n = (2 * side + 1) as f64;
             noise

@@ -2,13 +2,15 @@
 
 use super::report::RunReport;
 use crate::table::{raised, with_error};
+use phisindy_expr::{Node, Unary};
 use phisindy_learn::{Estimate, FoundTerm};
+use phisindy_phys::System;
 
 /// Most numbers in the sentence; the others stand in their table.
 const NUMBERS: usize = 4;
 
-/// `dry friction of y1: 0.3000 ± 0.0001 m/s²; ...`: coefficients of terms first, then parameters, each with half of its
-/// 95 % interval.
+/// `dry friction of y1: 0.3000 ± 0.0001 m/s²; ...`: coefficients of terms first, then parameters, each with
+/// half of its 95 % interval.
 pub(crate) fn found_words(report: &RunReport<'_>) -> String {
     let terms = &report.identified.terms;
     let constants = report.identified.parameters.iter().filter(|p| p.id.constant().is_some());
@@ -69,14 +71,20 @@ impl Group<'_> {
             (true, false, _) if !unit.is_empty() => format!(", in {}", raised(unit)),
             _ => String::new(),
         };
-        let rest = self.factor.strip_prefix("-sgn(").and_then(|rest| rest.strip_suffix(')'));
-        match rest.filter(|velocity| !velocity.contains(['(', ')'])) {
-            // A force against the sign of a velocity.
+        match against_sign(system, self.terms[0]) {
             Some(velocity) => format!("dry friction of {velocity}: {sum}{unit}"),
             None if self.factor == "1" => format!("in d{state}/dt: {sum}{unit}"),
             None => format!("in d{state}/dt: {}·[{sum}]{unit}", self.factor.replace('-', "−")),
         }
     }
+}
+
+/// The velocity against whose sign a term acts: its factor is `-sgn(v)`.
+fn against_sign(system: &System, f: &FoundTerm) -> Option<String> {
+    let graph = &system.graph;
+    let Node::Unary(Unary::Neg, sign) = graph.node(system.terms[f.term].factor) else { return None };
+    let Node::Unary(Unary::Sgn, velocity) = graph.node(sign) else { return None };
+    Some(graph.text(velocity, &system.names))
 }
 
 /// Value with its error, unit, and candidate of a term: a force where the inertia is known.

@@ -4,6 +4,7 @@ use super::adapted;
 use super::fixed::{FixedValue, fixed_values};
 use crate::equation::{Equation, equations};
 use crate::input::{Ending, Input};
+use crate::seen::{Model, Seen};
 use crate::table::short;
 use phisindy_learn::{Adapted, FoundTerm, Identified, RecordFit};
 use phisindy_phys::spec::Role;
@@ -45,6 +46,14 @@ impl<'a> RunReport<'a> {
         }
         let fixed = fixed_values(input, found);
         RunReport { input, identified: found, equations, fixed, warnings, notes, ending }
+    }
+
+    /// The records with the identified model.
+    pub(crate) fn seen(&self) -> Seen<'_> {
+        let (system, found) = (&self.input.case.system, self.identified);
+        let terms: Vec<usize> = found.terms.iter().map(|f| f.term).collect();
+        let model = Model::new(system, &terms, &found.records);
+        Seen { system, records: self.input.records, was: None, model: Some(model) }
     }
 
     /// The free runs that the verdict rests on, in words.

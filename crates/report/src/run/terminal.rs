@@ -2,9 +2,9 @@
 
 use super::report::RunReport;
 use crate::format::{method_name, role_name};
-use crate::html::hero;
-use crate::html::run::seen;
+use crate::stretch::series;
 use crate::table::{aligned, raised, short, with_error};
+use crate::terminal::braille::plot;
 use crate::terminal::{Ink, Look, unicode};
 use phisindy_learn::{Estimate, Verdict};
 
@@ -62,7 +62,7 @@ pub(crate) fn text(report: &RunReport<'_>, look: Look) -> String {
         out.extend(aligned(&records));
     }
     out.push(String::new());
-    out.extend(look.plot(hero::series(&seen(report), None)));
+    out.extend(plot(series(&report.seen(), None), look));
     out.extend(warnings(&report.warnings, look));
     out.join("\n") + "\n"
 }

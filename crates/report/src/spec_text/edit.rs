@@ -60,8 +60,8 @@ pub fn with_data(text: &str, folders: &[String]) -> String {
     }
 }
 
-/// The folders of the data files that the head of a spec names, relative to its own folder; none of a spec that no
-/// command wrote.
+/// The folders of the data files that the head of a spec names, relative to its own folder; none of a spec
+/// that no command wrote.
 pub fn named_data(text: &str) -> Vec<&str> {
     let mut lines = text.lines();
     let ours = lines.next().is_some_and(|first| ["run", "gap"].iter().any(|c| first.starts_with(&head(c))));

@@ -3,7 +3,7 @@
 //! Keys are in alphabetical order, which is the order of the fields here. Numbers that are not finite become
 //! null.
 
-use super::runs::{CellRuns, RunVerdict, SweepRuns};
+use super::runs::{CellRuns, SweepRuns};
 use super::statistics::Statistics;
 use crate::format::method_name;
 use serde::Serialize;
@@ -17,7 +17,7 @@ struct Outcome<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     cells: Option<Vec<CellOut<'a>>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    coefficients: Option<BTreeMap<&'a str, CoefficientOut>>,
+    coefficients: Option<BTreeMap<String, CoefficientOut>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<&'a str>,
     exact_support: usize,
@@ -37,7 +37,7 @@ struct Outcome<'a> {
 #[derive(Serialize)]
 struct CellOut<'a> {
     cell: &'a str,
-    coefficients: BTreeMap<&'a str, CoefficientOut>,
+    coefficients: BTreeMap<String, CoefficientOut>,
     /// Why the cell has no truth to compare with.
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<&'a str>,
@@ -58,10 +58,10 @@ struct CoefficientOut {
 
 #[derive(Serialize)]
 struct FailureOut<'a> {
-    missing: Vec<&'a str>,
+    missing: Vec<String>,
     seed: u64,
     spurious: &'a [String],
-    verdict: &'a RunVerdict,
+    verdict: String,
 }
 
 /// The result on one line.
@@ -113,13 +113,13 @@ fn cell_out<'a>(cell: &CellRuns<'a>, statistics: &'a Result<Statistics, String>)
             rmse: c.rmse,
             truth: c.truth,
         };
-        (c.name.as_str(), out)
+        (c.name.to_string(), out)
     });
     let failures = cell.runs.iter().filter(|r| !r.exact).map(|run| FailureOut {
         missing: cell.missing(run),
         seed: run.seed,
         spurious: &run.spurious,
-        verdict: &run.verdict,
+        verdict: run.verdict.to_string(),
     });
     CellOut {
         cell: cell.label,

@@ -9,8 +9,23 @@ use serde::{Deserialize, Serialize};
 pub struct NamedTruth {
     /// Indices and coefficients.
     pub truth: Truth,
-    /// `STATE:candidate` of each term.
-    pub names: Vec<String>,
+    /// Of each term.
+    pub names: Vec<TermName>,
+}
+
+/// The name of a term, shown as `STATE:candidate`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TermName {
+    /// The state whose rate it enters.
+    pub state: String,
+    /// As it stands in the spec.
+    pub candidate: String,
+}
+
+impl std::fmt::Display for TermName {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}:{}", self.state, self.candidate)
+    }
 }
 
 /// One finished run.
@@ -34,9 +49,9 @@ pub struct Run {
     pub seconds: f64,
 }
 
-/// What came of a run. In the journal and in JSON it is `identified`, `rejected: why` or `failed: why`.
+/// What came of a run. A table and the JSON of a sweep say `identified`, `rejected: why` or `failed: why`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(from = "String", into = "String")]
+#[serde(rename_all = "lowercase")]
 pub enum RunVerdict {
     /// The model predicts the records.
     #[default]
@@ -45,22 +60,6 @@ pub enum RunVerdict {
     Rejected(String),
     /// There is no model, and why.
     Failed(String),
-}
-
-impl From<String> for RunVerdict {
-    fn from(text: String) -> RunVerdict {
-        match text.split_once(": ") {
-            Some(("rejected", why)) => RunVerdict::Rejected(why.to_owned()),
-            Some(("failed", why)) => RunVerdict::Failed(why.to_owned()),
-            _ => RunVerdict::Identified,
-        }
-    }
-}
-
-impl From<RunVerdict> for String {
-    fn from(verdict: RunVerdict) -> String {
-        verdict.to_string()
-    }
 }
 
 impl std::fmt::Display for RunVerdict {
@@ -97,11 +96,11 @@ pub struct CellRuns<'a> {
 
 impl<'a> CellRuns<'a> {
     /// Names of true terms that a run did not find.
-    pub(super) fn missing(&self, run: &Run) -> Vec<&'a str> {
+    pub(super) fn missing(&self, run: &Run) -> Vec<String> {
         let Ok(named) = self.truth else { return vec![] };
         let missing =
             named.names.iter().enumerate().filter(|&(k, _)| run.found.get(k).is_none_or(Option::is_none));
-        missing.map(|(_, name)| name.as_str()).collect()
+        missing.map(|(_, name)| name.to_string()).collect()
     }
 }
 

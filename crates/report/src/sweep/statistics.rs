@@ -1,6 +1,6 @@
 //! Statistics of the runs of one cell.
 
-use super::runs::{NamedTruth, Run, SweepRuns};
+use super::runs::{NamedTruth, Run, SweepRuns, TermName};
 
 /// Statistics of one cell.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,8 +16,8 @@ pub struct Statistics {
 /// One coefficient over all runs in which its term was found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coefficient {
-    /// `STATE:candidate`
-    pub name: String,
+    /// Of its term.
+    pub name: TermName,
     /// True value.
     pub truth: f64,
     /// Number of runs that found the term.
@@ -35,7 +35,7 @@ pub struct Coefficient {
 impl Statistics {
     /// The statistics; `runs` are ordered by seed, so that the sums are reproducible.
     pub fn of(named: &NamedTruth, runs: &[Run]) -> Statistics {
-        let one = |(k, name): (usize, &String)| {
+        let one = |(k, name): (usize, &TermName)| {
             let truth = named.truth.coefficients[k];
             let with = || runs.iter().filter_map(|run| Some((run, run.found.get(k).copied().flatten()?)));
             let found = with().count();
@@ -118,7 +118,7 @@ mod tests {
     fn only_runs_that_found_a_term_count_for_it() {
         let named = NamedTruth {
             truth: Truth { terms: vec![0], coefficients: vec![1.0] },
-            names: vec!["y:1".into()],
+            names: vec![TermName { state: "y".into(), candidate: "1".into() }],
         };
         let run = |value: Option<f64>| Run {
             exact: value.is_some(),

@@ -92,10 +92,9 @@ fn block(checked: &CellRuns<'_>, statistics: &Statistics) -> Vec<String> {
         "95 % interval covers",
     ])];
     for c in &statistics.coefficients {
-        let (state, candidate) = c.name.split_once(':').unwrap_or(("", &c.name));
         rows.push(vec![
-            state.to_owned(),
-            candidate.to_owned(),
+            c.name.state.clone(),
+            c.name.candidate.clone(),
             short(c.truth),
             c.found.to_string(),
             word(c.median),

@@ -1,13 +1,15 @@
 //! A plot in braille: each character is a block of two by four dots.
 
-use super::{Ink, Look};
+use super::look::{Ink, Look};
 use crate::chart::digits;
-use crate::html::hero::Series;
+use crate::stretch::Series;
 
 /// Lines of the plot.
 const HIGH: usize = 8;
 /// Most characters of a line.
 const WIDE: usize = 100;
+/// Least width of a terminal for a plot.
+const LEAST: usize = 90;
 /// Room for the numbers at the left.
 const LEFT: usize = 9;
 
@@ -19,7 +21,8 @@ struct Grid {
 
 impl Grid {
     fn dot(&mut self, x: usize, y: usize, ink: Option<Ink>) {
-        // The dots of a character in Unicode: 1 to 3 and 7 at the left, 4 to 6 and 8 at the right, from the top.
+        // The dots of a character in Unicode: 1 to 3 and 7 at the left, 4 to 6 and 8 at the right, from the
+        // top.
         const BITS: [[u8; 2]; 4] = [[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]];
         if let Some(cell) = self.cells.get_mut((y / 4) * self.wide + x / 2).filter(|_| x / 2 < self.wide) {
             cell.0 |= BITS[y % 4][x % 2];
@@ -28,8 +31,13 @@ impl Grid {
     }
 }
 
+/// A plot of measured and simulated motion, where the terminal is wide enough; else nothing.
+pub(crate) fn plot(series: Option<Series>, look: Look) -> Vec<String> {
+    series.filter(|_| look.width >= LEAST).map_or(vec![], |series| lines(&series, look))
+}
+
 /// The lines of the plot.
-pub(super) fn plot(series: &Series, look: Look) -> Vec<String> {
+fn lines(series: &Series, look: Look) -> Vec<String> {
     let wide = look.width.saturating_sub(LEFT + 3).min(WIDE);
     let all = series.measured.iter().map(|p| p.1).filter(|y| y.is_finite());
     let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), y| (a.min(y), b.max(y)));
@@ -110,7 +118,7 @@ mod tests {
             before: vec![],
             model: points,
         };
-        let lines = plot(&series, Look { colour: false, width: 100 });
+        let lines = lines(&series, Look { colour: false, width: 100 });
         assert_eq!(lines.len(), HIGH + 2);
         let filled = |line: &str| line.chars().position(|c| ('\u{2801}'..='\u{28ff}').contains(&c));
         assert!(filled(&lines[2]) > filled(&lines[HIGH - 1]), "{lines:#?}");

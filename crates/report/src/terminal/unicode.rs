@@ -1,6 +1,6 @@
 //! Expressions of the language of the specs in Unicode: `-0.3*sgn(y1)^2` as `−0.3·sgn(y₁)²`.
 
-use crate::table::{four, with_error};
+use crate::table::{by_error, four};
 
 const GREEK: [(&str, &str); 20] = [
     ("alpha", "α"),
@@ -25,8 +25,8 @@ const GREEK: [(&str, &str); 20] = [
     ("omega", "ω"),
 ];
 
-/// The expression. Numbers that are one of `found` (value and half of its 95 % interval) have the digits that it allows,
-/// others four.
+/// The expression. Numbers that are one of `found` (value and half of its 95 % interval) have the digits that
+/// it allows, others four.
 pub(crate) fn expression(text: &str, found: &[(f64, f64)]) -> String {
     let letters: Vec<char> = text.chars().collect();
     let (mut out, mut k) = (String::new(), 0);
@@ -125,16 +125,7 @@ fn raised(digits: &str) -> String {
 
 fn number(x: f64, found: &[(f64, f64)]) -> String {
     let same = |y: f64| (x - y.abs()).abs() <= 1e-9 * x.abs();
-    let Some((_, error)) = found.iter().find(|(value, _)| same(*value)) else { return four(x) };
-    let text = with_error(x, *error);
-    // `(3.21 ± 0.04)·10⁻⁵`
-    match text.split_once(" ± ") {
-        Some((value, rest)) => {
-            let power = rest.split_once(')').map_or("", |(_, power)| power);
-            format!("{}{power}", value.trim_start_matches('('))
-        }
-        None => text,
-    }
+    found.iter().find(|(value, _)| same(*value)).map_or_else(|| four(x), |(_, error)| by_error(x, *error))
 }
 
 #[cfg(test)]

@@ -2,10 +2,10 @@
 //!
 //! At each sample the derivative is estimated from windows of growing width. Narrow windows are noisy, wide
 //! ones biased. The departure of a wide window from all narrower ones, beyond what noise explains, bounds its
-//! bias. The window with the smallest sum of squared bias and variance is selected (A. Goldenshluger, O. Lepski
-//! 2011). This is done for windows centred on the sample and for windows shifted to either side. Their results
-//! are averaged with weights of inverse risk, so that near a stop the windows that do not reach across it
-//! dominate. One cubic per window serves every sample that uses the window.
+//! bias. The window with the smallest sum of squared bias and variance is selected (A. Goldenshluger, O.
+//! Lepski 2011). This is done for windows centred on the sample and for windows shifted to either side. Their
+//! results are averaged with weights of inverse risk, so that near a stop the windows that do not reach
+//! across it dominate. One cubic per window serves every sample that uses the window.
 //!
 //! Two alternatives were worse on stick-slip: the widest window whose confidence interval intersects those of
 //! all narrower ones (one false alarm selects a far too narrow window), and the best shift alone (the average
@@ -13,7 +13,9 @@
 
 use std::ops::Range;
 
-use super::{Differentiated, Smoothing, noise_of};
+use super::differentiated::Differentiated;
+use super::noise::noise_of;
+use super::smoothing::Smoothing;
 use crate::grid::uniform_step;
 
 /// Squared departure that noise explains, in variances of the narrower window. Below 6 false alarms dominate.
@@ -121,8 +123,8 @@ fn combine(estimates: &[[Estimate; 2]], quantity: usize, levels: usize, noise: f
         inverse_roots += 1.0 / risk.sqrt();
     }
     selected.value /= weights;
-    // The squared geometric mean of the arithmetic and the harmonic mean of the standard errors. The least risk would
-    // be too small, since it was selected for being small; tests confirm this choice.
+    // The squared geometric mean of the arithmetic and the harmonic mean of the standard errors. The least
+    // risk would be too small, since it was selected for being small; tests confirm this choice.
     selected.risk = roots / inverse_roots;
     selected
 }

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use realfft::num_complex::Complex;
 
-use super::{Differentiated, Smoothing, noise_of};
+use super::differentiated::Differentiated;
+use super::noise::noise_of;
+use super::smoothing::Smoothing;
 use crate::fft::{Forward, Inverse};
 use crate::grid::uniform_step;
 use crate::interpolate::{Interpolation, Signal, SignalError};
@@ -15,8 +17,8 @@ pub(super) fn differentiate(time: &[f64], values: &[f64]) -> Result<Differentiat
     if let Some(step) = uniform_step(time, 1e-6) {
         return Ok(uniform(step, values, noise, false));
     }
-    // Resampling by a spline is far more accurate on smooth motion than by straight lines, and does not change
-    // the noise.
+    // Resampling by a spline is far more accurate on smooth motion than by straight lines, and does not
+    // change the noise.
     let n = time.len();
     let (first, span) = (time[0], time[n - 1] - time[0]);
     let grid: Arc<[f64]> = (0..n).map(|i| first + span * i as f64 / (n - 1) as f64).collect();

@@ -1,11 +1,13 @@
 //! The cubic smoothing spline; generalised cross-validation chooses its smoothness.
 //!
-//! C. H. Reinsch 1967 (banded solve); M. F. Hutchinson and F. R. de Hoog 1985 (trace of the influence matrix in
-//! O(n)).
+//! C. H. Reinsch 1967 (banded solve); M. F. Hutchinson and F. R. de Hoog 1985 (trace of the influence matrix
+//! in O(n)).
 
 use std::f64::consts::PI;
 
-use super::{Differentiated, Smoothing, noise_of};
+use super::differentiated::Differentiated;
+use super::noise::noise_of;
+use super::smoothing::Smoothing;
 use crate::grid::mean_step;
 
 /// Smoothing length, in samples, of a spline that practically interpolates.

@@ -21,9 +21,9 @@ fn uneven_grid(n: u32, step: f64) -> Vec<f64> {
     (0..n).map(|i| step * (f64::from(i) + 0.3 * (1.5 * f64::from(i)).sin())).collect()
 }
 
-/// The rig's twin with the noise of its lasers. Measured: 3.4e-5, 1.9e-5, 1.4e-5 m/s for local cubics, 4.8e-5,
-/// 2.3e-5, 2.0e-5 for the spline, 4.3e-5, 2.1e-5, 1.6e-5 for the Fourier series; the speed's rms is 16, 2.3 and
-/// 1.0 mm/s.
+/// The rig's twin with the noise of its lasers. Measured: 3.4e-5, 1.9e-5, 1.4e-5 m/s for local cubics,
+/// 4.8e-5, 2.3e-5, 2.0e-5 for the spline, 4.3e-5, 2.1e-5, 1.6e-5 for the Fourier series; the speed's rms is
+/// 16, 2.3 and 1.0 mm/s.
 #[test]
 fn the_rig_twin_is_differentiated_to_a_hundredth_of_a_millimetre_per_second() {
     for (amplitude, omega, stops, limits) in [

@@ -1,22 +1,23 @@
-//! The same samples drawn by a rule of higher order. Where the samples resolve the signal, the difference of two
-//! rules is the error of the lower one, as in embedded Runge-Kutta pairs (E. Hairer, S. P. Norsett, G. Wanner 1993,
-//! Solving Ordinary Differential Equations I, section II.4, doi 10.1007/978-3-540-78862-1).
+//! The same samples drawn by a rule of higher order. Where the samples resolve the signal, the difference of
+//! two rules is the error of the lower one, as in embedded Runge-Kutta pairs (E. Hairer, S. P. Norsett, G.
+//! Wanner 1993, Solving Ordinary Differential Equations I, section II.4, doi 10.1007/978-3-540-78862-1).
 
 use super::{Interpolation, Signal};
 use std::sync::Arc;
 
-/// Samples on each side of an interval. A sine with five samples in a period is then drawn 40 times better than by
-/// a cubic spline.
+/// Samples on each side of an interval. A sine with five samples in a period is then drawn 40 times better
+/// than by a cubic spline.
 const SIDE: usize = 8;
 /// New intervals in each old one; the error of a spline falls with the fourth power.
 const PARTS: usize = 4;
-/// A polynomial whose Lebesgue constant is larger is not used: near the ends and in gaps of the record it would swing.
-/// In the middle of sixteen equidistant samples the constant is 2.1.
+/// A polynomial whose Lebesgue constant is larger is not used: near the ends and in gaps of the record it
+/// would swing. In the middle of sixteen equidistant samples the constant is 2.1.
 const STEADY: f64 = 4.0;
 
 impl Signal {
-    /// The same samples drawn by a rule of higher order: a cubic spline for straight lines, and for a cubic spline the
-    /// polynomials through the sixteen nearest samples, on a grid four times as fine. `None` for `Hold`, which is exact.
+    /// The same samples drawn by a rule of higher order: a cubic spline for straight lines, and for a cubic
+    /// spline the polynomials through the sixteen nearest samples, on a grid four times as fine. `None` for
+    /// `Hold`, which is exact.
     ///
     /// ```
     /// use std::sync::Arc;
@@ -54,8 +55,8 @@ impl Signal {
         Signal::new(Arc::from(time), values, Interpolation::Cubic).ok()
     }
 
-    /// The value at `t`, in interval `i`, of the polynomial through the samples around it; `None` where these are too
-    /// few or too uneven.
+    /// The value at `t`, in interval `i`, of the polynomial through the samples around it; `None` where these
+    /// are too few or too uneven.
     fn polynomial(&self, i: usize, t: f64) -> Option<f64> {
         let from = (i + 1).checked_sub(SIDE)?;
         let nodes = self.time.get(from..i + 1 + SIDE)?;
@@ -74,8 +75,8 @@ impl Signal {
 mod tests {
     use super::*;
 
-    /// Near its ends and beside a gap the signal is drawn as before; straight lines become a spline; held samples are
-    /// exact.
+    /// Near its ends and beside a gap the signal is drawn as before; straight lines become a spline; held
+    /// samples are exact.
     #[test]
     fn a_rule_of_higher_order_is_used_where_it_is_steady() {
         let time: Arc<[f64]> =

@@ -36,7 +36,8 @@ fn a_sine_at_twenty_samples_a_period() {
         value = value.max((spline.value(t) - (TAU * t).sin()).abs());
         slope = slope.max((spline.slope(t) - TAU * (TAU * t).cos()).abs() / TAU);
     }
-    // h^4/384 of the fourth derivative; the slope of the Hermite cubic is off by h^3/(72 sqrt 3) in the middle.
+    // h^4/384 of the fourth derivative; the slope of the Hermite cubic is off by h^3/(72 sqrt 3) in the
+    // middle.
     let h = TAU / 20.0;
     assert!(value < 1.15 * h.powi(4) / 384.0 && value > 0.5 * h.powi(4) / 384.0, "{value:e}");
     assert!(slope < 1.15 * h.powi(3) / (72.0 * 3f64.sqrt()), "{slope:e}");

@@ -1,5 +1,5 @@
-//! The loss over all samples against a plain loop, its derivatives against differences and against a tape that
-//! is unrolled.
+//! The loss over all samples against a plain loop, its derivatives against differences and against a tape
+//! that is unrolled.
 
 use super::{Batch, lay_out};
 use crate::step::onestep::tests::{TOLERANCE, Twin, common, one_mass, runge_kutta};

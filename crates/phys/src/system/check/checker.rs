@@ -99,8 +99,8 @@ impl Checker {
         });
     }
 
-    /// Parses and lowers an expression in which the `allowed` names (and constants) may stand; fixed constants
-    /// become numbers.
+    /// Parses and lowers an expression in which the `allowed` names (and constants) may stand; fixed
+    /// constants become numbers.
     pub(super) fn expression(&mut self, text: &Text, allowed: &[&str]) -> Option<Id> {
         self.expression_with(text, allowed, &[])
     }

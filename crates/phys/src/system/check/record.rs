@@ -1,4 +1,5 @@
-//! What measured and synthetic records share: constants, sensors, derived inputs, interpolation, start values.
+//! What measured and synthetic records share: constants, sensors, derived inputs, interpolation, start
+//! values.
 
 use super::checker::Checker;
 use crate::system::constants::Value;
@@ -32,7 +33,8 @@ impl Checker {
         values
     }
 
-    /// The sensors of a record, in which `derived` inputs have those of the inputs that they are derived from.
+    /// The sensors of a record, in which `derived` inputs have those of the inputs that they are derived
+    /// from.
     pub(super) fn sensors(
         &mut self,
         sensors: &[(Text, SensorSpec)],

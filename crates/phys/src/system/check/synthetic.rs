@@ -141,8 +141,9 @@ impl Checker {
         (measured, inputs)
     }
 
-    /// Known rates and outputs plus truth, formulas in the place of inputs, movable constants at their nominal
-    /// values; and where the states of filters start, after the system has been at its start for long.
+    /// Known rates and outputs plus truth, formulas in the place of inputs, movable constants at their
+    /// nominal values; and where the states of filters start, after the system has been at its start for
+    /// long.
     fn truth_model(
         &mut self,
         system: &System,

@@ -88,7 +88,8 @@ impl Reader<'_> {
         }
     }
 
-    /// A text that is read further, so that its bytes must be those of the spec: a name, an expression, a file.
+    /// A text that is read further, so that its bytes must be those of the spec: a name, an expression, a
+    /// file.
     pub(crate) fn words(&mut self, node: &Node) -> Option<Text> {
         let text = self.unit(node)?;
         if text.value.trim().is_empty() {

@@ -24,8 +24,8 @@ const LISTS: &[&str] = &["contacts", "data", "candidates", "laws", "search", "me
 /// Maps whose values are plain, so that no path goes deeper.
 const PLAIN: &[&str] = &["states", "known", "inertia", "truth", "start", "rows", "interpolate", "derive"];
 
-/// The text with the first of `parts` added to `node`, which is the value of `field`; further parts are created
-/// inside it.
+/// The text with the first of `parts` added to `node`, which is the value of `field`; further parts are
+/// created inside it.
 pub(super) fn insert(
     text: &str,
     node: &Node,
@@ -50,8 +50,8 @@ pub(super) fn insert(
         .map(|at| at + 1)
         .filter(|at| *at > end && text[*at..close].trim().is_empty());
     match (own_line, close_line) {
-        // On a line of its own before the closing bracket, so that a comment behind the last entry stays behind
-        // it.
+        // On a line of its own before the closing bracket, so that a comment behind the last entry stays
+        // behind it.
         (Some(indent), Some(line)) => {
             let missing = if comma.is_some() { "" } else { "," };
             Ok(format!("{}{missing}{}{indent}{entry},\n{}", &text[..end], &text[end..line], &text[line..]))

@@ -340,8 +340,8 @@ fn consistent(text: &str, leaves: &[Option<Powers>], due: Powers) -> bool {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
-    /// What is made to fit fits, with one unit changed it does not, and a number beside that unit makes up for
-    /// it.
+    /// What is made to fit fits, with one unit changed it does not, and a number beside that unit makes up
+    /// for it.
     #[test]
     fn expressions_made_to_fit(
         (powers, made) in proptest::array::uniform3(-2_i8..=2).prop_flat_map(|p| (Just(p), made(p, 4))),

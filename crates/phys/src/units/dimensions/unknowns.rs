@@ -1,5 +1,5 @@
-//! Unknown dimensions, and what is known about them so far: linear equations between powers, solved one by one
-//! as they come.
+//! Unknown dimensions, and what is known about them so far: linear equations between powers, solved one by
+//! one as they come.
 
 use super::form::{Form, SAME};
 
@@ -71,8 +71,8 @@ mod tests {
     }
 
     proptest! {
-        /// Equations made from a solution never contradict each other, and as many independent ones as unknowns
-        /// give it back.
+        /// Equations made from a solution never contradict each other, and as many independent ones as
+        /// unknowns give it back.
         #[test]
         fn a_solution_is_found_again(
             truth in proptest::collection::vec(proptest::array::uniform5(-3_i8..=3), 4),

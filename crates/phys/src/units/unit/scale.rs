@@ -35,8 +35,9 @@ impl Scale {
         if decimal { Scale { power: power as i32, factor: 1.0 } } else { Scale { power: 0, factor } }
     }
 
-    /// The SI value of a number that was read already: of the shortest text that reads back as it, which is the
-    /// text that stood there unless that had more digits than a double holds. Infinite where it is too large.
+    /// The SI value of a number that was read already: of the shortest text that reads back as it, which is
+    /// the text that stood there unless that had more digits than a double holds. Infinite where it is too
+    /// large.
     ///
     /// ```
     /// use phisindy_phys::unit::Scale;

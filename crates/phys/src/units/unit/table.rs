@@ -58,8 +58,8 @@ const PREFIXES: &[(&str, f64)] = &[
     ("G", 1e9),
 ];
 
-/// Factor to SI and dimension of the unit of this name, perhaps with a prefix. A name that stands in the table is never taken apart: `min` is
-/// no milli-inch.
+/// Factor to SI and dimension of the unit of this name, perhaps with a prefix. A name that stands in the
+/// table is never taken apart: `min` is no milli-inch.
 pub(super) fn find(name: &str) -> Option<(f64, Dimension)> {
     let unit = |&(_, factor, [kg, m, s, a, k], _): &Row, prefix: f64| {
         (factor * prefix, Dimension::new(kg, m, s, a, k))

@@ -107,8 +107,8 @@ impl Variables {
     }
 }
 
-/// The start state, and the size of each state: the largest value in the record where that is known, else the size
-/// of its start value, else 1.
+/// The start state, and the size of each state: the largest value in the record where that is known, else the
+/// size of its start value, else 1.
 fn start_and_sizes(subject: &Subject) -> (Vec<f64>, Vec<f64>) {
     let note = subject.chosen();
     let known = subject.experiment.as_ref();

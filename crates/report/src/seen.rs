@@ -105,8 +105,8 @@ impl Seen<'_> {
         chain.iter().map(|&r| self.records[r].name.as_str()).collect::<Vec<_>>().join("; ")
     }
 
-    /// Time intervals of a chain that were not fitted: of a Validate record what follows the part that its start
-    /// state and numbers of its own were adapted on.
+    /// Time intervals of a chain that were not fitted: of a Validate record what follows the part that its
+    /// start state and numbers of its own were adapted on.
     pub(crate) fn unfitted(&self, chain: &[usize]) -> Vec<(f64, f64)> {
         let validate = chain.iter().filter(|&&r| self.records[r].role == Role::Validate);
         let adapted = |r: usize| self.model.as_ref()?.fits[r].adapted.as_ref().map(|a| a.span.1);

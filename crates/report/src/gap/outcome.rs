@@ -1,0 +1,69 @@
+//! How the search ended, in words.
+
+use crate::table::short;
+use phisindy_gap::{Gap, Status, Warning};
+
+/// A larger gap is more than noise.
+pub(super) const NOISE: f64 = 1.1;
+
+/// The data that the shown gap refers to.
+pub(crate) fn basis(found: &Gap) -> &'static str {
+    if found.before.1.is_some() { "on data not used" } else { "on the fitted data" }
+}
+
+/// The outcome in words, behind its status.
+pub(crate) fn outcome(found: &Gap) -> String {
+    let shown = |(fit, validate): (f64, Option<f64>)| validate.unwrap_or(fit);
+    let (before, last) = (shown(found.before), shown(found.after));
+    match found.status {
+        Status::NothingMissing => {
+            let sensitive = sensitivity(found);
+            let noise = last <= NOISE || !sensitive.is_empty();
+            let to = if noise { " to their noise" } else { limit(found) };
+            format!("the model explains the data{to} (gap {}{sensitive})", short(last))
+        }
+        Status::Explained | Status::Described => {
+            let why = match sensitivity(found) {
+                words if !words.is_empty() => words,
+                _ if last > NOISE => limit(found).to_owned(),
+                _ => String::new(),
+            };
+            format!("the gap {} went from {} to {}{why}", basis(found), short(before), short(last))
+        }
+        Status::Unexplained => {
+            let place =
+                found.left.first().map_or(String::new(), |r| format!(", mostly in {}, {r}", r.column));
+            format!(
+                "{}: a gap of {} is left{place}",
+                match found.alternative {
+                    Some(_) => "no law here explains it, but something else would, as is said beside it",
+                    None => "something is missing that no law here and no formula explains",
+                },
+                short(last)
+            )
+        }
+    }
+}
+
+/// Why no model can come nearer than a gap above the noise.
+fn limit(found: &Gap) -> &'static str {
+    if found.warnings.iter().any(|w| matches!(w, Warning::CoarseInput(_))) {
+        ", as near as the few samples of its input allow"
+    } else {
+        ", which is about what the motion itself repeats to"
+    }
+}
+
+/// If the motion on Validate records is sensitive to uncertain parameters: the gap that remains when these
+/// move within their errors.
+pub(super) fn sensitivity(found: &Gap) -> String {
+    match (found.after.1, found.predictive) {
+        (Some(gap), Some(left)) if gap > NOISE && left < NOISE => {
+            format!(
+                "; {} with the numbers moved within their error bars, on which the motion there hangs",
+                short(left)
+            )
+        }
+        _ => String::new(),
+    }
+}
