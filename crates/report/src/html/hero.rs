@@ -8,8 +8,8 @@ use phisindy_phys::spec::Role;
 use phisindy_signal::strongest_line;
 
 const HIGH: f64 = 220.0;
-/// The same over the whole width.
-const LOW: f64 = 170.0;
+/// The same over the whole width: with the frictions and their captions below it, it fits on a first screen.
+const LOW: f64 = 120.0;
 /// Periods of the motion that are shown.
 const PERIODS: f64 = 3.0;
 /// Part of a record that is shown where its motion has no period.
