@@ -18,6 +18,9 @@ const STANDS_OUT: f64 = 5.0;
 const STEPS_AT_MOST: f64 = 0.05;
 /// Steps over which a column is interpolated.
 const GAP: f64 = 8.0;
+/// Where a larger part is filled the top of the spectrum is no longer that of the noise: the column stays as it is, and the
+/// level is too large rather than too small.
+const MOST_FILLED: f64 = 0.1;
 /// Times that are farther off a grid, in steps, are not those of a sampler that lost some rows.
 const OFF_GRID: f64 = 0.1;
 /// The upper part of the frequency axis that must be flat to count as noise.
@@ -116,7 +119,8 @@ fn filled(time: &[f64], values: &[f64]) -> Option<(Vec<f64>, usize)> {
         piece.0.extend(inside.map(|t| signal.value(t)).chain([values[k]]));
         piece.1 += 1;
     }
-    Some(if piece.1 > best.1 { piece } else { best })
+    let best = if piece.1 > best.1 { piece } else { best };
+    (best.1 as f64 >= (1.0 - MOST_FILLED) * best.0.len() as f64).then_some(best)
 }
 
 /// Whether a few samples stand out of noise of this level: the column steps. A step of `J` at every `m`-th sample adds
