@@ -146,8 +146,8 @@ impl Rows<'_> {
 
     /// The first and the last time of some rows.
     fn span(&self, rows: &Range<usize>) -> (f64, f64) {
-        let times = self.times()[rows.clone()].iter().copied().filter(|t| t.is_finite());
-        (times.clone().next().unwrap_or(0.0), times.last().unwrap_or(0.0))
+        let mut times = self.times()[rows.clone()].iter().copied().filter(|t| t.is_finite());
+        (times.clone().next().unwrap_or(0.0), times.next_back().unwrap_or(0.0))
     }
 
     /// Whether a row has all values that the records need.
