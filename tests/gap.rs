@@ -338,7 +338,7 @@ fn a_drive_off_its_frequency_is_told_beside_friction() {
     let (found, _) = gap(&folder("gap-frequency-friction"), &text);
     let said = found["warnings"].to_string();
     assert!(said.contains("at 1.0100") || said.contains("at 1.0099"), "{said}");
-    assert!(said.contains("with coulomb at v") && said.contains("then Fc = 0.3"), "{said}");
+    assert!(said.contains("with Coulomb friction at v") && said.contains("then Fc = 0.3"), "{said}");
     assert!(named(&found).is_empty(), "{found}");
 }
 
@@ -439,7 +439,10 @@ fn friction_beside_a_mass_that_is_wrong_is_told_with_its_number() {
     let truth = "\"v\": \"-0.05*(-c*v - k*x + F0*cos(W*t))/m - 0.3*sgn(v)\"";
     let (found, _) = gap(&folder("gap-mass-friction"), &spec(truth, 0.01));
     let said = found["warnings"].to_string();
-    assert!(said.contains("with m = 1.05") && said.contains("coulomb at v the model explains"), "{said}");
+    assert!(
+        said.contains("with m = 1.05") && said.contains("Coulomb friction at v the model explains"),
+        "{said}"
+    );
     // The three effects that imitate it leave noise, and are not called an explanation.
     assert_eq!(found["status"].as_str(), Some("unexplained"), "{found}");
     // 0.3 N/kg of 1.053 kg.

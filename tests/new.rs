@@ -203,6 +203,36 @@ fn trials_are_told_apart_by_the_column_that_counts_them() {
     checked(&scratch, &text);
 }
 
+/// A logger that loses values here and there: the rows that lack one are left out, and are no noise.
+#[test]
+fn rows_that_lack_a_value_are_left_out() {
+    let file = table("Zeit [s];Weg [mm];Temp", 800, |k, t| {
+        let noise = 1e-3 * f64::from((k as u32).wrapping_mul(2_654_435_769).count_ones() % 2) - 5e-4;
+        let x = if k % 19 == 7 { String::new() } else { format!("{:.4}", (3.0 * t).sin() + noise) };
+        format!("{t:.3};{x};{:.1}", 20.0 + 0.1 * f64::from(k as u32 % 3)).replace('.', ",")
+    });
+    let (scratch, text, said) = made("dropouts", file.as_bytes());
+    holds(&text, &["42 missing", "missing: Omit", "42 of 800 rows lack a value (first in line 9)"]);
+    let noise =
+        text.lines().find(|l| l.contains("Weg [mm]")).and_then(|l| l.split_whitespace().nth(6)?.parse().ok());
+    assert!(noise.is_some_and(|x: f64| (x / 5e-4 - 1.0).abs() < 0.2), "{noise:?} {text}");
+    holds(&said.err, &["note: 42 of 800 rows"]);
+    let run = phisindy(&["run", &scratch.path("rig.ron")]);
+    holds(&run.err, &["21 rows of `rig.csv` are left out"]);
+    let strict = text.replace("            missing: Omit,\n", "");
+    std::fs::write(scratch.path("rig.ron"), strict).unwrap();
+    let refused = phisindy(&["check", &scratch.path("rig.ron")]);
+    assert_eq!(refused.code, 2);
+    holds(&refused.err, &["has no value in line 9", "say `missing: Omit` in the record"]);
+}
+
+#[test]
+fn one_column_is_a_motion_without_times() {
+    let file = table("ACC_Z [g]", 400, |_, t| format!("{:.4}", (9.0 * t).sin()));
+    let (_, text, _) = made("one", file.as_bytes());
+    holds(&text, &["time: Rate(100.0)", "(\"ACC_Z [g]\", \"gn\")", "how many rows per second"]);
+}
+
 #[test]
 fn what_is_missing_repeated_or_dead_is_said() {
     let file = table("time_s,x_mm,v2", 800, |k, t| match k {
@@ -307,7 +337,7 @@ fn bad_files_are_refused_with_the_place_and_what_to_do() {
     let cases: &[(&str, Vec<u8>, &[&str])] = &[
         ("empty", vec![], &["is empty", "heading"]),
         ("comments", b"# nothing\n".to_vec(), &["is empty"]),
-        ("column", table("x", 50, |_, t| format!("{t}")).into(), &["only one column"]),
+        ("column", table("x", 50, |_, t| format!("{t}")).into(), &["no column of motion"]),
         ("words", table("a,b", 50, |_, _| "one,two".into()).into(), &["holds no numbers"]),
         ("few", b"t,x\n0,1\n1,2\n".to_vec(), &["2 rows", "at least 20"]),
         (

@@ -30,12 +30,20 @@ fn chapters(value: &mut Value) -> Result<()> {
         Value::Array(all) => all.iter_mut().try_for_each(chapters),
         Value::Object(fields) => {
             if let Some(Value::String(content)) = fields.get_mut("content") {
-                *content = with_mathml(content)?;
+                *content = with_index(&with_mathml(content)?);
             }
             fields.values_mut().try_for_each(chapters)
         }
         _ => Ok(()),
     }
+}
+
+/// Markdown whose links to a `README.md` lead to the `index.html` that mdbook makes of it: mdbook itself names the page so,
+/// but leaves the links of other pages as they are.
+fn with_index(text: &str) -> String {
+    text.replace("/README.md)", "/index.md)")
+        .replace("/README.md#", "/index.md#")
+        .replace("](README.md", "](index.md")
 }
 
 /// Markdown in which formulas are MathML; code stays as it is.
@@ -113,6 +121,13 @@ mod tests {
             formulas += made.unwrap_or_else(|e| panic!("{}: {e}", page.display())).matches("<math").count();
         }
         assert!(formulas > 50, "{formulas}");
+    }
+
+    #[test]
+    fn links_to_a_readme_lead_to_its_page() {
+        let made =
+            with_index("[laws](../laws/README.md#stribeck), [this](README.md), [cluster](cluster/README.md)");
+        assert_eq!(made, "[laws](../laws/index.md#stribeck), [this](index.md), [cluster](cluster/index.md)");
     }
 
     #[test]

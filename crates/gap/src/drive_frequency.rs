@@ -5,7 +5,7 @@ use crate::alternative_constant::numbers;
 use crate::decisions::{CLOCK_CAUSE, CLOCK_HELPS, CLOCK_OFF, SAME_RATIO};
 use crate::drive::Drive;
 use crate::model::{Fitted, TrialModel, shortened};
-use crate::result::{Activity, DriveFrequency};
+use crate::result::{Activity, DriveFrequency, RoundStart};
 use crate::search::{Observe, Search, placed};
 use crate::whiteness::{lines, mean_step};
 use phisindy_learn::Effort;
@@ -94,5 +94,9 @@ impl Observe for Late<'_> {
 
     fn stopped(&self) -> bool {
         self.0.stopped()
+    }
+
+    fn round(&self) -> RoundStart {
+        self.0.round()
     }
 }

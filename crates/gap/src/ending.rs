@@ -18,7 +18,7 @@ use crate::result::{
     Named, NotTried, PlacedLaw, RecordValue, Region, Rival, Simulated, Status, Step, StepParameter,
     StopReason, Tried, Veto, Warning, observed_ranges, regions,
 };
-use crate::search::{Round, Search, Searched, placed, refitted};
+use crate::search::{Round, SEARCHED, Search, Searched, placed, refitted};
 use crate::sensor_linearity::sensor_nonlinearity;
 use crate::spec_mistakes::spec_mistake;
 use phisindy_learn::{Effort, FoundParameter, at_bounds, sensitive_starts};
@@ -57,7 +57,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         let noise = if last.score.is_white() { last.noise(search.noise) } else { search.noise.to_vec() };
         let (base, last) = (base.measured_by(&noise), last.measured_by(&noise));
         warnings.extend(data_mistakes(&base).into_iter().map(Warning::Data));
-        search.observer.tell(0.92, Activity::ErrorBars);
+        search.observer.tell(SEARCHED, Activity::ErrorBars);
         let mut path = path(&base, &last, &noise);
         let mut last = last;
         // Drops the last effect while the model is as good without it.

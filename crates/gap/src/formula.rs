@@ -38,6 +38,8 @@ use scale::Scale;
 pub(crate) use scope::Scope;
 use shape::{Shape, Term, formula, shapes};
 
+/// The part of a search after which formulas are sought, where no law explains the data.
+const FORMULAS: f64 = 0.7;
 /// The id of a law that was found.
 pub const DISCOVERED: &str = "discovered";
 
@@ -133,7 +135,7 @@ impl Search<'_> {
     /// The force that a model lacks, at the place where it explains most; beside a few laws that do not explain the data
     /// it would be what these leave, which is no force of its own.
     fn missing_force(&mut self, now: &Fitted) -> Option<MissingForce> {
-        if self.observer.tell(0.91, Activity::Formulas) {
+        if self.observer.tell(FORMULAS, Activity::Formulas) {
             return None;
         }
         let model = now.settled();
@@ -155,7 +157,7 @@ impl Search<'_> {
         let mut runs: Option<Calibration> = None;
         let value = |t: &Tried, by: Measure| by.criterion(&t.fitted.score) + structure(t.symbols);
         for _ in 0..FORMULA_PASSES {
-            if self.observer.tell(0.9, Activity::Formulas) {
+            if self.observer.tell(FORMULAS, Activity::Formulas) {
                 break;
             }
             let Some(regression) = PartialRegression::new(&model, &now.cal, runs.as_ref(), &coarse) else {
@@ -163,13 +165,14 @@ impl Search<'_> {
             };
             let mut candidates = Vec::new();
             for scope in scopes(&model) {
-                if self.observer.tell(0.9, Activity::Formulas) {
+                if self.observer.tell(FORMULAS, Activity::Formulas) {
                     break;
                 }
                 candidates.extend(candidates_at(&regression, &model, &scope));
             }
             let (first, longer) = promising(candidates, &tried);
-            if (first.is_empty() && longer.is_empty()) || self.observer.tell(0.91, Activity::FittingFormulas)
+            if (first.is_empty() && longer.is_empty())
+                || self.observer.tell(FORMULAS, Activity::FittingFormulas)
             {
                 break;
             }

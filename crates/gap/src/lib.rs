@@ -53,7 +53,8 @@ pub use result::{
     Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, ColumnGap, ColumnRepeat,
     DataError, DataMistake, Dependence, DriveFrequency, ForceHistory, ForcePoint, Gap, GapError, InputError,
     InputNoise, Leader, Location, MissingForce, ModelError, Named, NamedValue, Needs, NotTried,
-    ObservedRange, PlacedLaw, RecordValue, Region, Rival, SensorNonlinearity, Simulated, SpecMistake, Status,
-    Step, StepParameter, StopReason, Tried, Veto, Vetoed, Warning, WhyNot, force_history,
+    ObservedRange, PlacedLaw, RecordValue, Region, Rival, RoundStart, SensorNonlinearity, Simulated,
+    SpecMistake, Status, Step, StepParameter, StopReason, Tried, Veto, Vetoed, Warning, WhyNot,
+    force_history,
 };
 pub use workflow::gap;

@@ -8,7 +8,7 @@ use crate::whiteness::{lines, mean_step, share};
 use phisindy_learn::{Effort, noisier};
 use phisindy_phys::Record;
 use phisindy_phys::spec::Role;
-use phisindy_signal::noise_level;
+use phisindy_signal::noise_level_at;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -77,7 +77,7 @@ fn drift(time: &[f64], residual: &[f64], column: &[f64], of: &Named) -> Option<C
     }
     let part = te * te / (tt * ee);
     let swing = te / tt * (time.last()? - time.first()?);
-    (part > MOST_OF_RESIDUAL && swing.abs() > noise_level(column)).then(|| Cause::Drift {
+    (part > MOST_OF_RESIDUAL && swing.abs() > noise_level_at(time, column)).then(|| Cause::Drift {
         of: of.clone(),
         share: part,
         swing,

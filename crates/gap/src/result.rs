@@ -16,8 +16,8 @@ pub use crate::place::Needs;
 pub use error::{DataError, GapError};
 pub use finding::{
     Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, DataMistake, DriveFrequency,
-    InputError, InputNoise, Leader, Named, NamedValue, SensorNonlinearity, SpecMistake, StopReason, Veto,
-    Vetoed, Warning,
+    InputError, InputNoise, Leader, Named, NamedValue, RoundStart, SensorNonlinearity, SpecMistake,
+    StopReason, Veto, Vetoed, Warning,
 };
 pub use force_history::{ForceHistory, force_history};
 pub use missing_force::{Dependence, ForcePoint, MissingForce};

@@ -9,7 +9,7 @@ mod task;
 pub(crate) use compare::{label, placed, preferred, rank};
 pub(crate) use proposals::neutral;
 pub(crate) use refine::refitted;
-pub(crate) use task::{Observe, Observer, Search};
+pub(crate) use task::{Observe, Observer, ROUND, SEARCHED, Search};
 
 use crate::decisions::{
     FAMILY_ROUNDS, FAR_OFF, MORE_STARTS, MOST_EFFECTS, ON_THE_WAY, PAIRS_RACED, RACE, REPEATS, RICHER,
@@ -21,7 +21,8 @@ use crate::place::Effect;
 use crate::plausibility::{may_be_undetermined, vetoed};
 use crate::result::tried::weighed;
 use crate::result::{
-    Activity, Leader, MissingForce, ModelError, NotTried, PlacedLaw, Rival, StopReason, Tried, Vetoed,
+    Activity, Leader, MissingForce, ModelError, NotTried, PlacedLaw, Rival, RoundStart, StopReason, Tried,
+    Vetoed,
 };
 use crate::screen::{Candidate, Screening, Target, screen};
 use compare::{makes_progress, predicts_no_better};
@@ -150,8 +151,9 @@ impl Search<'_> {
             if let Some(stop) = self.ends(&now, rounds.len(), weak) {
                 break stop;
             }
-            let part = 0.1 + 0.8 * (rounds.len() as f64 / MOST_EFFECTS as f64);
-            if self.observer.tell(part, Activity::Screening) {
+            let part = 0.1 + ROUND * rounds.len() as f64;
+            let round = RoundStart { number: rounds.len() + 1, gap: now.score.gap() };
+            if self.observer.tell(part, Activity::Screening(round)) {
                 break StopReason::Interrupted;
             }
             let model = now.settled();
@@ -528,7 +530,7 @@ impl Search<'_> {
         let compare = |model: TrialModel| {
             let segments = if self.observer.stopped() { None } else { model.segment_fit(self.noise) };
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            self.observer.tell(part(&model), Activity::Comparing { done, all });
+            self.observer.tell(part(&model), Activity::Comparing { round: self.observer.round(), done, all });
             Waiting { model, segments }
         };
         models.into_par_iter().map(compare).collect()
@@ -537,7 +539,7 @@ impl Search<'_> {
     /// Fits models, each given with its segment cost; failed fits are dropped. `leader` explains the
     /// records.
     fn fitted(&self, models: Vec<Waiting>, leader: Option<&Fitted>, candidates: usize) -> Vec<(f64, Fitted)> {
-        let tally = Tally::of(models.len());
+        let tally = Tally::of(self.observer.round(), models.len());
         let fit = |models: Vec<Waiting>, beside_leader: Option<&Fitted>| -> Vec<(f64, Fitted)> {
             let fit = |w: Waiting| {
                 if self.observer.stopped() {
@@ -618,19 +620,20 @@ fn beside(leader: &Fitted, rival: &TrialModel, runs: bool) -> Effort {
 
 /// The part of a search that is done where models of so many effects are fitted.
 fn part(model: &TrialModel) -> f64 {
-    0.1 + 0.8 * model.effects.len() as f64 / (MOST_EFFECTS + 1) as f64
+    0.1 + ROUND * model.effects.len() as f64
 }
 
 /// Counts the fits of a race.
 struct Tally {
+    round: RoundStart,
     all: usize,
     /// Fits that ended, and the best of them.
     so_far: Mutex<(usize, Option<Leader>)>,
 }
 
 impl Tally {
-    fn of(all: usize) -> Tally {
-        Tally { all, so_far: Mutex::new((0, None)) }
+    fn of(round: RoundStart, all: usize) -> Tally {
+        Tally { round, all, so_far: Mutex::new((0, None)) }
     }
 
     /// One more fit has ended.
@@ -642,7 +645,7 @@ impl Tally {
         {
             so_far.1 = Some(Leader { laws: placed(&fitted.model), gap: fitted.score.gap() });
         }
-        Activity::Fitting { done: so_far.0, all: self.all, best: so_far.1.clone() }
+        Activity::Fitting { round: self.round, done: so_far.0, all: self.all, best: so_far.1.clone() }
     }
 }
 

@@ -82,7 +82,7 @@ impl Draft {
         let longest_run = longest.clone();
         let evidence = Evidence { table: &table, time: &time, statistics: &statistics, run: &longest };
         let roles = Roles::guess(&evidence).map_err(NoDraft::Motion)?;
-        let Records { records, first, longest, remarks } = Records::of(&table, &time, &roles, &runs);
+        let Records { records, first, longest, remarks } = Records::of(&evidence, &roles, &runs);
         let mut draft = Draft {
             time,
             statistics,
@@ -196,8 +196,8 @@ impl Draft {
         // A stretch without gaps may be too short to tell anything: then the rows that have all numbers must
         // do.
         let used: Vec<usize> = self.roles.used().chain([self.time.column]).collect();
-        let whole = |r: &usize| used.iter().all(|&c| self.values(c)[*r].is_finite());
-        let rows: Vec<usize> = moving.filter(whole).collect();
+        let is_there = |r: &usize| used.iter().all(|&c| self.values(c)[*r].is_finite());
+        let rows: Vec<usize> = moving.filter(is_there).collect();
         let column = |c: usize| {
             let (unit, values) = (self.factor(c), self.values(c));
             rows.iter().map(|&r| values[r] * unit).collect::<Vec<f64>>()
@@ -223,7 +223,9 @@ impl Draft {
         let line = strongest_line(&time, &displacement[..grow.min(displacement.len())]);
         // Periods per unit of the file's time.
         let frequency = line.map(|l| l.frequency * self.factor(self.time.column));
-        self.stops = stops(&self.times()[good.clone()], &self.values(self.moving())[good], frequency);
+        let there: Vec<usize> = good.filter(is_there).collect();
+        let of = |c: usize| there.iter().map(|&r| self.values(c)[r]).collect::<Vec<f64>>();
+        self.stops = stops(&of(self.time.column), &of(self.moving()), frequency);
         self.extent =
             displacement.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
         self.motion = Motion {

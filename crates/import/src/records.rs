@@ -1,7 +1,7 @@
 //! The records of a draft: which rows of the file they take.
 
 use crate::remarks::Remark;
-use crate::roles::{Input, Roles};
+use crate::roles::{Evidence, Input, Roles};
 use crate::statistics::stops;
 use crate::table::Table;
 use crate::time_column::TimeColumn;
@@ -9,6 +9,9 @@ use std::ops::Range;
 
 /// Most trials that become records.
 const MOST_TRIALS: usize = 6;
+/// Rows may be left out over this part of a period of the fastest strong line. Cubic interpolation of the inputs, whose
+/// error is `3/128 (2 pi part)^4` of the amplitude, is then right to 0.02 %.
+const SHORT_HOLE: f64 = 0.05;
 /// Fewest rows of a record.
 const FEWEST: usize = 20;
 
@@ -23,6 +26,8 @@ pub struct RecordDraft {
     pub run: Option<usize>,
     /// First and last time, in the unit of the file (`window`).
     pub window: Option<(f64, f64)>,
+    /// Whether rows without a value are left out (`missing`).
+    pub omits_missing: bool,
     /// Whether the role is Fit; otherwise Validate.
     pub fit: bool,
 }
@@ -41,8 +46,12 @@ pub(crate) struct Records {
 
 impl Records {
     /// Chooses the records; `runs` are the ranges in which time does not go back.
-    pub(crate) fn of(table: &Table, time: &TimeColumn, roles: &Roles, runs: &[Range<usize>]) -> Records {
-        Rows { table, time, roles, remarks: vec![] }.records(runs)
+    pub(crate) fn of(evidence: &Evidence<'_>, roles: &Roles, runs: &[Range<usize>]) -> Records {
+        let Evidence { table, time, statistics, .. } = evidence;
+        let lines = roles.used().filter_map(|c| statistics[c].line);
+        let fastest = lines.map(|line| line.frequency).fold(0.0, f64::max);
+        let hole = if fastest > 0.0 { (SHORT_HOLE / (fastest * time.step)) as usize } else { 0 };
+        Rows { table, time, roles, hole: hole.max(1), remarks: vec![] }.records(runs)
     }
 }
 
@@ -52,6 +61,8 @@ struct Run {
     rows: Range<usize>,
     /// The longest stretch of good rows.
     good: Range<usize>,
+    /// Whether rows without a value are among them.
+    has_holes: bool,
     /// Headings and values that select the run.
     selected_by: Vec<(String, f64)>,
     /// Its number, if no column counts the runs.
@@ -63,6 +74,8 @@ struct Rows<'a> {
     table: &'a Table,
     time: &'a TimeColumn,
     roles: &'a Roles,
+    /// Most rows without a value that follow each other in a good stretch.
+    hole: usize,
     remarks: Vec<Remark>,
 }
 
@@ -83,8 +96,9 @@ impl Rows<'_> {
     fn records(mut self, runs: &[Range<usize>]) -> Records {
         let runs = self.good_runs(runs);
         let Some(first) = runs.first() else {
+            let name = "all".to_owned();
             let all =
-                RecordDraft { name: "all".to_owned(), rows: vec![], run: None, window: None, fit: true };
+                RecordDraft { name, rows: vec![], run: None, window: None, omits_missing: false, fit: true };
             return Records { records: vec![all], first: None, longest: 0, remarks: self.remarks };
         };
         let first = Some((first.good.clone(), self.in_motion(first.good.clone())));
@@ -121,7 +135,8 @@ impl Rows<'_> {
                 .as_ref()
                 .map(|selector| (self.raw(selector.column).to_owned(), selector.value));
             let selected_by = trial.into_iter().chain(selector).collect();
-            all.push(Run { rows: run.clone(), good, selected_by, number: counted.then_some(k) });
+            let has_holes = good.clone().any(|r| !self.is_there(r));
+            all.push(Run { rows: run.clone(), good, has_holes, selected_by, number: counted.then_some(k) });
         }
         if runs.len() > MOST_TRIALS {
             self.remarks.push(Remark::MoreTrials { all: runs.len(), written: MOST_TRIALS });
@@ -129,10 +144,15 @@ impl Rows<'_> {
         all
     }
 
-    /// Times of the first and the last row.
+    /// The first and the last time of some rows.
     fn span(&self, rows: &Range<usize>) -> (f64, f64) {
-        let last = self.table.rows() - 1;
-        (self.times()[rows.start.min(last)], self.times()[(rows.end - 1).min(last)])
+        let mut times = self.times()[rows.clone()].iter().copied().filter(|t| t.is_finite());
+        (times.clone().next().unwrap_or(0.0), times.next_back().unwrap_or(0.0))
+    }
+
+    /// Whether a row has all values that the records need.
+    fn is_there(&self, row: usize) -> bool {
+        self.roles.used().chain([self.time.column]).all(|c| self.values(c)[row].is_finite())
     }
 
     /// The record of the `k`-th of several runs.
@@ -145,7 +165,8 @@ impl Rows<'_> {
             (None, None) => format!("trial {k}"),
         };
         let window = (!whole).then(|| self.span(&moving));
-        RecordDraft { name, rows: run.selected_by.clone(), run: run.number, window, fit }
+        let omits_missing = run.has_holes;
+        RecordDraft { name, rows: run.selected_by.clone(), run: run.number, window, omits_missing, fit }
     }
 
     /// Two records of a single run: the first half is fitted, the second validates. A short run is one
@@ -153,12 +174,13 @@ impl Rows<'_> {
     fn halves(&self, run: &Run) -> Vec<RecordDraft> {
         let moving = self.in_motion(run.good.clone());
         let (start, end) = self.span(&moving);
-        let middle = self.times()[(moving.start + moving.len() / 2).min(self.table.rows() - 1)];
+        let (middle, _) = self.span(&(moving.start + moving.len() / 2..moving.end));
         let record = |name: &str, window, fit| RecordDraft {
             name: name.to_owned(),
             rows: run.selected_by.clone(),
             run: run.number,
             window: Some(window),
+            omits_missing: run.has_holes,
             fit,
         };
         if moving.len() < 2 * FEWEST {
@@ -184,30 +206,27 @@ impl Rows<'_> {
         run.filter(|&r| selector.is_none_or(|f| self.values(f.column)[r] == f.value)).collect()
     }
 
-    /// The longest stretch of selected rows of a run without missing values or repeated times.
+    /// The longest stretch of selected rows of a run without long holes or repeated times.
     fn longest_good_stretch(&mut self, run: Range<usize>) -> Range<usize> {
-        let used: Vec<usize> = self.roles.used().chain([self.time.column]).collect();
         let rows = self.selected_rows(run.clone());
-        let good = |r: usize, before: Option<usize>| {
-            let there = used.iter().all(|&c| self.values(c)[r].is_finite());
-            let later = before.is_none_or(|b| b + 1 == r && self.times()[r] > self.times()[b]);
-            (there, later)
-        };
-        let (mut best, mut start, mut before) = (0..0, None, None);
-        let (mut lost, mut repeated) = (None, None);
+        let (mut best, mut start, mut before, mut hole) = (0..0, None, None, 0);
+        let (mut lost, mut repeated) = (vec![], None);
         for &r in &rows {
-            let (there, later) = good(r, before);
-            if !there {
-                (start, before) = (None, None);
-                lost = lost.or(Some(r));
+            if !self.is_there(r) {
+                hole += 1;
+                lost.push(r);
                 continue;
             }
-            if !later {
+            if hole > self.hole {
+                (start, before) = (None, None);
+            }
+            let follows = before.is_none_or(|b: usize| b + 1 + hole == r);
+            if before.is_some_and(|b| !follows || self.times()[r] <= self.times()[b]) {
                 start = None;
-                repeated = repeated.or(Some(r).filter(|_| before.is_some_and(|b| b + 1 == r)));
+                repeated = repeated.or(Some(r).filter(|_| follows));
             }
             let from = *start.get_or_insert(r);
-            before = Some(r);
+            (before, hole) = (Some(r), 0);
             if r + 1 - from > best.len() {
                 best = from..r + 1;
             }
@@ -221,15 +240,32 @@ impl Rows<'_> {
             best.end -= 1;
         }
         let enough = best.len() * 5 >= rows.len();
+        self.tell_bad_rows(&lost, repeated, (&best, rows.len()), enough);
+        if enough { best } else { rows.first().map_or(0..0, |a| *a..rows[rows.len() - 1] + 1) }
+    }
+
+    /// Remarks on rows that lack a value (`lost`), and on a time that stands twice, beside the `best` stretch of rows.
+    fn tell_bad_rows(
+        &mut self,
+        lost: &[usize],
+        repeated: Option<usize>,
+        (best, rows): (&Range<usize>, usize),
+        enough: bool,
+    ) {
         let number = |r: usize| self.table.row_numbers[r];
         // Where time goes back, repeated times are expected.
         let repeated = repeated.filter(|_| self.time.reversals.is_empty()).map(number);
-        let missing = lost.map(number);
+        let inside: Vec<usize> = lost.iter().copied().filter(|r| best.contains(r)).collect();
+        // What lies outside of the stretch is not in the records.
+        let outside = if enough { lost.iter().find(|r| !best.contains(r)) } else { lost.first() };
+        if let (Some(first), true) = (inside.first(), enough) {
+            self.remarks.push(Remark::OmittedRows { count: inside.len(), all: rows, line: number(*first) });
+        }
+        let missing = outside.copied().map(number);
         if missing.is_some() || repeated.is_some() {
             let kept = enough.then(|| (best.start + 1, best.end, self.table.rows()));
             self.remarks.push(Remark::BadRows { missing, repeated, kept });
         }
-        if enough { best } else { rows.first().map_or(0..0, |a| *a..rows[rows.len() - 1] + 1) }
     }
 
     /// Cuts the rest before a free motion and most of the rest after it.
@@ -237,11 +273,14 @@ impl Rows<'_> {
         if self.roles.input != Input::None || rows.len() < 100 {
             return rows;
         }
-        let (time, x) = (
-            &self.times()[rows.clone()],
-            &self.values(self.roles.moving().unwrap_or(self.time.column))[rows.clone()],
-        );
-        let stops = stops(time, x, None);
+        let there: Vec<usize> = rows.clone().filter(|&r| self.is_there(r)).collect();
+        let of = |c: usize| there.iter().map(|&r| self.values(c)[r]).collect::<Vec<f64>>();
+        let (time, x) = (of(self.time.column), of(self.roles.moving().unwrap_or(self.time.column)));
+        let mut stops = stops(&time, &x, None);
+        // Rows of the run in the place of those that are there.
+        for s in &mut stops.stretches {
+            *s = there[s.start] - rows.start..there[s.end - 1] + 1 - rows.start;
+        }
         let near = rows.len() / 100 + 1;
         let mut kept = 0..rows.len();
         if let Some(first) =

@@ -48,7 +48,16 @@ pub enum Remark {
         /// Number of trials that become records.
         written: usize,
     },
-    /// Values are missing, or times are repeated.
+    /// Rows here and there lack a value, and the records leave them out (`missing: Omit`).
+    OmittedRows {
+        /// Their number.
+        count: usize,
+        /// All rows of the run.
+        all: usize,
+        /// The first of their lines.
+        line: usize,
+    },
+    /// Values are missing in many rows that follow each other, or times are repeated.
     BadRows {
         /// The first line with a missing value.
         missing: Option<usize>,
@@ -63,7 +72,8 @@ pub enum Remark {
 impl Remark {
     /// Whether the user has to check or correct something before a run.
     pub fn needs_edit(&self) -> bool {
-        !matches!(self, Remark::MoreTrials { .. } | Remark::OtherSheets(_) | Remark::OtherRate(_))
+        use Remark::{MoreTrials, OmittedRows, OtherRate, OtherSheets};
+        !matches!(self, MoreTrials { .. } | OmittedRows { .. } | OtherSheets(_) | OtherRate(_))
     }
 }
 
@@ -106,19 +116,25 @@ impl fmt::Display for Remark {
             Remark::MoreTrials { all, written } => {
                 write!(f, "the file holds {all} trials, of which the first {written} are written out")
             }
+            Remark::OmittedRows { count, all, line } => write!(
+                f,
+                "{count} of {all} rows lack a value (first in line {line}) and are left out: `missing: Omit`"
+            ),
             Remark::BadRows { missing, repeated, kept } => {
                 let missing = missing.map(|line| format!("values are missing (first in line {line})"));
                 let repeated = repeated.map(|line| format!("a time stands twice (first in line {line})"));
-                let what: Vec<String> = missing.into_iter().chain(repeated).collect();
+                let what: Vec<String> = missing.into_iter().chain(repeated.clone()).collect();
                 f.write_str(&what.join(" and "))?;
+                let way = match repeated {
+                    None => "widen the windows and say `missing: Omit`, which leaves these rows out",
+                    Some(_) => "delete the bad lines in the file",
+                };
                 match kept {
                     Some((first, last, all)) => write!(
                         f,
-                        ": the windows take the longest stretch without, rows {first} to {last} of {all}. To use all, delete the bad lines in the file"
+                        ": the windows take the longest stretch without, rows {first} to {last} of {all}. To use all, {way}"
                     ),
-                    None => f.write_str(
-                        ", so often that no long stretch is left: delete those lines in the file before you run this",
-                    ),
+                    None => write!(f, ", so often that no long stretch is left. To use the file, {way}"),
                 }
             }
         }

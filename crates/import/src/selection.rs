@@ -79,6 +79,11 @@ impl<'a> Selection<'a> {
         Ok(())
     }
 
+    /// Leaves an admitted row out: it lacks a value.
+    pub(crate) fn omit(&mut self) {
+        self.table.omitted += 1;
+    }
+
     /// The rows that were kept.
     ///
     /// # Errors

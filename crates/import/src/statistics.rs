@@ -1,7 +1,7 @@
 //! Statistics of a single column.
 
 use phisindy_phys::clipped;
-use phisindy_signal::{Line, automatic, noise_level, standard_deviation, strongest_line};
+use phisindy_signal::{Line, automatic, noise_level_at, standard_deviation, strongest_line};
 use std::ops::Range;
 
 /// Most rows for the estimates of noise and stops.
@@ -54,7 +54,7 @@ impl Statistics {
             std: if varies { std } else { 0.0 },
             missing: values.len() - good.len(),
             clipped: if few.is_some() { 0 } else { clipped(&good, min, max) },
-            noise: if varies && few.is_none() { noise_level(&x) } else { 0.0 },
+            noise: if varies && few.is_none() { noise_level_at(&t, &x) } else { 0.0 },
             line: if varies && few.is_none() { strongest_line(&t, &x) } else { None },
             values: few,
         }

@@ -12,7 +12,7 @@ use crate::differentiator_dependence::{Number, step};
 use crate::result::warning::{Bias, Warning};
 use crate::trajectory::fit::Fit;
 use phisindy_phys::Record;
-use phisindy_signal::{Differentiator, Interpolation, Signal, noise_level, standard_deviation};
+use phisindy_signal::{Differentiator, Interpolation, Signal, noise_level_at, standard_deviation};
 use phisindy_sim::{Noise, Streams, add_noise};
 use rayon::prelude::*;
 
@@ -21,7 +21,7 @@ use rayon::prelude::*;
 pub fn noisier(record: &Record, how: &[Differentiator], draw: usize) -> Option<(Record, Vec<usize>)> {
     let (mut out, mut of) = (record.clone(), Vec::new());
     let mut disturb = |k: usize, values: &mut Vec<f64>| {
-        let sigma = noise_level(values);
+        let sigma = noise_level_at(&record.time, values);
         if sigma > 0.0 && sigma < ROUGH_INPUT * standard_deviation(values) {
             let mut stream = Streams(draw as u64).stream(&format!("noise of input {k} in {}", record.name));
             add_noise(values, Noise::Sensor(sigma), &mut stream);

@@ -108,7 +108,7 @@ fn measured(
         values.iter().map(|x| scale.converted(*x)).collect()
     });
     let extent = time.first().copied().zip(time.last().copied());
-    let table = Table { time: time.to_vec(), columns: si.collect(), lines: vec![], extent };
+    let table = Table { time: time.to_vec(), columns: si.collect(), lines: vec![], extent, omitted: 0 };
     phys::Record::from_table(plan, &table, &case.system, source)
 }
 

@@ -34,8 +34,8 @@ pub use derivative::{Differentiated, Differentiator, Smoothing, automatic, diffe
 pub use grid::mean_step;
 pub use interpolate::{Interpolation, Signal, SignalError};
 pub use lines::{Line, strongest_line, strongest_lines, tone_share};
-pub use noise_level::noise_level;
 pub use noise_level::quantum::{quantum, rounding_error};
+pub use noise_level::{noise_level, noise_level_at};
 pub use piecewise_constant::{holds_levels, moves_by_jumps};
 pub use statistics::{bounds, median, standard_deviation};
 pub use trend::{Detrend, Trend};

@@ -5,6 +5,7 @@ pub(crate) mod quantum;
 mod tests;
 
 use crate::fft::Forward;
+use crate::interpolate::{Interpolation, Signal};
 use crate::piecewise_constant::holds_levels;
 use crate::statistics::median;
 use crate::trend::without_line;
@@ -15,6 +16,13 @@ const MIN_SPECTRUM_SAMPLES: usize = 192;
 const STANDS_OUT: f64 = 5.0;
 /// Steps are few: each shows in three or four differences.
 const STEPS_AT_MOST: f64 = 0.05;
+/// Steps over which a column is interpolated.
+const GAP: f64 = 8.0;
+/// Where a larger part is filled the top of the spectrum is no longer that of the noise: the column stays as it is, and the
+/// level is too large rather than too small.
+const MOST_FILLED: f64 = 0.1;
+/// Times that are farther off a grid, in steps, are not those of a sampler that lost some rows.
+const OFF_GRID: f64 = 0.1;
 /// The upper part of the frequency axis that must be flat to count as noise.
 const MIN_FLAT_PART: f64 = 0.2;
 
@@ -61,6 +69,58 @@ pub fn noise_level(values: &[f64]) -> f64 {
         Floor::Flat(power) | Floor::Falling(power) => power.sqrt().min(differences),
     };
     level.max(rounding)
+}
+
+/// The same at times of which some may be missing: rows that a logger has lost.
+///
+/// A column without gaps, or with times on no grid, is as [`noise_level`] takes it. A gap of up to [`GAP`] steps is filled by cubic interpolation, which
+/// holds the motion and none of the noise above it: the level is raised for that part of the samples. Longer gaps divide
+/// the column, and its longest piece counts.
+///
+/// ```
+/// let pattern = |i: u32| if i.wrapping_mul(2_654_435_769).count_ones() % 2 == 0 { 0.01 } else { -0.01 };
+/// let rows = (0..2000).filter(|i| i % 17 != 3);
+/// let time: Vec<f64> = rows.clone().map(|i| 0.02 * f64::from(i)).collect();
+/// let column: Vec<f64> = rows.map(|i| (0.02 * f64::from(i)).sin() + pattern(i)).collect();
+/// let level = phisindy_signal::noise_level_at(&time, &column);
+/// assert!((level - 0.01).abs() < 0.003);
+/// ```
+pub fn noise_level_at(time: &[f64], values: &[f64]) -> f64 {
+    match filled(time, values) {
+        Some((column, measured)) => noise_level(&column) * (column.len() as f64 / measured as f64).sqrt(),
+        None => noise_level(values),
+    }
+}
+
+/// The longest piece of a column, its gaps filled, and how many of its samples are measured; none without gaps.
+fn filled(time: &[f64], values: &[f64]) -> Option<(Vec<f64>, usize)> {
+    let mut steps: Vec<f64> = time.windows(2).map(|t| t[1] - t[0]).collect();
+    if steps.is_empty() || values.len() != time.len() || values.iter().any(|v| !v.is_finite()) {
+        return None;
+    }
+    let step = median(&mut steps);
+    let across = |k: usize| ((time[k] - time[k - 1]) / step).round();
+    let on_the_grid =
+        |k: usize| across(k) > GAP || ((time[k] - time[k - 1]) / step - across(k)).abs() < OFF_GRID;
+    if !(1..time.len()).any(|k| across(k) > 1.0) || !(1..time.len()).all(on_the_grid) {
+        return None;
+    }
+    let signal = Signal::new(time.into(), values.to_vec(), Interpolation::Cubic).ok()?;
+    let (mut best, mut piece) = ((vec![], 0), (vec![values[0]], 1));
+    for k in 1..time.len() {
+        let wide = across(k);
+        if wide > GAP {
+            let done = std::mem::replace(&mut piece, (vec![values[k]], 1));
+            best = if done.1 > best.1 { done } else { best };
+            continue;
+        }
+        let inside =
+            (1..wide.max(1.0) as usize).map(|j| time[k - 1] + (time[k] - time[k - 1]) * j as f64 / wide);
+        piece.0.extend(inside.map(|t| signal.value(t)).chain([values[k]]));
+        piece.1 += 1;
+    }
+    let best = if piece.1 > best.1 { piece } else { best };
+    (best.1 as f64 >= (1.0 - MOST_FILLED) * best.0.len() as f64).then_some(best)
 }
 
 /// Whether a few samples stand out of noise of this level: the column steps. A step of `J` at every `m`-th

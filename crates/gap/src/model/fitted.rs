@@ -11,7 +11,7 @@ use crate::whiteness::score;
 use phisindy_learn::{Calibration, Effort, FoundParameter, RecordFit, SegmentFit, calibrate, calibrate_from};
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Parameter, Record};
-use phisindy_signal::noise_level;
+use phisindy_signal::noise_level_at;
 use std::sync::Arc;
 
 /// A calibrated model.
@@ -150,7 +150,11 @@ impl Fitted {
                 return own.max(error.left);
             }
             let grown = growing.get(k).copied().flatten().map_or(0.0, |form| form.root_mean_square(column));
-            if residual.is_empty() { own } else { grown.max(noise_level(residual)).max(f64::MIN_POSITIVE) }
+            if residual.is_empty() {
+                own
+            } else {
+                grown.max(noise_level_at(&self.model.records[r].time, residual)).max(f64::MIN_POSITIVE)
+            }
         };
         let none = vec![];
         let record = |r: usize| {

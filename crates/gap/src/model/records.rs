@@ -4,18 +4,19 @@ use crate::decisions::{CLEAN_COLUMN, SEARCHED_SAMPLES};
 use crate::model::noise_form::GrowingNoise;
 use phisindy_phys::Record;
 use phisindy_phys::spec::Role;
-use phisindy_signal::{noise_level, standard_deviation};
+use phisindy_signal::{noise_level_at, standard_deviation};
 
 /// Noise of every measured column by record, from the spectrum above the motion: it needs no model. Of noise that
 /// grows with the signal it is the root mean square along the record.
 pub(crate) fn noise_of(records: &[Record]) -> Vec<Vec<f64>> {
     let growing = growing_noise(records, |r, k| records[r].columns[k].as_deref());
-    let of = |(k, column): (usize, &Option<Vec<f64>>)| {
-        let c = column.as_ref()?;
-        let level = growing[k].map_or(0.0, |form| form.root_mean_square(c)).max(noise_level(c));
+    let of = |record: &Record, k: usize| {
+        let c = record.columns[k].as_ref()?;
+        let level =
+            growing[k].map_or(0.0, |form| form.root_mean_square(c)).max(noise_level_at(&record.time, c));
         Some(level.max(CLEAN_COLUMN * standard_deviation(c)).max(f64::MIN_POSITIVE))
     };
-    records.iter().map(|r| r.columns.iter().enumerate().filter_map(of).collect()).collect()
+    records.iter().map(|r| (0..r.columns.len()).filter_map(|k| of(r, k)).collect()).collect()
 }
 
 /// For each column how the noise of its sensor grows with the signal, by the first record that shows it; `values` are

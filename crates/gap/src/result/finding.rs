@@ -26,9 +26,11 @@ pub enum Activity {
     /// Calibrating the initial model.
     Calibrating,
     /// Screening every law at every place.
-    Screening,
+    Screening(RoundStart),
     /// Comparing models over short segments of the records.
     Comparing {
+        /// In this round.
+        round: RoundStart,
         /// Models that are compared.
         done: usize,
         /// All of them.
@@ -36,6 +38,8 @@ pub enum Activity {
     },
     /// Fitting the best models in full.
     Fitting {
+        /// In this round.
+        round: RoundStart,
         /// Models that are fitted.
         done: usize,
         /// All of them.
@@ -53,6 +57,15 @@ pub enum Activity {
     Constants,
     /// Looking for other causes.
     OtherCauses,
+}
+
+/// Where a round of the search begins; it adds one more effect, or a pair.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RoundStart {
+    /// From 1 on; 0 before the first.
+    pub number: usize,
+    /// The gap of the model with which it begins.
+    pub gap: f64,
 }
 
 /// The best one of some models.

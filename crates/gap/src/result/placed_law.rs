@@ -7,12 +7,15 @@ use crate::place::Effect;
 pub struct PlacedLaw {
     /// The law's id.
     pub law: String,
+    /// The law's name, as it stands in a sentence.
+    pub name: String,
     /// The place, as [`crate::Place::at`].
     pub at: String,
 }
 
 impl PlacedLaw {
     pub(crate) fn of(effect: &Effect) -> PlacedLaw {
-        PlacedLaw { law: effect.entry.id.clone(), at: effect.place.at.clone() }
+        let entry = &effect.entry;
+        PlacedLaw { law: entry.id.clone(), name: entry.law.name.clone(), at: effect.place.at.clone() }
     }
 }

@@ -89,7 +89,7 @@ mod tests {
     #[test]
     fn probabilities_are_those_of_the_laws_that_were_fitted() {
         let tried = |score: f64, gap: Option<f64>, vetoed: Option<Veto>| Tried {
-            at: PlacedLaw { law: "coulomb".into(), at: "v".into() },
+            at: PlacedLaw { law: "coulomb".into(), name: "Coulomb friction".into(), at: "v".into() },
             score,
             gap,
             probability: None,

@@ -3,14 +3,14 @@
 use super::{
     Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, DataError, DataMistake,
     Dependence, DriveFrequency, GapError, InputError, InputNoise, Location, MissingForce, ModelError, Named,
-    NamedValue, PlacedLaw, Rival, SensorNonlinearity, SpecMistake, Veto, Vetoed, Warning,
+    NamedValue, PlacedLaw, Rival, RoundStart, SensorNonlinearity, SpecMistake, Veto, Vetoed, Warning,
 };
 use std::f64::consts::TAU;
 use std::fmt::{Display, Formatter, Result};
 
 impl Display for PlacedLaw {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        write!(f, "{} at {}", self.law, self.at)
+        write!(f, "{} at {}", self.name, self.at)
     }
 }
 
@@ -81,20 +81,27 @@ impl Display for MissingForce {
     }
 }
 
+impl Display for RoundStart {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        if self.number == 0 { Ok(()) } else { write!(f, "round {}: ", self.number) }
+    }
+}
+
 impl Display for Activity {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         f.write_str(match self {
-            Activity::Comparing { done, all } => {
-                return write!(f, "{done} of {all} models compared over short segments");
+            Activity::Screening(round) => return write!(f, "{round}looking at every law at every place"),
+            Activity::Comparing { round, done, all } => {
+                return write!(f, "{round}{done} of {all} models compared over short segments");
             }
-            Activity::Fitting { done, all, best } => {
-                write!(f, "{done} of {all} fits")?;
+            Activity::Fitting { round, done, all, best } => {
+                write!(f, "{round}{done} of {all} fits")?;
                 let Some(best) = best else { return Ok(()) };
-                let laws = joined(best.laws.iter().map(PlacedLaw::to_string), " + ");
-                return write!(f, ", best {laws}: gap {}", rounded(best.gap));
+                // What is new comes first: the line may be cut off.
+                let laws = joined(best.laws.iter().rev().map(PlacedLaw::to_string), " + ");
+                return write!(f, ", gap {} -> {}, best {laws}", rounded(round.gap), rounded(best.gap));
             }
             Activity::Calibrating => "fitting the movable constants",
-            Activity::Screening => "looking at every law at every place",
             Activity::Formulas => "looking for a formula",
             Activity::FittingFormulas => "fitting the best formulas",
             Activity::ErrorBars => "error bars",
@@ -315,7 +322,7 @@ impl Display for Warning {
                 )
             }
             Warning::Vetoed(vetoed) => {
-                write!(f, "{} fits, but evidence speaks against it: {}", vetoed.law.law, vetoed.why)
+                write!(f, "{} fits, but evidence speaks against it: {}", vetoed.law.name, vetoed.why)
             }
             Warning::Cancelling(Cancelling { laws, left }) => write!(
                 f,
@@ -471,7 +478,7 @@ mod tests {
 
     #[test]
     fn a_place_that_all_laws_of_a_rival_share_is_said_once() {
-        let law = |law: &str, at: &str| PlacedLaw { law: law.into(), at: at.into() };
+        let law = |law: &str, at: &str| PlacedLaw { law: law.into(), name: law.into(), at: at.into() };
         let said = |laws| Rival { laws, delta_bic: 1.0 }.to_string();
         assert_eq!(said(vec![law("stribeck", "v")]), "stribeck at v");
         assert_eq!(said(vec![law("coulomb", "v"), law("viscous", "v")]), "coulomb + viscous at v");

@@ -43,6 +43,12 @@ impl Dialect {
         };
         // Ties go to the first candidate; `max_by_key` takes the last, so the order is reversed.
         let best = candidates.iter().rev().filter(table).max_by_key(numbers);
+        // One number below a heading of several words, as in `ACC [g]`: one column.
+        let alone = |d: &&Dialect| {
+            second.is_some_and(|line| looks_like_number(line.trim()) && count(d, line) == 1)
+                && count(d, first) == 1
+        };
+        let best = best.or_else(|| candidates.iter().find(alone));
         let best = best.or_else(|| candidates.iter().rev().max_by_key(|d| count(d, first)));
         best.cloned().unwrap_or_else(|| with(Some(',')))
     }
@@ -113,6 +119,14 @@ fn trimmed(line: &str, range: Range<usize>) -> Range<usize> {
 /// Whether a field is a number with decimal point or comma, or a time of day.
 pub(crate) fn looks_like_number(text: &str) -> bool {
     text.parse::<f64>().is_ok() || text.replacen(',', ".", 1).parse::<f64>().is_ok() || is_stamp(text)
+}
+
+/// Common spellings of a missing value.
+pub(crate) fn is_missing(text: &str) -> bool {
+    matches!(
+        text.to_lowercase().as_str(),
+        "" | "nan" | "na" | "n/a" | "#n/a" | "#na" | "#nv" | "null" | "none" | "-" | "--" | "?" | "missing"
+    )
 }
 
 /// Whether a line is a second heading that holds only units: `s;mm;N` or `[s];[mm];[N]`.

@@ -1,6 +1,6 @@
 //! Diagnostics for mistakes in a text file, with the offending line.
 
-use super::dialect::Dialect;
+use super::dialect::{Dialect, is_missing};
 use super::line::{Line, LineError};
 use crate::data_file::unreadable;
 use crate::listing;
@@ -9,6 +9,8 @@ use phisindy_phys::spec::Text;
 use phisindy_phys::{Diagnostic, Severity, SourceId, Sources};
 use std::ops::Range;
 
+/// What to do about a missing value.
+const OMIT: &str = "to leave out the rows that lack a value, say `missing: Omit` in the record: a short gap in time does no harm";
 /// Longest line that is shown in full.
 const WIDEST: usize = 160;
 
@@ -196,6 +198,8 @@ impl Mistakes<'_> {
             d = d.help("if the comma is a decimal mark, say `decimal: ','`");
         } else if text.contains('.') && dialect.decimal == Some(',') {
             d = d.help("the spec says `decimal: ','`, and this number has a point");
+        } else if is_missing(text) {
+            d = d.help(OMIT);
         } else {
             d = d.help("correct or delete the line, or leave it out with `window` or `rows`");
         }
@@ -209,8 +213,13 @@ impl Mistakes<'_> {
         column: &str,
         text: &str,
     ) -> Diagnostic {
-        self.in_line(format!("column `{column}` is `{text}` in {} {}", self.line, line.number), line, &field, "not a finite number")
-            .help("delete the line, or leave it out with `window` or `rows`: a gap in time does no harm, an invented value does")
+        let message = format!("column `{column}` is `{text}` in {} {}", self.line, line.number);
+        let d = self.in_line(message, line, &field, "not a finite number");
+        d.help(if is_missing(text) {
+            OMIT
+        } else {
+            "delete the line, or leave it out with `window` or `rows`: a gap in time does no harm, an invented value does"
+        })
     }
 
     pub(crate) fn mixed_decimal_marks(

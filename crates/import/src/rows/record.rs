@@ -1,7 +1,7 @@
 //! Reads the columns of a record. The file is streamed: only the rows that `rows`, `run`, `window` and
 //! `decimate` leave stay in memory.
 
-use super::dialect::Dialect;
+use super::dialect::{Dialect, is_missing};
 use super::header::Header;
 use super::line::{Line, LineError};
 use super::lines::Lines;
@@ -196,6 +196,11 @@ impl Reader<'_> {
                 return Ok(());
             }
         }
+        // A row without a time is in no window.
+        if csv.omits_missing && self.layout.time.is_some_and(|k| self.lacks(&line, &fields[k])) {
+            self.selection.omit();
+            return Ok(());
+        }
         let (field, (time, seconds)) = match self.layout.time {
             Some(k) => match stamp {
                 Some(seconds) => (fields[k].clone(), (seconds, seconds)),
@@ -206,6 +211,10 @@ impl Reader<'_> {
         self.check_line_end(&line, fields.last());
         // Values outside the window are not parsed: records often have bad rows at their ends.
         if !self.selection.admits(time) {
+            return Ok(());
+        }
+        if csv.omits_missing && self.layout.columns.iter().any(|&k| self.lacks(&line, &fields[k])) {
+            self.selection.omit();
             return Ok(());
         }
         self.values.clear();
@@ -221,6 +230,11 @@ impl Reader<'_> {
         kept.map_err(|e| Box::new(self.selection_error(&e)))?;
         self.last = Some(now);
         Ok(())
+    }
+
+    /// Whether a field says that nothing was measured.
+    fn lacks(&self, line: &Line, field: &Range<usize>) -> bool {
+        is_missing(&self.dialect.unquoted(&line.text, field))
     }
 
     fn selection_error(&self, error: &SelectionError) -> Diagnostic {

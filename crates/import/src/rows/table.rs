@@ -1,6 +1,6 @@
 //! Reads all columns of a file.
 
-use super::dialect::{Dialect, is_units_row, looks_like_number};
+use super::dialect::{Dialect, is_missing, is_units_row, looks_like_number};
 use super::header::Header;
 use super::line::{Line, LineError};
 use super::lines::Lines;
@@ -165,13 +165,14 @@ impl Rows<'_> {
                 "write all decimals alike: in one of them the mark is perhaps one of thousands",
             ));
         }
-        if self.columns.len() < 2 {
+        let numbers = self.columns.iter().any(|c| c.values.iter().any(|x| x.is_finite()));
+        if self.columns.len() < 2 && !numbers {
             return Some((
                 format!("`{name}` has only one column"),
                 "a record needs a column of time and one of motion, in lines like `0.01, 0.0023`",
             ));
         }
-        if rows > 0 && self.columns.iter().all(|c| c.values.iter().all(|x| x.is_nan())) {
+        if rows > 0 && !numbers {
             return Some((
                 format!("`{name}` holds no numbers"),
                 "a data file has a heading line, then rows of numbers separated by commas, semicolons, tabs or blanks",
@@ -234,12 +235,4 @@ fn preamble(lines: &mut Lines<'_>) -> usize {
         false if words + 3 < start.len() && width > 1 => start[words].number,
         _ => 0,
     }
-}
-
-/// Common spellings of a missing value.
-fn is_missing(text: &str) -> bool {
-    matches!(
-        text.to_lowercase().as_str(),
-        "" | "na" | "n/a" | "#n/a" | "#na" | "null" | "none" | "-" | "--" | "?" | "missing"
-    )
 }

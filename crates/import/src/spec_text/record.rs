@@ -59,6 +59,9 @@ pub(super) fn record(
         fields.push(format!("rows: {{ {} }}", rows.join(", ")));
     }
     fields.extend(record.run.map(|run| format!("run: {run}")));
+    if record.omits_missing {
+        fields.push("missing: Omit".to_owned());
+    }
     if draft.decimate > 1 {
         fields.push(format!("decimate: {}", draft.decimate));
     }
@@ -84,7 +87,7 @@ fn time(draft: &Draft) -> (String, &'static str) {
             Some(_) => {
                 " // EDIT: counted from the stamps, which are coarser than the rows: is this the exact rate?"
             }
-            None => " // EDIT: no column is time: how many rows per second?",
+            None => " // EDIT: no column is time: how many rows per second? The windows change with it",
         };
         return (format!("Rate({:?})", time.rate), remark);
     }

@@ -20,7 +20,7 @@ use crate::trajectory::problem::{Noise, Problem};
 use crate::trajectory::select::Selection;
 use phisindy_phys::Record;
 use phisindy_phys::spec::SegmentsSpec;
-use phisindy_signal::noise_level;
+use phisindy_signal::noise_level_at;
 use std::iter::successors;
 
 impl<'a> Context<'a> {
@@ -139,7 +139,8 @@ impl<'a> Context<'a> {
     fn spectral_noise(&self, problem: &Problem<'_>) -> Noise {
         let of = |r: usize, k: usize| {
             let floor = NOISE_FLOOR * problem.deviations[r][k];
-            let level = self.records[r].columns[k].as_ref().map_or(0.0, |c| noise_level(c));
+            let level =
+                self.records[r].columns[k].as_ref().map_or(0.0, |c| noise_level_at(&self.records[r].time, c));
             ColumnNoise { additive: level.max(floor).max(f64::MIN_POSITIVE), relative: 0.0 }
         };
         (0..self.records.len()).map(|r| (0..self.system.columns()).map(|k| of(r, k)).collect()).collect()

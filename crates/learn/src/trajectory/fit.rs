@@ -242,7 +242,7 @@ impl<'a> Context<'a> {
     }
 
     /// A better minimum of single runs whose outputs jump, if the means of these lead to one.
-    pub(crate) fn from_means(&self, fit: &Fit<'a>) -> Option<Fit<'a>> {
+    pub(crate) fn through_means(&self, fit: &Fit<'a>) -> Option<Fit<'a>> {
         if fit.problem.windows(&fit.x).is_empty() {
             return None;
         }

@@ -12,7 +12,7 @@ use faer::Mat;
 use phisindy_phys::spec::Role;
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{Record, System};
-use phisindy_signal::{noise_level, standard_deviation};
+use phisindy_signal::{noise_level_at, standard_deviation};
 use phisindy_sim::{Options, SimError, Trajectory};
 
 /// A model with all its numbers.
@@ -139,7 +139,7 @@ fn one(
         let missed = missed.skip(scored.start).take(scored.len()).sum::<f64>();
         let rms = (missed / scored.len() as f64).sqrt();
         fit.nrmse.push((name.clone(), if deviation > 0.0 { rms / deviation } else { f64::INFINITY }));
-        fit.noise.push((name, noise_level(column)));
+        fit.noise.push((name, noise_level_at(&record.time, column)));
         fit.residuals[k].clone_from(&read.residuals[k]);
     }
     fit.run = Some(run);
@@ -204,7 +204,8 @@ fn expect_starts(problem: &mut Problem<'_>, record: &Record, done: &[RecordFit])
     }
     let columns = record.columns.iter().zip(&problem.deviations[0]);
     let noise = |(column, deviation): (&Option<Vec<f64>>, &f64)| {
-        Some((noise_level(column.as_ref()?) / deviation).powi(2)).filter(|part| part.is_finite())
+        Some((noise_level_at(&record.time, column.as_ref()?) / deviation).powi(2))
+            .filter(|part| part.is_finite())
     };
     let parts: Vec<f64> = columns.filter_map(noise).collect();
     problem.belief = mean(&parts).max(f64::MIN_POSITIVE);

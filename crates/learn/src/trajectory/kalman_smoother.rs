@@ -14,7 +14,7 @@ use faer::Mat;
 use faer::linalg::solvers::Solve;
 use phisindy_expr::{Graph, Id, Node, Scratch, Tape, Unary};
 use phisindy_phys::{Record, System};
-use phisindy_signal::{Interpolation, lowest_frequency, noise_level};
+use phisindy_signal::{Interpolation, lowest_frequency, noise_level_at};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -122,7 +122,7 @@ impl<'a> Filter<'a> {
         let measured: Vec<usize> = (0..read.len()).filter(|&k| record.columns[k].is_some()).collect();
         let columns = measured.iter().map(|&k| {
             let column = record.columns[k].clone().unwrap_or_default();
-            let variance = (noise_level(&column) / record.sensors[k].gain.start).powi(2);
+            let variance = (noise_level_at(&record.time, &column) / record.sensors[k].gain.start).powi(2);
             let column = record.sensors[k].corrected(&record.time, column, Interpolation::Cubic).ok()?;
             Some((column, variance.max(f64::MIN_POSITIVE)))
         });

@@ -161,7 +161,7 @@ fn select_until_stable<'a>(context: &Context<'a>, fit: Fit<'a>, all: &[usize]) -
     let mut found = select(context, fit, all, &mut hopeless);
     for _ in 0..SELECTIONS {
         let terms = found.fit.problem.terms.clone();
-        let again = context.joined(&found.fit).or_else(|| context.from_means(&found.fit));
+        let again = context.joined(&found.fit).or_else(|| context.through_means(&found.fit));
         let same = again.is_none();
         found = select(context, again.unwrap_or(found.fit), all, &mut hopeless);
         if same && found.fit.problem.terms == terms {

@@ -8,7 +8,7 @@ use crate::trajectory::input_sensors::InputSensors;
 use crate::trajectory::layout::{DELAY, Layout, Segment, Source};
 use crate::trajectory::noise::ColumnNoise;
 use phisindy_phys::{Record, System};
-use phisindy_signal::{noise_level, standard_deviation};
+use phisindy_signal::{noise_level_at, standard_deviation};
 use phisindy_sim::{Automaton, Drive, Options, SimError, Stop, Trajectory, simulate};
 use rayon::prelude::*;
 
@@ -93,11 +93,12 @@ impl<'a> Problem<'a> {
             .map(|r| r.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| standard_deviation(c))).collect())
             .collect();
         let states = system.states.len();
-        let level = |(k, c): (usize, &Option<Vec<f64>>)| match c {
-            Some(c) if k >= states => noise_level(c).max(NOISE_FLOOR * standard_deviation(c)),
+        let level = |r: &Record, k: usize| match &r.columns[k] {
+            Some(c) if k >= states => noise_level_at(&r.time, c).max(NOISE_FLOOR * standard_deviation(c)),
             _ => 1.0,
         };
-        let jump_noise = records.iter().map(|r| r.columns.iter().enumerate().map(level).collect()).collect();
+        let jump_noise =
+            records.iter().map(|r| (0..r.columns.len()).map(|k| level(r, k)).collect()).collect();
         let mut problem = Problem {
             system,
             terms: terms.to_vec(),

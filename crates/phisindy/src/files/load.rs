@@ -404,6 +404,7 @@ impl<'r> Loader<'r> {
             warnings.into_iter().chain(beyond_the_end(csv, &table, self.source)).for_each(|d| self.push(d));
             let done = self.trends.take_off(csv, &units, &mut table);
             let mut record = Record::from_table(plan, &table, &case.system, self.source)?;
+            record.notes.extend(omission(csv, &table));
             let decimated = decimation(csv, &record);
             record.notes.extend(decimated);
             record.notes.extend(done);
@@ -474,6 +475,13 @@ fn beyond_the_end(csv: &CsvSpec, table: &Table, source: SourceId) -> Option<Diag
     told.then(|| d().help(format!("if the file is whole, end the window there: ({}, {last})", start.value)))
 }
 
+/// What `missing: Omit` did.
+fn omission(csv: &CsvSpec, table: &Table) -> Option<Note> {
+    let gap = table.time.windows(2).map(|t| t[1] - t[0]).fold(0.0, f64::max);
+    let (path, omitted, kept) = (csv.path.value.clone(), table.omitted, table.time.len());
+    (omitted > 0).then_some(Note::Omitted { path, omitted, kept, gap })
+}
+
 /// What `decimate` did.
 fn decimation(csv: &CsvSpec, record: &Record) -> Option<Note> {
     let rows = csv.decimate.as_ref().map(|d| d.value).filter(|n| *n > 1)?;
@@ -534,6 +542,7 @@ fn column_of(path: &Text, time: &ColumnSpec, column: &ColumnSpec) -> CsvSpec {
         interpolate: vec![],
         constants: vec![],
         decimate: None,
+        omits_missing: false,
         detrend: vec![],
         span: path.span,
     }

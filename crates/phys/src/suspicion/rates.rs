@@ -215,7 +215,13 @@ mod tests {
         if let Some((i, j)) = exchange {
             columns.swap(i, j);
         }
-        let table = crate::system::record::Table { time: time.clone(), columns, lines: vec![], extent: None };
+        let table = crate::system::record::Table {
+            time: time.clone(),
+            columns,
+            lines: vec![],
+            extent: None,
+            omitted: 0,
+        };
         let record = Record::from_table(&case.records[0], &table, &case.system, id).unwrap();
         let mut found = vec![];
         rates(&case.system, &record, &mut found);

@@ -24,6 +24,17 @@ pub enum Note {
         /// How.
         smoothing: Smoothing,
     },
+    /// Rows in which a value is missing were left out.
+    Omitted {
+        /// The file.
+        path: String,
+        /// Their number.
+        omitted: usize,
+        /// Samples of the record.
+        kept: usize,
+        /// The longest step that is left, in seconds.
+        gap: f64,
+    },
     /// Rows of a file were replaced by their means.
     Decimated {
         /// The file.
@@ -54,6 +65,15 @@ impl fmt::Display for Note {
             }
             Note::DerivedVelocity { velocity, displacement, smoothing } => {
                 write!(f, "{velocity} is the derivative of {displacement} ({smoothing})")
+            }
+            Note::Omitted { path, omitted, kept, gap } => {
+                let (rows, are, have) =
+                    if *omitted == 1 { ("row", "is", "it has") } else { ("rows", "are", "they have") };
+                write!(
+                    f,
+                    "{omitted} {rows} of `{path}` {are} left out, for {have} no value in some column; {kept} samples are left, \
+                     the longest step between them is {gap:.3e} s (missing)"
+                )
             }
             Note::Decimated { path, rows, loss } => {
                 write!(f, "each sample is the mean of {rows} rows of `{path}` (decimate)")?;

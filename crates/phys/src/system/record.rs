@@ -89,6 +89,8 @@ pub struct Table {
     pub lines: Vec<usize>,
     /// First and last time of `rows` in the file, in its unit, whatever the window.
     pub extent: Option<(f64, f64)>,
+    /// Rows that were left out because a value is missing (`missing: Omit`).
+    pub omitted: usize,
 }
 
 /// Fewer samples than this are no record.

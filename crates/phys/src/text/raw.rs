@@ -168,7 +168,7 @@ impl Outline<'_> {
             return match options().from_str::<serde::de::IgnoredAny>(word) {
                 Ok(_) => Ok(Shape::Number),
                 Err(_) => Err(Mistake::new(format!("`{word}` is not a number"), span, "not a number")
-                    .help(format!("an expression stands in quotes: \"{word}\""))),
+                    .help(format!("an expression stands in quotes: \"{}\"", self.expression()))),
             };
         }
         let name = word.strip_prefix("r#").unwrap_or(word);
@@ -176,7 +176,32 @@ impl Outline<'_> {
             return Ok(Shape::Name);
         }
         Err(Mistake::new(format!("`{word}` is neither a number nor a name"), span, "not a value")
-            .help(format!("an expression stands in quotes: \"{word}\"")))
+            .help(format!("an expression stands in quotes: \"{}\"", self.expression())))
+    }
+
+    /// The expression without quotes that the present token is part of: from the colon before it, or from it where a
+    /// text or a map stands between them, up to the comma or bracket that ends it, or to the end of the line.
+    fn expression(&self) -> &str {
+        let here = self.tokens[self.next].span.start;
+        let colon = self.tokens[..self.next].iter().rfind(|t| t.kind == Kind::Colon);
+        let begin = colon.map(|colon| colon.span.end).filter(|&begin| self.end_of(begin) > here);
+        let whole = begin.map(|begin| &self.text[begin..self.end_of(begin)]);
+        let plain = |text: &&str| !text.contains(['"', '[', '{', ':']);
+        whole.filter(plain).unwrap_or_else(|| &self.text[here..self.end_of(here)]).trim()
+    }
+
+    /// The comma, bracket or line end that ends what begins at a place, outside of its own brackets.
+    fn end_of(&self, start: usize) -> usize {
+        let mut depth = 0_i32;
+        let ends = |(_, c): &(usize, char)| {
+            depth += match c {
+                '(' | '[' | '{' => 1,
+                ')' | ']' | '}' => -1,
+                _ => 0,
+            };
+            depth < 0 || (depth == 0 && matches!(c, ',' | '\n'))
+        };
+        self.text[start..].char_indices().find(ends).map_or(self.text.len(), |(at, _)| start + at)
     }
 
     /// A bracket and what it holds; the next token opens it.
@@ -204,11 +229,15 @@ impl Outline<'_> {
                 other => {
                     let next = other.map_or("", |t| self.slice(t.span));
                     let span = Span::new(end, end);
-                    return Err(Mistake::new(
-                        format!("expected a comma before `{next}`"),
-                        span,
-                        "a comma is missing",
-                    ));
+                    let mistake =
+                        Mistake::new(format!("expected a comma before `{next}`"), span, "a comma is missing");
+                    // `v - k*x`: what follows a value is no key, but the next part of an expression.
+                    let operator = next.starts_with(['+', '-', '*', '/', '^']);
+                    return Err(if operator {
+                        mistake.help(format!("an expression stands in quotes: \"{}\"", self.expression()))
+                    } else {
+                        mistake
+                    });
                 }
             }
         }
@@ -286,6 +315,20 @@ pub(crate) fn content(text: &str, literal: Span) -> Option<(Span, bool)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_whole_expression_is_to_stand_in_quotes() {
+        for (text, due) in [
+            ("(a: {\"v\": -(k*x + 2*v)/m + cos(3*t)})", "-(k*x + 2*v)/m + cos(3*t)"),
+            ("(a: {\"v\": v - k*x, \"x\": 1})", "v - k*x"),
+            ("(a: {\"v\": cos(3*t), \"x\": 1})", "cos(3*t)"),
+            ("(a: [1, x^2, 3])", "x^2"),
+            ("(a: (2*x, \"N\"))", "2*x"),
+        ] {
+            let mistake = parse(text).expect_err(text);
+            assert_eq!(mistake.help, Some(format!("an expression stands in quotes: \"{due}\"")), "{text}");
+        }
+    }
 
     #[test]
     fn brackets_strings_and_comments_do_not_confuse_it() {

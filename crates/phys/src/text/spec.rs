@@ -226,6 +226,8 @@ pub struct CsvSpec {
     pub constants: Vec<(Text, ConstantSpec)>,
     /// The mean of each n rows in place of them, n at least 1.
     pub decimate: Option<Spanned<u32>>,
+    /// Whether rows without a value in one of these columns are left out; otherwise they are a mistake.
+    pub omits_missing: bool,
     /// What is taken off these columns before anything else sees them, as the first record of their file and
     /// rows has it.
     pub detrend: Vec<(Text, Detrend)>,

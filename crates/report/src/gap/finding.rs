@@ -4,7 +4,7 @@ use super::outcome::{NOISE, basis, outcome, sensitivity};
 use crate::format::capital;
 use crate::table::{raised, short, with_error};
 use crate::terminal::unicode;
-use phisindy_gap::{DISCOVERED, Gap, Status, Step, StepParameter, Warning};
+use phisindy_gap::{Alternative, DISCOVERED, Gap, Status, Step, StepParameter, Warning};
 
 /// Most parameters of one effect in the sentence; the others stand in its table.
 const NUMBERS: usize = 2;
@@ -57,14 +57,24 @@ pub(crate) fn finding(found: &Gap) -> Finding {
                     short3(after)
                 ),
             };
-            let opening = match found.alternative {
-                Some(_) => {
-                    "No law of the catalogue explains the gap, but something else would (see the warnings)"
-                }
-                None => "Something is missing that no law of the catalogue explains",
+            let opening = match &found.alternative {
+                Some(other) => format!(
+                    "No law of the catalogue explains the gap, but {} would (see the warnings)",
+                    alternative(other)
+                ),
+                None => "Something is missing that no law of the catalogue explains".to_owned(),
             };
             Finding { headline: "Unexplained", sentence: format!("{opening}: {brought}{place}.") }
         }
+    }
+}
+
+/// What would explain the gap in the place of a law.
+fn alternative(other: &Alternative) -> String {
+    match other {
+        Alternative::Constant(other) => format!("{} in the place of {}", other.constant, other.stated),
+        Alternative::Drive(_) => "a drive at another frequency".to_owned(),
+        Alternative::InputNoise(noise) => format!("the noise of the measured {}", noise.inputs.join(" and ")),
     }
 }
 

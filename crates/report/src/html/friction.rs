@@ -8,7 +8,7 @@ use phisindy_learn::{Curve, Identified, PartValues, UnknownPart, unknown_parts};
 use phisindy_phys::unit::{Dimension, Unit};
 use phisindy_phys::{Case, Record};
 
-const HIGH: f64 = 220.0;
+const HIGH: f64 = 200.0;
 /// Most dots of a cloud.
 const DOTS: usize = 3000;
 

@@ -114,3 +114,32 @@ fn steps_of_a_force_are_no_noise() {
     let (with, without) = (noise_level(&column), noise_level(&noise));
     assert!((with - without).abs() < 0.1 * without, "{with} instead of {without}");
 }
+
+/// A logger that loses rows moves the motion from sample to sample more than its noise does.
+#[test]
+fn lost_rows_are_no_noise() {
+    let (time, x, _) = stick_slip();
+    let sigma = 1e-3 * deviation(&x);
+    for share in [0.01, 0.05] {
+        let ratios: Vec<f64> = (1..=20)
+            .map(|seed| {
+                let column = noisy(&x, sigma, seed);
+                let kept: Vec<usize> = gaussian(x.len(), 100 + seed)
+                    .iter()
+                    .enumerate()
+                    .filter(|(_, g)| erf_share(**g) > share)
+                    .map(|(k, _)| k)
+                    .collect();
+                let (t, c): (Vec<f64>, Vec<f64>) = kept.iter().map(|&k| (time[k], column[k])).unzip();
+                noise_level_at(&t, &c) / sigma
+            })
+            .collect();
+        let mean = ratios.iter().sum::<f64>() / 20.0;
+        assert!((mean - 1.0).abs() < 0.1, "{share}: {mean} {ratios:?}");
+    }
+}
+
+/// The part of normal numbers below `x`, by the logistic approximation: good to 0.01.
+fn erf_share(x: f64) -> f64 {
+    1.0 / (1.0 + (-1.702 * x).exp())
+}

@@ -11,7 +11,7 @@ pub(crate) struct Mistake {
     label: String,
     /// Boxed to keep results small.
     other: Option<Box<(Span, String)>>,
-    help: Option<String>,
+    pub(super) help: Option<String>,
 }
 
 impl Mistake {

@@ -30,6 +30,7 @@ impl Reader<'_> {
             "interpolate",
             "constants",
             "decimate",
+            "missing",
             "detrend",
         ];
         let fields = match any_format {
@@ -54,6 +55,7 @@ impl Reader<'_> {
         let interpolate = self.pairs(&fields, "interpolate", Self::interpolation);
         let constants = self.pairs(&fields, "constants", Self::constant);
         let decimate = self.optional(&fields, "decimate", Self::count);
+        let omits_missing = self.optional(&fields, "missing", Self::missing).unwrap_or(false);
         let detrend = self.pairs(&fields, "detrend", Self::detrend);
         if let Some(columns) = &columns {
             self.measured(&detrend, columns);
@@ -82,6 +84,7 @@ impl Reader<'_> {
             interpolate,
             constants,
             decimate,
+            omits_missing,
             detrend,
             span: node.span,
         })
@@ -125,6 +128,7 @@ impl Reader<'_> {
             interpolate,
             constants,
             decimate: None,
+            omits_missing: false,
             detrend: vec![],
             span: node.span,
         })
@@ -250,6 +254,11 @@ impl Reader<'_> {
             ("Cubic", Interpolation::Cubic),
         ];
         self.choice(node, "interpolation", &table)
+    }
+
+    /// Whether rows without a value are left out.
+    fn missing(&mut self, node: &Node) -> Option<bool> {
+        self.choice(node, "way with missing values", &[("Omit", true), ("Refuse", false)])
     }
 
     fn detrend(&mut self, node: &Node) -> Option<Detrend> {
