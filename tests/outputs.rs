@@ -52,15 +52,22 @@ fn interval(value: &Value) -> (f64, f64, f64) {
 fn an_accelerometer_alone_tells_friction_with_intervals_that_cover() {
     let unknown =
         r#"unknown: { "v": (factor: "-sgn(v)/m", candidates: ["1", "|x|", "v^2"]) }, contacts: ["v"],"#;
-    let out = phisindy(&folder("outputs-run"), "run", &accelerometer(unknown, 5), &["--format", "json"]);
-    assert_eq!(out.status.code(), Some(0), "{}", String::from_utf8_lossy(&out.stderr));
-    let found = json(&out);
-    let terms = found["equations"][0]["terms"].as_array().expect("terms");
-    assert_eq!(terms.len(), 1, "{terms:?}");
-    assert_eq!(terms[0]["candidate"], "1");
-    let (value, ci) = (&terms[0]["coefficient"], &terms[0]["ci95"]);
-    let [low, high] = [&ci[0], &ci[1]].map(|v| v.as_f64().unwrap_or(f64::NAN));
-    assert!(low <= 1.5 && 1.5 <= high && high - low < 0.1, "{value} {ci}");
+    let mut covered = 0;
+    for seed in [5, 6, 7] {
+        let spec = accelerometer(unknown, seed);
+        let out = phisindy(&folder("outputs-run"), "run", &spec, &["--format", "json"]);
+        assert_eq!(out.status.code(), Some(0), "{}", String::from_utf8_lossy(&out.stderr));
+        let found = json(&out);
+        let terms = found["equations"][0]["terms"].as_array().expect("terms");
+        assert_eq!(terms.len(), 1, "{terms:?}");
+        assert_eq!(terms[0]["candidate"], "1");
+        let ci = &terms[0]["ci95"];
+        let [low, high] = [&ci[0], &ci[1]].map(|v| v.as_f64().unwrap_or(f64::NAN));
+        assert!(high - low < 0.02 && low < 1.505 && 1.495 < high, "{ci}");
+        covered += usize::from(low <= 1.5 && 1.5 <= high);
+    }
+    // Of intervals of 95 % one in twenty misses: two of three do in seven of a thousand.
+    assert!(covered > 1, "{covered}");
 }
 
 #[test]

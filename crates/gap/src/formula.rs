@@ -19,9 +19,10 @@ mod shape;
 
 use crate::alternative_constant::a_constant_explains;
 use crate::decisions::{
-    FORMULA_PASSES, FORMULAS_FITTED, RACE, RESPONSE_ERROR, RIVALS, SEARCHES_AGAIN, WORTH,
+    FORMULA_PASSES, FORMULAS_FITTED, RACE, REPEATS, RESPONSE_ERROR, RIVALS, SEARCHES_AGAIN, WORTH,
 };
 use crate::model::{Fitted, Measure, TrialModel, current};
+use crate::other_causes::input_noise;
 use crate::place::{Effect, Place, fits};
 use crate::plausibility::{cancelling, vetoed};
 use crate::result::{Activity, MissingForce, PlacedLaw, Rival, StopReason, Veto, Vetoed};
@@ -82,12 +83,17 @@ struct Found {
 }
 
 impl Search<'_> {
+    /// Whether a model leaves no more than the noise of the measured inputs does alone, which no force describes.
+    fn left_by_input_noise(&self, of: &Fitted) -> bool {
+        input_noise(of, self.noise).is_some_and(|noise| noise.left <= REPEATS * noise.alone)
+    }
+
     /// A search that ended without an explanation, or with one that evidence speaks against, with a formula if there is
     /// one that explains the data: beside the model as it is, else beside the effects that were found.
     pub(crate) fn described(&mut self, searched: Searched) -> Searched {
         let explained = self.explained(&searched.last);
         let done = explained && !doubted(&searched.last, &searched.needed, self.noise);
-        if done || searched.stop == StopReason::Interrupted {
+        if done || searched.stop == StopReason::Interrupted || self.left_by_input_noise(&searched.last) {
             return searched;
         }
         // A number of the model that is wrong is no law: most formulas would say the same with more words. A spring or a

@@ -662,8 +662,8 @@ fn worth(now: &Fitted, next: &Fitted, candidates: usize) -> bool {
     makes_progress(&now.score, &next.score) || (gain > WORTH && carries)
 }
 
-/// The better one of the best single law and the best pair. A pair that does not explain the data needs a
-/// clear gain over its single part; otherwise the greedy search goes on.
+/// The better one of the best single law and the best pair. A pair of more parameters is worth its price or does not count,
+/// and one that does not explain the data needs a clear gain over its single part; otherwise the greedy search goes on.
 fn one_or_two(
     single: Option<Fitted>,
     pair: Option<Fitted>,
@@ -675,7 +675,8 @@ fn one_or_two(
         (single, pair) => return single.or(pair),
     };
     let by = Measure::of([&single.score, &pair.score], candidates);
-    let better = by.criterion(&pair.score) + WORTH < by.criterion(&single.score);
+    let price = if pair.score.parameters > single.score.parameters { WORTH } else { 0.0 };
+    let better = by.criterion(&pair.score) + price < by.criterion(&single.score);
     let (own, both) = (label(&single.model, before), label(&pair.model, before));
     let lower = pair.score.predictive.zip(single.score.predictive).is_none_or(|(p, s)| p < ON_THE_WAY * s);
     let much = lower || makes_progress(&single.score, &pair.score) || !own.iter().all(|e| both.contains(e));

@@ -1,6 +1,7 @@
 //! Separator and decimal mark of a text file.
 
 use crate::clock::is_stamp;
+use crate::rows::line::Line;
 use phisindy_phys::unit::Unit;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -88,6 +89,18 @@ impl Dialect {
                 }
                 fields.extend(start.map(|from| from..line.len()));
             }
+        }
+        fields
+    }
+
+    /// The fields of a row below a heading of so many: behind a trailing separator stands the last value, if it is missing.
+    /// (Without an end of line the file is cut off.)
+    pub(crate) fn fields_of(&self, line: &Line, width: usize) -> Vec<Range<usize>> {
+        let (text, mut fields) = (&line.text, self.fields(&line.text));
+        let trailing =
+            self.separator.is_some_and(|separator| text.trim_end_matches(' ').ends_with(separator));
+        if trailing && line.ended && fields.len() + 1 == width {
+            fields.push(text.len()..text.len());
         }
         fields
     }

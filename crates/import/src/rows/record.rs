@@ -180,7 +180,7 @@ impl Reader<'_> {
     /// Reads a row of numbers.
     fn row(&mut self, line: Line) -> Result<(), Box<Diagnostic>> {
         let csv = self.csv;
-        let fields = self.dialect.fields(&line.text);
+        let fields = self.dialect.fields_of(&line, self.names.len());
         if fields.len() != self.names.len() {
             let d = self.mistakes.field_count(&line, fields.len(), self.names.len(), csv.header);
             return Err(Box::new(d));

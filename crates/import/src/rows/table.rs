@@ -115,7 +115,7 @@ struct Rows<'a> {
 impl Rows<'_> {
     fn push(&mut self, line: &Line) -> Result<(), Box<Diagnostic>> {
         let (dialect, width) = (self.dialect, self.columns.len());
-        let fields = dialect.fields(&line.text);
+        let fields = dialect.fields_of(line, width);
         if fields.len() != width {
             let d = self.mistakes.field_count(line, fields.len(), width, (!self.has_header).then_some(false));
             // The presumed heading may be a line of a preamble.

@@ -110,7 +110,7 @@ fn mistakes_name_the_line_and_say_what_to_do() {
         ("", b"t,x\n1,2\n".to_vec(), &["one row", "at least 10"]),
         ("", format!("t,x\n{good}12,NaN\n").into(), &["`x` is `NaN` in line 14"]),
         ("", format!("t,x\n{good}12,-inf\n").into(), &["`x` is `-inf` in line 14"]),
-        ("", format!("t,x\n{good}12,\n").into(), &["line 14", "has 1 field"]),
+        ("", format!("t,x\n{good}12,\n").into(), &["column `x` has no value in line 14"]),
         (
             "",
             format!("t,x,z\n{}12,,1\n", rows(|k| format!("{k},{k},1\n"))).into(),
