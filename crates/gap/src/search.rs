@@ -303,10 +303,7 @@ impl Search<'_> {
         let Some(leader) = singles.first().and_then(last) else { return vec![] };
         let fitted = |c: &Candidate| singles.iter().filter_map(last).any(|e| e.same(&c.effect));
         let wanted = |c: &&Candidate| {
-            leader.entry.law.has_memory()
-                && leader.entry.law.simpler.contains(&c.effect.entry.id)
-                && leader.place.is(&c.effect.place)
-                && !fitted(c)
+            leader.entry.law.has_memory() && c.effect.is_simpler_form_of(&leader) && !fitted(c)
         };
         let laws = screening.candidates.iter().filter(wanted).collect();
         let lists = self.best_starts(model, laws);

@@ -10,6 +10,7 @@
 use crate::trajectory::delayed_samples::SampledRun;
 use crate::trajectory::layout::{DELAY, Segment};
 use crate::trajectory::problem::Problem;
+use phisindy_signal::mean_step;
 use phisindy_sim::Jump;
 
 /// What a sample of a column leaves, in the unit of the column.
@@ -91,7 +92,7 @@ impl Problem<'_> {
             return None;
         }
         let record = self.records[segment.record];
-        let step = (record.time[record.len() - 1] - record.time[0]) / (record.len() - 1) as f64;
+        let step = mean_step(&record.time);
         let time = record.time[sample] - self.sensor(segment.record, column, DELAY, x);
         let (_, gain) = self.reading(segment.record, column, x, 0.0);
         Some(Sample { jumps, output, gain, time, step, noise })

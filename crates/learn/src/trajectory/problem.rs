@@ -332,11 +332,19 @@ impl<'a> Problem<'a> {
 
     /// Residuals of every column of every record in the unit of the column, from a simulation of all segments.
     pub(crate) fn residuals(&self, x: &[f64]) -> Result<Vec<Vec<ColumnResidual>>, SimError> {
-        let runs: Vec<SampledRun> =
-            self.segments.par_iter().map(|s| self.run(s, x, false)).collect::<Result<_, _>>()?;
+        Ok(self.residuals_of(&self.runs(x)?, x))
+    }
+
+    /// Simulations of all segments.
+    pub(crate) fn runs(&self, x: &[f64]) -> Result<Vec<SampledRun>, SimError> {
+        self.segments.par_iter().map(|s| self.run(s, x, false)).collect()
+    }
+
+    /// The residuals of such simulations.
+    pub(crate) fn residuals_of(&self, runs: &[SampledRun], x: &[f64]) -> Vec<Vec<ColumnResidual>> {
         let columns = vec![ColumnResidual::default(); self.system.columns()];
         let mut out = vec![columns; self.records.len()];
-        for (segment, run) in self.segments.iter().zip(&runs) {
+        for (segment, run) in self.segments.iter().zip(runs) {
             for (i, sample) in (segment.samples.0..segment.samples.1).enumerate() {
                 for (k, column) in self.records[segment.record].columns.iter().enumerate() {
                     let Some(column) = column else { continue };
@@ -350,7 +358,7 @@ impl<'a> Problem<'a> {
                 }
             }
         }
-        Ok(out)
+        out
     }
 
     /// The free run of the first segment of a record.

@@ -10,8 +10,8 @@ use crate::decisions::{LARGEST_WINDOW, WHITE_EXCESS, WINDOW_FALL};
 use crate::trajectory::delayed_samples::SampledRun;
 use crate::trajectory::layout::{DELAY, Segment};
 use crate::trajectory::problem::Problem;
-use phisindy_sim::{Jump, SimError};
-use rayon::prelude::*;
+use phisindy_signal::mean_step;
+use phisindy_sim::Jump;
 
 /// A window of samples of a column in a segment.
 pub(crate) struct Window<'r> {
@@ -57,23 +57,15 @@ impl Problem<'_> {
         if !outputs || self.segments.len() > self.records.len() {
             return vec![];
         }
-        let runs =
-            self.segments.par_iter().map(|s| self.run(s, x, false)).collect::<Result<Vec<_>, SimError>>();
-        let Ok(runs) = runs else { return vec![] };
+        let Ok(runs) = self.runs(x) else { return vec![] };
         if runs.iter().all(|r| r.run.jumps.is_empty()) {
             return vec![];
         }
-        let (mut sum, mut count) = (0.0, 0usize);
-        for (segment, run) in self.segments.iter().zip(&runs) {
-            for (k, column) in self.records[segment.record].columns.iter().enumerate().skip(states) {
-                let Some(column) = column else { continue };
-                let noise = self.jump_noise[segment.record][k];
-                for (i, sample) in (segment.samples.0..segment.samples.1).enumerate() {
-                    let miss = self.reading(segment.record, k, x, run.value(i, k).0).0 - column[sample];
-                    let beside = self.beside_jumps(segment, x, run, (sample, k), noise);
-                    sum += (beside.map_or(miss, |at| at.residual(miss)) / noise).powi(2);
-                    count += 1;
-                }
+        let (mut sum, mut count) = (0.0, 0);
+        for (columns, noise) in self.residuals_of(&runs, x).iter().zip(&self.jump_noise) {
+            for (column, noise) in columns.iter().zip(noise).skip(states) {
+                sum = column.residual.iter().fold(sum, |sum, left| sum + (left / noise).powi(2));
+                count += column.residual.len();
             }
         }
         if sum <= WHITE_EXCESS * count as f64 {
@@ -100,7 +92,7 @@ impl Problem<'_> {
     ) -> Vec<Window<'r>> {
         let record = self.records[segment.record];
         let (first, last) = segment.samples;
-        let step = (record.time[record.len() - 1] - record.time[0]) / (record.len() - 1) as f64;
+        let step = mean_step(&record.time);
         let length = window.min(last - first);
         let mut out = Vec::new();
         for (k, column) in record.columns.iter().enumerate() {

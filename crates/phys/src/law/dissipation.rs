@@ -1,8 +1,8 @@
 //! Whether a law takes energy from the motion at all times.
 
 use super::Law;
-use super::graph::jointly_linear;
-use phisindy_expr::{Graph, Id, Names, Scratch, Tape, Unary};
+use super::graph::{LawGraph, jointly_linear};
+use phisindy_expr::{Graph, Id, Names, Scratch, Unary};
 use std::collections::HashMap;
 
 /// Points at which a law is asked whether it gives energy.
@@ -72,9 +72,7 @@ impl Law {
     /// velocity.
     fn gives_energy(&self, force: Id, v: Id) -> bool {
         let of = self.nodes();
-        let symbols: Vec<Id> =
-            of.graph.symbols(&[force]).into_iter().map(|s| of.graph.clone().symbol(s)).collect();
-        let Ok(tape) = Tape::compile(&of.graph, &symbols, &[force]) else { return false };
+        let (symbols, tape) = LawGraph::program(&mut of.graph.clone(), &[force]);
         let mut scratch = Scratch::<1>::new(&tape);
         let mut powers = Vec::with_capacity(POINTS);
         for point in 0..POINTS {
@@ -84,8 +82,7 @@ impl Law {
                 2.0 * angle.sin() * angle.cos().powi(2)
             };
             let value = |(k, id): (usize, &Id)| {
-                let own = of.parameters.iter().position(|p| p == id);
-                let (low, high) = own.map_or((-10.0, 10.0), |p| self.parameters[p].1.within);
+                let (low, high) = self.bounds_of(*id).unwrap_or((-10.0, 10.0));
                 number(k).clamp(low, high)
             };
             let values: Vec<f64> = symbols.iter().enumerate().map(value).collect();

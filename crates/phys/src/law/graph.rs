@@ -1,6 +1,6 @@
 //! The expressions of a law as nodes of a graph.
 
-use phisindy_expr::{Graph, Id, Names, ParseError};
+use phisindy_expr::{Graph, Id, Names, ParseError, Tape};
 use std::fmt;
 
 /// The expressions of a law as nodes of a graph of their own. Its symbols become nodes of a model where the
@@ -122,6 +122,15 @@ impl Default for LawGraph {
             screen: None,
             outside: vec![],
         }
+    }
+}
+
+impl LawGraph {
+    /// A program of some nodes, and the symbols that they use, which are its inputs.
+    pub(super) fn program(graph: &mut Graph, outputs: &[Id]) -> (Vec<Id>, Tape) {
+        let symbols: Vec<Id> = graph.symbols(outputs).into_iter().map(|s| graph.symbol(s)).collect();
+        let tape = Tape::compile(graph, &symbols, outputs).expect("every symbol is an input");
+        (symbols, tape)
     }
 }
 

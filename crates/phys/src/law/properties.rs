@@ -1,9 +1,9 @@
 //! What a law is, asked of its graph: whether it sticks, has a clearance, is a spring, a resistance, a
 //! hysteresis, and which of its parameters are linear.
 
-use super::graph::jointly_linear;
+use super::graph::{LawGraph, jointly_linear};
 use super::{Law, Role};
-use phisindy_expr::{Binary, Id, Node, Scratch, Tape, Unary};
+use phisindy_expr::{Binary, Id, Node, Scratch, Unary};
 use std::collections::HashMap;
 
 /// A speed (m/s) below all that move.
@@ -22,8 +22,7 @@ impl Law {
         let zero = graph.constant(0.0);
         let resting = graph.replace(&of.rates, &HashMap::from([(v, zero)]));
         // Numbers of no meaning: what vanishes for them vanishes for all.
-        let symbols: Vec<Id> = graph.symbols(&resting).into_iter().map(|s| graph.symbol(s)).collect();
-        let Ok(tape) = Tape::compile(&graph, &symbols, &resting) else { return false };
+        let (symbols, tape) = LawGraph::program(&mut graph, &resting);
         let mut scratch = Scratch::<1>::new(&tape);
         scratch.at((0..symbols.len()).map(|k| 0.7 + 0.1 * (k as f64).sin()));
         (0..resting.len()).all(|k| scratch.output(k)[0] == 0.0)
@@ -42,17 +41,11 @@ impl Law {
     /// its bounds. A power of the speed has a sign and does not jump.
     fn jumps(&self, force: Id, v: Id) -> bool {
         let of = &self.compiled;
-        let mut graph = of.graph.clone();
-        let symbols: Vec<Id> = graph.symbols(&[force]).into_iter().map(|s| graph.symbol(s)).collect();
-        let Ok(tape) = Tape::compile(&graph, &symbols, &[force]) else { return true };
-        let bounds = |id: &Id| {
-            let own = of.parameters.iter().position(|p| p == id);
-            own.map_or((0.0, 1.0), |k| self.parameters[k].1.within)
-        };
+        let (symbols, tape) = LawGraph::program(&mut of.graph.clone(), &[force]);
         let mut scratch = Scratch::<1>::new(&tape);
         let mut at = |speed: f64| {
             let value = |id: &Id| {
-                let (low, high) = bounds(id);
+                let (low, high) = self.bounds_of(*id).unwrap_or((0.0, 1.0));
                 if *id == v { speed } else { 0.7_f64.clamp(low, high) }
             };
             scratch.at(symbols.iter().map(value));
@@ -60,6 +53,12 @@ impl Law {
         };
         let (above, below, far) = (at(NEARLY_AT_REST), at(-NEARLY_AT_REST), at(1.0));
         (above - below).abs() > NO_JUMP * far.abs()
+    }
+
+    /// Bounds of a parameter; none for another symbol.
+    pub(super) fn bounds_of(&self, symbol: Id) -> Option<(f64, f64)> {
+        let own = self.compiled.parameters.iter().position(|p| *p == symbol)?;
+        Some(self.parameters[own].1.within)
     }
 
     /// Whether it has a clearance: its force has a corner or a jump at a displacement other than zero.

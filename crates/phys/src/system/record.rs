@@ -8,7 +8,7 @@ use crate::system::sensor::Sensor;
 use crate::text::diagnostic::{Diagnostic, SourceId};
 use crate::text::spec::{ColumnSpec, CsvSpec, Role, Text};
 use crate::units::unit::Unit;
-use phisindy_signal::{Differentiated, Differentiator, Signal, SignalError, differentiate};
+use phisindy_signal::{Differentiated, Differentiator, Signal, SignalError, differentiate, mean_step};
 use std::fmt;
 use std::sync::Arc;
 
@@ -338,9 +338,7 @@ pub fn link_continuations(system: &System, records: &mut [Record], plans: &[Reco
         let before = (0..k).rev().find(|&j| {
             let (Origin::Csv(a), Origin::Csv(b)) = (&plans[j].origin, &plans[k].origin) else { return false };
             let gap = records[k].time[0] - records[j].time[records[j].len() - 1];
-            let step =
-                (records[j].time[records[j].len() - 1] - records[j].time[0]) / (records[j].len() - 1) as f64;
-            same_run(a, b, system) && gap.abs() <= 2.5 * step
+            same_run(a, b, system) && gap.abs() <= 2.5 * mean_step(&records[j].time)
         });
         if records[k].role == Role::Validate {
             records[k].continues = before.filter(|&j| records[j].role == Role::Fit);
