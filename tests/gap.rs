@@ -387,6 +387,8 @@ fn noise_of_an_input_is_told() {
     assert_eq!((found["status"].as_str(), code), (Some("unexplained"), 1), "{found}");
     let said = found["warnings"].to_string();
     assert!(said.contains("the noise of u from sample to sample"), "{said}");
+    // Noise is no force: none is drawn.
+    assert!(found["missing_force"].is_null(), "{}", found["missing_force"]);
 }
 
 /// Friction that fades away during a run: plain friction takes half of it in the part that is fitted and is too much in the part that is not, so it is not added.
@@ -685,4 +687,35 @@ fn a_held_force_is_not_a_delay() {
     assert!(warnings(&found).contains("interpolate: Hold"), "{}", warnings(&found));
     let completed = std::fs::read_to_string(folder.join("out/completed.ron")).expect("a completed spec");
     assert!(completed.contains("interpolate: Hold"), "{completed}");
+}
+
+/// A friction tester: displacement and force, Coulomb friction and a damper. Dieterich and Ruina's law has a number
+/// more, imitates both, and fits less well.
+#[test]
+fn two_simple_laws_come_before_a_richer_one_that_fits_less_well() {
+    let folder = folder("gap-tester");
+    let (mut noise, tau) = (noise(3, 0.12), std::f64::consts::TAU);
+    let mut rows = String::from("t,x,F\n");
+    for i in 0..3000 {
+        let t = 0.02 * f64::from(i);
+        let [slow, fast] = [tau / 7.3 * t, tau / 2.9 * t + 1.0];
+        let (x, v) =
+            (12.0 * slow.sin() + 4.0 * fast.sin(), tau * (12.0 / 7.3 * slow.cos() + 4.0 / 2.9 * fast.cos()));
+        rows += &format!("{t},{x},{}\n", 5.2 * v.signum() + 0.09 * v + noise());
+    }
+    std::fs::write(folder.join("run.csv"), rows).expect("data can be written");
+    let record = |name: &str, window: &str, role: &str| {
+        format!(
+            r#"Csv(path: "run.csv", name: "{name}", time: "t", columns: {{ "x": ("x", "mm"), "F": ("F", "N") }}, derive: {{ "dx": Derivative("x") }}, window: {window}, role: {role})"#
+        )
+    };
+    let spec = format!(
+        r#"(constants: {{ "k": (value: 0.0, unit: "N/m", within: (0.0, 10000.0)) }}, states: {{}}, inputs: {{ "x": "m", "dx": "m/s" }},
+        outputs: {{ "F": (unit: "N", reads: "k*x") }}, known: {{}}, unknown: {{}}, data: [{}, {}])"#,
+        record("begin", "(0.0, 30.0)", "Fit"),
+        record("rest", "(30.0, 60.0)", "Validate")
+    );
+    let (found, code) = gap(&folder, &spec);
+    assert_eq!((found["status"].as_str(), code), (Some("explained"), 0), "{found}");
+    assert_eq!(named(&found), [effect("coulomb", "dx"), effect("viscous", "dx")], "{found}");
 }

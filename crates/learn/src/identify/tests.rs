@@ -126,7 +126,7 @@ fn what_makes_a_verdict() {
     assert_eq!(of(&one, &[0.4, 0.4], &[2.4, 0.1]), Verdict::Identified);
     rejected(
         of(&[], &[0.1], &[0.25]),
-        "no term of the dictionary is needed: nothing is missing that it could describe (NRMSE of the known part alone: r 0.250)",
+        "no candidate of the dictionary explains anything, so none is kept (NRMSE of the known part alone: r 0.250)",
     );
     rejected(
         of(&one, &[0.1, 0.51], &[0.9, 0.9]),

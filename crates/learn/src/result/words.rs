@@ -195,7 +195,7 @@ impl Display for Rejection {
         match self {
             Rejection::NoTerms { known } => write!(
                 f,
-                "no term of the dictionary is needed: nothing is missing that it could describe (NRMSE of the known part alone: {})",
+                "no candidate of the dictionary explains anything, so none is kept (NRMSE of the known part alone: {})",
                 known.iter().map(|(name, e)| format!("{name} {e:.3}")).collect::<Vec<_>>().join(", ")
             ),
             Rejection::FitFailed(failure) => write!(f, "{failure}"),

@@ -151,7 +151,7 @@ fn rejections_and_errors() {
     let all: [(&dyn Display, &str); 17] = [
         (
             &Rejection::NoTerms { known: vec![("a".into(), 0.25), ("b".into(), 1.0)] },
-            "no term of the dictionary is needed: nothing is missing that it could describe (NRMSE of the known part alone: a 0.250, b 1.000)",
+            "no candidate of the dictionary explains anything, so none is kept (NRMSE of the known part alone: a 0.250, b 1.000)",
         ),
         (
             &Rejection::RunFails { record: "a".into(), failure: diverged() },
