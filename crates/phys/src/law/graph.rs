@@ -28,9 +28,9 @@ pub struct LawGraph {
     pub velocity: Option<Id>,
     /// A force of the known part of the model.
     pub load: Option<Id>,
-    /// In the order of [`Law::parameters`].
+    /// In the order of [`Law::parameters`](super::Law::parameters).
     pub parameters: Vec<Id>,
-    /// The states of [`Law::internal`], in their order, ...
+    /// The states of [`Law::internal`](super::Law::internal), in their order, ...
     pub internal: Vec<Id>,
     /// ... and their rates.
     pub rates: Vec<Id>,
@@ -57,7 +57,7 @@ pub struct LawScreen {
     pub grid: Vec<Id>,
     /// The rate of the internal state in terms of the grid.
     pub rate: Option<Id>,
-    /// Each parameter from coefficients and grid, in the order of [`Law::parameters`].
+    /// Each parameter from coefficients and grid, in the order of [`Law::parameters`](super::Law::parameters).
     pub seeds: Vec<Id>,
 }
 
