@@ -241,9 +241,10 @@ fn differentiated(time: &[f64], values: &[f64], how: Differentiator) -> Result<D
         .map_err(|e: SignalError| Diagnostic::error(format!("cannot differentiate: {e}")))
 }
 
-/// Refuses a table with too few rows.
+/// Refuses a table with too few rows. Without columns they are only the times of a prediction.
 fn enough(csv: &CsvSpec, table: &Table, spec: SourceId) -> Result<(), Diagnostic> {
-    if table.time.len() >= FEWEST {
+    let fewest = if csv.columns.is_empty() { 1 } else { FEWEST };
+    if table.time.len() >= fewest {
         return Ok(());
     }
     let decimated = csv.decimate.as_ref().map(|d| d.span);
@@ -251,6 +252,9 @@ fn enough(csv: &CsvSpec, table: &Table, spec: SourceId) -> Result<(), Diagnostic
     let mut d =
         Diagnostic::error(format!("only {} samples are left of `{}`", table.time.len(), csv.path.value))
             .at(spec, span, "");
+    if csv.in_memory {
+        return Err(d.help(format!("a record needs at least {fewest}")));
+    }
     if let Some((first, last)) = table.extent {
         d = d.help(format!("the file's time runs from {first} to {last}"));
     }
