@@ -57,9 +57,9 @@ impl Case {
         &self.checked.system.title
     }
 
-    /// Whether it has records of any kind.
-    pub fn has_records(&self) -> bool {
-        !self.spec.data.is_empty()
+    /// Whether it has `Synthetic` records, which need no data and take a seed.
+    pub fn has_synthetic(&self) -> bool {
+        self.spec.data.iter().any(|data| matches!(data, DataSpec::Synthetic(_)))
     }
 
     /// Whether it has records that files hold, or tables in their place ([`crate::files::Request::tables`]).
@@ -83,6 +83,12 @@ impl Case {
     /// Names of the inputs.
     pub fn inputs(&self) -> impl Iterator<Item = &str> {
         self.checked.system.inputs.iter().map(|u| u.name.as_str())
+    }
+
+    /// Names of the states, outputs and inputs, each with how many SI units the unit of the spec is.
+    pub fn factors(&self) -> impl Iterator<Item = (&str, f64)> {
+        let system = &self.checked.system;
+        system.quantities().enumerate().map(|(k, (name, _))| (name, system.factor(k)))
     }
 
     /// What is odd about the text, with its place.

@@ -11,14 +11,15 @@ from typing import Any
 import numpy as np
 
 from . import _native
-from ._arguments import number_of
+from ._arguments import number_of, path_of, text_of
 from ._errors import DataError
 
 
 class Case:
     """A checked spec (see the reference: states, known rates, what is unknown).
 
-    ``text`` is the spec in RON. Data files that it names are looked for in ``folder``.
+    ``text`` is the spec in RON. Data files that it names are looked for in the folder that the environment variable
+    ``PHISINDY_DATA`` names, then in ``folder``.
     Raises ``SpecError`` with all mistakes, each with its line.
     """
 
@@ -27,8 +28,8 @@ class Case:
             raise DataError(f"a {type(text).__name__} is no text of a spec: Case.from_file(path) reads a file")
         if "\n" not in text and text.strip().endswith(".ron"):
             raise DataError(f"`{text}` is a path, not the text of a spec: Case.from_file(path) reads a file")
-        self._path = Path(folder) / "spec"
-        self._native = _native.Case(text, self._path)
+        self._path = path_of("folder", folder) / "spec"
+        self._native = _native.Case(text_of("the spec", text), self._path)
 
     @classmethod
     def from_file(cls, path: str | os.PathLike[str]) -> Case:
@@ -38,7 +39,7 @@ class Case:
             text = path.read_text(encoding="utf-8-sig")
         except (OSError, UnicodeDecodeError, TypeError, ValueError) as error:
             raise DataError(f"cannot read the spec `{path}`: {error}") from error
-        return _made(text, path)
+        return case_at(path, text)
 
     def set(self, path: str, value: str | float | bool) -> Case:
         """The case with one field changed or added, as ``--set`` of the command does.
@@ -50,7 +51,8 @@ class Case:
             raise DataError(f"a {type(path).__name__} is no path of a field: give a text such as \"data.0.noise\"")
         other = Case.__new__(Case)
         other._path = self._path
-        other._native = self._native.changed(path, value if isinstance(value, str) else _ron(value))
+        value = text_of("the value of a field", value) if isinstance(value, str) else _ron(value)
+        other._native = self._native.changed(text_of("the path of a field", path), value)
         return other
 
     def check(self) -> list[str]:
@@ -87,7 +89,7 @@ class Case:
         return f"Case({title}states {', '.join(self.states)})"
 
     def __reduce__(self) -> tuple[object, ...]:
-        return (_made, (self.text, self._path))
+        return (case_at, (self._path, self.text))
 
 
 def case_of(value: Any) -> Case:
@@ -111,7 +113,8 @@ def _ron(value: Any) -> str:
     return repr(number)
 
 
-def _made(text: str, path: Path) -> Case:
+def case_at(path: Path, text: str) -> Case:
+    """A case as if its text stood in a file there."""
     case = Case.__new__(Case)
     case._path = path
     case._native = _native.Case(text, path)

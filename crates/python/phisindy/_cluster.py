@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import functools
+import inspect
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import closing, contextmanager
 from typing import Any
 
 import numpy as np
 
-from ._arguments import jobs_of, seed_of
+from . import _native
+from ._arguments import jobs_of, method_of, whole_seed
 from ._case import Case, case_of
-from ._errors import DataError, PhisindyError
+from ._errors import DataError
 from ._journal import Failed, Journal
+from ._results import Gap, Identified
 from ._sweep import Result, Sweep
+from ._work import Tell, stopped_by, teller_of
 from ._work import bars as _bars
 
 # Tasks handed to the cluster for each of its threads: enough to keep all of them at work until the end.
@@ -29,7 +35,7 @@ def sweep(
     client: Any = None,
     jobs: int | None = None,
     method: str | None = None,
-    progress: bool = False,
+    progress: bool | Tell = False,
     out: str | os.PathLike[str] | None = None,
 ) -> Sweep:
     """Runs a case with synthetic data with many seeds; the results as dicts in the order of the seeds.
@@ -37,9 +43,12 @@ def sweep(
     A number of seeds stands for 0, 1, 2, ... Every result is that of ``run(case, seed=seed)`` to the bit, wherever it
     was computed. ``client`` is a ``dask.distributed.Client``; without, ``jobs`` threads of this machine work.
     ``.statistics()`` of the result says how often the terms are right and how often the intervals hold. ``out`` is a
-    file of JSON lines that keeps every finished run: the same call goes on from there.
+    file of JSON lines that keeps every finished run: the same call goes on from there. ``progress`` is true for a bar,
+    or a function of the finished fraction and what is being done.
     """
-    case_of(case)
+    if not case_of(case)._native.synthetic:
+        raise DataError("no record of this case is `Synthetic`, so there is no truth to compare with")
+    method_of(method)
     all_seeds = _seeds(seeds)
     work = [(case, seed, method) for seed in all_seeds]
     journal = Journal(out, [("sweep", case, None, {"seed": seed, "method": method}) for seed in all_seeds])
@@ -48,11 +57,11 @@ def sweep(
 
 def map(
     function: Callable[..., Any],
-    cases: Sequence[Any],
+    cases: Iterable[Any],
     *,
     client: Any = None,
     jobs: int | None = None,
-    progress: bool = False,
+    progress: bool | Tell = False,
     out: str | os.PathLike[str] | None = None,
     **options: Any,
 ) -> list[Result]:
@@ -61,13 +70,15 @@ def map(
     A case is a ``Case`` or a pair of a ``Case`` and its data. One that fails is a ``Failed`` with the reason, and the
     others go on. ``out`` is a file of JSON lines that keeps every result as it comes: the same call goes on from there,
     and tries again what failed. A case counts as the same if its text, its folder, its tables and ``options`` are; what
-    stands in files that it names is not looked at. ``options`` go to the function (``method="step"``).
+    stands in files that it names is not looked at. ``options`` go to the function (``method="step"``); ``progress`` as
+    of ``sweep``. A function of your own takes what ``run`` takes, and returns what it returns.
     """
-    if not callable(function):
-        raise DataError(f"map: {function!r} is no function: give phisindy.run or phisindy.gap")
+    name = _called(function, options)
+    if isinstance(cases, Case) or not isinstance(cases, Iterable):
+        raise DataError(f"map: a {type(cases).__name__} is given: give a list of cases, or of pairs of a case and its data")
     pairs = [_pair(case) for case in cases]
     work = [(function, case, data, options) for case, data in pairs]
-    journal = Journal(out, [(function.__name__, case, data, options) for case, data in pairs])
+    journal = Journal(out, [(name, case, data, options) for case, data in pairs])
     return _gathered(_one_case, work, journal, client=client, jobs=jobs, progress=progress, what="map")
 
 
@@ -79,7 +90,28 @@ def _seeds(given: int | Iterable[int]) -> list[int]:
         return list(range(int(given)))
     if isinstance(given, (str, bytes)) or not isinstance(given, Iterable):
         raise DataError(f"seeds is {given!r}: give a number of runs, or the seeds themselves")
-    return [seed for one in given if (seed := seed_of(one)) is not None]
+    return [whole_seed(one) for one in given]
+
+
+def _called(function: Any, options: dict[str, Any]) -> str:
+    """The name of a function that can be called with a case, its data and these options."""
+    if not callable(function):
+        raise DataError(f"map: {function!r} is no function: give phisindy.run or phisindy.gap")
+    name = _name(function)
+    try:
+        inspect.signature(function).bind(None, None, jobs=1, **options)
+    except TypeError as error:
+        raise DataError(f"map: {name} cannot be called with a case, its data and these options: {error}") from error
+    except ValueError:  # It does not tell what it takes.
+        pass
+    return name
+
+
+def _name(function: Any) -> str:
+    """A name that differs where the results may."""
+    if isinstance(function, functools.partial):
+        return f"{_name(function.func)} with {function.args} {sorted(function.keywords.items())}"
+    return str(getattr(function, "__name__", type(function).__name__))
 
 
 def _pair(given: Any) -> tuple[Case, Any]:
@@ -99,7 +131,10 @@ def _one_seed(work: tuple[Case, int, str | None]) -> dict[str, Any]:
 
 def _one_case(work: tuple[Callable[..., Any], Case, Any, dict[str, Any]]) -> dict[str, Any]:
     function, case, data, options = work
-    return _plain(function(case, data, jobs=1, **options).to_dict())
+    found = function(case, data, jobs=1, **options)
+    if not isinstance(found, (Gap, Identified)):
+        raise DataError(f"map: {_name(function)} returned a {type(found).__name__}, no result of run or gap")
+    return _plain(found.to_dict())
 
 
 def _plain(result: dict[str, Any]) -> dict[str, Any]:
@@ -112,7 +147,7 @@ def _chunk(task: Callable[[Any], dict[str, Any]], works: list[Any]) -> list[Resu
     def done(work: Any) -> Result:
         try:
             return task(work)
-        except PhisindyError as error:
+        except Exception as error:  # A function of the user may raise anything, and the other cases go on.
             return Failed(str(error), type(error).__name__)
 
     return [done(work) for work in works]
@@ -125,37 +160,53 @@ def _gathered(
     *,
     client: Any,
     jobs: int | None,
-    progress: bool,
+    progress: bool | Tell,
     what: str,
 ) -> list[Result]:
-    jobs = jobs_of(jobs)
+    jobs, teller = jobs_of(jobs), teller_of(progress)
+    if client is not None and not (hasattr(client, "submit") and hasattr(client, "nthreads")):
+        raise DataError(f"client is a {type(client).__name__}: give a dask.distributed.Client")
     results: list[Any] = [journal.kept(place) for place in range(len(works))]
     places = [place for place, found in enumerate(results) if found is None]
     todo = [works[place] for place in places]
-    with journal:
-        for start, chunk in _with_bar(_chunks(task, todo, client, jobs), len(todo), progress, what):
-            for place, found in zip(places[start : start + len(chunk)], chunk):
-                results[place] = found
-                journal.keep(place, found)
+    with journal, _counted(teller, bool(progress), len(todo), what) as count:
+        # Closed at once, whatever happens: a notebook keeps what Ctrl-C left behind.
+        with closing(_chunks(task, todo, client, jobs)) as chunks:
+            for start, chunk in chunks:
+                for place, found in zip(places[start : start + len(chunk)], chunk):
+                    results[place] = found
+                    journal.keep(place, found)
+                count(len(chunk))
     return results
 
 
 def _chunks(
     task: Callable[[Any], dict[str, Any]], works: list[Any], client: Any, jobs: int | None
-) -> Iterator[tuple[int, list[Result]]]:
+) -> Generator[tuple[int, list[Result]]]:
     """Chunks of results as they come, each with the place of its first one."""
     if not works:
         return
-    if client is None:
-        with ThreadPoolExecutor(jobs or os.cpu_count()) as pool:
-            futures = {pool.submit(_chunk, task, [work]): place for place, work in enumerate(works)}
-            try:
-                for future in as_completed(futures):
-                    # What is done is not needed here any more: of a million results one copy is enough.
-                    yield futures.pop(future), future.result()
-            finally:
-                pool.shutdown(wait=False, cancel_futures=True)
-        return
+    yield from _on_threads(task, works, jobs) if client is None else _on_cluster(task, works, client)
+
+
+def _on_threads(
+    task: Callable[[Any], dict[str, Any]], works: list[Any], jobs: int | None
+) -> Generator[tuple[int, list[Result]]]:
+    stop = _native.Stop()
+    pool = ThreadPoolExecutor(jobs or os.cpu_count(), initializer=stopped_by, initargs=(stop,))
+    try:
+        futures = {pool.submit(_chunk, task, [work]): place for place, work in enumerate(works)}
+        for future in as_completed(futures):
+            # What is done is not needed here any more: of a million results one copy is enough.
+            yield futures.pop(future), future.result()
+    finally:
+        stop.set()
+        pool.shutdown(cancel_futures=True)
+
+
+def _on_cluster(
+    task: Callable[[Any], dict[str, Any]], works: list[Any], client: Any
+) -> Generator[tuple[int, list[Result]]]:
     from dask import distributed
 
     finished: Any = distributed.as_completed
@@ -166,18 +217,30 @@ def _chunks(
         client.submit(_chunk, task, works[place : place + size], pure=False, retries=3): place
         for place in range(0, len(works), size)
     }
-    for future, chunk in finished(list(futures), with_results=True):
-        yield futures.pop(future), chunk
+    try:
+        for future, chunk in finished(list(futures), with_results=True):
+            yield futures.pop(future), chunk
+    finally:
+        # After Ctrl-C the workers are to be free for other work.
+        client.cancel(list(futures))
 
 
-def _with_bar(
-    chunks: Iterator[tuple[int, list[Any]]], total: int, progress: bool, what: str
-) -> Iterator[tuple[int, list[Any]]]:
-    bars = _bars() if progress else None
+@contextmanager
+def _counted(
+    teller: Tell | None, shown: bool, total: int, what: str
+) -> Iterator[Callable[[int], object]]:
+    """What counts finished runs: for a function, on a bar, or not at all."""
+    done = 0
+
+    def tell(more: int) -> None:
+        nonlocal done
+        done += more
+        if teller is not None:
+            teller(done / total, what)
+
+    bars = _bars() if teller is None and shown else None
     if bars is None:
-        yield from chunks
+        yield tell
         return
     with bars(total=total, desc=what) as bar:
-        for place, chunk in chunks:
-            yield place, chunk
-            bar.update(len(chunk))
+        yield bar.update

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ Array = npt.NDArray[np.float64]
 class PhisindyRegressor:
     """Identifies a model on one record and predicts the motion on another one.
 
-    ``X`` has a column for the time in seconds, then one for each input of the case; ``y`` has a column for each name in
+    ``spec`` is a ``Case`` or the text of one. ``X`` has a column for the time in seconds, then one for each input of the case; ``y`` has a column for each name in
     ``columns`` (default: the first state). Units are those of the spec. ``predict`` starts at ``start_`` - the state at
     which the fit starts - unless ``start`` gives another one, and takes the rows of ``X`` as one record.
 
@@ -29,7 +30,7 @@ class PhisindyRegressor:
 
     def __init__(
         self,
-        spec: str = "",
+        spec: str | Case = "",
         columns: tuple[str, ...] | list[str] | None = None,
         method: str | None = None,
         start: dict[str, float] | None = None,
@@ -63,31 +64,41 @@ class PhisindyRegressor:
             input_tags=InputTags(),
         )
 
+    def __repr__(self) -> str:
+        given = {name: value for name, value in self.get_params().items() if value not in (None, "")}
+        return f"PhisindyRegressor({', '.join(f'{name}={reprlib.repr(value)}' for name, value in given.items())})"
+
     def fit(self, X: Any, y: Any) -> PhisindyRegressor:
         """Identifies the unknown part."""
-        self.case_ = Case(self.spec)
+        self.case_ = self.spec if isinstance(self.spec, Case) else Case(self.spec)
         self.result_: Identified = run(self.case_, self._table(X, y), method=self.method, jobs=self.jobs)
         self.n_features_in_ = 1 + len(self.case_.inputs)
         first = self.result_.records[0].get("start") or {}
-        self.start_ = {name: value for name, value in first.items()} if isinstance(first, dict) else {}
+        # Results are in SI, a start is in the units of the spec.
+        factors = dict(self.case_._native.factors)
+        self.start_ = {name: value / factors[name] for name, value in first.items()}
         return self
 
     def predict(self, X: Any) -> Array:
-        """The motion at the rows of ``X``, a column for each name, in SI."""
-        rows = self._rows(X)
+        """The motion at the rows of ``X``, a column for each name."""
+        result, rows = self._fitted(), self._rows(X)
         inputs = {name: rows[:, 1 + k] for k, name in enumerate(self.case_.inputs)}
-        motion = self.result_.simulate(rows[:, 0], inputs, self.start or self.start_)
-        shown = np.column_stack([motion[name] for name in self._columns()])
+        motion, factors = result.simulate(rows[:, 0], inputs, self.start or self.start_), dict(self.case_._native.factors)
+        shown = np.column_stack([motion[name] / factors[name] for name in self._columns()])
         return shown[:, 0] if shown.shape[1] == 1 else shown
 
     def score(self, X: Any, y: Any) -> float:
         """The coefficient of determination of the free run along these rows, the mean over the columns."""
-        rows = self._rows(X)
-        model = self.result_.case
+        model, rows = self._fitted().case, self._rows(X)
         data = self._table(rows, y)
         again = run(model, data, method=self.method, jobs=self.jobs)
         errors = again.records[0]["nrmse"].values()
         return float(np.mean([1.0 - error**2 for error in errors]))
+
+    def _fitted(self) -> Identified:
+        if not hasattr(self, "result_"):
+            raise DataError("the estimator is not fitted yet: call fit(X, y) first")
+        return self.result_
 
     def _columns(self) -> list[str]:
         return list(self.columns) if self.columns else self.case_.states[:1]

@@ -12,6 +12,7 @@ from types import TracebackType
 from typing import IO, TYPE_CHECKING, Any
 
 from . import _native
+from ._arguments import path_of
 from ._errors import DataError, PhisindyError
 from ._tables import tables
 
@@ -34,7 +35,7 @@ class Journal:
     """The runs that a file holds, or none. A line has the key of its run, and ``result`` or ``failed``."""
 
     def __init__(self, path: str | os.PathLike[str] | None, works: Sequence[Work]) -> None:
-        self._path = None if path is None else Path(path)
+        self._path = None if path is None else path_of("out", path)
         self._file: IO[str] | None = None
         self._keys = [] if path is None else [_key(work) for work in works]
         self._results = {} if self._path is None else _read(self._path)
@@ -48,8 +49,11 @@ class Journal:
         if self._file is None:
             return
         what = {"failed": asdict(found)} if isinstance(found, Failed) else {"result": found}
-        self._file.write(json.dumps({"key": self._keys[place], **what}) + "\n")
-        self._file.flush()
+        try:
+            self._file.write(json.dumps({"key": self._keys[place], **what}) + "\n")
+            self._file.flush()
+        except OSError as error:
+            raise DataError(f"cannot write `{self._path}`: {error}") from error
 
     def __enter__(self) -> Journal:
         if self._path is not None:
@@ -63,8 +67,13 @@ class Journal:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if self._file is not None:
+        if self._file is None:
+            return
+        try:
             self._file.close()
+        except OSError:
+            # What could not be written at the end of a full disk was refused by `keep`.
+            pass
 
 
 def _key(work: Work) -> str:
@@ -91,19 +100,25 @@ def _key(work: Work) -> str:
 
 def _read(path: Path) -> dict[str, dict[str, Any]]:
     """Results by key. A last line without end was torn when the program was killed: it is cut off."""
+    if not path.is_file():  # A device may have no end.
+        return {}
+    number = 1
     try:
         content = path.read_bytes()
         whole = content.rfind(b"\n") + 1
-        lines = [json.loads(line) for line in content[:whole].splitlines()]
-        found = {line["key"]: line["result"] for line in lines if "result" in line or "failed" not in line}
+        found = {}
+        for number, text in enumerate(content[:whole].splitlines(), 1):
+            line = json.loads(text)
+            if "result" in line or "failed" not in line:
+                found[line["key"]] = line["result"]
         if whole < len(content):
             if whole == 0 and not content.startswith(b'{"key"'[: len(content)]):
-                raise ValueError("its first line is none")
+                raise ValueError("there is none")
             os.truncate(path, whole)
         return found
-    except FileNotFoundError:
-        return {}
     except OSError as error:
         raise DataError(f"cannot read `{path}`: {error}") from error
     except (ValueError, KeyError, TypeError) as error:
-        raise DataError(f"`{path}` holds no results of `map` or `sweep` ({error}): give another file") from error
+        raise DataError(
+            f"`{path}` holds no results of `map` or `sweep` (line {number}: {error}): remove that line, or give another file"
+        ) from error

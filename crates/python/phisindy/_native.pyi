@@ -14,6 +14,7 @@ __all__ = [
     "PhisindyError",
     "Run",
     "SpecError",
+    "Stop",
     "__version__",
     "laws",
     "motion",
@@ -54,7 +55,16 @@ class Case:
     @property
     def headings(self) -> list[str] | None: ...
     @property
+    def factors(self) -> list[tuple[str, float]]: ...
+    @property
+    def synthetic(self) -> bool: ...
+    @property
     def warnings(self) -> list[str]: ...
+
+@final
+class Stop:
+    def __new__(cls) -> Stop: ...
+    def set(self) -> None: ...
 
 @final
 class Run:
@@ -68,6 +78,7 @@ class Run:
         jobs: int | None = None,
         progress: Callable[[float, str], object] | None = None,
         laws: Path | None = None,
+        stop: Stop | None = None,
     ) -> Run: ...
     def json(self) -> str: ...
     def written(self) -> str: ...
@@ -86,6 +97,7 @@ class Gap:
         jobs: int | None = None,
         progress: Callable[[float, str], object] | None = None,
         laws: Path | None = None,
+        stop: Stop | None = None,
     ) -> Gap: ...
     def json(self) -> str: ...
     def written(self) -> str: ...

@@ -10,18 +10,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _native
 from ._arguments import number_of
+from ._case import Case, case_at
 from ._errors import DataError
-from ._tables import table
-
-if TYPE_CHECKING:
-    from ._case import Case
+from ._tables import Columns, table
 
 Array = npt.NDArray[np.float64]
 
@@ -46,11 +44,20 @@ class Motion(Mapping[str, Array]):
         return f"Motion({self.record!r}: {', '.join(self)})"
 
 
-def _mapping(what: str, given: Any) -> dict[str, Any]:
-    """The columns or numbers of an argument."""
+def _numbers(what: str, given: Any) -> dict[str, Any]:
+    """The numbers of an argument by name."""
     if given is not None and not isinstance(given, Mapping):
         raise DataError(f"{what} is a {type(given).__name__}: give a dict of names and values")
     return dict(given or {})
+
+
+def _columns(what: str, given: Any, kind: str, names: list[str]) -> Columns:
+    """The columns of an argument, each called by one of ``names``."""
+    found = [] if given is None else table(given)
+    for name, _ in found:
+        if name not in names:
+            raise DataError(f"{what}: `{name}` is no {kind}; there is: {', '.join(names) or 'none'}")
+    return found
 
 
 @dataclass(frozen=True)
@@ -86,8 +93,12 @@ class _Kept:
 class _Result:
     """What results of ``run`` and ``gap`` share."""
 
-    _native: Any
     latex: Any
+
+    def __init__(self, native: Any, path: Path) -> None:
+        self._native = native
+        # That of the case: data files are looked for beside it.
+        self._path = path
 
     @cached_property
     def _dict(self) -> dict[str, Any]:
@@ -101,9 +112,7 @@ class _Result:
     @cached_property
     def case(self) -> Case:
         """The completed model as a case without unknown part."""
-        from ._case import Case
-
-        return Case(self._native.model())
+        return case_at(self._path, self._native.model())
 
     @property
     def warnings(self) -> list[str]:
@@ -138,13 +147,14 @@ class _Result:
         return folder
 
     def simulate(
-        self, t: Any, inputs: Mapping[str, Any] | None = None, start: Mapping[str, float] | None = None
+        self, t: Any, inputs: Any = None, start: Mapping[str, float] | None = None
     ) -> Motion:
         """The motion at the times ``t`` from ``start`` (a value for each state, zero if absent), driven by ``inputs``.
 
-        Times in seconds, inputs and start in the units of the spec; the motion is in SI.
+        ``inputs`` is a table (a dict of arrays, a DataFrame) with a column for each input and a row for each time. Times
+        in seconds, inputs and start in the units of the spec; the motion is in SI.
         """
-        given, states = _mapping("start", start), self.case.states
+        given, states = _numbers("start", start), self.case.states
         unknown = [name for name in given if name not in states]
         if unknown:
             raise DataError(f"start: `{unknown[0]}` is no state; there is: {', '.join(states)}")
@@ -153,16 +163,20 @@ class _Result:
         if odd:
             raise DataError(f"the start of `{odd[0]}` is {begin[odd[0]]}: give a finite number")
         text = ", ".join(f"{json.dumps(name)}: {value!r}" for name, value in begin.items())
-        columns = table({"t": t, **_mapping("inputs", inputs)})
+        columns = table({"t": t}) + _columns("inputs", inputs, "input", self.case.inputs)
         return Motion(_native.motion(self.case._native, columns, f"{{ {text} }}"))
 
-    def rates(self, t: Any, x: Mapping[str, Any], u: Mapping[str, Any] | None = None) -> dict[str, Array]:
-        """The rates of the states at rows of time, states ``x`` and inputs ``u``, in the units of the spec per second."""
-        columns = table({"t": t, **_mapping("x", x), **_mapping("u", u)})
+    def rates(self, t: Any, x: Any, u: Any = None) -> dict[str, Array]:
+        """The rates of the states at rows of time, states and inputs, in the units of the spec per second.
+
+        ``x`` and ``u`` are tables (a dict of arrays, a DataFrame) with a column for each state and each input.
+        """
+        case = self.case
+        columns = table({"t": t}) + _columns("x", x, "state", case.states) + _columns("u", u, "input", case.inputs)
         return dict(_native.rates(self.case._native, columns))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return (type(self), (_Kept.of(self._native),))
+        return (type(self), (_Kept.of(self._native), self._path))
 
     def _repr_latex_(self) -> str:
         return "\n".join(f"$\\displaystyle {line}$\n" for line in self.latex.splitlines())
@@ -174,9 +188,6 @@ class _Result:
 
 class Identified(_Result):
     """What ``run`` found."""
-
-    def __init__(self, native: _native.Run | _Kept) -> None:
-        self._native = native
 
     @property
     def verdict(self) -> str:
@@ -214,9 +225,6 @@ class Identified(_Result):
 
 class Gap(_Result):
     """What ``gap`` found."""
-
-    def __init__(self, native: _native.Gap | _Kept) -> None:
-        self._native = native
 
     @property
     def status(self) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ._arguments import text_of
 from ._errors import DataError
 
 Column = npt.NDArray[np.float64]
@@ -34,7 +35,7 @@ def table(data: Any, headings: Sequence[str] | None = None) -> Columns:
     found: Columns = []
     for name, values in _columns(data):
         try:
-            found.append((_name(name), column(name, values())))
+            found.append((_name(name), column(name, values)))
         except DataError:
             if headings is None or name in headings:
                 raise
@@ -48,7 +49,8 @@ def _columns(data: Any) -> list[tuple[Any, Callable[[], Any]]]:
     if hasattr(data, "iloc") and hasattr(data, "columns"):  # pandas
         return [(name, partial(_of_pandas, data, k)) for k, name in enumerate(data.columns)]
     if hasattr(data, "column_names") and hasattr(data, "column"):  # pyarrow
-        return [(name, data.column(k).to_numpy) for k, name in enumerate(data.column_names)]
+        # A batch refuses to copy unless told; a table has no other choice.
+        return [(name, partial(data.column(k).to_numpy, zero_copy_only=False)) for k, name in enumerate(data.column_names)]
     if hasattr(data, "get_columns"):  # polars
         return [(one.name, one.to_numpy) for one in data.get_columns()]
     if hasattr(data, "__arrow_c_stream__"):
@@ -75,9 +77,10 @@ def _of_pandas(data: Any, place: int) -> Any:
     return values.to_numpy()
 
 
-def column(name: Any, values: Any) -> Column:
+def column(name: Any, given: Callable[[], Any]) -> Column:
     """The values as contiguous doubles."""
     try:
+        values = given()
         # What is masked is missing.
         array = np.ma.filled(values.astype(np.float64), np.nan) if isinstance(values, np.ma.MaskedArray) else np.asarray(values)
         if array.dtype.kind in "mM":
@@ -86,7 +89,9 @@ def column(name: Any, values: Any) -> Column:
             raise TypeError(f"it holds {_kind(array)}")
         # What Dask brings to a worker may start at any byte.
         array = np.require(array, np.float64, ["C_CONTIGUOUS", "ALIGNED"])
-    except (TypeError, ValueError, OverflowError) as error:
+    except MemoryError:
+        raise
+    except Exception as error:  # Packages refuse to give an array in ways of their own.
         raise DataError(f"the column `{name}` holds no numbers: {error}") from error
     if array.ndim != 1:
         raise DataError(f"the column `{name}` has {array.ndim} dimensions: give one number for each row")
@@ -109,4 +114,4 @@ def _kind(array: npt.NDArray[Any]) -> str:
 def _name(name: Any) -> str:
     if not isinstance(name, str):
         raise DataError(f"the column `{name!r}` has no name: name the columns by texts")
-    return name
+    return text_of("the name of a column", name)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
+import threading
 from collections.abc import Callable, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _native
-from ._arguments import jobs_of, seed_of
+from ._arguments import jobs_of, method_of, path_of, seed_of
 from ._case import Case, case_of
 from ._errors import DataError
 from ._results import Gap, Identified, Motion
@@ -19,6 +20,20 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 Tell = Callable[[float, str], object]
+
+
+class _Stopping(threading.local):
+    """What ends the work of this thread, where another one asks for it."""
+
+    by: _native.Stop | None = None
+
+
+_stopping = _Stopping()
+
+
+def stopped_by(stop: _native.Stop) -> None:
+    """What this thread works on ends when ``stop`` is set."""
+    _stopping.by = stop
 
 
 def run(
@@ -42,12 +57,13 @@ def run(
     function of the finished fraction and what is being done.
     """
     native = case_of(case)._native
-    given, seed, jobs, folder = tables(data, native.headings), seed_of(seed), jobs_of(jobs), _path(laws)
-    if method not in (None, "step", "trajectory"):
-        raise DataError(f'there is no method {method!r}: give "step" or "trajectory"')
+    given, seed, jobs, folder = tables(data, native.headings), seed_of(seed), jobs_of(jobs), _folder(laws)
+    method, stop = method_of(method), _stopping.by
     with _heard(progress, "run") as tell:
-        found = _native.Run(native, given, seed=seed, method_name=method, jobs=jobs, progress=tell, laws=folder)
-    return Identified(found)
+        found = _native.Run(
+            native, given, seed=seed, method_name=method, jobs=jobs, progress=tell, laws=folder, stop=stop
+        )
+    return Identified(found, case._path)
 
 
 def gap(
@@ -61,10 +77,12 @@ def gap(
 ) -> Gap:
     """Finds which laws a model lacks, as ``phisindy gap`` does, to the same bits. Arguments as of ``run``."""
     native = case_of(case)._native
-    given, seed, jobs, folder = tables(data, native.headings), seed_of(seed), jobs_of(jobs), _path(laws)
+    given, seed, jobs, folder = tables(data, native.headings), seed_of(seed), jobs_of(jobs), _folder(laws)
     with _heard(progress, "gap") as tell:
-        found = _native.Gap(native, given, seed=seed, jobs=jobs, progress=tell, laws=folder)
-    return Gap(found)
+        found = _native.Gap(
+            native, given, seed=seed, jobs=jobs, progress=tell, laws=folder, stop=_stopping.by
+        )
+    return Gap(found, case._path)
 
 
 def simulate(model: Case | Identified | Gap, data: Any = None, *, seed: int | None = None) -> list[Motion]:
@@ -79,27 +97,29 @@ def simulate(model: Case | Identified | Gap, data: Any = None, *, seed: int | No
 def laws(folder: str | os.PathLike[str] | None = None) -> list[dict[str, str]]:
     """The laws of the catalogue: ``id``, ``name``, ``about``, ``reference``, ``text``. ``folder`` holds further ones."""
     keys = ("id", "name", "about", "reference", "text")
-    return [dict(zip(keys, law)) for law in _native.laws(_path(folder))]
+    return [dict(zip(keys, law)) for law in _native.laws(_folder(folder))]
 
 
-def _path(path: str | os.PathLike[str] | None) -> Path | None:
-    try:
-        return None if path is None else Path(path)
-    except TypeError as error:
-        raise DataError(f"laws is no folder: {path!r}") from error
+def _folder(path: str | os.PathLike[str] | None) -> Path | None:
+    return None if path is None else path_of("laws", path)
+
+
+def teller_of(progress: bool | Tell) -> Tell | None:
+    """The function that hears of the progress; none: a bar, or nothing."""
+    if isinstance(progress, bool):
+        return None
+    if not callable(progress):
+        raise DataError(f"progress is neither true nor a function: {progress!r}")
+    return progress
 
 
 @contextmanager
 def _heard(progress: bool | Tell, what: str) -> Iterator[Tell | None]:
     """What hears of the progress: a function, or a bar of ``tqdm`` where that is installed."""
-    if not isinstance(progress, bool):
-        if not callable(progress):
-            raise DataError(f"progress is neither true nor a function: {progress!r}")
-        yield progress
-        return
-    made = bars() if progress else None
+    own = teller_of(progress)
+    made = bars() if own is None and progress else None
     if made is None:
-        yield None
+        yield own
         return
     with made(total=1000, desc=what, bar_format="{l_bar}{bar}| {elapsed}") as bar:
 

@@ -2,7 +2,7 @@
 
 use crate::errors::{DataError, Failure, raised, spec_error};
 use crate::table::{Slices, Table, columns, slices};
-use crate::work::{Observe, worked};
+use crate::work::{Observe, Stop, worked};
 use phisindy::files::{Purpose, Request, open_text};
 use phisindy::{
     Case, Catalogue, Error, Folder, Format, Gap, Identified, Loaded, Method, Options, RecordError,
@@ -63,6 +63,18 @@ impl NativeCase {
         self.case.has_files().then(|| self.case.headings().map(str::to_owned).collect())
     }
 
+    /// Names of states, outputs and inputs, each with how many SI units the unit of the spec is.
+    #[getter]
+    fn factors(&self) -> Vec<(String, f64)> {
+        self.case.factors().map(|(name, factor)| (name.to_owned(), factor)).collect()
+    }
+
+    /// Whether a record is synthetic, so that a seed makes a difference and the truth is known.
+    #[getter]
+    fn synthetic(&self) -> bool {
+        self.case.has_synthetic()
+    }
+
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.case.warnings().collect()
@@ -81,18 +93,26 @@ impl NativeCase {
         tables: &[Slices<'_>],
         seed: Option<u64>,
         purpose: Purpose,
+        further_data: Option<PathBuf>,
     ) -> Result<Loaded, Error> {
-        if tables.is_empty() && !self.case.has_records() {
+        // Of a record that was a table, the text has the name alone.
+        if tables.is_empty() && !self.case.has_files() && !self.case.has_synthetic() {
             return Err(RecordError::NoRecords.into());
         }
         if tables.is_empty() || self.case.has_files() {
             let tables = tables.iter().map(|table| columns(table)).collect();
-            let request = Request { seed, tables, ..Request::default() };
+            let request = Request { seed, tables, further_data, ..Request::default() };
             return open_text(self.case.text(), &self.path, &request, purpose);
         }
         let records = tables.iter().map(|table| self.case.record(table)).collect::<Result<Vec<_>, _>>()?;
         Loaded::of(&self.case, &records)
     }
+}
+
+/// The folder that the command looks in for data files too. The interpreter's lock is held, so that nobody
+/// changes the environment meanwhile.
+pub(crate) fn further_data(_: Python<'_>) -> Option<PathBuf> {
+    std::env::var_os("PHISINDY_DATA").filter(|folder| !folder.is_empty()).map(PathBuf::from)
 }
 
 /// How a result came about.
@@ -105,13 +125,13 @@ struct Work<T> {
 fn found<T: Send>(
     py: Python<'_>,
     (case, tables, seed): (&NativeCase, &[Table<'_>], Option<u64>),
-    (purpose, jobs, progress): (Purpose, Option<usize>, Option<Py<PyAny>>),
+    (purpose, jobs, progress, stop): (Purpose, Option<usize>, Option<Py<PyAny>>, Option<&Stop>),
     task: impl FnOnce(Loaded, &Observe<'_>) -> Result<T, Error> + Send,
 ) -> PyResult<Work<T>> {
     let slices = tables.iter().map(slices).collect::<PyResult<Vec<_>>>()?;
-    let begin = Instant::now();
-    let found = worked(py, jobs, progress.as_ref(), |observe| {
-        let loaded = case.loaded(&slices, seed, purpose).map_err(Failure::Loading)?;
+    let (begin, folder) = (Instant::now(), further_data(py));
+    let found = worked(py, jobs, progress.as_ref(), stop, |observe| {
+        let loaded = case.loaded(&slices, seed, purpose, folder).map_err(Failure::Loading)?;
         task(loaded, observe).map_err(Failure::Working)
     })?;
     let found = found.map_err(|failure| failure.raised(py, !tables.is_empty()))?;
@@ -143,7 +163,9 @@ pub(crate) struct NativeRun(Work<Identified>);
 #[pymethods]
 impl NativeRun {
     #[new]
-    #[pyo3(signature = (case, tables, *, seed=None, method_name=None, jobs=None, progress=None, laws=None))]
+    #[pyo3(signature = (
+        case, tables, *, seed=None, method_name=None, jobs=None, progress=None, laws=None, stop=None
+    ))]
     #[expect(clippy::too_many_arguments, reason = "the keywords of `phisindy.run`")]
     fn new(
         py: Python<'_>,
@@ -154,9 +176,10 @@ impl NativeRun {
         jobs: Option<usize>,
         progress: Option<Py<PyAny>>,
         laws: Option<PathBuf>,
+        stop: Option<&Stop>,
     ) -> PyResult<NativeRun> {
         let (method, laws) = (method(method_name)?, catalogue(laws)?);
-        let how = (Purpose::Run, jobs, progress);
+        let how = (Purpose::Run, jobs, progress, stop);
         let found = found(py, (case, &tables, seed), how, |loaded, observe| {
             loaded.identify(&Options { method, laws: laws.as_ref(), observe: Some(observe) })
         })?;
@@ -194,7 +217,10 @@ pub(crate) struct NativeGap(Work<Gap>);
 #[pymethods]
 impl NativeGap {
     #[new]
-    #[pyo3(signature = (case, tables, *, seed=None, jobs=None, progress=None, laws=None))]
+    #[pyo3(signature = (
+        case, tables, *, seed=None, jobs=None, progress=None, laws=None, stop=None
+    ))]
+    #[expect(clippy::too_many_arguments, reason = "the keywords of `phisindy.gap`")]
     fn new(
         py: Python<'_>,
         case: &NativeCase,
@@ -203,9 +229,10 @@ impl NativeGap {
         jobs: Option<usize>,
         progress: Option<Py<PyAny>>,
         laws: Option<PathBuf>,
+        stop: Option<&Stop>,
     ) -> PyResult<NativeGap> {
         let laws = catalogue(laws)?;
-        let how = (Purpose::Gap, jobs, progress);
+        let how = (Purpose::Gap, jobs, progress, stop);
         let found = found(py, (case, &tables, seed), how, |loaded, observe| {
             loaded.gap(&Options { method: None, laws: laws.as_ref(), observe: Some(observe) })
         })?;

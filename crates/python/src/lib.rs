@@ -44,6 +44,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     fit::add(m)?;
     motion::add(m)?;
     truth::add(m)?;
+    m.add_class::<work::Stop>()?;
     m.add_function(wrap_pyfunction!(program, m)?)?;
     m.add_function(wrap_pyfunction!(laws, m)?)
 }

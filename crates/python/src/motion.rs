@@ -1,7 +1,7 @@
 //! Motions and rates of a model without unknown part.
 
 use crate::errors::{Failure, raised};
-use crate::fit::NativeCase;
+use crate::fit::{NativeCase, further_data};
 use crate::table::{Table, slices};
 use crate::work::worked;
 use numpy::{PyArray1, ToPyArray};
@@ -26,8 +26,9 @@ fn motions(
     seed: Option<u64>,
 ) -> PyResult<Vec<Py<PyDict>>> {
     let slices = tables.iter().map(slices).collect::<PyResult<Vec<_>>>()?;
-    let all = worked(py, Some(1), None, |_| {
-        let loaded = case.loaded(&slices, seed, Purpose::Simulate).map_err(Failure::Loading)?;
+    let folder = further_data(py);
+    let all = worked(py, Some(1), None, None, |_| {
+        let loaded = case.loaded(&slices, seed, Purpose::Simulate, folder).map_err(Failure::Loading)?;
         loaded.simulate().map_err(Failure::Working)
     })?;
     let all = all.map_err(|failure| failure.raised(py, !tables.is_empty()))?;
@@ -38,7 +39,7 @@ fn motions(
 #[pyfunction]
 fn motion(py: Python<'_>, case: &NativeCase, table: Table<'_>, start: &str) -> PyResult<Py<PyDict>> {
     let slices = slices(&table)?;
-    let all = worked(py, Some(1), None, |_| {
+    let all = worked(py, Some(1), None, None, |_| {
         let record = case.case().record(&slices)?.with("start", start);
         simulate(case.case(), &[record])
     })?;

@@ -1,7 +1,7 @@
 //! The truth of synthetic data in terms of a dictionary, for the statistics of a sweep.
 
 use crate::errors::{NumericsError, raised};
-use crate::fit::NativeCase;
+use crate::fit::{NativeCase, further_data};
 use crate::work::worked;
 use phisindy::files::Purpose;
 use pyo3::prelude::*;
@@ -13,8 +13,9 @@ pub(crate) fn add(m: &Bound<'_, PyModule>) -> PyResult<()> {
 /// Names (`STATE:candidate`) and coefficients of the true terms.
 #[pyfunction]
 fn truth(py: Python<'_>, case: &NativeCase) -> PyResult<Vec<(String, f64)>> {
-    let all = worked(py, None, None, |_| {
-        let loaded = case.loaded(&[], None, Purpose::Run)?;
+    let folder = further_data(py);
+    let all = worked(py, None, None, None, |_| {
+        let loaded = case.loaded(&[], None, Purpose::Run, folder)?;
         let truth = phisindy_learn::project(&loaded.case, &loaded.records);
         Ok((loaded, truth))
     })?;

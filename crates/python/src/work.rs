@@ -20,6 +20,24 @@ const STACK: usize = 8 << 20;
 /// Hears of the progress, and may stop the work.
 pub(crate) type Observe<'a> = dyn Fn(Progress<'_>) -> ControlFlow<()> + Sync + 'a;
 
+/// Ends works from another thread: signals reach the first thread alone.
+#[pyclass(frozen)]
+#[derive(Default)]
+pub(crate) struct Stop(AtomicBool);
+
+#[pymethods]
+impl Stop {
+    #[new]
+    fn new() -> Stop {
+        Stop::default()
+    }
+
+    /// Ends all works that were given this; what they return is unfinished.
+    fn set(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
 /// What the working threads tell that of the caller.
 #[derive(Default)]
 struct Told {
@@ -30,11 +48,12 @@ struct Told {
 
 /// Runs `task` on so many threads (none given: one for each core) that live as long as it does, so that
 /// nothing is left for a forked process to wait for. `progress` is called by the caller's thread with a
-/// fraction and what is being done. Its exceptions, and those of signals, end the work.
+/// fraction and what is being done. Its exceptions, and those of signals, end the work, and so does `other`.
 pub(crate) fn worked<T: Send>(
     py: Python<'_>,
     jobs: Option<usize>,
     progress: Option<&Py<PyAny>>,
+    other: Option<&Stop>,
     task: impl FnOnce(&Observe<'_>) -> T + Send,
 ) -> PyResult<T> {
     let threads = rayon::ThreadPoolBuilder::new().num_threads(jobs.unwrap_or(0)).stack_size(STACK);
@@ -50,7 +69,9 @@ pub(crate) fn worked<T: Send>(
         if progress.is_some() {
             tell(&|told| told.news = Some((at.fraction, at.activity.to_owned())));
         }
-        if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        let stopped =
+            stop.load(Ordering::Relaxed) || other.is_some_and(|other| other.0.load(Ordering::Relaxed));
+        if stopped { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let mut found = None;
     let heard = pool.in_place_scope(|scope| {

@@ -1,5 +1,6 @@
 """The package against the command, on tables of every kind, and its exceptions."""
 
+import functools
 import json
 import os
 import pickle
@@ -53,6 +54,12 @@ SPECS = ["case1a", "case1b", "case2a", "case2b", "case3_coulomb", "case3_dr", "c
 SEARCHED = ["case1a", "case2a"]
 
 
+# Of measured records, where their files are. A search takes long.
+MEASURED = [("run", "emps"), ("run", "frame_250g"), ("run", "servo")]
+if os.environ.get("PHISINDY_LONG"):
+    MEASURED.append(("gap", "frame_gap"))
+
+
 def same_but_for(time, ours, theirs):
     for result in (ours, theirs):
         for key in time:
@@ -88,6 +95,14 @@ def test_the_command_finds_the_same_gap(spec):
     sets = [word for path, value in changes.items() for word in ("--set", f"{path}={value}")]
     said = json.loads(command("gap", f"specs/{spec}.ron", *sets, "--format", "json", "--quiet"))
     same_but_for(["seconds", "spec"], phisindy.gap(case).to_dict(), said)
+
+
+@pytest.mark.skipif("PHISINDY_DATA" not in os.environ, reason="no measured data")
+@pytest.mark.parametrize(("work", "spec"), MEASURED)
+def test_the_command_finds_the_same_in_measured_records(work, spec):
+    case = phisindy.Case.from_file(TOP / f"specs/{spec}.ron")
+    said = json.loads(command(work, f"specs/{spec}.ron", "--format", "json", "--quiet"))
+    same_but_for(["seconds", "spec"], getattr(phisindy, work)(case).to_dict(), said)
 
 
 def test_tables_of_every_kind_say_the_same(found):
@@ -230,6 +245,12 @@ def test_a_fleet_goes_on_from_what_is_kept(tmp_path):
     out.write_bytes(out.read_bytes().rstrip(b"\n")[:-20])
     assert phisindy.map(run, [good, other], out=out, jobs=1) == again[:2] and len(calls) == 4
     assert all(json.loads(line)["key"] for line in out.read_text().splitlines())
+    # A line that is torn in the middle of the file is told by its number.
+    kept = out.read_bytes()
+    out.write_bytes(kept.replace(b"\n", b"\n{\"key\"\n", 1))
+    with pytest.raises(phisindy.DataError, match="fleet.jsonl` holds no results .*line 2: .*remove that line"):
+        phisindy.map(run, [good], out=out)
+    out.write_bytes(kept)
     # Other options are another run.
     phisindy.map(run, [good], out=out, jobs=1, method="step")
     assert calls[-1] == {"jobs": 1, "method": "step"}
@@ -237,6 +258,36 @@ def test_a_fleet_goes_on_from_what_is_kept(tmp_path):
     with pytest.raises(phisindy.DataError, match="holds no results"):
         phisindy.map(run, [good], out=out)
     assert out.read_text() == "a,b\n1,2\n"
+
+
+def test_what_a_function_of_the_user_raises_is_the_failure_of_its_case():
+    def run(case, path, **options):
+        return phisindy.run(case, {"t": np.loadtxt(path)} if path else swing(), **options)
+
+    case = phisindy.Case(SPEC)
+    missing, good = phisindy.map(run, [(case, "nowhere.csv"), (case, None)])
+    assert missing.kind == "FileNotFoundError" and good["verdict"] == "identified"
+    (number,) = phisindy.map(lambda case, data, jobs: jobs, [case])
+    assert number.kind == "DataError" and "returned a int" in number.error
+
+
+def test_options_of_a_partial_function_are_part_of_its_name(tmp_path):
+    case, kept = (phisindy.Case(SPEC), swing()), tmp_path / "kept.jsonl"
+    for method in ("step", "trajectory"):
+        (found,) = phisindy.map(functools.partial(phisindy.run, method=method), [case], out=kept)
+        assert found["method"] == method
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no full disk")
+def test_a_full_disk_is_told():
+    with pytest.raises(phisindy.DataError, match="cannot write `/dev/full`"):
+        phisindy.map(phisindy.run, [(phisindy.Case(SPEC), swing())], out="/dev/full")
+
+
+def test_the_progress_of_many_runs_goes_to_a_function():
+    told = []
+    phisindy.map(phisindy.run, [(phisindy.Case(SPEC), swing())] * 4, progress=lambda *at: told.append(at))
+    assert told == [(k / 4, "map") for k in range(1, 5)]
 
 
 def test_a_worker_that_is_killed_loses_nothing(tmp_path):
@@ -269,6 +320,15 @@ def test_an_estimator_works_in_cross_validation():
     assert model.score(X, y) > model.score(X, 1.3 * y), "another motion is predicted worse"
     with pytest.raises(ValueError, match="no parameter `depth`"):
         model.set_params(depth=3)
+
+
+def test_an_estimator_has_the_units_of_the_spec():
+    data = swing()
+    millimetres = SPEC.replace('"x": "m", "v": "m/s"', '"x": "mm", "v": "mm/s"')
+    X, y = data["t"][:, None], 1e3 * data["x"]
+    model = phisindy.PhisindyRegressor(phisindy.Case(millimetres)).fit(X, y)
+    assert np.abs(model.predict(X) - y).max() < 1.0 and abs(model.start_["x"] - 2000.0) < 1.0
+    assert repr(model) == "PhisindyRegressor(spec=Case(states x, v))"
 
 
 def test_a_grid_search_prefers_the_right_dictionary():

@@ -17,8 +17,16 @@ import pytest
 import phisindy
 from test_phisindy import SPEC, TOP, swing
 
+class Tensor:
+    """Refuses to become an array in its own way, as one of PyTorch that has gradients does."""
+
+    def __array__(self, *_):
+        raise RuntimeError("call detach() first")
+
+
 T = swing()["t"]
 X = swing()["x"]
+MADE = phisindy.Case.from_file(TOP / "specs/case1a.ron")
 FILE = SPEC[:-1] + ', data: [Csv(path: "run.csv", time: ("time", "s"), columns: { "x": ("place", "m") })])'
 
 
@@ -42,6 +50,11 @@ def chunked(values):
     pyarrow = pytest.importorskip("pyarrow")
     half = [pyarrow.array(values[:500], from_pandas=True), pyarrow.array(values[500:], from_pandas=True)]
     return pyarrow.table({"t": pyarrow.chunked_array([T[:500], T[500:]]), "x": pyarrow.chunked_array(half)})
+
+
+def batch(values):
+    pyarrow = pytest.importorskip("pyarrow")
+    return pyarrow.record_batch({"t": pyarrow.array(T), "x": pyarrow.array(values)})
 
 
 def twice(package):
@@ -89,6 +102,11 @@ TABLES = [
     (lambda: twice("pandas"), "`x` is given twice"),
     (lambda: twice("pyarrow"), "`x` is given twice"),
     (lambda: chunked(np.where(T > 5, None, X)), "row 501 .* `x`"),
+    (lambda: batch([*X[:-1], None]), "row 899 .* `x`"),
+    (lambda: batch(["a"] * 900), "`x` holds no numbers: it holds objects, among them 'a'"),
+    (lambda: {"t": T, "x": Tensor()}, "`x` holds no numbers: call detach"),
+    (lambda: {"t": T, "x": X, "\ud800": X}, "the name of a column is no text in Unicode"),
+    (lambda: {"t": T[:9], "x": X[:9]}, "(?s)only 9 samples.*a record needs at least 10"),
     (lambda: pytest.importorskip("polars").DataFrame({"t": T, "x": [*X[:-1], None]}), "row 899 .* `x`"),
     (lambda: pytest.importorskip("polars").DataFrame({"t": T, "x": X}).lazy(), "no table"),
     (lambda: frame(t=T, x=X)["x"], "no table"),
@@ -143,6 +161,7 @@ def test_layouts_and_types_of_numbers_make_no_difference():
         {"t": T.astype(np.longdouble), "x": X.astype(">f8")},
         {"t": memoryview(T), "x": tuple(X)},
         chunked(X),
+        batch(X),
         frame(t=pandas_of(T, "Float64"), x=pandas_of(X, "Float64")).set_index(np.arange(900)[::-1]),
         {"t": np.ma.array(T), "x": np.ma.array(X)},
     ]
@@ -158,11 +177,15 @@ CALLS = [
     (lambda: phisindy.Case.from_file(None), "cannot read the spec"),
     (lambda: phisindy.Case(""), "ends where a value"),
     (lambda: phisindy.Case("\0"), "neither a number nor a name"),
+    (lambda: phisindy.Case("\ud800"), "the spec is no text in Unicode"),
+    (lambda: phisindy.Case(SPEC, folder=3), "folder is no path: 3"),
     (lambda: phisindy.Case("(" * 100000), "64 levels"),
     (lambda: phisindy.Case(SPEC.replace("-k*x", "(" * 100000)), "20000 tokens"),
     (lambda: phisindy.Case(SPEC.replace("-k*x", "-" * 100000 + "x")), "20000 tokens"),
     (lambda: phisindy.Case(SPEC).set("nothing.there", 1.0), "nothing"),
     (lambda: phisindy.Case(SPEC).set(3, 1.0), "no path of a field"),
+    (lambda: phisindy.Case(SPEC).set("\ud800", 1.0), "the path of a field is no text in Unicode"),
+    (lambda: phisindy.Case(SPEC).set("title", "\ud800"), "the value of a field is no text in Unicode"),
     (lambda: phisindy.Case(SPEC).set("constants.k", object()), "no number"),
     (lambda: phisindy.Case(SPEC).set("constants.k", float("nan")), "finite"),
     (lambda: phisindy.Case(SPEC).set("constants.k", ")"), "closes nothing"),
@@ -176,26 +199,38 @@ CALLS = [
     (lambda: phisindy.run(phisindy.Case(SPEC), swing(), jobs=10**9), "jobs is"),
     (lambda: phisindy.run(phisindy.Case(SPEC), swing(), jobs="all"), "jobs is no whole number"),
     (lambda: phisindy.run(phisindy.Case(SPEC), swing(), method="magic"), "no method 'magic'"),
-    (lambda: phisindy.run(phisindy.Case(SPEC), swing(), laws=3), "no folder"),
+    (lambda: phisindy.run(phisindy.Case(SPEC), swing(), laws=3), "laws is no path: 3"),
     (lambda: phisindy.run(phisindy.Case(SPEC), swing(), laws="nowhere"), "nowhere"),
     (lambda: phisindy.run(phisindy.Case(SPEC), swing(), progress="yes"), "progress"),
     (lambda: phisindy.run(phisindy.Case(SPEC)), "there are no records: give a table"),
     (lambda: phisindy.gap(phisindy.Case(SPEC)), "there are no records: give a table"),
     (lambda: phisindy.simulate(phisindy.Case(SPEC), swing()), "unknown part: identify it first, then simulate what was found"),
     (lambda: phisindy.laws("nowhere"), "nowhere"),
-    (lambda: phisindy.laws(3), "no folder"),
-    (lambda: phisindy.sweep(phisindy.Case(SPEC), 3.5), "seeds is 3.5"),
-    (lambda: phisindy.sweep(phisindy.Case(SPEC), 0), "seeds is 0"),
-    (lambda: phisindy.sweep(phisindy.Case(SPEC), "12"), "seeds is '12'"),
-    (lambda: phisindy.sweep(phisindy.Case(SPEC), [-1]), "seed is -1"),
+    (lambda: phisindy.laws(3), "laws is no path: 3"),
+    (lambda: phisindy.sweep(phisindy.Case(SPEC), 3), "no record of this case is `Synthetic`"),
+    (lambda: phisindy.sweep(MADE, 3.5), "seeds is 3.5"),
+    (lambda: phisindy.sweep(MADE, 0), "seeds is 0"),
+    (lambda: phisindy.sweep(MADE, "12"), "seeds is '12'"),
+    (lambda: phisindy.sweep(MADE, [-1]), "seed is -1"),
+    (lambda: phisindy.sweep(MADE, [None]), "seed is no whole number: None"),
+    (lambda: phisindy.sweep(MADE, 3, method="magic"), "no method 'magic'"),
+    (lambda: phisindy.sweep(MADE, 3, progress="yes"), "progress is neither true nor a function"),
+    (lambda: phisindy.sweep(MADE, 3, client="tcp://127.0.0.1:8786"), "client is a str: give a dask.distributed.Client"),
+    (lambda: phisindy.sweep(MADE, 3, out=3), "out is no path: 3"),
     (lambda: phisindy.sweep(None, 3), "no case"),
     (lambda: phisindy.map("run", [phisindy.Case(SPEC)]), "no function"),
     (lambda: phisindy.map(phisindy.run, [3]), "no case"),
+    (lambda: phisindy.map(phisindy.run, 3), "map: a int is given: give a list of cases"),
+    (lambda: phisindy.map(phisindy.run, MADE), "map: a Case is given: give a list of cases"),
+    (lambda: phisindy.map(phisindy.run, [MADE], metod="step"), "run cannot be called .* 'metod'"),
+    (lambda: phisindy.map(phisindy.simulate, [MADE]), "simulate cannot be called .* 'jobs'"),
     (lambda: phisindy.map(phisindy.run, [(phisindy.Case(SPEC),)]), "a tuple of 1"),
     (lambda: phisindy.PhisindyRegressor(SPEC).fit([["a"]], [1.0]), "X holds no numbers"),
     (lambda: phisindy.PhisindyRegressor(SPEC).fit(np.c_[T, T], X), "X has the shape"),
     (lambda: phisindy.PhisindyRegressor(SPEC).fit(T[:, None], X[:-1]), "899"),
     (lambda: phisindy.PhisindyRegressor("").fit(T[:, None], X), "ends where a value"),
+    (lambda: phisindy.PhisindyRegressor(SPEC).predict(T[:, None]), "not fitted yet"),
+    (lambda: phisindy.PhisindyRegressor(SPEC).score(T[:, None], X), "not fitted yet"),
 ]
 
 
@@ -217,15 +252,19 @@ def found():
         (lambda f: f.simulate(T, start={"x": np.nan}), "the start of `x` is nan"),
         (lambda f: f.simulate(T, start={"z": 1.0}), "`z` is no state; there is: x, v"),
         (lambda f: f.simulate(T, start=[1.0, 0.0]), "start is a list"),
-        (lambda f: f.simulate(T, [1.0]), "inputs is a list"),
-        (lambda f: f.simulate(T, {"F": T}), "`F` is neither"),
+        (lambda f: f.simulate(T, [1.0]), "a list is no table"),
+        (lambda f: f.simulate(T, {"F": T}), "inputs: `F` is no input; there is: none"),
+        (lambda f: f.simulate(T, {"t": T + 5.0}), "inputs: `t` is no input"),
+        (lambda f: f.simulate(T, {"x": X}), "inputs: `x` is no input"),
         (lambda f: f.simulate(T[::-1]), "not later"),
-        (lambda f: f.simulate([]), "only 0 samples"),
+        (lambda f: f.simulate([]), "(?s)only 0 samples.*at least 1"),
         (lambda f: f.simulate(None), "`t`"),
         (lambda f: f.rates(0.0, {"x": 1.0, "v": 1.0}), "0 dimensions"),
         (lambda f: f.rates([0.0], {"x": [1.0]}), "`v`"),
         (lambda f: f.rates([0.0], {"x": [1.0], "v": [1.0, 2.0]}), "`v` has 2 rows"),
-        (lambda f: f.rates([0.0], 3), "x is a int"),
+        (lambda f: f.rates([0.0], 3), "a int is no table"),
+        (lambda f: f.rates([0.0], {"x": [1.0], "v": [1.0], "t": [2.0]}), "x: `t` is no state; there is: x, v"),
+        (lambda f: phisindy.simulate(f), "there are no records: give a table"),
         (lambda f: f.save("\0"), "cannot write"),
         (lambda f: f.save(__file__), "cannot write"),
     ],
@@ -241,6 +280,30 @@ def test_numbers_of_numpy_are_numbers(found):
     assert "learn: (events: true)" not in case.text
     assert phisindy.run(case, swing(), seed=np.int64(3), jobs=np.int32(1)).terms == found.terms
     assert found.simulate(T, start={"x": np.float32(2.0)})["x"][0] == 2.0
+
+
+def test_a_result_looks_for_its_data_where_its_case_does(tmp_path):
+    (tmp_path / "run.csv").write_text("\n".join(["time,place", *(f"{t!r},{x!r}" for t, x in zip(T.tolist(), X.tolist()))]))
+    (tmp_path / "rig.ron").write_text(FILE)
+    found = phisindy.run(phisindy.Case.from_file(tmp_path / "rig.ron"))
+    (motion,) = phisindy.simulate(pickle.loads(pickle.dumps(found)))
+    assert found.case.folder == tmp_path and np.abs(motion["x"] - X).max() < 1e-3
+
+
+def test_a_prediction_needs_no_more_times_than_are_asked_for(found):
+    along = found.simulate(T, start={"x": 2.0})["x"]
+    assert found.simulate([0.0], start={"x": 2.0})["x"].tolist() == [2.0]
+    # The steps have other lengths; the tolerance of each is 1e-8 of the motion.
+    assert found.simulate([0.0, 4.0, 8.0], start={"x": 2.0})["x"] == pytest.approx(along[[0, 400, 800]], abs=1e-7)
+
+
+def test_inputs_and_states_may_be_tables(found):
+    spec = SPEC.replace(" known:", ' inputs: { "u": "m/s^2" }, known:', 1).replace("-k*x", "-k*x + u")
+    pushed = phisindy.run(phisindy.Case(spec), swing() | {"u": 0.0 * T})
+    force = frame(u=np.sin(T))
+    assert pushed.simulate(T, force)["x"].tolist() == pushed.simulate(T, {"u": np.sin(T)})["x"].tolist()
+    rows = frame(x=X[:2], v=X[:2])
+    assert pushed.rates(T[:2], rows, force[:2])["v"] == pytest.approx(found.rates(T[:2], rows)["v"] + force["u"][:2])
 
 
 def test_results_travel_between_processes(found, tmp_path):
@@ -293,6 +356,7 @@ calls = {
     "gap": lambda: phisindy.gap(case.set("unknown", "{}")),
     "sweep": lambda: phisindy.sweep(case, 1000, jobs=2),
     "map": lambda: phisindy.map(phisindy.run, [case] * 1000, jobs=2),
+    "map_gap": lambda: phisindy.map(phisindy.gap, [case.set("unknown", "{}")] * 10, jobs=2),
 }
 print("ready", flush=True)
 try:
@@ -306,7 +370,7 @@ else:
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
-@pytest.mark.parametrize("call", ["run", "run_jobs", "gap", "sweep", "map"])
+@pytest.mark.parametrize("call", ["run", "run_jobs", "gap", "sweep", "map", "map_gap"])
 def test_an_interrupt_ends_the_work(call):
     words = [sys.executable, "-c", INTERRUPTED, call]
     with subprocess.Popen(words, stdout=subprocess.PIPE, text=True, cwd=TOP) as process:
@@ -318,3 +382,20 @@ def test_an_interrupt_ends_the_work(call):
         said = process.stdout.read()
         limit.cancel()
     assert said == "interrupted\n"
+
+
+def test_an_interrupt_leaves_the_workers_of_a_cluster_free():
+    distributed = pytest.importorskip("distributed")
+
+    def enough(fraction, what):
+        raise KeyboardInterrupt
+
+    with (
+        distributed.LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        # As in a notebook, which keeps the last exception and all that its frames hold.
+        with pytest.raises(KeyboardInterrupt) as kept:
+            phisindy.sweep(MADE.set("data.0.duration", "5.0"), 50, client=client, progress=enough)
+        waiting = [future for future in client.futures.values() if future.status == "pending"]
+        assert kept.value is not None and not waiting
