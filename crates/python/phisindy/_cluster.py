@@ -153,6 +153,22 @@ def _chunk(task: Callable[[Any], dict[str, Any]], works: list[Any]) -> list[Resu
     return [done(work) for work in works]
 
 
+def _chunk_of_worker(task: Callable[[Any], dict[str, Any]], works: list[Any]) -> list[Result]:
+    """A chunk on a worker of Dask, which does not interrupt a task that nobody waits for any more."""
+    from dask import distributed
+
+    worker: Any = distributed.get_worker()
+    key = worker.get_current_task()
+    found: list[Result] = []
+    for work in works:
+        mine = worker.state.tasks.get(key)
+        if mine is None or mine.state == "cancelled":
+            # Not the part that is done: if it is wanted again meanwhile, it begins anew.
+            raise RuntimeError("cancelled")
+        found += _chunk(task, [work])
+    return found
+
+
 def _gathered(
     task: Callable[[Any], dict[str, Any]],
     works: list[Any],
@@ -214,7 +230,7 @@ def _on_cluster(
     size = min(LARGEST_TASK, max(1, -(-len(works) // (TASKS_PER_THREAD * threads))))
     # A worker that dies is no mistake of the task: Dask gives it to another one.
     futures = {
-        client.submit(_chunk, task, works[place : place + size], pure=False, retries=3): place
+        client.submit(_chunk_of_worker, task, works[place : place + size], pure=False, retries=3): place
         for place in range(0, len(works), size)
     }
     try:
