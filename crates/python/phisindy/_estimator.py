@@ -19,9 +19,10 @@ Array = npt.NDArray[np.float64]
 class PhisindyRegressor:
     """Identifies a model on one record and predicts the motion on another one.
 
-    ``spec`` is a ``Case`` or the text of one. ``X`` has a column for the time in seconds, then one for each input of the case; ``y`` has a column for each name in
-    ``columns`` (default: the first state). Units are those of the spec. ``predict`` starts at ``start_`` - the state at
-    which the fit starts - unless ``start`` gives another one, and takes the rows of ``X`` as one record.
+    ``spec`` is a ``Case`` or the text of one. ``X`` has a column for the time in seconds, then one for each input of the
+    case; ``y`` has a column for each name in ``columns`` (default: the first state). Units are those of the spec.
+    ``predict`` starts at ``start_`` - the state at which the fit starts - unless ``start`` gives another one, and takes
+    the rows of ``X`` as one record.
 
     Works with ``cross_val_score`` and ``GridSearchCV`` where folds are runs of neighbouring rows
     (``KFold(shuffle=False)``, ``TimeSeriesSplit``): a motion cannot be shuffled. ``score`` is the coefficient of
