@@ -39,7 +39,8 @@ pub(crate) fn chart(seen: &Seen<'_>, column: Option<&str>, sheet: Sheet) -> Opti
     let height = if sheet == Sheet::Full { LOW } else { HIGH };
     let mut chart = Chart::new("first", &title, &caption, (sheet.width(), top + height + 50.0));
     chart.draw(keys);
-    chart.draw([panel.live(Place { x: sheet.left(), y: top, width: sheet.inner(), height })]);
+    let (x, width) = sheet.beside(panel.labels(height));
+    chart.draw([panel.live(Place { x, y: top, width, height })]);
     Some((chart, format!("{title}: {caption}")))
 }
 
