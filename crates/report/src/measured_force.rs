@@ -38,8 +38,8 @@ impl Parts {
     pub(crate) fn name(self) -> &'static str {
         match self {
             Parts::Forces => "measured force balance",
-            Parts::Rates => "measured acceleration less the known part",
-            Parts::Reading => "measured force less the known part",
+            Parts::Rates => "measured balance",
+            Parts::Reading => "measured, less the known part",
         }
     }
 
