@@ -358,7 +358,10 @@ fn a_rejected_model_says_why() {
     sound(made);
     let reason = made.result()["reason"].as_str().expect("a reason").to_owned();
     // Its first letter is large there.
-    assert!(made.html.contains("class=\"banner bad\"") && made.html.replace('\u{a0}', " ").contains(&reason[1..]), "{reason}");
+    assert!(
+        made.html.contains("class=\"banner bad\"") && made.html.replace('\u{a0}', " ").contains(&reason[1..]),
+        "{reason}"
+    );
 }
 
 #[test]
