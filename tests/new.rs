@@ -301,6 +301,33 @@ fn a_file_without_time_asks_for_its_rate() {
     holds(&check.err, &["runs from 0 to 1.995"]);
 }
 
+/// The rate is said: nothing is left to edit there, and the windows are in seconds of it.
+#[test]
+fn the_rate_of_rows_can_be_said() {
+    let scratch = Scratch::new("rate");
+    let (data, spec) = (scratch.path("rig.csv"), scratch.path("rig.ron"));
+    // Without times; and with stamps that are wrong.
+    for (heading, first) in [("ACC_Z [g]", ""), ("time_s,ACC_Z [g]", "0.0,")] {
+        let file = table(heading, 400, |_, t| format!("{first}{:.4}", (9.0 * t).sin()));
+        std::fs::write(&data, file).expect("a file");
+        let said = phisindy(&["new", &data, "--rate", "200", "--out", &spec, "--force"]);
+        let text = std::fs::read_to_string(&spec).unwrap_or_else(|e| panic!("{e}: {}", said.err));
+        holds(&said.err, &["400 rows, 1.995 s at 200 Hz", "time the rows, 200 in a second"]);
+        holds(&text, &["time: Rate(200.0), columns: { \"a\": (\"ACC_Z [g]\", \"gn\") },\n"]);
+        assert!(!text.contains("how many rows per second") && !said.err.contains("assumed"), "{text}");
+        checked(&scratch, &text);
+    }
+    for wrong in ["0", "-3", "nan", "fast"] {
+        let said = phisindy(&["new", &data, &format!("--rate={wrong}")]);
+        assert_eq!(said.code, 2, "{wrong}");
+        holds(&said.err, &["a number of rows per second"]);
+    }
+    // Without it the question is asked where it is seen.
+    let said = phisindy(&["new", &data]);
+    assert_eq!(said.code, 2, "stamps that do not grow");
+    holds(&said.err, &["--rate HZ"]);
+}
+
 #[test]
 fn inches_and_gravities_are_units() {
     let file = table("time (s),disp (in),acc (g)", 400, |_, t| {

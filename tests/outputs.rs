@@ -103,6 +103,12 @@ fn gap_names_the_friction_of_a_tester_without_a_state() {
         let (value, ..) = interval(&step["parameters"][name]);
         assert!((value / truth - 1.0).abs() < 0.02, "{name}: {value}");
     }
+    // There is no body: no inertia, no acceleration.
+    let report = std::fs::read_to_string(folder.join("out/report.html")).expect("a report");
+    assert!(
+        report.contains("Grey dots: the measured force less the known part of it")
+            && !report.contains("inertia times")
+    );
     let completed = std::fs::read_to_string(folder.join("out/completed.ron")).expect("the completed spec");
     let checked = phisindy(&folder, "check", &completed, &[]);
     assert_eq!(checked.status.code(), Some(0), "{completed}{}", String::from_utf8_lossy(&checked.stderr));

@@ -287,6 +287,39 @@ fn the_forces_of_what_was_missing_are_drawn() {
     assert_eq!(lines.len(), all);
 }
 
+/// What is drawn high on a page is drawn in pieces on paper, which show the whole between them.
+#[test]
+fn a_high_figure_may_be_cut_between_its_panels() {
+    let html = &case7().html;
+    let figure = html.split("<figure>").find(|f| f.contains("id=\"motion-1-all\"")).expect("the motion");
+    let pieces: Vec<&str> = figure.split("<svg class=\"chart\" viewBox=\"").skip(1).collect();
+    let ends = |piece: &str| -> (f64, f64) {
+        let view: Vec<f64> = piece
+            .split('"')
+            .next()
+            .into_iter()
+            .flat_map(|v| v.split(' '))
+            .map(|x| x.parse().expect("a number"))
+            .collect();
+        (view[1], view[1] + view[3])
+    };
+    // Four columns, one to a piece.
+    assert_eq!(pieces.len(), 4, "{figure}");
+    assert!(pieces.iter().all(|p| p.contains("<use href=\"#motion-1-all\">")), "each shows the same drawing");
+    assert!(ends(pieces[0]).0 == 0.0 && pieces.windows(2).all(|p| ends(p[0]).1 == ends(p[1]).0));
+    let panels = figure.split("data-place=\"").skip(1).take(4);
+    for (panel, piece) in panels.zip(&pieces) {
+        let place: Vec<f64> = panel
+            .split('"')
+            .next()
+            .into_iter()
+            .flat_map(|v| v.split(' '))
+            .map(|x| x.parse().expect("a number"))
+            .collect();
+        assert!(ends(piece).0 < place[1] && place[1] + place[3] < ends(piece).1, "{place:?}");
+    }
+}
+
 #[test]
 fn method_step_has_a_band_and_correlations_too() {
     let sets = ["--set", "unknown.y.candidates=[\"1\",\"y^2\"]", "--set", "learn.cutoff=0.0"];
@@ -325,7 +358,10 @@ fn a_rejected_model_says_why() {
     sound(made);
     let reason = made.result()["reason"].as_str().expect("a reason").to_owned();
     // Its first letter is large there.
-    assert!(made.html.contains("class=\"banner bad\"") && made.html.contains(&reason[1..]), "{reason}");
+    assert!(
+        made.html.contains("class=\"banner bad\"") && made.html.replace('\u{a0}', " ").contains(&reason[1..]),
+        "{reason}"
+    );
 }
 
 #[test]
@@ -382,9 +418,15 @@ const measured = (frame) => {
   const flat = (e) => { const box = e.getBoundingClientRect(); return box.width < 8 || box.height < 8; };
   // Of the drawings for a desk and for a phone one is shown.
   const all = (names) => [...page.querySelectorAll(names)].filter((e) => e.checkVisibility());
+  // Words that leave their drawing are cut off at its edge.
+  const leaves = (text) => {
+    const own = text.getBoundingClientRect(), box = text.closest('svg[role=img]').getBoundingClientRect();
+    return own.left < box.left - 0.1 || own.right > box.right + 0.1 || own.top < box.top - 0.1 || own.bottom > box.bottom + 0.1;
+  };
   return {
     width: frame.clientWidth, needs: page.documentElement.scrollWidth,
     pictures: all('svg[role=img]').length, formulas: all('math').length,
+    cut: all('svg[role=img] text').filter(leaves).map((e) => e.textContent),
     flat: all('svg[role=img], math, table, figcaption').filter(flat).length,
     requests: view.performance.getEntriesByType('resource').length,
     paper: view.getComputedStyle(page.documentElement).backgroundColor, ink: view.getComputedStyle(page.body).color,
@@ -436,6 +478,7 @@ fn a_browser_shows_it_on_phone_and_desk_in_light_and_dark_and_on_paper() {
                     "words too small to read: {page}"
                 );
                 assert_ne!(page["paper"], page["ink"]);
+                assert!(page["cut"].as_array().is_some_and(Vec::is_empty), "words are cut off: {page}");
             }
             papers.push(said[0]["paper"].clone());
         }

@@ -125,7 +125,8 @@ Examples:
 Examples:
   phisindy new run1.csv                         what is in it, and a spec, on standard output
   phisindy new run1.csv --out run1.ron          the spec into a file, which must not exist yet
-  phisindy new run1.csv --out run1.ron --force  the same in place of what is there",
+  phisindy new run1.csv --out run1.ron --force  the same in place of what is there
+  phisindy new acc.txt --rate 1000 --out a.ron  a file without times: 1000 rows per second",
         after_help = "\
 Guessed are the separator, the decimal mark, units in the headings (`x_mm`, `x [mm]`, `t/s`), which column is time, displacement, base motion or force,
 rows to leave out, and numbers to start from. What the guess rests on stands in comments; what must be looked at is marked EDIT. At most one million
@@ -272,6 +273,9 @@ pub(crate) struct GoArgs {
     /// Sheet of a workbook, or variable, structure, group of another file
     #[arg(long, value_name = "NAME")]
     pub(crate) sheet: Option<String>,
+    /// Rows per second, of a file without times or in place of them
+    #[arg(long, value_name = "HZ", value_parser = rate)]
+    pub(crate) rate: Option<f64>,
     /// Do not open the report
     #[arg(long)]
     pub(crate) no_open: bool,
@@ -286,9 +290,20 @@ pub(crate) struct NewArgs {
     /// Sheet of a workbook, or variable, structure, group of another file
     #[arg(long, value_name = "NAME")]
     pub(crate) sheet: Option<String>,
+    /// Rows per second, of a file without times or in place of them
+    #[arg(long, value_name = "HZ", value_parser = rate)]
+    pub(crate) rate: Option<f64>,
     /// Replace the file of --out if there is one
     #[arg(long)]
     pub(crate) force: bool,
+}
+
+/// A number of rows per second.
+fn rate(text: &str) -> Result<f64, String> {
+    let rate = text.trim_end_matches("Hz").trim().parse::<f64>();
+    rate.ok()
+        .filter(|r| r.is_normal() && *r > 0.0)
+        .ok_or("a number of rows per second, as in 1000".to_owned())
 }
 
 /// Where to work on a page.

@@ -22,8 +22,8 @@ impl Progress {
         let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let bar = ProgressBar::with_draw_target(Some(STEPS), target);
         // No time left: what comes depends on what is found.
-        bar.set_style(style("{spinner} {wide_msg} {elapsed}"));
-        bar.set_message(what.to_owned());
+        bar.set_style(style("{spinner} {elapsed} {msg}"));
+        bar.set_message(fitted(what));
         if visible {
             bar.tick();
             bar.enable_steady_tick(TICK);
@@ -33,19 +33,29 @@ impl Progress {
 
     /// Says what is being done.
     pub(crate) fn doing(&mut self, what: &str) {
-        self.bar.set_message(what.to_owned());
+        self.bar.set_message(fitted(what));
     }
 
     /// Draws a fraction of the work. It never goes back: a search that begins another round has more to do
     /// than it knew.
     pub(crate) fn at(&mut self, fraction: f64) {
         if !self.measured {
-            self.bar.set_style(style("{spinner} {bar:12} {percent:>3} % {elapsed} {wide_msg}"));
+            self.bar.set_style(style("{spinner} {bar:12} {percent:>3} % {elapsed} {msg}"));
             self.measured = true;
         }
         let position = (fraction.clamp(0.0, 1.0) * STEPS as f64) as u64;
         self.bar.set_position(position.max(self.bar.position()));
     }
+}
+
+/// Room in a line for what stands before the words, and behind them for the `^C` of a terminal: a line that it
+/// breaks is not drawn over.
+const BESIDE: usize = 34;
+
+/// The words as far as they fit a line.
+fn fitted(words: &str) -> String {
+    let wide = usize::from(console::Term::stderr().size().1).saturating_sub(BESIDE);
+    console::truncate_str(words, wide.max(10), "…").into_owned()
 }
 
 fn style(template: &str) -> ProgressStyle {

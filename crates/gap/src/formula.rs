@@ -394,7 +394,7 @@ fn written(
     scales: &[Scale; 2],
     (length, excess): (f64, f64),
 ) -> Option<Candidate> {
-    let law = formula("formula", "A formula", "", &shapes, scales).ok()?;
+    let law = formula("formula", "a formula", "", &shapes, scales).ok()?;
     // The id says what it is, in the list of rivals.
     let entry = LawEntry { id: law.entry.law.force.clone()?, ..law.entry };
     let effect = Effect { entry, ..effect };

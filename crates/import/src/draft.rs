@@ -56,15 +56,16 @@ impl Draft {
     /// # Errors
     /// No column can be time or motion, or a column that a model may need holds text.
     pub fn of(table: Table) -> Result<Draft, NoDraft> {
-        Draft::with_progress(table, &|_| {})
+        Draft::with_progress(table, None, &|_| {})
     }
 
-    /// The same, and tells how much of the work is done, from 0 to 1.
+    /// The same at a number of rows per second, if the user says it in place of times, and tells how much of
+    /// the work is done, from 0 to 1.
     ///
     /// # Errors
     /// As [`Draft::of`].
-    pub fn with_progress(mut table: Table, tell: &dyn Fn(f64)) -> Result<Draft, NoDraft> {
-        let time = TimeColumn::find(&mut table).map_err(NoDraft::Time)?.with_guessed_unit(&mut table);
+    pub fn with_progress(mut table: Table, rate: Option<f64>, tell: &dyn Fn(f64)) -> Result<Draft, NoDraft> {
+        let time = TimeColumn::find(&mut table, rate).map_err(NoDraft::Time)?.with_guessed_unit(&mut table);
         let runs = time.runs(table.rows());
         let longest = runs.iter().max_by_key(|r| r.len()).cloned().unwrap_or(0..table.rows());
         let times = &table.columns[time.column].values;
@@ -103,6 +104,7 @@ impl Draft {
             .chain(draft.of_the_file())
             .chain(draft.guessed_unit())
             .chain(draft.coarse_time())
+            .chain(draft.assumed_rate())
             .chain(draft.wrapped(&longest_run))
             .chain(remarks)
             .collect();
@@ -188,6 +190,12 @@ impl Draft {
     /// A remark if the stamps are coarser than the rows.
     fn coarse_time(&self) -> Option<Remark> {
         self.time.coarse.clone().map(Remark::CoarseTime)
+    }
+
+    /// A remark if nothing tells how many rows there are in a second.
+    fn assumed_rate(&self) -> Option<Remark> {
+        let TimeColumn { counted, told, coarse, rate, .. } = &self.time;
+        (*counted && !told && coarse.is_none()).then_some(Remark::AssumedRate(*rate))
     }
 
     /// Estimates the start values from the first record: from its good rows, and of these from the rows in
@@ -295,7 +303,8 @@ impl NoDraft {
         let (message, help) = match self {
             NoDraft::Time(why) => (
                 why.to_string(),
-                "add a column `time_s`, in seconds from the start, that grows from row to row",
+                "add a column `time_s`, in seconds from the start, that grows from row to row; if the rows are even, say how many there are in a \
+                 second: `phisindy new --rate HZ`",
             ),
             NoDraft::Motion(why) => (
                 why.to_string(),

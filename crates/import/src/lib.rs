@@ -43,7 +43,7 @@ pub use records::RecordDraft;
 pub use remarks::Remark;
 pub use roles::{Doubt, Input, NoMotion, Roles, Selector};
 pub use rows::{record, table};
-pub use spec_text::{accepted, spec_text, summary};
+pub use spec_text::{accepted, next_step, spec_text, summary};
 pub use start_values::{Drive, Estimate, Motion};
 pub use statistics::{Statistics, Stops};
 pub use table::{Column, Table};

@@ -17,6 +17,8 @@ pub enum Remark {
     },
     /// The stamps are coarser than the rows.
     CoarseTime(Coarse),
+    /// No column is time, and so many rows per second are assumed.
+    AssumedRate(f64),
     /// A column wraps.
     Wraps {
         /// Its heading.
@@ -88,6 +90,11 @@ impl fmt::Display for Remark {
                 f,
                 "`{heading}` has a new stamp every {step} alone, for {least}{} rows each: the rows are counted, {rate} of them per second",
                 if most > least { format!(" to {most}") } else { String::new() }
+            ),
+            Remark::AssumedRate(rate) => write!(
+                f,
+                "no column is time: {rate} rows per second are assumed. Say how many there are with `phisindy new --rate HZ`; in the spec it is `time: \
+                 Rate(HZ)`, and the windows change with it"
             ),
             Remark::Wraps { heading, period, count, line } => write!(
                 f,

@@ -14,7 +14,12 @@ pub use overview::summary;
 use phisindy_phys::{Diagnostic, SourceId};
 use std::fmt::Write;
 
-/// Writes the spec; `file` is the name of the data file, `next` the arguments of the next `phisindy run`.
+/// What to type next: `gap` for a tester, whose spec has no candidates, else `run`.
+pub fn next_step(draft: &Draft) -> &'static str {
+    if tester::of(draft).is_some() { "gap" } else { "run" }
+}
+
+/// Writes the spec; `file` is the name of the data file, `next` the arguments of the next command.
 pub fn spec_text(draft: &Draft, file: &str, next: &str) -> String {
     let mut text = String::new();
     for line in overview::head(draft, file, next) {

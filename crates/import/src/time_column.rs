@@ -50,8 +50,10 @@ pub struct TimeColumn {
     pub guessed: bool,
     /// Rows are counted: the file has no time column, or one that is coarser than the rows.
     pub counted: bool,
-    /// The rows per second if they are counted. Without a time column it is 100, which the user corrects.
+    /// The rows per second if they are counted. Without a time column it is 100, unless the user says it.
     pub rate: f64,
+    /// The user says the rate.
+    pub told: bool,
     /// The time column that is coarser than the rows.
     pub coarse: Option<Coarse>,
     /// The unit is derived from the step: a motion is not sampled in steps of a second or more.
@@ -133,11 +135,15 @@ impl fmt::Display for NoTime {
 const RATE: f64 = 100.0;
 
 impl TimeColumn {
-    /// Finds the time column; adds one to a table without any.
+    /// Finds the time column; adds one to a table without any. If the user says a rate the rows are counted,
+    /// whatever the columns hold.
     ///
     /// # Errors
     /// A column is named as time and does not grow, or no column grows.
-    pub(crate) fn find(table: &mut Table) -> Result<TimeColumn, NoTime> {
+    pub(crate) fn find(table: &mut Table, rate: Option<f64>) -> Result<TimeColumn, NoTime> {
+        if let Some(rate) = rate {
+            return Ok(TimeColumn { told: true, ..TimeColumn::counting(table, rate) });
+        }
         if !table
             .columns
             .iter()
@@ -198,6 +204,7 @@ impl TimeColumn {
             guessed,
             counted: false,
             rate: RATE,
+            told: false,
             coarse: None,
             unit_guessed: false,
         }
@@ -229,10 +236,9 @@ pub(crate) fn is_named_time(heading: &Heading) -> bool {
 /// Whether a column counts rows or holds time, and thus no motion.
 pub(crate) fn is_counter(column: &Column) -> bool {
     let even = || column.values.windows(3).all(|w| w[2] - w[1] == w[1] - w[0]);
-    let named = column.heading.quantity == Quantity::Time
-        || column.heading.has_word(NAMES)
-        || column.heading.has_word(COUNTERS);
-    (grows(column) && (named || (is_whole(column) && even()))) || Coarse::of(column).is_some()
+    let counter = column.heading.has_word(COUNTERS) || (is_whole(column) && even());
+    // Where the user says the rate, a column of times may be as wrong as it likes.
+    is_named_time(&column.heading) || (grows(column) && counter)
 }
 
 /// Whether a column grows from nearly every row to the next, as time does.

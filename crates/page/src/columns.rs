@@ -81,10 +81,11 @@ struct Said {
     unit: String,
 }
 
-/// The columns of a file and a spec for it; `wishes` is a list of `{ heading, role, unit }`, or nothing.
-pub(crate) fn look(path: &Path, name: &str, wishes: &Value) -> Value {
+/// The columns of a file and a spec for it; `wishes` is a list of `{ heading, role, unit }`, or nothing; `rate`
+/// is the number of rows per second, if the user says it.
+pub(crate) fn look(path: &Path, name: &str, wishes: &Value, rate: Option<f64>) -> Value {
     let mut sources = Sources::default();
-    let drafted = wished(wishes).and_then(|said| drafted(path, name, &said, &mut sources));
+    let drafted = wished(wishes).and_then(|said| drafted(path, name, &said, rate, &mut sources));
     match drafted {
         Ok((draft, all)) => described(&draft, &all, name),
         Err(mistake) => {
@@ -119,6 +120,7 @@ fn drafted(
     path: &Path,
     name: &str,
     said: &[Said],
+    rate: Option<f64>,
     sources: &mut Sources,
 ) -> Result<(Draft, Vec<String>), Box<Diagnostic>> {
     let at = (sources.add("data", name), Span::new(0, name.len()));
@@ -127,7 +129,7 @@ fn drafted(
     let mut table = table(DataFile::new(name, file, size), None, at, sources)?;
     let all = table.columns.iter().map(|c| c.heading.raw.clone()).collect();
     assign(&mut table, said)?;
-    let draft = Draft::of(table).map_err(|why| why.diagnostic(name, at))?;
+    let draft = Draft::with_progress(table, rate, &|_| {}).map_err(|why| why.diagnostic(name, at))?;
     Ok((draft, all))
 }
 
@@ -169,7 +171,7 @@ fn described(draft: &Draft, all: &[String], name: &str) -> Value {
     let rows = draft.table.rows();
     json!({
         "name": name, "roles": roles(), "columns": columns, "spec": text, "rows": rows,
-        "summary": summary(draft, name), "diagnostics": doubt.unwrap_or_else(|| json!([])),
+        "counted": draft.time.counted, "rate": draft.time.rate, "summary": summary(draft, name), "diagnostics": doubt.unwrap_or_else(|| json!([])),
         "preview": preview(draft),
     })
 }
@@ -260,23 +262,35 @@ mod tests {
             json!([{ "heading": "t", "role": "time", "unit": "s" }, { "heading": "one", "role": one.0, "unit": one.1 },
                    { "heading": "two", "role": two.0, "unit": two.1 }])
         };
-        let told = look(&path, "rig.csv", &wish(("displacement", "mm"), ("force", "kN")));
+        let told = look(&path, "rig.csv", &wish(("displacement", "mm"), ("force", "kN")), None);
         let spec = told["spec"].as_str().unwrap_or_else(|| panic!("{told}"));
         assert!(spec.contains(r#""x": ("one", "mm")"#) && spec.contains(r#""F": ("two", "kN")"#), "{spec}");
         assert_eq!(told["columns"][2]["role"], "force", "{told}");
-        let told = look(&path, "rig.csv", &wish(("none", ""), ("acceleration", "m/s^2")));
+        let told = look(&path, "rig.csv", &wish(("none", ""), ("acceleration", "m/s^2")), None);
         let spec = told["spec"].as_str().unwrap_or_else(|| panic!("{told}"));
         assert!(spec.contains("rate(v)") && !spec.contains("\"one\""), "{spec}");
         assert_eq!(told["columns"][1]["role"], "none", "{told}");
     }
 
     #[test]
+    fn the_rate_of_a_file_without_times_can_be_said() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("acc.csv");
+        let rows: String = (0..400).map(|k| format!("{:.4}\n", (0.09 * f64::from(k)).sin())).collect();
+        std::fs::write(&path, format!("acc (g)\n{rows}")).unwrap();
+        let guessed = look(&path, "acc.csv", &Value::Null, None);
+        assert!(guessed["counted"] == true && guessed["rate"] == 100.0, "{guessed}");
+        let told = look(&path, "acc.csv", &Value::Null, Some(250.0));
+        assert!(told["spec"].as_str().unwrap().contains("time: Rate(250.0)"), "{told}");
+    }
+
+    #[test]
     fn a_unit_that_does_not_fit_is_told() {
         let (_folder, path) = file();
         let wish = json!([{ "heading": "one", "role": "force", "unit": "mm" }]);
-        let told = look(&path, "rig.csv", &wish);
+        let told = look(&path, "rig.csv", &wish, None);
         assert!(told["diagnostics"][0]["message"].as_str().unwrap().contains("`one`"), "{told}");
-        let told = look(&path, "rig.csv", &json!([{ "heading": "one", "role": "hat", "unit": "" }]));
+        let told = look(&path, "rig.csv", &json!([{ "heading": "one", "role": "hat", "unit": "" }]), None);
         assert!(told["diagnostics"][0]["error"] == true, "{told}");
     }
 }

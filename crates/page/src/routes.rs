@@ -43,7 +43,15 @@ const ROUTES: &[(Method, &str, Handler)] = &[
     (Method::Post, "api/look", |asked| {
         let name = asked.word("name")?;
         let wishes = serde_json::from_str(&asked.text()?).unwrap_or(Value::Null);
-        Ok(Reply::json(&columns::look(&asked.site.folder.file(&name)?, &name, &wishes)))
+        // Rows per second, where the user says it in place of times.
+        let rate =
+            asked.word("rate").ok().and_then(|word| word.parse().ok()).filter(|rate: &f64| rate.is_normal());
+        Ok(Reply::json(&columns::look(
+            &asked.site.folder.file(&name)?,
+            &name,
+            &wishes,
+            rate.filter(|r| *r > 0.0),
+        )))
     }),
     (Method::Get, "api/spec", |asked| {
         let text = spec_text(&asked.site.folder.file(&asked.spec()?)?).map_err(|d| d.message)?;

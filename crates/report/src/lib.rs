@@ -30,6 +30,7 @@ mod stretch;
 pub mod sweep;
 pub mod table;
 mod terminal;
+mod tied;
 
 pub use equation::{Equation, equations};
 pub use folder::Folder;

@@ -22,6 +22,37 @@ pub(crate) enum Acceleration {
     Unknown,
 }
 
+/// What the points of a force balance are made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Parts {
+    /// Inertia times acceleration, less the forces that the model knows.
+    Forces,
+    /// The acceleration, less what the model knows of it: the spec has no inertia.
+    Rates,
+    /// What a force cell reads, less the part that the model knows: there is no body.
+    Reading,
+}
+
+impl Parts {
+    /// For the legend of a figure.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Parts::Forces => "measured force balance",
+            Parts::Rates => "measured balance",
+            Parts::Reading => "measured, less the known part",
+        }
+    }
+
+    /// For its caption.
+    pub(crate) fn words(self) -> &'static str {
+        match self {
+            Parts::Forces => "the measured force balance, inertia times acceleration less the known forces",
+            Parts::Rates => "the measured acceleration less the known part of it",
+            Parts::Reading => "the measured force less the known part of it",
+        }
+    }
+}
+
 /// The body that a force acts on.
 pub(crate) struct Body<'a> {
     pub(crate) system: &'a System,
@@ -104,6 +135,15 @@ impl Body<'_> {
             keep(place, force - self.sign * self.inertia(inertia) * (rate - acceleration));
         }
         (out, 2.0 * half)
+    }
+
+    /// What the points of the balance are made of.
+    pub(crate) fn parts(&self) -> Parts {
+        match self.state {
+            None => Parts::Reading,
+            Some(s) if self.system.inertia[s].is_some() => Parts::Forces,
+            Some(_) => Parts::Rates,
+        }
     }
 
     /// The inertia of the body; 1 where the spec has none, so that forces are rates.

@@ -24,7 +24,8 @@ pub(crate) fn command(args: &GoArgs, options: &Options) -> Result<u8> {
         say(options, &format!("{} is there and is used as it is", spec.display()));
     } else {
         say(options, &format!("looking at {}", args.path.display()));
-        let draft = NewArgs { path: args.path.clone(), sheet: args.sheet.clone(), force: false };
+        let draft =
+            NewArgs { path: args.path.clone(), sheet: args.sheet.clone(), rate: args.rate, force: false };
         let quiet = Options { quiet: true, out: Some(spec.clone()), ..options.clone() };
         let code = new::command(&draft, &quiet)?;
         if code != 0 {

@@ -7,7 +7,7 @@ use crate::{draw, outdir};
 use anyhow::{Result, anyhow};
 use phisindy::files;
 use phisindy_expr::Span;
-use phisindy_import::{DataFile, Draft, accepted, spec_text, summary, table, unreadable};
+use phisindy_import::{DataFile, Draft, accepted, next_step, spec_text, summary, table, unreadable};
 use phisindy_phys::{Diagnostic, Sources};
 use std::cell::RefCell;
 use std::fs::File;
@@ -55,7 +55,7 @@ pub(crate) fn command(args: &NewArgs, options: &Options) -> Result<u8> {
             Some(out) => format!("{} is written: {edit}", out.display()),
             None => format!("save this as a file (or say --out FILE), {edit}"),
         });
-        remark(&format!("    phisindy run {next}"));
+        remark(&format!("    phisindy {} {next}", next_step(&draft)));
     }
     Ok(0)
 }
@@ -71,7 +71,7 @@ fn drafted(args: &NewArgs, quiet: bool, sources: &mut Sources) -> Result<Draft, 
     let table = table(DataFile::new(&name, bytes, size), args.sheet.as_deref(), at, sources)?;
     progress.borrow_mut().doing("looking at the columns");
     let tell = |done: f64| progress.borrow_mut().at(READING + (1.0 - READING) * done);
-    Draft::with_progress(table, &tell).map_err(|why| why.diagnostic(&name, at))
+    Draft::with_progress(table, args.rate, &tell).map_err(|why| why.diagnostic(&name, at))
 }
 
 /// The part of the work that is reading, as far as a bar needs it.
@@ -101,7 +101,7 @@ impl Seek for Told<'_> {
     }
 }
 
-/// The next command, as arguments of `run`.
+/// The arguments of the next command.
 fn next_command(args: &NewArgs, out: Option<&Path>) -> String {
     let folder = |path: &Path| match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),

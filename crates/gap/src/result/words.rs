@@ -97,6 +97,10 @@ impl Display for Activity {
             Activity::Fitting { round, done, all, best } => {
                 write!(f, "{round}{done} of {all} fits")?;
                 let Some(best) = best else { return Ok(()) };
+                // The first fits of a round are not its best.
+                if best.gap >= round.gap {
+                    return write!(f, ", none leaves less than the gap of {} so far", rounded(round.gap));
+                }
                 // What is new comes first: the line may be cut off.
                 let laws = joined(best.laws.iter().rev().map(PlacedLaw::to_string), " + ");
                 return write!(f, ", gap {} -> {}, best {laws}", rounded(round.gap), rounded(best.gap));

@@ -169,7 +169,7 @@ fn inertia(draft: &Draft, notation: &Notation, text: &mut String) {
     // The motion alone does not determine the inertia.
     let _ = writeln!(
         text,
-        "    // inertia: {{ \"{velocity}\": \"{mass}\" }}, // EDIT: if you know it, with \"{mass}\": (1.23, \"{unit}\") in constants: then forces are told in {force}"
+        "    // inertia: {{ \"{velocity}\": \"{mass}\" }}, // EDIT: if you know it, with \"{mass}\": (1.23, \"{unit}\") in constants: then forces are in {force}"
     );
 }
 

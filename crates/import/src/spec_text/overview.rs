@@ -8,7 +8,8 @@ use std::fmt::Write;
 /// The lines at the head of the spec.
 pub(super) fn head(draft: &Draft, file: &str, next: &str) -> Vec<String> {
     let first = format!(
-        "Written by `phisindy new {file}`. Look at the lines marked EDIT, then type: phisindy run {next}"
+        "Written by `phisindy new {file}`. Look at the lines marked EDIT, then type: phisindy {} {next}",
+        super::next_step(draft)
     );
     let mut lines = vec![first, String::new(), sampling(draft, file), String::new()];
     lines.extend(columns(draft));
@@ -135,8 +136,11 @@ fn sampling(draft: &Draft, file: &str) -> String {
 /// A few lines on the file and on the roles of its columns.
 pub fn summary(draft: &Draft, file: &str) -> Vec<String> {
     let named = |c: usize| format!("`{}`", draft.raw(c));
-    let mut taken =
-        vec![format!("time {}", named(draft.time.column)), format!("motion {}", named(draft.moving()))];
+    let time = match draft.time.counted {
+        true => format!("time the rows, {} in a second", draft.time.rate),
+        false => format!("time {}", named(draft.time.column)),
+    };
+    let mut taken = vec![time, format!("motion {}", named(draft.moving()))];
     taken.extend(match draft.roles.input {
         Input::None => None,
         Input::Base(c) => Some(format!("base {}", named(c))),

@@ -84,6 +84,7 @@ fn time(draft: &Draft) -> (String, &'static str) {
     let time = &draft.time;
     if time.counted {
         let remark = match time.coarse {
+            _ if time.told => "",
             Some(_) => {
                 " // EDIT: counted from the stamps, which are coarser than the rows: is this the exact rate?"
             }

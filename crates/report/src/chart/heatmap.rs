@@ -1,6 +1,6 @@
 //! A square matrix of numbers between -1 and 1: cells shaded by size and sign, with the number in each cell.
 
-use super::label::{at, width_of, word};
+use super::label::{at, shortened, width_of, word};
 use super::picture::Chart;
 use super::sheet::Sheet;
 use crate::markup::element;
@@ -32,8 +32,8 @@ pub(crate) fn heatmap(
             word("middle", left + cell * (i as f64 + 0.5), 22.0, &(i + 1).to_string()),
         ]);
         if !sheet.is_phone() {
-            let room = ((left - 44.0) / 7.0) as usize;
-            chart.draw([word("label end", left - 34.0, y + 0.5 * high + 4.5, &shortened(&names[i], room))]);
+            let name = shortened(&names[i], left - 40.0);
+            chart.draw([word("label end", left - 34.0, y + 0.5 * high + 4.5, &name)]);
         }
         for (j, &r) in row.iter().enumerate() {
             let x = left + cell * j as f64;
@@ -54,14 +54,6 @@ pub(crate) fn heatmap(
         }
     }
     chart
-}
-
-/// The text, cut to a number of letters.
-fn shortened(text: &str, letters: usize) -> String {
-    if text.chars().count() <= letters {
-        return text.to_owned();
-    }
-    text.chars().take(letters.saturating_sub(1)).chain(['…']).collect()
 }
 
 fn shown(r: f64) -> String {

@@ -18,6 +18,8 @@ pub(crate) enum Swatch {
 /// Class of the marks, their sample, and their meaning.
 pub(crate) type Entry = (&'static str, Swatch, String);
 
+/// Between two entries.
+const APART: f64 = 16.0;
 /// Height of a row.
 const ROW: f64 = 20.0;
 
@@ -51,7 +53,7 @@ pub(crate) fn legend(entries: &[Entry], sheet: Sheet) -> (Vec<Element>, f64) {
         // The script of the page makes a switch of each entry.
         let entry = element("g").class("key").with("data-of", class);
         out.push(entry.add(sample).add(word("legend", x + before, y, text)));
-        x += wide + 26.0;
+        x += wide + APART;
     }
     (out, y + 28.0)
 }

@@ -74,9 +74,9 @@ impl Mark {
                 let area = area.with("width", at((b - a).max(0.0))).with("height", at(height));
                 let edge = element("line").class("edge").with("x1", at(a)).with("x2", at(a));
                 let edge = edge.with("y1", at(top)).with("y2", at(top + height));
-                // The words stand above the area, right-aligned if there is no room on the right.
-                let fits = a + width_of(words) <= left + width;
-                let (class, x) = if fits { ("small span", a + 1.0) } else { ("small span end", b - 1.0) };
+                // The words stand above the end of the area: the name of the axis may stand at the left.
+                let fits = b - width_of(words) >= left;
+                let (class, x) = if fits { ("small span end", b - 1.0) } else { ("small span", a + 1.0) };
                 vec![coordinates.clipped(vec![area, edge]), word(class, x, top - 6.0, words)]
             }
             Mark::Level { class, y } => {
@@ -85,7 +85,9 @@ impl Mark {
                 vec![line.with("y1", &y).with("y2", &y)]
             }
             Mark::Name { x, y, words } => {
-                vec![word("small end halo", coordinates.x(*x), coordinates.y(*y) - 5.0, words)]
+                // A point at the left has its name at its right.
+                let end = coordinates.x(*x).max(left + width_of(words));
+                vec![word("small end halo", end, coordinates.y(*y) - 5.0, words)]
             }
             Mark::Stems { class, points } => {
                 let zero = at(coordinates.y(0.0));

@@ -8,6 +8,8 @@ pub(crate) const STYLE: &str = include_str!("chart.css");
 
 /// A picture is drawn at most so much larger than it is.
 const LARGER: f64 = 1.06;
+/// A picture that is not higher needs no cut: on paper it is less than a third of a page.
+const LOW: f64 = 300.0;
 
 /// A picture with a description for readers who do not see it.
 #[derive(Clone, Debug)]
@@ -21,18 +23,47 @@ pub(crate) struct Chart {
     width: f64,
     height: f64,
     body: Vec<Element>,
+    /// Heights at which it may be cut.
+    cuts: Vec<f64>,
 }
 
 impl Chart {
     /// An empty picture.
     pub(crate) fn new(name: &str, title: &str, description: &str, (width, height): (f64, f64)) -> Chart {
         let [name, title, description] = [name, title, description].map(str::to_owned);
-        Chart { name, title, description, width, height, body: vec![] }
+        Chart { name, title, description, width, height, body: vec![], cuts: vec![] }
     }
 
     /// Adds elements.
     pub(crate) fn draw(&mut self, parts: impl IntoIterator<Item = Element>) {
         self.body.extend(parts);
+    }
+
+    /// On paper a high picture may be cut at this height: nothing is drawn across it.
+    pub(crate) fn may_be_cut(&mut self, at: f64) {
+        self.cuts.push(at);
+    }
+
+    /// A picture that is too high for a part of a page of paper as pieces of it, one above the other; they
+    /// show what stands in [`Chart::inline`]. None of a picture that is low or in one piece.
+    pub(crate) fn pieces(&self) -> Vec<Element> {
+        if self.height <= LOW || self.cuts.is_empty() {
+            return vec![];
+        }
+        let ends: Vec<f64> =
+            [0.0].into_iter().chain(self.cuts.iter().copied()).chain([self.height]).collect();
+        let piece = |pair: &[f64]| {
+            let (width, high) = (at(self.width), at(pair[1] - pair[0]));
+            let view = format!("0 {} {width} {high}", at(pair[0]));
+            let whole = element("use").with("href", format!("#{}-all", self.name));
+            element("svg")
+                .class("chart")
+                .with("viewBox", view)
+                .with("width", width)
+                .with("height", high)
+                .add(whole)
+        };
+        ends.windows(2).map(piece).collect()
     }
 
     /// The picture as an element of a page that includes the style sheet. `variant` tells pictures of one
@@ -44,7 +75,8 @@ impl Chart {
             .with("aria-labelledby", format!("{title} {description}"))
             .add(element("title").with("id", title).text(&self.title))
             .add(element("desc").with("id", description).text(&self.description))
-            .all(self.body.iter().cloned())
+            // The style sheet reaches pieces of it too, where they stand.
+            .add(element("g").class("chart").with("id", id("all")).all(self.body.iter().cloned()))
     }
 
     /// The picture as a file, with the style sheet in it.

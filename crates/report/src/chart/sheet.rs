@@ -1,6 +1,13 @@
 //! The sheet that a picture is drawn for: the same picture is drawn once for a page and once for a phone,
 //! because scaled down its labels would be unreadable.
 
+/// From the edge of the picture, or of a turned label, to the plotting area, less the labels of ticks.
+const TICK: f64 = 10.0;
+/// The same with the label of the axis, turned, beside those of ticks.
+pub(super) const TURNED: f64 = 32.0;
+/// Least room at the right of the plotting area.
+pub(super) const RIGHT: f64 = 10.0;
+
 /// Width and margins of a picture, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sheet {
@@ -25,8 +32,8 @@ impl Sheet {
         }
     }
 
-    /// Left edge of the plotting area: room for labels of ticks.
-    pub(crate) fn left(self) -> f64 {
+    /// Least left edge of the plotting area, so that those of most pictures agree.
+    fn left(self) -> f64 {
         match self {
             Sheet::Page | Sheet::Full | Sheet::Half => 70.0,
             Sheet::Phone => 46.0,
@@ -35,12 +42,15 @@ impl Sheet {
 
     /// Room at the right of the plotting area.
     fn right(self) -> f64 {
-        if self == Sheet::Phone { 10.0 } else { 14.0 }
+        if self == Sheet::Phone { RIGHT } else { 14.0 }
     }
 
-    /// Width of the plotting area.
-    pub(crate) fn inner(self) -> f64 {
-        self.width() - self.left() - self.right()
+    /// Left edge and width of the plotting area beside labels of this width. Very wide ones get two fifths of
+    /// the picture.
+    pub(crate) fn beside(self, labels: f64) -> (f64, f64) {
+        let room = if self.is_phone() { TICK } else { TURNED };
+        let left = self.left().max(labels + room).min(0.4 * self.width()).ceil();
+        (left, self.width() - left - self.right())
     }
 
     /// Whether there is little room beside a picture.

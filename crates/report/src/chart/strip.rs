@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::coordinates::{Coordinates, Place};
-use super::label::{at, word};
+use super::label::{at, shortened, word};
 use super::mark::Mark;
 use crate::markup::{Element, element};
 
@@ -33,7 +33,8 @@ impl Strip<'_> {
         let mut out = vec![frame.with("width", at(place.width)).with("height", at(place.height))];
         let marks = self.marks.iter().flat_map(|m| m.drawn(&coordinates)).collect();
         out.push(coordinates.clipped(marks));
-        out.push(word("label end", place.x - 8.0, place.y + 0.5 * place.height + 4.5, self.name));
+        let name = shortened(self.name, place.x - 10.0);
+        out.push(word("label end", place.x - 8.0, place.y + 0.5 * place.height + 4.5, &name));
         out
     }
 }

@@ -1,7 +1,7 @@
 //! The force that a step adds, beside the force that the measured motion asks for: inertia times measured
 //! acceleration less the forces that the model knows.
 
-use crate::measured_force::{Acceleration, Body, SAMPLES};
+use crate::measured_force::{Acceleration, Body, Parts, SAMPLES};
 use phisindy_expr::{Id, Scratch, Tape};
 use phisindy_gap::{ForceHistory, Gap, Site, Step, force_history};
 use phisindy_learn::{FoundParameter, parameter_values};
@@ -28,6 +28,8 @@ pub(crate) struct Balance {
     pub(crate) axes: ForceHistory,
     /// One for each record with a run.
     pub(crate) records: Vec<RecordForce>,
+    /// What the measured points are made of.
+    pub(crate) parts: Parts,
     /// The longest time (s) over which displacements were smoothed for the acceleration; 0 where it is
     /// measured.
     pub(crate) smoothed: f64,
@@ -37,7 +39,7 @@ pub(crate) struct Balance {
 pub(crate) fn balance(found: &Gap, step: &Step, records: &[Record]) -> Option<Balance> {
     let axes = force_history(found, step, records)?;
     let acting = Acting::of(found, step, &axes)?;
-    let mut out = Balance { axes, records: vec![], smoothed: 0.0 };
+    let mut out = Balance { axes, records: vec![], parts: acting.body.parts(), smoothed: 0.0 };
     for (r, record) in records.iter().enumerate() {
         let Some((force, smoothed)) = acting.in_record(found, step, record, r, out.axes.function) else {
             continue;

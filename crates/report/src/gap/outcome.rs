@@ -36,7 +36,7 @@ pub(crate) fn outcome(found: &Gap) -> String {
             format!(
                 "{}: a gap of {} is left{place}",
                 match found.alternative {
-                    Some(_) => "no law here explains it, but something else would, as is said beside it",
+                    Some(_) => "no law here explains it, but something else would (see above)",
                     None => "something is missing that no law here and no formula explains",
                 },
                 short(last)

@@ -34,14 +34,15 @@ pub(crate) fn text(report: &GapReport<'_>, look: Look) -> String {
         found.partial.iter().for_each(|s| out.extend(step(report, s, " ", look)));
     }
     out.extend(tried(report, look));
-    out.push(String::new());
-    out.extend(plot(series(&report.seen(), found.located.first().map(|r| r.column.as_str())), look));
+    let plot = plot(series(&report.seen(), found.located.first().map(|r| r.column.as_str())), look);
+    out.extend((!plot.is_empty()).then(String::new));
+    out.extend(plot);
     // A law that is ruled out stands among those that were tried.
     let warnings = report.notes().filter(|w| !matches!(w, phisindy_gap::Warning::Vetoed(_)));
     let warnings: Vec<String> =
         found.alternative.iter().map(ToString::to_string).chain(warnings.map(ToString::to_string)).collect();
     out.extend(terminal_warnings(&warnings, look));
-    out.join("\n") + "\n"
+    out.join("\n").trim_end().to_owned() + "\n"
 }
 
 fn bars(found: &Gap, look: Look) -> Vec<String> {
@@ -60,8 +61,8 @@ fn bars(found: &Gap, look: Look) -> Vec<String> {
 
 fn step(report: &GapReport<'_>, s: &Step, mark: &str, look: Look) -> Vec<String> {
     let name = format!("{mark} {} at {}", capital(&s.effect.entry.law.name), s.effect.place.at);
-    let mut out =
-        vec![format!("{}: {}", look.ink(Ink::Strong, &name), unicode::expression(&s.expression, &[]))];
+    let head = format!("{}: {}", look.ink(Ink::Strong, &name), unicode::expression(&s.expression, &[]));
+    let mut out = vec![look.wrapped(&head, 3).trim_start().to_owned()];
     for p in &s.parameters {
         let line = |record: &str, value: f64, ci: (f64, f64)| {
             let shown = with_error(value, 0.5 * (ci.1 - ci.0).abs());
@@ -92,7 +93,8 @@ fn tried(report: &GapReport<'_>, look: Look) -> Vec<String> {
         .filter_map(|t| {
             let gap = short(three(t.gap?));
             let out = t.vetoed.as_ref().map_or(String::new(), |why| format!(", ruled out: {why}"));
-            Some(format!("     {:>8}  {} at {}{out}", gap, name(&t.at.law), t.at.at))
+            let words = look.wrapped(&format!("{} at {}{out}", name(&t.at.law), t.at.at), 15);
+            Some(format!("     {gap:>8}  {}", words.trim_start()))
         })
         .collect();
     if fitted.is_empty() {

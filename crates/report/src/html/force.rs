@@ -5,6 +5,7 @@ use super::table::unit as unit_words;
 use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Sheet, Swatch, digits, legend};
 use crate::format::capital;
 use crate::gap::{Balance, RecordForce};
+use crate::measured_force::Parts;
 use phisindy_gap::Step;
 
 const HIGH: f64 = 220.0;
@@ -18,7 +19,7 @@ pub(crate) fn first(step: &Step, balance: &Balance, sheet: Sheet) -> (Chart, Str
     let (chart, _) = chart("force", step, balance, sheet);
     let law = &step.effect.entry.law.name;
     let what = if balance.axes.function { "with the band of its numbers (95 %)" } else { "along the motion" };
-    let points = points(has_points(balance), balance.smoothed);
+    let points = points(has_points(balance).then_some(balance.parts), balance.smoothed);
     (
         chart,
         format!(
@@ -54,7 +55,8 @@ pub(crate) fn chart(name: &str, step: &Step, balance: &Balance, sheet: Sheet) ->
     let (keys, top) = legend(&entries(balance, law), sheet);
     let mut chart = Chart::new(name, &title, &said, (sheet.width(), top + HIGH + 50.0));
     chart.draw(keys);
-    chart.draw([panel.live(Place { x: sheet.left(), y: top, width: sheet.inner(), height: HIGH })]);
+    let (x, width) = sheet.beside(panel.labels(HIGH));
+    chart.draw([panel.live(Place { x, y: top, width, height: HIGH })]);
     (chart, format!("{title}: {said}"))
 }
 
@@ -65,7 +67,7 @@ fn has_points(balance: &Balance) -> bool {
 fn entries(balance: &Balance, law: &str) -> Vec<Entry> {
     let mut out: Vec<Entry> = vec![];
     if has_points(balance) {
-        out.push(("measured", Swatch::Dot, "measured force balance".to_owned()));
+        out.push(("measured", Swatch::Dot, balance.parts.name().to_owned()));
     }
     if balance.axes.function {
         out.push(("model", Swatch::Line, law.to_owned()));
@@ -157,17 +159,15 @@ fn names(balance: &Balance) -> Vec<Mark> {
 }
 
 /// What the measured points are; nothing where there are none.
-pub(super) fn points(any: bool, smoothed: f64) -> String {
-    if !any {
-        return String::new();
-    }
+pub(super) fn points(of: Option<Parts>, smoothed: f64) -> String {
+    let Some(parts) = of else { return String::new() };
     let how = match smoothed {
         0.0 => String::new(),
         time => {
             format!(", smoothed over up to {} ms; none where the body sticks or turns", digits(1e3 * time, 2))
         }
     };
-    format!(" Grey dots: the measured force balance, inertia times acceleration less the known forces{how}.")
+    format!(" Grey dots: {}{how}.", parts.words())
 }
 
 /// What it is, over which range, and what to see.
@@ -184,7 +184,7 @@ fn said(balance: &Balance, what: &str) -> String {
     } else {
         format!(" It depends on more than {}, so that it is a cloud.", axes.over)
     };
-    let points = points(has_points(balance), balance.smoothed);
+    let points = points(has_points(balance).then_some(balance.parts), balance.smoothed);
     format!(
         "{what} from {}{} while {} goes from {}{}.{how}{points}",
         range(&mut all().map(|p| p.1)),

@@ -3,6 +3,7 @@
 use super::force::{dots, middle, points as grey_dots};
 use super::table::unit as unit_words;
 use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Sheet, Swatch, digits, legend};
+use crate::measured_force::Parts;
 use crate::run::{Resistance, resistance};
 use phisindy_learn::{Curve, Identified, PartValues, UnknownPart, unknown_parts};
 use phisindy_phys::unit::{Dimension, Unit};
@@ -155,7 +156,8 @@ impl Axes<'_> {
         let (keys, top) = legend(entries, sheet);
         let mut chart = Chart::new(&name, title, said, (sheet.width(), top + HIGH + 50.0));
         chart.draw(keys);
-        let place = Place { x: sheet.left(), y: top, width: sheet.inner(), height: HIGH };
+        let (x, width) = sheet.beside(panel.labels(HIGH));
+        let place = Place { x, y: top, width, height: HIGH };
         chart.draw([panel.live(place)]);
         if let Some(inset) = low_speeds(panel) {
             chart.draw(inset.drawn(Place {
@@ -206,14 +208,18 @@ impl Axes<'_> {
     }
 
     fn measured_entry(&self, name: Option<&str>) -> Option<Entry> {
-        let any = self.measured(name).next().is_some();
-        any.then(|| ("measured", Swatch::Dot, "measured force balance".to_owned()))
+        self.parts(name).map(|parts| ("measured", Swatch::Dot, parts.name().to_owned()))
     }
 
     /// What the grey dots are.
     fn grey(&self, name: Option<&str>) -> String {
         let smoothed = self.measured.map_or(0.0, |m| m.smoothed);
-        grey_dots(self.measured(name).next().is_some(), smoothed)
+        grey_dots(self.parts(name), smoothed)
+    }
+
+    /// What they are made of, if there are any.
+    fn parts(&self, name: Option<&str>) -> Option<Parts> {
+        self.measured(name).next().and(self.measured).map(|m| m.parts)
     }
 
     /// Values at both ends and at half the largest velocity.

@@ -1,7 +1,7 @@
 //! The report of `gap`.
 
 use super::leaderboard::leaderboard;
-use super::page::{Banner, Page, Tone, add_data_remarks, add_warnings, paragraph};
+use super::page::{Banner, Page, Tone, add_data_remarks, add_warnings, paragraph, worded};
 use super::table::{Cell, code, in_unit, parameters, table, text};
 use super::{force, hero, map, mathml, missing_force, motion, next, reproduction, residual, shrink};
 use crate::chart::{Sheet, digits};
@@ -156,7 +156,8 @@ fn shown(
     let own = remarks(found, s, catalogue).into_iter().map(|remark| capital(&remark) + ".");
     let lines: Vec<String> = own.chain(others).chain(vetoes(s, catalogue)).collect();
     let new: Vec<String> = lines.into_iter().filter(|line| !told.contains(line)).collect();
-    let said = (!new.is_empty()).then(|| element("ul").all(new.iter().map(|line| element("li").text(line))));
+    let said =
+        (!new.is_empty()).then(|| element("ul").all(new.iter().map(|line| worded(element("li"), line))));
     told.extend(new);
     let front = [heading, added].into_iter().chain(load).chain([paragraph(&gain)]).chain(numbers);
     front.chain(picture).chain(said).collect()

@@ -39,7 +39,8 @@ pub(crate) fn chart(seen: &Seen<'_>, column: Option<&str>, sheet: Sheet) -> Opti
     let height = if sheet == Sheet::Full { LOW } else { HIGH };
     let mut chart = Chart::new("first", &title, &caption, (sheet.width(), top + height + 50.0));
     chart.draw(keys);
-    chart.draw([panel.live(Place { x: sheet.left(), y: top, width: sheet.inner(), height })]);
+    let (x, width) = sheet.beside(panel.labels(height));
+    chart.draw([panel.live(Place { x, y: top, width, height })]);
     Some((chart, format!("{title}: {caption}")))
 }
 
@@ -75,6 +76,8 @@ fn words(seen: &Seen<'_>, stretch: &Stretch<'_>, name: &str, (from, to): (f64, f
     let used = if role == Role::Validate { "not used in the fit" } else { role_name(role) };
     let when =
         if seen.was.is_some() { "where the two models differ most" } else { "where the model misses most" };
-    let span = format!("{} to {} s", digits(from, 3), digits(to, 3));
+    // As many digits as tell one hundredth of the stretch.
+    let count = 2 + (from.abs().max(to.abs()) / (to - from)).log10().ceil().max(1.0) as usize;
+    let span = format!("{} to {} s", digits(from, count), digits(to, count));
     (format!("{} of {name} ({used})", column.name), format!("{when}, {span}; {missed}."))
 }

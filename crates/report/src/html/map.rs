@@ -1,12 +1,8 @@
 //! The misfit over time: rms of residual over noise in intervals of each record, darker for more.
 
-use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Sheet, Strip, Swatch, digits, legend};
+use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Sheet, Strip, Swatch, digits, legend, width_of};
 use crate::seen::{Model, Seen};
 
-/// Room for the name of a column.
-const NAMES: f64 = 150.0;
-/// The same on a phone.
-const SHORT_NAMES: f64 = 96.0;
 const HIGH: f64 = 22.0;
 /// Number of intervals of a chain.
 const CELLS: usize = 72;
@@ -56,8 +52,7 @@ fn chart(
     let mut chart = Chart::new(&format!("map-{number}"), &title, &said.join(" "), size);
     chart.draw(keys);
     let time = Axis::between("time", "s", from, to);
-    let left = if sheet.is_phone() { SHORT_NAMES } else { NAMES };
-    let width = sheet.left() + sheet.inner() - left;
+    let (left, width) = sheet.beside(rows.iter().map(|(name, _)| width_of(name)).fold(0.0, f64::max));
     let mut y = top - 12.0;
     for (name, cells) in &rows {
         let strip = Strip { name, x: &time, marks: marks(cells) };

@@ -28,12 +28,15 @@ pub(crate) fn chart(of: &MissingForce, sheet: Sheet) -> (Chart, String) {
         digits(of.left, 3)
     );
     let panels = panels(&of.points);
-    let high = panels.len() as f64 * (HIGH + APART);
+    // On a phone the name of an axis stands above it.
+    let top = if sheet.is_phone() { 24.0 } else { 8.0 };
+    let high = top - 8.0 + panels.len() as f64 * (HIGH + APART);
     let mut chart = Chart::new("missing-force", &title, &said, (sheet.width(), high));
-    for (k, over) in panels.iter().enumerate() {
-        let place =
-            Place { x: sheet.left(), y: 8.0 + k as f64 * (HIGH + APART), width: sheet.inner(), height: HIGH };
-        chart.draw([panel(over).live(place)]);
+    let panels: Vec<Panel> = panels.iter().map(panel).collect();
+    let (x, width) = sheet.beside(panels.iter().map(|p| p.labels(HIGH)).fold(0.0, f64::max));
+    for (k, panel) in panels.iter().enumerate() {
+        let y = top + k as f64 * (HIGH + APART);
+        chart.draw([panel.live(Place { x, y, width, height: HIGH })]);
     }
     (chart, said)
 }

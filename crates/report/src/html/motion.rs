@@ -3,7 +3,7 @@
 
 use super::regimes;
 use super::table::unit;
-use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Sheet, Swatch, digits, legend};
+use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Sheet, Swatch, digits, legend, width_of};
 use crate::seen::{Column, Model, Seen};
 
 const HIGH: f64 = 168.0;
@@ -21,7 +21,11 @@ fn chart(seen: &Seen<'_>, chain: &[usize], number: usize, sheet: Sheet) -> (Char
     let (from, to) = seen.span(chain);
     let time = Axis::between("time", "s", from, to);
     let strips = regimes::strips(seen, chain, &time);
-    let (left, width) = (sheet.left(), sheet.inner());
+    let last = |k: usize| k + 1 == columns.len() && strips.is_empty();
+    let panels: Vec<Panel> =
+        columns.iter().enumerate().map(|(k, c)| panel(seen, chain, c, &time, last(k))).collect();
+    let labels = panels.iter().map(|p| p.labels(HIGH)).chain(strips.iter().map(|s| width_of(s.name)));
+    let (left, width) = sheet.beside(labels.fold(0.0, f64::max));
     let (keys, top) = legend(&entries(seen, chain, !strips.is_empty()), sheet);
     // Labels that stand above their panel need room there.
     let (top, gap) = if sheet.is_phone() { (top + 12.0, GAP + 8.0) } else { (top, GAP) };
@@ -42,9 +46,10 @@ fn chart(seen: &Seen<'_>, chain: &[usize], number: usize, sheet: Sheet) -> (Char
     let mut chart = Chart::new(&name, &format!("{what}: {names}"), &description, size);
     chart.draw(keys);
     let mut y = top;
-    for (k, column) in columns.iter().enumerate() {
-        let last = k + 1 == columns.len() && strips.is_empty();
-        let panel = panel(seen, chain, column, &time, last);
+    for (k, panel) in panels.iter().enumerate() {
+        if k > 0 {
+            chart.may_be_cut(y - 17.0);
+        }
         chart.draw([panel.live(Place { x: left, y, width, height: HIGH })]);
         y += HIGH + gap;
     }

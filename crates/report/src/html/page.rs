@@ -4,6 +4,7 @@ use crate::chart::{self, Chart, Sheet};
 use crate::format::capital;
 use crate::input::Input;
 use crate::markup::{Element, element};
+use crate::tied::tied;
 
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
@@ -121,10 +122,14 @@ impl Page {
 
     fn figure(&mut self, wide: Chart, narrow: &Chart, caption: &str) -> Element {
         let on = |class: &str, chart: Element| element("div").class(class).add(chart);
+        let pieces = wide.pieces();
+        let whole = if pieces.is_empty() { "wide" } else { "wide cut" };
+        let paper = element("div").class("paper").with("aria-hidden", "true").all(pieces.iter().cloned());
         let figure = element("figure")
-            .add(on("wide", wide.inline("")))
+            .add(on(whole, wide.inline("")))
+            .all((!pieces.is_empty()).then_some(paper))
             .add(on("narrow", narrow.inline("-phone")))
-            .add(element("figcaption").text(caption));
+            .add(element("figcaption").text(tied(caption)));
         self.charts.push(wide);
         figure
     }
@@ -171,7 +176,7 @@ impl Page {
             .add(element("span").class("sign").with("aria-hidden", "true").text(sign))
             .text(" ")
             .text(&self.banner.headline);
-        let how = element("p").class("how").text(&self.banner.how);
+        let how = element("p").class("how").text(tied(&self.banner.how));
         let banner = element("div")
             .class(format!("banner {class}"))
             .add(verdict)
@@ -212,10 +217,10 @@ pub(crate) fn worded(element_: Element, text: &str) -> Element {
     let parts: Vec<&str> = text.split('`').collect();
     // A single back tick is itself.
     if parts.len().is_multiple_of(2) {
-        return element_.text(text);
+        return element_.text(tied(text));
     }
     let add = |out: Element, (k, part): (usize, &&str)| match k % 2 {
-        0 => out.text(part),
+        0 => out.text(tied(part)),
         _ => out.add(element("code").text(part)),
     };
     parts.iter().enumerate().fold(element_, add)

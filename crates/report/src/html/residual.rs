@@ -10,7 +10,7 @@ const HIGH: f64 = 150.0;
 /// Part of the width that the residual over time takes beside its autocorrelation.
 const SHARE: f64 = 0.63;
 /// Between the two, for ticks and a label.
-const BETWEEN: f64 = 78.0;
+const BETWEEN: f64 = 10.0;
 /// Below each row, for ticks and a label.
 const BELOW: f64 = 62.0;
 /// Half width of a 95 % interval of the normal distribution, in standard deviations.
@@ -54,10 +54,17 @@ fn chart(
     let mut chart = Chart::new(&format!("residual-{number}"), &title, &description, size);
     chart.draw(keys);
     let mut y = top;
-    for (column, parts) in &left {
-        let (x, whole, height) = (sheet.left(), sheet.inner(), HIGH);
+    for (k, (column, parts)) in left.iter().enumerate() {
+        if k > 0 {
+            // Between the names of the axes above and the words over the panels below.
+            chart.may_be_cut(y - 19.0);
+        }
+        let height = HIGH;
         let residual = over_time(seen, model, chain, column, parts);
         let lags = correlogram(seen, shown(seen, parts));
+        // On a phone the two stand above each other.
+        let below = if sheet.is_phone() { lags.labels(HIGH) } else { 0.0 };
+        let (x, whole) = sheet.beside(residual.labels(HIGH).max(below));
         if sheet.is_phone() {
             chart.draw([residual.live(Place { x, y, width: whole, height })]);
             y += HIGH + BELOW;
@@ -65,7 +72,8 @@ fn chart(
         } else {
             let width = SHARE * whole;
             chart.draw([residual.live(Place { x, y, width, height })]);
-            let (x, width) = (x + width + BETWEEN, whole - width - BETWEEN);
+            let between = BETWEEN + sheet.beside(lags.labels(HIGH)).0;
+            let (x, width) = (x + width + between, whole - width - between);
             chart.draw([lags.live(Place { x, y, width, height })]);
         }
         y += HIGH + BELOW;

@@ -52,7 +52,8 @@ pub(crate) fn chart(found: &Identified, sheet: Sheet) -> Option<(Chart, String)>
         Axis::between(what, "", 0.0, 1.6 * highest.max(1.0)).on(Scale::FromZero)
     };
     let panel = Panel { heading: String::new(), x, y, marks, labelled: true };
-    let place = Place { x: sheet.left(), y: top, width: sheet.inner(), height: 200.0 };
+    let (x, width) = sheet.beside(panel.labels(200.0));
+    let place = Place { x, y: top, width, height: 200.0 };
     chart.draw([panel.live(place)]);
     let caption = if step {
         format!("{title}: the one-step loss at the end of each stage.")

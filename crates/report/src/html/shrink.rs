@@ -1,6 +1,6 @@
 //! The gap after each effect: bars on a logarithmic axis, with the noise and what the motion repeats to.
 
-use crate::chart::{Axis, Chart, Mark, Panel, Place, Scale, Sheet, digits, word};
+use crate::chart::{Axis, Chart, Mark, Panel, Place, Scale, Sheet, digits, shortened, width_of, word};
 use crate::gap::{basis, counted};
 use phisindy_gap::Gap;
 
@@ -32,7 +32,9 @@ pub(crate) fn chart(found: &Gap, sheet: Sheet) -> (Chart, String) {
     let finite = || rows.iter().map(|r| r.1).filter(|v| v.is_finite());
     let (least, most) = (finite().fold(1.0, f64::min), finite().fold(2.0, f64::max));
     let x = Axis::between(&format!("gap {which}"), "× noise", 0.6 * least, 1.25 * most).on(Scale::Log);
-    let width = sheet.width() - LEFT - 62.0;
+    // The number of a bar stands behind it, in bold letters.
+    let numbers = rows.iter().map(|r| 1.1 * width_of(&digits(r.1, 3))).fold(50.0, f64::max);
+    let width = sheet.width() - LEFT - numbers - 10.0;
     let place = Place { x: LEFT, y: top, width, height: high };
     let from = x.ends().0;
     let bar = |k: usize, value: f64| {
@@ -68,8 +70,9 @@ pub(crate) fn chart(found: &Gap, sheet: Sheet) -> (Chart, String) {
     for (k, (name, value)) in rows.iter().enumerate() {
         let y = place.y + ROW * k as f64;
         let end = place.x + place.width * x.place(value.min(1.25 * most));
+        let name = shortened(name, sheet.width() - LEFT - 10.0);
         chart.draw([
-            word("label halo", LEFT + 6.0, y + 14.0, name),
+            word("label halo", LEFT + 6.0, y + 14.0, &name),
             word("heading", end + 6.0, y + 34.0, &digits(*value, 3)),
         ]);
     }

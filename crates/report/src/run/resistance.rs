@@ -1,6 +1,6 @@
 //! The resistance that the measured motion asks for, beside the identified part of a rate.
 
-use crate::measured_force::{Acceleration, Body, SAMPLES};
+use crate::measured_force::{Acceleration, Body, Parts, SAMPLES};
 use phisindy_expr::{Scratch, Tape};
 use phisindy_learn::{Identified, UnknownPart};
 use phisindy_phys::{Case, Record};
@@ -9,6 +9,8 @@ use phisindy_phys::{Case, Record};
 pub(crate) struct Resistance {
     /// Name of each record, and its points; none where the motion is not measured.
     pub(crate) records: Vec<(String, Vec<(f64, f64)>)>,
+    /// What the points are made of.
+    pub(crate) parts: Parts,
     /// The longest time (s) over which the motion was smoothed for the acceleration; 0 where it is measured.
     pub(crate) smoothed: f64,
 }
@@ -40,7 +42,14 @@ pub(crate) fn resistance(
     let tape =
         Tape::compile(&graph, &system.arguments(), &[velocity, force, velocity, rate, inertia]).ok()?;
     let mut scratch = Scratch::<1>::new(&tape);
-    let mut out = Resistance { records: vec![], smoothed: 0.0 };
+    let body = Body {
+        system,
+        state: Some(part.state),
+        acceleration: Acceleration::of(system, part.state),
+        sign: -1.0,
+    };
+    let parts = if part.force { body.parts() } else { Parts::Rates };
+    let mut out = Resistance { records: vec![], parts, smoothed: 0.0 };
     for (r, record) in records.iter().enumerate() {
         let fit = &found.records[r];
         let Some(run) = &fit.run else { continue };
@@ -51,12 +60,6 @@ pub(crate) fn resistance(
         let every = record.len().div_ceil(SAMPLES).max(1);
         let forces = (0..record.len()).step_by(every).map(|i| evaluated(i, run.state_at(i), &numbers)[1]);
         let typical = forces.filter(|f| f.is_finite()).map(f64::abs).fold(0.0, f64::max);
-        let body = Body {
-            system,
-            state: Some(part.state),
-            acceleration: Acceleration::of(system, part.state),
-            sign: -1.0,
-        };
         let (points, smoothed) = body.measured(record, fit, &fit.noise, typical, &numbers, &mut evaluated);
         out.smoothed = out.smoothed.max(smoothed);
         out.records.push((record.name.clone(), points));

@@ -61,10 +61,11 @@ pub(crate) fn text(report: &RunReport<'_>, look: Look) -> String {
         out.push(String::new());
         out.extend(aligned(&records));
     }
-    out.push(String::new());
-    out.extend(plot(series(&report.seen(), None), look));
+    let plot = plot(series(&report.seen(), None), look);
+    out.extend((!plot.is_empty()).then(String::new));
+    out.extend(plot);
     out.extend(warnings(&report.warnings, look));
-    out.join("\n") + "\n"
+    out.join("\n").trim_end().to_owned() + "\n"
 }
 
 /// Each warning once, set off.
@@ -93,7 +94,8 @@ fn verdict(report: &RunReport<'_>, look: Look) -> String {
     let title = &report.input.case.system.title;
     let title = if title.is_empty() { report.input.name } else { title };
     let how = format!("method {}, {:.1} s", method_name(found.method), report.ending.seconds);
-    format!("{stopped}{word}  {}  {}", look.ink(Ink::Strong, title), look.ink(Ink::Faint, &how))
+    let words = format!("{stopped}{word}: {}, {}", look.ink(Ink::Strong, title), look.ink(Ink::Faint, &how));
+    look.wrapped(&words, 0)
 }
 
 /// Three significant digits.

@@ -1,5 +1,7 @@
 //! What a terminal can show: colours, and lines of a width.
 
+use crate::tied::tied;
+
 /// What a terminal can show.
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
@@ -44,10 +46,9 @@ impl Look {
     pub(crate) fn wrapped(self, text: &str, indent: usize) -> String {
         let room = self.width.clamp(40, 110).saturating_sub(indent);
         let mut lines = vec![String::new()];
-        for word in text.split_whitespace() {
-            let line = lines
-                .last_mut()
-                .filter(|line| line.is_empty() || line.chars().count() + 1 + word.chars().count() <= room);
+        let tied = tied(text);
+        for word in tied.split_ascii_whitespace() {
+            let line = lines.last_mut().filter(|line| line.is_empty() || seen(line) + 1 + seen(word) <= room);
             match line {
                 Some(line) => {
                     if !line.is_empty() {
@@ -59,6 +60,31 @@ impl Look {
             }
         }
         let indent = " ".repeat(indent);
-        lines.iter().map(|line| format!("{indent}{line}")).collect::<Vec<_>>().join("\n")
+        // Who copies a line gets plain spaces.
+        let lines = lines.iter().map(|line| format!("{indent}{}", line.replace('\u{a0}', " ")));
+        lines.collect::<Vec<_>>().join("\n")
+    }
+}
+
+/// Number of characters that are seen: colours are not.
+fn seen(text: &str) -> usize {
+    let mut parts = text.split('\u{1b}');
+    let first = parts.next().map_or(0, |part| part.chars().count());
+    first + parts.map(|part| part.split_once('m').map_or("", |(_, rest)| rest).chars().count()).sum::<usize>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_fit_with_their_colours_and_no_value_is_torn() {
+        let look = Look { colour: true, width: 40 };
+        let words =
+            format!("{}  A title of twelve letters, 0.298 ± 0.008 N of it", look.ink(Ink::Good, "found"));
+        let text = look.wrapped(&words, 2);
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines[0], "  \u{1b}[1;32mfound\u{1b}[0m A title of twelve letters,");
+        assert_eq!(lines[1..], ["  0.298 ± 0.008 N of it"]);
     }
 }
