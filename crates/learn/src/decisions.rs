@@ -151,6 +151,12 @@ decisions! {
     LARGEST_WINDOW: usize = 32, "windows in a segment", Basis::Judgement("an event half a window off is still seen, and a sweep of thirty means tells some ten numbers");
     /// ... and goes on with windows shorter by this factor.
     WINDOW_FALL: usize = 2, "times", Basis::Judgement("the end of one stage is well within the window of the next");
+    /// A record of which no state is measured is fitted to these parts of its length, one after the other.
+    GROWTH: [usize; 6] = [32, 16, 8, 4, 2, 1], "th part", Basis::Judgement("doubled, the rest is new, and the start of it is known from the part before");
+    /// After so many of these parts first terms are compared.
+    FIRST_PARTS: usize = 4, "parts", Basis::Judgement("a quarter of a record has some of its events");
+    /// Rounds in which a fit of outputs that jump looks for a lower minimum within its intervals.
+    SIDE_ROUNDS: usize = 5, "rounds", Basis::Judgement("each takes the lowest of all; the second mostly finds none");
     /// Iterations and gain of a minimisation at the end of a fit.
     FINE_MINIMUM: [f64; 2] = [20.0, 1e-7], "iterations, part of the cost", NUMERICS;
     /// Iterations and gain of a trial that is only compared.

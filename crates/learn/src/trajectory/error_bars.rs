@@ -14,7 +14,7 @@ pub(crate) struct ErrorBars<'a> {
     fit: &'a Fit<'a>,
     /// Covariance of all unknowns, for residuals that are independent; infinite on the diagonal for what the
     /// data do not determine.
-    pub(crate) sandwich: Mat<f64>,
+    pub(crate) covariances: Mat<f64>,
     /// The inverse of the cost's curvature.
     curvature: Mat<f64>,
     /// Factor on variances for correlated residuals.
@@ -25,16 +25,14 @@ impl<'a> ErrorBars<'a> {
     /// Of a fit at its minimum.
     pub(crate) fn new(fit: &'a Fit<'a>) -> ErrorBars<'a> {
         let inflation = fit.inflation();
-        if let Some((sandwich, curvature)) = of_numbers(fit) {
-            return ErrorBars { fit, sandwich, curvature, inflation };
-        }
-        let curvature = covariance(&fit.normal.matrix);
-        ErrorBars { fit, sandwich: robust_covariance(fit), curvature, inflation }
+        let (sandwich, curvature) =
+            of_numbers(fit).unwrap_or_else(|| (robust_covariance(fit), covariance(&fit.normal.matrix)));
+        ErrorBars { fit, covariances: no_less(sandwich, &curvature), curvature, inflation }
     }
 
     /// The standard error of an unknown.
     pub(crate) fn error(&self, k: usize) -> f64 {
-        (self.sandwich[(k, k)] * self.inflation).sqrt()
+        (self.covariances[(k, k)] * self.inflation).sqrt()
     }
 
     /// An unknown with its interval by profile likelihood.
@@ -57,8 +55,26 @@ impl<'a> ErrorBars<'a> {
 
     /// The covariance of some unknowns.
     pub(crate) fn covariance(&self, of: &[usize]) -> Vec<Vec<f64>> {
-        of.iter().map(|&a| of.iter().map(|&b| self.sandwich[(a, b)] * self.inflation).collect()).collect()
+        of.iter().map(|&a| of.iter().map(|&b| self.covariances[(a, b)] * self.inflation).collect()).collect()
     }
+}
+
+/// The sandwich with no standard error below that of the curvature. Where a few samples decide, as beside an event, the
+/// fit goes through them and the scatter of their residuals is too small (MacKinnon and White, Journal of
+/// Econometrics 29 (1985) 305-325); of both the larger is taken (Angrist and Pischke, Mostly Harmless Econometrics,
+/// 2009, section 8.1).
+fn no_less(mut sandwich: Mat<f64>, curvature: &Mat<f64>) -> Mat<f64> {
+    let stretch = |k: usize| {
+        let ratio = curvature[(k, k)] / sandwich[(k, k)];
+        if ratio.is_finite() { ratio.max(1.0).sqrt() } else { 1.0 }
+    };
+    let stretches: Vec<f64> = (0..sandwich.nrows()).map(stretch).collect();
+    for (i, a) in stretches.iter().enumerate() {
+        for (j, b) in stretches.iter().enumerate().filter(|(_, b)| a * *b > 1.0) {
+            sandwich[(i, j)] *= a * b;
+        }
+    }
+    sandwich
 }
 
 /// The sandwich and the inverse of the curvature for all unknowns but the start states of many segments, whose
@@ -125,4 +141,19 @@ pub(crate) fn robust_covariance(fit: &Fit<'_>) -> Mat<f64> {
         }
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_standard_error_is_below_that_of_the_curvature() {
+        let of = |m: [[f64; 3]; 3]| Mat::from_fn(3, 3, |i, j| m[i][j]);
+        let sandwich = of([[1.0, 0.5, 0.0], [0.5, 4.0, 0.0], [0.0, 0.0, f64::INFINITY]]);
+        let curvature = of([[9.0, 0.1, 0.0], [0.1, 1.0, 0.0], [0.0, 0.0, f64::INFINITY]]);
+        let both = no_less(sandwich, &curvature);
+        // The first is stretched three times, and the correlation of the sandwich is kept.
+        assert_eq!(both, of([[9.0, 1.5, 0.0], [1.5, 4.0, 0.0], [0.0, 0.0, f64::INFINITY]]));
+    }
 }

@@ -48,6 +48,12 @@ pub(crate) struct Context<'a> {
 impl<'a> Context<'a> {
     /// Fits `terms` from scratch. `None` if the model cannot be simulated from any start tried.
     pub(crate) fn fresh_fit(&self, terms: &[usize], coefficients: &[f64]) -> Option<Fit<'a>> {
+        let fit = self.over_segments(terms, coefficients)?;
+        Some(self.grown(&fit, coefficients).unwrap_or(fit))
+    }
+
+    /// Fits `terms` over fewer and fewer segments.
+    fn over_segments(&self, terms: &[usize], coefficients: &[f64]) -> Option<Fit<'a>> {
         let mut values = coefficients.to_vec();
         let mut parameters: Option<Vec<f64>> = None;
         let mut before: Option<(f64, Fit<'a>)> = None;
@@ -349,7 +355,7 @@ impl<'a> Context<'a> {
     }
 
     /// The noise before the first fit: a fixed part of each column's standard deviation.
-    fn first_noise(&self, problem: &Problem<'_>) -> Noise {
+    pub(crate) fn first_noise(&self, problem: &Problem<'_>) -> Noise {
         let one = |d: &f64| ColumnNoise { additive: FIRST_NOISE * d.max(f64::MIN_POSITIVE), relative: 0.0 };
         problem.deviations.iter().map(|columns| columns.iter().map(one).collect()).collect()
     }

@@ -56,7 +56,7 @@ pub(crate) fn by_trajectory(
     let further = if auto { context.nearly_there(&fit) } else { None };
     let further = further.map(|(t, worse)| Warning::Further { term: TermId::new(system, t), worse });
     let stop_reason = if stopped { StopReason::Interrupted } else { StopReason::Finished };
-    let fit = context.resegmented(context.with_starts_at_rest(fit));
+    let fit = context.resegmented(context.past_side_minima(context.with_starts_at_rest(fit)));
     let mut found = report(case, records, filled, &fit, path, stop_reason);
     found.warnings.extend(alternative.into_iter().chain(further));
     let singular = |&k: &usize| Warning::SingularCandidate { term: TermId::new(system, k) };
@@ -132,8 +132,12 @@ fn start<'a>(
 fn first_terms(context: &Context<'_>, regression: &Regression) -> Vec<usize> {
     let system = context.system;
     let mut first_terms = regression.single(system, 0);
-    let mut least =
-        context.misfit_of_guess(&first_terms, &regression.solve(&first_terms)).unwrap_or(f64::INFINITY);
+    let misfit = |terms: &[usize]| {
+        let coefficients = regression.solve(terms);
+        let misfit = context.misfit_of_first_part(terms, &coefficients);
+        misfit.or_else(|| context.misfit_of_guess(terms, &coefficients)).unwrap_or(f64::INFINITY)
+    };
+    let mut least = misfit(&first_terms);
     for rank in 1..LEADING_RANKS {
         for other in regression.single(system, rank) {
             // An equation without so many candidates has its last one again.
@@ -145,9 +149,9 @@ fn first_terms(context: &Context<'_>, regression: &Regression) -> Vec<usize> {
                 first_terms.iter().copied().filter(|&t| system.terms[t].state != state).collect();
             trial.push(other);
             trial.sort_unstable();
-            let misfit = context.misfit_of_guess(&trial, &regression.solve(&trial)).unwrap_or(f64::INFINITY);
-            if misfit < least {
-                (first_terms, least) = (trial, misfit);
+            let miss = misfit(&trial);
+            if miss < least {
+                (first_terms, least) = (trial, miss);
             }
         }
     }

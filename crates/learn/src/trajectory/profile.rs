@@ -84,7 +84,7 @@ fn still_to_gain(there: &Normal, x: &[f64], bounds: &[(f64, f64)]) -> f64 {
 }
 
 /// Unknown `k` at `z`, and all others where the quadratic model puts them then.
-fn followed(fit: &Fit<'_>, k: usize, z: f64) -> Vec<f64> {
+pub(crate) fn followed(fit: &Fit<'_>, k: usize, z: f64) -> Vec<f64> {
     let mut x = fit.x.clone();
     let n = x.len();
     let held = |i: usize| i == k;
