@@ -2,10 +2,10 @@
 //!
 //! Where an event passes a sample, the sample changes sides, and the cost has a step or a kink. A minimum may lie
 //! between two of these, a few standard errors from a lower one. A profile over a coefficient, as intervals need it,
-//! walks over them: so each coefficient is moved to both ends of its interval, the others follow, and all are
-//! fitted from there.
+//! walks over them: so each coefficient is moved to both ends of its interval and beyond, the others follow, and all
+//! are fitted from there.
 
-use crate::decisions::{FINE_MINIMUM, HALF_WIDTH_95, LIKELIHOOD_GAIN, SIDE_ROUNDS};
+use crate::decisions::{FINE_MINIMUM, HALF_WIDTH_95, LIKELIHOOD_GAIN, SIDE_REACH, SIDE_ROUNDS};
 use crate::least_squares::Limits;
 use crate::trajectory::error_bars::ErrorBars;
 use crate::trajectory::fit::{Context, Fit};
@@ -28,7 +28,7 @@ impl<'a> Context<'a> {
         for _ in 0..SIDE_ROUNDS {
             let bars = ErrorBars::new(&fit);
             let ends: Vec<(usize, f64)> = (0..fit.problem.terms.len())
-                .flat_map(|k| [-1.0, 1.0].map(|side| (k, fit.x[k] + side * HALF_WIDTH_95 * bars.error(k))))
+                .flat_map(|k| SIDE_REACH.map(|reach| (k, fit.x[k] + reach * HALF_WIDTH_95 * bars.error(k))))
                 .filter(|(_, z)| z.is_finite())
                 .collect();
             let lower = |&(k, z): &(usize, f64)| {

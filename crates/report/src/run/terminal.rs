@@ -28,8 +28,11 @@ pub(crate) fn text(report: &RunReport<'_>, look: Look) -> String {
     for f in &found.terms {
         let term = &system.terms[f.term];
         let unit = term.unit.map_or(String::new(), |u| raised(&u.to_string()));
-        let what = format!("{}·{}", term.factor_text, term.candidate);
-        let what = what.trim_start_matches("1·").trim_end_matches("·1").to_owned();
+        let what = match (term.factor_text.as_str(), term.candidate.as_str()) {
+            ("1", candidate) => candidate.to_owned(),
+            (factor, "1") => factor.to_owned(),
+            (factor, candidate) => format!("{factor}·{candidate}"),
+        };
         let bound = if f.at_bound { "at its bound".to_owned() } else { String::new() };
         // A force, where the inertia is known.
         let (value, unit) = match report.force(f) {
