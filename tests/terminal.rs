@@ -3,6 +3,7 @@
 #![allow(missing_docs)]
 
 use crate::common::{self, Scratch, program};
+use std::io::{Read, Write};
 use std::process::{Command, Stdio};
 
 /// Runs a command line at a terminal of 120 columns; `None` where there is no `script`.
@@ -39,4 +40,74 @@ fn a_terminal_gets_unicode_colours_a_plot_and_the_report_last() {
     // A form that is asked for is given.
     let latex = at_terminal(&["run", "specs/case1a.ron", "--format", "latex"], true).expect("a terminal");
     assert!(latex.contains("\\dot{y}"), "{latex}");
+}
+
+/// The rows of a screen of `wide` columns after what a program wrote: new lines, returns, moves up and down, erasing, and
+/// the wrap of a line that is full.
+fn screen(said: &str, wide: usize) -> Vec<String> {
+    let mut rows = vec![String::new()];
+    let (mut row, mut column) = (0, 0);
+    let mut rest = said.chars().peekable();
+    while let Some(c) = rest.next() {
+        match c {
+            '\r' => column = 0,
+            '\n' => row += 1,
+            '\u{1b}' if rest.next_if_eq(&'[').is_some() => {
+                let mut number = String::new();
+                let last = loop {
+                    match rest.next() {
+                        Some(c) if !c.is_ascii_alphabetic() => number.push(c),
+                        last => break last,
+                    }
+                };
+                let count = number.parse().unwrap_or(1);
+                match last {
+                    Some('A') => row = row.saturating_sub(count),
+                    Some('B') => row += count,
+                    Some('K') => rows[row] = rows[row].chars().take(column).collect(),
+                    _ => {}
+                }
+            }
+            c if c.is_control() => {}
+            c => {
+                if column == wide {
+                    (row, column) = (row + 1, 0);
+                }
+                rows.resize(rows.len().max(row + 1), String::new());
+                let mut line: Vec<char> = rows[row].chars().collect();
+                line.resize(line.len().max(column + 1), ' ');
+                line[column] = c;
+                rows[row] = line.into_iter().collect();
+                column += 1;
+            }
+        }
+        rows.resize(rows.len().max(row + 1), String::new());
+    }
+    rows
+}
+
+/// The `^C` that the terminal shows stands in the line of the progress, and goes with it.
+#[test]
+fn no_progress_stays_above_the_result_after_an_interrupt() {
+    let path = program(&[]).get_program().to_string_lossy().into_owned();
+    let line = format!("stty rows 24 cols 80; '{path}' gap specs/case4.ron");
+    let mut script = Command::new("script");
+    script.args(["-qec", &line, "/dev/null"]).current_dir(common::top()).env("TERM", "xterm");
+    script.env("NO_COLOR", "1").stdin(Stdio::piped()).stdout(Stdio::piped());
+    let Ok(mut child) = script.spawn() else { return };
+    let (mut keys, mut out) = (child.stdin.take().expect("keys"), child.stdout.take().expect("a screen"));
+    let (mut said, mut more) = (Vec::new(), [0; 4096]);
+    let mut pressed = false;
+    while let Ok(count @ 1..) = out.read(&mut more) {
+        said.extend_from_slice(&more[..count]);
+        if !pressed && String::from_utf8_lossy(&said).contains(" % ") {
+            keys.write_all(b"\x03").expect("a key");
+            pressed = true;
+        }
+    }
+    child.wait().expect("an end");
+    let said = String::from_utf8_lossy(&said);
+    assert!(pressed && said.contains("^C"), "{said}");
+    let rows = screen(&said, 80);
+    assert!(!rows.iter().any(|row| row.contains("round 1:") || row.contains("^C")), "{rows:#?}");
 }

@@ -4,7 +4,7 @@ use crate::limit::Limit;
 use crate::sweep::shard::Shard;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
-use phisindy::files::{Assignment, Request};
+use phisindy::files::{Assignment, Naming, Request};
 use phisindy_phys::spec::Method;
 use phisindy_report::Look;
 use phisindy_report::export::{EXPORTERS, Exporter};
@@ -427,6 +427,7 @@ impl Options {
         Request {
             assignments: self.sets.clone(),
             data: self.data.clone(),
+            naming: Naming::Option,
             further_data: environment.map(PathBuf::from),
             laws: self.laws.clone(),
             seed: self.seed,

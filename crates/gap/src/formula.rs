@@ -148,7 +148,7 @@ impl Search<'_> {
         let regression = PartialRegression::new(&model, &now.cal, None, &response_noise(&model, self.noise))?;
         let at_place = |place: &Place| {
             let at = regression.kinematics(&model.system, place)?;
-            force::missing_force(&regression, &at, &model.system, &place.at)
+            force::missing_force(&regression, &at, &model.system, place)
         };
         let all: Vec<Free> = model.places().iter().filter_map(at_place).collect();
         let best = all.into_iter().min_by(|a, b| a.length.total_cmp(&b.length))?;
@@ -349,7 +349,7 @@ fn candidates_at(regression: &PartialRegression, model: &TrialModel, scope: &Sco
     let place = &scope.place;
     let Some(at) = regression.kinematics(&model.system, place) else { return vec![] };
     // What no force of displacement and velocity explains here, no formula of them does.
-    let free = force::missing_force(regression, &at, &model.system, &place.at);
+    let free = force::missing_force(regression, &at, &model.system, place);
     if !free.is_some_and(|free| free.may_explain) {
         return vec![];
     }

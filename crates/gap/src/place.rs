@@ -77,6 +77,44 @@ impl Place {
     pub fn is_on_base(&self) -> bool {
         self.is_relative() && matches!(&self.site, Site::Force { acts, .. } if acts.len() == 1)
     }
+
+    /// Converts a unit of a law, times newtons to the power `newtons`, to the units of the place. A law is written in
+    /// newtons and metres; the model may use volts, radians, or forces per mass.
+    pub(crate) fn unit(&self, unit: &str, newtons: f64, system: &System) -> String {
+        let Ok(parsed) = Unit::parse(unit) else { return String::new() };
+        if matches!(self.site, Site::Input(_)) {
+            return unit.to_owned();
+        }
+        let Site::Force { state, .. } = &self.site else {
+            let Site::Sensor(columns) = &self.site else { return String::new() };
+            // An offset has the unit of its column.
+            let own =
+                columns.first().and_then(|name| system.column(name)).map_or("", |k| system.measured(k).1);
+            return if unit == "m" { own.to_owned() } else { unit.to_owned() };
+        };
+        let [kg, m, s, ..] = parsed.dimension.powers();
+        // Powers of newton, metre and second.
+        let (force, length, time) = (kg + newtons, m - kg, s + 2.0 * kg);
+        // A force cell under prescribed motion: the law's own units.
+        let Some(state) = state else { return unit.to_owned() };
+        let v = &system.states[*state];
+        let x = system.states.iter().find(|x| x.velocity == Some(*state));
+        let x_unit = x.map_or("", |x| x.unit.as_str());
+        let dimension = |u: &str| Unit::parse(u).map_or(Dimension::NONE, |u| u.dimension);
+        let lengths = x.is_none_or(|_| dimension(x_unit) == Dimension::METRE);
+        let si_velocity = dimension(&v.unit) == Dimension::METRE.div(Dimension::SECOND);
+        let mut parts: Vec<(&str, f64)> = Vec::new();
+        match (system.inertia[*state].is_some(), lengths && si_velocity) {
+            (true, true) => parts.extend([("N", force), ("m", length), ("s", time)]),
+            (true, false) => parts.extend([("N", force), ("m", force), (x_unit, length), ("s", time)]),
+            (false, true) => parts.extend([("m", force + length), ("s", time - 2.0 * force)]),
+            (false, false) => parts.extend([(x_unit, force + length), ("s", time - 2.0 * force)]),
+        }
+        if unit == "rad" {
+            return "rad".into();
+        }
+        product(&parts)
+    }
 }
 
 /// All places of a system: bodies, then pairs of bodies, bodies against inputs, contacts, then sensors. Adds

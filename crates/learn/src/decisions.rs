@@ -209,7 +209,7 @@ decisions! {
     WHITE_EXCESS: f64 = 1.1, "times the power", Basis::Judgement("what else there is, is too small to look for");
     /// Samples over effective samples below this are no correlation.
     INFLATED: f64 = 1.3, "samples per effective sample", Basis::Derived("the estimate itself scatters round 1");
-    /// Fewer independent samples than this part of all are told.
+    /// A warning names a column with fewer independent samples than this part of all.
     COLOURED_PART: f64 = 0.5, "part of the samples", PAPER;
     /// What noise looks like less often than this is no noise.
     CHANCE_OF_NOISE: f64 = 1e-4, "chance", Basis::Derived("once in ten thousand right models");
@@ -231,7 +231,7 @@ decisions! {
     /// Rivals are refitted if the quadratic model puts them within this many times that.
     RIVAL_REACH: f64 = 4.0, "times the difference", Basis::Judgement("the quadratic model may promise too little");
     /// How many rivals are refitted.
-    RIVALS: usize = 2, "rivals", Basis::Judgement("one is told");
+    RIVALS: usize = 2, "rivals", Basis::Judgement("the result names one");
     /// A new term of which less than this part is left beside the terms of the model is none.
     NEW_PART: f64 = 1e-12, "part of the curvature", NUMERICS;
     /// A new pair whose determinant is a smaller part of the product of its diagonal is one term.
@@ -259,7 +259,7 @@ decisions! {
     PROFILE_MINIMUM: [f64; 2] = [5.0, 1e-6], "iterations, part of the cost", NUMERICS;
     /// How often that fit goes on while the others have yet to arrive.
     PROFILE_FITS: usize = 4, "fits", NUMERICS;
-    /// Correlations beyond this are told ...
+    /// A warning names correlations beyond this ...
     CORRELATED: f64 = 0.95, "1", Basis::Derived("the error of the sum or difference is a sixth of theirs");
     /// ... if one of the two is known worse than to this part of itself.
     VAGUE: f64 = 0.02, "part of the value", Basis::Judgement("who knows both to two per cent does not ask");
@@ -282,7 +282,7 @@ decisions! {
     COMPLETE: f64 = 0.01, "NRMSE", Basis::Judgement("a hundredth of a motion is not worth a term");
     /// A column of which this part is noise shows no motion.
     NOISE_ONLY: f64 = 0.8, "part of the standard deviation", Basis::Judgement("two thirds of its power");
-    /// Validation that is this many times worse than the fit is told ...
+    /// A warning says that validation is this many times worse than the fit ...
     WORSE: f64 = 3.0, "times the NRMSE", PAPER;
     /// ... unless it is still below this.
     FINE_NRMSE: f64 = 0.05, "NRMSE", PAPER;
@@ -323,7 +323,7 @@ decisions! {
     TRIAL_BASE_STEPS: usize = 1_000, "steps", BLIND;
     /// Steps for each sample of a trial model.
     TRIAL_STEPS: usize = 12, "steps", BLIND;
-    /// Steps for each sample of a trial model with memory: one that fades within a part of a sample cannot be told from none.
+    /// Steps for each sample of a trial model with memory: one that fades within a part of a sample looks like none.
     MEMORY_STEPS: usize = 4, "steps", BLIND;
     /// Local error of the simulations of a trial, and its upper limit.
     TRIAL_TOLERANCE: [f64; 2] = [1e-4, 1e-5], "part of the noise, part of the state's size", Basis::Derived("small against the noise, also where it adds up over a record");

@@ -26,4 +26,4 @@ pub(crate) use columns::headings;
 pub use folders::{open_plain_file, opened};
 pub use laws::{LawFolderError, beside, catalogue, doubts};
 pub use load::{Purpose, Refusal, load, load_text, open, open_text, spec_text, start_of, with_assignments};
-pub use request::{Assignment, Request};
+pub use request::{Assignment, Naming, Request};

@@ -30,6 +30,31 @@ def tables(data: Any, headings: Sequence[str] | None = None) -> list[Columns]:
     return [table(data, headings)]
 
 
+def records(data: Any, headings: Sequence[str] | None) -> list[Columns]:
+    """The tables of records: of ``headings``, or by the names of states, with the time ``t``.
+
+    Of a column that is not there it says that it may be the index of its table.
+    """
+    found = tables(data, headings)
+    given = data if isinstance(data, Sequence) else [data]
+    for one, columns in zip(given, found):
+        names = [name for name, _ in columns]
+        missing = next((name for name in (["t"] if headings is None else headings) if name not in names), None)
+        if missing is not None and (remedy := _index_as_column(one, missing)):
+            raise DataError(f"there is no column `{missing}`, and the index of a table is no column: give {remedy}")
+    return found
+
+
+def _index_as_column(data: Any, name: str) -> str | None:
+    """How the index of a table of pandas becomes this column; ``None`` where it only counts the rows."""
+    index = getattr(data, "index", None)
+    if not hasattr(data, "iloc") or index is None or (type(index).__name__ == "RangeIndex" and index.name is None):
+        return None
+    if index.nlevels > 1 or index.name == name:
+        return "table.reset_index()"
+    return f"table.rename_axis({name!r}).reset_index()"
+
+
 def table(data: Any, headings: Sequence[str] | None = None) -> Columns:
     """The columns of a dict of arrays, of a pandas, polars or pyarrow table, or of anything with the PyCapsule interface of Arrow."""
     found: Columns = []

@@ -14,7 +14,7 @@ from ._arguments import jobs_of, method_of, path_of, seed_of
 from ._case import Case, case_of
 from ._errors import DataError
 from ._results import Gap, Identified, Motion
-from ._tables import tables
+from ._tables import records
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -57,7 +57,7 @@ def run(
     function of the finished fraction and what is being done.
     """
     native = case_of(case)._native
-    given, seed, jobs, folder = tables(data, native.headings), seed_of(seed), jobs_of(jobs), _folder(laws)
+    given, seed, jobs, folder = records(data, native.headings), seed_of(seed), jobs_of(jobs), _folder(laws)
     method, stop = method_of(method), _stopping.by
     with _heard(progress, "run") as tell:
         found = _native.Run(
@@ -77,7 +77,7 @@ def gap(
 ) -> Gap:
     """Finds which laws a model lacks, as ``phisindy gap`` does, to the same bits. Arguments as of ``run``."""
     native = case_of(case)._native
-    given, seed, jobs, folder = tables(data, native.headings), seed_of(seed), jobs_of(jobs), _folder(laws)
+    given, seed, jobs, folder = records(data, native.headings), seed_of(seed), jobs_of(jobs), _folder(laws)
     with _heard(progress, "gap") as tell:
         found = _native.Gap(
             native, given, seed=seed, jobs=jobs, progress=tell, laws=folder, stop=_stopping.by
@@ -91,7 +91,7 @@ def simulate(model: Case | Identified | Gap, data: Any = None, *, seed: int | No
     ``data`` as for ``run``; arrays are in SI.
     """
     native = case_of(model.case if isinstance(model, (Identified, Gap)) else model)._native
-    return [Motion(motion) for motion in _native.motions(native, tables(data, native.headings), seed_of(seed))]
+    return [Motion(motion) for motion in _native.motions(native, records(data, native.headings), seed_of(seed))]
 
 
 def laws(folder: str | os.PathLike[str] | None = None) -> list[dict[str, str]]:

@@ -3,7 +3,7 @@
 use crate::errors::{DataError, Failure, raised, spec_error};
 use crate::table::{Slices, Table, columns, slices};
 use crate::work::{Observe, Stop, worked};
-use phisindy::files::{Purpose, Request, open_text};
+use phisindy::files::{Naming, Purpose, Request, open_text};
 use phisindy::{
     Case, Catalogue, Error, Folder, Format, Gap, Identified, Loaded, Method, Options, RecordError,
 };
@@ -101,7 +101,8 @@ impl NativeCase {
         }
         if tables.is_empty() || self.case.has_files() {
             let tables = tables.iter().map(|table| columns(table)).collect();
-            let request = Request { seed, tables, further_data, ..Request::default() };
+            let request =
+                Request { seed, tables, further_data, naming: Naming::Variable, ..Request::default() };
             return open_text(self.case.text(), &self.path, &request, purpose);
         }
         let records = tables.iter().map(|table| self.case.record(table)).collect::<Result<Vec<_>, _>>()?;

@@ -142,6 +142,27 @@ def test_tables_in_the_place_of_a_file(table, says):
         phisindy.run(phisindy.Case(FILE), table())
 
 
+@pytest.mark.parametrize(
+    ("spec", "table", "says"),
+    [
+        (SPEC, lambda: frame(t=T, x=X).set_index("t"), r"no column `t`, .* give table\.reset_index\(\)"),
+        (SPEC, lambda: frame(x=X).set_index(T), r"no column `t`, .*rename_axis\('t'\)\.reset_index\(\)"),
+        (FILE, lambda: frame(time=T, place=X).set_index("time"), r"no column `time`, .*table\.reset_index\(\)"),
+        (SPEC, lambda: frame(x=X), "no column `t`, the time in seconds"),
+    ],
+)
+def test_an_index_that_holds_the_time_is_no_column(spec, table, says):
+    with pytest.raises(phisindy.DataError, match=says):
+        phisindy.run(phisindy.Case(spec), table())
+
+
+def test_a_file_that_is_not_found_is_sought_where_python_can_name_a_folder(tmp_path):
+    with pytest.raises(phisindy.SpecError, match="no data file") as raised:
+        phisindy.run(phisindy.Case(FILE, folder=tmp_path))
+    said = str(raised.value)
+    assert "PHISINDY_DATA" in said and "the folder of the spec" in said and "--data" not in said
+
+
 def test_other_columns_of_a_table_in_the_place_of_a_file_may_hold_anything():
     table = frame(time=T, place=X, note=["a"] * 900, clock=clock("Europe/Berlin"), load=hole(X))
     table[7] = X

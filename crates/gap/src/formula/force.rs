@@ -6,6 +6,7 @@ use crate::decisions::{
     EXPLAINED, FAR_OFF, FORCE_AT_REST, FORCE_DEFLECTIONS, FORCE_KNOTS, FORCE_SURFACE_KNOTS, FORCE_TIME_KNOTS,
     FORCE_TIMES, WORTH,
 };
+use crate::place::Place;
 use crate::result::{Dependence, ForcePoint, MissingForce};
 use crate::screen::{Kinematics, PartialRegression, Response, dot, norm};
 use phisindy_phys::System;
@@ -72,7 +73,7 @@ pub(super) fn missing_force(
     regression: &PartialRegression,
     at: &Kinematics,
     system: &System,
-    name: &str,
+    place: &Place,
 ) -> Option<Free> {
     let x = at.has_displacement();
     let mut plains = vec![Plain { regression, at, target: regression.target().to_vec(), holding: None }];
@@ -127,7 +128,13 @@ pub(super) fn missing_force(
         None if !may_explain => Dependence::More,
         None => best.on,
     };
-    let force = MissingForce { at: name.to_owned(), on, left, points: best.points };
+    let force = MissingForce {
+        at: place.at.clone(),
+        units: ["m", "m/s", "N"].map(|unit| place.unit(unit, 0.0, system)),
+        on,
+        left,
+        points: best.points,
+    };
     Some(Free { length: best.length, force, may_explain })
 }
 

@@ -52,6 +52,8 @@ pub struct ForcePoint {
 pub struct MissingForce {
     /// The place, as [`crate::Place::at`], at which a force explains most.
     pub at: String,
+    /// The units of the place, in which people read displacement, velocity and force; the points are in SI.
+    pub units: [String; 3],
     /// What it depends on.
     pub on: Dependence,
     /// What the best force of displacement and velocity leaves, rms in units of the noise.

@@ -370,8 +370,8 @@ impl Display for Warning {
             ),
             Warning::CoarseInput(CoarseInput { inputs, open, effect }) => write!(
                 f,
-                "{} has so few samples per period that another interpolation moves the model by {open:.2} of the noise, and what is left to explain by {effect:.2}: no effect of this size can be made out; record the input faster",
-                inputs.join(", ")
+                "{} has so few samples per period that another interpolation moves the model by {open:.2} times the noise, and what is left to explain by {effect:.2}: no effect of this size can be made out; record the input faster",
+                joined(inputs.iter().map(|name| format!("`{name}`")), ", ")
             ),
             Warning::InputError(error) => error.fmt(f),
             Warning::Alternative(alternative) => alternative.fmt(f),

@@ -1,7 +1,7 @@
 //! Finds data files in `--data`, then `PHISINDY_DATA`, then beside the spec, never outside these folders, and
 //! opens them.
 
-use super::request::Request;
+use super::request::{Naming, Request};
 use phisindy_expr::Span;
 use phisindy_import::{DataFile, record, unreadable};
 use phisindy_phys::spec::CsvSpec;
@@ -60,6 +60,7 @@ pub(crate) struct Folders {
     folders: Vec<(PathBuf, &'static str)>,
     /// Whether the user named one.
     pub(crate) given: bool,
+    naming: Naming,
 }
 
 impl Folders {
@@ -74,7 +75,7 @@ impl Folders {
             named_data(text).into_iter().map(|folder| (beside.join(folder), "named in the head of the spec"));
         folders.push((beside.clone(), "beside the spec"));
         folders.extend(named);
-        Folders { folders, given }
+        Folders { folders, given, naming: request.naming }
     }
 
     /// The file of this name, which stands at `at` in the spec.
@@ -86,7 +87,9 @@ impl Folders {
             Path::new(name).components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
         if !plain {
             let d = Diagnostic::error(format!("`{name}` leads out of the data folder")).at(spec, at, "");
-            return Err(Missing::Refused(d.help("name the file alone, and its folder with --data")));
+            return Err(Missing::Refused(
+                d.help(format!("name the file alone, and its folder {}", self.naming.how())),
+            ));
         }
         for (folder, _) in &self.folders {
             let path = folder.join(name);
@@ -102,9 +105,10 @@ impl Folders {
                         path.display()
                     ));
                     let d = d.at(spec, at, "asked for here");
-                    return Err(Missing::Refused(
-                        d.help("copy the file into the folder, or name its real folder with --data"),
-                    ));
+                    return Err(Missing::Refused(d.help(format!(
+                        "copy the file into the folder, or name its real folder {}",
+                        self.naming.how()
+                    ))));
                 }
             }
         }
@@ -116,9 +120,7 @@ impl Folders {
                 if folder.as_os_str().is_empty() || folder.is_dir() { "" } else { ", which is no folder" };
             d = d.help(format!("looked in `{shown}` ({why}{missing})"));
         }
-        Err(Missing::Nowhere(
-            d.help("say where the data files are with --data DIR or the environment variable PHISINDY_DATA"),
-        ))
+        Err(Missing::Nowhere(d.help(self.naming.help())))
     }
 }
 

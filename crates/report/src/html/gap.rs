@@ -1,7 +1,7 @@
 //! The report of `gap`.
 
 use super::leaderboard::leaderboard;
-use super::page::{Banner, Page, Tone, add_data_remarks, add_warnings, paragraph, worded};
+use super::page::{Banner, Captioned, Page, Tone, add_data_remarks, add_warnings, paragraph, worded};
 use super::table::{Cell, code, in_unit, parameters, table, text};
 use super::{force, hero, map, mathml, missing_force, motion, next, reproduction, residual, shrink};
 use crate::chart::{Sheet, digits};
@@ -21,12 +21,12 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     let mut page = Page::new(input, banner(found, ending));
     let balances: Vec<Option<Balance>> =
         found.steps.iter().map(|s| balance(found, s, input.records)).collect();
-    first_screen(&mut page, found, &seen, &balances);
     if found.status == Status::Unexplained {
         next::add(&mut page, &next::after_unexplained(input.name));
     }
+    first_screen(&mut page, found, &seen, &balances);
     page.section("All laws that were tried", leaderboard(found, catalogue));
-    missing(&mut page, found, catalogue, &balances);
+    effects(&mut page, found, catalogue, &balances);
     // A law that is ruled out is told beside its step.
     let warnings = found.warnings.iter().filter(|w| !matches!(w, Warning::Vetoed(_)));
     add_warnings(&mut page, &warnings.map(ToString::to_string).collect::<Vec<_>>());
@@ -51,39 +51,39 @@ fn first_screen(page: &mut Page, found: &Gap, seen: &Seen<'_>, balances: &[Optio
     let mut figures = page.drawn(Sheet::Half, |sheet| hero::chart(seen, column, sheet).into_iter().collect());
     let shown = found.steps.iter().zip(balances).find_map(|(step, b)| b.as_ref().map(|b| (step, b)));
     let gap = |sheet| vec![shrink::chart(found, sheet)];
-    match shown {
-        Some((step, balance)) => {
-            figures.extend(page.drawn(Sheet::Half, |sheet| vec![force::first(step, balance, sheet)]));
-            let below = page.drawn(Sheet::Page, gap);
-            page.first(figures, vec![element("div").class("beside").all(below)]);
-        }
-        None => {
-            let Some(force) = &found.force else {
-                figures.extend(page.drawn(Sheet::Half, gap));
-                return page.first(figures, vec![]);
-            };
-            figures.extend(page.drawn(Sheet::Half, |sheet| vec![missing_force::chart(force, sheet)]));
-            let below = page.drawn(Sheet::Page, gap);
-            page.first(figures, vec![element("div").class("beside").all(below)]);
-        }
+    let second = match shown {
+        Some((step, balance)) => page.drawn(Sheet::Half, |sheet| vec![force::first(step, balance, sheet)]),
+        None => page.drawn(Sheet::Half, |sheet| missing(found, sheet)),
+    };
+    if second.is_empty() {
+        figures.extend(page.drawn(Sheet::Half, gap));
+        return page.first(figures, vec![]);
     }
+    figures.extend(second);
+    let below = page.drawn(Sheet::Page, gap);
+    page.first(figures, vec![element("div").class("beside").all(below)]);
+}
+
+/// The force without a formula, if there is one that can be drawn.
+fn missing(found: &Gap, sheet: Sheet) -> Vec<Captioned> {
+    found.force.iter().filter_map(|force| missing_force::chart(force, sheet)).collect()
 }
 
 /// What was added, and what helps.
-fn missing(page: &mut Page, found: &Gap, catalogue: &[LawEntry], balances: &[Option<Balance>]) {
+fn effects(page: &mut Page, found: &Gap, catalogue: &[LawEntry], balances: &[Option<Balance>]) {
     // A remark that applies to several steps is made once.
     let mut told = Vec::new();
-    let mut missing = Vec::new();
+    let mut effects = Vec::new();
     for (k, (step, balance)) in found.steps.iter().zip(balances).enumerate() {
         let name = format!("effect-{}", k + 1);
         let draw = |sheet| balance.iter().map(|b| force::chart(&name, step, b, sheet)).collect();
         let picture = page.drawn(Sheet::Page, draw).pop();
-        missing.extend(shown(found, Some(k + 1), step, catalogue, picture, &mut told));
+        effects.extend(shown(found, Some(k + 1), step, catalogue, picture, &mut told));
     }
     let whole = found.status != Status::Unexplained;
-    page.section(if whole { "What is missing" } else { "What brings the gap far down" }, missing);
-    if let (Some(force), false) = (&found.force, found.steps.is_empty()) {
-        page.figures("The missing force without a formula", |sheet| vec![missing_force::chart(force, sheet)]);
+    page.section(if whole { "What is missing" } else { "What brings the gap far down" }, effects);
+    if !found.steps.is_empty() {
+        page.figures("The missing force without a formula", |sheet| missing(found, sheet));
     }
     let mut helps = Vec::new();
     for step in &found.partial {

@@ -34,13 +34,19 @@ pub(crate) fn leaderboard(found: &Gap, catalogue: &[LawEntry]) -> Vec<Element> {
     out.extend(more.map(|table| folded(&format!("{} more that were fitted", rest.len()), table)));
     let head = ["law", "score of the regression"];
     let short = |all: &[&Tried]| -> Vec<Vec<Cell>> {
-        rows(all, best(all)).into_iter().map(|row| row.into_iter().take(2).collect()).collect()
+        rows(all, best(&screened)).into_iter().map(|row| row.into_iter().take(2).collect()).collect()
     };
-    let list =
-        table("Laws that were screened by regression alone: others did better", &head, short(&screened));
-    let words = format!("{} laws and places that were screened only", screened.len());
     // Where no law was worth a fit the screening is all there is.
-    out.extend(list.map(|table| if fitted.is_empty() { table } else { folded(&words, table) }));
+    let open = if fitted.is_empty() { SHOWN.min(screened.len()) } else { 0 };
+    let (first, rest) = screened.split_at(open);
+    out.extend(table("Laws that were screened by regression alone, best first", &head, short(first)));
+    let caption = "Laws that were screened by regression alone: others did better";
+    let words = format!(
+        "{}{} laws and places that were screened only",
+        rest.len(),
+        if open > 0 { " more" } else { "" }
+    );
+    out.extend(table(caption, &head, short(rest)).map(|table| folded(&words, table)));
     let not: Vec<Vec<Cell>> =
         found.not_tried.iter().map(|n| vec![code(&n.law), text(n.why.to_string())]).collect();
     let count = found.not_tried.len();
