@@ -27,6 +27,14 @@ fn spec(truth: &str, noise: f64) -> String {
     )
 }
 
+/// The same with a third of the samples: a search that ends without an explanation tries everything, and each trial
+/// costs its samples.
+fn with_fewer_samples(spec: &str) -> String {
+    let long = "duration: 40.0, step: 0.02";
+    assert!(spec.contains(long), "{spec}");
+    spec.replace(long, "duration: 25.0, step: 0.04")
+}
+
 fn gap(folder: &Path, spec: &str) -> (Value, i32) {
     let path = folder.join("spec.ron");
     std::fs::write(&path, spec).expect("the spec can be written");
@@ -194,7 +202,8 @@ fn a_force_at_the_frequency_of_the_drive_is_none() {
     let (found, _) = gap(&folder("gap-tone"), &spec("\"v\": \"0.2*cos(1.9*t+1)\"", 0.02));
     assert_eq!(named(&found), [effect("harmonic-force", "v")], "{found}");
     // What is missing answers the drive with a delay, as no law does: t - 0.8 stands for a state that is not there.
-    let (found, _) = gap(&folder("gap-echo"), &spec("\"v\": \"0.2*cos(0.7*(t-0.8)) - 0.2*x^3\"", 0.02));
+    let echo = with_fewer_samples(&spec("\"v\": \"0.2*cos(0.7*(t-0.8)) - 0.2*x^3\"", 0.02));
+    let (found, _) = gap(&folder("gap-echo"), &echo);
     assert!(named(&found).iter().all(|(law, _)| law != "harmonic-force"), "{found}");
 }
 
@@ -335,7 +344,7 @@ fn a_drive_off_its_frequency_is_told_beside_friction() {
     let truth = "\"v\": \"F0*(cos(0.707*t) - cos(0.7*t))/m - 0.3*sgn(v)\"";
     // The frequency is no constant of the spec, which would be told as such.
     let text = spec(truth, 0.01).replace("cos(W*t)", "cos(0.7*t)").replace(", \"W\": (0.7, \"rad/s\")", "");
-    let (found, _) = gap(&folder("gap-frequency-friction"), &text);
+    let (found, _) = gap(&folder("gap-frequency-friction"), &with_fewer_samples(&text));
     let said = found["warnings"].to_string();
     assert!(said.contains("at 1.0100") || said.contains("at 1.0099"), "{said}");
     assert!(said.contains("with Coulomb friction at v") && said.contains("then Fc = 0.3"), "{said}");
@@ -588,17 +597,23 @@ fn of_positions(truth: &str, noise: f64) -> String {
 /// A smooth friction is Stribeck's only if that may grow with the speed, which its file forbids; a motion that
 /// feeds itself is not a sum of drag, friction and a negative damper. No law of the catalogue is either of them: a
 /// formula is.
+///
+/// The first takes a minute of CPU. With velocities measured `friction_that_grows_with_speed_is_not_called_stribeck`
+/// always sees the same, so it runs with the variable PHISINDY_LONG alone.
 #[test]
 fn a_law_is_not_named_for_what_it_imitates() {
-    for (name, truth, noise, never, shape) in [
-        ("gap-smooth", "-0.4*tanh(v/0.15)", 0.02, "stribeck", "tanh("),
-        ("gap-galloping", "0.2*v-0.2*v^3", 0.05, "viscous", "v^3"),
-    ] {
-        let (found, code) = gap(&folder(name), &of_positions(&format!("\"v\": \"{truth}\""), noise));
-        assert_eq!((found["status"].as_str(), code), (Some("described"), 0), "{truth}: {found}");
-        assert!(named(&found).iter().all(|(law, _)| law != never), "{truth}: {:?}", named(&found));
+    let galloping = with_fewer_samples(&of_positions("\"v\": \"0.2*v-0.2*v^3\"", 0.05));
+    let mut cases = vec![("gap-galloping", galloping, "viscous", "v^3")];
+    if std::env::var_os("PHISINDY_LONG").is_some() {
+        let smooth = of_positions("\"v\": \"-0.4*tanh(v/0.15)\"", 0.02);
+        cases.push(("gap-smooth", smooth, "stribeck", "tanh("));
+    }
+    for (name, spec, never, shape) in cases {
+        let (found, code) = gap(&folder(name), &spec);
+        assert_eq!((found["status"].as_str(), code), (Some("described"), 0), "{name}: {found}");
+        assert!(named(&found).iter().all(|(law, _)| law != never), "{name}: {:?}", named(&found));
         let force = found["steps"][0]["force"].as_str().unwrap_or_default();
-        assert!(force.contains(shape), "{truth}: {force}");
+        assert!(force.contains(shape), "{name}: {force}");
     }
 }
 
