@@ -347,8 +347,9 @@ fn a_drive_off_its_frequency_is_told_beside_friction() {
     let (found, _) = gap(&folder("gap-frequency-friction"), &with_fewer_samples(&text));
     let said = found["warnings"].to_string();
     assert!(said.contains("at 1.0100") || said.contains("at 1.0099"), "{said}");
-    assert!(said.contains("with Coulomb friction at v") && said.contains("then Fc = 0.3"), "{said}");
-    assert!(named(&found).is_empty(), "{found}");
+    let level = said.split("then Fc = ").nth(1).and_then(|rest| rest.split(' ').next()?.parse::<f64>().ok());
+    assert!(level.is_some_and(|level| (level - 0.3).abs() < 0.001), "{said}");
+    assert!(said.contains("with Coulomb friction at v") && named(&found).is_empty(), "{found}");
 }
 
 /// A stiffness that swings at nearly the frequency of one of many tones of the drive is no force at that frequency.
@@ -518,7 +519,8 @@ fn chain(truth: &str, drive: f64, noise: f64) -> String {
 #[test]
 fn effects_move_to_where_they_belong() {
     let truth = "\"v1\": \"-0.5*sgn(v1) - 0.3*sgn(v1-v2)\", \"v2\": \"0.3*sgn(v1-v2)/1.5\"";
-    let (found, _) = gap(&folder("gap-moved"), &chain(truth, 0.9, 0.03));
+    let half = chain(truth, 0.9, 0.03).replace("duration: 60.0", "duration: 30.0");
+    let (found, _) = gap(&folder("gap-moved"), &half);
     let mut names = named(&found);
     names.sort();
     assert_eq!(names, [effect("coulomb", "v1"), effect("coulomb", "v1-v2")], "{found}");
