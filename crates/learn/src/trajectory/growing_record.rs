@@ -15,7 +15,7 @@ use phisindy_phys::spec::SegmentsSpec;
 
 impl<'a> Context<'a> {
     /// Whether no state is measured, and outputs are.
-    fn is_blind(&self) -> bool {
+    pub(crate) fn is_blind(&self) -> bool {
         let measured = |r: &&Record| r.columns[..self.system.states.len()].iter().any(Option::is_some);
         let outputs = self.records.iter().any(|r| reads_outputs(self.system, r));
         outputs && !self.records.iter().any(measured) && self.segments == SegmentsSpec::Auto

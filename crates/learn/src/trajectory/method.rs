@@ -115,7 +115,8 @@ fn start<'a>(
         if best.as_ref().is_none_or(|(least, _)| misfit < *least) {
             best = Some((misfit, found));
         }
-        if white || !gained {
+        // Without a measured state a start that is no better says little of the next one.
+        if white || !gained && !context.is_blind() {
             break;
         }
     }
