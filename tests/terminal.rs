@@ -46,7 +46,7 @@ fn a_terminal_gets_unicode_colours_a_plot_and_the_report_last() {
 /// the wrap of a line that is full.
 fn screen(said: &str, wide: usize) -> Vec<String> {
     let mut rows = vec![String::new()];
-    let (mut row, mut column) = (0, 0);
+    let (mut row, mut column) = (0_usize, 0_usize);
     let mut rest = said.chars().peekable();
     while let Some(c) = rest.next() {
         match c {
@@ -100,7 +100,8 @@ fn no_progress_stays_above_the_result_after_an_interrupt() {
     let mut pressed = false;
     while let Ok(count @ 1..) = out.read(&mut more) {
         said.extend_from_slice(&more[..count]);
-        if !pressed && String::from_utf8_lossy(&said).contains(" % ") {
+        // The line is drawn whole, to its end.
+        if !pressed && said.ends_with(b" ") && String::from_utf8_lossy(&said).contains(" % ") {
             keys.write_all(b"\x03").expect("a key");
             pressed = true;
         }
