@@ -27,17 +27,19 @@ struct Share {
 
 /// Which rows of `J` are gathered, and how.
 #[derive(Clone, Copy)]
-struct Rows {
+struct Rows<'m> {
     /// Each multiplied by its residual: the meat of the sandwich.
     meat: bool,
+    /// For the meat: the inverse of the whole `J^T J`, if leverages count.
+    inverse: Option<&'m Mat<f64>>,
     /// Those of the joints of segments too.
     joints: bool,
     /// Samples over which outputs are averaged; 1 for single samples.
     window: usize,
 }
 
-impl Rows {
-    const ALL: Rows = Rows { meat: false, joints: true, window: 1 };
+impl Rows<'_> {
+    const ALL: Rows<'static> = Rows { meat: false, inverse: None, joints: true, window: 1 };
 }
 
 impl Problem<'_> {
@@ -210,12 +212,18 @@ impl Problem<'_> {
 
     /// As [`Problem::normal`], but each row of `J` is multiplied by its weighted residual: the meat of the
     /// sandwich that makes error bars right where the noise model is not (White, Econometrica 48 (1980)
-    /// 817-838).
-    pub(crate) fn meat(&self, x: &[f64], weights: &[Vec<Vec<f64>>]) -> Result<Mat<f64>, SimError> {
-        self.gathered(x, weights, Rows { meat: true, ..Rows::ALL }).map(|n| n.matrix)
+    /// 817-838). With the inverse of the matrix of [`Problem::normal`] leverages count, see
+    /// [`Products::with_leverage`].
+    pub(crate) fn meat(
+        &self,
+        x: &[f64],
+        weights: &[Vec<Vec<f64>>],
+        inverse: Option<&Mat<f64>>,
+    ) -> Result<Mat<f64>, SimError> {
+        self.gathered(x, weights, Rows { meat: true, inverse, ..Rows::ALL }).map(|n| n.matrix)
     }
 
-    fn gathered(&self, x: &[f64], weights: &[Vec<Vec<f64>>], rows: Rows) -> Result<Normal, SimError> {
+    fn gathered(&self, x: &[f64], weights: &[Vec<Vec<f64>>], rows: Rows<'_>) -> Result<Normal, SimError> {
         let d = self.unknowns;
         let parts: Vec<Share> = self
             .segments
@@ -270,7 +278,7 @@ impl Problem<'_> {
         segment: &Segment,
         x: &[f64],
         weights: &[Vec<Vec<f64>>],
-        Rows { meat, joints: joined, window }: Rows,
+        Rows { meat, inverse, joints: joined, window }: Rows<'_>,
     ) -> Result<Share, SimError> {
         let sampled = self.run(segment, x, true)?;
         let (mut at, sensor_slots) = self.unknowns_of(segment);
@@ -278,9 +286,18 @@ impl Problem<'_> {
         let (joints, n) = (at.len(), self.system.states.len());
         at.extend(next.iter().flat_map(|s| s.start..s.start + n));
         let width = at.len();
+        // What the data do not see has no finite variance, and no leverage.
+        let finite = |v: f64| if v.is_finite() { v } else { 0.0 };
+        let inverse = inverse.map(|inverse| -> Vec<f64> {
+            at.iter().flat_map(|&i| at.iter().map(move |&j| finite(inverse[(i, j)]))).collect()
+        });
+        let begun = || match &inverse {
+            Some(inverse) => Products::new(width, meat).with_leverage(inverse.clone()),
+            None => Products::new(width, meat),
+        };
         // The parts are the same for any number of threads, and so are their sums.
         let of = |samples: Range<usize>| {
-            let mut products = Products::new(width, meat);
+            let mut products = begun();
             let misses = self.misses(segment, x, weights, &sampled, (samples.clone(), window));
             let cost = sum_of_squares(&misses);
             let at = (segment, samples, window);
@@ -293,7 +310,7 @@ impl Problem<'_> {
             products.add(part);
             (cost + share, products)
         });
-        let (mut cost, mut products) = sum.unwrap_or_else(|| (0.0, Products::new(width, meat)));
+        let (mut cost, mut products) = sum.unwrap_or_else(|| (0.0, begun()));
         for mean in self.window_means(segment, x, weights, &sampled, window) {
             cost += mean.miss * mean.miss;
             self.gather_mean(segment, x, (&sampled, &sensor_slots), &mean, &mut products);

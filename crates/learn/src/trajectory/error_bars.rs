@@ -27,7 +27,7 @@ impl<'a> ErrorBars<'a> {
         let inflation = fit.inflation();
         let (sandwich, curvature) =
             of_numbers(fit).unwrap_or_else(|| (robust_covariance(fit), covariance(&fit.normal.matrix)));
-        ErrorBars { fit, covariances: no_less(sandwich, &curvature), curvature, inflation }
+        ErrorBars { fit, covariances: sandwich, curvature, inflation }
     }
 
     /// The standard error of an unknown.
@@ -57,24 +57,6 @@ impl<'a> ErrorBars<'a> {
     pub(crate) fn covariance(&self, of: &[usize]) -> Vec<Vec<f64>> {
         of.iter().map(|&a| of.iter().map(|&b| self.covariances[(a, b)] * self.inflation).collect()).collect()
     }
-}
-
-/// The sandwich with no standard error below that of the curvature. Where a few samples decide, as beside an event, the
-/// fit goes through them and the scatter of their residuals is too small (MacKinnon and White, Journal of
-/// Econometrics 29 (1985) 305-325); of both the larger is taken (Angrist and Pischke, Mostly Harmless Econometrics,
-/// 2009, section 8.1).
-fn no_less(mut sandwich: Mat<f64>, curvature: &Mat<f64>) -> Mat<f64> {
-    let stretch = |k: usize| {
-        let ratio = curvature[(k, k)] / sandwich[(k, k)];
-        if ratio.is_finite() { ratio.max(1.0).sqrt() } else { 1.0 }
-    };
-    let stretches: Vec<f64> = (0..sandwich.nrows()).map(stretch).collect();
-    for (i, a) in stretches.iter().enumerate() {
-        for (j, b) in stretches.iter().enumerate().filter(|(_, b)| a * *b > 1.0) {
-            sandwich[(i, j)] *= a * b;
-        }
-    }
-    sandwich
 }
 
 /// The sandwich and the inverse of the curvature for all unknowns but the start states of many segments, whose
@@ -107,7 +89,7 @@ fn of_numbers(fit: &Fit<'_>) -> Option<(Mat<f64>, Mat<f64>)> {
             inverse[(s, c)] = -seen.iter().map(|&i| eliminated[i][row] * bread[(i, j)]).sum::<f64>();
         }
     }
-    let meat = fit.problem.meat(&fit.x, &fit.weights).ok()?;
+    let meat = fit.problem.meat(&fit.x, &fit.weights, None).ok()?;
     let small = inverse.transpose() * &meat * &inverse;
     let unknowns = seen.len() + starts.len();
     let stretch = fit.samples as f64 / fit.samples.saturating_sub(unknowns).max(1) as f64;
@@ -122,38 +104,22 @@ fn of_numbers(fit: &Fit<'_>) -> Option<(Mat<f64>, Mat<f64>)> {
     Some((sandwich, curvature))
 }
 
-/// The sandwich `A^-1 B A^-1`: curvature `A` of the cost, scatter `B` of its gradient. Where the noise model
+/// The sandwich `A^-1 B A^-1`: curvature `A` of the cost, scatter `B` of its gradient, by the residuals that a fit without
+/// the sample would leave: beside an event few samples decide, and the fit goes through them. Where the noise model
 /// holds it is `A^-1`; directions that the data do not see stay infinite.
 pub(crate) fn robust_covariance(fit: &Fit<'_>) -> Mat<f64> {
     let bread = covariance(&fit.normal.matrix);
-    let Ok(meat) = fit.problem.meat(&fit.x, &fit.weights) else { return bread };
+    let Ok(meat) = fit.problem.meat(&fit.x, &fit.weights, Some(&bread)) else { return bread };
     let n = bread.nrows();
     let seen: Vec<usize> = (0..n).filter(|&k| bread[(k, k)].is_finite()).collect();
     let pick = |m: &Mat<f64>| Mat::from_fn(seen.len(), seen.len(), |i, j| m[(seen[i], seen[j])]);
     let small = pick(&bread);
     let sandwich = &small * &pick(&meat) * &small;
-    // Small-sample correction of the sandwich (HC1).
-    let stretch = fit.samples as f64 / fit.samples.saturating_sub(seen.len()).max(1) as f64;
     let mut out = Mat::from_fn(n, n, |i, j| if i == j { f64::INFINITY } else { 0.0 });
     for (i, &a) in seen.iter().enumerate() {
         for (j, &b) in seen.iter().enumerate() {
-            out[(a, b)] = sandwich[(i, j)] * stretch;
+            out[(a, b)] = sandwich[(i, j)];
         }
     }
     out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn no_standard_error_is_below_that_of_the_curvature() {
-        let of = |m: [[f64; 3]; 3]| Mat::from_fn(3, 3, |i, j| m[i][j]);
-        let sandwich = of([[1.0, 0.5, 0.0], [0.5, 4.0, 0.0], [0.0, 0.0, f64::INFINITY]]);
-        let curvature = of([[9.0, 0.1, 0.0], [0.1, 1.0, 0.0], [0.0, 0.0, f64::INFINITY]]);
-        let both = no_less(sandwich, &curvature);
-        // The first is stretched three times, and the correlation of the sandwich is kept.
-        assert_eq!(both, of([[9.0, 1.5, 0.0], [1.5, 4.0, 0.0], [0.0, 0.0, f64::INFINITY]]));
-    }
 }

@@ -15,6 +15,8 @@ pub(crate) struct Products {
     /// `count`, rounded up to whole vectors: what is beyond is zero.
     width: usize,
     meat: bool,
+    /// For a meat: the inverse of `J^T J`, by which each residual is divided by `1 - h`, `h` the leverage of its row.
+    inverse: Option<Vec<f64>>,
     rows: Vec<f64>,
     residuals: Vec<f64>,
     matrix: Vec<f64>,
@@ -29,11 +31,19 @@ impl Products {
             count,
             width,
             meat,
+            inverse: None,
             rows: Vec::with_capacity(BATCH * width),
             residuals: Vec::with_capacity(BATCH),
             matrix: vec![0.0; width * width],
             gradient: vec![0.0; width],
         }
+    }
+
+    /// For the meat of a sandwich: the inverse of the whole `J^T J`, row by row. The residual of a row that decides much is
+    /// small, for the fit goes through it; divided by `1 - h` it is what the fit without that row would leave there
+    /// (HC3, MacKinnon and White, Journal of Econometrics 29 (1985) 305-325).
+    pub(crate) fn with_leverage(self, inverse: Vec<f64>) -> Products {
+        Products { inverse: Some(inverse), ..self }
     }
 
     /// The next row, of zeros, for this residual.
@@ -75,9 +85,11 @@ impl Products {
     /// state or a friction level that nothing has coupled to these samples yet.
     #[inline(always)]
     fn multiply_batch(&mut self) {
-        let Products { width, meat, rows, residuals, matrix, gradient, .. } = self;
+        let Products { count, width, meat, inverse, rows, residuals, matrix, gradient } = self;
         for (row, &e) in rows.chunks_exact_mut(*width).zip(&*residuals) {
             if *meat {
+                let h = inverse.as_ref().map_or(0.0, |inverse| leverage(&row[..*count], inverse));
+                let e = e / (1.0 - h).max(f64::EPSILON.sqrt());
                 row.iter_mut().for_each(|j| *j *= e);
             }
             gradient.iter_mut().zip(&*row).for_each(|(g, j)| *g += j * e);
@@ -108,6 +120,12 @@ impl Products {
             }
         }
     }
+}
+
+/// `j^T A^-1 j`.
+fn leverage(row: &[f64], inverse: &[f64]) -> f64 {
+    let along = |line: &[f64]| line.iter().zip(row).map(|(a, j)| a * j).sum::<f64>();
+    row.iter().zip(inverse.chunks_exact(row.len())).map(|(j, line)| j * along(line)).sum()
 }
 
 #[cfg(test)]
@@ -141,5 +159,24 @@ mod tests {
                 assert_relative_eq!(slope, due, epsilon = 1e-12, max_relative = 1e-12);
             }
         }
+    }
+
+    /// Two rows, of which the second alone tells the second number: its leverage is one, and its residual is divided by
+    /// nearly nothing. The first shares its number with a third.
+    #[test]
+    fn a_residual_is_what_the_fit_without_its_row_leaves() {
+        let rows = [([1.0, 0.0], 0.2), ([3.0, 0.0], -0.1), ([0.0, 2.0], 0.0)];
+        let mut products = Products::new(2, true).with_leverage(vec![0.1, 0.0, 0.0, 0.25]);
+        for (row, e) in rows {
+            products.row(e).copy_from_slice(&row);
+        }
+        let (matrix, _) = products.finish();
+        // Leverages 0.1, 0.9 and 1.
+        assert_relative_eq!(
+            matrix(0, 0),
+            (0.2f64 / 0.9).powi(2) + (3.0f64 * 0.1 / 0.1).powi(2),
+            max_relative = 1e-12
+        );
+        assert_eq!(matrix(1, 1), 0.0);
     }
 }

@@ -2,7 +2,7 @@
 //! down too.
 
 use super::*;
-use crate::line_models::{STEP, lever, records, scatter};
+use crate::line_models::{STEP, lever, leverage, records, scatter};
 use crate::linear::covariance;
 use approx::assert_relative_eq;
 use phisindy_phys::{Case, Origin, SourceId, check, spec};
@@ -58,16 +58,15 @@ fn a_line_is_calibrated_by_regression() {
             let Estimate { value, std_error, ci95 } = found.parameters[0].estimate;
             assert_relative_eq!(value, slope, max_relative = 1e-6);
             if effort == Effort::Errors {
-                // Sandwich: each sample counts by what is left of it, and two unknowns are seen. Never less than
-                // the noise that is given leaves.
+                // Sandwich: each sample counts by what a line without it leaves of it.
                 let (n, middle) = (SAMPLES as f64, 0.5 * (SAMPLES - 1) as f64);
                 let mean = samples.iter().sum::<f64>() / n;
                 let of = |i: usize| STEP * (i as f64 - middle);
-                let meat = |(i, x): (usize, &f64)| (of(i) * (x - mean - slope * of(i))).powi(2);
+                let left = |(i, x): (usize, &f64)| (x - mean - slope * of(i)) / (1.0 - leverage(i, SAMPLES));
+                let meat = |s: (usize, &f64)| (of(s.0) * left(s)).powi(2);
                 let error = samples.iter().enumerate().map(meat).sum::<f64>().sqrt() / lever(SAMPLES);
-                let variance = (error.powi(2) * n / (n - 2.0)).max(SIGMA * SIGMA / lever(SAMPLES));
                 let stretch = crate::trajectory::tally::inflation(SAMPLES, found.effective);
-                assert_relative_eq!(std_error, (variance * stretch).sqrt(), max_relative = 1e-4);
+                assert_relative_eq!(std_error, error * stretch.sqrt(), max_relative = 1e-4);
                 assert_relative_eq!(ci95.0, value - 1.96 * std_error, max_relative = 1e-3);
                 assert_relative_eq!(ci95.1, value + 1.96 * std_error, max_relative = 1e-3);
             } else {

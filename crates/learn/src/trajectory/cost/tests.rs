@@ -113,7 +113,7 @@ fn the_normal_equations_are_those_of_the_residuals() {
         let sum = |of: &dyn Fn(usize) -> f64| (0..e.len()).map(of).sum::<f64>();
         let (miss, believed) = ((u[1] - 1.2) / 0.1, |a: usize| if a == 1 { BELIEF } else { 0.0 });
         let normal = problem.normal(&u, &weights()).unwrap();
-        let meat = problem.meat(&u, &weights()).unwrap();
+        let meat = problem.meat(&u, &weights(), None).unwrap();
         assert_relative_eq!(normal.cost, sum(&|i| e[i] * e[i]) + BELIEF * miss * miss, max_relative = 1e-8);
         for a in 0..d {
             let gradient = sum(&|i| j[a][i] * e[i]) + believed(a) * miss / 0.1;

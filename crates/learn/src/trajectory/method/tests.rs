@@ -1,7 +1,7 @@
 //! What is told of a fit on a line, where each number is a regression by hand.
 
 use super::*;
-use crate::line_models::{STEP, fitted, fitted_terms, lever, records, scatter};
+use crate::line_models::{STEP, fitted, fitted_terms, lever, leverage, records, scatter};
 use crate::result::estimate::Estimate;
 use crate::result::identified::NoiseModel;
 use crate::result::verdict::Verdict;
@@ -25,13 +25,14 @@ fn line(bend: f64) -> Vec<f64> {
     scatter(SAMPLES).iter().enumerate().map(|(i, e)| clean(i) + SIGMA * e).collect()
 }
 
-/// Slope, its scatter by what is left of each sample, and the mean square of that.
+/// Slope, its scatter by what a line without a sample leaves of it, and the mean square of what is left.
 fn regression(samples: &[f64]) -> (f64, f64, f64) {
     let (n, mean) = (samples.len() as f64, samples.iter().sum::<f64>() / samples.len() as f64);
     let of = |i: usize| STEP * (i as f64 - 0.5 * (n - 1.0));
     let slope = samples.iter().enumerate().map(|(i, x)| of(i) * x).sum::<f64>() / lever(samples.len());
     let left = |(i, x): (usize, &f64)| x - mean - slope * of(i);
-    let meat: f64 = samples.iter().enumerate().map(|s| (of(s.0) * left(s)).powi(2)).sum();
+    let without = |s: (usize, &f64)| left(s) / (1.0 - leverage(s.0, samples.len()));
+    let meat: f64 = samples.iter().enumerate().map(|s| (of(s.0) * without(s)).powi(2)).sum();
     let square: f64 = samples.iter().enumerate().map(|s| left(s).powi(2)).sum();
     (slope, meat.sqrt() / lever(samples.len()), square / n)
 }
@@ -72,7 +73,7 @@ fn what_is_told_of_a_line_is_its_regression() {
     let Estimate { value, std_error, ci95 } = found.terms[0].coefficient;
     assert_relative_eq!(value, slope, max_relative = 1e-4);
     // Two unknowns of a hundred samples.
-    assert_relative_eq!(std_error, error * (100.0_f64 / 98.0).sqrt(), max_relative = 0.02);
+    assert_relative_eq!(std_error, error, max_relative = 0.02);
     assert_relative_eq!(found.covariance[0][0], std_error * std_error, max_relative = 1e-9);
     assert_relative_eq!(ci95.1 - ci95.0, 2.0 * 1.96 * std_error, max_relative = 0.02);
     assert!(found.warnings.is_empty() && found.parameters.is_empty(), "{:?}", found.warnings);
@@ -158,7 +159,7 @@ fn what_is_left_and_is_not_noise_is_told() {
         found.warnings
     );
     let (_, error, _) = regression(&wave);
-    let error = error * (100.0_f64 / 98.0 * 100.0 / few).sqrt();
+    let error = error * (100.0 / few).sqrt();
     // The noise has a relative part, so that not all samples weigh the same.
     assert_relative_eq!(found.terms[0].coefficient.std_error, error, max_relative = 0.1);
     assert_relative_eq!(
@@ -263,14 +264,11 @@ fn a_sensor_is_named_by_its_column() {
 fn what_is_not_seen_has_no_error_bar() {
     let text = r#"states: {"x": "", "z": ""}, known: {"x": "0", "z": "0"}, unknown: {"x": (factor: "1", candidates: ["1"])}"#;
     let (case, records) = records(text, &[(Role::Fit, line(0.0))]);
-    let mut fit = fitted(&case, &records, SIGMA);
+    let fit = fitted(&case, &records, SIGMA);
     let cov = robust_covariance(&fit);
     let (_, error, _) = regression(&line(0.0));
-    assert_relative_eq!(cov[(0, 0)], error.powi(2) * 100.0 / 98.0, max_relative = 1e-4);
+    assert_relative_eq!(cov[(0, 0)], error.powi(2), max_relative = 1e-4);
     assert_eq!((cov[(2, 2)], cov[(0, 2)], cov[(2, 1)]), (f64::INFINITY, 0.0, 0.0));
-    // A handful of samples: never less than none.
-    fit.samples = 1;
-    assert_relative_eq!(robust_covariance(&fit)[(0, 0)], error.powi(2), max_relative = 1e-4);
 }
 
 /// One number for all records, one for each, and sensors; a Validate record has those of the one that it goes
