@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The program of the developers, in the tests of its package.
 const BLIND: Option<&str> = option_env!("CARGO_BIN_EXE_phisindy-blind");
@@ -72,12 +73,14 @@ pub(crate) fn files(folder: &str, extension: &str) -> Vec<String> {
     names
 }
 
-/// A fresh folder that is removed at the end.
+/// A fresh folder that is removed at the end. Tests share a process: names alone would meet.
 pub(crate) struct Scratch(pub(crate) PathBuf);
 
 impl Scratch {
     pub(crate) fn new(name: &str) -> Scratch {
-        let path = std::env::temp_dir().join(format!("phisindy-{}-{name}", std::process::id()));
+        static FOLDERS: AtomicUsize = AtomicUsize::new(0);
+        let of_its_own = FOLDERS.fetch_add(1, Ordering::Relaxed);
+        let path = std::env::temp_dir().join(format!("phisindy-{}-{of_its_own}-{name}", std::process::id()));
         let _ = std::fs::remove_dir_all(&path);
         std::fs::create_dir_all(&path).expect("a temporary folder");
         Scratch(path)
