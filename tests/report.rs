@@ -293,14 +293,13 @@ fn a_high_figure_may_be_cut_between_its_panels() {
     let html = &case7().html;
     let figure = html.split("<figure>").find(|f| f.contains("id=\"motion-1-all\"")).expect("the motion");
     let pieces: Vec<&str> = figure.split("<svg class=\"chart\" viewBox=\"").skip(1).collect();
+    // Left, top, width and height: the attribute with which a piece of the page begins.
+    let rectangle = |piece: &str| -> Vec<f64> {
+        let attribute = piece.split('"').next().unwrap_or_default();
+        attribute.split(' ').map(|x| x.parse().expect("a number")).collect()
+    };
     let ends = |piece: &str| -> (f64, f64) {
-        let view: Vec<f64> = piece
-            .split('"')
-            .next()
-            .into_iter()
-            .flat_map(|v| v.split(' '))
-            .map(|x| x.parse().expect("a number"))
-            .collect();
+        let view = rectangle(piece);
         (view[1], view[1] + view[3])
     };
     // Four columns, one to a piece.
@@ -309,13 +308,7 @@ fn a_high_figure_may_be_cut_between_its_panels() {
     assert!(ends(pieces[0]).0 == 0.0 && pieces.windows(2).all(|p| ends(p[0]).1 == ends(p[1]).0));
     let panels = figure.split("data-place=\"").skip(1).take(4);
     for (panel, piece) in panels.zip(&pieces) {
-        let place: Vec<f64> = panel
-            .split('"')
-            .next()
-            .into_iter()
-            .flat_map(|v| v.split(' '))
-            .map(|x| x.parse().expect("a number"))
-            .collect();
+        let place = rectangle(panel);
         assert!(ends(piece).0 < place[1] && place[1] + place[3] < ends(piece).1, "{place:?}");
     }
 }

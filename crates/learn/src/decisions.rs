@@ -155,10 +155,10 @@ decisions! {
     GROWTH: [usize; 6] = [32, 16, 8, 4, 2, 1], "th part", Basis::Judgement("doubled, the rest is new, and the start of it is known from the part before");
     /// After so many of these parts first terms are compared.
     FIRST_PARTS: usize = 4, "parts", Basis::Judgement("a quarter of a record has some of its events");
+    /// Rounds in which a fit of outputs that jump looks for a lower minimum beside its own.
+    SIDE_ROUNDS: usize = 5, "rounds", Basis::Judgement("each takes the lowest of all; the second mostly finds none");
     /// Where it looks for one: so many half-widths of a coefficient's interval away.
     SIDE_REACH: [f64; 4] = [-10.0, -1.0, 1.0, 10.0], "half-widths", Basis::SetOn("case 2b by an accelerometer: an event that is one sample off moves a coefficient by up to 18 standard errors");
-    /// Rounds in which a fit of outputs that jump looks for a lower minimum within its intervals.
-    SIDE_ROUNDS: usize = 5, "rounds", Basis::Judgement("each takes the lowest of all; the second mostly finds none");
     /// Iterations and gain of a minimisation at the end of a fit.
     FINE_MINIMUM: [f64; 2] = [20.0, 1e-7], "iterations, part of the cost", NUMERICS;
     /// Iterations and gain of a trial that is only compared.

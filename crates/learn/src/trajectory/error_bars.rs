@@ -14,7 +14,7 @@ pub(crate) struct ErrorBars<'a> {
     fit: &'a Fit<'a>,
     /// Covariance of all unknowns, for residuals that are independent; infinite on the diagonal for what the
     /// data do not determine.
-    pub(crate) covariances: Mat<f64>,
+    pub(crate) sandwich: Mat<f64>,
     /// The inverse of the cost's curvature.
     curvature: Mat<f64>,
     /// Factor on variances for correlated residuals.
@@ -27,12 +27,12 @@ impl<'a> ErrorBars<'a> {
         let inflation = fit.inflation();
         let (sandwich, curvature) =
             of_numbers(fit).unwrap_or_else(|| (robust_covariance(fit), covariance(&fit.normal.matrix)));
-        ErrorBars { fit, covariances: sandwich, curvature, inflation }
+        ErrorBars { fit, sandwich, curvature, inflation }
     }
 
     /// The standard error of an unknown.
     pub(crate) fn error(&self, k: usize) -> f64 {
-        (self.covariances[(k, k)] * self.inflation).sqrt()
+        (self.sandwich[(k, k)] * self.inflation).sqrt()
     }
 
     /// An unknown with its interval by profile likelihood.
@@ -55,7 +55,7 @@ impl<'a> ErrorBars<'a> {
 
     /// The covariance of some unknowns.
     pub(crate) fn covariance(&self, of: &[usize]) -> Vec<Vec<f64>> {
-        of.iter().map(|&a| of.iter().map(|&b| self.covariances[(a, b)] * self.inflation).collect()).collect()
+        of.iter().map(|&a| of.iter().map(|&b| self.sandwich[(a, b)] * self.inflation).collect()).collect()
     }
 }
 

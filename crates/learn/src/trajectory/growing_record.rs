@@ -84,8 +84,7 @@ impl<'a> Context<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use phisindy_phys::{Origin, Record, SourceId, check, spec};
-    use phisindy_sim::synthesize;
+    use crate::step::onestep::tests::common;
 
     /// A rubbing oscillator that an accelerometer sees: from a start far away a fit of the whole record ends with other
     /// stops than the record has.
@@ -95,16 +94,11 @@ mod tests {
             known: { "x": "v", "v": "-k*x + A*cos(W*t)" }, contacts: ["v"],
             unknown: { "v": (factor: "-sgn(v)", candidates: ["1", "|v|"]) }, outputs: { "a": (unit: "m/s^2", reads: "rate(v)") },
             data: [ Synthetic(truth: { "v": "-0.3*sgn(v)" }, start: { "x": 2.5, "v": 0.0 }, duration: 40.0, step: 0.02, measure: ["a"], noise: Additive(0.01), seed: 1) ])"#;
-        let (read, _) = spec::read(text, SourceId(0)).expect("a spec");
-        let (case, _) = check(&read, SourceId(0)).expect("a case");
-        let Origin::Synthetic(truth) = &case.records[0].origin else { panic!("a measured record") };
-        let no_files = |_: &_| Err("no files".into());
-        let (record, _) =
-            synthesize(&case.records[0], truth, &case.system, None, &no_files).expect("a record");
+        let (case, records) = common::load_text(text, &[]);
         let context = Context {
             system: &case.system,
-            records: vec![&record],
-            smooth: vec![record.clone()],
+            records: records.iter().collect(),
+            smooth: records.clone(),
             segments: SegmentsSpec::Auto,
         };
         let problem = Problem::new(&case.system, &[0], &context.records, &[1]).expect("a problem");
@@ -115,6 +109,7 @@ mod tests {
         assert!(found.is_white() && (found.x[0] - 0.3).abs() < 2e-3, "{:?}", found.x);
         // Nothing is better than noise, and where a state is measured, it starts the fit.
         assert!(context.grown(&found, &[0.5]).is_none());
+        let [record] = &records[..] else { panic!("one record") };
         let seen = Record {
             columns: record.columns.iter().map(|_| Some(vec![0.0; record.len()])).collect(),
             ..record.clone()

@@ -50,7 +50,7 @@ pub(crate) fn report(
     let mut input_noise = InputNoiseEffect::default();
     // Where the fit has not moved its covariance says nothing of the data.
     if failure.is_none() {
-        warnings.extend(inseparable(&bars.covariances, &named, &fit.x));
+        warnings.extend(inseparable(&bars.sandwich, &named, &fit.x));
         let numbers: Vec<Number> = named.iter().map(|(k, name)| (*k, name.clone(), bars.error(*k))).collect();
         warnings.extend(dependence(&numbers, &fit.normal, |how| differentiated_by(fit, how)));
         input_noise = input_noise::effect(fit, &numbers);
@@ -72,7 +72,7 @@ pub(crate) fn report(
     warnings.extend(chaos.map(Warning::Chaotic).or_else(|| segmented(fit)));
     warnings.extend(sensitive_starts(&fits));
     let Agreement { warnings: apart, scatter } =
-        disagreements(fit, &bars.covariances, &solution, records, filled, &fits, &chains);
+        disagreements(fit, &bars.sandwich, &solution, records, filled, &fits, &chains);
     warnings.extend(apart);
     let of = |all: &[f64], k: usize| all.get(k).copied().unwrap_or(0.0);
     let variance = |k: usize| of(&scatter, k) + of(&input_noise.variance, k);

@@ -9,20 +9,18 @@ use crate::decisions::{FINE_MINIMUM, HALF_WIDTH_95, LIKELIHOOD_GAIN, SIDE_REACH,
 use crate::least_squares::Limits;
 use crate::trajectory::error_bars::ErrorBars;
 use crate::trajectory::fit::{Context, Fit};
+use crate::trajectory::kalman_smoother::reads_outputs;
 use crate::trajectory::profile::followed;
-use phisindy_phys::Record;
 use rayon::prelude::*;
 
 impl<'a> Context<'a> {
     /// The lowest of the minima near a fit, where outputs are fitted in single runs with events.
     pub(crate) fn past_side_minima(&self, mut fit: Fit<'a>) -> Fit<'a> {
-        let states = self.system.states.len();
-        let outputs = |r: &&Record| r.columns[states..].iter().any(Option::is_some);
-        let events = |fit: &Fit<'_>| {
-            let runs = fit.problem.runs(&fit.x);
-            runs.is_ok_and(|runs| runs.iter().any(|r| !r.run.jumps.is_empty()))
-        };
-        if !self.records.iter().any(outputs) || fit.most_pieces() > 1 || !events(&fit) {
+        if fit.most_pieces() > 1 || !self.records.iter().any(|r| reads_outputs(self.system, r)) {
+            return fit;
+        }
+        let runs = fit.problem.runs(&fit.x);
+        if !runs.is_ok_and(|runs| runs.iter().any(|r| !r.run.jumps.is_empty())) {
             return fit;
         }
         for _ in 0..SIDE_ROUNDS {
@@ -50,11 +48,10 @@ impl<'a> Context<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::step::onestep::tests::common;
     use crate::trajectory::noise::ColumnNoise;
     use crate::trajectory::problem::Problem;
     use phisindy_phys::spec::SegmentsSpec;
-    use phisindy_phys::{Origin, SourceId, check, spec};
-    use phisindy_sim::synthesize;
 
     /// Case 2b of the paper as an accelerometer sees it: of this seed a fit ends six standard errors from the truth, in a
     /// minimum that has a lower one beside it.
@@ -66,16 +63,11 @@ mod tests {
             outputs: { "a": (unit: "m/s^2", reads: "rate(y)") },
             data: [ Synthetic(truth: { "y": "-(0.5 + 0.07*ln((|y|+eps)/V) + 0.09*ln(c+V/(|y|+eps)))*sgn(y)" },
                 start: { "x": 0.1, "y": 0.1 }, duration: 50.0, step: 0.01, measure: ["a"], noise: Relative(0.02), seed: 3020) ])"#;
-        let (read, _) = spec::read(text, SourceId(0)).expect("a spec");
-        let (case, _) = check(&read, SourceId(0)).expect("a case");
-        let Origin::Synthetic(truth) = &case.records[0].origin else { panic!("a measured record") };
-        let no_files = |_: &_| Err("no files".into());
-        let (record, _) =
-            synthesize(&case.records[0], truth, &case.system, None, &no_files).expect("a record");
+        let (case, records) = common::load_text(text, &[]);
         let context = Context {
             system: &case.system,
-            records: vec![&record],
-            smooth: vec![record.clone()],
+            records: records.iter().collect(),
+            smooth: records.clone(),
             segments: SegmentsSpec::Auto,
         };
         let problem = Problem::new(&case.system, &[0, 1, 2], &context.records, &[1]).expect("a problem");

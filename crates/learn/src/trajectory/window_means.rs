@@ -8,6 +8,7 @@
 
 use crate::decisions::{LARGEST_WINDOW, WHITE_EXCESS, WINDOW_FALL};
 use crate::trajectory::delayed_samples::SampledRun;
+use crate::trajectory::kalman_smoother::reads_outputs;
 use crate::trajectory::layout::{DELAY, Segment};
 use crate::trajectory::problem::Problem;
 use phisindy_signal::mean_step;
@@ -53,7 +54,7 @@ impl Problem<'_> {
     /// or where outputs miss no more than their noise.
     pub(crate) fn windows(&self, x: &[f64]) -> Vec<usize> {
         let states = self.system.states.len();
-        let outputs = self.records.iter().any(|r| r.columns[states..].iter().any(Option::is_some));
+        let outputs = self.records.iter().any(|r| reads_outputs(self.system, r));
         if !outputs || self.segments.len() > self.records.len() {
             return vec![];
         }
@@ -140,21 +141,16 @@ impl Problem<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use phisindy_phys::{Origin, Record, SourceId, System, check, spec};
-    use phisindy_sim::synthesize;
+    use crate::step::onestep::tests::common;
+    use phisindy_phys::{Record, System};
 
     /// A rubbing oscillator that an accelerometer sees.
     fn rubbing() -> (System, Record) {
         let text = r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (1.0, "1/s^2"), "A": (1.0, "m/s^2"), "W": (0.7, "rad/s"), "F": (value: 0.3, unit: "m/s^2", within: (0.0, 2.0)) },
             known: { "x": "v", "v": "-k*x + A*cos(W*t) - F*sgn(v)" }, contacts: ["v"], unknown: {}, outputs: { "a": (unit: "m/s^2", reads: "rate(v)") },
             data: [ Synthetic(truth: {}, start: { "x": 0.5, "v": 0.0 }, duration: 30.0, step: 0.02, measure: ["a"], noise: Additive(0.01), seed: 1) ])"#;
-        let (read, _) = spec::read(text, SourceId(0)).expect("a spec");
-        let (case, _) = check(&read, SourceId(0)).expect("a case");
-        let Origin::Synthetic(truth) = &case.records[0].origin else { panic!("a measured record") };
-        let (record, _) =
-            synthesize(&case.records[0], truth, &case.system, None, &|_| Err("no files".into()))
-                .expect("a record");
-        (case.system, record)
+        let (case, mut records) = common::load_text(text, &[]);
+        (case.system, records.remove(0))
     }
 
     /// The slope of a cost by differences over what moves events by a fifth of a sample, and the gradient that the fit uses.

@@ -4,9 +4,9 @@
 use super::*;
 use crate::line_models::{STEP, lever, leverage, records, scatter};
 use crate::linear::covariance;
+use crate::step::onestep::tests::common;
 use approx::assert_relative_eq;
-use phisindy_phys::{Case, Origin, SourceId, check, spec};
-use phisindy_sim::synthesize;
+use phisindy_phys::Case;
 
 /// A slope that may move.
 const LINE: &str = r#"constants: {"c": (value: 0.3, within: (-9.0, 9.0))}, states: {"x": ""}, known: {"x": "c"}, unknown: {}"#;
@@ -217,12 +217,7 @@ fn the_better_of_two_ends_is_kept() {
 fn a_run_that_starts_astray_is_put_on_the_data() {
     let text = r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (4.0, "1/s^2") }, known: { "x": "v", "v": "-k*x" }, unknown: {},
         data: [ Synthetic(truth: {}, start: { "x": 2.0, "v": 0.5 }, duration: 5.0, step: 0.01, noise: Additive(0), seed: 1) ])"#;
-    let (spec, _) = spec::read(text, SourceId(0)).expect("a spec");
-    let (case, _) = check(&spec, SourceId(0)).expect("a case");
-    let Origin::Synthetic(truth) = &case.records[0].origin else { panic!("a measured record") };
-    let found = synthesize(&case.records[0], truth, &case.system, None, &|_| Err("no files".into()));
-    let (record, _) = found.expect("a record");
-    let records = [record.clone()];
+    let (case, records) = common::load_text(text, &[]);
     let Setup { fitted, noise, smooth, .. } = Setup::new(&records, &records, &[vec![0.01, 0.01]]);
     let problem = Problem::new(&case.system, &[], &fitted, &[1]).expect("a problem");
     assert_eq!(on_the_data(&problem, &[2.03, 0.47], &noise, &smooth), None);

@@ -72,7 +72,6 @@ fn what_is_told_of_a_line_is_its_regression() {
     assert_eq!(found.terms.iter().map(|t| t.term).collect::<Vec<_>>(), [0]);
     let Estimate { value, std_error, ci95 } = found.terms[0].coefficient;
     assert_relative_eq!(value, slope, max_relative = 1e-4);
-    // Two unknowns of a hundred samples.
     assert_relative_eq!(std_error, error, max_relative = 0.02);
     assert_relative_eq!(found.covariance[0][0], std_error * std_error, max_relative = 1e-9);
     assert_relative_eq!(ci95.1 - ci95.0, 2.0 * 1.96 * std_error, max_relative = 0.02);
