@@ -162,8 +162,7 @@ decisions! {
     FAMILY_ROUNDS: usize = 2, "rounds", BLIND;
     /// A model is fitted in full if its segment cost is within this factor of the best.
     RACE: f64 = 3.0, "factor", BLIND;
-    /// A rival whose segments leave more than this times what the runs of a model that explains the records leave is
-    /// not fitted to the end.
+    /// A rival whose segments leave more than this times what the runs of a fitted model leave is not fitted to the end.
     SEGMENTS_END: f64 = 1.02, "of chi square", Basis::Derived("the fit of segments ends within some thousandths of its least cost");
     /// Models within this factor of the best gap, or of the noise, are fitted from more starts ...
     WORTH_STARTS: f64 = 2.0, "factor", BLIND;

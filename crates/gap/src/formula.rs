@@ -93,7 +93,8 @@ impl Search<'_> {
     pub(crate) fn described(&mut self, searched: Searched) -> Searched {
         let explained = self.explained(&searched.last);
         let done = explained && !doubted(&searched.last, &searched.needed, self.noise);
-        if done || searched.stop == StopReason::Interrupted || self.left_by_input_noise(&searched.last) {
+        let ended = matches!(searched.stop, StopReason::Interrupted | StopReason::CoarseInput);
+        if done || ended || self.left_by_input_noise(&searched.last) {
             return searched;
         }
         // A number of the model that is wrong is no law: most formulas would say the same with more words. A spring or a

@@ -10,6 +10,7 @@ use phisindy_phys::Record;
 use phisindy_phys::spec::Role;
 use phisindy_signal::{Interpolation, Signal};
 use rayon::prelude::*;
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 const KINDS: [Interpolation; 3] = [Interpolation::Hold, Interpolation::Linear, Interpolation::Cubic];
@@ -69,29 +70,59 @@ pub(crate) fn redrawn(
 
 /// The number of effects of a path (no effect, one, two, ...) that the drawing of the inputs leaves
 /// determined, with what it leaves open. An effect that moves the model less than another drawing of the inputs
-/// does may stand for that drawing, and so may what a model without effects leaves. `None` if all effects move
-/// it more.
+/// does may stand for that drawing, and so may what the last model leaves beyond the noise. `None` if there is neither.
 pub(crate) fn coarse_inputs(path: &[Fitted], noise: &[Vec<f64>]) -> Option<(usize, CoarseInput)> {
-    let last = path.last()?;
-    let own = drawn(&last.model)?;
-    let other = match own {
-        // A held input is what a controller puts out: it is known between the samples.
-        Interpolation::Hold => return None,
-        Interpolation::Linear => Interpolation::Cubic,
-        Interpolation::Cubic => Interpolation::Linear,
-    };
-    let base = path.first()?;
-    let redrawn = Fitted::new(with_inputs(&base.settled(), other)?, noise, Effort::Thorough).ok()?;
-    let open = base.difference(&redrawn, noise);
+    let (base, last) = (path.first()?, path.last()?);
+    let open = Drawing::of(base, noise).open()?;
     let moved = |k: usize| path[k - 1].difference(&path[k], noise);
     let (left, effect) = match (1..path.len()).find(|&k| moved(k) < open) {
         Some(first) => (first - 1, moved(first)),
-        // Without effects the question is what the model leaves beyond the noise.
-        None if path.len() == 1 => (0, (base.score.gap().powi(2) - 1.0).max(0.0)),
-        None => return None,
+        None if last.score.explains() || beyond_noise(last) >= open => return None,
+        None => (path.len() - 1, beyond_noise(last)),
     };
     let inputs = last.model.system.inputs.iter().map(|u| u.name.clone()).collect();
     Some((left, CoarseInput { inputs, open: open.sqrt(), effect: effect.sqrt() }))
+}
+
+/// How much the drawing of the inputs between their samples leaves open, found when it is first asked for.
+pub(crate) struct Drawing<'a> {
+    /// The model without effects.
+    base: &'a Fitted,
+    noise: &'a [Vec<f64>],
+    open: OnceCell<Option<f64>>,
+}
+
+impl<'a> Drawing<'a> {
+    pub(crate) fn of(base: &'a Fitted, noise: &'a [Vec<f64>]) -> Drawing<'a> {
+        Drawing { base, noise, open: OnceCell::new() }
+    }
+
+    /// Whether a model leaves less than another drawing of the inputs moves: no further effect can be made out.
+    pub(crate) fn hides_the_rest(&self, of: &Fitted) -> bool {
+        self.open().is_some_and(|open| beyond_noise(of) < open)
+    }
+
+    /// How much another drawing moves the model without effects: the mean square in units of the noise. `None` if no
+    /// input is drawn between samples, or is held: that is what a controller puts out.
+    fn open(&self) -> Option<f64> {
+        let moved = || {
+            let other = match drawn(&self.base.model)? {
+                Interpolation::Hold => return None,
+                Interpolation::Linear => Interpolation::Cubic,
+                Interpolation::Cubic => Interpolation::Linear,
+            };
+            let model = with_inputs(&self.base.settled(), other)?;
+            let redrawn = Fitted::new(model, self.noise, Effort::Thorough).ok()?;
+            Some(self.base.difference(&redrawn, self.noise))
+        };
+        *self.open.get_or_init(moved)
+    }
+}
+
+/// What a model leaves beyond the noise: the mean square in units of the noise. An effect that lowers it moves the model
+/// no more, where the model is linear in it: the residual of a least-squares fit is orthogonal to what the fit moves.
+fn beyond_noise(of: &Fitted) -> f64 {
+    (of.score.gap().powi(2) - 1.0).max(0.0)
 }
 
 /// How the inputs of the Fit records are drawn; `None` where they are not drawn from samples, or not all in one

@@ -16,6 +16,7 @@ use crate::decisions::{
     RIVALS, SEARCHES_AGAIN, SEEDED_STRIDE, SEGMENTS_END, SHRINKS, SIMPLER, WEAK_ROUND, WORTH, WORTH_STARTS,
 };
 use crate::evidence::against;
+use crate::input_interpolation::Drawing;
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::Effect;
 use crate::plausibility::{may_be_undetermined, vetoed};
@@ -81,6 +82,7 @@ struct Start<'a> {
     screening: Screening,
     /// Largest number of effects that were available in any round so far.
     candidates: usize,
+    drawing: &'a Drawing<'a>,
 }
 
 impl Start<'_> {
@@ -147,9 +149,13 @@ impl Search<'_> {
         let mut rounds = Vec::new();
         let (mut candidates, mut weak) = (1, 0);
         let mut first: Option<(Vec<Tried>, Vec<NotTried>)> = None;
+        let drawing = Drawing::of(&base, self.noise);
         let mut stop = loop {
             if let Some(stop) = self.ends(&now, rounds.len(), weak) {
                 break stop;
+            }
+            if !rounds.is_empty() && drawing.hides_the_rest(&now) {
+                break StopReason::CoarseInput;
             }
             let part = 0.1 + ROUND * rounds.len() as f64;
             let round = RoundStart { number: rounds.len() + 1, gap: now.score.gap() };
@@ -163,7 +169,7 @@ impl Search<'_> {
             };
             candidates = candidates.max(screening.candidates.len());
             first.get_or_insert_with(|| screened(&screening));
-            let start = Start { now: &now, model, screening, candidates };
+            let start = Start { now: &now, model, screening, candidates, drawing: &drawing };
             let Some((next, round)) = self.round(&start) else {
                 let stopped = self.observer.stopped();
                 break if stopped { StopReason::Interrupted } else { StopReason::NothingHelps };
@@ -241,7 +247,8 @@ impl Search<'_> {
         let best = self.worthy(now, &singles, candidates);
         // A law of many parameters may stand for two simple laws, so pairs are fitted too.
         let plain = |f: &Fitted| f.model.effects[before..].iter().all(|a| !is_composed(&a.effect));
-        if let Some(best) = best.as_ref().filter(|b| b.score.is_white() && plain(b)) {
+        let enough = |b: &&Fitted| b.score.is_white() && plain(b) || start.drawing.hides_the_rest(b);
+        if let Some(best) = best.as_ref().filter(enough) {
             let best = self.simplified(best.clone(), candidates);
             let best = self.exchanged(self.relocated(best, candidates), candidates);
             return Some((best.clone(), round(now, &best, &singles, vetoed, candidates)));
@@ -265,7 +272,7 @@ impl Search<'_> {
     /// Models with one effect more, best first: the leading laws of the screening, then relatives of the
     /// leader.
     fn best_singles(&self, start: &Start<'_>, vetoed: &mut Vec<Vetoed>) -> Vec<Fitted> {
-        let Start { now, model, screening, candidates } = start;
+        let Start { now, model, screening, candidates, .. } = start;
         let mut models = self.extended(model, now, screening);
         models.extend(self.richer(model, now));
         let mut singles = self.fit_race(models, RACE, *candidates, vetoed);
@@ -319,7 +326,7 @@ impl Search<'_> {
         single: Option<&Fitted>,
         vetoed: &mut Vec<Vetoed>,
     ) -> (Vec<Fitted>, Option<Fitted>) {
-        let Start { now, model, screening, candidates } = start;
+        let Start { now, model, screening, candidates, .. } = start;
         let price = (now.cal.samples as f64).ln();
         // Pairs matter in the first round, where a greedy choice may be wrong. Later rounds have their
         // friction already.
@@ -336,18 +343,14 @@ impl Search<'_> {
                 |pair: &[Effect]| pair.iter().map(|e| e.size(model.fit_records())).sum::<usize>();
             pairs.retain(|pair| model.size() + parameters(pair) <= enough);
         }
-        let mut models: Vec<TrialModel> = pairs.iter().filter_map(|list| model.with_all(list).ok()).collect();
+        let models: Vec<TrialModel> = pairs.iter().filter_map(|list| model.with_all(list).ok()).collect();
         // Segments tell little of a motion that sticks.
         let smooth = |b: &&Fitted| b.score.is_white() && !b.rests() && !b.has_clearance();
         let leader = single.filter(smooth);
-        let single = leader.map(Fitted::settled);
+        let settled = leader.map(Fitted::settled);
         let cost = |model: &TrialModel, stride: usize| model.segment_cost(self.noise, stride);
-        if let Some(part) = single.as_ref().and_then(|b| cost(b, SEEDED_STRIDE)) {
-            // Most pairs are so far behind that a part of the segments shows it.
-            let near = |m: &TrialModel| cost(m, SEEDED_STRIDE).is_some_and(|own| own <= RACE * RACE * part);
-            models = models.into_par_iter().filter(near).collect();
-        }
-        let rival = leader.zip(single.and_then(|b| cost(&b, 1)));
+        let models = self.near(models, settled.as_ref().and_then(|b| cost(b, SEEDED_STRIDE)));
+        let rival = leader.zip(settled.and_then(|b| cost(&b, 1)));
         let mut pairs = self.fit_race_against(rival, models, RACE, *candidates, vetoed);
         if let Some(pair) = self.worthy(now, &pairs, *candidates).filter(|pair| pair.score.is_white()) {
             pairs = self.with_competitors(pairs, singles, &pair, *candidates, vetoed);
@@ -357,6 +360,22 @@ impl Search<'_> {
         let pair =
             pair.map(|pair| if pair.score.is_white() { pair } else { self.relocated(pair, *candidates) });
         (pairs, pair)
+    }
+
+    /// The models that a part of the segments does not show to be far behind, as most are: behind the best one, or behind
+    /// `rival`, what a fitted model leaves there.
+    fn near(&self, models: Vec<TrialModel>, rival: Option<f64>) -> Vec<TrialModel> {
+        let cost = |model: TrialModel| {
+            let own = model.segment_cost(self.noise, SEEDED_STRIDE)?;
+            Some((model.remembers(), own, model))
+        };
+        let costed: Vec<(bool, f64, TrialModel)> = models.into_par_iter().filter_map(cost).collect();
+        let limits = limits(RACE * RACE, rival, costed.iter().map(|(memory, cost, _)| (*memory, *cost)));
+        costed
+            .into_iter()
+            .filter(|(memory, cost, _)| *cost <= limits[usize::from(*memory)])
+            .map(|(.., model)| model)
+            .collect()
     }
 
     /// The preferred one of these models, if it is worth its price.
@@ -497,13 +516,8 @@ impl Search<'_> {
         let mut done: Vec<(f64, Fitted)> = Vec::new();
         loop {
             let raced = waiting.iter().map(|w| (w.model.remembers(), w.cost()));
-            let raced: Vec<(bool, f64)> =
-                raced.chain(done.iter().map(|(cost, f)| (f.model.remembers(), *cost))).collect();
-            let least = |memory: bool| {
-                let others = raced.iter().filter(|(other, _)| memory || !other);
-                others.map(|(_, cost)| *cost).fold(rival.map_or(f64::INFINITY, |(_, cost)| cost), f64::min)
-            };
-            let limits = [false, true].map(|memory| race * least(memory));
+            let raced = raced.chain(done.iter().map(|(cost, f)| (f.model.remembers(), *cost)));
+            let limits = limits(race, rival.map(|(_, cost)| cost), raced);
             let (now, later): (Vec<_>, Vec<_>) =
                 waiting.into_iter().partition(|w| w.cost() <= limits[usize::from(w.model.remembers())]);
             done.extend(self.fitted(now, rival.map(|(fitted, _)| fitted), candidates));
@@ -551,18 +565,19 @@ impl Search<'_> {
             };
             models.into_par_iter().filter_map(fit).collect()
         };
-        // The best over segments with and without memory go first: where one of them explains the records, a law that
-        // leaves more even on segments need not be fitted to the end.
+        // The best over segments without memory goes first, then that with memory: a law that leaves more even on segments
+        // than one of them does in its runs need not be fitted to the end, unless evidence rules that one out.
         let mut models = models;
         models.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
-        let mut seen = [leader.is_some(); 2];
-        let (first, rest): (Vec<_>, Vec<_>) = models
-            .into_iter()
-            .partition(|w| !std::mem::replace(&mut seen[usize::from(w.model.remembers())], true));
-        let mut all = fit(first, None);
-        let explains = all.iter().map(|(_, f)| f).filter(|f| f.score.explains());
-        let least = explains.min_by(|a, b| a.score.fit.total_cmp(&b.score.fit)).cloned();
-        all.extend(fit(rest, leader.or(least.as_ref())));
+        let mut all: Vec<(f64, Fitted)> = Vec::new();
+        for remembers in [false, true] {
+            let first = models.iter().position(|w| w.model.remembers() == remembers);
+            if let Some(first) = first.filter(|_| leader.is_none()) {
+                let first = models.remove(first);
+                all.extend(fit(vec![first], strongest(&all)));
+            }
+        }
+        all.extend(fit(models, leader.or(strongest(&all))));
         all.retain(|(_, f)| f.score.fit.is_finite());
         let by = Measure::of(all.iter().map(|(_, f)| &f.score), candidates);
         all.sort_by(|(_, a), (_, b)| by.criterion(&a.score).total_cmp(&by.criterion(&b.score)));
@@ -593,6 +608,22 @@ impl Search<'_> {
     }
 }
 
+/// Up to what segment cost models without memory, and with, stay in a race of these costs, each with whether its model has
+/// memory, and of a rival.
+fn limits(race: f64, rival: Option<f64>, raced: impl Iterator<Item = (bool, f64)> + Clone) -> [f64; 2] {
+    let least = |memory: bool| {
+        let others = raced.clone().filter(|(other, _)| memory || !other);
+        others.map(|(_, cost)| cost).fold(rival.unwrap_or(f64::INFINITY), f64::min)
+    };
+    [false, true].map(|memory| race * least(memory))
+}
+
+/// The model with the least misfit that evidence does not rule out.
+fn strongest(all: &[(f64, Fitted)]) -> Option<&Fitted> {
+    let stands = |f: &&Fitted| f.model.effects.iter().all(|a| against(f, &a.effect).is_none());
+    all.iter().map(|(_, f)| f).filter(stands).min_by(|a, b| a.score.fit.total_cmp(&b.score.fit))
+}
+
 /// A model of a race, with the first iterations of its fit over segments.
 struct Waiting {
     model: TrialModel,
@@ -606,7 +637,7 @@ impl Waiting {
     }
 }
 
-/// How hard to fit a rival of a model that explains the records. Segments leave no more than a single run, so one that
+/// How hard to fit a rival of a fitted model. Segments leave no more than a single run, so one that
 /// leaves more there than the leader in its runs, by more than its parameters are cheaper, loses.
 fn beside(leader: &Fitted, rival: &TrialModel, runs: bool) -> Effort {
     let samples = leader.cal.samples as f64;

@@ -10,6 +10,8 @@ pub enum StopReason {
     White,
     /// The residual is at the repeatability of the motion.
     Repeatability,
+    /// What is left is less than what the drawing of the inputs between their samples moves.
+    CoarseInput,
     /// The model has the largest number of effects allowed.
     EffectLimit,
     /// No law of the catalogue can act, or is worth its price.

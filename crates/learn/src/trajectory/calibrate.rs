@@ -3,8 +3,8 @@
 
 use crate::decisions::{
     ASTRAY, FAR_GAIN, LIKELIHOOD_GAIN, MEMORY_STEPS, MISFIT, QUICK_SEGMENTS, QUICK_SINGLE, RESTART_MINIMUM,
-    RESTART_PROMISE, RESTART_REACH, RESTARTS, SEGMENTS_MINIMUM, SINGLE_ITERATIONS, STAGES, STEPS_TO_ONE,
-    TOLERANCE, TRIAL_BASE_STEPS, TRIAL_STEPS, TRIAL_TOLERANCE, WRONG_MODEL,
+    RESTART_PROMISE, RESTART_REACH, RESTARTS, SEGMENT_TOLERANCE, SEGMENTS_MINIMUM, SINGLE_ITERATIONS, STAGES,
+    STEPS_TO_ONE, TOLERANCE, TRIAL_BASE_STEPS, TRIAL_STEPS, TRIAL_TOLERANCE, WRONG_MODEL,
 };
 use crate::least_squares::Limits;
 use crate::result::error::ModelError;
@@ -99,7 +99,7 @@ pub fn calibrate_from(
     if problem.segments.len() == setup.fitted.len() && !hopeless {
         match effort {
             Effort::Plain | Effort::Rival { .. } => {
-                from_other_starts(&setup, &problem, &mut x, &weights, samples, segmented)
+                from_other_starts(&setup, &problem, &mut x, &weights, samples, segmented);
             }
             Effort::Thorough | Effort::Errors => from_nearby(&problem, &mut x, &weights, samples),
         }
@@ -231,11 +231,14 @@ impl<'a> Stage<'a> {
         // Error bars are asked of one model, which need not be quick.
         problem.budget = (effort != Effort::Errors).then(|| budget(&problem));
         if effort == Effort::Plain {
-            problem.tolerance = tolerance(&problem, noise);
+            let part = if pieces == 1 { TRIAL_TOLERANCE } else { SEGMENT_TOLERANCE };
+            problem.tolerance = tolerance(&problem, noise, part);
         }
         let mut x = problem.guess(&[], None, starts);
         if let Some(begun) = setup.begun.filter(|begun| pieces == STAGES[0] && begun.x.len() == x.len()) {
-            x.copy_from_slice(&begun.x);
+            // The next stage needs a start, not the minimum of this one.
+            let cost = begun.cost * samples as f64;
+            return Ok(Stage { problem, x: begun.x.clone(), cost, hopeless: false });
         }
         if let Some(before) = before {
             transfer(&before.problem, &before.x, &problem, &mut x);
@@ -288,8 +291,8 @@ fn budget(problem: &Problem<'_>) -> usize {
     TRIAL_BASE_STEPS + longest * if memory { MEMORY_STEPS } else { TRIAL_STEPS }
 }
 
-/// Local error of the simulations of a trial: small against the noise, even when it accumulates over a record.
-fn tolerance(problem: &Problem<'_>, noise: &Noise) -> f64 {
+/// Local error of the simulations of a trial: a part of the noise, and at most a part of the state's size.
+fn tolerance(problem: &Problem<'_>, noise: &Noise, [of_noise, of_size]: [f64; 2]) -> f64 {
     let parts = problem.records.iter().zip(noise).flat_map(|(record, noise)| {
         // An output is as accurate as the states that it reads.
         let size =
@@ -297,7 +300,7 @@ fn tolerance(problem: &Problem<'_>, noise: &Noise) -> f64 {
         let of = move |k: usize| record.columns[k].as_ref().map(|c| noise[k].additive / size(k, c));
         (0..noise.len()).filter_map(of)
     });
-    (TRIAL_TOLERANCE[0] * parts.fold(f64::INFINITY, f64::min)).clamp(TOLERANCE, TRIAL_TOLERANCE[1])
+    (of_noise * parts.fold(f64::INFINITY, f64::min)).clamp(TOLERANCE, of_size)
 }
 
 /// The range of chi^2 per sample in which [`Effort::Thorough`] tries other starts. Below it there is nothing to
@@ -384,8 +387,8 @@ fn nearby(
 pub enum Effort {
     /// One fit, through shorter segments to single runs.
     Plain,
-    /// The same for a rival of a model that explains the records. Where its segments leave more, its single runs do too:
-    /// they get a few steps, so that it is known how far behind they are, or none.
+    /// The same for a rival of a fitted model. Where its segments leave more, its single runs do too: they get a few
+    /// steps, so that it is known how far behind they are, or none.
     Rival {
         /// Whether its single runs are asked for where it is hopeless; else the fit fails there.
         runs: bool,
@@ -459,7 +462,7 @@ fn cost_after_few_iterations(
     minimum: [f64; 2],
 ) -> Option<SegmentFit> {
     problem.budget = Some(budget(&problem));
-    problem.tolerance = tolerance(&problem, noise);
+    problem.tolerance = tolerance(&problem, noise, SEGMENT_TOLERANCE);
     let mut x = problem.guess(&[], None, starts);
     let weights = problem.weights(noise, None);
     let normal = problem.minimise(&mut x, &weights, Limits::of(minimum)).ok()?;

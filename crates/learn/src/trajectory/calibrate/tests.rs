@@ -145,7 +145,8 @@ fn a_simulation_is_small_against_the_noise_that_is_least() {
     let (case, records) = records(LINE, &[(Role::Fit, line())]);
     let (mut problem, _) = problem(&case, &records, 1);
     problem.scale = vec![5.0];
-    let of = |additive: f64| tolerance(&problem, &vec![vec![ColumnNoise { additive, relative: 0.0 }]]);
+    let noise = |additive: f64| vec![vec![ColumnNoise { additive, relative: 0.0 }]];
+    let of = |additive: f64| tolerance(&problem, &noise(additive), [1e-4, 1e-5]);
     assert_relative_eq!(of(0.1), 1e-4 * 0.1 / 5.0, max_relative = 1e-12);
     assert_eq!((of(1e-9), of(1e9)), (TOLERANCE, 1e-5));
 }
