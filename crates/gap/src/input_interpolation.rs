@@ -77,8 +77,8 @@ pub(crate) fn coarse_inputs(path: &[Fitted], noise: &[Vec<f64>]) -> Option<(usiz
     let moved = |k: usize| path[k - 1].difference(&path[k], noise);
     let (left, effect) = match (1..path.len()).find(|&k| moved(k) < open) {
         Some(first) => (first - 1, moved(first)),
-        None if last.score.explains() || beyond_noise(last) >= open => return None,
-        None => (path.len() - 1, beyond_noise(last)),
+        None if last.score.explains() => return None,
+        None => (path.len() - 1, Some(beyond_noise(last)).filter(|left| *left > 0.0 && *left < open)?),
     };
     let inputs = last.model.system.inputs.iter().map(|u| u.name.clone()).collect();
     Some((left, CoarseInput { inputs, open: open.sqrt(), effect: effect.sqrt() }))
@@ -119,10 +119,11 @@ impl<'a> Drawing<'a> {
     }
 }
 
-/// What a model leaves beyond the noise: the mean square in units of the noise. An effect that lowers it moves the model
-/// no more, where the model is linear in it: the residual of a least-squares fit is orthogonal to what the fit moves.
+/// What a model leaves beyond the noise, on Fit or Validate records, whichever is more: the mean square in units
+/// of the noise. An effect that lowers it moves the model no more, where the model is linear in it: the residual
+/// of a least-squares fit is orthogonal to what the fit moves.
 fn beyond_noise(of: &Fitted) -> f64 {
-    (of.score.gap().powi(2) - 1.0).max(0.0)
+    (of.score.gap().max(of.score.fit).powi(2) - 1.0).max(0.0)
 }
 
 /// How the inputs of the Fit records are drawn; `None` where they are not drawn from samples, or not all in one
